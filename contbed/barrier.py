@@ -3,7 +3,7 @@
 A team runs the same kernel once in each of its threads, `kernel(crew, *arguments)` with a `Crew` of its own. It goes
 through phases: in each, a thread takes pieces of work until none is left, and waits until all have finished theirs.
 
-    @njit(nogil=True, cache=True)
+    @entry(nogil=True, cache=True)
     def kernel(crew, pieces, x, y):
         piece = take(crew)
         while piece < pieces:
@@ -22,13 +22,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from contbed import threads
-from contbed.compiling import inner
+from contbed.compiling import entry, inner
 
 TICKET, ARRIVED, SIZE = 0, 8, 16  # places of the counters, 64 bytes apart: a cache line each
 LOOKS = 2000  # at the counter before the core is left to others, about 5 us
@@ -65,7 +65,7 @@ def crews(size: int) -> list[Crew]:
     return [Crew(number, size, counters, np.zeros(2, np.int64)) for number in range(size)]
 
 
-@njit(nogil=True)
+@entry(nogil=True)
 def take(crew: Crew) -> int:
     """Take the next piece of work of the present phase; a number from 0 on, which may be beyond the last piece."""
     return int(_add(crew.counters, TICKET, 1) - crew.own[0])

@@ -1,7 +1,8 @@
 """Compiled functions that call each other: without entries that are not needed, and anew when one of them changes.
 
 The entry from Python unpacks and checks each array of each argument, half of what a kernel of many arrays takes to
-compile. Python must not call a function without it: the process would end without a word.
+compile. Python must not call a function without it: the process would end without a word. Numba makes another entry
+from C for each function, which nothing here calls.
 
 Code on disk holds that of all functions that it calls, but numba makes it anew only where the file of the calling one
 has changed.
@@ -19,10 +20,15 @@ from numba import njit
 Function = TypeVar("Function", bound=Callable[..., object])
 
 
+def entry(**options: Any) -> Callable[[Function], Function]:
+    """Make a decorator that compiles a function that Python calls, with numba's options."""
+    compiled: Callable[..., Any] = njit
+    return cast("Callable[[Function], Function]", compiled(no_cfunc_wrapper=True, **options))
+
+
 def inner(**options: Any) -> Callable[[Function], Function]:
     """Make a decorator that compiles a function with numba's options and without an entry from Python."""
-    compiled: Callable[..., Any] = njit
-    return cast("Callable[[Function], Function]", compiled(no_cpython_wrapper=True, **options))
+    return entry(no_cpython_wrapper=True, **options)
 
 
 def digest(files: Iterable[Path]) -> str:

@@ -18,10 +18,10 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from contbed import threads
+from contbed.compiling import entry
 from contbed.errors import SceneError
 
 Array = NDArray[np.float64]
@@ -200,7 +200,7 @@ class Grid:
         return volume * self.volume / len(inner)
 
 
-@njit(nogil=True, cache=True)
+@entry(nogil=True, cache=True)
 def _cell_shares(
     begin: int,
     end: int,
@@ -246,10 +246,12 @@ def _cell_shares(
                     total += share[i, k]
                     k += 1
         if total > 0.0 and total != 1.0:
-            share[i] /= total
+            # one by one: for a slice numba would compile the message of shapes that differ, 1.4 s
+            for k in range(width**3):
+                share[i, k] /= total
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@entry(nogil=True, cache=True, error_model="numpy")
 def _face_weights(
     begin: int,
     end: int,

@@ -9,11 +9,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from contbed import threads
 from contbed.cfd_dem.grid import OUTLET, Tables
+from contbed.compiling import entry
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -27,7 +27,7 @@ def gather(where: Places, weight: Array, values: Array) -> Array:
     return out
 
 
-@njit(nogil=True, cache=True)
+@entry(nogil=True, cache=True)
 def _gather(begin: int, end: int, where: Places, weight: Array, values: Array, out: Array) -> None:
     for i in range(begin, end):
         found = 0.0
@@ -41,7 +41,7 @@ def scatter(where: Places, weight: Array, values: Array, size: int) -> Array:
     return np.asarray(threads.scattered(_scatter, len(where), (size,), where, weight, values))
 
 
-@njit(nogil=True, cache=True)
+@entry(nogil=True, cache=True)
 def _scatter(begin: int, end: int, where: Places, weight: Array, values: Array, out: Array) -> None:
     for i in range(begin, end):
         for k in range(where.shape[1]):
@@ -55,7 +55,7 @@ def gather_faces(faces: Places, weight: Array, values: Array) -> Array:
     return out
 
 
-@njit(nogil=True, cache=True)
+@entry(nogil=True, cache=True)
 def _gather_faces(begin: int, end: int, faces: Places, weight: Array, values: Array, out: Array) -> None:
     for i in range(begin, end):
         for a in range(3):
@@ -70,7 +70,7 @@ def scatter_faces(faces: Places, weight: Array, values: Array, size: int) -> Arr
     return np.asarray(threads.scattered(_scatter_faces, len(faces), (size,), faces, weight, values))
 
 
-@njit(nogil=True, cache=True)
+@entry(nogil=True, cache=True)
 def _scatter_faces(begin: int, end: int, faces: Places, weight: Array, values: Array, out: Array) -> None:
     for i in range(begin, end):
         for a in range(3):
@@ -83,7 +83,7 @@ def scatter_drag(faces: Places, weight: Array, coefficient: Array, carried: Arra
     return np.asarray(threads.scattered(_scatter_drag, len(faces), (2, size), faces, weight, coefficient, carried))
 
 
-@njit(nogil=True, cache=True)
+@entry(nogil=True, cache=True)
 def _scatter_drag(
     begin: int, end: int, faces: Places, weight: Array, coefficient: Array, carried: Array, out: Array
 ) -> None:
@@ -107,7 +107,7 @@ def force_on_particles(places: Any, drag: Any, q: Array, slope: Array) -> Array:
     return out
 
 
-@njit(nogil=True, cache=True)
+@entry(nogil=True, cache=True)
 def _force(
     begin: int,
     end: int,
@@ -130,7 +130,7 @@ def _force(
             out[i, a] = coefficient[i] * (speed - carried[i, a]) - volume[i] * steep
 
 
-@njit(cache=True)
+@entry(cache=True)
 def face_means(cell: Array, face_cell: Indices) -> Array:
     """Interpolate cell values to faces: the mean of both sides, at the rim the value of the only cell."""
     out = np.empty(len(face_cell))
@@ -145,7 +145,7 @@ def face_means(cell: Array, face_cell: Indices) -> Array:
     return out
 
 
-@njit(cache=True)
+@entry(cache=True)
 def limited(T: Array, T_inlet: Array, flux: Array, tables: Tables) -> Array:
     """Reconstruct upwind temperatures on faces, second order (MUSCL) with the limiter of van Leer (1974).
 
@@ -176,7 +176,7 @@ def limited(T: Array, T_inlet: Array, flux: Array, tables: Tables) -> Array:
     return out
 
 
-@njit(cache=True)
+@entry(cache=True)
 def divergence(flux: Array, cell_face: Indices) -> Array:
     """Sum what leaves each cell, of fluxes [./s] through faces."""
     out = np.empty(len(cell_face))
@@ -186,7 +186,7 @@ def divergence(flux: Array, cell_face: Indices) -> Array:
     return out
 
 
-@njit(cache=True)
+@entry(cache=True)
 def momentum(
     u: Array, mass: Array, eps: Array, rho: Array, mu: Array, gravity: Array, tables: Tables, no_slip: bool
 ) -> Array:
@@ -235,7 +235,7 @@ def momentum(
     return out
 
 
-@njit(cache=True)
+@entry(cache=True)
 def slopes(p: Array, tables: Tables) -> Array:
     """Find the pressure gradient on the faces with unknown velocities [Pa/m]; p = 0 at the outlet face."""
     size, face_cell, face_axis = tables.size, tables.face_cell, tables.face_axis

@@ -15,11 +15,10 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from contbed.cfd_dem.grid import Tables
-from contbed.compiling import inner
+from contbed.compiling import entry, inner
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -87,7 +86,7 @@ def _sizes(nx: int, ny: int) -> tuple[Integers, Integers]:
     return np.array(size), np.concatenate([[0], np.cumsum(np.prod(size, axis=1))])
 
 
-@njit(cache=True, error_model="numpy")
+@entry(cache=True, error_model="numpy")
 def _conjugate_gradients(p: Array, source: Array, levels: Levels, tolerance: float, most: int) -> tuple[int, float]:
     """Improve the pressure (columns, nz); returns iterations, residual over the right-hand side."""
     columns, nz = p.shape
@@ -128,7 +127,7 @@ def _dot(a: Array, b: Array, columns: int) -> float:
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@entry(cache=True, error_model="numpy")
 def _assemble(conductance: Array, cell_face: Integers, face_cell: Integers, levels: Levels) -> None:
     """Fill in the system of the grid and the coarser ones, down to a single column."""
     nx, ny = levels.size[0]

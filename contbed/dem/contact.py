@@ -22,9 +22,8 @@ from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
-from contbed.compiling import inner
+from contbed.compiling import entry, inner
 from contbed.dem.particles import Material, Particles
 from contbed.errors import SceneError
 
@@ -64,7 +63,7 @@ class ContactForce(NamedTuple):
     normal_speed: float
 
 
-@njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
+@entry(error_model="numpy", fastmath=set(FAST), forceinline=True)
 def contact_law(
     normal: Vector, overlap: float, velocity: Vector, spring: Vector, contact: ContactConstants, dt: float
 ) -> ContactForce:

@@ -84,7 +84,7 @@ def pair_forces(block: int, side: Side, sums: Sums, laws: Laws, step: float, dt:
             sums.gained[i] = 0.0
     if equal:
         for k in range(BATCH):
-            _set_constants(b, k, 0, 0, side.spheres, laws.pairs)
+            _set_constants(b, k, np.uint64(0), np.uint64(0), side.spheres, laws.pairs)
     touch2 = 4.0 * radius[0] * radius[0]
     for zone in range(2):
         base = block * (pairs.room[0] + pairs.room[1]) + zone * pairs.room[0]
@@ -119,7 +119,7 @@ def pair_forces(block: int, side: Side, sums: Sums, laws: Laws, step: float, dt:
 
 
 @inner(error_model="numpy", fastmath=set(FAST), forceinline=True)
-def _set_constants(b: Array, k: int, i: int, j: int, spheres: Spheres, pairs: Table) -> None:
+def _set_constants(b: Array, k: int, i: int | np.uint64, j: int | np.uint64, spheres: Spheres, pairs: Table) -> None:
     radius, mass = spheres.radius, spheres.mass
     pair = pairs[spheres.material[i], spheres.material[j]]
     b[TOUCH + k] = radius[i] + radius[j]

@@ -17,11 +17,10 @@ from pathlib import Path
 from typing import NamedTuple, cast
 
 import numpy as np
-from numba import njit
 
 from contbed import barrier
 from contbed.barrier import Crew, finish, take, wait
-from contbed.compiling import inner
+from contbed.compiling import entry, inner
 from contbed.dem import contact, contact_heat, forces, heat_impact, kernel_arrays, neighbours, ordering, wall_forces
 from contbed.dem.forces import empty_batch, pair_forces
 from contbed.dem.kernel_arrays import BLOCK, Array, Blocks, Box, Indices, Interval, Laws, Room, Side, Sums, Table
@@ -47,7 +46,7 @@ class Outcome(NamedTuple):
 
 
 @inner(error_model="numpy", nogil=True)
-def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int, blocks: Blocks) -> None:
+def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int | np.int64, blocks: Blocks) -> None:
     """Take both half kicks of velocity Verlet, and move: after the second half of a step comes the first of the next.
 
     First what other blocks and external forces give is added to the sums, and the heat to the temperatures. `largest`
@@ -111,7 +110,7 @@ def _culprit(culprits: Indices) -> int:
 def _step_kernel(stamp: int) -> Callable[..., Outcome]:
     """Compile the steps, cached on disk for this content of its files: numba itself watches one of them."""
 
-    @njit(cache=True, nogil=True)
+    @entry(cache=True, nogil=True)
     def take_steps(crew: Crew, side: Side, laws: Laws, interval: Interval, sums: Sums, blocks: Blocks) -> Outcome:
         """Take the steps of an interval, up to its end or until the list is too old."""
         batch, pieces, moved, done = empty_batch(), len(blocks.largest), interval.moved, min(stamp, 0)
@@ -122,7 +121,7 @@ def _step_kernel(stamp: int) -> Callable[..., Outcome]:
                 if done == 0:
                     piece = take(crew)
                     while piece < pieces:
-                        _advance(piece, side, sums, interval, BEGIN, blocks)
+                        _advance(piece, side, sums, interval, np.int64(BEGIN), blocks)
                         piece = take(crew)
                     finish(crew, pieces)
                 culprit = _culprit(blocks.culprit)
@@ -161,7 +160,7 @@ def _step_kernel(stamp: int) -> Callable[..., Outcome]:
 def _list_kernel(stamp: int) -> Callable[..., Outcome]:
     """Compile what makes a list, cached on disk like the steps."""
 
-    @njit(cache=True, nogil=True)
+    @entry(cache=True, nogil=True)
     def make_list(
         crew: Crew,
         old: Side,

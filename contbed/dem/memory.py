@@ -9,10 +9,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from contbed import barrier, threads
+from contbed.compiling import entry
 from contbed.dem import loop
 from contbed.dem.kernel_arrays import (
     BLOCK,
@@ -325,7 +325,7 @@ class Memory:
         )
 
 
-@njit(nogil=True, cache=True)
+@entry(nogil=True, cache=True)
 def _load(begin: int, end: int, bodies: Bodies, position: Array, velocity: Array, spin: Array) -> None:
     for i in range(begin, end):
         k = bodies.user[i]
@@ -334,7 +334,7 @@ def _load(begin: int, end: int, bodies: Bodies, position: Array, velocity: Array
             bodies.motion[i, 3 + a] = spin[k, a]
 
 
-@njit(nogil=True, cache=True)
+@entry(nogil=True, cache=True)
 def _store(begin: int, end: int, bodies: Bodies, position: Array, velocity: Array, spin: Array) -> None:
     for i in range(begin, end):
         k = bodies.user[i]

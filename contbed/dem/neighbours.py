@@ -13,9 +13,8 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-from numba import njit
 
-from contbed.compiling import inner
+from contbed.compiling import entry, inner
 from contbed.dem.kernel_arrays import (
     BLOCK,
     Array,
@@ -36,7 +35,7 @@ IMAGE = np.uint32(31)  # of 27 images, in five bits
 CLOSED = np.uint32(1 << 31)
 
 
-@njit(cache=True)
+@entry(cache=True)
 def image_shifts(box: Box) -> Array:
     """Find the vectors (27, 3) [m] to be added to j, by number of the image; 0 is j itself."""
     lower, upper, periodic = box.lower, box.upper, box.periodic
@@ -121,12 +120,13 @@ def _cells_after(home: int, at: tuple[int, int, int], cells: Cells, first: Entri
     return groups
 
 
-@njit(nogil=True, cache=True)
+@entry(nogil=True, cache=True)
 def find_incoming(pairs: Pairs, crossing: Crossing) -> None:
     """List for every particle the pairs across blocks in which it is j, in ascending order; nothing is carried yet."""
     start, slot, n = crossing.start, crossing.slot, len(crossing.start) - 1
     inner, across = pairs.room
-    start[:] = 0
+    for i in range(n + 1):
+        start[i] = 0
     for turn in range(2):
         for block in range(pairs.used.shape[1]):
             for m in range(pairs.used[1, block]):
@@ -233,7 +233,7 @@ def wall_distance(x: float, y: float, z: float, wall: Row) -> tuple[float, float
     return wall.curvature * (wall.radius - off), side * dx, side * dy, side * dz
 
 
-@njit(cache=True)
+@entry(cache=True)
 def wall_gaps(x: Array, walls: Table) -> Array:
     """Find the distances [m] of all points from all walls, shape (w, n)."""
     gaps = np.empty((len(walls), len(x)))

@@ -35,7 +35,7 @@ class Cells(NamedTuple):
     inner: Indices
     cube: Indices
     cubes: Indices
-    bits: int
+    bits: int | np.int64
 
 
 @inner(nogil=True)
@@ -50,7 +50,8 @@ def cells_around(corners: Array, box: Box, width: float, n: int) -> Cells:
                 low, high = min(low, corners[b, axis]), max(high, corners[b, 3 + axis])
         origin[axis], extent[axis] = low, high - low
     while True:
-        total, bits = 1, 0
+        # a plain 0 has a type of its own, for which `_numbered` would be compiled once more
+        total, bits = 1, np.int64(0)
         for axis in range(3):
             least = 3 if box.periodic[axis] else 1
             count[axis] = max(least, int(min(extent[axis] / width, 1e6)))
@@ -73,7 +74,7 @@ def _bits(count: int) -> int:
 
 
 @inner(nogil=True)
-def _numbered(origin: Array, size: Array, count: Indices, bits: int) -> Cells:
+def _numbered(origin: Array, size: Array, count: Indices, bits: int | np.int64) -> Cells:
     """Give numbers to the cells of a cube, and to the cubes, along Morton curves."""
     inner, cubes = np.zeros((3, 1 << CUBE), np.int64), np.empty(3, np.int64)
     place = 0
@@ -93,7 +94,7 @@ def _numbered(origin: Array, size: Array, count: Indices, bits: int) -> Cells:
     cube, number = np.zeros(cubes[0] * cubes[1] * cubes[2], np.int64), 0
     at = np.empty(3, np.int64)
     for code in range(np.int64(1) << (3 * levels)):
-        at[:] = 0
+        at[0], at[1], at[2] = 0, 0, 0
         for bit in range(levels):
             for axis in range(3):
                 at[axis] += ((code >> (3 * bit + axis)) & 1) << bit

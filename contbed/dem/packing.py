@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from contbed.compiling import entry
 from contbed.dem.particles import Material, Particles
 from contbed.dem.scene import SOLID_SHARE
 from contbed.dem.settling import CHECK_EVERY, IMPACT, Stage, not_at_rest, stages_of
@@ -189,7 +189,7 @@ def _place(
     raise ConvergenceError(f"packing: no room for {len(radii)} spheres in a bed {min(sides):g} m wide; widen it")
 
 
-@njit(cache=True)
+@entry(cache=True)
 def _add_at_random(
     radius: NDArray[np.float64],
     order: NDArray[np.int64],

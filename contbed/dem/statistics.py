@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from contbed.compiling import entry
 from contbed.dem.simulation import Contacts
 from contbed.dem.walls import Domain
 
@@ -64,7 +64,7 @@ def coordination(
     }
 
 
-@njit(cache=True)
+@entry(cache=True)
 def solid_share(x: Array, radius: Array, low: Array, high: Array, width: float, lengths: Array, inner: float) -> float:
     """Find the share of a block that spheres cover, on voxels of about `width` [m]; `lengths` of periodic sides or inf.
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from html import escape
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
@@ -57,7 +57,7 @@ def write_header(
     """
 
     def array(name: str, kind: str, ncomponents: int) -> str:
-        return f'      <PDataArray type="{kind}" Name={quoteattr(name)} NumberOfComponents="{ncomponents}"/>'
+        return f'      <PDataArray type="{kind}" Name="{escape(name)}" NumberOfComponents="{ncomponents}"/>'
 
     text = "\n".join(
         [
@@ -73,7 +73,7 @@ def write_header(
             "    <PPoints>",
             array("Points", "Float64", 3),
             "    </PPoints>",
-            *(f"    <Piece Source={quoteattr(name_of(path.stem, rank))}/>" for rank in range(count)),
+            *(f'    <Piece Source="{escape(name_of(path.stem, rank))}"/>' for rank in range(count)),
             "  </PUnstructuredGrid>",
             "</VTKFile>",
             "",

@@ -6,9 +6,9 @@ import sys
 import zlib
 from base64 import b64encode
 from collections.abc import Iterator, Mapping, Sequence
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,7 +144,7 @@ def _unstructured_grid(npoints: int, ncells: int, arrays: Mapping[str, Mapping[s
             for name, values in members.items():
                 kind = f"{_KINDS[values.dtype.kind]}{8 * values.itemsize}"
                 ncomponents = f'NumberOfComponents="{values.shape[1]}" ' if values.ndim == 2 else ""
-                yield f'<DataArray type="{kind}" Name={quoteattr(name)} {ncomponents}format="binary">\n'
+                yield f'<DataArray type="{kind}" Name="{escape(name)}" {ncomponents}format="binary">\n'
                 yield f"{_compressed(values.tobytes())}\n</DataArray>\n"
             yield f"</{section}>\n"
     yield "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
@@ -174,7 +174,7 @@ def _padded(rows: Array) -> Array:
 
 def write_series(path: Path | str, files: Sequence[tuple[float, str]]) -> None:
     """Write a .pvd that lists (time [s], file name relative to it)."""
-    lines = [f'    <DataSet timestep="{time:.17g}" part="0" file={quoteattr(name)}/>' for time, name in files]
+    lines = [f'    <DataSet timestep="{time:.17g}" part="0" file="{escape(name)}"/>' for time, name in files]
     head = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>"]
     text = "\n".join([*head, *lines, "  </Collection>", "</VTKFile>", ""])
     with atomic(path) as temporary:

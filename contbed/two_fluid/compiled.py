@@ -9,11 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar
 
 import llvmlite.binding as llvm
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from contbed import compiling
@@ -41,12 +40,12 @@ UNDERFLOW = 1e-60  # magnitudes below count as zero: products of two of them wou
 
 def kernel(function: Function) -> Function:
     """Compile a function of arrays."""
-    return compiling.tied(cast(Function, njit(**PLAIN)(function)), CONTENT)
+    return compiling.tied(compiling.entry(**PLAIN)(function), CONTENT)
 
 
 def summing(function: Function) -> Function:
     """Compile a function whose sums may be reordered into vectors."""
-    return compiling.tied(cast(Function, njit(**PLAIN, fastmath=SUMS)(function)), CONTENT)
+    return compiling.tied(compiling.entry(**PLAIN, fastmath=SUMS)(function), CONTENT)
 
 
 def inner(function: Function) -> Function:
