@@ -8,7 +8,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 INNER = {"inner", "inner_summing"}
-COMPILED = {"njit", "jit", "kernel", "summing", *INNER}
+COMPILED = {"entry", "njit", "jit", "kernel", "summing", *INNER}
 
 
 def decorators(node):
