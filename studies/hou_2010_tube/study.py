@@ -91,23 +91,20 @@ def compute(cases: Sequence[str] = EXCESS) -> Tables:
 
 
 def plot(tables: Tables) -> dict[str, Any]:
-    """Local coefficient, its parts at one velocity, and porosity over the angle."""
-    figure, (left, middle, right) = gallery.figure(1, 3, size=(14.0, 4.3))
+    """Local coefficient, its parts and porosity over the angle."""
+    figure, (left, middle, right) = gallery.figure(1, 3, size=(14.0, 4.6))
     for excess in tables["sectors"].values("excess velocity [m/s]"):
         found = tables["sectors"].where({"excess velocity [m/s]": excess})
         angle, h, colour = found["angle [deg]"], found["h of the bed [W/m2/K]"], COLOURS[excess]
-        left.plot(angle, h, "o-", color=colour, label=f"{excess} m/s: mean {h.mean():.0f}")
+        left.plot(angle, h, "o-", color=colour, label=f"{excess} m/s above minimum fluidization: mean {h.mean():.0f}")
         left.plot(angle, found["h [W/m2/K]"], ":", color=colour)
-        right.plot(angle, found["eps [1]"], "o-", color=colour, label=f"{excess} m/s")
+        right.plot(angle, found["eps [1]"], "o-", color=colour)
         for name, style in (("h_gap", "o-"), ("h_convection", "s--")):
             middle.plot(angle, found[f"{name} [W/m2/K]"], style, color=colour)
-    middle.plot([], [], "o-", color=gallery.BLACK, label="gas between particles and tube")
-    middle.plot([], [], "s--", color=gallery.BLACK, label="convection")
-    left.plot([], [], ":", color=gallery.BLACK, label="if nothing warmed up")
-    left.set(ylabel="local coefficient [W/m2/K]", ylim=(0, None))
-    middle.set(ylabel="its parts [W/m2/K]", ylim=(0, None))
-    right.set(ylabel="porosity within one diameter")
+    left.set(ylabel="$h$ [W/m$^2$/K]", ylim=(0, None), title="local; dotted: if nothing warmed up")
+    middle.set(ylabel="$h$ [W/m$^2$/K]", ylim=(0, None), title="gas in gaps; dashed: convection")
+    right.set(ylabel="porosity", title="within one diameter of the tube")
     for axes in (left, middle, right):
         axes.set(xlabel="angle from the bottom of the tube [deg]", xticks=range(0, 361, 60))
-        axes.legend(title=None if axes is middle else "above minimum fluidization")
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=len(COLOURS))
     return {"tube": figure}
