@@ -102,20 +102,20 @@ def _spectrum(t: Any, p: Any, record: float) -> Any:
 
 def plot(tables: Tables) -> dict[str, Any]:
     """Traces of pressure and height, and spectra, measured and of both models."""
-    figure, panels = gallery.figure(1, 3, size=(13.0, 3.9))
+    figure, panels = gallery.figure(1, 3, size=(13.0, 4.2))
     for model, colour in COLOURS.items():
         if model not in tables["traces"].values("model"):
             continue
         trace, power = (tables[name].where({"model": model}) for name in ("traces", "spectra"))
         style = {"marker": "o", "ms": 2, "lw": 0.8} if model == "measured" else {}
         panels[0].plot(trace["t [s]"], trace["p [Pa]"], color=colour, label=model, **style)
-        panels[2].loglog(power["frequency [Hz]"], power["power [Pa2 s]"], color=colour, label=model)
+        panels[2].loglog(power["frequency [Hz]"], power["power [Pa2 s]"], color=colour)
         if model == "particles":
             panels[1].plot(trace["t [s]"], trace["height [m]"], color=colour, label="mean of the surface")
             panels[1].plot(trace["t [s]"], trace["height_max [m]"], color=gallery.SKY, label="highest particle")
     panels[0].set(xlabel="$t$ [s]", ylabel="$p$ at 45 mm over its mean [Pa]")
     panels[1].set(xlabel="$t$ [s]", ylabel="height of the bed, particles [m]")
     panels[2].set(xlabel="frequency [Hz]", ylabel="power [Pa$^2$ s]", xlim=(None, 30.0), ylim=(1e-1, None))
-    for axes in panels:
-        axes.legend()
+    panels[1].legend()
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(COLOURS))
     return {"van_wachem": figure}
