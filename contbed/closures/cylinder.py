@@ -27,7 +27,7 @@ def nusselt_cylinder_churchill_bernstein(Re: Value, Pr: Value) -> Value:
 
 @closure(kind="nusselt_cylinder", unit="-", ranges={"Re": (1e4, 1.2e5), "Pr": (0.7, 120.0)}, source=_ZHOU)
 def nusselt_cylinder_dittus_boelter(Re: Value, Pr: Value) -> Value:
-    """Dittus and Boelter (1930), as Zhou, Hou and Yu (2011) use it for walls and tubes in a bed.
+    """Dittus and Boelter (1930): pipes, as Zhou, Hou and Yu (2011) take it for walls and tubes in a bed.
 
         Nu = 0.023 Re^0.8 Pr^0.4
 

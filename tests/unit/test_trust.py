@@ -27,6 +27,7 @@ velocity = 0.1
 [boundary]
 left.type = "inlet"
 right.type = "outlet"
+Exit.type = "no_slip"
 """
 GEO = """\
 SetFactory("Built-in"); // prints nothing; Save by hand
