@@ -132,7 +132,7 @@ def tubes_are_in_the_box(
         ):
             yield ("tubes", second, "centre"), f"overlaps {first}; see {see(f'tubes.{first}.centre')}"
             return
-    if particles.file is None and particles.radius is not None:
+    if tubes and particles.file is None and particles.radius is not None:
         from contbed.cfd_dem.plan import grid_of, tubes_of
 
         try:
@@ -164,7 +164,8 @@ def file_can_be_used(
     found, _ = at_start(particles, there, origin.base)
     require_room(particles, gas, found, origin)
     try:
-        grid_of(particles, gas, found, there)
+        if there:
+            grid_of(particles, gas, found, there)
         simulation_of(particles, gas, found, tubes=there)
     except SceneError as error:
         yield ("particles", "file"), str(error)

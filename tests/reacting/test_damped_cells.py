@@ -176,6 +176,7 @@ def exactly(Pe, times):
     return invert(transform, times)
 
 
+@pytest.mark.slow
 def test_fronts_that_are_damped_are_exact_on_finer_cells():
     """At the times of the front 1.1e-3 and 1.2e-4 are found: of order 3."""
     times, errors = np.array([0.5, 0.75, 1.0, 1.25, 1.5]), []

@@ -97,6 +97,7 @@ def test_kinks_of_two_series_whose_times_differ_by_rounding_are_no_jumps():
     assert all(step.jumps(time) for time in step.cuts(10.0)[1:-1])
 
 
+@pytest.mark.slow
 def test_the_plan_counts_the_steps_of_small_errors(monkeypatch):
     """Within a factor of 2, the promise of the plan, of a run that the budget shows 1 % of."""
     monkeypatch.setattr(trial, "BUDGET", 0.02)

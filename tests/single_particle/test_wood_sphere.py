@@ -214,6 +214,7 @@ def test_the_plan_tells_the_time_of_the_steps():
     assert "steady" not in str(plan(load(MODELS["single_particle"].template)))
 
 
+@pytest.mark.slow
 def test_a_reaction_too_fast_for_any_step_is_told():
     """A step of 1e-6 of the run still takes all of the wood at once."""
     fast = {"reactions.tar.activation_temperature": 3328.34, "reactions.intermediate.A": 1.65e9}
