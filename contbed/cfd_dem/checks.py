@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from itertools import combinations
 from math import hypot, pi
@@ -17,7 +16,7 @@ from contbed.dem.softness import DENSER, too_soft
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.tables import FluidCantera, FluidConstant
-from contbed.scene.toml_lines import Origin
+from contbed.scene.toml_lines import BARE_KEY, Origin
 
 ROUNDING = 1e-9  # relative, of lengths that are meant to be equal
 
@@ -111,7 +110,7 @@ def tubes_are_in_the_box(
     """Require tubes that lie in the box side by side, with known closures, and with [heat] where they have a T."""
     for name, tube in tubes.items():
         radius, (x, z) = 0.5 * tube.diameter, tube.centre
-        if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
+        if not BARE_KEY.fullmatch(name):
             yield ("tubes", name), "names a file; letters, digits, - and _ may stand in it"
         if not (radius <= x <= particles.width[0] - radius and radius <= z <= gas.height - radius):
             yield (

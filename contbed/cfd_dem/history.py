@@ -28,7 +28,7 @@ WITH_HEAT = (*ISOTHERMAL, "T_fluid", "T_solid")
 class History:
     """Rows of profiles.csv, averages, probed points, and the times [s] at which files of particles were written.
 
-    `given` heat [J] of each tube at the last row.
+    `given` heat [J] of each tube at the last row, 0 before the first.
     """
 
     average: Average
@@ -37,7 +37,7 @@ class History:
     tubes: tuple[TubeAverage, ...] = ()
     rows: list[list[float]] = field(default_factory=list)
     file_times: list[float] = field(default_factory=list)
-    given: Array = field(default_factory=lambda: np.zeros(0))
+    given: Array = field(default_factory=lambda: np.zeros(()))
 
     def take(self, bed: Bed) -> None:
         """Take the bed as it is now into the averages."""
@@ -60,13 +60,9 @@ class History:
     def _heat_of_tubes(self, bed: Bed) -> list[float]:
         """Mean heat from each tube since the last row [W]."""
         since = self.rows[-1][0] if self.rows else 0.0
-        given = self.given if len(self.given) else np.zeros(len(bed.from_tubes))
+        mean = (bed.from_tubes - self.given) / (bed.time - since)
         self.given = bed.from_tubes.copy()
-        return [
-            float(now - before) / (bed.time - since)
-            for tube, now, before in zip(bed.tubes, self.given, given, strict=True)
-            if tube.tube.T is not None
-        ]
+        return [float(heat) for tube, heat in zip(bed.tubes, mean, strict=True) if tube.tube.T is not None]
 
     @property
     def heating(self) -> list[str]:

@@ -76,7 +76,7 @@ class GasPlan:
         if self.particles is not None:
             return self, 0.0
         table = self.scene.particles
-        lattice, _ = _beside(_lattice(table), self.tubes, LARGEST_OVERLAP)
+        lattice, _ = _outside_of_tubes(_lattice(table), self.tubes, LARGEST_OVERLAP)
         height = loose_height(lattice.radius, table.width[0] * table.width[1])
         stages = stages_of(lattice, Material.of(table), AT_REST, GRAVITY)
         expected = settling_time(stages, self.number, height, GRAVITY)
@@ -155,7 +155,7 @@ def settled(plan: GasPlan, quiet: bool, start: Mapping[str, Any] | None = None) 
         return replace(plan, particles=Particles(start["particles_position"], table.radius))
     particles = _settle(table, quiet, plan.engine)
     require_room(table, plan.scene.gas, particles, plan.scene.origin)
-    return replace(plan, particles=_beside(particles, plan.tubes, LARGEST_OVERLAP)[0])
+    return replace(plan, particles=_outside_of_tubes(particles, plan.tubes, LARGEST_OVERLAP)[0])
 
 
 def tubes_of(tables: Mapping[str, GasTube], particles: GasParticles) -> tuple[BedTube, ...]:
@@ -166,7 +166,7 @@ def tubes_of(tables: Mapping[str, GasTube], particles: GasParticles) -> tuple[Be
     )
 
 
-def _beside(particles: Particles, tubes: Sequence[BedTube], overlap: float) -> tuple[Particles, int]:
+def _outside_of_tubes(particles: Particles, tubes: Sequence[BedTube], overlap: float) -> tuple[Particles, int]:
     """Leave out particles that overlap a tube by more than `overlap` radii; return the others and their number."""
     x, kept = particles.position, np.ones(len(particles), bool)
     for tube in tubes:
@@ -285,7 +285,7 @@ def read(table: GasParticles, base: Path) -> Particles:
 def at_start(table: GasParticles, tubes: Sequence[BedTube], base: Path) -> tuple[Particles, int]:
     """Read the particles of the file, and leave out those that lie in tubes, whose number follows."""
     found = read(table, base)
-    return _beside(found, tubes, _largest_overlap(table, found))
+    return _outside_of_tubes(found, tubes, _largest_overlap(table, found))
 
 
 def require_room(table: GasParticles, gas: GasFlow, particles: Particles, origin: Origin) -> None:

@@ -81,10 +81,9 @@ def _fill_averages(result: Result, plan: GasPlan, bed: Bed, history: History) ->
         result.tables["levels"] = history.levels.table()
     for tube in history.tubes:
         name = tube.heat.tube.name
-        result.tables[f"tube_{name}"] = columns_of = tube.table()
-        for part in ("h", "h_contact", "h_gap", "h_convection"):
-            key = f"{part.replace('h', f'h_tube_{name}', 1)} [W/m2/K]"
-            result.qoi[key] = float(columns_of[f"{part} [W/m2/K]"].mean())
+        result.tables[f"tube_{name}"] = table = tube.table()
+        for part in ("", "_contact", "_gap", "_convection"):
+            result.qoi[f"h_tube_{name}{part} [W/m2/K]"] = float(table[f"h{part} [W/m2/K]"].mean())
         result.closures.append(tube.heat.tube.nusselt.use().to_dict())
     for name in history.heating:
         result.qoi[f"heat_tube_{name} [W]"] = float(columns[f"{name} heat_tube [W]"][late].mean())

@@ -145,8 +145,8 @@ class TubeHeat:
         tube, x, R = self.tube, simulation.position, simulation.radius
         off = tube.distance(x)
         gap, d_p = off - tube.radius - R, 2.0 * float(R.max())
-        volume = np.where(off < tube.radius + d_p, motion.volume, 0.0)
-        eps = 1.0 - np.bincount(tube.sector(x), volume, SECTORS) / self._ring_volume(d_p)
+        close = off < tube.radius + d_p
+        eps = 1.0 - np.bincount(tube.sector(x[close]), motion.volume[close], SECTORS) / self._ring_volume(d_p)
         near = np.flatnonzero(gap < heat_pair.REACH * R)
         # the spheres near the tube as pairs with their mirror images
         here, apart = R[near], 2.0 * (R[near] + gap[near])

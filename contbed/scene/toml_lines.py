@@ -22,7 +22,7 @@ _STRINGS = [
     re.compile(r'"(?:[^"\\\n]|\\.)*"'),
     re.compile(r"'[^'\n]*'"),
 ]
-_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _SCALAR = re.compile(r"[^,\]}#\n]*")
 _LONGEST = 20_000_000  # bytes of a TOML file
 _DUPLICATE = re.compile(r"Cannot (?:overwrite a value|mutate immutable namespace)")
@@ -103,7 +103,7 @@ def dotted(path: KeyPath) -> str:
         if isinstance(key, int):
             shown += f"[{key}]"
         else:
-            shown += ("." if shown else "") + (key if _BARE_KEY.fullmatch(key) else json.dumps(key))
+            shown += ("." if shown else "") + (key if BARE_KEY.fullmatch(key) else json.dumps(key))
     return shown
 
 
@@ -201,7 +201,7 @@ class _Scanner:
             if self.text.startswith(('"', "'"), self.position):
                 path += (self.unquoted(),)
             else:
-                path += tuple(filter(None, [self.skip(_BARE_KEY)]))
+                path += tuple(filter(None, [self.skip(BARE_KEY)]))
             self.skip(_BLANK)
             if not self.text.startswith(".", self.position):
                 return path
