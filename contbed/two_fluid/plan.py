@@ -193,7 +193,7 @@ def _threads(cells: grid.Grid) -> str:
         )
         return f"1: {why}"
     few = f", {allowed} are allowed: each takes at least {threads.LEAST} cells" if number < allowed else ""
-    return f"{number}, each takes {count // number} cells{few}"
+    return f"up to {number}, each takes {count // number} cells{few}; as many as are fastest, which the run measures"
 
 
 def _require_resolved(scene: t.TwoFluidScene, mesh: Mesh, cells: grid.Grid) -> None:

@@ -4,6 +4,8 @@ Another order of the particles changes the order of sums, and so the last digits
 are compared over few collisions, to 1e-9. Threads change nothing: those runs are compared bit for bit.
 """
 
+from itertools import cycle
+
 import numpy as np
 import pytest
 
@@ -75,6 +77,18 @@ def test_the_same_bits_on_several_threads(alone, number, monkeypatch):
         simulation = crowd()
         simulation.force[::3, 2] = 1e-5
         simulation.run(301)
+    state = simulation.state()
+    for name, array in alone.state().items():
+        assert array.tobytes() == state[name].tobytes(), name
+
+
+def test_the_number_of_threads_may_change_at_any_time(alone, monkeypatch):
+    """As it does where a run measures which number is the fastest."""
+    turn = cycle([2, 1, 3])
+    monkeypatch.setattr("contbed.threads.count", lambda *_: next(turn))
+    simulation = crowd()
+    simulation.force[::3, 2] = 1e-5
+    simulation.run(301, 7)
     state = simulation.state()
     for name, array in alone.state().items():
         assert array.tobytes() == state[name].tobytes(), name

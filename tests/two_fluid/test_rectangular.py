@@ -1,6 +1,7 @@
 """Kernels over rows of rectangular grids against those for any mesh: the same numbers to rounding."""
 
 from dataclasses import replace
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -140,6 +141,19 @@ def test_bits_do_not_depend_on_the_number_of_threads(name, monkeypatch):
         found.append({key: np.asarray(value).tobytes() for key, value in flatten(made.state).items()})
     assert made.model.pressure_solver.lattice is not None
     assert found[0] == found[1] == found[2]
+
+
+def test_the_number_of_threads_may_change_at_any_time(monkeypatch):
+    """As it does where a run measures which number is the fastest."""
+    found = []
+    for numbers in ([1], [2, 1, 3]):
+        turn = cycle(numbers)
+        monkeypatch.setattr(threads, "count", lambda *_, turn=turn: next(turn))
+        made = cb.plan(from_dict(FINE)).bed()[0]
+        for _ in range(4):
+            made.step(made.next_step())
+        found.append({key: np.asarray(value).tobytes() for key, value in flatten(made.state).items()})
+    assert found[0] == found[1]
 
 
 def test_parts_hold_every_face_once():

@@ -138,6 +138,78 @@ def test_number_of_threads(monkeypatch):
         pass
 
 
+class Machine:
+    """Work whose time depends on the number of threads, on a clock of its own."""
+
+    def __init__(self, seconds):
+        self.seconds, self.now, self.taken = seconds, 0.0, []
+        self.pace = threads.Pace(10**6, clock=lambda: self.now)
+
+    def work(self, pieces):
+        for _ in range(pieces):
+            with self.pace.piece():
+                self.taken.append(threads.count())
+                self.now += self.seconds[self.taken[-1]]
+        return self.taken[-pieces:]
+
+
+@pytest.fixture
+def four_cores(monkeypatch):
+    monkeypatch.setattr(threads, "available", lambda: 4)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "best"),
+    [
+        ({1: 4.0, 2: 2.1, 4: 1.2}, 4),
+        ({1: 4.0, 2: 2.1, 4: 9.0}, 2),
+        ({1: 1.0, 2: 3.0, 4: 9.0}, 1),
+        ({1: 1.0, 2: 0.96, 4: 0.93}, 1),  # what hardly gains is left to others
+    ],
+)
+def test_the_fastest_number_of_threads_is_found_and_kept(four_cores, seconds, best):
+    """Trials take at most one piece in twenty, as REST says, once the number is found."""
+    machine = Machine(seconds)
+    machine.work(400)
+    assert machine.work(400).count(best) >= 380
+
+
+def test_threads_come_back_when_other_programs_end(four_cores):
+    """And leave at once when they begin: the median of KEPT pieces tells it, the trials take TRIED each."""
+    free, busy = {1: 4.0, 2: 2.1, 4: 1.2}, {1: 4.0, 2: 12.0, 4: 20.0}
+    machine = Machine(free)
+    assert set(machine.work(600)[-20:]) <= {4, 2}
+    machine.seconds = busy
+    assert machine.work(5 * threads.KEPT)[-1] == 1
+    machine.seconds = free
+    machine.work(2000)
+    assert machine.work(400).count(4) >= 380
+
+
+def test_a_given_number_of_threads_holds(four_cores):
+    machine = Machine({1: 1.0, 3: 9.0})
+    with threads.using(3):
+        assert set(machine.work(100)) == {3}
+
+
+def test_amounts_of_work_do_not_matter(four_cores):
+    """Pieces of any size are compared by their time for one unit of work."""
+    machine, rng = Machine({}), np.random.default_rng(0)
+    for _ in range(400):
+        work = float(rng.integers(1, 50))
+        with machine.pace.piece(work):
+            machine.taken.append(threads.count())
+            machine.now += work * {1: 1.0, 2: 3.0, 4: 9.0}[machine.taken[-1]]
+    assert machine.taken[-100:].count(1) >= 95
+
+
+def test_little_work_is_done_by_one_thread(four_cores):
+    pace = threads.Pace(2 * threads.LEAST - 1)
+    with pace.piece():
+        assert threads.count() == 1
+    assert threads.count() == 4
+
+
 def _in_child(queue):
     queue.put(threads.together([(int, (1,)), (int, (2,))]))
 
