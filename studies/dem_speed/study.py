@@ -15,6 +15,7 @@ from contbed import threads
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.grid import Grid
+from contbed.cfd_dem.plan import SKIN
 from contbed.closures import drag_di_felice
 from contbed.dem import heat, heat_pair, network
 from contbed.dem.contact import hertz_impact
@@ -201,25 +202,27 @@ def scaling() -> Table:
 
 
 def several_threads() -> Table:
-    """Two beds of 50 000 particles in random order on one and two threads, in turn; the least of several.
+    """Two beds of 50 000 particles in random order on one and two threads, in turn from one state; the least of several.
 
     One alone, one in gas, as it is fluidized. `times_faster` compares times on the clock and needs two quiet cores.
     `times_by_cpu` is the number of threads times the CPU of one over that of all, with their waiting for each other:
     what cores that are free would give.
     """
     alone, gas = _bed_alone(), bed_in_gas()
-    runs = {
-        "alone": (lambda: alone.run(40), 40),
-        "in gas": (lambda: gas.run(4e-3), round(4e-3 / gas.simulation.time_step)),
+    runs: dict[str, tuple[Any, Any, int]] = {
+        "alone": (alone, lambda: alone.run(40), 40),
+        "in gas": (gas, lambda: gas.run(4e-3), round(4e-3 / gas.simulation.time_step)),
     }
     rows: list[tuple[Any, ...]] = []
-    for bed, (run, steps) in runs.items():
+    for name, (bed, run, steps) in runs.items():
         with threads.using(1):
             run()
+        state = bed.state()
         clock: dict[int, list[float]] = {1: [], 2: []}
         cpu: dict[int, list[float]] = {1: [], 2: []}
         for _ in range(2 * REPEATS):
             for number in clock:
+                bed.restore(state)
                 before, start = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
                 with threads.using(number):
                     run()
@@ -227,7 +230,7 @@ def several_threads() -> Table:
                 after = resource.getrusage(resource.RUSAGE_SELF)
                 cpu[number].append((after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime) / steps)
         rows += [
-            (bed, 50_000, number, min(clock[number]), min(cpu[number]), min(clock[1]) / min(clock[number]),
+            (name, 50_000, number, min(clock[number]), min(cpu[number]), min(clock[1]) / min(clock[number]),
              number * min(cpu[1]) / min(cpu[number]))
             for number in clock
         ]  # fmt: skip
@@ -258,7 +261,8 @@ def bed_in_gas(engine: Any = OWN) -> Bed:
     sides = pitch * np.array(count[:2])
     domain = Domain((0, 0, 0), (*sides, np.inf))
     material = Material(2500.0, 1e6, restitution=0.9, sliding_friction=0.3)
-    simulation = Simulation(Particles(places, D / 2), [material], box(domain), domain, impact_speed=0.3, engine=engine)
+    spheres, skin = Particles(places, D / 2), SKIN * D / 2
+    simulation = Simulation(spheres, [material], box(domain), domain, impact_speed=0.3, skin=skin, engine=engine)
     cells = (17, 8, 40)
     size = np.array([*sides, 3 * count[2] * pitch]) / cells
     gas = Gas(Grid(np.zeros(3), size, cells, (False, False)), AIR, drag_di_felice)

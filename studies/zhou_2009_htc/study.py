@@ -58,10 +58,10 @@ CORRECTIONS = {
 SHOWN = (0.42, 1.0, 1.4, 2.0)  # velocities of the distributions
 
 
-def settled(count: int = COUNT) -> Any:
+def settled(count: int = COUNT, modulus: float = GLASS.youngs_modulus) -> Any:
     """Settle beads on a square floor that grows with their number, so that the bed keeps its height."""
-    width = WIDTH * (count / COUNT) ** 0.5
-    return pack((width, width), radius=D / 2, count=count, seed=1, material=GLASS)
+    width, glass = WIDTH * (count / COUNT) ** 0.5, replace(GLASS, youngs_modulus=modulus)
+    return pack((width, width), radius=D / 2, count=count, seed=1, material=glass)
 
 
 def weight(packing: Any) -> float:
@@ -71,7 +71,9 @@ def weight(packing: Any) -> float:
 
 
 def bed(packing: Any, U: float, drag: Any = drag_di_felice, energy: bool = False, gas_step: float = 2e-4) -> Bed:
-    simulation = Simulation(Particles(packing.position, packing.radius), [GLASS], packing.walls, packing.domain)
+    simulation = Simulation(
+        Particles(packing.position, packing.radius), [packing.material], packing.walls, packing.domain
+    )
     width = packing.domain.upper[0]
     across = round(width / CELL)
     size = np.array([width / across, width / across, 1.5 * D])

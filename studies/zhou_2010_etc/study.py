@@ -49,6 +49,7 @@ def relative(
     emissivity: float | None = None,
     T: float = 300.0,
     eps: float = EPS,
+    area: float = AREA,
 ) -> Any:
     """k_e/k_f at ratios k_p/k_f; the slope method between the particles below BOTTOM and above TOP."""
     if paths == "columns":
@@ -60,7 +61,7 @@ def relative(
         parts = heat.conductances(pairs, R, heat.Conduction(ratio * k_fluid, k_fluid, eps, factor, paths=paths))
         if emissivity is not None:
             parts["radiation"] = heat.radiation_conductance(pairs, len(x), T, 2 * R, emissivity, eps)
-        result = network.between_layers(x, pairs, parts, x[:, 2] < BOTTOM, x[:, 2] > TOP, AREA)
+        result = network.between_layers(x, pairs, parts, x[:, 2] < BOTTOM, x[:, 2] > TOP, area)
         found.append(result.conductivity / k_fluid)
     return np.array(found)
 
