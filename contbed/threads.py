@@ -30,6 +30,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from queue import SimpleQueue
 from statistics import median
 from typing import TYPE_CHECKING, Any
@@ -55,7 +56,8 @@ FEWER, MORE = 1.05, 0.9
 REST = 20.0, 160.0  # times the length of a trial from one to the next, doubled each time that nothing is gained
 SLOWER = 1.5  # time over that after the last trial from which on the next one does not wait
 
-_limit: int | None = None
+# of the calling thread: those that start runs at the same time do not change each other's
+_limit: ContextVar[int | None] = ContextVar("_limit", default=None)
 _controller: ThreadpoolController | None = None
 _in_use = threading.Lock()  # held while the workers compute for one caller
 _workers: list[_Worker] = []
@@ -70,13 +72,13 @@ def available() -> int:
 
 def count(elements: int | None = None, least: int = LEAST) -> int:
     """Return how many threads to compute on: at most those that are allowed, each with `least` of the `elements`."""
-    allowed = available() if _limit is None else _limit
+    allowed = _limit.get() or available()
     return allowed if elements is None else max(1, min(allowed, elements // least))
 
 
 def given() -> int | None:
     """Return the number that a block of `using` allows, as `--threads` does; None where nothing was said."""
-    return _limit
+    return _limit.get()
 
 
 @contextmanager
@@ -87,15 +89,13 @@ def using(number: int | None) -> Iterator[None]:
     ------
     SceneError : the number is below 1
     """
-    global _limit
     if number is not None and number < 1:
         raise SceneError(f"threads: {number} given; at least 1 is needed")
-    before = _limit
-    _limit = before if number is None else number
+    before = _limit.set(number or _limit.get())
     try:
         yield
     finally:
-        _limit = before
+        _limit.reset(before)
 
 
 class Pace:
@@ -120,7 +120,7 @@ class Pace:
     def piece(self, work: float = 1.0) -> Iterator[None]:
         """Do a piece of work in a block, on as many threads as were fastest so far; `work` is its amount."""
         most = count(self._elements, self._least)
-        if _limit is not None:
+        if _limit.get() is not None:
             yield
             return
         if most == 1:

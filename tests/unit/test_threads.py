@@ -210,6 +210,25 @@ def test_little_work_is_done_by_one_thread(four_cores):
     assert threads.count() == 4
 
 
+def test_runs_in_several_threads_have_their_own_number(four_cores):
+    """Blocks that overlap in time do not leave their number behind."""
+    within, found = threading.Barrier(2, timeout=60.0), []
+
+    def run(number):
+        with threads.using(number):
+            within.wait()
+            found.append(threads.count() == number)
+        within.wait()
+        found.append(threads.count() == 4)
+
+    both = [threading.Thread(target=run, args=(number,)) for number in (1, 3)]
+    for one in both:
+        one.start()
+    for one in both:
+        one.join()
+    assert found == 4 * [True]
+
+
 def _in_child(queue):
     queue.put(threads.together([(int, (1,)), (int, (2,))]))
 
