@@ -19,7 +19,16 @@ from studies._gallery.raw import raw
 HERE = Path(__file__).parent
 PARTICLES = HERE.parent / "patil_hot_bubble" / "bubble.csv"
 WHOLE = ("2mm_300", "2mm_900", "3mm_300", "3mm_600", "3mm_900")  # beds of the paper's width
-CASES = ("half_2mm_300", "half_2mm_900", "half_3mm_300", "half_3mm_600", "half_3mm_900", "half_3mm_900_fine", *WHOLE)
+CASES = (
+    "half_1mm_900",
+    "half_2mm_300",
+    "half_2mm_900",
+    "half_3mm_300",
+    "half_3mm_600",
+    "half_3mm_900",
+    "half_3mm_900_fine",
+    *WHOLE,
+)
 BACKGROUND = {1: 0.65, 2: 1.1, 3: 1.45}  # m/s by diameter in mm
 FLUX, DENSITY, T_BED = 17.55, 1.177, 300.0  # kg/m2/s of the jet, kg/m3 at T_BED
 OPEN = 0.8  # porosity above which a cell belongs to a bubble
@@ -146,8 +155,8 @@ def plot_bubbles(found: Table, discrete: Table, cases: Sequence[str]) -> Any:
     for name in cases:
         size, T, *fine = name.removeprefix("half_").split("_")
         colour = gallery.shades(1, "inferno", (float(T) - 250.0) / 800.0)[0]
-        line = {"ls": {"2mm": "--", "3mm": "-"}[size], "lw": 0.9 if fine else 1.8}
-        marks = {"ls": "", "marker": {"2mm": "+", "3mm": "o"}[size], "ms": 4}
+        line = {"ls": {"1mm": ":", "2mm": "--", "3mm": "-"}[size], "lw": 0.9 if fine else 1.8}
+        marks = {"ls": "", "marker": {"1mm": "x", "2mm": "+", "3mm": "o"}[size], "ms": 4}
         for table, model, how in ((found, "two fluids", line), (discrete, "particles", marks)):
             if len(mine := table.where({"case": name})):
                 text = ", ".join((size, f"{T} K", model, *fine))
