@@ -19,16 +19,9 @@ from studies._gallery.raw import raw
 HERE = Path(__file__).parent
 PARTICLES = HERE.parent / "patil_hot_bubble" / "bubble.csv"
 WHOLE = ("2mm_300", "2mm_900", "3mm_300", "3mm_600", "3mm_900")  # beds of the paper's width
-CASES = (
-    "half_1mm_900",
-    "half_2mm_300",
-    "half_2mm_900",
-    "half_3mm_300",
-    "half_3mm_600",
-    "half_3mm_900",
-    "half_3mm_900_fine",
-    *WHOLE,
-)
+HALF = ("half_1mm_900", "half_2mm_300", "half_2mm_900", "half_3mm_300", "half_3mm_600", "half_3mm_900")
+CELLS = {"fine": (60, 160), "finer": (120, 320)}  # of a half bed, in place of 30 x 80
+CASES = (*HALF, *(f"{case}_fine" for case in HALF if case.endswith("900")), "half_1mm_900_finer", *WHOLE)
 BACKGROUND = {1: 0.65, 2: 1.1, 3: 1.45}  # m/s by diameter in mm
 FLUX, DENSITY, T_BED = 17.55, 1.177, 300.0  # kg/m2/s of the jet, kg/m3 at T_BED
 OPEN = 0.8  # porosity above which a cell belongs to a bubble
@@ -40,11 +33,12 @@ EVERY = 0.01  # s, between fields of the paper's bed
 
 
 def scene(case: str, others: Mapping[str, Any] | None = None) -> cb.Scene:
-    """The half bed, or the paper's, with another diameter and temperature; `_fine` halves the cells."""
-    size, T = case.removesuffix("_fine").removeprefix("half_").split("mm_")
-    background, T = BACKGROUND[int(size)], float(T)
+    """The half bed, or the paper's, with another diameter and temperature; `_fine` and `_finer` have smaller cells."""
+    size, given, *cells = case.removeprefix("half_").split("_")
+    d, T = int(size.removesuffix("mm")), float(given)
+    background = BACKGROUND[d]
     changes = {
-        "solid.particle_diameter": 1e-3 * int(size),
+        "solid.particle_diameter": 1e-3 * d,
         "boundary.bottom.velocity": background,
         "initial.u_gas": background,
         "boundary.jet.T_gas": T,
@@ -54,8 +48,8 @@ def scene(case: str, others: Mapping[str, Any] | None = None) -> cb.Scene:
     changes["initial.layer"] = [layer]
     if case in WHOLE:
         changes |= {"time.end": END, "time.sample": EVERY, "time.fields": EVERY}
-    if case.endswith("_fine"):
-        changes["mesh.cells"] = [60, 160]
+    for name in cells:
+        changes["mesh.cells"] = CELLS[name]
     return cb.load(HERE / ("2mm_700.toml" if case in WHOLE else "half_3mm_900.toml"), changes | dict(others or {}))
 
 
@@ -155,7 +149,11 @@ def plot_bubbles(found: Table, discrete: Table, cases: Sequence[str]) -> Any:
     for name in cases:
         size, T, *fine = name.removeprefix("half_").split("_")
         colour = gallery.shades(1, "inferno", (float(T) - 250.0) / 800.0)[0]
-        line = {"ls": {"1mm": ":", "2mm": "--", "3mm": "-"}[size], "lw": 0.9 if fine else 1.8}
+        line = {
+            "ls": {"1mm": ":", "2mm": "--", "3mm": "-"}[size],
+            "lw": 0.9 if fine else 1.8,
+            "alpha": 0.5 if fine == ["finer"] else 1.0,
+        }
         marks = {"ls": "", "marker": {"1mm": "x", "2mm": "+", "3mm": "o"}[size], "ms": 4}
         for table, model, how in ((found, "two fluids", line), (discrete, "particles", marks)):
             if len(mine := table.where({"case": name})):
