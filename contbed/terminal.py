@@ -29,7 +29,7 @@ Trust = Annotated[
 ]
 Threads = Annotated[
     int | None,
-    Option("--threads", metavar="N", min=1, help="cores to use; by default all, where faster"),
+    Option("--threads", metavar="N", min=1, help="cores to use; by default as many as are fastest"),
 ]
 AllowLarge = Annotated[
     bool, Option("--allow-large", help="take sizes that are refused otherwise: memory, numbers of cells, files")

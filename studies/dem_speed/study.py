@@ -204,11 +204,11 @@ def scaling() -> Table:
 def several_threads() -> Table:
     """Two beds of 50 000 particles in random order on one and two threads, in turn from one state; the least of each.
 
-    One alone, one in gas, as it is fluidized. `times_faster` compares times on the clock and needs two quiet cores.
+    One alone, one in gas, as it is fluidized, with lists as in scenes. `times_faster` compares times on the clock and needs two quiet cores.
     `times_by_cpu` is the number of threads times the CPU of one over that of all, with their waiting for each other:
     what cores that are free would give.
     """
-    alone, gas = _bed_alone(), bed_in_gas()
+    alone, gas = _bed_alone(), bed_in_gas(skin=SKIN * D / 2)
     runs: dict[str, tuple[Any, Any, int]] = {
         "alone": (alone, lambda: alone.run(40), 40),
         "in gas": (gas, lambda: gas.run(4e-3), round(4e-3 / gas.simulation.time_step)),
@@ -252,7 +252,7 @@ def _bed_alone() -> Simulation:
     return Simulation(spheres, [bed.material], box(domain), domain, time_step=STEP, largest_overlap=0.1)
 
 
-def bed_in_gas(engine: Any = OWN) -> Bed:
+def bed_in_gas(engine: Any = OWN, skin: float | None = None) -> Bed:
     """A bed of 50 000 particles in random order, in air at three times the speed at which they begin to lift."""
     pitch, count = 1.02 * D, (50, 25, 40)
     places = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in count), indexing="ij"), -1).reshape(-1, 3) * pitch
@@ -261,7 +261,7 @@ def bed_in_gas(engine: Any = OWN) -> Bed:
     sides = pitch * np.array(count[:2])
     domain = Domain((0, 0, 0), (*sides, np.inf))
     material = Material(2500.0, 1e6, restitution=0.9, sliding_friction=0.3)
-    spheres, skin = Particles(places, D / 2), SKIN * D / 2
+    spheres = Particles(places, D / 2)
     simulation = Simulation(spheres, [material], box(domain), domain, impact_speed=0.3, skin=skin, engine=engine)
     cells = (17, 8, 40)
     size = np.array([*sides, 3 * count[2] * pitch]) / cells

@@ -178,7 +178,10 @@ def test_threads_come_back_when_other_programs_end(four_cores):
     """And leave at once when they begin: the median of KEPT pieces tells it, the trials take TRIED each."""
     free, busy = {1: 4.0, 2: 2.1, 4: 1.2}, {1: 4.0, 2: 12.0, 4: 20.0}
     machine = Machine(free)
-    assert set(machine.work(600)[-20:]) <= {4, 2}
+    machine.work(600)
+    while machine.work(1) == [4]:  # until a trial, after which the next one is far
+        pass
+    assert machine.work(50).count(4) >= 47
     machine.seconds = busy
     assert machine.work(5 * threads.KEPT)[-1] == 1
     machine.seconds = free
