@@ -34,7 +34,7 @@ REFERENCE = {OWN: 0.5, PEER: 1.0}  # Courant number on the fine grid
 BLOCKS = {"program": "", "cells": "", "courant": "g", "block": "d", "steps": "d"}
 BLOCKS |= dict.fromkeys(("cpu_s", "x", "eps_s", "u_solid"), ".4g")
 RUN = ("program", "cells", "courant")
-TICKS, ERRORS = (2, 3, 5, 10, 20), (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)  # of the axes: CPU a simulated second [s], error
+TICKS, ERRORS = (1, 2, 5, 10, 20), (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)  # of the axes: CPU a simulated second [s], error
 QUANTITIES = {"eps_s": "eps_s [1]", "u_solid": "u_solid [m/s]"}
 Block = tuple[int, float, np.ndarray]  # steps, CPU [s], eps_s and u_solid over the width
 
