@@ -39,7 +39,7 @@ def compute(cases: Sequence[str] = VELOCITIES) -> Tables:
 
 def plot(tables: Tables) -> dict[str, Any]:
     """Conduction of soft beads by treatment, over that of stiff ones."""
-    figure, panels = gallery.figure(1, 2, size=(8.4, 3.8), sharey=True)
+    figure, panels = gallery.figure(1, 2, size=(8.4, 3.8))
     soft, stiff = reference(), tables["stiff"]
     for axes, k in zip(panels, CONDUCTIVITIES, strict=True):
         for (ending, text), marker in zip(SOFT.items(), "o^s", strict=True):
