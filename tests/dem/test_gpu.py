@@ -67,6 +67,7 @@ def test_the_mixed_bed_has_all_kinds_of_contacts(whole):
     assert np.abs(whole.T - start.T).max() > 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["mixed", "went_on"])
 def test_a_bed_moves_as_on_a_processor(folder, whole, name):
     """From the start, and from a checkpoint of a processor."""
@@ -74,6 +75,7 @@ def test_a_bed_moves_as_on_a_processor(folder, whole, name):
         alike(found, whole.state())
 
 
+@pytest.mark.slow
 def test_a_checkpoint_goes_on_on_a_processor(folder, whole):
     again = gpu_scenes.mixed("contbed")
     with np.load(folder / "half.npz") as state:
@@ -88,6 +90,7 @@ def test_a_checkpoint_goes_on_on_a_processor(folder, whole):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["cut", "restart", "room", "grown", "kept", "near"])
 def test_nothing_depends_on_the_cut(folder, what):
     """Bit for bit: intervals and calls of any length, restarts, more room for lists, the state before a failure.
@@ -98,6 +101,7 @@ def test_nothing_depends_on_the_cut(folder, what):
         assert found[what]
 
 
+@pytest.mark.slow
 def test_what_leaves_one_particle_enters_the_other(folder):
     """Forces are opposite bit for bit; momentum and heat of unlike spheres are kept to the rounding of 10 sums."""
     start = gpu_scenes.pair("contbed")
@@ -111,6 +115,7 @@ def test_what_leaves_one_particle_enters_the_other(folder):
         assert kept == pytest.approx(1.0, abs=10 * 2.3e-16)
 
 
+@pytest.mark.slow
 def test_steps_are_halved(folder):
     wanted = gpu_scenes.stray("contbed", 2)
     wanted.run(20)
@@ -119,6 +124,7 @@ def test_steps_are_halved(folder):
         alike(found, wanted.state())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "make"), [("fast", gpu_scenes.stray), ("lost", gpu_scenes.leaving), ("through", gpu_scenes.pushed)]
 )
@@ -128,6 +134,7 @@ def test_failures_are_told_alike(folder, name, make):
     assert (folder / f"{name}.txt").read_text() == str(error.value)
 
 
+@pytest.mark.slow
 def test_too_little_memory_is_told(folder):
     text = (folder / "memory.txt").read_text()
     assert text.startswith("15 particles take about ") and "GB are free" in text

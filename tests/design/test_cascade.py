@@ -124,6 +124,7 @@ laws = { conduction = ["cones"], scatter_conduction = "20 %" }
 """
 
 
+@pytest.mark.slow
 def test_scatter_of_measured_beds_multiplies_the_law(tmp_path):
     """Heat through a bed at rest is proportional to its conductivity, so that it scatters as that does."""
     done = cascade(written(tmp_path, SCATTER, RESTING + "boundary.right.solid.fixed = 300.0\n"), tmp_path / "out")

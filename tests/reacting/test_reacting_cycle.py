@@ -38,6 +38,7 @@ def regenerator(row):
     return scene, 0.5 * weights
 
 
+@pytest.mark.slow
 def test_a_regenerator():
     """Heat stored by the hot blow over what the gas could leave, of exact tables: (T_mid - T_end)/dT Lambda/Pi."""
     row = next(row for row in rows("regenerator.csv") if row["Lambda_hot"] == 30 and row["Pi_cold"] == 25)
@@ -222,6 +223,7 @@ def test_extrapolated_temperatures_and_fractions_stay_within_their_bounds():
     assert out[:2].sum(axis=0) == pytest.approx(u[:2].sum(axis=0), rel=1e-14)  # the flux of the gas is that it had
 
 
+@pytest.mark.slow
 def test_a_cycle_goes_on_from_its_checkpoint(tmp_path):
     scene, loose = from_dict(looping()), looping()
     loose["time"]["cycle"] = {"tolerance": 1e-2}
