@@ -119,19 +119,16 @@ class Pace:
     @contextmanager
     def piece(self, work: float = 1.0) -> Iterator[None]:
         """Do a piece of work in a block, on as many threads as were fastest so far; `work` is its amount."""
-        most = count(self._elements, self._least)
-        if _limit.get() is not None:
+        if given() is not None:
             yield
             return
-        if most == 1:
-            with using(1):
-                yield
-            return
-        number = self._choose(most)
+        most = count(self._elements, self._least)
+        number = self._choose(most) if most > 1 else 1
         start = self._clock()
         with using(number):
             yield
-        self._add(self._clock() - start, work)
+        if most > 1:
+            self._add(self._clock() - start, work)
 
     def _choose(self, most: int) -> int:
         """Return the number of threads for the next piece, that of a trial where one has come."""

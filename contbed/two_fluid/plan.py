@@ -193,6 +193,8 @@ def _threads(cells: grid.Grid) -> str:
         )
         return f"1: {why}"
     few = f", {allowed} are allowed: each takes at least {threads.LEAST} cells" if number < allowed else ""
+    if threads.given() is not None:
+        return f"{number}, each takes {count // number} cells{few}"
     return f"up to {number}, each takes {count // number} cells{few}; as many as are fastest, which the run measures"
 
 

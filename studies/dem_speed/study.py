@@ -205,9 +205,8 @@ def several_threads() -> Table:
     """Two beds of 50 000 particles in random order on one and two threads, in turn from one state; the least of each.
 
     One alone, one in gas, as it is fluidized, with lists as in scenes. `times_faster` compares times on the clock and
-    needs two quiet cores.
-    `times_by_cpu` is the number of threads times the CPU of one over that of all, with their waiting for each other:
-    what cores that are free would give.
+    needs two quiet cores. `times_by_cpu` is the number of threads times the CPU of one over that of all, with their
+    waiting for each other: what cores that are free would give.
     """
     alone, gas = _bed_alone(), bed_in_gas(skin=SKIN * D / 2)
     runs: dict[str, tuple[Any, Any, int]] = {

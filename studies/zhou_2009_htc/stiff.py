@@ -14,11 +14,6 @@ HERE = Path(__file__).parent
 REAL = 5e10  # Pa
 VELOCITIES = ("0.42", "1.4")  # m/s: packed and bubbling
 CONDUCTIVITIES = ("0.84", "30")  # W/m/K
-SOFT = {
-    " at 10 MPa, no correction": "no correction",
-    "": "$c$ = 0.182",
-    ", exponents 1/3 and 1/5": "powers 1/3 and 1/5",
-}
 
 
 def reference() -> Table:
@@ -38,12 +33,12 @@ def compute(cases: Sequence[str] = VELOCITIES) -> Tables:
 
 
 def plot(tables: Tables) -> dict[str, Any]:
-    """Conduction of soft beads by treatment, over that of stiff ones."""
+    """Conduction of soft beads by treatment, beside that of stiff ones."""
     figure, panels = gallery.figure(1, 2, size=(8.4, 3.8))
     soft, stiff = reference(), tables["stiff"]
     for axes, k in zip(panels, CONDUCTIVITIES, strict=True):
-        for (ending, text), marker in zip(SOFT.items(), "o^s", strict=True):
-            axes.plot(*study.part(soft, k + ending, *study.CONDUCTION), f"{marker}-", label=f"10 MPa, {text}")
+        for case, (style, text) in study.CORRECTIONS.items():
+            axes.plot(*study.part(soft, case.replace("0.84", k), *study.CONDUCTION), style, label=text)
         axes.plot(*study.part(stiff, k, *study.CONDUCTION), "k*", ms=12, label="50 GPa")
         axes.set(xlabel="$U$ [m/s]", title=f"$k_p$ = {k} W/m/K", ylim=(0, None))
     panels[0].set_ylabel("conduction [W/m$^2$/K]")

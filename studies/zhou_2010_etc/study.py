@@ -11,7 +11,7 @@ import numpy as np
 from contbed import closures
 from contbed.dem import heat, network
 from contbed.dem.heat_pair import IMPACT, STATIC, correction
-from contbed.dem.packing import pack
+from contbed.dem.packing import Packing, pack
 from contbed.dem.particle_tables import read_table
 from contbed.dem.particles import Material
 from contbed.materials import gas_mixture
@@ -22,7 +22,9 @@ HERE = Path(__file__).parent
 R, WIDTH, EPS, K_FLUID = 1e-3, 0.026, 0.391, 0.026
 BOTTOM, TOP, AREA = 2e-3, 24.7e-3, WIDTH**2
 SOFT, REAL = 1e7, 5e10  # modulus of the shared packing and of the material [Pa]
+COUNT = 2500  # of the shared packing
 RATIOS = np.geomspace(1, 1000, 13)
+POINTS = (10, 100, 1000)  # ratios of packings of our own
 MODULI = (1e6, 1e7, 1e8, 1e9, 1e10, 5e10)  # of packings of our own
 EXPONENTS = {"none": 0.0, "1/5": IMPACT, "1/3": STATIC}
 
@@ -32,12 +34,10 @@ def shared() -> Any:
     return read_table(HERE / "packing.csv.gz").x
 
 
-def own(modulus: float, seed: int = 1) -> tuple[Any, float]:
-    """Centres [m] and porosity of a bed of our own, settled and stiffened to a modulus [Pa]."""
-    bed = pack(
-        (WIDTH, WIDTH), radius=R, count=2500, seed=seed, material=Material(density=1000.0, youngs_modulus=modulus)
-    )
-    return bed.position, bed.statistics["porosity_core"]
+def own(modulus: float, seed: int = 1, count: int = COUNT, **how: Any) -> Packing:
+    """Settle and stiffen a bed of our own to a modulus [Pa], on a floor that grows with the number of spheres."""
+    width, material = WIDTH * (count / COUNT) ** 0.5, Material(density=1000.0, youngs_modulus=modulus)
+    return pack((width, width), radius=R, count=count, seed=seed, material=material, **how)
 
 
 def relative(
@@ -85,13 +85,15 @@ def curves(x: Any) -> dict[str, Any]:
 
 
 def moduli() -> list[tuple[Any, ...]]:
-    """Rows E, exponent, k_e/k_f at 10, 100 and 1000, from beds settled with each modulus."""
-    rows = []
-    for modulus in MODULI:
-        x, eps = own(modulus)
-        for name, exponent in EXPONENTS.items():
-            rows.append((modulus, name, *relative(x, (10, 100, 1000), correction(modulus, REAL, exponent), eps=eps)))
-    return rows
+    """Rows E, exponent, k_e/k_f at POINTS, from beds settled with each modulus."""
+    return [(modulus, *row) for modulus in MODULI for row in corrected(own(modulus))]
+
+
+def corrected(bed: Packing) -> list[tuple[Any, ...]]:
+    """Rows exponent, k_e/k_f at POINTS, of a bed that is corrected to the modulus of the material."""
+    eps, area = bed.statistics["porosity_core"], float(np.prod(bed.domain.upper[:2]))
+    factors = {name: correction(bed.material.youngs_modulus, REAL, exponent) for name, exponent in EXPONENTS.items()}
+    return [(name, *relative(bed.position, POINTS, factor, eps=eps, area=area)) for name, factor in factors.items()]
 
 
 def loaded(x: Any, moduli: Sequence[float]) -> Any:
@@ -126,14 +128,14 @@ def compute() -> Tables:
         print(f"diameter {1e3 * diameter:g} mm, ratios 30 and 1000:", values.round(3))
     for emissivity in (0.9, 0.4):
         print(f"k_e [W/m/K] at {t} degC, emissivity {emissivity}:", temperatures(x, t, emissivity=emissivity).round(4))
-    own_beds = {"E [Pa]": "g", "correction": "", **dict.fromkeys(("10", "100", "1000"), ".5g")}
+    own_beds = {"E [Pa]": "g", "correction": "", **dict.fromkeys(map(str, POINTS), ".5g")}
     return {"ratios": Table.from_columns(columns, ".5g"), "moduli": Table(own_beds, moduli())}
 
 
 def plot(tables: Tables) -> dict[str, Any]:
     """k_e/k_f over k_p/k_f without and with corrected contacts, beside correlations in grey."""
     found, own_beds = tables["ratios"], tables["moduli"]
-    ratio, points = found["k_p/k_f"], (10, 100, 1000)
+    ratio = found["k_p/k_f"]
     figure, panels = gallery.figure(1, 2, size=(10.5, 4.8), sharey=True)
     left, right = panels
     for name, style in zip(reference(1.0), ("-", "--", ":", ":"), strict=True):
@@ -144,7 +146,7 @@ def plot(tables: Tables) -> dict[str, Any]:
         for axes, wanted, marker in ((left, "none", "o"), (right, "1/5", "o"), (right, "1/3", "x")):
             row = own_beds.where({"E [Pa]": modulus, "correction": wanted})
             label = f"own bed, {modulus / 1e6:g} MPa" if wanted == "none" else None
-            axes.loglog(points, [row[f"{at}"][0] for at in points], marker, color=colour, ms=5, label=label)
+            axes.loglog(POINTS, [row[f"{at}"][0] for at in POINTS], marker, color=colour, ms=5, label=label)
     right.loglog(ratio, found["cones, 1/5"], color=gallery.BLUE, label="cones, exponent 1/5 (o)")
     right.loglog(ratio, found["cones, 1/3"], color=gallery.GREEN, label="cones, exponent 1/3 (x)")
     right.loglog(ratio, found["columns, 1/3"], color=gallery.VERMILION, label="columns, exponent 1/3")
