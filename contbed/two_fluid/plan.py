@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -19,11 +18,13 @@ from contbed.two_fluid import boundary, closure_kernels, filters, near_walls, pr
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, bound, dissipative_restitution
 from contbed.two_fluid.fv import grid
+from contbed.two_fluid.fv.connections import connect
 from contbed.two_fluid.linear.pressure_solver import uses_elimination
 from contbed.two_fluid.model import Materials, Options, build_model
 from contbed.two_fluid.simulation import Simulation
 
 if TYPE_CHECKING:
+    from contbed.two_fluid.distributed.division import Division
     from contbed.two_fluid.distributed.grid import SharedGrid
     from contbed.two_fluid.distributed.lattice import Lattice
 
@@ -46,7 +47,7 @@ class TwoFluidPlan:
     steps: bool = True
     policy: Unfactored = MEMORY
     without_weak_form: str = ""
-    lattice: Lattice | None = None  # from which ranks make their parts of the grid; `grid` is its outline
+    divided: Lattice | Division | None = None  # from which ranks make their parts of the grid; `grid` is its outline
     shared_grid: SharedGrid | None = None  # of ranks, which then have the grid; `grid` is its outline
 
     def unknowns(self) -> dict[str, int]:
@@ -64,14 +65,16 @@ class TwoFluidPlan:
         EngineError : fewer cells than ranks
         """
         from contbed.two_fluid.distributed.grid import SharedGrid
+        from contbed.two_fluid.distributed.lattice import Lattice
 
-        if self.lattice is None:
-            shared = SharedGrid.of_grid(self.grid, self.mesh.skfem)
+        cells, divided = (self.grid, self.divided) if self.divided else _shared(self.scene, self.mesh)
+        if isinstance(divided, Lattice):
+            shared = SharedGrid.of_lattice(divided, cells)
         else:
-            shared = SharedGrid.of_lattice(self.lattice, self.grid)
+            shared = SharedGrid.of_division(divided, self.mesh.skfem, cells)
         # a copy of the mesh leaves behind the lists of faces that the grid was built from
         mesh = replace(self.mesh, engine=engine, skfem=replace(self.mesh.skfem))
-        return replace(self, mesh=mesh, grid=shared.outline, shared_grid=shared)
+        return replace(self, mesh=mesh, grid=shared.outline, divided=None, shared_grid=shared)
 
     def bed(self) -> tuple[Simulation, closure_kernels.CompiledClosures]:
         """Build the bed with its initial fields, and its compiled closures."""
@@ -113,17 +116,14 @@ class TwoFluidPlan:
 
 
 def plan(scene: t.TwoFluidScene, shared: bool = False) -> TwoFluidPlan:
-    """Build mesh and grid; of a rectangular grid that is `shared` the outline only, as ranks make its parts.
+    """Build mesh and grid; of a grid that is `shared` the outline only, as ranks make its parts.
 
     Raises
     ------
     SceneError : the mesh cannot be used, a boundary has no condition or does not exist
     """
     mesh = _cut(build(scene.mesh, base=str(scene.origin.base)), scene)
-    pairs = [(name, part.partner) for name, part in scene.boundary.items() if isinstance(part, t.Periodic)]
-    cells, lattice = _shared(scene, mesh, pairs) if shared else (None, None)
-    if cells is None:
-        cells = grid.build(mesh, pairs)
+    cells, divided = _shared(scene, mesh) if shared else (grid.build(mesh, _pairs(scene)), None)
     _require_resolved(scene, mesh, cells)
     known = conditions(scene, cells)
     for name in cells.boundaries:
@@ -162,22 +162,26 @@ def plan(scene: t.TwoFluidScene, shared: bool = False) -> TwoFluidPlan:
         skipped.append(("fully developed flow", "[fully_developed] gives profiles far from the inlet in a second"))
     points = probes.cells(mesh, cells, scene.output.probes)
     seldom_meant = warnings.of_the_mesh(scene, mesh, cells)
-    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points, seldom_meant, lattice=lattice)
+    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points, seldom_meant, divided=divided)
 
 
-def _shared(
-    scene: t.TwoFluidScene, mesh: Mesh, pairs: Sequence[tuple[str, str]]
-) -> tuple[grid.Grid, Lattice] | tuple[None, None]:
-    """Return the outline of a rectangular grid of a built-in mesh, and its lattice; None where it is none."""
+def _pairs(scene: t.TwoFluidScene) -> list[tuple[str, str]]:
+    """Return the pairs of periodic boundaries."""
+    return [(name, part.partner) for name, part in scene.boundary.items() if isinstance(part, t.Periodic)]
+
+
+def _shared(scene: t.TwoFluidScene, mesh: Mesh) -> tuple[grid.Grid, Lattice | Division]:
+    """Return the outline of the grid of a mesh, and what ranks make their parts of it from."""
     from contbed.two_fluid.distributed.bricks import outline
+    from contbed.two_fluid.distributed.division import Division
     from contbed.two_fluid.distributed.lattice import lattice_of, numbers_of_facets
 
-    if isinstance(scene.mesh, MeshFile):
-        return None, None
-    lattice = lattice_of(mesh, scene.mesh.sides, pairs)
-    if lattice is None:
-        return None, None
-    return outline(lattice, numbers_of_facets(lattice, mesh, pairs)), lattice
+    pairs = _pairs(scene)
+    lattice = None if isinstance(scene.mesh, MeshFile) else lattice_of(mesh, scene.mesh.sides, pairs)
+    if lattice is not None:
+        return outline(lattice, numbers_of_facets(lattice, mesh, pairs)), lattice
+    division = Division.of(connect(mesh, pairs))
+    return division.outline(), division
 
 
 def _threads(cells: grid.Grid) -> str:

@@ -87,27 +87,30 @@ def longest(all_ranks: RankGroup, root: Any, key: int) -> Any:
 
 
 def grids(out: Path) -> None:
-    """How long the lists of a rectangular grid are on each rank, where building the whole fails."""
+    """How long the lists of a grid of rectangles and one of triangles are on each rank, where building it fails."""
     from contbed.two_fluid.fv import grid
 
     def refuse(*arguments: Any) -> Any:
         raise AssertionError("the grid has been built as a whole")
 
     grid.build = refuse
-    scene = BEDS["rectangles"] | {"mesh": BEDS["rectangles"]["mesh"] | {"cells": [40, 100]}}
 
     def main() -> None:
-        plan = on_dolfinx(models.plan(from_dict(scene), shared=True))
-        bed, _ = plan.bed()
-        assert len(bed.state.eps_s) == len(plan.grid.cells)  # put together, as for a row
-        bed.step_towards(1e3)
-        held = {name: len(value) for name, value in vars(bed._whole).items() if isinstance(value, np.ndarray)}
-        found = {
-            "lists": rank_group().run_on_all(longest, plan.shared_grid.key),
-            "outline": len(plan.grid.geometry.left),
-            "state": max(held.values()),
-            "fields": len(bed.state.eps_s),
-        }
+        found = {}
+        for name in ("rectangles", "triangles"):
+            scene = BEDS[name] | {"mesh": BEDS[name]["mesh"] | {"cells": [40, 100]}}
+            plan = on_dolfinx(models.plan(from_dict(scene), shared=True))
+            bed, _ = plan.bed()
+            assert len(bed.state.eps_s) == len(plan.grid.cells)  # put together, as for a row
+            bed.step_towards(1e3)
+            held = {key: len(value) for key, value in vars(bed._whole).items() if isinstance(value, np.ndarray)}
+            found[name] = {
+                "lists": rank_group().run_on_all(longest, plan.shared_grid.key),
+                "faces": plan.grid.face_count,
+                "outline": len(plan.grid.geometry.left),
+                "state": max(held.values()),
+                "fields": len(bed.state.eps_s),
+            }
         (out / "grids.json").write_text(json.dumps(found))
 
     run_on_root(main)

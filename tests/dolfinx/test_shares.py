@@ -48,13 +48,16 @@ def test_cells_and_sides_are_where_they_belong(name: str, ranks: int, written) -
 
 
 @pytest.mark.parametrize("ranks", [1, 2, 3])
-def test_no_rank_lists_the_whole_of_a_rectangular_grid(ranks: int, written) -> None:
-    """Faces of 40 x 100 cells are 8140; a part has its own ones and those of two layers of copies at each cut."""
-    found = json.loads((written("grids", ranks) / "grids.json").read_text())
+@pytest.mark.parametrize("shape", ["rectangles", "triangles"])
+def test_no_rank_lists_the_whole_of_a_grid(shape: str, ranks: int, written) -> None:
+    """Of 40 x 100 cells, or twice as many; a part has its own faces and those of two layers of copies at each cut."""
+    found = json.loads((written("grids", ranks) / "grids.json").read_text())[shape]
+    each = {"rectangles": 2, "triangles": 3}[shape]  # faces for each node
     assert len(found["lists"]) == ranks
-    assert max(found["lists"]) <= 8140 / ranks + 2 * 3 * 2 * 40
-    assert found["outline"] <= 7 * 2 * (40 + 100)  # faces along and across, in up to three rows at each side
-    assert found["state"] == 0 and found["fields"] == 4000  # between rows the first rank has no fields
+    assert max(found["lists"]) <= found["faces"] / ranks + 2 * 3 * each * 40
+    assert found["outline"] <= 7 * each * (40 + 100)  # in up to three rows at each side
+    # between rows the first rank has no fields
+    assert found["state"] == 0 and found["fields"] == {"rectangles": 4000, "triangles": 8000}[shape]
 
 
 @pytest.mark.parametrize("ranks", [1, 2])

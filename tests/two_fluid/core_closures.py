@@ -76,8 +76,13 @@ def solids(bed):
 
 def shaken(shape, cells, amount=0.15, seed=1):
     """Grid of a unit square whose inner nodes are moved at random by a share of the cell size."""
+    return grid.build(shaken_mesh(shape, cells, amount, seed))
+
+
+def shaken_mesh(shape, cells, amount=0.15, seed=1):
+    """Mesh of a unit square whose inner nodes are moved at random by a share of the cell size."""
     mesh = meshing.build(MeshRectangle(type="rectangle", length=1.0, height=1.0, cells=cells, shape=shape))
     p = mesh.skfem.p.copy()
     inner = ((p > 1e-9) & (p < 1 - 1e-9)).all(axis=0)
     p[:, inner] += amount / cells[0] * np.random.default_rng(seed).uniform(-1, 1, (2, inner.sum()))
-    return grid.build(replace(mesh, skfem=replace(mesh.skfem, doflocs=p)))
+    return replace(mesh, skfem=replace(mesh.skfem, doflocs=p))

@@ -7,10 +7,12 @@ from contbed.errors import EngineError
 from contbed.mesh import build as meshing
 from contbed.scene.mesh import MeshAxisymmetric, MeshBox, MeshLine, MeshRectangle
 from contbed.two_fluid.boundary import Wall, assemble
-from contbed.two_fluid.distributed import bricks, partition
+from contbed.two_fluid.distributed import bricks
+from contbed.two_fluid.distributed.division import Division
 from contbed.two_fluid.distributed.lattice import lattice_of, numbers_of_facets
 from contbed.two_fluid.end_pressure import end_pressure
 from contbed.two_fluid.fv import grid
+from contbed.two_fluid.fv.connections import connect
 
 # sizes are of the order of 1 and coordinates are rounded to 1e-16, so that differences of two over cells are to 1e-14
 ROUNDING = 1e-13
@@ -32,7 +34,7 @@ UNEVEN = [np.cumsum([0.0, 0.1, 0.2, 0.15, 0.3, 0.25]), np.cumsum([0.0, 0.5, 0.2,
 
 
 def made(name):
-    """Mesh, grid as built, and lattice."""
+    """Mesh, grid as built, what divides it, lattice and its boundaries."""
     if name == "uneven":
         settings, pairs = MeshRectangle(**PLANE, cells=(5, 3)), [LEFT]
         mesh = meshing.build(settings, UNEVEN)
@@ -40,7 +42,8 @@ def made(name):
         settings, pairs = GRIDS[name]
         mesh = meshing.build(settings)
     lattice = lattice_of(mesh, settings.sides, pairs)
-    return mesh, grid.build(mesh, pairs), lattice, numbers_of_facets(lattice, mesh, pairs)
+    division = Division.of(connect(mesh, pairs))
+    return mesh, grid.build(mesh, pairs), division, lattice, numbers_of_facets(lattice, mesh, pairs)
 
 
 def same(one, other):
@@ -60,18 +63,18 @@ def same(one, other):
 @pytest.mark.parametrize("size", [1, 2, 3, 4])
 @pytest.mark.parametrize("name", [*GRIDS, "uneven"])
 def test_parts_are_those_of_the_grid(name, size):
-    mesh, whole, lattice, _ = made(name)
+    mesh, whole, division, lattice, _ = made(name)
     shared = bricks.bricks_of(lattice, size)
     owner = shared.owner(lattice.places(np.arange(len(whole.cells))))
     assert sorted(set(owner)) == list(range(size))
-    for rank, part in enumerate(partition.split(whole, mesh.skfem, owner, size)):
-        same(part, shared.part(rank))
+    for rank, share in enumerate(division.split(mesh.skfem, owner, size)):
+        same(share.part(), shared.part(rank))
 
 
 @pytest.mark.parametrize("name", [*GRIDS, "uneven"])
 def test_outline_is_that_of_the_grid(name):
-    _, whole, lattice, boundaries = made(name)
-    kept, expected = bricks.outline(lattice, boundaries), partition.outline(whole)
+    _, whole, division, lattice, boundaries = made(name)
+    kept, expected = bricks.outline(lattice, boundaries), division.outline()
     assert kept.face_count == whole.face_count and kept.boundaries.keys() == whole.boundaries.keys()
     np.testing.assert_array_equal(kept.cells, whole.cells)
     np.testing.assert_allclose(np.ptp(kept.middles, axis=0), np.ptp(whole.middles, axis=0), rtol=0.0, atol=ROUNDING)

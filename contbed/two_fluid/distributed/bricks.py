@@ -11,8 +11,9 @@ import numpy as np
 from contbed.errors import EngineError
 from contbed.mesh.tensor import places
 from contbed.two_fluid.compiled import Indices
+from contbed.two_fluid.distributed.division import Outline
 from contbed.two_fluid.distributed.lattice import Lattice, joined, positions
-from contbed.two_fluid.distributed.partition import LAYERS, Outline, Part
+from contbed.two_fluid.distributed.partition import LAYERS, Part
 from contbed.two_fluid.files import in_order_of_vtk
 
 
@@ -128,7 +129,7 @@ def bricks_of(lattice: Lattice, size: int) -> Bricks:
 def outline(lattice: Lattice, boundaries: Mapping[str, Indices]) -> Outline:
     """Return the outline of a rectangular grid; `boundaries` are numbers of faces.
 
-    Like that of `partition.outline` it has the faces of cells that have a boundary face or are beside one that has,
+    Like that of `Division.outline` it has the faces of cells that have a boundary face or are beside one that has,
     and of the first and the last cell, which have the outermost ones.
     """
     place = lattice.places(np.array([0, lattice.tensor.bricks - 1]))

@@ -10,8 +10,9 @@ import skfem
 from contbed.fem.ranks import RankGroup, rank_group
 from contbed.two_fluid.compiled import Indices
 from contbed.two_fluid.distributed.bricks import Bricks, bricks_of
+from contbed.two_fluid.distributed.division import Division
 from contbed.two_fluid.distributed.lattice import Lattice
-from contbed.two_fluid.distributed.partition import Part, outline, owners, split
+from contbed.two_fluid.distributed.partition import Share
 from contbed.two_fluid.fv.grid import Grid
 
 
@@ -30,11 +31,16 @@ class SharedGrid:
         self.edges: list[Indices] = []
 
     @classmethod
-    def of_grid(cls, grid: Grid, mesh: skfem.Mesh) -> SharedGrid:
-        """Share out a grid that the root rank has."""
-        shared = cls(outline(grid))
-        owner = owners(grid, shared.ranks.comm.size)
-        return shared._made(take_part, root=split(grid, mesh, owner, shared.ranks.comm.size))
+    def of_division(cls, division: Division, mesh: skfem.Mesh, outline: Grid) -> SharedGrid:
+        """Share out the cells of a mesh and have each rank make its part of the grid.
+
+        Raises
+        ------
+        EngineError : fewer cells than ranks
+        """
+        shared = cls(outline)
+        size = shared.ranks.comm.size
+        return shared._made(take_part, root=division.split(mesh, division.owners(size), size))
 
     @classmethod
     def of_lattice(cls, lattice: Lattice, outline: Grid) -> SharedGrid:
@@ -47,7 +53,7 @@ class SharedGrid:
         shared = cls(outline)
         return shared._made(make_part, bricks_of(lattice, shared.ranks.comm.size))
 
-    def _made(self, function: Any, *arguments: Any, root: Iterator[Part] | None = None) -> SharedGrid:
+    def _made(self, function: Any, *arguments: Any, root: Iterator[Share] | None = None) -> SharedGrid:
         edges = len(self.outline.geometry.left) - self.outline.interior
         numbers = self.ranks.run_on_all(function, self.key, *arguments, root=root)
         self.edges = [mine - (self.outline.face_count - edges) for mine in numbers]
@@ -58,19 +64,16 @@ class SharedGrid:
 
 
 def take_part(all_ranks: RankGroup, root: Any, key: int) -> Any:
-    """Keep the part of this rank as object `key`; root yields those of all ranks, each sent before the next is made.
+    """Make the part of this rank from its share as object `key`; root yields those of all ranks, one after the other.
 
     The root rank gets the boundary faces of each.
     """
     if not all_ranks.is_root:
-        return _kept(all_ranks, key, all_ranks.comm.recv(source=0))
-    mine = None
-    for part in root:
-        if part.rank == 0:
-            mine = part
-        else:
-            all_ranks.comm.send(part, part.rank)
-    return _kept(all_ranks, key, mine)
+        return _kept(all_ranks, key, all_ranks.comm.recv(source=0).part())
+    mine = next(root)
+    for share in root:
+        all_ranks.comm.send(share, share.rank)
+    return _kept(all_ranks, key, mine.part())
 
 
 def make_part(all_ranks: RankGroup, root: Any, key: int, bricks: Bricks) -> Any:

@@ -14,19 +14,13 @@ from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import reverse_cuthill_mckee
-from skfem.quadrature import get_quadrature
 
 from contbed import threads
-from contbed.errors import SceneError
 from contbed.mesh.mesh import Mesh
+from contbed.two_fluid.compiled import Flags
+from contbed.two_fluid.fv.connections import SKEWED, Links, Offsets, beside, connect, offsets, skewness
 from contbed.two_fluid.fv.halo import WHOLE, Halo
-from contbed.two_fluid.fv.rows import Rows, build_rows, numbering, part_of_rows, places
-
-Map = Callable[[np.ndarray, np.ndarray], np.ndarray]
-
-CELLS_AT_ONCE = 20_000  # cells whose maps are in memory
+from contbed.two_fluid.fv.rows import Rows, build_rows, part_of_rows
 
 
 class Geometry(NamedTuple):
@@ -181,177 +175,94 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
     ------
     SceneError : a periodic pair that does not match, a cell without volume or a face that its cells do not face
     """
-    old = mesh.skfem
-    dim, count = old.dim(), old.nelements
-    first, second = old.f2t
-    plain, centres = _middles(count, old.refdom, old.mapping().F, old.mapping().detDF)
-    weight = plain
-    if mesh.axisymmetric:
-        weight = 2 * np.pi * centres[:, 0] * plain
-    if not (weight > 0).all():
-        raise SceneError(f"mesh: {np.sum(~(weight > 0))} cells have no volume; repair the mesh")
-    _, middles = _middles(old.facets.shape[1], old.brefdom, old.mapping().G, old.mapping().detDG)
-    vector = _vectors(old.p[:, old.facets])
-    vector *= np.sign(((middles - centres[first]) * vector).sum(axis=1))[:, None]
-    flat = np.linalg.norm(vector, axis=1)
-    area = 2 * np.pi * middles[:, 0] * flat if mesh.axisymmetric else flat
-    joined = _pairs(mesh, periodic, middles)
-
-    interior = np.flatnonzero(second >= 0)
-    front, back = np.concatenate((interior, joined[0])), np.concatenate((interior, joined[1]))
-    left, right = first[front], np.concatenate((second[interior], first[joined[1]]))
-    graph = sp.coo_matrix((np.ones(len(left)), (left, right)), (count, count)).tocsr()
-    cells = np.asarray(reverse_cuthill_mckee(graph + graph.T, symmetric_mode=True), dtype=np.int64)
-    rank = np.empty(count, dtype=np.int64)
-    rank[cells] = np.arange(count)
-    bandwidth = int(np.abs(rank[left] - rank[right]).max(initial=0))
-    place = places(centres, vector / flat[:, None], left[: len(interior)], right[: len(interior)])
-    if place is not None:
-        cells = numbering(place)
-        rank[cells] = np.arange(count)
-
-    left, right = rank[left], rank[right]
-    if place is None:
-        turned = left > right
-        order = np.lexsort((np.maximum(left, right), np.minimum(left, right)))
-    else:
-        turned = vector[front].sum(axis=1) < 0
-        low, high = np.where(turned, right, left), np.where(turned, left, right)
-        order = np.lexsort((low, high - low, np.argmax(np.abs(vector[front]), axis=1)))
-    edge = np.setdiff1d(np.flatnonzero(second < 0), np.concatenate(joined))
-    if place is not None:
-        # in the order of their cells, so that those of a part of the cells follow each other
-        edge = edge[np.argsort(rank[first[edge]], kind="stable")]
-    seen = np.where(turned, back, front)[order], np.where(turned, front, back)[order]
-    face = np.concatenate((front[order], edge))  # facet that lends area and normal
-    sign = np.concatenate((np.where(turned, -1.0, 1.0)[order], np.ones(len(edge))))
-    left, right = (
-        np.concatenate((np.where(turned, right, left)[order], rank[first[edge]])),
-        np.where(turned, left, right)[order],
+    c = connect(mesh, periodic)
+    links = c.links(np.arange(len(c.left)))
+    apart = offsets(links)
+    return Grid(
+        geometry(links, apart, mesh.axisymmetric, skewness(links, apart) > SKEWED),
+        c.cells,
+        links.centres,
+        links.middles,
+        c.boundaries,
+        c.regions,
+        mesh.axisymmetric,
+        c.bandwidth,
+        c.place is not None,
+        None if c.place is None or periodic else c.place[c.cells],
     )
-    centres, volume = centres[cells], weight[cells]
-    normal = sign[:, None] * vector[face] / flat[face][:, None]
-    ni = len(right)
-    arm_left = middles[np.concatenate((seen[0], edge))] - centres[left]
-    arm_right = middles[seen[1]] - centres[right]
-    d = arm_left.copy()
-    d[:ni] -= arm_right
-    distance = (d * normal).sum(axis=1)
-    if not (distance > 0).all():
-        where = middles[face][np.argmin(distance)]
-        raise SceneError(f"mesh: the cells beside the face at {where} do not face each other; improve the mesh there")
-    share = -(arm_right * normal[:ni]).sum(axis=1) / distance[:ni]
-    skew = arm_left[:ni] - (1 - share)[:, None] * d[:ni]
-    cross = normal - d / distance[:, None]
-    size = np.sqrt((d * d).sum(axis=1))
-    skewed = max(np.abs(cross[:ni]).max(initial=0), (np.abs(skew) / size[:ni, None]).max(initial=0)) > 1e-8
-    moment = np.zeros((count, dim, dim))
-    outer = flat[face][:, None, None] * normal[:, :, None] * normal[:, None, :]
-    np.add.at(moment, left, outer)
-    np.add.at(moment, right, outer[:ni])
-    slopes = _slopes(d, left, right, count, bool(skewed))
+
+
+def geometry(links: Links, apart: Offsets, axisymmetric: bool, skewed: bool, complete: int | None = None) -> Geometry:
+    """Return the lists of a grid, or of the first `complete` cells of a part and of the faces of these alone.
+
+    Of those the part has all faces; on skewed grids also all of their neighbours and of the neighbours of these.
+    """
+    dim, count = links.centres.shape[1], len(links.centres)
+    last = count if complete is None else complete
+    inside: slice | Flags = slice(None)
+    kept: slice | Flags = slice(None)
+    if complete is not None:
+        inside, edge = faces_of(links, complete)
+        kept = np.concatenate((inside, edge))
+    left, right, centres = links.left[kept], links.right[inside], links.centres[:last]
+    across = apart.size[:, None, None] * apart.normal[:, :, None] * apart.normal[:, None, :]
+    moment = _summed(across, links)[:last]
+    slopes = _slopes(links, apart, skewed, last, (kept, inside))
+    size, middles = apart.size[kept], links.middles[kept]
     arrays = (
         left,
         right,
-        area[face],
-        flat[face],
-        normal,
-        distance,
-        cross,
-        share,
-        skew,
-        arm_left,
-        arm_right,
+        2 * np.pi * middles[:, 0] * size if axisymmetric else size,
+        size,
+        apart.normal[kept],
+        apart.distance[kept],
+        apart.non_orthogonal[kept],
+        apart.weight[inside],
+        apart.skew[inside],
+        apart.arm_left[kept],
+        apart.arm_right[inside],
         *slopes,
-        volume,
+        links.volume[:last],
         np.linalg.inv(moment),
-        centres[:, 0] if mesh.axisymmetric else np.zeros(count),
+        centres[:, 0] if axisymmetric else np.zeros(last),
     )
-    number = np.full(len(first), -1)
-    number[edge] = ni + np.arange(len(edge))
-    named = {name: number[facets] for name, facets in old.boundaries.items()}
-    return Grid(
-        Geometry._make([*map(np.ascontiguousarray, arrays), bool(skewed), (0,) * dim, ni, len(left)]),
-        cells,
-        centres,
-        middles[face],
-        {name: np.sort(f[f >= 0]) for name, f in named.items() if (f >= 0).any()},
-        {name: np.sort(rank[c]) for name, c in old.subdomains.items()},
-        mesh.axisymmetric,
-        bandwidth,
-        place is not None,
-        None if place is None or periodic else place[cells],
-    )
+    return Geometry._make([*map(np.ascontiguousarray, arrays), skewed, (0,) * dim, len(right), len(left)])
 
 
-def _middles(count: int, reference: type, place: Map, determinant: Map) -> tuple[np.ndarray, np.ndarray]:
-    """Return sizes (count,) and middles (count, dim) of cells or faces, by quadrature in the `reference` one.
-
-    In parts, as the maps of hexahedra are large.
-    """
-    # order 4 is exact: a trilinear map has a determinant of degree 2 in each direction, and the place adds one
-    points, weights = get_quadrature(reference, 4)
-    sizes, middles = [], []
-    for part in np.array_split(np.arange(count), count // CELLS_AT_ONCE + 1):
-        dx = np.abs(determinant(points, part)) * weights
-        sizes.append(dx.sum(axis=1))
-        middles.append((place(points, part) * dx).sum(axis=2).T / sizes[-1][:, None])
-    return np.concatenate(sizes), np.concatenate(middles)
+def faces_of(links: Links, complete: int) -> tuple[Flags, Flags]:
+    """Mark the interior and the boundary faces of the first `complete` cells of a part alone."""
+    ni = len(links.right)
+    return (links.left[:ni] < complete) & (links.right < complete), links.left[ni:] < complete
 
 
-def _vectors(p: np.ndarray) -> np.ndarray:
-    """Area vectors (nf, dim) of faces with the corners p (dim, corners, nf), of either sign."""
-    if len(p) == 1:
-        return np.ones((p.shape[2], 1))
-    along = p[:, 1] - p[:, 0]
-    if len(p) == 2:
-        return np.stack((along[1], -along[0]), axis=1)
-    # of a warped face the integral of the normal, too
-    return 0.5 * np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1] if p.shape[1] == 4 else along, axis=0).T
+def _summed(values: np.ndarray, links: Links) -> np.ndarray:
+    """Sum over the faces of each cell (nc, ...) of values (nf, ...)."""
+    found = np.zeros((len(links.centres), *values.shape[1:]))
+    np.add.at(found, links.left, values)
+    np.add.at(found, links.right, values[: len(links.right)])
+    return found
+
+
+def _slopes(
+    links: Links, apart: Offsets, wide: bool, last: int, kept: tuple[slice | Flags, slice | Flags]
+) -> tuple[np.ndarray, ...]:
+    """`slope_left`, `slope_right`, `gradient_inverse` of least-squares gradients with weights 1/d2."""
+    ni, d = len(links.right), apart.between
+    weighted = d / (d * d).sum(axis=1)[:, None]
+    own = _summed(weighted[:, :, None] * d[:, None, :], links)
+    of_left, of_right = weighted[kept[0]], weighted[:ni][kept[1]]
+    if not wide:
+        inverse = np.linalg.inv(own[:last])
+        sides = ((links.left[kept[0]], of_left), (links.right[kept[1]], of_right))
+        there, here = (np.einsum("fij,fj->fi", inverse[cells], values) for cells, values in sides)
+        return there, here, np.empty((0, *own.shape[1:]))
+    moment = own.copy()
+    np.add.at(moment, links.left[:ni], own[links.right])
+    np.add.at(moment, links.right, own[links.left[:ni]])
+    return of_left, of_right, np.linalg.inv(moment[:last])
 
 
 def neighbours(grid: Grid) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Start (nc + 1,), beside, faces : neighbours of each cell from start[c] to start[c + 1], and the faces between."""
     g = grid.geometry
-    other = np.flatnonzero(g.left[: grid.interior] != g.right)  # a periodic row of one cell links with itself
-    ends = np.concatenate((g.left[other], g.right[other])), np.concatenate((g.right[other], g.left[other]))
-    order = np.argsort(ends[0], kind="stable")
-    start = np.searchsorted(ends[0][order], np.arange(len(grid.cells) + 1))
-    return start, ends[1][order], np.concatenate((other, other))[order]
-
-
-def _pairs(mesh: Mesh, periodic: Sequence[tuple[str, str]], middles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Facets on either side of the periodic boundaries, in the same order."""
-    one: list[np.ndarray] = [np.empty(0, dtype=np.int64)]
-    two: list[np.ndarray] = [np.empty(0, dtype=np.int64)]
-    for a, b in periodic:
-        here, there = (mesh.skfem.boundaries[name] for name in (a, b))
-        x, y = middles[here], middles[there]
-        if len(x) != len(y):
-            raise SceneError(f"mesh: periodic {a} has {len(x)} faces and {b} has {len(y)}; mesh both sides alike")
-        shift = y.mean(axis=0) - x.mean(axis=0)
-        tolerance = 1e-6 * np.linalg.norm(shift)
-        keys = [np.lexsort(np.rint(points / tolerance).T) for points in (x + shift, y)]
-        if np.abs((x + shift)[keys[0]] - y[keys[1]]).max() > 10 * tolerance:
-            raise SceneError(f"mesh: periodic {a} and {b} are not shifted copies; mesh both sides alike")
-        one.append(here[keys[0]])
-        two.append(there[keys[1]])
-    return np.concatenate(one), np.concatenate(two)
-
-
-def _slopes(d: np.ndarray, left: np.ndarray, right: np.ndarray, count: int, wide: bool) -> tuple[np.ndarray, ...]:
-    """`slope_left`, `slope_right`, `gradient_inverse` of least-squares gradients with weights 1/d2."""
-    ni = len(right)
-    weighted = d / (d * d).sum(axis=1)[:, None]
-    own = np.zeros((count, d.shape[1], d.shape[1]))
-    outer = weighted[:, :, None] * d[:, None, :]
-    np.add.at(own, left, outer)
-    np.add.at(own, right, outer[:ni])
-    if not wide:
-        inverse = np.linalg.inv(own)
-        there, here = (np.einsum("fij,fj->fi", inverse[side], weighted[: len(side)]) for side in (left, right))
-        return there, here, np.empty((0, *own.shape[1:]))
-    moment = own.copy()
-    np.add.at(moment, left[:ni], own[right])
-    np.add.at(moment, right, own[left[:ni]])
-    return weighted, weighted[:ni], np.linalg.inv(moment)
+    return beside(g.left[: grid.interior], g.right, len(grid.cells))
