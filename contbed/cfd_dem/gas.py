@@ -107,8 +107,12 @@ class Gas:
 
     @property
     def courant(self) -> float:
-        """Largest share of a cell that the gas crosses in a second [1/s]."""
-        return float(np.max(np.abs(self.u) / self.grid.size[self.grid.face_axis]))
+        """Largest share of a cell that the gas crosses in a second [1/s], that of an inlet that has changed included."""
+        grid, speed, below = self.grid, np.abs(self.u), self._below
+        porosity = kernels.face_means(self.eps, grid.face_cell[below])
+        entering = self.inlet_mass[below] / (self.fluid.density(self.inlet_T[below]) * porosity)
+        speed[below] = np.maximum(speed[below], entering)
+        return float(np.max(speed / grid.size[grid.face_axis]))
 
     @property
     def pressure_drop(self) -> float:
@@ -343,6 +347,8 @@ class Gas:
         mass = self.fluid.density(upwind) * self.q * self._area
         self._count(dt, "mass", mass)
         self.mass = self.mass - dt * kernels.divergence(mass, grid.cell_face)
+        if not (self.mass[grid.open_cells] > 0.0).all():
+            raise ConvergenceError(f"gas: more leaves a cell in a step of {dt:.3g} s than it holds; shorten gas.step")
         if not self.energy:
             return
         heat = mass * (self.fluid.enthalpy(upwind) - self._base)

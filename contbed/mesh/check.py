@@ -41,6 +41,7 @@ MIRROR = {
 }
 HEXAHEDRON_TO_SKFEM = [0, 1, 3, 4, 2, 5, 7, 6]
 GROUP = ["Physical Point", "Physical Curve", "Physical Surface", "Physical Volume"]
+AT_ONCE = 20_000  # cells whose corners are in memory
 FLAT = 1e-13  # sine of the angle at a corner; round-off of a flat corner is some 1e-16, thin layers have 1e-9
 
 
@@ -157,13 +158,15 @@ def _in_plane(file: str, x: np.ndarray, dim: int) -> np.ndarray:
 
 def _orient(x: np.ndarray, nodes: np.ndarray, kind: str) -> tuple[np.ndarray, np.ndarray]:
     """Return the nodes of the cells in positive orientation, and the numbers of cells that have none."""
-    corners = x[nodes[:, CORNERS[kind]]]
-    edges = corners[:, :, 1:] - corners[:, :, :1]
-    lengths = np.linalg.norm(edges, axis=-1, keepdims=True)
-    sine = np.linalg.det(edges / np.where(lengths > 0, lengths, 1.0))
-    negative = (sine < -FLAT).all(axis=1)
-    flat = np.flatnonzero(~negative & ~(sine > FLAT).all(axis=1))
-    return np.where(negative[:, None], nodes[:, MIRROR[kind]], nodes), flat
+    negative, positive = (np.empty(len(nodes), dtype=np.bool_) for _ in range(2))
+    for first in range(0, len(nodes), AT_ONCE):
+        some = slice(first, first + AT_ONCE)
+        corners = x[nodes[some][:, CORNERS[kind]]]
+        edges = corners[:, :, 1:] - corners[:, :, :1]
+        lengths = np.linalg.norm(edges, axis=-1, keepdims=True)
+        sine = np.linalg.det(edges / np.where(lengths > 0, lengths, 1.0))
+        negative[some], positive[some] = (sine < -FLAT).all(axis=1), (sine > FLAT).all(axis=1)
+    return np.where(negative[:, None], nodes[:, MIRROR[kind]], nodes), np.flatnonzero(~negative & ~positive)
 
 
 def _overlaps(file: str, mesh: skfem.Mesh) -> list[str]:

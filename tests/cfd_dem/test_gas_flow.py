@@ -1,5 +1,6 @@
 """Gas between particles: exact pressure drop, exchange to rounding, Schumann's fronts, fluidization, restart."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -17,11 +18,12 @@ from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain
-from contbed.errors import SceneError
+from contbed.errors import ConvergenceError, SceneError
 from contbed.materials.constant import ConstantFluid
 from contbed.materials.gas import gas_mixture
 
 AIR = ConstantFluid(1.2, 1005.0, 1.8e-5, 0.026)
+HOT_AIR = gas_mixture("N2:0.79, O2:0.21", 101325.0)
 D = 2e-3
 GLASS = Material(2500.0, 1e6, restitution=0.5)
 VOLUME = np.pi / 6 * D**3
@@ -322,6 +324,34 @@ def test_a_hot_jet_closes_its_balances_and_restarts_bit_for_bit(packing):
     again.run(0.01)
     for name, value in whole.state().items():
         assert np.array_equal(value, again.state()[name], equal_nan=True), name
+
+
+def test_a_hot_jet_that_begins_shortens_the_first_step():
+    """Air of 900 K and 40 m/s from an eighth of the floor into a loose bed, where the mean gas takes 1 m/s.
+
+    A step by the mean gas would be 3 of a cell; convection by upwinding keeps temperatures between those that enter.
+    """
+    simulation = Simulation(Particles(lattice(1.1 * D, 20, 3, 30), D / 2), [GLASS], [], Domain(), impact_speed=0.3)
+    gas = Gas(
+        Grid(np.zeros(3), np.array([3.0, 4.0, 3.0]) * D, (8, 1, 40), (True, True)), HOT_AIR, drag_gidaspow, nusselt_gunn
+    )
+    gas.inlet(0.7, 300.0, (6 * D, 9 * D), 40.0, 900.0)
+    bed = Bed(simulation, gas, gas_step=1e-3, T=300.0)
+    bed.run(1e-3)
+    assert gas.counts["steps"] > 10
+    assert gas.T.min() >= 300.0 - 1e-9 and 500.0 < gas.T.max() <= 900.0 + 1e-9
+
+
+def test_a_step_in_which_more_leaves_a_cell_than_it_holds_is_an_error():
+    gas = Gas(box(), HOT_AIR, drag_gidaspow, nusselt_gunn)
+    bed = replace(at_rest(lattice(1.1 * D, 8, 8, 12)), T=np.full(768, 300.0))
+    gas.inlet(0.7, 300.0)
+    gas.start(bed)
+    gas.inlet(0.7, 300.0, (3 * D, 6 * D), 40.0, 900.0)
+    with pytest.raises(
+        ConvergenceError, match=r"more leaves a cell in a step of 0.01 s than it holds; shorten gas.step"
+    ):
+        gas.step(1e-2, bed)
 
 
 def test_radiation_tells_what_it_does_not_balance(packing):
