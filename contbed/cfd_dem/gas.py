@@ -107,7 +107,7 @@ class Gas:
 
     @property
     def courant(self) -> float:
-        """Largest share of a cell that the gas crosses in a second [1/s], that of an inlet that has changed included."""
+        """Largest share of a cell that the gas crosses in a second [1/s], at an inlet that has changed as well."""
         grid, speed, below = self.grid, np.abs(self.u), self._below
         porosity = kernels.face_means(self.eps, grid.face_cell[below])
         entering = self.inlet_mass[below] / (self.fluid.density(self.inlet_T[below]) * porosity)
