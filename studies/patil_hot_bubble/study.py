@@ -12,6 +12,7 @@ import numpy as np
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.grid import Grid
+from contbed.cfd_dem.plan import SKIN
 from contbed.closures import drag_gidaspow, nusselt_gunn
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles
@@ -77,7 +78,8 @@ def coupled(case: Case, packing: Mapping[str, np.ndarray]) -> tuple[Bed, Callabl
     height = ROOM * float(packing["height"])
     domain = Domain((0, 0, 0), (case.width, case.depth, np.inf), (False, True, False))
     spheres = Particles(packing["settled"], case.d / 2)
-    simulation = Simulation(spheres, [GLASS], box(domain), domain, impact_speed=1.0, largest_overlap=0.1)
+    lists = SKIN * case.d / 2
+    simulation = Simulation(spheres, [GLASS], box(domain), domain, impact_speed=1.0, largest_overlap=0.1, skin=lists)
     # cells of about 2.3 diameters, such that an even number of them spans the nozzle
     across = case.nozzle / max(1, round(case.nozzle / (2.34 * case.d)))
     layers = max(1, round(case.depth / (3.0 * case.d)))
@@ -120,13 +122,14 @@ def bubble(gas: Gas) -> tuple[float, float, float]:
 def run(name: str) -> list[tuple[float, ...]]:
     """Bubble and hottest particle over time; particles and gas at some times are kept as raw fields.
 
-    A run that was cut off goes on from its last sample.
+    A run that was cut off goes on from its last sample, or from the settled bed.
     """
     case, folder = Case(name), raw(HERE.name) / name
     folder.mkdir(parents=True, exist_ok=True)
     start = gallery.user_time()
     kept = checkpoint.load(folder)[0] if (folder / checkpoint.NAME).is_file() else {"rows": np.empty((0, 5))}
     packing = {key: kept[key] for key in ("settled", "height")} if "settled" in kept else settled(case)
+    checkpoint.save(folder, {**packing, **kept}, {})
     bed, inlet = coupled(case, packing)
     rows, shots = kept["rows"].tolist(), {key: kept[key] for key in kept if key.startswith(("x_", "T_"))}
     if rows:
