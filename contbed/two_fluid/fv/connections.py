@@ -244,9 +244,9 @@ def _measured(p: Array, corners: Indices, shape: type) -> tuple[Array, Array]:
         return np.ones(count), p[:, corners[0]].T.copy()
     element = lagrange(shape, 1)
     straight = many == element.dim + 1
-    # exact: a trilinear map has a determinant of degree 2 along each axis, and the place adds one. Straight cells need one
-    # point; but the last digits of their middles decide whether a level bed on triangles comes to rest: 24 of 24 do with
-    # six points from the first corner, 20 with one point, 12 with six points by shape functions
+    # exact: a trilinear map has a determinant of degree 2 along each axis, and the place adds one. Straight cells need
+    # one point, but the last digits of their middles decide whether a level bed on triangles comes to rest: 24 of 24
+    # do with six points from the first corner, 20 with one point, 12 with six points by shape functions
     # (test_level_bed_on_triangles_calms_down)
     points, weights = get_quadrature(shape, 4 if straight else 3)
     values, slopes = element.table(points), [element.table(points, axis) for axis in range(element.dim)]
