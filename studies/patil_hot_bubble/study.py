@@ -128,8 +128,10 @@ def run(name: str) -> list[tuple[float, ...]]:
     folder.mkdir(parents=True, exist_ok=True)
     start = gallery.user_time()
     kept = checkpoint.load(folder)[0] if (folder / checkpoint.NAME).is_file() else {"rows": np.empty((0, 5))}
-    packing = {key: kept[key] for key in ("settled", "height")} if "settled" in kept else settled(case)
-    checkpoint.save(folder, {**packing, **kept}, {})
+    if "settled" not in kept:
+        kept |= settled(case)
+        checkpoint.save(folder, kept, {})
+    packing = {key: kept[key] for key in ("settled", "height")}
     bed, inlet = coupled(case, packing)
     rows, shots = kept["rows"].tolist(), {key: kept[key] for key in kept if key.startswith(("x_", "T_"))}
     if rows:

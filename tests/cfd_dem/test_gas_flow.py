@@ -77,6 +77,8 @@ def crowd():
 def test_the_same_bits_on_several_threads(monkeypatch):
     """With heat; sums are in parts whatever the number of threads is, which may change from one kernel to the next."""
     found, turn = [], cycle((1, 3, 2))
+    with threads.using(3):
+        assert threads.count(len(crowd()[1].x)) == 3
     for count in (lambda *_: 1, lambda *_: 3, lambda *_: next(turn)):
         gas, bed = crowd()
         monkeypatch.setattr(threads, "count", count)
