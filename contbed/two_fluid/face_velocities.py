@@ -180,6 +180,12 @@ def predict_on_faces(
                 cross_p += cross * (w * grad_p[left, d] + (1.0 - w) * grad_p[right, d])
                 cross_kinetic += cross * (w * grad_kinetic[left, d] + (1.0 - w) * grad_kinetic[right, d])
                 cross_rest += cross * (w * grad_rest[left, d] + (1.0 - w) * grad_rest[right, d])
+            # a cell with few particles, which fall, must not pull others out of a cell where they rest
+            here, there = (left, right) if hs >= 0.0 else (right, left)
+            own, share = 0.0, neighbour_weight(s[there], s[here])
+            for k in range(dim):
+                own += g.normal[f, k] * h_s[here, k]
+            hs = own + share * (hs - own)
             # the gradients of cells around must not push where there are no particles
             most = (kinetic[left] + kinetic[right]) / distance
             cross_kinetic = min(max(cross_kinetic, -most), most)

@@ -14,7 +14,7 @@ from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.grid import Grid
 from contbed.cfd_dem.plan import SKIN
 from contbed.closures import drag_gidaspow, nusselt_gunn
-from contbed.dem.packing import pack
+from contbed.dem.packing import loose_height, pack
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain, box
@@ -35,6 +35,8 @@ GLASS = Material(density=2526.0, youngs_modulus=5e6, restitution=0.97, sliding_f
 OPEN = 0.8  # porosity above which a cell belongs to a bubble
 EVERY = 0.01  # s, between samples
 SHOWN = (0.1, 0.2, 0.3, 0.4)  # s
+OVERLAP = 0.15  # of the radius, to which the weight of 28 cm of spheres of 1 mm presses some of them together
+DEEP = 400.0  # diameters of the loose bed; one that falls so far would bounce for long while it settles
 ROOM = 3.0  # height of the gas over that of the bed: a plug on the bubble rises to more than twice of it
 AIR = "N2:0.79, O2:0.21"
 CASES = ("half_2mm_300", "half_2mm_900", "half_3mm_300", "half_3mm_600", "half_3mm_900")
@@ -56,6 +58,7 @@ class Case:
         self.width, self.nozzle, self.depth = self.scale * WIDTH, self.scale * NOZZLE, 4.0 * self.d
         self.velocity = BACKGROUND[int(size)]
         self.count = round(COUNT * (3e-3 / self.d) ** 3 * self.depth / DEPTH * self.scale**2)
+        self.is_deep = loose_height(np.full(self.count, self.d / 2), self.width * self.depth) > DEEP * self.d
 
 
 def settled(case: Case) -> dict[str, np.ndarray]:
@@ -69,6 +72,8 @@ def settled(case: Case) -> dict[str, np.ndarray]:
         material=damped,
         seed=1,
         at_rest=1e-3,
+        skin=SKIN * case.d / 2 if case.is_deep else None,
+        kinetic_damping=case.is_deep,
     )
     return {"settled": packing.position, "height": np.array(packing.statistics["height"])}
 
@@ -79,7 +84,9 @@ def coupled(case: Case, packing: Mapping[str, np.ndarray]) -> tuple[Bed, Callabl
     domain = Domain((0, 0, 0), (case.width, case.depth, np.inf), (False, True, False))
     spheres = Particles(packing["settled"], case.d / 2)
     lists = SKIN * case.d / 2
-    simulation = Simulation(spheres, [GLASS], box(domain), domain, impact_speed=1.0, largest_overlap=0.1, skin=lists)
+    simulation = Simulation(
+        spheres, [GLASS], box(domain), domain, impact_speed=1.0, largest_overlap=OVERLAP, skin=lists
+    )
     # cells of about 2.3 diameters, such that an even number of them spans the nozzle
     across = case.nozzle / max(1, round(case.nozzle / (2.34 * case.d)))
     layers = max(1, round(case.depth / (3.0 * case.d)))

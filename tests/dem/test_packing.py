@@ -109,6 +109,21 @@ def test_a_bed_that_does_not_rest(monkeypatch):
         pack((5 * D, 5 * D), count=60, material=SOFT)
 
 
+def test_kinetic_damping_stops_a_bed_that_bounces(monkeypatch):
+    bouncing = {"width": (5 * D, 5 * D), "count": 400, "periodic": (True, True), "seed": 1, "at_rest": 1e-4}
+    bouncing["material"] = Material(youngs_modulus=1e6, sliding_friction=0.1)
+    free = pack(**bouncing)
+    monkeypatch.setattr("contbed.dem.settling.LONGEST", 0.12)  # s beside the fall; it bounces for 0.17 s without
+    with pytest.raises(ConvergenceError, match="is wanted"):
+        pack(**bouncing)
+    stopped = pack(**bouncing, kinetic_damping=True)
+    assert 0.0 < stopped.statistics["kinetic_energy"] < 1e-4
+    # bouncing makes a bed denser: by 0.003 here, by 0.008 where it is 100 diameters deep
+    assert 0.0 < stopped.statistics["porosity_core"] - free.statistics["porosity_core"] < 0.01
+    with pytest.raises(SceneError, match="LAMMPS settles without kinetic damping"):
+        pack(**bouncing, kinetic_damping=True, engine="lammps")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 3])
 def test_2500_spheres(seed):

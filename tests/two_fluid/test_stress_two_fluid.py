@@ -94,16 +94,20 @@ def test_random_fields_calm_down(changes):
 @pytest.mark.parametrize(("size", "most"), [(None, 1e-4), (0.01, 1e-3)])
 def test_level_bed_on_triangles_calms_down(size, most, tmp_path):
     # the surface cuts gmsh's triangles at unequal heights, and where friction is a viscosity they level at 3e-4 m/s;
-    # forces without a potential and cells that follow their empty neighbours keep a bed at 6e-2 m/s
+    # forces without a potential and cells that follow their empty neighbours keep a bed at 6e-2 m/s, and rounding in
+    # empty cells throws particles from the surface at 4e-2 m/s now and then if they share the velocities of its faces
+    def look(bed):
+        speed = np.linalg.norm(bed.state.u_solid, axis=1)
+        assert speed.max(where=bed.state.eps_s > 1e-2, initial=0.0) < most
+
     mesh = None
     if size is not None:
         (tmp_path / "bed.geo").write_text(geometry("triangles", 0.1, 0.3, size))
         mesh = {"type": "file", "file": str(tmp_path / "bed.geo")}
     layer = {"layer": [{"end": 0.12, "eps_s": 0.58}], "theta": 1e-4}
     bed = build(initial=layer, cells=(9, 27), shape="triangle", mesh=mesh)
-    bed.advance(4.0)
-    speed = np.linalg.norm(bed.state.u_solid, axis=1)
-    assert speed.max(where=bed.state.eps_s > 1e-2, initial=0.0) < most
+    bed.advance(1.0)
+    bed.advance(4.0, look)
 
 
 @pytest.mark.parametrize(("kind", "size"), [("triangles", 0.004), ("tetrahedra", 0.008)])

@@ -243,24 +243,16 @@ def _measured(p: Array, corners: Indices, shape: type) -> tuple[Array, Array]:
     if many == 1:
         return np.ones(count), p[:, corners[0]].T.copy()
     element = lagrange(shape, 1)
-    straight = many == element.dim + 1
-    # exact: a trilinear map has a determinant of degree 2 along each axis, and the place adds one. Straight cells need
-    # one point, but the last digits of their middles decide whether a level bed on triangles comes to rest: 24 of 24
-    # do with six points from the first corner, 20 with one point, 12 with six points by shape functions
-    # (test_level_bed_on_triangles_calms_down)
-    points, weights = get_quadrature(shape, 4 if straight else 3)
+    # exact: a trilinear map has a determinant of degree 2 along each axis, and the place adds one; straight cells have
+    # their middle in one point
+    points, weights = get_quadrature(shape, 1 if many == element.dim + 1 else 3)
     values, slopes = element.table(points), [element.table(points, axis) for axis in range(element.dim)]
     sizes, middles = np.empty(count), np.empty((count, dim))
     for first in range(0, count, AT_ONCE):
         some = slice(first, first + AT_ONCE)
         nodes = p[:, corners[:, some]].T  # (n, k, dim)
-        if straight:
-            sides = nodes[:, 1:] - nodes[:, :1]
-            dx = _spanned([side[:, None] for side in np.moveaxis(sides, 1, 0)]) * weights
-            at = np.einsum("nkd,kq->nqd", sides, points) + nodes[:, :1]
-        else:
-            dx = _spanned([np.einsum("nkd,kq->nqd", nodes, slope) for slope in slopes]) * weights
-            at = np.einsum("nkd,kq->nqd", nodes, values)
+        dx = _spanned([np.einsum("nkd,kq->nqd", nodes, slope) for slope in slopes]) * weights
+        at = np.einsum("nkd,kq->nqd", nodes, values)
         sizes[some] = dx.sum(axis=1)
         middles[some] = (at * dx[..., None]).sum(axis=1) / sizes[some, None]
     return sizes, middles
