@@ -18,10 +18,11 @@ from studies._gallery.raw import raw
 
 HERE = Path(__file__).parent
 PARTICLES = HERE.parent / "patil_hot_bubble" / "bubble.csv"
-WHOLE = ("2mm_300", "2mm_900", "3mm_300", "3mm_600", "3mm_900")  # beds of the paper's width
+WHOLE = ("1mm_900", "2mm_300", "2mm_900", "3mm_300", "3mm_600", "3mm_900")  # beds of the paper's width
 HALF = ("half_1mm_900", "half_2mm_300", "half_2mm_900", "half_3mm_300", "half_3mm_600", "half_3mm_900")
-CELLS = {"fine": (60, 160), "finer": (120, 320)}  # of a half bed, in place of 30 x 80
-CASES = (*HALF, *(f"{case}_fine" for case in HALF if case.endswith("900")), "half_1mm_900_finer", *WHOLE)
+CELLS = {"fine": (60, 160), "finer": (120, 320)}  # of a half bed, in place of 30 x 80; twice as many of a whole one
+FINER = (*(f"{case}_fine" for case in (*HALF, *WHOLE[:3]) if case.endswith("900")), "half_1mm_900_finer")
+CASES = (*HALF, *FINER, *WHOLE)
 BACKGROUND = {1: 0.65, 2: 1.1, 3: 1.45}  # m/s by diameter in mm
 FLUX, DENSITY, T_BED = 17.55, 1.177, 300.0  # kg/m2/s of the jet, kg/m3 at T_BED
 OPEN = 0.8  # porosity above which a cell belongs to a bubble
@@ -46,16 +47,21 @@ def scene(case: str, others: Mapping[str, Any] | None = None) -> cb.Scene:
     }
     layer = {"end": scale(case) * DEPTH, "eps_s": 1.0 - EMULSION, "u_gas": background / EMULSION}
     changes["initial.layer"] = [layer]
-    if case in WHOLE:
+    if is_whole(case):
         changes |= {"time.end": END, "time.sample": EVERY, "time.fields": EVERY}
     for name in cells:
-        changes["mesh.cells"] = CELLS[name]
-    return cb.load(HERE / ("2mm_700.toml" if case in WHOLE else "half_3mm_900.toml"), changes | dict(others or {}))
+        changes["mesh.cells"] = [round(2.0 * scale(case) * count) for count in CELLS[name]]
+    return cb.load(HERE / ("2mm_700.toml" if is_whole(case) else "half_3mm_900.toml"), changes | dict(others or {}))
+
+
+def is_whole(case: str) -> bool:
+    """Whether a bed has the paper's width."""
+    return not case.startswith("half_")
 
 
 def scale(case: str) -> float:
     """Lengths and times of a bed over those of the paper's."""
-    return 1.0 if case in WHOLE else 0.5
+    return 1.0 if is_whole(case) else 0.5
 
 
 def run(case: str) -> None:
@@ -131,8 +137,8 @@ def plot(tables: Tables) -> dict[str, Any]:
     """Diameter and temperature of the bubble by both models; the gas at some times where the fields are."""
     figures = {}
     if "bubble" in tables:
-        whole = [name for name in tables["bubble"].values("case") if name in WHOLE]
-        half = [name for name in tables["bubble"].values("case") if name not in WHOLE]
+        whole = [name for name in tables["bubble"].values("case") if is_whole(name)]
+        half = [name for name in tables["bubble"].values("case") if not is_whole(name)]
         figures |= {
             name: plot_bubbles(tables["bubble"], reference(), cases)
             for name, cases in (("bubble", half), ("bubble_whole", whole))
