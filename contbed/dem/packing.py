@@ -124,9 +124,9 @@ def pack(
         final, unrest = settle(bed, domain, walls, stages, gravity, folder, quiet)
         contacts = _at(Particles(final, radii), material, walls, domain).contacts()
     else:
+        if engine == "cuda" and skin is None:
+            skin = _gpu_skin(radii, domain)
         for stage in stages:
-            if engine == "cuda" and skin is None:
-                skin = _gpu_skin(radii, domain)
             simulation = _at(
                 bed,
                 stage.material,

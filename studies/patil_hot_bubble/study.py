@@ -58,6 +58,7 @@ class Case:
         self.width, self.nozzle, self.depth = self.scale * WIDTH, self.scale * NOZZLE, 4.0 * self.d
         self.velocity = BACKGROUND[int(size)]
         self.count = round(COUNT * (3e-3 / self.d) ** 3 * self.depth / DEPTH * self.scale**2)
+        self.skin = SKIN * self.d / 2  # of the lists of neighbours, as in scenes
         self.is_deep = loose_height(np.full(self.count, self.d / 2), self.width * self.depth) > DEEP * self.d
 
 
@@ -72,7 +73,7 @@ def settled(case: Case) -> dict[str, np.ndarray]:
         material=damped,
         seed=1,
         at_rest=1e-3,
-        skin=SKIN * case.d / 2 if case.is_deep else None,
+        skin=case.skin if case.is_deep else None,
         kinetic_damping=case.is_deep,
     )
     return {"settled": packing.position, "height": np.array(packing.statistics["height"])}
@@ -83,9 +84,8 @@ def coupled(case: Case, packing: Mapping[str, np.ndarray]) -> tuple[Bed, Callabl
     height = ROOM * float(packing["height"])
     domain = Domain((0, 0, 0), (case.width, case.depth, np.inf), (False, True, False))
     spheres = Particles(packing["settled"], case.d / 2)
-    lists = SKIN * case.d / 2
     simulation = Simulation(
-        spheres, [GLASS], box(domain), domain, impact_speed=1.0, largest_overlap=OVERLAP, skin=lists
+        spheres, [GLASS], box(domain), domain, impact_speed=1.0, largest_overlap=OVERLAP, skin=case.skin
     )
     # cells of about 2.3 diameters, such that an even number of them spans the nozzle
     across = case.nozzle / max(1, round(case.nozzle / (2.34 * case.d)))
