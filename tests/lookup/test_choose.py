@@ -7,7 +7,7 @@ from unittest.mock import Mock
 import pytest
 
 from contbed import cli
-from contbed.choose import conditions, derived, fluidized, kind_for, ranked
+from contbed.cli.rank_closures import conditions, derived, fluidized, kind_for, ranked
 from contbed.closures import registry
 from contbed.errors import SceneError
 from contbed.explain import entries, explain, search
@@ -77,7 +77,7 @@ def test_particles_that_float_have_no_archimedes_number():
 
 
 def test_a_ratio_of_spans_is_as_wide_as_it_can_be():
-    from contbed.choose import _of
+    from contbed.cli.rank_closures import _of
 
     assert _of("a/b", {"a": (1.0, 2.0), "b": (4.0, 8.0)}) == (0.125, 0.5)
 

@@ -79,7 +79,7 @@ def test_every_key_is_found_by_its_last_part():
         (["no_slip"], "boundary.NAME.type"),
         (["minimum", "fluidization"], "minimum fluidization - "),
         (["k_eff"], "k_eff [W/m/K] - named result, [W/m/K]: effective thermal conductivity"),
-        (["cascade"], "contbed cascade - command: Packings of particles give closures"),
+        (["cascade"], "contbed cascade - command: Compute a bed with closures from particles"),
     ],
 )
 def test_words_that_users_have(capsys, words, part):

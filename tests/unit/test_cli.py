@@ -78,6 +78,12 @@ def test_the_command_itself(scene):
     assert done.stdout.splitlines()[-1] in ("[]", "['numpy']")
 
 
+def test_each_command_has_a_help_of_one_line(capsys):
+    assert cli.main(["--help"]) == 0
+    listed = capsys.readouterr().out.partition("Commands:")[2]
+    assert len(listed.split()) > 60 and "..." not in listed
+
+
 def test_check(scene, capsys):
     assert cli.main(["check", "scene.toml"]) == 2
     assert capsys.readouterr().err == (
@@ -152,7 +158,7 @@ def test_usage_errors_end_with_2(scene, capsys, arguments):
 def test_a_quiet_plan_does_not_tell_that_it_compiles(tmp_path, capsys, monkeypatch):
     scene, told = tmp_path / "scene.toml", []
     scene.write_text(STEADY)
-    monkeypatch.setattr(cli, "_tell_when_compiling", told.append)
+    monkeypatch.setattr(cli.commands, "_tell_when_compiling", told.append)
     assert cli.main(["plan", str(scene), "--quiet"]) == 0
     assert "BUILT" in capsys.readouterr().out and not told
     assert cli.main(["plan", str(scene)]) == 0 and len(told) == 1

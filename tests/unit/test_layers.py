@@ -15,11 +15,11 @@ import contbed
 PACKAGE = Path(contbed.__file__).parent
 # from the top to the bottom; a layer imports itself and what is below
 LAYERS = (
-    ("cli", "__main__", "lookup", "many_runs", "terminal"),
+    ("cli", "__main__"),
     ("calibration", "uncertainty"),
     ("sweep", "verify", "validation", "warm", "trial", "report", "design"),
     ("runner",),
-    ("explain", "editor", "choose", "loading"),
+    ("explain", "editor", "loading"),
     ("places", "catalogue"),
     ("cfd_dem", "developed_flow", "bubbling_bed", "packed_bed", "reacting_bed", "single_particle"),
     ("dem", "two_fluid", "radiation"),

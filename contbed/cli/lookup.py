@@ -40,7 +40,10 @@ def new(
     kind: KindOrNone = None,
     out: Annotated[Path | None, Option("--out", metavar="FILE", help="file to write; absent: print")] = None,
 ) -> None:
-    """Write a commented scene that runs as it is; without KIND list the kinds of scenes."""
+    """Write a commented scene to begin with.
+
+    It runs as it is. Without KIND the kinds of scenes are listed.
+    """
     from contbed import editor
     from contbed.models import MODELS
 
@@ -61,7 +64,10 @@ def new(
 
 
 def schema(kind: KindOrNone = None) -> None:
-    """Print the JSON schema of scenes, by which editors complete and check them; of all kinds without KIND."""
+    """Print the JSON schema of scenes.
+
+    Editors complete and check scenes by it. Without KIND it covers all kinds.
+    """
     import json
 
     from contbed.editor import json_schema
@@ -79,7 +85,10 @@ def explain(
         str | None, Option("--search", metavar="WORDS", help="names whose data sheets have all the words")
     ] = None,
 ) -> None:
-    """Show the data sheet of a closure, model, table, key, result, reaction, material, term or command."""
+    """Show the data sheet of a name.
+
+    A name of a closure, model, table, key, result, reaction, material, term or command.
+    """
     from contbed import explain as sheets
 
     if bool(name) == (search is not None):
@@ -103,18 +112,24 @@ def closures(
         str | None, Option("--at", metavar="CONDITIONS", help='such as "d_p=300 um, rho_s=2600, T=850 degC"')
     ] = None,
 ) -> None:
-    """Rank the closures for a place of a scene by their declared ranges."""
-    from contbed.choose import table
+    """Rank the closures for a key of a scene.
+
+    They are ranked by their declared ranges.
+    """
+    from contbed.cli.rank_closures import table
 
     print(table(place, at))
 
 
 def list_() -> None:
-    """List models, closures by kind, materials, tables of each kind of scene, and the studies in this folder."""
+    """List models, closures, materials and tables.
+
+    Closures by kind, tables of each kind of scene, and the studies in this folder.
+    """
     from contbed.explain import listing
 
     print(listing(Path("studies")))
 
 
 COMMANDS: tuple[Callable[..., Any], ...] = (new, explain, closures, list_, schema)
-"""What `contbed.cli` adds to the command line."""
+"""Commands that `contbed.cli.commands` registers."""

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 import typer
 from typer import Argument, Option
 
-from contbed.terminal import (
+from contbed.cli.terminal import (
     AllowLarge,
     OutFolder,
     SceneFile,
@@ -23,6 +23,8 @@ from contbed.terminal import (
     usual_engine,
 )
 
+RetryFailed = Annotated[bool, Option("--retry-failed", help="compute failed runs again")]
+
 
 def sweep(
     study: Annotated[Path, Argument(metavar="STUDY", help="a TOML file with a scene and values of its keys")],
@@ -31,18 +33,19 @@ def sweep(
     scheduler: Annotated[
         str | None, Option("--scheduler", metavar="tcp://HOST:PORT", help="compute on this dask cluster")
     ] = None,
-    retry_failed: Annotated[bool, Option("--retry-failed", help="compute failed runs again")] = False,
+    retry_failed: RetryFailed = False,
     quiet: Annotated[bool, Option("--quiet", help="no progress")] = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
-    """Run every scene of a study that has not been run, then write a table and plots."""
-    if jobs == 0 or jobs < -1:
-        raise typer.BadParameter("a number of processes, or -1", param_hint="--jobs")
+    """Run the scenes of a study.
+
+    Runs that a former call finished are not repeated. Writes a table and plots.
+    """
+    _require_jobs(jobs)
     if scheduler is not None and not re.fullmatch(r"([a-z]+://)?(\[[0-9a-fA-F:]+\]|[^\s:/\[\]]+):\d{1,5}", scheduler):
         raise typer.BadParameter(f"{scheduler!r} is not an address like tcp://HOST:8786", param_hint="--scheduler")
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
-        os.environ[name] = "1"  # also where this process computes, so that all get the same to the last digit
+    _one_thread_a_process()
     from contbed.sweep.sweep import sweep as run_all
 
     folder = out or Path("results") / study.stem
@@ -82,7 +85,10 @@ def sensitivities(
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
-    """Show the derivatives of results with respect to the continuous keys of a scene, the largest first."""
+    """Show derivatives of results by keys.
+
+    All continuous keys that a scene gives are taken; the largest derivatives come first.
+    """
     loaded = load_scene(scene, settings, trust, allow_large)
     import json
 
@@ -103,14 +109,16 @@ def sensitivities(
 def optimise(
     design: Annotated[Path, Argument(metavar="DESIGN", help="a TOML file: scene, keys, objective and constraints")],
     out: OutFolder = None,
-    retry_failed: Annotated[bool, Option("--retry-failed", help="compute failed runs again")] = False,
+    retry_failed: RetryFailed = False,
     quiet: Annotated[bool, Option("--quiet", help="no progress, no table")] = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
-    """Find the best values of some keys of a scene under constraints, and what each constraint costs."""
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
-        os.environ[name] = "1"  # so that a search that goes on takes the same steps to the last digit
+    """Find the best values of keys of a scene.
+
+    Constraints are obeyed, and what each of them costs is shown.
+    """
+    _one_thread_a_process()
     from contbed.design.found import OPTIMUM, SETTLED
     from contbed.design.optimise import optimise as search
 
@@ -132,12 +140,15 @@ def optimise(
 def cascade(
     file: Annotated[Path, Argument(metavar="CASCADE", help="a TOML file: scene, packings, laws of a particle")],
     out: OutFolder = None,
-    retry_failed: Annotated[bool, Option("--retry-failed", help="compute failed runs again")] = False,
+    retry_failed: RetryFailed = False,
     quiet: Annotated[bool, Option("--quiet", help="no progress, no table")] = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
-    """Packings of particles give closures, these the results of a bed: with a band, and what makes it."""
+    """Compute a bed with closures from particles.
+
+    Packings of particles give the closures; their scatter gives each result a band, split by its causes.
+    """
     from contbed.design.cascade.run import cascade as compute
 
     folder = out or Path("results") / file.stem
@@ -154,14 +165,16 @@ def calibrate(
     data: Annotated[Path, Argument(metavar="DATA", help="a TOML file with scenes, measured tables and keys to fit")],
     jobs: Annotated[int, Option("--jobs", metavar="N", help="processes; -1 for one a core")] = 1,
     out: OutFolder = None,
-    retry_failed: Annotated[bool, Option("--retry-failed", help="compute failed runs again")] = False,
+    retry_failed: RetryFailed = False,
     quiet: Annotated[bool, Option("--quiet", help="no progress")] = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
-    """Fit keys of scenes to measured values: keys with intervals, what the data do not see, predictions with bands."""
-    if jobs == 0 or jobs < -1:
-        raise typer.BadParameter("a number of processes, or -1", param_hint="--jobs")
+    """Fit keys of scenes to measured values.
+
+    Gives the keys with intervals, what the data cannot determine, and predictions with bands.
+    """
+    _require_jobs(jobs)
     from contbed.calibration import calibrate as command
     from contbed.calibration.write import table
 
@@ -175,5 +188,17 @@ def calibrate(
     command.require_converged(found)
 
 
+def _one_thread_a_process() -> None:
+    """Let libraries compute on one thread, so that results do not depend on the process to the last digit."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ[name] = "1"
+
+
+def _require_jobs(jobs: int) -> None:
+    """Raise typer.BadParameter unless `jobs` is a number of processes, or -1 for one a core."""
+    if jobs == 0 or jobs < -1:
+        raise typer.BadParameter("a number of processes, or -1", param_hint="--jobs")
+
+
 COMMANDS: tuple[Callable[..., Any], ...] = (sweep, sensitivities, optimise, cascade, calibrate)
-"""What `contbed.cli` adds to the command line."""
+"""Commands that `contbed.cli.commands` registers."""

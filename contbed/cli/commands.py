@@ -1,4 +1,7 @@
-"""The command line. Commands import what they need when they run, so that help and mistakes come at once."""
+"""Entry point, and the commands for one scene.
+
+Commands import what they need when they run, so that help comes at once.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +16,9 @@ from typing import Annotated, Any, Literal
 import typer
 from typer import Argument, Option
 
-from contbed import __version__, lookup, many_runs
-from contbed.errors import ContbedError, ConvergenceError, SceneError, interrupt_in
-from contbed.terminal import (
+from contbed import __version__
+from contbed.cli import lookup, studies
+from contbed.cli.terminal import (
     AllowLarge,
     OutFolder,
     SceneFile,
@@ -28,6 +31,7 @@ from contbed.terminal import (
     resume,
     usual_engine,
 )
+from contbed.errors import ContbedError, ConvergenceError, SceneError, interrupt_in
 
 app = typer.Typer(
     name="contbed",
@@ -108,7 +112,10 @@ def run(
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
-    """Solve a scene and write its results to DIR; if not given, to that of the restart, else to results/SCENE."""
+    """Solve a scene and write its results.
+
+    They go to DIR; without --out to the folder of --restart, else to results/SCENE.
+    """
     folder = out or restart or Path("results") / scene.stem
     try:
         loaded = load_scene(scene, settings, trust, allow_large)
@@ -150,7 +157,10 @@ def check(
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
-    """Say whether scenes are right; all mistakes with file, line and remedy. Nothing is solved or written."""
+    """Check scenes without solving them.
+
+    Every mistake is printed with file, line and remedy. Nothing is written.
+    """
     from contbed.models import require_buildable
 
     problems = []
@@ -176,7 +186,10 @@ def plan(
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
-    """Show what a scene builds and what it leaves out, with unknowns and memory."""
+    """Show the model that a scene builds.
+
+    Also what it leaves out, the number of unknowns and the memory.
+    """
     loaded = load_scene(scene, settings, trust, allow_large)
     from contbed.models import plan as make
     from contbed.trial import predicted_time
@@ -191,7 +204,10 @@ def plan(
 
 @app.command()
 def warm() -> None:
-    """Compile all loops now, at install time, so that no run has to wait for it."""
+    """Compile all loops now.
+
+    Meant for the time of installation, so that no run has to wait for it.
+    """
     from contbed.warm import warm as each
 
     total = 0.0
@@ -209,7 +225,10 @@ def converge(
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
-    """Refine the mesh of a scene: error or difference, observed order and time of each level."""
+    """Refine the mesh of a scene step by step.
+
+    Prints error or difference, observed order and time of each level.
+    """
     from contbed.verify.converge import converge as study
 
     print(study(scene, levels, out or Path("results") / f"{scene.stem}-converge", trust, allow_large))
@@ -221,7 +240,10 @@ def bench(
     out: OutFolder = None,
     trust: Annotated[bool, Option("--trust", help="let it run the programs that the study names")] = False,
 ) -> None:
-    """Run time against error of a study, by the programs that it names."""
+    """Measure run time against error.
+
+    Runs the programs that a study names.
+    """
     from contbed.verify.bench import bench as measure
 
     print(measure(study, out or Path("results") / f"{study.name}-bench", trust))
@@ -236,7 +258,10 @@ def report(
         Path | None, Option("--out", metavar="FILE", help="file to write; report.html in DIR if absent")
     ] = None,
 ) -> None:
-    """Write one HTML file of runs or of a sweep, an optimum and the like, which needs no network and no server."""
+    """Write one HTML file about runs.
+
+    Also about a sweep, an optimum and the like. The file needs no network and no server.
+    """
     print(f"the report is {_write_report(folders, out)}")
 
 
@@ -249,7 +274,10 @@ def animate(
     field: Annotated[str | None, Option("--field", metavar="NAME", help="which field, such as T_solid")] = None,
     rate: Annotated[int, Option("--rate", metavar="N", min=1, max=60, help="frames per second")] = 10,
 ) -> None:
-    """Write a film of a field of a transient run: a plane, a cut through a box, or particles from the side."""
+    """Write a film of a transient run.
+
+    It shows one field: a plane, a cut through a box, or particles from the side.
+    """
     from contbed.report.animate import animate as film
 
     print(f"the film is {film(folder, out, field, rate)}")
@@ -264,7 +292,10 @@ def validate(
     as_json: Annotated[bool, Option("--json", help="print summary.json instead of the table")] = False,
     long: Annotated[bool, Option("--long", help="those that take more than a minute as well")] = False,
 ) -> None:
-    """Compare the models with measured beds: deviation, uncertainty and verdict of each, a table and a picture."""
+    """Compare the models with measured beds.
+
+    Gives deviation, uncertainty and verdict of each bed, a table and a picture.
+    """
     import json
 
     from contbed.validation import case, report, score
@@ -286,7 +317,7 @@ def validate(
         print(f"results are in {folder}")
 
 
-for _command in (*many_runs.COMMANDS, *lookup.COMMANDS):
+for _command in (*studies.COMMANDS, *lookup.COMMANDS):
     app.command(_command.__name__.strip("_"))(_command)
 
 
