@@ -12,7 +12,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from contbed.compiled_cache import choose_cache
+from contbed.compiled.cache import choose_cache
 
 __version__ = "0.1.0"
 __all__ = ["Plan", "Result", "Scene", "load", "plan", "run"]

@@ -226,7 +226,7 @@ def model_of(scene: Kind) -> Model:
 
 def solver_of(scene: Kind) -> Callable[..., None]:
     """Return what runs plans of the physics of a scene, with one thread of BLAS, see `threads.single_blas`."""
-    from contbed.threads import single_blas
+    from contbed.compiled.blas import single_blas
 
     run: Callable[..., None] = model_of(scene).find("run", "run")
     return single_blas()(run)

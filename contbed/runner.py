@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contbed import models, quick_start
+from contbed.compiled.threads import using
 from contbed.errors import BalanceError, ClosureRangeError, ContbedError, ConvergenceError, SceneError, interrupt_in
 from contbed.fields import field, name_of
 from contbed.result import Result, outside
@@ -20,7 +21,6 @@ from contbed.scene.inputs import all_inputs, inputs_by_key
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import dotted
 from contbed.solvers.cost import expected_time
-from contbed.threads import using
 
 if TYPE_CHECKING:
     from contbed.output.folder import RunFolder

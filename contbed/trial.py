@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from contbed import models
-from contbed.compiled_cache import compile_clock
+from contbed.compiled.cache import compile_clock
 from contbed.models import FewerSteps, Plan
 from contbed.output.progress import Progress
 from contbed.result import Result

@@ -26,7 +26,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed import threads
 from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.gas_quantities import Motion
@@ -85,7 +84,6 @@ class Bed:
         self.capacity = simulation.mass * heat_capacity
         self.time, self.above, self.radiated, self._next = 0.0, 0, 0.0, 0.0
         self.force, self.received = np.zeros((n, 3)), np.zeros(n)
-        self._pace = threads.Pace(n)  # apart from that of the particles: kernels of the gas are more and shorter
         self._top = float(gas.grid.lower[2] + gas.grid.count[2] * gas.grid.size[2])
         self._network: tuple[heat.Pairs, Array] | None = None
         self._start: tuple[float, float, float] | None = None
@@ -185,8 +183,7 @@ class Bed:
         self.time += dt
         self.above += int((simulation.position[:, 2] > self._top).sum())
         to_particles, to_cells = self._heat_of_tubes(dt)
-        with self._pace.piece():
-            self.force, self.received = gas.step(dt, self.motion, to_cells)
+        self.force, self.received = gas.step(dt, self.motion, to_cells)
         if self.T is not None:
             self._heat_up(dt, to_particles)
 

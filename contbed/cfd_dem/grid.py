@@ -20,8 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed import threads
-from contbed.compiling import entry
+from contbed.compiled import threads
+from contbed.compiled.functions import entry
 from contbed.errors import SceneError
 
 Array = NDArray[np.float64]

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed import threads
 from contbed.cfd_dem.grid import OUTLET, Tables
-from contbed.compiling import entry
+from contbed.compiled import threads
+from contbed.compiled.functions import entry
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

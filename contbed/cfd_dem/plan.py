@@ -18,7 +18,7 @@ from contbed.cfd_dem.closures import bound_tube
 from contbed.cfd_dem.grid import Grid
 from contbed.cfd_dem.scene import GasFlow, GasParticles, GasScene, GasTube
 from contbed.cfd_dem.tubes import BedTube, beside, blocked
-from contbed.compiled_cache import compile_clock
+from contbed.compiled.cache import compile_clock
 from contbed.dem.contact import hertz_impact
 from contbed.dem.packing import AT_REST, SETTLED_OVERLAP, loose_height, pack
 from contbed.dem.particle_files import read_particles

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.cfd_dem.grid import Tables
-from contbed.compiling import entry, inner
+from contbed.compiled.functions import entry, inner
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -331,6 +331,6 @@ def _tell_when_compiling(scene: Any) -> None:
     from contbed.models import model_of
 
     if model_of(scene).compiles:
-        from contbed.compiled_cache import tell_when_compiling
+        from contbed.compiled.cache import tell_when_compiling
 
         tell_when_compiling()

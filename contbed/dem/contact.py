@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contbed.compiling import entry, inner
+from contbed.compiled.functions import entry, inner
 from contbed.dem.particles import Material, Particles
 from contbed.errors import SceneError
 

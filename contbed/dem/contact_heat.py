@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contbed.compiling import inner
+from contbed.compiled.functions import inner
 from contbed.dem.contact import Vector
 from contbed.dem.heat_impact import DURATION5, conductance_of, impact_of
 from contbed.dem.kernel_arrays import HEAT_PAIR, Row, Table

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.compiling import inner
+from contbed.compiled.functions import inner
 from contbed.dem.contact import FAST, ContactConstants, Vector, contact_law, rolling_torque
 from contbed.dem.contact_heat import impact_conductance
 from contbed.dem.kernel_arrays import BLOCK, Array, Laws, Side, Spheres, Sums, Table

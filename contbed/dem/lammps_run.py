@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed import threads
+from contbed.compiled import threads
 from contbed.dem import dumps
 from contbed.dem.lammps_deck import data_text, settling_deck
 from contbed.dem.particles import Particles

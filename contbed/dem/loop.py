@@ -4,9 +4,9 @@ Each step kicks by half a step, moves, and finds the forces at the new positions
 step, so that dashpots are of second order too. The two half kicks between steps are rounded in the same way whether or
 not an interval ends there: a run cut into intervals gives what the uncut run gives, bit for bit.
 
-All threads of a team run the kernel; they share the blocks of particles of each phase (`contbed.barrier`). What they
-decide upon, such as a new list, each finds by itself from what all blocks have reported. One thread advances a block as
-soon as its contacts are done, while it is in the cache: rows of later blocks do not look back at it.
+All threads of a team run the kernel; they share the blocks of particles of each phase (`contbed.compiled.barrier`).
+What they decide upon, such as a new list, each finds by itself from what all blocks have reported. One thread advances
+a block as soon as its contacts are done, while it is in the cache: rows of later blocks do not look back at it.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from contbed import barrier
-from contbed.barrier import Crew, finish, take, wait
-from contbed.compiling import entry, inner
+from contbed.compiled import barrier
+from contbed.compiled.barrier import Crew, finish, take, wait
+from contbed.compiled.functions import entry, inner
 from contbed.dem import contact, contact_heat, forces, heat_impact, kernel_arrays, neighbours, ordering, wall_forces
 from contbed.dem.forces import empty_batch, pair_forces
 from contbed.dem.kernel_arrays import BLOCK, Array, Blocks, Box, Indices, Interval, Laws, Room, Side, Sums, Table

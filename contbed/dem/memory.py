@@ -11,8 +11,8 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed import barrier, threads
-from contbed.compiling import entry
+from contbed.compiled import barrier, threads
+from contbed.compiled.functions import entry
 from contbed.dem import loop
 from contbed.dem.kernel_arrays import (
     BLOCK,

@@ -14,7 +14,7 @@ from math import sqrt
 
 import numpy as np
 
-from contbed.compiling import entry, inner
+from contbed.compiled.functions import entry, inner
 from contbed.dem.kernel_arrays import (
     BLOCK,
     Array,

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from contbed.compiling import inner
+from contbed.compiled.functions import inner
 from contbed.dem.kernel_arrays import BLOCK, Array, Box, Entries, Indices, Side, Sorting
 
 CUBE = 3  # bits of a cell's place in its cube, along each axis

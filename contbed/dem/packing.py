@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contbed.compiling import entry
+from contbed.compiled.functions import entry
 from contbed.dem.particles import Material, Particles
 from contbed.dem.scene import SOLID_SHARE
 from contbed.dem.settling import CHECK_EVERY, IMPACT, Stage, not_at_rest, stages_of

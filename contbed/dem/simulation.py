@@ -9,13 +9,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contbed import threads
 from contbed.dem import loop
 from contbed.dem.contact import largest_safe_step, require_safe_step
 from contbed.dem.contact_heat import ContactHeat
 from contbed.dem.failure import STRIDE, Failure, not_a_number, of_particle, place
 from contbed.dem.kernel_arrays import HEAT_PAIR, Array, Box, Indices, Interval, Laws, Spheres
-from contbed.dem.memory import LEAST, Engine, Memory, Record, halved
+from contbed.dem.memory import Engine, Memory, Record, halved
 from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK, image_shifts, wall_gaps
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.walls import SKIN, Domain, Wall, wall_table
@@ -117,7 +116,6 @@ class Simulation:
         spheres = Spheres(self.radius, self.mass, self.inertia, self.kind, self._equal)
         self._memory: Engine = _engine(engine)(spheres, self._laws, self._box, self.skin)
         self._moved, self._stale = 0.0, True
-        self._pace = threads.Pace(n, LEAST)
         self._require_inside()
         with deferred_interrupt():
             self._load()
@@ -239,10 +237,6 @@ class Simulation:
 
         Where a particle is too fast for the time step, the interval is done again with half of it, if that is allowed.
         """
-        with self._pace.piece(steps):
-            self._advance(steps)
-
-    def _advance(self, steps: int) -> None:
         with deferred_interrupt():
             before, now = self._memory.keep(), (self._moved, self._stale, self.steps_done)
             start = {name: getattr(self, name).copy() for name in ("position", "velocity", "spin", "T")}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.compiling import entry
+from contbed.compiled.functions import entry
 from contbed.dem.simulation import Contacts
 from contbed.dem.walls import Domain
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from contbed.compiling import inner
+from contbed.compiled.functions import inner
 from contbed.dem.contact import FAST, ContactConstants, Vector, contact_law, rolling_torque
 from contbed.dem.forces import add
 from contbed.dem.kernel_arrays import Laws, Row, Side, Sums

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed import fields
+from contbed.compiled.blas import single_blas
 from contbed.design import differences, tangent
 from contbed.design.differences import Slope
 from contbed.design.keys import Key, key
@@ -30,7 +31,6 @@ from contbed.models import model_of
 from contbed.result import Result
 from contbed.runner import run
 from contbed.scene.tables import SceneBase
-from contbed.threads import single_blas
 
 Array = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from contbed.closures.binding import BoundClosure
 from contbed.closures.compiled import face, kernel, own_values
 from contbed.closures.granular_transport import share_drag, share_free_path
-from contbed.threads import parallel
+from contbed.compiled.threads import parallel
 from contbed.two_fluid.closures import GIVES, Bound
 from contbed.two_fluid.model import Materials
 from contbed.two_fluid.rheology import Closures, Rheology

@@ -15,7 +15,7 @@ import llvmlite.binding as llvm
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed import compiling
+from contbed.compiled import functions
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -25,7 +25,7 @@ Function = TypeVar("Function", bound=Callable[..., object])
 PLAIN: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True}
 SUMS = {"reassoc", "contract"}
 HERE = Path(__file__).parent
-CONTENT = compiling.digest([*HERE.rglob("*.py"), HERE.parent / "barrier.py"])
+CONTENT = functions.digest([*HERE.rglob("*.py"), HERE.parent / "compiled" / "barrier.py"])
 
 # pairs of arrays in a loop up to which LLVM compares their addresses, so as to make vectors of the loop; with its
 # defaults of 8 and 128 it leaves out loops over faces, which read 17 arrays and write 8
@@ -40,19 +40,19 @@ UNDERFLOW = 1e-60  # magnitudes below count as zero: products of two of them wou
 
 def kernel(function: Function) -> Function:
     """Compile a function of arrays."""
-    return compiling.tied(compiling.entry(**PLAIN)(function), CONTENT)
+    return functions.tied(functions.entry(**PLAIN)(function), CONTENT)
 
 
 def summing(function: Function) -> Function:
     """Compile a function whose sums may be reordered into vectors."""
-    return compiling.tied(compiling.entry(**PLAIN, fastmath=SUMS)(function), CONTENT)
+    return functions.tied(functions.entry(**PLAIN, fastmath=SUMS)(function), CONTENT)
 
 
 def inner(function: Function) -> Function:
     """Compile a function that only kernels call."""
-    return compiling.tied(compiling.inner(**PLAIN)(function), CONTENT)
+    return functions.tied(functions.inner(**PLAIN)(function), CONTENT)
 
 
 def inner_summing(function: Function) -> Function:
     """Compile a function that only kernels call, and whose sums may be reordered into vectors."""
-    return compiling.tied(compiling.inner(**PLAIN, fastmath=SUMS)(function), CONTENT)
+    return functions.tied(functions.inner(**PLAIN, fastmath=SUMS)(function), CONTENT)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contbed.threads import parallel
+from contbed.compiled.threads import parallel
 from contbed.two_fluid.compiled import Array, Flags
 from contbed.two_fluid.fv import limiter
 from contbed.two_fluid.fv.grid import over_rows

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contbed.threads import parallel
+from contbed.compiled.threads import parallel
 from contbed.two_fluid import boundary
 from contbed.two_fluid.boundary import WALL, Edge, Particles
 from contbed.two_fluid.cell_velocities import FaceVelocities, divergence_solid

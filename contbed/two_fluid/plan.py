@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contbed import threads
+from contbed.compiled import threads
 from contbed.errors import SceneError
 from contbed.mesh.build import build
 from contbed.mesh.entities import renamed
@@ -197,9 +197,7 @@ def _threads(cells: grid.Grid) -> str:
         )
         return f"1: {why}"
     few = f", {allowed} are allowed: each takes at least {threads.LEAST} cells" if number < allowed else ""
-    if threads.given() is not None:
-        return f"{number}, each takes {count // number} cells{few}"
-    return f"up to {number}, each takes {count // number} cells{few}; as many as are fastest, which the run measures"
+    return f"{number}, each takes {count // number} cells{few}"
 
 
 def _require_resolved(scene: t.TwoFluidScene, mesh: Mesh, cells: grid.Grid) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contbed.threads import parallel
+from contbed.compiled.threads import parallel
 from contbed.two_fluid.compiled import Array, kernel
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.state import Energy, Properties, State

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from contbed import threads
 from contbed.two_fluid.boundary import Condition, assemble
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv import limiter
@@ -50,7 +49,6 @@ class Simulation:
 
     def __init__(self, model: Model):
         self.model, self.state = model, zero_state(model.grid)
-        self._pace = threads.Pace(len(model.grid.cells))
         if model.heat is not None:
             from contbed.two_fluid.heat.equations import initial_energy
 
@@ -120,8 +118,7 @@ class Simulation:
         """One of the equal steps to `end` [s]: a bed at rest feels each change of the step."""
         left, wanted = end - self.state.time, self.next_step()
         dt = left / np.ceil(left / wanted * (1.0 - ROUNDING))
-        with self._pace.piece():
-            self.step(dt)
+        self.step(dt)
         now = end if end - self.state.time < ROUNDING * dt else self.state.time
         self.state = replace(self.state, dt_wanted=wanted, time=now)
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 import contbed
-from contbed import threads
 from contbed.cfd_dem.coupling import Bed
+from contbed.compiled import threads
 from contbed.dem.contact_heat import ContactHeat
 from contbed.dem.gpu import require_gpu
 from contbed.dem.packing import pack

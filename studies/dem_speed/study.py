@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from contbed import threads
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.grid import Grid
 from contbed.cfd_dem.plan import SKIN
 from contbed.closures import drag_di_felice
+from contbed.compiled import threads
 from contbed.dem import heat, heat_pair, network
 from contbed.dem.contact import hertz_impact
 from contbed.dem.contact_heat import ContactHeat

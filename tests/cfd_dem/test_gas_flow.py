@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from scipy.special import i0e
 
-from contbed import threads
 from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.gas_quantities import Motion
 from contbed.cfd_dem.grid import Grid
 from contbed.closures import drag_di_felice, drag_gidaspow, drag_wen_yu, nusselt_gunn
+from contbed.compiled import threads
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
@@ -85,19 +85,6 @@ def test_the_same_bits_on_several_threads(monkeypatch):
         found.append([*gas.step(1e-4, bed), *gas.step(1e-4, bed), gas.u, gas.p, gas.T])
     for other in found[1:]:
         assert all(one.tobytes() == value.tobytes() for one, value in zip(found[0], other, strict=True))
-
-
-def test_steps_of_the_gas_are_measured_on_several_threads(monkeypatch):
-    monkeypatch.setattr(threads, "available", lambda: 3)
-    gas, motion = crowd()
-    simulation = Simulation(Particles(motion.x, motion.radius), [GLASS], [], Domain(), impact_speed=0.3)
-    bed, seen, step = Bed(simulation, gas, T=300.0, moving=False), [], gas.step
-    monkeypatch.setattr(gas, "step", lambda *given: (seen.append(threads.given()), step(*given))[1])
-    bed.run(1e-4)
-    assert seen == [3]  # the first is on all of them; a number that is given would not be measured
-    with threads.using(2):
-        bed.run(1e-4)
-    assert seen == [3, 2]
 
 
 @pytest.mark.parametrize("drag", [drag_di_felice, drag_gidaspow, drag_wen_yu])

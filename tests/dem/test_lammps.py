@@ -11,7 +11,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from contbed import threads
+from contbed.compiled import threads
 from contbed.dem import heat, lammps_deck, lammps_run, network
 from contbed.dem.contact import hertz_impact
 from contbed.dem.packing import pack

@@ -14,7 +14,7 @@ import time
 import numpy as np
 import pytest
 
-from contbed import threads
+from contbed.compiled import threads
 from contbed.dem import memory as memory_module
 from contbed.dem import neighbours
 from contbed.dem.particles import Material, Particles, pair_table

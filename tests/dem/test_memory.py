@@ -9,8 +9,8 @@ from itertools import cycle
 import numpy as np
 import pytest
 
-from contbed import threads
 from contbed.cfd_dem.plan import MEMORY
+from contbed.compiled import threads
 from contbed.dem.contact_heat import ContactHeat
 from contbed.dem.kernel_arrays import BLOCK
 from contbed.dem.ordering import CUBE
@@ -85,7 +85,7 @@ def test_the_same_bits_on_several_threads(alone, number, monkeypatch):
 def test_the_number_of_threads_may_change_at_any_time(alone, monkeypatch):
     """As it does where a run measures which number is the fastest."""
     turn = cycle([2, 1, 3])
-    monkeypatch.setattr("contbed.threads.count", lambda *_: next(turn))
+    monkeypatch.setattr("contbed.compiled.threads.count", lambda *_: next(turn))
     simulation = crowd()
     simulation.force[::3, 2] = 1e-5
     simulation.run(301, 7)

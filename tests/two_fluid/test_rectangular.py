@@ -10,7 +10,7 @@ from changed_scenes import changed
 from core_closures import bed, closures, line, rectangle, shaken
 
 import contbed as cb
-from contbed import threads
+from contbed.compiled import threads
 from contbed.loading import from_dict
 from contbed.mesh import build as meshing
 from contbed.scene.mesh import MeshRectangle

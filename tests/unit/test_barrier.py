@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numba import njit
 
-from contbed import barrier, threads
-from contbed.barrier import finish, take, wait
+from contbed.compiled import barrier, threads
+from contbed.compiled.barrier import finish, take, wait
 
 
 @njit(nogil=True)

@@ -70,7 +70,7 @@ CALLED = "from numba import njit\n@njit\ndef f(x): return x + {}\n"
 CALLING = """
 from pathlib import Path
 from numba import njit
-from contbed.compiling import digest, tied
+from contbed.compiled.functions import digest, tied
 from called import f
 def g(x): return 2.0 * f(x)
 g = tied(njit(cache=True)(g), digest(Path(__file__).parent.glob("*.py")))

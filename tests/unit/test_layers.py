@@ -28,10 +28,8 @@ LAYERS = (
     ("fem", "mesh"),
     ("solvers", "materials", "closures", "particle"),
     ("scene",),
-    ("barrier",),
-    ("compiling",),
-    ("threads",),
-    ("fields", "errors", "versions", "interrupts", "compiled_cache", "quick_start", "terms"),
+    ("compiled",),
+    ("fields", "errors", "versions", "interrupts", "quick_start", "terms"),
 )
 
 

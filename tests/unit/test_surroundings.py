@@ -136,7 +136,7 @@ def test_an_account_without_a_home(tmp_path):
 
 def test_compiling_is_told_once(tmp_path):
     code = """
-        from contbed.compiled_cache import tell_when_compiling
+        from contbed.compiled.cache import tell_when_compiling
         tell_when_compiling()
         from numba import njit
         one = njit(lambda x: x + 1.0, cache=False)
@@ -167,16 +167,16 @@ def test_nothing_is_left_to_compile_after_warm(tmp_path):
 
 
 def test_the_folder_of_another_user_is_not_taken(tmp_path, monkeypatch):
-    from contbed import compiled_cache
+    from contbed.compiled import cache
 
     planted = tmp_path / f"contbed-{os.getuid()}"
     planted.mkdir(mode=0o777)
     os.chmod(planted, 0o777)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    monkeypatch.setattr(compiled_cache, "_can_write", lambda folder: False)
+    monkeypatch.setattr(cache, "_can_write", lambda folder: False)
     monkeypatch.delitem(sys.modules, "numba", raising=False)
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    compiled_cache.choose_cache()
+    cache.choose_cache()
     chosen = Path(os.environ["NUMBA_CACHE_DIR"])
     monkeypatch.setenv("NUMBA_CACHE_DIR", "")
     assert chosen.parent == tmp_path and chosen != planted

@@ -14,7 +14,8 @@ from small_scenes import STEADY
 from threadpoolctl import ThreadpoolController, threadpool_limits
 
 import contbed as cb
-from contbed import threads, trial
+from contbed import trial
+from contbed.compiled import blas, threads
 from contbed.errors import SceneError
 from contbed.loading import loads
 
@@ -138,79 +139,9 @@ def test_number_of_threads(monkeypatch):
         pass
 
 
-class Machine:
-    """Work whose time depends on the number of threads, on a clock of its own."""
-
-    def __init__(self, seconds):
-        self.seconds, self.now, self.taken = seconds, 0.0, []
-        self.pace = threads.Pace(10**6, clock=lambda: self.now)
-
-    def work(self, pieces):
-        for _ in range(pieces):
-            with self.pace.piece():
-                self.taken.append(threads.count())
-                self.now += self.seconds[self.taken[-1]]
-        return self.taken[-pieces:]
-
-
 @pytest.fixture
 def four_cores(monkeypatch):
     monkeypatch.setattr(threads, "available", lambda: 4)
-
-
-@pytest.mark.parametrize(
-    ("seconds", "best"),
-    [
-        ({1: 4.0, 2: 2.1, 4: 1.2}, 4),
-        ({1: 4.0, 2: 2.1, 4: 9.0}, 2),
-        ({1: 1.0, 2: 3.0, 4: 9.0}, 1),
-        ({1: 1.0, 2: 0.96, 4: 0.93}, 1),  # what hardly gains is left to others
-    ],
-)
-def test_the_fastest_number_of_threads_is_found_and_kept(four_cores, seconds, best):
-    """Trials take at most one piece in twenty, as REST says, once the number is found."""
-    machine = Machine(seconds)
-    machine.work(400)
-    assert machine.work(400).count(best) >= 380
-
-
-def test_threads_come_back_when_other_programs_end(four_cores):
-    """And leave at once when they begin: the median of KEPT pieces tells it, the trials take TRIED each."""
-    free, busy = {1: 4.0, 2: 2.1, 4: 1.2}, {1: 4.0, 2: 12.0, 4: 20.0}
-    machine = Machine(free)
-    machine.work(600)
-    while machine.work(1) == [4]:  # until a trial, after which the next one is far
-        pass
-    assert machine.work(50).count(4) >= 47
-    machine.seconds = busy
-    assert machine.work(5 * threads.KEPT)[-1] == 1
-    machine.seconds = free
-    machine.work(2000)
-    assert machine.work(400).count(4) >= 380
-
-
-def test_a_given_number_of_threads_holds(four_cores):
-    machine = Machine({1: 1.0, 3: 9.0})
-    with threads.using(3):
-        assert set(machine.work(100)) == {3}
-
-
-def test_amounts_of_work_do_not_matter(four_cores):
-    """Pieces of any size are compared by their time for one unit of work."""
-    machine, rng = Machine({}), np.random.default_rng(0)
-    for _ in range(400):
-        work = float(rng.integers(1, 50))
-        with machine.pace.piece(work):
-            machine.taken.append(threads.count())
-            machine.now += work * {1: 1.0, 2: 3.0, 4: 9.0}[machine.taken[-1]]
-    assert machine.taken[-100:].count(1) >= 95
-
-
-def test_little_work_is_done_by_one_thread(four_cores):
-    pace = threads.Pace(2 * threads.LEAST - 1)
-    with pace.piece():
-        assert threads.count() == 1
-    assert threads.count() == 4
 
 
 def test_runs_in_several_threads_have_their_own_number(four_cores):
@@ -265,7 +196,7 @@ def threads_of_blas():
 @pytest.fixture
 def several_for_blas(monkeypatch):
     """Both libraries compute on two threads, as they do by default on two cores; others that are loaded may on one."""
-    for name in threads.BLAS_VARIABLES:
+    for name in blas.VARIABLES:
         monkeypatch.delenv(name, raising=False)
     with threadpool_limits(2, "blas"):
         assert scipy.linalg.lapack.dgbtrf is not None
@@ -276,7 +207,7 @@ def several_for_blas(monkeypatch):
 
 
 def test_blas_computes_on_one_thread_in_a_block(several_for_blas):
-    with pytest.raises(RuntimeError, match="stops"), threads.single_blas():
+    with pytest.raises(RuntimeError, match="stops"), blas.single_blas():
         assert set(threads_of_blas()) == {1}
         raise RuntimeError("stops")
     assert threads_of_blas() == several_for_blas
@@ -284,7 +215,7 @@ def test_blas_computes_on_one_thread_in_a_block(several_for_blas):
 
 def test_what_the_environment_says_of_blas_stays(several_for_blas, monkeypatch):
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
-    with threads.single_blas():
+    with blas.single_blas():
         assert threads_of_blas() == several_for_blas
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from contbed import threads
+from contbed.compiled import threads
 from contbed.errors import ConvergenceError
 from contbed.fem.ranks import RankGroup
 from contbed.two_fluid import closure_kernels

@@ -15,7 +15,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from contbed import threads
+from contbed.compiled import threads
 from contbed.mesh.mesh import Mesh
 from contbed.two_fluid.compiled import Flags
 from contbed.two_fluid.fv.connections import SKEWED, Links, Offsets, beside, connect, offsets, skewness

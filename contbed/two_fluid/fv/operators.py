@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contbed.threads import parallel
+from contbed.compiled.threads import parallel
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv import gradient as faces
 from contbed.two_fluid.fv import reconstruction

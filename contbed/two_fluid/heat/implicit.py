@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contbed.compiled.threads import parallel
 from contbed.errors import ConvergenceError
-from contbed.threads import parallel
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.face_velocities import eliminate_drag
 from contbed.two_fluid.heat.kernels import conducted_out

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from contbed.barrier import Crew, wait
+from contbed.compiled.barrier import Crew, wait
 from contbed.two_fluid.compiled import Array, Indices, inner, kernel
 from contbed.two_fluid.fv.grid import Grid
 

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from contbed import barrier, threads
-from contbed.barrier import Crew, wait
+from contbed.compiled import barrier, threads
+from contbed.compiled.barrier import Crew, wait
 from contbed.two_fluid.compiled import Array, Indices, inner, inner_summing, kernel
 from contbed.two_fluid.fv.grid import Geometry, Grid, over_rows
 from contbed.two_fluid.fv.rows import Rows

@@ -16,49 +16,31 @@ number of threads: `sums` calls the kernel for parts of a fixed length and adds 
 
 The calling thread takes the first part; the others wait for work in threads that are started once. A kernel is compiled
 once, whatever the number of threads, and no library for threads is needed.
-
-More threads are not always faster: to hand over work takes time, and where another program keeps one of them from its
-core, all that meet it wait. `Pace` measures it for work that comes again and again, such as steps of a simulation.
 """
 
 from __future__ import annotations
 
 import os
-import sys
 import threading
-import time
-from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from queue import SimpleQueue
-from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contbed.errors import SceneError
 from contbed.interrupts import deferred_interrupt
 
-if TYPE_CHECKING:
-    from threadpoolctl import ThreadpoolController
-
 VARIABLES = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS")  # the least of those set bounds the default
-BLAS_VARIABLES = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 PART = 4096  # elements of a part of `sums`; a kernel of 10 ns an element takes 40 us for it, a hand-over 10 us
 SCATTERED = 8  # most parts of `scattered`, each with an array of its own
 ALIGNED = 64  # parts of `parallel` begin at multiples of it, so that two threads seldom write to one cache line
 LEAST = 4096  # elements that a thread must have by default; below, handing over costs more than it saves
-KEPT, TRIED = 5, 3  # times of the usual number of threads and of a trial, of which the medians are compared
-# time with half as many threads over the usual one up to which these are taken, and with twice as many: a second core
-# that saves less than a tenth is left to others
-FEWER, MORE = 1.05, 0.9
-REST = 20.0, 160.0  # times the length of a trial from one to the next, doubled each time that nothing is gained
-SLOWER = 1.5  # time over that after the last trial from which on the next one does not wait
 
 # of the calling thread: those that start runs at the same time do not change each other's
 _limit: ContextVar[int | None] = ContextVar("_limit", default=None)
-_controller: ThreadpoolController | None = None
 _in_use = threading.Lock()  # held while the workers compute for one caller
 _workers: list[_Worker] = []
 
@@ -96,104 +78,6 @@ def using(number: int | None) -> Iterator[None]:
         yield
     finally:
         _limit.reset(before)
-
-
-class Pace:
-    """How many threads take the least time for work that comes again and again; its results must not depend on it.
-
-    Half and twice as many are tried now and then. Where a number was given, it holds; see `using`.
-
-    Parameters
-    ----------
-    elements, least : see `count`
-    clock : time [s]
-    """
-
-    def __init__(self, elements: int, least: int = LEAST, clock: Callable[[], float] = time.perf_counter) -> None:
-        self._elements, self._least, self._clock = elements, least, clock
-        self._number = self._trial = 0
-        self._usual: deque[float] = deque(maxlen=KEPT)
-        self._tried: list[float] = []
-        self._next, self._rest, self._upwards, self._settled = 0.0, REST[0], False, 0.0
-
-    @contextmanager
-    def piece(self, work: float = 1.0) -> Iterator[None]:
-        """Do a piece of work in a block, on as many threads as were fastest so far; `work` is its amount."""
-        if given() is not None:
-            yield
-            return
-        most = count(self._elements, self._least)
-        number = self._choose(most) if most > 1 else 1
-        start = self._clock()
-        with using(number):
-            yield
-        if most > 1:
-            self._add(self._clock() - start, work)
-
-    def _choose(self, most: int) -> int:
-        """Return the number of threads for the next piece, that of a trial where one has come."""
-        self._number = min(self._number, most) or most
-        if not self._trial and len(self._usual) == KEPT and self._clock() >= self._next:
-            more, fewer = min(2 * self._number, most), max(1, self._number // 2)
-            first, other = (more, fewer) if self._upwards else (fewer, more)
-            self._trial, self._tried = first if first != self._number else other, []
-            self._upwards = not self._upwards
-        return min(self._trial or self._number, most)
-
-    def _add(self, seconds: float, work: float) -> None:
-        """Take the time of a piece into account; after the last one of a trial decide."""
-        if not self._trial:
-            self._usual.append(seconds / work)
-            if len(self._usual) == KEPT:
-                self._compare(median(self._usual))
-            return
-        self._tried.append(seconds / work)
-        if len(self._tried) < TRIED:
-            return
-        is_more = self._trial > self._number
-        if median(self._tried) < median(self._usual) * (MORE if is_more else FEWER):
-            # on to the same side, with no rest before
-            self._number, self._rest, self._next, self._settled = self._trial, REST[0], 0.0, 0.0
-            self._upwards = is_more
-            self._usual.clear()
-        else:
-            self._rest = min(2.0 * self._rest, REST[1])
-            self._next = self._clock() + self._rest * TRIED * seconds
-        self._trial = 0
-
-    def _compare(self, now: float) -> None:
-        """Let a trial come at once where the time has grown much."""
-        if self._settled and now > SLOWER * self._settled:
-            self._next = self._settled = 0.0
-        self._settled = self._settled or now
-
-
-@contextmanager
-def single_blas() -> Iterator[None]:
-    """Let BLAS and LAPACK, which compute on all cores by default, compute on one thread in a block.
-
-    Matrices are sparse, banded or small here, and parts of them too short for several threads: these wait for each
-    other longer than they compute. On two cores one thread takes 0.2 to 0.65 of the processor time and no longer on the
-    clock, from 98,000 quadrilaterals to a line. What the environment says of these libraries stays.
-    """
-    if any(name in os.environ for name in BLAS_VARIABLES):
-        yield
-        return
-    with _blas().limit(limits=1, user_api="blas"):
-        yield
-
-
-def _blas() -> ThreadpoolController:
-    """Return the control of the libraries that are loaded, looked for until scipy has loaded its own."""
-    global _controller
-    from threadpoolctl import ThreadpoolController
-
-    if _controller is not None:
-        return _controller
-    found = ThreadpoolController()
-    if "scipy.linalg" in sys.modules:
-        _controller = found
-    return found
 
 
 def parallel(kernel: Callable[..., Any], n: int, *arguments: Any, least: int = LEAST) -> list[Any]:
@@ -322,11 +206,11 @@ def _together(calls: list[tuple[Callable[..., Any], tuple[Any, ...]]]) -> list[A
 
 
 def team(crews: Callable[[int], list[Any]], kernel: Callable[..., Any], most: int, *arguments: Any) -> Any:
-    """Call `kernel(member, *arguments)` for every member of a team at the same time; `contbed.barrier` makes members.
+    """Call `kernel(member, *arguments)` for every member of a team at the same time.
 
     Parameters
     ----------
-    crews : makes the members of a team of a size
+    crews : makes the members of a team of a size, as `contbed.compiled.barrier.crews` does
     kernel : compiled with nogil=True; its threads may wait for each other
     most : size of the team; it is 1 while the workers compute for another caller
     arguments : passed on to the kernel

@@ -27,8 +27,8 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from contbed import threads
-from contbed.compiling import entry, inner
+from contbed.compiled import threads
+from contbed.compiled.functions import entry, inner
 
 TICKET, ARRIVED, SIZE = 0, 8, 16  # places of the counters, 64 bytes apart: a cache line each
 LOOKS = 2000  # at the counter before the core is left to others, about 5 us

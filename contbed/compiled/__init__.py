@@ -1,0 +1,1 @@
+"""Compiled functions, where their code is kept on disk, and how they use several cores."""
