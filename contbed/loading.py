@@ -17,6 +17,7 @@ from contbed.scene import schema
 from contbed.scene.checking import mistakes
 from contbed.scene.inputs import unusable_files
 from contbed.scene.names import near_names, nearest
+from contbed.scene.renames import take_former_keys
 from contbed.scene.size import too_large
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse, parse_key, read
@@ -164,29 +165,31 @@ def _validate(
 ) -> tuple[dict[str, Any], set[str]]:
     """Each table by itself, so that mistakes in one do not hide the contradictions between the others."""
     parts: dict[str, Any] = {}
-    broken: set[str] = set()
+    current = deepcopy(values)
+    former = take_former_keys(current, model.renamed)
+    problems += former
+    broken = {str(path[0]) for path, _ in former}
+    if former:  # what is absent may stand under a former name
+        broken.update(name for name in model.model_fields if name not in current)
     try:
-        scene = model.model_validate(values)
+        scene = model.model_validate(current)
         return {name: getattr(scene, name) for name in model.model_fields}, broken
     except ValidationError as invalid:
         errors = _own(invalid.errors(include_url=False))
     for error in errors:
-        path, text = _translate(error, values, schema.of(model))
-        if now := _present_name(path, model.renamed):
-            text = f"this key is called '{now}' now"
-        elif len(path) == 1 and error["type"] == "extra_forbidden":
+        path, text = _translate(error, current, schema.of(model))
+        if len(path) == 1 and error["type"] == "extra_forbidden":
             text = model.refused.get(str(path[0]), text)
-        elif error["type"] == "missing" and _former_name_is_given(path, values, model.renamed):
-            continue
-        problems.append((path, text))
+        if not (former and error["type"] == "missing"):
+            problems.append((path, text))
         # A misspelt table is not an absent one: what it breaks is not told twice.
         broken.update({str(path[0]), *near_names(str(path[0]), list(model.model_fields))})
     for name, field in model.model_fields.items():
         if name in broken:
             continue
-        if name in values:
+        if name in current:
             # the annotation without its field description is all that a table needs
-            parts[name] = TypeAdapter(field.rebuild_annotation()).validate_python(values[name])
+            parts[name] = TypeAdapter(field.rebuild_annotation()).validate_python(current[name])
         else:
             parts[name] = field.get_default(call_default_factory=True)
     return parts, broken
@@ -200,22 +203,6 @@ def _own(errors: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
         for error, here in zip(errors, places, strict=True)
         if error["type"] != "too_short" or not any(place != here and place[: len(here)] == here for place in places)
     ]
-
-
-def _present_name(path: KeyPath, renamed: Mapping[str, str]) -> str | None:
-    """Return what a former key is called now; None for all others."""
-    for old, new in renamed.items():
-        steps = old.split(".")
-        if len(steps) == len(path) and all(step in ("NAME", key) for step, key in zip(steps, path, strict=True)):
-            return new
-    return None
-
-
-def _former_name_is_given(path: KeyPath, values: dict[str, Any], renamed: Mapping[str, str]) -> bool:
-    """Tell whether a key is missing only because the scene has it under its former name, which is told by itself."""
-    return any(
-        new == path[-1] and _value(values, (*path[:-1], old.split(".")[-1])) is not None for old, new in renamed.items()
-    )
 
 
 def _translate(error: Mapping[str, Any], values: dict[str, Any], root: dict[str, Any]) -> tuple[KeyPath, str]:

@@ -38,7 +38,7 @@ from contbed.scene.quantities import (
 from contbed.scene.toml_lines import Origin
 
 
-def _from_library(phase: str, values: Any, temperature: str = "temperature") -> Any:
+def from_library(phase: str, values: Any, temperature: str = "material_temperature") -> Any:
     """Return what the library knows of a table's `material`, at the temperature under the key `temperature` if given.
 
     Raises
@@ -63,7 +63,8 @@ def _from_library(phase: str, values: Any, temperature: str = "temperature") -> 
     return {key: a[0] if isinstance(a, tuple) and len(a) == 1 else a for key, a in properties.items()}
 
 
-def _names_material(values: Any) -> bool:
+def names_material(values: Any) -> bool:
+    """Return whether a table takes properties of a material of the library."""
     return isinstance(values, dict) and isinstance(values.get("material"), str)
 
 
@@ -85,9 +86,9 @@ class OfMaterial(Table):
     def _material(cls, values: Any) -> Any:
         if isinstance(values, dict) and "material_temperature" in values and "material" not in values:
             raise ValueError("material_temperature has no use without material")
-        if not _names_material(values):
+        if not names_material(values):
             return values
-        properties = _from_library("solid", values, "material_temperature")
+        properties = from_library("solid", values)
         known = {key: properties[name] for name, key in cls.of_material.items() if name in properties}
         for key, value in known.items():
             if isinstance(value, tuple) and key not in values:
@@ -112,7 +113,7 @@ class FluidConstant(Table):
     def _material(cls, values: Any) -> Any:
         if isinstance(values, dict) and ("material" in values) != ("temperature" in values):
             raise ValueError("material and temperature belong together")
-        return _from_library("fluid", values) | values if _names_material(values) else values
+        return from_library("fluid", values, "temperature") | values if names_material(values) else values
 
 
 class FluidCantera(Table):
@@ -158,7 +159,7 @@ class Solid(Table):
     def _material(cls, values: Any) -> Any:
         if isinstance(values, dict) and "temperature" in values and "material" not in values:
             raise ValueError("temperature has no use without material")
-        return _from_library("solid", values) | values if _names_material(values) else values
+        return from_library("solid", values, "temperature") | values if names_material(values) else values
 
 
 class Closure(Table):
@@ -239,7 +240,7 @@ class SceneBase(Table):
     """What scenes of all kinds have in common."""
 
     kind: ClassVar[str]
-    # former names of keys, for the message that names the present one; NAME is any name
+    # former names of tables and keys, and the present ones; see `scene.renames`
     renamed: ClassVar[Mapping[str, str]] = {}
     # tables of other kinds that this one does not take: why, and what to do
     refused: ClassVar[Mapping[str, str]] = {}

@@ -1,0 +1,62 @@
+"""What boundaries say of one phase: [boundary.NAME] gas.KEY and solids.NAME.KEY."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pydantic import Field, model_validator
+
+from contbed.scene.checking import Mistakes
+from contbed.scene.names import nearest
+from contbed.scene.quantities import Emissivity, Table
+from contbed.scene.series import HeatFluxOrSeries, TemperatureOrSeries
+from contbed.scene.tables import WallCoefficientOrClosure
+from contbed.scene.toml_lines import KeyPath
+
+THERMAL = ("temperature", "fixed_temperature", "heat_flux", "coefficient", "emissivity")
+
+
+class ThermalCondition(Table):
+    """Thermal condition of one phase on one boundary: at most one of the five; none is adiabatic."""
+
+    temperature: TemperatureOrSeries | None = Field(
+        None, description="Danckwerts: of the stream while it enters; nothing while it leaves"
+    )
+    fixed_temperature: TemperatureOrSeries | None = Field(None, description="Dirichlet: prescribed temperature")
+    heat_flux: HeatFluxOrSeries | None = Field(None, description="into the bed")
+    coefficient: WallCoefficientOrClosure | None = Field(None, description="Robin: wall coefficient to `ambient`")
+    emissivity: Emissivity | None = Field(None, description="of a surface that radiates to surroundings at `ambient`")
+    ambient: TemperatureOrSeries | None = None
+
+    @model_validator(mode="after")
+    def _at_most_one(self) -> ThermalCondition:
+        given = [name for name in THERMAL if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise ValueError(f"give one of {', '.join(THERMAL)}; found {', '.join(given)}")
+        needs_ambient = given in (["coefficient"], ["emissivity"])
+        if needs_ambient != (self.ambient is not None):
+            name = given[0] if needs_ambient else "coefficient or emissivity"
+            raise ValueError(f"{name} and ambient belong together")
+        return self
+
+    @property
+    def exchanges_heat(self) -> bool:
+        """Whether one of the five is given."""
+        return any(getattr(self, name) is not None for name in THERMAL)
+
+
+def conditions_of(boundary: Mapping[str, Any]) -> Iterator[tuple[KeyPath, str, Any]]:
+    """Yield the path, the phase and the table of each condition of a phase; the phase is "gas" or a solid's name."""
+    for side, table in boundary.items():
+        if table.gas is not None:
+            yield ("boundary", side, "gas"), "gas", table.gas
+        for name, condition in table.solids.items():
+            yield ("boundary", side, "solids", name), name, condition
+
+
+def solids_exist(boundary: Mapping[str, Any], solids: Mapping[str, Any]) -> Mistakes:
+    """Check that boundaries name solids that the scene has."""
+    for path, phase, _ in conditions_of(boundary):
+        if phase != "gas" and phase not in solids:
+            yield path, f"no such solid; {nearest(phase, list(solids))}"

@@ -1,0 +1,69 @@
+"""The [gas] table, which may also be a liquid: constants, a material, a Cantera mixture or a CoolProp fluid."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from contbed.scene.quantities import (
+    Conductivity,
+    Density,
+    HeatCapacity,
+    Pressure,
+    Table,
+    Temperature,
+    Viscosity,
+)
+from contbed.scene.tables import from_library, names_material
+
+
+class GasConstant(Table):
+    """A gas or liquid with constant properties, given or those of a material at a temperature."""
+
+    model: Literal["constant"] = "constant"
+    material: str | None = Field(None, description="liquid of the library; keys that are given replace its properties")
+    material_temperature: Temperature | None = Field(
+        None, description="at which the properties of the material are taken"
+    )
+    density: Density
+    viscosity: Viscosity
+    heat_capacity: HeatCapacity | None = Field(None, description="needed with a [heat] table")
+    conductivity: Conductivity | None = Field(None, description="needed with a [heat] table")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _material(cls, values: Any) -> Any:
+        if isinstance(values, dict) and ("material" in values) != ("material_temperature" in values):
+            raise ValueError("material and material_temperature belong together")
+        if not names_material(values):
+            return values
+        return from_library("fluid", values) | values
+
+
+class GasCantera(Table):
+    """An ideal-gas mixture with the polynomials of a Cantera mechanism."""
+
+    model: Literal["cantera"]
+    composition: str = Field(description='mole fractions, "N2:0.79, O2:0.21"')
+    pressure: Pressure = 101325.0
+    mechanism: str = "gri30.yaml"
+
+
+class GasCoolProp(Table):
+    """A real fluid at constant pressure from CoolProp."""
+
+    model: Literal["coolprop"]
+    name: str
+    pressure: Pressure = 101325.0
+    T_range: tuple[Temperature, Temperature] = Field(description="temperatures to tabulate, one phase only")
+
+
+def _constant_by_default(values: Any) -> Any:
+    """Return a [gas] table with its model, "constant" where none is given."""
+    return {"model": "constant"} | values if isinstance(values, dict) else values
+
+
+Gas = Annotated[
+    GasConstant | GasCantera | GasCoolProp, Field(discriminator="model"), BeforeValidator(_constant_by_default)
+]

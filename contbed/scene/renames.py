@@ -1,0 +1,88 @@
+"""Former names of tables and keys of a scene, and the message that names the present one.
+
+A pattern is a dotted key such as "time.initial_solid" or "boundary.NAME.fluid.inflow"; NAME is any name. Items of a
+list of tables count as the list: "initial.layer.eps_s". The present name repeats each NAME in its order; one more
+NAME stays as it is. A text with spaces in place of the present name is the whole message.
+A key that has become a table, "boundary.NAME.gas" now "boundary.NAME.gas.wall", is a former one as long as it holds
+something else than a table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from contbed.scene.toml_lines import KeyPath
+
+NAME = "NAME"
+
+
+def take_former_keys(values: dict[str, Any], renamed: Mapping[str, str]) -> list[tuple[KeyPath, str]]:
+    """Remove former keys from the values of a scene; return where they were and what to write instead."""
+    found: dict[KeyPath, str] = {}
+    for pattern, new in renamed.items():
+        for path in _matches(values, tuple(pattern.split("."))):
+            if _is_former(values, path, pattern, new):
+                found[path] = _message(pattern, new, path)
+    for path in sorted(found, key=len, reverse=True):
+        _remove(values, path)
+    return list(found.items())
+
+
+def present_key(key: KeyPath, renamed: Mapping[str, str]) -> str | None:
+    """Return the present name of a former key; None if it is none or has no single successor."""
+    for pattern, new in renamed.items():
+        steps = pattern.split(".")
+        same_length = len(steps) == len(key)
+        if same_length and " " not in new and all(step in (NAME, part) for step, part in zip(steps, key, strict=True)):
+            return _substituted(pattern, new, key)
+    return None
+
+
+def _matches(values: Any, steps: tuple[str, ...], path: KeyPath = ()) -> Iterator[KeyPath]:
+    """Yield the paths of the values that a pattern fits."""
+    if not steps:
+        yield path
+    elif isinstance(values, list):
+        for index, item in enumerate(values):
+            yield from _matches(item, steps, (*path, index))
+    elif isinstance(values, dict):
+        first, rest = steps[0], steps[1:]
+        for key in list(values) if first == NAME else [first]:
+            if key in values:
+                yield from _matches(values[key], rest, (*path, key))
+
+
+def _is_former(values: Any, path: KeyPath, pattern: str, new: str) -> bool:
+    """Return whether a value stands under a former name; a table does not where the key has become one."""
+    for key in path:
+        values = values[key]
+    return not (new.startswith(f"{pattern}.") and isinstance(values, dict))
+
+
+def _message(pattern: str, new: str, path: KeyPath) -> str:
+    if " " in new:
+        return new
+    return f"this key is called '{_substituted(pattern, new, path)}' now"
+
+
+def _substituted(pattern: str, new: str, path: KeyPath) -> str:
+    """Return a new name with the names of a path in place of NAME."""
+    keys = [key for key in path if isinstance(key, str)]
+    names = [key for step, key in zip(pattern.split("."), keys, strict=True) if step == NAME]
+    steps = new.split(".")
+    places = [index for index, step in enumerate(steps) if step == NAME]
+    for index, name in zip(places, names, strict=False):
+        steps[index] = name
+    return ".".join(steps)
+
+
+def _remove(values: Any, path: KeyPath) -> None:
+    """Remove a key, and tables that become empty by it; an item of a list stays, so that others keep their places."""
+    table = values
+    for key in path[:-1]:
+        table = table[key]
+    del table[path[-1]]
+    above = path[:-1]
+    if above and not table and isinstance(above[-1], str):
+        _remove(values, above)

@@ -1,0 +1,49 @@
+"""Former names of tables and keys of a scene: each is found, taken out, and answered by its present name."""
+
+from typing import Any
+
+import pytest
+
+from contbed.scene.renames import present_key, take_former_keys
+
+RENAMED = {
+    "fluid": "gas",
+    "fluid.temperature": "gas.material_temperature",
+    "boundary.NAME.fluid.inflow": "boundary.NAME.gas.temperature",
+    "boundary.NAME.gas": "boundary.NAME.gas.wall",
+    "initial.layer.eps_s": "initial.layer.solids.NAME.volume_fraction",
+    "flow.velocity": "the velocity stands at the boundary where the gas enters",
+}
+
+
+@pytest.mark.parametrize(
+    ("values", "path", "now"),
+    [
+        ({"fluid": {"density": 1.0}}, ("fluid",), "gas"),
+        ({"boundary": {"left": {"fluid": {"inflow": 300.0}}}}, ("boundary", "left", "fluid", "inflow"),
+         "boundary.left.gas.temperature"),
+        ({"boundary": {"wall": {"gas": "slip"}}}, ("boundary", "wall", "gas"), "boundary.wall.gas.wall"),
+        ({"initial": {"layer": [{}, {"eps_s": 0.6}]}}, ("initial", "layer", 1, "eps_s"),
+         "initial.layer.solids.NAME.volume_fraction"),
+    ],
+)  # fmt: skip
+def test_a_former_key_is_answered_by_its_present_name(values: dict[str, Any], path: Any, now: str) -> None:
+    assert take_former_keys(values, RENAMED) == [(path, f"this key is called '{now}' now")]
+
+
+def test_former_keys_are_taken_out_with_tables_that_become_empty() -> None:
+    values = {
+        "fluid": {"temperature": 300.0, "density": 1.0},
+        "boundary": {"left": {"fluid": {"inflow": 300.0}, "gas": {"velocity": 1.0}}},
+        "flow": {"velocity": 1.0},
+    }
+    texts = dict(take_former_keys(values, RENAMED))
+    assert len(texts) == 4
+    assert texts["flow", "velocity"] == RENAMED["flow.velocity"]
+    assert values == {"boundary": {"left": {"gas": {"velocity": 1.0}}}}
+
+
+def test_a_key_by_itself() -> None:
+    assert present_key(("boundary", "left", "fluid", "inflow"), RENAMED) == "boundary.left.gas.temperature"
+    assert present_key(("flow", "velocity"), RENAMED) is None
+    assert present_key(("solids", "sand", "density"), RENAMED) is None
