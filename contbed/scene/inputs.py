@@ -15,7 +15,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from contbed.scene.geo_commands import scan
 from contbed.scene.mechanism import code_in_mechanism, mechanism_file, mechanism_folders
 from contbed.scene.quantities import Table
 from contbed.scene.toml_lines import KeyPath, Origin
@@ -51,15 +50,12 @@ def file_of(path: KeyPath, name: str, base: Path) -> Path | None:
 
 
 def inputs_by_key(part: Any, base: Path) -> Iterator[tuple[KeyPath, Path]]:
-    """Yield key and path of all files that a run reads, with what a geometry includes; missing files are left out."""
+    """Yield key and path of all files that a scene names; missing files are left out."""
     for path, name in named_files(part):
         file = file_of(path, name, base)
         if file is None or "\0" in name or not file.is_file():
             continue
-        if file.suffix.lower() == _GEOMETRY:
-            yield from ((path, each) for each in scan(file, base).inputs)
-        else:
-            yield path, file
+        yield path, file
 
 
 def all_inputs(part: Any, base: Path) -> list[Path]:
@@ -121,7 +117,7 @@ def _code(path: KeyPath, file: Path, base: Path) -> list[str]:
             shipped = inside.name == "data" and file.resolve().is_relative_to(inside.resolve())
             return [] if shipped else [found] if (found := code_in_mechanism(file)) else []
         if file.suffix.lower() == _GEOMETRY:
-            return scan(file, base).problems
+            return ["a geometry of gmsh may run programs and write files"]
     except OSError:
         return []  # whoever reads it says so
     return []

@@ -285,7 +285,7 @@ def scene(folder, text, dimension, boundaries, end=0.01, extra=""):
     (folder / "bed.geo").write_text(text)
     mesh = f'type = "file"\nfile = "bed.geo"\ndimension = {dimension}\n{extra}'
     (folder / "bed.toml").write_text(SCENE.format(mesh=mesh, sides=boundaries, end=end))
-    return cb.load(folder / "bed.toml")
+    return cb.load(folder / "bed.toml", trust=True)
 
 
 @pytest.mark.parametrize("kind", [*KINDS, "cylinder"])

@@ -33,7 +33,7 @@ def build(
         "boundary": {"bottom": bottom or WALL, "top": {"type": "outlet"}, "left": WALL, "right": WALL},
         "time": {"end": 1.0} | time,
     }
-    return planning.plan(from_dict(scene)).bed()[0]
+    return planning.plan(from_dict(scene, trust=True)).bed()[0]
 
 
 def solids(bed):
@@ -125,7 +125,7 @@ def test_glass_settles_in_water(kind, size, tmp_path):
     }
     names = ("bottom", "top", "left", "right") + (("front", "back") if kind in IN_3D else ())
     scene["boundary"] = dict.fromkeys(names, WALL | {"gas": "slip", "solid": "slip"})
-    bed = planning.plan(from_dict(scene)).bed()[0]
+    bed = planning.plan(from_dict(scene, trust=True)).bed()[0]
     watched(bed, 6.0)
     volume, upper = bed.model.grid.geometry.volume, bed.model.grid.centres[:, -1] > 0.05
     front = 0.1 - 0.1 * (volume * (0.1 - bed.state.eps_s))[upper].sum() / (0.1 * volume.sum())
