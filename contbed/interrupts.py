@@ -2,26 +2,14 @@
 
 A signal that arrives while arrays go in and out of a compiled function would surface there as a SystemError. So the
 handler of Python only notes it, and KeyboardInterrupt is raised when the block is left, with all arrays complete.
-
-Where Python closes a generator or compares types for a library, no error can leave: Python prints it and goes on. There
-an interrupt is sent once more.
 """
 
 from __future__ import annotations
 
-import os
 import signal
-import sys
 import threading
-from collections.abc import Iterator
-from contextlib import ContextDecorator, contextmanager
+from contextlib import ContextDecorator
 from types import FrameType
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from sys import UnraisableHookArgs
-
-AGAIN_AFTER = 0.01  # s, until what could not pass the interrupt on has ended; it lasts microseconds
 
 
 class deferred_interrupt(ContextDecorator):
@@ -67,21 +55,3 @@ class deferred_interrupt(ContextDecorator):
 
 def _note(number: int, frame: FrameType | None) -> None:
     deferred_interrupt._seen = True
-
-
-@contextmanager
-def no_interrupt_lost() -> Iterator[None]:
-    """Send an interrupt once more, for the block, where the code that it came to cannot raise."""
-    before = sys.unraisablehook
-    sys.unraisablehook = _again
-    try:
-        yield
-    finally:
-        sys.unraisablehook = before
-
-
-def _again(lost: UnraisableHookArgs) -> None:
-    if lost.exc_type is KeyboardInterrupt:
-        threading.Timer(AGAIN_AFTER, os.kill, (os.getpid(), signal.SIGINT)).start()
-    else:
-        sys.__unraisablehook__(lost)

@@ -60,19 +60,6 @@ class Plan(Protocol):
 
 
 @dataclass(frozen=True)
-class FewerSteps:
-    """A run that is done sooner and tells how many steps another takes: `ratio` times its own besides those `fixed`."""
-
-    plan: Plan
-    fixed: float = 0.0
-    ratio: float = 1.0
-
-    def steps(self, counted: float) -> float:
-        """Return the number of steps of the other run from that of this one."""
-        return counted + (self.ratio - 1.0) * max(counted - self.fixed, 0.0)
-
-
-@dataclass(frozen=True)
 class Model:
     """One physics.
 
@@ -82,7 +69,6 @@ class Model:
     equations : modules in the package whose docstrings `contbed explain` shows, by name
     compiles : whether its loops are compiled at their first use, which takes a while
     scatters : whether its results scatter with the start of the particles, so that small changes cannot be told apart
-    searches : whether a steady state is searched in ways whose length only a trial tells, which the run reports
     refuses_early : module and name of a function that refuses what a plan would, for `contbed check`; empty: none
     shares : whether ranks make the parts of its grid, so that its plan for them leaves it out
     """
@@ -93,7 +79,6 @@ class Model:
     equations: Mapping[str, str]
     compiles: bool = False
     scatters: bool = False
-    searches: bool = False
     refuses_early: str = ""
     shares: bool = False
 
@@ -148,10 +133,16 @@ def _reacts(values: Mapping[str, Any]) -> bool:
 # the first that a scene fits; the packed bed takes all others
 MODELS: dict[str, Model] = {
     "two_fluid": Model(
-        "two_fluid", "TwoFluidScene", _has("two_fluid"), {"two_fluid": "equations"}, True, True, shares=True
+        "two_fluid",
+        "TwoFluidScene",
+        _has("two_fluid"),
+        {"two_fluid": "equations"},
+        compiles=True,
+        scatters=True,
+        shares=True,
     ),
     "fully_developed": Model(
-        "developed_flow", "DevelopedScene", _has("fully_developed"), {"developed_flow": "equations"}, searches=True
+        "developed_flow", "DevelopedScene", _has("fully_developed"), {"developed_flow": "equations"}
     ),
     "bubbling_bed": Model(
         "bubbling_bed",
@@ -164,7 +155,6 @@ MODELS: dict[str, Model] = {
             "freeboard": "equations.freeboard",
             "steam": "equations.steam",
         },
-        searches=True,
         refuses_early="plan.coefficients",
     ),
     "particles_gas": Model(
@@ -172,10 +162,17 @@ MODELS: dict[str, Model] = {
         "GasScene",
         lambda values: "particles" in values and "gas" in values,
         {"particles_gas": "gas"},
-        True,
-        True,
+        compiles=True,
+        scatters=True,
     ),
-    "particles": Model("dem", "ParticleScene", _is_particles, {"particles": "network"}, True, True),
+    "particles": Model(
+        "dem",
+        "ParticleScene",
+        _is_particles,
+        {"particles": "network"},
+        compiles=True,
+        scatters=True,
+    ),
     "single_particle": Model(
         "single_particle", "SingleParticleScene", _has("surroundings"), {"single_particle": "equations"}
     ),
@@ -259,26 +256,3 @@ def plan(scene: Any, shared: bool = False) -> Any:
     """
     model = model_of(scene)
     return model.find("plan", "plan")(scene, **({"shared": True} if shared and model.shares else {}))
-
-
-@dataclass(frozen=True)
-class Unfactored:
-    """In place of a policy where no matrix is factored: a run takes so many bytes for each unknown."""
-
-    bytes_each: float
-
-    def predicted_GB(self, size: int) -> float:
-        """Predict the memory of a run [GB]."""
-        return 1e-9 * self.bytes_each * size
-
-
-def described(plan: Plan, *more: str) -> str:
-    """Describe what a plan builds and leaves out as a table, its unknowns with their memory, and further lines."""
-    rows = [("BUILT", what, why) for what, why in plan.built]
-    rows += [("SKIPPED", what, why) for what, why in plan.skipped]
-    width = max(len(what) for _, what, _ in rows)
-    lines = [f"{state:8}{what:{width}}  {why}" for state, what, why in rows]
-    for part, size in plan.unknowns().items():
-        if size:
-            lines.append(f"{part}: {size} unknowns, about {max(1.0, 1e3 * plan.policy.predicted_GB(size)):.0f} MB")
-    return "\n".join([*lines, *more, *(f"WARNING {text}" for text in plan.scene.warnings)])

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import math
+import gc
 import time as clock
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contbed import models, quick_start
+from contbed import models
 from contbed.compiled.threads import using
 from contbed.errors import BalanceError, ClosureRangeError, ContbedError, ConvergenceError, SceneError, interrupt_in
 from contbed.fields import field, name_of
@@ -20,7 +21,6 @@ from contbed.scene.identity import identity
 from contbed.scene.inputs import all_inputs, inputs_by_key
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import dotted
-from contbed.solvers.cost import expected_time
 
 if TYPE_CHECKING:
     from contbed.output.folder import RunFolder
@@ -136,24 +136,26 @@ def _found(
 
 
 def _clock(plan: Any, quiet: bool) -> AbstractContextManager[None]:
-    """Return what shows the time that passes, for a run that tells nothing of its way."""
-    if quiet:
+    """Return what shows the elapsed time of a run without steps; runs with steps have a bar of their own."""
+    if quiet or plan.steps:
         return nullcontext()
     from contbed.output.progress import waiting
 
-    return waiting(_expected(plan))
+    return waiting()
 
 
-def _expected(plan: Any) -> float:
-    """Return the time that a run without steps is expected to take [s]; 0 for others, which tell their way.
-
-    It is known for a mesh that is given, on one process.
-    """
-    if plan.steps or models.model_of(plan.scene).searches:
-        return 0.0
-    if plan.mesh is None or getattr(plan, "balanced", False) or getattr(plan.mesh, "engine", "skfem") != "skfem":
-        return math.nan
-    return expected_time(plan.unknowns(), plan.policy)
+@contextmanager
+def _collecting_garbage() -> Iterator[None]:
+    """Collect reference cycles for the block; the command line switches this off for its imports."""
+    postponed = not gc.isenabled()
+    if postponed and gc.get_freeze_count() == 0:
+        gc.freeze()  # the imported modules have no garbage
+    gc.enable()
+    try:
+        yield
+    finally:
+        if postponed:
+            gc.disable()
 
 
 def _solve(
@@ -162,7 +164,7 @@ def _solve(
     """Fill the result; what stopped the run is returned, and stands in the result."""
     try:
         solve = models.solver_of(scene)
-        with quick_start.collecting(), _clock(result.plan, quiet):
+        with _collecting_garbage(), _clock(result.plan, quiet):
             solve(result.plan, result, folder, quiet, checkpoint)
         _verdict(scene, result)
     except (Exception, KeyboardInterrupt) as caught:

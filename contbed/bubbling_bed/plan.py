@@ -16,7 +16,7 @@ from contbed.closures import optics
 from contbed.errors import SceneError
 from contbed.mesh.grading import equidistributed, graded
 from contbed.mesh.mesh import Mesh, refine
-from contbed.models import described
+from contbed.output.plan_text import plan_text
 from contbed.scene.mechanism import find_mechanism
 from contbed.scene.mesh import REGION
 from contbed.solvers.linear import Policy
@@ -69,7 +69,7 @@ class BubblingPlan:
         return out | ({"gas flow": others * size} if others else {})
 
     def __str__(self) -> str:
-        return described(self)
+        return plan_text(self)
 
 
 def plan(scene: b.BubblingScene) -> BubblingPlan:

@@ -1,12 +1,10 @@
 """What a run of particles in a gas builds: the particles at the start, their box and the grid of the gas.
 
-A bed that has to settle does so in the run. A trial of a small one settles it as well; that of a larger one starts from
-a lattice, whose steps cost about as much, and adds what settling takes.
+A bed that has to settle does so in the run.
 """
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,27 +16,24 @@ from contbed.cfd_dem.closures import bound_tube
 from contbed.cfd_dem.grid import Grid
 from contbed.cfd_dem.scene import GasFlow, GasParticles, GasScene, GasTube
 from contbed.cfd_dem.tubes import BedTube, beside, blocked
-from contbed.compiled.cache import compile_clock
 from contbed.dem.contact import hertz_impact
-from contbed.dem.packing import AT_REST, SETTLED_OVERLAP, loose_height, pack
+from contbed.dem.packing import SETTLED_OVERLAP, pack
 from contbed.dem.particle_files import read_particles
 from contbed.dem.particles import Material, Particles
 from contbed.dem.plan import particles_by
-from contbed.dem.settling import settling_time, stages_of
 from contbed.dem.simulation import LARGEST_OVERLAP, Simulation
 from contbed.dem.softness import GRAVITY
 from contbed.dem.walls import INFINITE, Domain, box
 from contbed.errors import SceneError
-from contbed.models import Unfactored, described
+from contbed.output.plan_text import plan_text
 from contbed.scene.toml_lines import Origin
+from contbed.solvers.memory import MemoryPerUnknown
 
 SKIN = 0.4  # of the radius; fluidized beds need new lists a third as often as at the 0.1 of packings, 30 % less time
 IMPACT_SPEED = 0.3  # m/s, of which the time step of the particles resolves impacts
-MEMORY = Unfactored(400.0)  # bytes for each unknown; six of a particle, with its neighbours: 300 in a bed of 175 800
+# bytes for each unknown; six of a particle, with its neighbours: 300 in a bed of 175 800
+MEMORY = MemoryPerUnknown(400.0)
 MOST_HALVINGS = 2  # of that step, where a stray particle is too fast for it: four times the speed, and the work
-MOST_TRIED = 5000  # particles that a trial settles, in half a minute
-LONGEST_TRIED = 60.0  # s of processor time that settling may be expected to take in a trial: stiff ones take longer
-APART = 1.001  # diameters between particles of a lattice
 SPEED_OF_FILES = 1.0  # m/s, at which particles of a bubbling bed may meet when their file is written
 
 
@@ -52,7 +47,7 @@ class GasPlan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
-    policy: Unfactored = MEMORY
+    policy: MemoryPerUnknown = MEMORY
     without_weak_form: str = "scenes of kind particles_gas"
     steps: bool = True
     tubes: tuple[BedTube, ...] = ()
@@ -66,26 +61,6 @@ class GasPlan:
         assert self.scene.particles.count is not None
         return self.scene.particles.count
 
-    def to_try(self) -> tuple[GasPlan, float]:
-        """Return a plan with particles for a trial, and the processor time of settling them [s].
-
-        Raises
-        ------
-        SceneError, ConvergenceError : see `settled`
-        """
-        if self.particles is not None:
-            return self, 0.0
-        table = self.scene.particles
-        lattice, _ = _outside_of_tubes(_lattice(table), self.tubes, LARGEST_OVERLAP)
-        height = loose_height(lattice.radius, table.width[0] * table.width[1])
-        stages = stages_of(lattice, Material.of(table), AT_REST, GRAVITY)
-        expected = settling_time(stages, self.number, height, GRAVITY)
-        if self.number <= MOST_TRIED and expected <= LONGEST_TRIED:
-            start = clock.process_time()
-            with compile_clock() as compiling:
-                return settled(self, quiet=True), clock.process_time() - start - compiling()
-        return replace(self, particles=lattice), expected
-
     def unknowns(self) -> dict[str, int]:
         """Count the unknowns: coordinates of particles, velocities and pressures of the gas, temperatures."""
         moving = 0 if self.scene.particles.fixed else 6 * self.number
@@ -97,7 +72,7 @@ class GasPlan:
         return replace(self, engine="cuda", built=particles_by(self.built, "on a GPU"))
 
     def __str__(self) -> str:
-        return described(self)
+        return plan_text(self)
 
 
 def plan(scene: GasScene) -> GasPlan:
@@ -244,16 +219,6 @@ def grid_of(
     for tube in tubes:
         beside(grid, tube)
     return grid
-
-
-def _lattice(table: GasParticles) -> Particles:
-    """Return the particles on a simple cubic lattice that fills the floor, with a solid fraction of 0.52."""
-    assert table.radius is not None and table.count is not None
-    apart = 2.0 * APART * table.radius
-    nx, ny = (max(1, int(width / apart)) for width in table.width)
-    k = np.arange(table.count)
-    layer, row, column = k // (nx * ny), k // nx % ny, k % nx
-    return Particles((np.column_stack([column, row, layer]) + 0.5) * apart, table.radius)
 
 
 def _settle(table: GasParticles, quiet: bool, engine: Literal["contbed", "cuda"]) -> Particles:

@@ -192,14 +192,10 @@ def plan(
     """
     loaded = load_scene(scene, settings, trust, allow_large)
     from contbed.models import plan as make
-    from contbed.trial import predicted_time
 
     if not quiet:
         _tell_when_compiling(loaded)
-    planned = make(loaded)
-    print(planned, flush=True)
-    if line := predicted_time(planned, time.process_time()):
-        print(line)
+    print(make(loaded))
 
 
 @app.command()

@@ -8,9 +8,6 @@ from __future__ import annotations
 import os
 import stat
 import sys
-import time as clock
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -64,28 +61,6 @@ def tell_when_compiling() -> None:
             """Nothing is said when a kernel is ready."""
 
     event.register("numba:compile", Teller())
-
-
-@contextmanager
-def compile_clock() -> Iterator[Callable[[], float]]:
-    """Give a function that returns the processor time spent on compiling in the block so far [s]."""
-    from numba.core import event
-
-    class Stopwatch(event.Listener):
-        seconds, depth, began = 0.0, 0, 0.0
-
-        def on_start(self, event: Any) -> None:
-            if self.depth == 0:
-                self.began = clock.process_time()
-            self.depth += 1
-
-        def on_end(self, event: Any) -> None:
-            self.depth -= 1
-            if self.depth == 0:
-                self.seconds += clock.process_time() - self.began
-
-    with event.install_listener("numba:compile", Stopwatch()) as watch:
-        yield lambda: watch.seconds
 
 
 def _cache_of_the_user() -> Path | None:

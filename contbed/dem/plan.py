@@ -15,14 +15,16 @@ from contbed.dem.scene import Lattice, Layers, ParticleScene
 from contbed.dem.sizes import random_radii
 from contbed.dem.softness import GRAVITY
 from contbed.errors import EngineError, SceneError
-from contbed.models import Plan, Unfactored, described
+from contbed.models import Plan
+from contbed.output.plan_text import duration, plan_text
+from contbed.solvers.memory import MemoryPerUnknown
 
 Array = NDArray[np.float64]
 
 BOTTOM, TOP = 1.0, 2.0  # diameters from the floor and from the surface, where the layers of a packing end
 
 # bytes for each temperature, with the paths of its particle: 2000 by contacts, 3700 through a fluid
-MEMORY = Unfactored(4e3)
+MEMORY = MemoryPerUnknown(4e3)
 NETWORK = 22e-6  # s of processor for each temperature of a network with a fluid, of 1e3 to 1e6 spheres
 
 # centres in the unit cell, and the edge of the cell over the radius of spheres that touch
@@ -51,7 +53,7 @@ class ParticlePlan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
-    policy: Unfactored = MEMORY
+    policy: MemoryPerUnknown = MEMORY
     without_weak_form: str = "scenes of kind particles"
     steps: bool = False
     engine: Literal["contbed", "lammps", "cuda"] = "contbed"
@@ -62,7 +64,10 @@ class ParticlePlan:
         return {"heat": len(self.x) if packing is None else packing.number}
 
     def seconds(self) -> float | None:
-        """Predict the processor time of settling and of the networks [s]; None where LAMMPS or a GPU settles."""
+        """Predict the processor time of settling and of the networks [s]; None where LAMMPS or a GPU settles.
+
+        It is a cost per particle and step times the steps; within a factor of 2.
+        """
         if self.engine != "contbed":
             return None
         networks = 1 if self.scene.closure is None else 1 + len(self.scene.closure.ratios)
@@ -83,7 +88,9 @@ class ParticlePlan:
         return replace(self, engine="cuda", built=particles_by(self.built, "on a GPU"))
 
     def __str__(self) -> str:
-        return described(self)
+        seconds = self.seconds()
+        more = [] if seconds is None else [f"time: about {duration(seconds)} of processor"]
+        return plan_text(self, *more)
 
 
 def particles_by(built: tuple[tuple[str, str], ...], where: str) -> tuple[tuple[str, str], ...]:

@@ -12,7 +12,7 @@ from contbed.developed_flow import scene as d
 from contbed.developed_flow.closures import bound
 from contbed.developed_flow.equations import Coefficients
 from contbed.mesh.mesh import Mesh
-from contbed.models import described
+from contbed.output.plan_text import plan_text
 from contbed.scene.mesh import REGION
 
 GRADED = 3.5  # of tanh: the last cell is thinner than the first by a factor of cosh^2
@@ -47,7 +47,7 @@ class DevelopedPlan:
         return replace(self, mesh=replace(line(nodes, self.mesh.axisymmetric), engine=self.mesh.engine))
 
     def __str__(self) -> str:
-        return described(self)
+        return plan_text(self)
 
 
 def plan(scene: d.DevelopedScene) -> DevelopedPlan:

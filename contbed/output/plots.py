@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed import quick_start
 from contbed.fem.elements import Space
 from contbed.fields import FIELDS, name_of
 from contbed.output.files import atomic
@@ -68,9 +67,8 @@ def styled_figure(
 ) -> Iterator[Any]:
     """Yield a figure in the common style, saved as PNG when the block ends."""
     matplotlib = _matplotlib()
-    with quick_start.without_help_texts():
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
 
     with matplotlib.rc_context():
         matplotlib.rcdefaults()

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, ClassVar
 
 INTERVAL = 0.1  # s between redraws
-WAITING = 0.5  # s between redraws of what only the clock tells
+WAITING = 0.5  # s between redraws of the elapsed time
 SHORTEST = 2.0  # s of a run that has a bar
 
 
@@ -23,7 +22,6 @@ class Progress:
     ...     progress.advance_to(2.5, "step 0.1 s")
     """
 
-    _watcher: ClassVar[Callable[[Progress, float], None] | None] = None
     shown: ClassVar[bool] = False  # whether a bar is on the terminal, beside which the clock has no place
 
     def __init__(self, total: float, unit: str = "s", quiet: bool = False):
@@ -60,20 +58,8 @@ class Progress:
             self._bar = None
             Progress.shown = False
 
-    @classmethod
-    @contextmanager
-    def watched(cls, watcher: Callable[[Progress, float], None]) -> Iterator[None]:
-        """Call `watcher` with each bar and what it reaches, for the duration of the block; it may raise."""
-        before, Progress._watcher = Progress._watcher, watcher
-        try:
-            yield
-        finally:
-            Progress._watcher = before
-
     def advance_to(self, value: float, note: str = "") -> None:
         """Show that `value` of the total is reached."""
-        if Progress._watcher is not None:
-            Progress._watcher(self, value)
         if self._bar is None:
             return
         now = time.monotonic()
@@ -85,18 +71,13 @@ class Progress:
 
 
 @contextmanager
-def waiting(expected: float) -> Iterator[None]:
-    """Bar of a block that tells nothing of its way: the time that has passed, of that expected; until it has its own.
-
-    Parameters
-    ----------
-    expected : time of the block [s], of a short one nothing is shown; nan if it is not known
-    """
-    if expected < SHORTEST or sys.stderr is None or not sys.stderr.isatty():
+def waiting() -> Iterator[None]:
+    """Show the elapsed time of a block on a terminal after `SHORTEST`, until the block shows a bar of its own."""
+    if sys.stderr is None or not sys.stderr.isatty():
         yield
         return
     ended = threading.Event()
-    drawing = threading.Thread(target=_draw, args=(expected, ended), daemon=True)
+    drawing = threading.Thread(target=_draw, args=(ended,), daemon=True)
     drawing.start()
     try:
         yield
@@ -105,7 +86,7 @@ def waiting(expected: float) -> Iterator[None]:
         drawing.join()
 
 
-def _draw(expected: float, ended: threading.Event) -> None:
+def _draw(ended: threading.Event) -> None:
     start = time.monotonic()
     if ended.wait(SHORTEST) or Progress.shown:
         return
@@ -113,13 +94,12 @@ def _draw(expected: float, ended: threading.Event) -> None:
     from rich.progress import BarColumn, TextColumn
     from rich.progress import Progress as Bar
 
-    known = math.isfinite(expected)
     columns = (BarColumn(), TextColumn("{task.description}", markup=False))
-    with Bar(*columns, console=Console(stderr=True), auto_refresh=False, transient=True) as bar:
-        task = bar.add_task("", total=expected if known else None)
+    console = Console(stderr=True)
+    with Bar(*columns, console=console, auto_refresh=False, transient=True) as bar:
+        task = bar.add_task("", total=None)
         while True:
-            passed = time.monotonic() - start
-            text = f"{passed:.0f} s" + (f" of about {expected:.0f} s" if known else "")
-            bar.update(task, completed=min(passed, expected) if known else 0.0, description=text, refresh=True)
+            elapsed = time.monotonic() - start
+            bar.update(task, description=f"{elapsed:.0f} s", refresh=True)
             if ended.wait(WAITING) or Progress.shown:
                 return

@@ -20,7 +20,7 @@ from contbed.errors import SceneError
 from contbed.mesh.build import build, moved, require_names
 from contbed.mesh.grading import finest
 from contbed.mesh.mesh import Mesh
-from contbed.models import FewerSteps, described
+from contbed.output.plan_text import plan_text
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.adapt import refinable
 from contbed.packed_bed.grading import nodes
@@ -263,24 +263,11 @@ class Plan:
             out["radiation"] = Space(grid, self.scene.solver.degree).size
         return out
 
-    def with_fewer_steps(self, cells: int) -> FewerSteps | None:
-        """Return the plan with `cells` along the bed, a quarter across; None where it has few or a mesh of a file.
-
-        Fronts take as many steps as they have cells.
-        """
-        mesh = self.scene.mesh
-        if self.fronts or isinstance(mesh, MeshFile) or self.mesh.skfem.nelements <= 2 * cells:
-            return None
-        each: Any = [cells // 4] * mesh.dimension
-        each[1 if isinstance(mesh, MeshAxisymmetric) else 0] = cells
-        changes = {"cells": tuple(each) if mesh.dimension > 1 else cells, "graded": True, "refine": 0}
-        return FewerSteps(plan(self.scene.model_copy(update={"mesh": mesh.model_copy(update=changes)})))
-
     def __str__(self) -> str:
         run = "the first mesh" if self.balanced else "a steady scene"
         more = [] if self.fronts else [advice(self.unknowns(), self.policy, run)]
         text = lifted(self, np.array([self.medium.T_fluid_in])) if self.medium is not None else ""
-        return described(self, *more, *([f"WARNING {text}"] if text else []))
+        return plan_text(self, *more, *([f"WARNING {text}"] if text else []))
 
 
 def plan(scene: s.Scene) -> Plan:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from contbed.mesh.build import build, moved, require_names
 from contbed.mesh.mesh import Mesh
-from contbed.models import described
+from contbed.output.plan_text import plan_text
 from contbed.radiation.grading import nodes
 from contbed.radiation.scene import FEWEST, MOST, MOST_CONDUCTING, Radiation, RadiationScene
 from contbed.scene.mesh import MeshLine
@@ -69,7 +69,7 @@ class Plan:
         return replace(self, solved=scene, mesh=build(scene.mesh, nodes(scene), str(scene.origin.base)))
 
     def __str__(self) -> str:
-        return described(self, advice(self.unknowns(), self.policy))
+        return plan_text(self, advice(self.unknowns(), self.policy))
 
 
 def plan(scene: RadiationScene) -> Plan:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -58,17 +57,14 @@ class Family:
         return flat, slopes.matrix(scale)
 
 
-def follow(problem: Problem, u: Array, result: Result, tell: Callable[[], None]) -> None:
-    """Trace the branch that a state lies on, once to choose the cells and once on them, and report it.
-
-    `tell` is called with each iteration.
-    """
+def follow(problem: Problem, u: Array, result: Result) -> None:
+    """Trace the branch that a state lies on, once to choose the cells and once on them, and report it."""
     table = problem.scene.continuation
     assert table is not None
-    family, branch = _traced(problem, u, tell)
+    family, branch = _traced(problem, u)
     if problem.scene.mesh.cells is None:
         problem, u = _refined(family, branch, problem, u)
-        family, branch = _traced(problem, u, tell)
+        family, branch = _traced(problem, u)
     if not branch.complete:
         result.warnings.append(
             f"the branch ends at {table.parameter} = {branch.parameter[-1]:.6g} after "
@@ -82,19 +78,15 @@ def follow(problem: Problem, u: Array, result: Result, tell: Callable[[], None])
         result.tables["states"] = _table([_row(family, table.at, x) for x in states])
 
 
-def _traced(problem: Problem, u: Array, tell: Callable[[], None]) -> tuple[Family, Branch]:
+def _traced(problem: Problem, u: Array) -> tuple[Family, Branch]:
     table = problem.scene.continuation
     assert table is not None
     family = Family(problem, table.parameter)
     start = float(value_at(problem.scene, table.parameter))
 
-    def assemble(*given: Any) -> Any:
-        tell()
-        return family.assemble(*given)
-
     weights = np.broadcast_to(1.0 / problem.sizes[:, None, None], u.shape).ravel()
     branch = trace(
-        assemble,
+        family.assemble,
         u.ravel(),
         start,
         table.to,

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from itertools import pairwise
-from math import log
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contbed.errors import SceneError
-from contbed.models import FewerSteps, described
+from contbed.output.plan_text import plan_text
 from contbed.particle.effectiveness import effectiveness_of
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.across import across
@@ -32,8 +30,6 @@ TRANSIENT_CELLS = 60  # of one length, through which fronts move
 SHORT_RESIDENCE = 0.01  # of the gas over the times in which something changes, below which it is quasi-steady
 PARTS = {"tube": "rings", "plane": "layers", "duct": "columns of a quarter"}
 PELLETS = "inside of pellets"
-LARGEST_ERROR = 0.01  # tolerance of the run that counts the steps, in which their order still holds
-FEWEST_RINGS = 2  # of that run, as the steps hardly depend on their number
 FIRST_LAYER = 1e-4  # length of the first and last cell over that of the bed
 
 
@@ -70,51 +66,18 @@ class Plan:
         return self.scene.time is not None
 
     @property
-    def searches(self) -> bool:
-        """Whether a steady state is searched, whose length only a trial tells."""
-        return not self.steps
-
-    def to_try(self) -> tuple[Plan, float]:
-        """Return the plan of a trial, of a cycle that of one period, and the processor time that it took [s]."""
-        time = self.scene.time
-        if time is None or time.cycle is None:
-            return self, 0.0
-        once = self.scene.model_copy(update={"time": time.model_copy(update={"cycle": None})})
-        return replace(self, scene=once), 0.0
-
-    @property
     def policy(self) -> Any:
         """Choice of the linear solver, which is that of bands."""
         from contbed.solvers.linear import Policy
 
         return Policy(1)
 
-    def with_fewer_steps(self, cells: int) -> FewerSteps:
-        """Return the plan with a larger error of a step, which is of second order; steps that grow after a jump stay.
-
-        `cells` has no effect: fronts, which bind the steps of a gas that is stored, are as steep as cells let them.
-        """
-        from contbed.reacting_bed.course import FIRST_STEP
-        from contbed.reacting_bed.transient import MOST_GROWTH
-
-        time, section = self.scene.time, self.scene.section
-        assert time is not None
-        tolerance = max(LARGEST_ERROR, time.tolerance)
-        changes: dict[str, Any] = {"time": time.model_copy(update={"tolerance": tolerance})}
-        if section is not None:
-            changes["section"] = section.model_copy(update={"rings": FEWEST_RINGS})
-        cuts = self.schedule.cuts(time.end, self.schedule.small(time))
-        starts = [t for t in cuts[:-1] if t == 0.0 or self.schedule.jumps(t)]
-        lengths = [after - t for t, after in pairwise([*starts, time.end])]
-        growing = sum(log(max(length / (FIRST_STEP * time.end), 1.0)) / log(MOST_GROWTH) for length in lengths)
-        return FewerSteps(plan(self.scene.model_copy(update=changes)), growing, (tolerance / time.tolerance) ** 0.5)
-
     def unknowns(self) -> dict[str, int]:
         """Return the number of unknowns on the first cells."""
         return {"bed": self.problem.system.size}
 
     def __str__(self) -> str:
-        return described(self)
+        return plan_text(self)
 
 
 def first_vertices(scene: s.ReactingScene) -> NDArray[np.float64]:

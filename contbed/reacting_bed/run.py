@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from contbed.errors import ConvergenceError
-from contbed.output.progress import Progress
 from contbed.reacting_bed import limited, results, solve
 from contbed.reacting_bed.plan import Plan
 from contbed.reacting_bed.problem import Problem, isothermal_drop
@@ -41,8 +40,7 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
 
             run_transient(course, result, folder, quiet, start, periods)
         return
-    progress = Progress(1.0, quiet=True)  # watched by the trial that tells the time
-    report = solve.Report(tell=progress.advance_to)
+    report = solve.Report()
     problem = plan.problem
     with result.timed("bed"):
         try:
@@ -80,7 +78,7 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         from contbed.reacting_bed.branch import follow
 
         with result.timed("continuation"):
-            follow(*whole, result, lambda: progress.advance_to(solve.LAST_SHARE))
+            follow(*whole, result)
 
 
 def _sentence(problem: Problem, error: ConvergenceError) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -35,10 +34,6 @@ MOST_FAILURES = 15  # in a row, after which steps are 1e-9 of the first
 STEPS_PER_CELLS = 3  # of the march on the same cells, before these are put where the fronts have gone
 STILL = 1e-7  # largest change in a step, over typical sizes, of a state that is steady
 EVEN_CELLS = 30  # that are put between the first ones for the march
-# iterations of a steady state, over those on its first cells, where Newton's method finds it from the first guess, and
-# where more help is needed: measured on tubes and shafts, with cells that follow the errors and with given ones
-EXPECTED = {(False, True): 20.0, (True, True): 550.0, (False, False): 12.0, (True, False): 130.0}
-LAST_SHARE = 0.95  # of what is expected, that is told where it takes longer
 START_OF_MARCH = 1e-2  # of the residence time of the solids
 END_OF_MARCH = 1e5  # of it: what has not come to rest by then does not
 
@@ -56,17 +51,6 @@ class Report:
     small: float = 0.0  # share of a gas or solid below which its powers are straight lines; 0 for that of the laws
     damped: int = 0  # cells in which amounts would fall below zero, see `limited`
     damping_changes: float = 0.0  # what leaves, over what enters
-    tell: Callable[[float], None] | None = None  # is told which share of the way of a steady state has been gone
-    helped: bool = False  # whether Newton's method has failed from the first guess
-    work: float = 0.0  # iterations so far, each times its cells
-
-    def count(self, problem: Problem) -> None:
-        """Count an iteration, and tell the share of all that are expected."""
-        self.work += problem.line.cells
-        if self.tell is not None:
-            cells = problem.scene.mesh.cells
-            whole = EXPECTED[self.helped, cells is None] * (FIRST_CELLS if cells is None else problem.line.cells)
-            self.tell(min(self.work / whole, LAST_SHARE))
 
 
 def measure(problem: Problem, residual: Array) -> float:
@@ -109,7 +93,6 @@ def step(problem: Problem, u: Array, report: Report, storage: Storage | None = N
             what = rate_without_value(problem, u) or "a rate or property is not finite"
             raise failed(what, problem, u, report, storage)
         report.history.append(norm)
-        report.count(problem)
         du = slopes.factors(problem.flux_sizes, problem.sizes).solve(-residual)
         share = limited(problem, u, du)
     if not np.isfinite(du).all():
@@ -272,7 +255,7 @@ def on_cells(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array
         try:
             return problem, newton(problem, u, report, most=FIRST_ITERATIONS)
         except ConvergenceError:
-            report.helped = True
+            pass
         if problem.has_roots:
             try:
                 return sharpened(problem, u, report)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contbed.models import described
+from contbed.output.plan_text import plan_text
 from contbed.single_particle.scene import SingleParticleScene
 from contbed.solvers.linear import Policy
 
@@ -30,7 +30,7 @@ class Plan:
         return {"particle": (len(self.scene.constituent) + 2) * self.scene.particle.cells + 1}
 
     def __str__(self) -> str:
-        return described(self)
+        return plan_text(self)
 
 
 def plan(scene: SingleParticleScene) -> Plan:

@@ -47,11 +47,6 @@ RATES = {
 }
 
 
-def expected_time(unknowns: dict[str, int], policy: Policy) -> float:
-    """Return the processor time [s] of a steady scene on scikit-fem."""
-    return _rate(policy).time(sum(unknowns.values()))
-
-
 def _rate(policy: Policy) -> Rate:
     return RATES["multigrid" if policy.multigrid and policy.dimension == 3 else "skfem", policy.dimension]
 

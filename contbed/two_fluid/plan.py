@@ -12,8 +12,9 @@ from contbed.errors import SceneError
 from contbed.mesh.build import build
 from contbed.mesh.entities import renamed
 from contbed.mesh.mesh import Mesh
-from contbed.models import Unfactored, described
+from contbed.output.plan_text import plan_text
 from contbed.scene.mesh import MeshFile
+from contbed.solvers.memory import MemoryPerUnknown
 from contbed.two_fluid import boundary, closure_kernels, filters, near_walls, probes, warnings
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, bound, dissipative_restitution
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from contbed.two_fluid.distributed.grid import SharedGrid
     from contbed.two_fluid.distributed.lattice import Lattice
 
-MEMORY = Unfactored(400.0)  # bytes for each unknown: 200 in 800 000 of a plane, up to 600 in 140 000 of a volume
+MEMORY = MemoryPerUnknown(400.0)  # bytes for each unknown: 200 in 800 000 of a plane, up to 600 in 140 000 of a volume
 # s of CPU per cell and step in 1-D, 2-D and 3-D, of beds of some 10 000 cells, on rectangular grids and on any mesh
 STEP_COST_IN_ROWS, STEP_COST = (5e-7, 9e-7, 1.3e-6), (5e-7, 1.2e-6, 3e-6)
 
@@ -45,7 +46,7 @@ class TwoFluidPlan:
     probes: dict[str, int]
     warnings: tuple[str, ...] = ()
     steps: bool = True
-    policy: Unfactored = MEMORY
+    policy: MemoryPerUnknown = MEMORY
     without_weak_form: str = ""
     divided: Lattice | Division | None = None  # from which ranks make their parts of the grid; `grid` is its outline
     shared_grid: SharedGrid | None = None  # of ranks, which then have the grid; `grid` is its outline
@@ -112,7 +113,7 @@ class TwoFluidPlan:
         return bed, compiled
 
     def __str__(self) -> str:
-        return described(self, *(f"WARNING {text}" for text in self.warnings))
+        return plan_text(self, *(f"WARNING {text}" for text in self.warnings))
 
 
 def plan(scene: t.TwoFluidScene, shared: bool = False) -> TwoFluidPlan:

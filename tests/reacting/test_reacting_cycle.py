@@ -258,12 +258,6 @@ def test_a_cycle_that_is_not_found_ends_with_its_best_period(monkeypatch):
     assert best.change == min(each.change for each in found) < 0.5 * found[-1].change
 
 
-def test_the_plan_tells_the_time_of_one_period():
-    found = plan(from_dict(looping()))
-    assert "cyclic steady state" in str(found)
-    assert found.to_try()[0].scene.time.cycle is None
-
-
 def test_cycles_that_cannot_be_are_told():
     scene = looping()
     scene["fluid"]["composition"] = "A:1"

@@ -8,7 +8,6 @@ from reacting_bed_scenes import T, bilinear, fixed_bed, heated, schumann
 from scipy.integrate import quad
 
 import contbed
-from contbed import models, trial
 from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.scene.schedule import SeriesByKey
@@ -95,18 +94,6 @@ def test_kinks_of_two_series_whose_times_differ_by_rounding_are_no_jumps():
     assert len(cuts) == 101 and not any(schedule.jumps(time) for time in cuts[1:-1])
     step = SeriesByKey({("a",): Samples(times, values, "step", None)})
     assert all(step.jumps(time) for time in step.cuts(10.0)[1:-1])
-
-
-@pytest.mark.slow
-def test_the_plan_counts_the_steps_of_small_errors(monkeypatch):
-    """Within a factor of 2, the promise of the plan, of a run that the budget shows 1 % of."""
-    monkeypatch.setattr(trial, "BUDGET", 0.02)
-    scene, eta_per_s = heated(4.0)
-    scene["time"] |= {"end": 5.0 / eta_per_s, "tolerance": 1e-6}
-    loaded = from_dict(scene)
-    _, steps = trial._predict(models.plan(loaded), loaded.time.end)
-    taken = len(contbed.run(loaded).tables["outlet"]["t [s]"])
-    assert 0.5 < steps / taken < 2.0
 
 
 def test_a_ramp_of_the_inlet_temperature():

@@ -9,11 +9,10 @@ from scipy.optimize import brentq
 
 from contbed.errors import ConvergenceError, SceneError
 from contbed.loading import load
-from contbed.models import MODELS, plan
+from contbed.models import MODELS
 from contbed.runner import run
 from contbed.single_particle import run as single_particle
 from contbed.solvers.timestep import march
-from contbed.trial import predicted_time
 from tests.particle.tables import rows
 
 SPHERE = MODELS["single_particle"].template.read_text(encoding="utf-8").split("[surroundings]")[0]
@@ -207,11 +206,6 @@ def test_numbers_of_the_run_do_not_depend_on_output_times(tmp_path):
     assert found["T_centre_max_K"] == pytest.approx(300.0 + 700.0 * (1.0 - np.exp(-30.0 * RATE)), abs=0.7)
     assert found["time_of_T_centre_max_s"] == pytest.approx(1030.0, abs=0.5)
     assert "half_time_s" not in found  # nothing is lost
-
-
-def test_the_plan_tells_the_time_of_the_steps():
-    assert predicted_time(plan(load(MODELS["single_particle"].template))).startswith("time: about")
-    assert "steady" not in str(plan(load(MODELS["single_particle"].template)))
 
 
 @pytest.mark.slow

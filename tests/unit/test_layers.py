@@ -17,7 +17,7 @@ PACKAGE = Path(contbed.__file__).parent
 LAYERS = (
     ("cli", "__main__"),
     ("calibration", "uncertainty"),
-    ("sweep", "verify", "validation", "warm", "trial", "report", "design"),
+    ("sweep", "verify", "validation", "warm", "report", "design"),
     ("runner",),
     ("explain", "editor", "loading"),
     ("places", "catalogue"),
@@ -29,7 +29,7 @@ LAYERS = (
     ("solvers", "materials", "closures", "particle"),
     ("scene",),
     ("compiled",),
-    ("fields", "errors", "versions", "interrupts", "quick_start", "terms"),
+    ("fields", "errors", "versions", "interrupts", "terms"),
 )
 
 
@@ -166,7 +166,7 @@ def test_closures_and_outputs_know_no_physics():
         if room == "particle":
             assert {other.split(".")[0] for other in others} <= {"particle", "closures", "errors"}, name
         if room == "output":
-            below = {"output", "errors", "fields", "fem", "quick_start"}
+            below = {"output", "errors", "fields", "fem"}
             assert {other.split(".")[0] for other in others} <= below, name
 
 

@@ -590,31 +590,25 @@ def test_progress_is_silent_in_a_pipe(monkeypatch):
 
 
 def test_the_clock_is_shown_where_a_run_tells_nothing(monkeypatch):
-    """From SHORTEST on; not for a run that is expected to be shorter, nor for one that ends before, nor in a pipe."""
+    """From SHORTEST on; not for a run that ends before, nor in a pipe."""
     monkeypatch.setattr(progress, "SHORTEST", 0.05)
     monkeypatch.setattr(progress, "WAITING", 0.01)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "120")
     shown = []
-    for expected, seconds, stream in (
-        (40.0, 0.2, FakeTerminal()),
-        (math.nan, 0.2, FakeTerminal()),
-        (0.04, 0.2, FakeTerminal()),
-        (40.0, 0.0, FakeTerminal()),
-        (40.0, 0.2, io.StringIO()),
-    ):
+    for seconds, stream in ((0.2, FakeTerminal()), (0.0, FakeTerminal()), (0.2, io.StringIO())):
         monkeypatch.setattr(sys, "stderr", stream)
-        with progress.waiting(expected):
+        with progress.waiting():
             time.sleep(seconds)
         shown.append(stream.getvalue())
-    assert "0 s of about 40 s" in shown[0] and "0 s" in shown[1] and "of about" not in shown[1]
-    assert shown[2:] == ["", "", ""]
+    assert "0 s" in shown[0]
+    assert shown[1:] == ["", ""]
     terminal = FakeTerminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    with progress.waiting(40.0), Progress(1.0) as bar:
+    with progress.waiting(), Progress(1.0) as bar:
         bar.advance_to(0.5, "its own")
         time.sleep(0.2)
-    assert "its own" in terminal.getvalue() and "of about" not in terminal.getvalue()
+    assert "its own" in terminal.getvalue() and "0 s" not in terminal.getvalue()
 
 
 def test_progress_on_a_terminal(monkeypatch):

@@ -48,28 +48,6 @@ def test_an_interrupt_while_modules_are_imported(tmp_path, module):
     assert (done.returncode, done.stderr) == (130, "interrupted\n")
 
 
-def test_an_interrupt_where_nothing_can_be_raised(tmp_path):
-    """As where a generator is closed or pydantic compares types, in one of 150 moments of reading a scene."""
-    (tmp_path / "scene.toml").write_text(STEADY)
-    code = """
-        import os, signal, sys, time
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        sys.argv = ["contbed", "check", "scene.toml"]
-        from contbed import loading
-        from contbed.__main__ import main
-        class Closed:
-            def __del__(self):
-                os.kill(os.getpid(), signal.SIGINT)
-        def load(*given, **options):
-            Closed()
-            time.sleep(10)
-        loading.load = load
-        sys.exit(main())
-    """
-    done = python(code, cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (130, "interrupted\n")
-
-
 def test_errors_that_come_from_an_interrupt():
     try:
         try:

@@ -74,18 +74,19 @@ def test_the_flow_has_a_first_order_error(monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_restarted_run_keeps_its_flow(tmp_path):
+def test_a_restarted_run_keeps_its_flow(tmp_path, monkeypatch):
     """Interrupted after some steps and continued: the same bytes as without."""
     scene = cooling(2.0, time={"tolerance": 1e-1})
     whole = cb.run(scene)
     steps = []
 
-    def stop(progress, value):
+    def stop(progress, value, note=""):
         steps.append(value)
         if len(steps) == 9:
             raise KeyboardInterrupt
 
-    with Progress.watched(stop), pytest.raises(KeyboardInterrupt):
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(Progress, "advance_to", stop)
         cb.run(scene, out=tmp_path)
     again = cb.run(scene, out=tmp_path, restart=tmp_path)
     assert again.qoi == whole.qoi

@@ -1,0 +1,54 @@
+"""The text of a plan: what is built and left out, its unknowns and their memory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+
+class DescribedPlan(Protocol):
+    """What the text needs of a plan; see `contbed.models.Plan`."""
+
+    @property
+    def scene(self) -> Any:
+        """The scene as written."""
+
+    @property
+    def built(self) -> Sequence[tuple[str, str]]:
+        """Names of what is built, each with a description."""
+
+    @property
+    def skipped(self) -> Sequence[tuple[str, str]]:
+        """Names of what is left out, each with the reason."""
+
+    @property
+    def policy(self) -> Any:
+        """Choice of the linear solver, which predicts the memory."""
+
+    def unknowns(self) -> Mapping[str, int]:
+        """Return the number of unknowns of each part."""
+
+
+def plan_text(plan: DescribedPlan, *more: str) -> str:
+    """Describe a plan as a table, followed by the unknowns with their memory, further lines and warnings."""
+    rows = [("BUILT", what, why) for what, why in plan.built]
+    rows += [("SKIPPED", what, why) for what, why in plan.skipped]
+    width = max(len(what) for _, what, _ in rows)
+    lines = [f"{state:8}{what:{width}}  {why}" for state, what, why in rows]
+    for part, size in plan.unknowns().items():
+        if size:
+            megabytes = max(1.0, 1e3 * plan.policy.predicted_GB(size))
+            lines.append(f"{part}: {size} unknowns, about {megabytes:.0f} MB")
+    warnings = [f"WARNING {text}" for text in plan.scene.warnings]
+    return "\n".join([*lines, *more, *warnings])
+
+
+def duration(seconds: float) -> str:
+    """Return a duration in two digits: "40 s", "12 min", "3.5 h".
+
+    >>> duration(5400.0)
+    '1.5 h'
+    """
+    if seconds >= 3600.0:
+        return f"{seconds / 3600.0:.2g} h"
+    return f"{seconds / 60.0:.2g} min" if seconds >= 99.5 else f"{seconds:.2g} s"

@@ -1,0 +1,56 @@
+"""What a plan prints: the time of packings, and no time where no formula gives it; the bar of fronts."""
+
+import time
+from dataclasses import replace
+
+import pytest
+
+import contbed as cb
+from contbed.loading import from_dict, load, loads
+from contbed.models import MODELS, plan
+from contbed.output.plan_text import duration
+from contbed.output.progress import Progress
+
+PACKING = """
+packing = { count = 600, radius = "1 mm", width = ["12 mm", "12 mm"], seed = 1 }
+conduction = { particles = 1.4, fluid = 0.026 }
+closure = { ratios = [2, 5, 10, 20, 50] }
+"""
+
+
+def test_the_plan_predicts_the_time_of_a_packing():
+    """Within a factor of 2 of what its spheres take to settle, once everything is compiled."""
+    scene = loads(PACKING)
+    cb.run(scene)
+    start = time.process_time()
+    cb.run(scene)
+    spent = time.process_time() - start
+    assert 0.5 < plan(scene).seconds() / spent < 2.0
+    assert str(plan(scene)).endswith(f"time: about {duration(plan(scene).seconds())} of processor")
+    assert replace(plan(scene), engine="lammps").seconds() is None
+
+
+@pytest.mark.parametrize("kind", ["single_particle", "two_fluid", "bubbling_bed"])
+def test_other_plans_predict_no_time(kind):
+    assert "time: " not in str(plan(load(MODELS[kind].template)))
+
+
+def test_the_bar_of_fronts_reaches_the_end(monkeypatch):
+    """A parcel of one cell takes each step: a bed of 40 cells in which the gas stays 0.4 s, for 2 s."""
+    reached = []
+    monkeypatch.setattr(Progress, "advance_to", lambda bar, value, note="": reached.append(value))
+    scene = from_dict(
+        {
+            "mesh": {"type": "line", "length": 1.0, "cells": 40},
+            "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.03, "viscosity": 2e-5},
+            "solid": {"density": 2000.0, "heat_capacity": 800.0, "conductivity": 1.0},
+            "bed": {"porosity": 0.4, "particle_diameter": 0.02},
+            "flow": {"velocity": 1.0},
+            "heat": {"nusselt": 50.0, "conductivity_fluid": 0.0, "conductivity_solid": 0.0},
+            "boundary": {"left": {"fluid": {"inflow": 600.0}}},
+            "time": {"end": 2.0, "initial_fluid": 300.0, "initial_solid": 300.0},
+        }
+    )
+    cb.run(scene)
+    assert len(reached) == pytest.approx(2.0 / 0.4 * 40, rel=0.1)
+    assert reached[-1] == pytest.approx(2.0, rel=1e-3)
