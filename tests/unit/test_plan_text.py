@@ -6,6 +6,8 @@ from dataclasses import replace
 import pytest
 
 import contbed as cb
+from contbed.dem.particles import Material, Particles
+from contbed.dem.settling import settling_time, stages_of
 from contbed.loading import from_dict, load, loads
 from contbed.models import MODELS, plan
 from contbed.output.plan_text import duration
@@ -28,6 +30,17 @@ def test_the_plan_predicts_the_time_of_a_packing():
     assert 0.5 < plan(scene).seconds() / spent < 2.0
     assert str(plan(scene)).endswith(f"time: about {duration(plan(scene).seconds())} of processor")
     assert replace(plan(scene), engine="lammps").seconds() is None
+
+
+def test_stiffer_particles_settle_in_more_and_shorter_steps():
+    """A tenth more modulus to the power of 2.5 is one more stage, of steps 10^0.4 shorter."""
+    material = Material(2500.0, 1e6, 0.25, 0.8, 0.4)
+    bed = Particles([[0.01, 0.01, 0.1]], 1e-3)
+    soft, stiff = (
+        settling_time(stages_of(bed, replace(material, youngs_modulus=modulus), 1e-6, 9.81), 30000, 0.1, 9.81)
+        for modulus in (1e6, 1e7)
+    )
+    assert stiff / soft == pytest.approx(1.0 + 0.13 / 0.6 * 10**0.4, rel=1e-3)
 
 
 @pytest.mark.parametrize("kind", ["single_particle", "two_fluid", "bubbling_bed"])
