@@ -110,9 +110,9 @@ class Result:
         return made
 
     def gradient(self, qoi: Sequence[str], keys: Sequence[str]) -> Any:
-        """Return derivatives of named results with respect to keys of the scene; see `contbed.design.gradients`."""
+        """Return derivatives of named results by keys of the scene; see `contbed.many.derivatives.gradients`."""
         # found by name, as it stands on top of the runs that make results
-        return import_module("contbed.design.gradients").gradient_of(self, qoi, keys)
+        return import_module("contbed.many.derivatives.gradients").gradient_of(self, qoi, keys)
 
     def table(self) -> str:
         """Return the result as a table for a terminal."""

@@ -225,7 +225,7 @@ def converge(
 
     Prints error or difference, observed order and time of each level.
     """
-    from contbed.verify.converge import converge as study
+    from contbed.many.converge import converge as study
 
     print(study(scene, levels, out or Path("results") / f"{scene.stem}-converge", trust, allow_large))
 
@@ -240,7 +240,7 @@ def bench(
 
     Runs the programs that a study names.
     """
-    from contbed.verify.bench import bench as measure
+    from contbed.many.bench import bench as measure
 
     print(measure(study, out or Path("results") / f"{study.name}-bench", trust))
 
@@ -294,7 +294,7 @@ def validate(
     """
     import json
 
-    from contbed.validation import case, report, score
+    from contbed.many.validate import case, report, score
 
     cases = [case.read_case(name) for name in names or case.names()]
     folder = out or Path("results") / "validation"

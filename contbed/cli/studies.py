@@ -46,7 +46,7 @@ def sweep(
     if scheduler is not None and not re.fullmatch(r"([a-z]+://)?(\[[0-9a-fA-F:]+\]|[^\s:/\[\]]+):\d{1,5}", scheduler):
         raise typer.BadParameter(f"{scheduler!r} is not an address like tcp://HOST:8786", param_hint="--scheduler")
     _one_thread_a_process()
-    from contbed.sweep.sweep import sweep as run_all
+    from contbed.many.sweep.sweep import sweep as run_all
 
     folder = out or Path("results") / study.stem
     resume[:] = [(folder / "runs", 0.0, "the same command")]
@@ -56,8 +56,8 @@ def sweep(
     for text in done.failures():
         complain(text)
     if done.study.sample is not None:
-        from contbed.uncertainty.write import table
-        from contbed.uncertainty.write import write as write_uncertainty
+        from contbed.many.uncertainty.write import table
+        from contbed.many.uncertainty.write import write as write_uncertainty
 
         found = write_uncertainty(done.study, done.rows, folder)
         if found is not None:
@@ -92,7 +92,7 @@ def sensitivities(
     loaded = load_scene(scene, settings, trust, allow_large)
     import json
 
-    from contbed.design import sensitivities as design
+    from contbed.many.derivatives import sensitivities as design
     from contbed.output.summary import plain
 
     made = design.sensitivities(loaded, qoi, to or (), engine or usual_engine())
@@ -119,8 +119,8 @@ def optimise(
     Constraints are obeyed, and what each of them costs is shown.
     """
     _one_thread_a_process()
-    from contbed.design.found import OPTIMUM, SETTLED
-    from contbed.design.optimise import optimise as search
+    from contbed.many.optimise.found import OPTIMUM, SETTLED
+    from contbed.many.optimise.optimise import optimise as search
 
     folder = out or Path("results") / design.stem
     resume[:] = [(folder / "runs", 0.0, "the same command")]
@@ -149,7 +149,7 @@ def cascade(
 
     Packings of particles give the closures; their scatter gives each result a band, split by its causes.
     """
-    from contbed.design.cascade.run import cascade as compute
+    from contbed.many.cascade.run import cascade as compute
 
     folder = out or Path("results") / file.stem
     resume[:] = [(folder / "particles", 0.0, "the same command")]
@@ -175,8 +175,8 @@ def calibrate(
     Gives the keys with intervals, what the data cannot determine, and predictions with bands.
     """
     _require_jobs(jobs)
-    from contbed.calibration import calibrate as command
-    from contbed.calibration.write import table
+    from contbed.many.calibrate import calibrate as command
+    from contbed.many.calibrate.write import table
 
     folder = out or Path("results") / data.stem
     resume[:] = [(folder / "runs.jsonl", 0.0, "the same command")]

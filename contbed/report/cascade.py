@@ -9,14 +9,14 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from contbed.design.cascade.band import BAND
 from contbed.fields import unit_of
+from contbed.many.cascade.band import BAND
+from contbed.many.sweep.table import result
 from contbed.output.folder import SUMMARY, read_summary
 from contbed.output.shapes import Number, Pair, Shape, fitting, read_json
 from contbed.report import page
 from contbed.report.charts import COLOURS
 from contbed.report.linked import Column, linked, read_columns
-from contbed.sweep.table import result
 
 REMEDY = "run contbed cascade again"
 POINTS = ("t", "position", "measured", "best", "low", "high")  # columns of measured.csv

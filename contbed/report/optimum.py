@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import Field
 
-from contbed.design.sqp import FEASIBLE
+from contbed.many.optimise.constrained_search import FEASIBLE
 from contbed.output.folder import SUMMARY, read_summary
 from contbed.output.shapes import Number, Shape, fitting, read_json
 from contbed.report import page

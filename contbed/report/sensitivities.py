@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from contbed.design.sensitivities import FILE, HOW, MOST_BARS, quotient
+from contbed.many.derivatives.sensitivities import FILE, HOW, MOST_BARS, quotient
 from contbed.output.folder import SUMMARY
 from contbed.output.shapes import Number, Shape, fitting, read_json
 from contbed.report import page

@@ -14,7 +14,7 @@ RUN_COLUMNS = 3  # the last columns of a sweep's table name the run, its exit co
 
 def swept(file: Path) -> tuple[Table, list[dict[str, Any]]]:
     """Run all scenes of a sweep; return parameters and results, and summary.json of each run."""
-    from contbed.sweep.sweep import sweep
+    from contbed.many.sweep.sweep import sweep
 
     with TemporaryDirectory() as out:
         sweep(file, out, quiet=False)

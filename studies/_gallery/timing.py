@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from contbed.verify.bench import machine
+from contbed.many.bench import machine
 
 __all__ = ["Timed", "cpu", "cpu_of", "in_turn", "machine", "user_time"]
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")

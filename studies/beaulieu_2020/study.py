@@ -20,10 +20,10 @@ from contbed.dem.heat_pair import column_conductance, correction
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material
 from contbed.dem.surface import Surface
-from contbed.design.cascade.outcome import Outcome
-from contbed.design.cascade.run import cascade
+from contbed.many.cascade.outcome import Outcome
+from contbed.many.cascade.run import cascade
+from contbed.many.validate import case, score
 from contbed.runner import run
-from contbed.validation import case, score
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 

@@ -39,7 +39,7 @@ def compute() -> Tables:
 
 def optimum(distance: float, before: dict[str, Any] | None, folder: Path) -> dict[str, Any]:
     """Row of the optimum with a distance to extinction; runs are kept in `folder`."""
-    from contbed.design.optimise import optimise
+    from contbed.many.optimise.optimise import optimise
 
     text = DESIGN.read_text(encoding="utf-8").replace("fold_distance >= 0.25", f"fold_distance >= {distance:g}")
     text = text.replace("../boiler.toml", str(HERE / "boiler.toml"))

@@ -14,7 +14,7 @@ import numpy as np
 
 import contbed as cb
 from contbed.loading import load
-from contbed.verify.bench import time_at
+from contbed.many.bench import time_at
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 from studies.clc_moving_bed.shooting import AS_CODED, Bed

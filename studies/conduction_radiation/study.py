@@ -9,9 +9,9 @@ import numpy as np
 
 import contbed as cb
 from contbed.closures.optics import SIGMA
-from contbed.verify.exact_conduction_radiation import conduction_diffusion, conduction_radiation
-from contbed.verify.exact_radiation import P1, TWO_FLUX
 from studies import _gallery as gallery
+from studies._exact.conduction_radiation import conduction_diffusion, conduction_radiation
+from studies._exact.radiation import P1, TWO_FLUX
 from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent

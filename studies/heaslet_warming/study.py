@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 import contbed as cb
-from contbed.verify.exact_radiation import P1, TWO_FLUX, equilibrium_flux, equilibrium_profile
-from contbed.verify.exact_transport import Equilibrium
 from studies import _gallery as gallery
+from studies._exact.radiation import P1, TWO_FLUX, equilibrium_flux, equilibrium_profile
+from studies._exact.transport import Equilibrium
 from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent

@@ -31,8 +31,8 @@ def compute() -> Tables:
 
 def indices() -> Table:
     """Share of the variance of each result that each uncertain key of the shortest heater causes."""
-    from contbed.sweep.sweep import sweep
-    from contbed.uncertainty.write import write
+    from contbed.many.sweep.sweep import sweep
+    from contbed.many.uncertainty.write import write
 
     with TemporaryDirectory() as folder:
         done = sweep(INDICES, folder, quiet=False)
@@ -44,7 +44,7 @@ def indices() -> Table:
 
 def optimum(allowed: float) -> dict[str, Any]:
     """Row of the optimum with a pressure drop [Pa]."""
-    from contbed.design.optimise import optimise
+    from contbed.many.optimise.optimise import optimise
 
     text = DESIGN.read_text(encoding="utf-8").replace("pressure_drop_Pa <= 340", f"pressure_drop_Pa <= {allowed:g}")
     with TemporaryDirectory() as folder:

@@ -9,9 +9,9 @@ import numpy as np
 
 import contbed as cb
 from contbed.closures.optics import SIGMA
-from contbed.verify.exact_radiation import P1, TWO_FLUX, isothermal_body
-from contbed.verify.exact_transport import slab_emittance
 from studies import _gallery as gallery
+from studies._exact.radiation import P1, TWO_FLUX, isothermal_body
+from studies._exact.transport import slab_emittance
 from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent

@@ -9,11 +9,11 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from contbed.loading import load
+from contbed.many.validate import case, score
+from contbed.many.validate.deviations import COVERAGE, Score
+from contbed.many.validate.score import Validated
 from contbed.packed_bed.medium import fluid_of, solid_of
 from contbed.runner import run
-from contbed.validation import case, score
-from contbed.validation.deviations import COVERAGE, Score
-from contbed.validation.score import Validated
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import contbed as cb
-from contbed.verify import exact
+from studies import _exact as exact
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from contbed.calibration.calibrate import calibrate
-from contbed.calibration.found import Calibrated
-from contbed.calibration.write import key_rows
-from contbed.validation.case import read_case
+from contbed.many.calibrate.calibrate import calibrate
+from contbed.many.calibrate.found import Calibrated
+from contbed.many.calibrate.write import key_rows
+from contbed.many.validate.case import read_case
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 

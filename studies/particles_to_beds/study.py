@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 import contbed as cb
-from contbed.design.cascade.outcome import Outcome
-from contbed.design.cascade.run import cascade
 from contbed.fields import unit_of
+from contbed.many.cascade.outcome import Outcome
+from contbed.many.cascade.run import cascade
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 

@@ -10,8 +10,8 @@ import numpy as np
 import contbed as cb
 from contbed.closures.optics import SIGMA
 from contbed.fem.probe import Probe
-from contbed.verify.exact_radiation import square_p1, square_transport
 from studies import _gallery as gallery
+from studies._exact.radiation import square_p1, square_transport
 from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent

@@ -11,7 +11,7 @@ import numpy as np
 
 import contbed as cb
 from contbed.loading import from_dict
-from contbed.verify.exact import finite_length
+from contbed.many.closed_form import finite_length
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from contbed.verify.bench import HEADERS, bench
+from contbed.many.bench import HEADERS, bench
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.sweep import design
-from contbed.sweep.distributions import HALF_WIDTH, Distribution
-from contbed.uncertainty.indices import indices
-from contbed.uncertainty.polynomial_chaos import chaos_indices, chaos_spread, expansion
-from contbed.uncertainty.propagate import contributions, first_order, independent, of_sample
+from contbed.many import value_sets
+from contbed.many.distributions import HALF_WIDTH, Distribution
+from contbed.many.uncertainty.indices import indices
+from contbed.many.uncertainty.polynomial_chaos import chaos_indices, chaos_spread, expansion
+from contbed.many.uncertainty.propagate import contributions, first_order, independent, of_sample
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 
@@ -160,7 +160,7 @@ def _by_design(name: str, problem: Problem, method: str, runs: int) -> list[Any]
     errors: dict[str, list[float]] = {"mean": [], "deviation": [], "first": [], "total": []}
     right, used, start = 0, 0, gallery.user_time()
     for seed in range(SEEDS):
-        points = design.sample(method, count, seed, 3)
+        points = value_sets.sample(method, count, seed, 3)
         values, used = problem.at(points), len(points)
         spread = of_sample(values[independent(method, points)])
         assert spread is not None, "all runs have values"
@@ -183,7 +183,7 @@ def _by_chaos(name: str, problem: Problem, runs: int) -> list[Any]:
     errors: dict[str, list[float]] = {"mean": [], "deviation": [], "first": [], "total": []}
     right, start = 0, gallery.user_time()
     for seed in range(SEEDS):
-        points = design.sample("sobol", runs, seed, 3)
+        points = value_sets.sample("sobol", runs, seed, 3)
         chaos = expansion(points, problem.at(points), list(problem.distributions.values()))
         if chaos is None:
             continue
@@ -201,9 +201,9 @@ def _by_chaos(name: str, problem: Problem, runs: int) -> list[Any]:
 def _by_morris(name: str, problem: Problem, runs: int) -> list[Any]:
     answer, right, used, start = reference(name), 0, 0, gallery.user_time()
     for seed in range(SEEDS):
-        points = design.sample("morris", runs // 4, seed, 3)
+        points = value_sets.sample("morris", runs // 4, seed, 3)
         points = np.column_stack(
-            [design.within_tails(points[:, k], spread) for k, spread in enumerate(problem.distributions.values())]
+            [value_sets.within_tails(points[:, k], spread) for k, spread in enumerate(problem.distributions.values())]
         )
         used = len(points)
         found = indices("morris", points, problem.at(points))

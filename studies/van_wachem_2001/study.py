@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 import contbed as cb
-from contbed.validation import signal
-from contbed.validation.case import Case, read_case
+from contbed.many.validate import signal
+from contbed.many.validate.case import Case, read_case
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 

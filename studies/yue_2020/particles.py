@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import contbed as cb
-from contbed.validation import levels
+from contbed.many.validate import levels
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 from studies._gallery.raw import resumed

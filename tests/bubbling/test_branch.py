@@ -6,9 +6,9 @@ from bubbling_scenes import case1, one, species, values
 from scipy.optimize import brentq
 
 import contbed as cb
-from contbed.design.gradients import gradient
-from contbed.design.keys import key
 from contbed.errors import SceneError
+from contbed.many.derivatives.gradients import gradient
+from contbed.many.derivatives.keys import key
 from contbed.scene.values import with_value
 
 E, RISE = 3000.0, 5.0 * 3000.0 / 2.5  # activation and heat release at infinite temperature over the capacity flow [K]

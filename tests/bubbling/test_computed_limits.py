@@ -14,7 +14,7 @@ from contbed.materials import gas_mixture
 from contbed.models import require_buildable
 from contbed.solvers.linear import Policy
 from contbed.solvers.newton import newton
-from contbed.verify.mms import Manufactured, observed_order
+from studies._exact.manufactured import Manufactured, observed_order
 
 ALONE = {"volume_fraction": 1.0, "exchange": {}}
 EXACT = {

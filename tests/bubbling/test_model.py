@@ -19,7 +19,7 @@ from contbed.fem.skfem import System
 from contbed.output.tables import read_table
 from contbed.solvers.linear import Policy
 from contbed.solvers.newton import newton
-from contbed.verify.mms import Manufactured, observed_order
+from studies._exact.manufactured import Manufactured, observed_order
 
 HEIGHT = 0.8
 EXACT = {

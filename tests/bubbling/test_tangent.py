@@ -10,10 +10,10 @@ import contbed as cb
 from contbed.bubbling_bed.results import fill
 from contbed.bubbling_bed.settling import settle, stretched, unsettled
 from contbed.bubbling_bed.tangent import Tangent
-from contbed.design.gradients import _of_state, gradient, picked
-from contbed.design.keys import key
 from contbed.errors import UnlikeError
 from contbed.loading import from_dict
+from contbed.many.derivatives.gradients import _of_state, gradient, picked
+from contbed.many.derivatives.keys import key
 from contbed.result import Result
 
 

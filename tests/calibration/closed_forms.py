@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from contbed.calibration.fit import Data
-from contbed.sweep.distributions import Distribution
+from contbed.many.calibrate.fit import Data
+from contbed.many.distributions import Distribution
 
 
 class ClosedForm:

@@ -16,14 +16,14 @@ from matplotlib.figure import Figure
 
 import contbed as cb
 from contbed import cli
-from contbed.calibration.calibrate import calibrate
-from contbed.calibration.experiments import Point, read_jobs
-from contbed.calibration.fit import fit
-from contbed.calibration.found import Prediction, data_of
-from contbed.calibration.model import SceneModel
-from contbed.calibration.plots import _curves
-from contbed.calibration.settings import read_file
-from contbed.calibration.store import FILE, Store
+from contbed.many.calibrate.calibrate import calibrate
+from contbed.many.calibrate.experiments import Point, read_jobs
+from contbed.many.calibrate.fit import fit
+from contbed.many.calibrate.found import Prediction, data_of
+from contbed.many.calibrate.model import SceneModel
+from contbed.many.calibrate.plots import _curves
+from contbed.many.calibrate.settings import read_file
+from contbed.many.calibrate.store import FILE, Store
 from tests.report.report_file import charts_of
 
 SCENE = """\
@@ -116,7 +116,7 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.fixture
 def no_pictures(monkeypatch):
-    monkeypatch.setattr("contbed.calibration.calibrate.plot", lambda found, out: None)
+    monkeypatch.setattr("contbed.many.calibrate.calibrate.plot", lambda found, out: None)
 
 
 def read(path):

@@ -5,12 +5,12 @@ import pytest
 from closed_forms import ClosedForm, data
 from scipy.stats import norm
 
-from contbed.calibration import fit as fitting
-from contbed.calibration import identify, posterior
-from contbed.calibration.fit import fit
-from contbed.calibration.settings import Posterior
 from contbed.errors import ConvergenceError
-from contbed.sweep.distributions import Distribution
+from contbed.many.calibrate import fit as fitting
+from contbed.many.calibrate import identify, posterior
+from contbed.many.calibrate.fit import fit
+from contbed.many.calibrate.settings import Posterior
+from contbed.many.distributions import Distribution
 
 QUANTILE = norm.ppf(0.95)
 PRIORS = (

@@ -13,8 +13,8 @@ import contbed as cb
 from contbed.closures.file import closure_of
 from contbed.errors import SceneError
 from contbed.loading import loads
+from contbed.many.converge import converge
 from contbed.scene.identity import scene_hash
-from contbed.verify.converge import converge
 
 STUDIES = Path(__file__).parents[2] / "studies"
 

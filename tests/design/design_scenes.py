@@ -35,7 +35,7 @@ degree = 3
 
 def frozen_results(result, qoi):
     """Results of full solutions on the mesh of a run, as a function of the scene."""
-    from contbed.design.gradients import picked
+    from contbed.many.derivatives.gradients import picked
     from contbed.packed_bed.plan import Plan
     from contbed.packed_bed.run import run
     from contbed.result import Result

@@ -11,15 +11,15 @@ import pytest
 from contbed.cli import main
 from contbed.closures.binding import bind
 from contbed.dem import extract
-from contbed.design.cascade import band, measured, particles
-from contbed.design.cascade.run import cascade
-from contbed.design.gradients import gradient
 from contbed.errors import ContbedError, SceneError
 from contbed.loading import load
+from contbed.many.cascade import band, measured, particles
+from contbed.many.cascade.run import cascade
+from contbed.many.derivatives.gradients import gradient
+from contbed.many.validate.case import read_case
 from contbed.materials import gas_mixture
 from contbed.runner import run
 from contbed.scene.tables import ClosureFile
-from contbed.validation.case import read_case
 from tests.report.report_file import charts_of
 
 SCENE = """

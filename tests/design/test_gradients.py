@@ -5,11 +5,11 @@ import pytest
 from design_scenes import SLIP
 
 import contbed as cb
-from contbed.design import differences
-from contbed.design.gradients import gradient
-from contbed.design.keys import continuous, key
 from contbed.errors import SceneError
 from contbed.loading import loads
+from contbed.many.derivatives import differences
+from contbed.many.derivatives.gradients import gradient
+from contbed.many.derivatives.keys import continuous, key
 from contbed.models import MODELS
 from contbed.scene.values import with_value
 

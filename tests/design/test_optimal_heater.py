@@ -6,7 +6,7 @@ import pytest
 from scipy.optimize import brentq
 
 from contbed import cli
-from contbed.verify.exact import finite_length
+from contbed.many.closed_form import finite_length
 
 GAS_IN, SOLID_IN = 300.0, 900.0
 ASKED = 850.0  # K of the gas at its outlet

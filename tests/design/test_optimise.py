@@ -15,10 +15,10 @@ import pytest
 
 import contbed as cb
 from contbed import cli
-from contbed.design import evaluations, plots
-from contbed.design.expression import read_expression
-from contbed.design.reading import read_design
 from contbed.errors import ConvergenceError, SceneError
+from contbed.many.optimise import evaluations, plots
+from contbed.many.optimise.expression import read_expression
+from contbed.many.optimise.reading import read_design
 from tests.report.report_file import charts_of
 
 SCENE = """\
@@ -341,7 +341,7 @@ import os, signal, sys
 sys.path[:0] = {paths}
 import test_optimise as t
 from contbed import cli, runner
-from contbed.design import evaluations, plots
+from contbed.many.optimise import evaluations, plots
 evaluations.gradient = t.slopes
 kept, count = runner.run, 0
 def run(scene, out, quiet):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from contbed.design import sqp
-from contbed.design.sqp import EvaluationFailed, minimise
-from contbed.design.whole import ENUMERATED, best_choice
+from contbed.many.optimise import constrained_search
+from contbed.many.optimise.constrained_search import EvaluationFailed, minimise
+from contbed.many.optimise.whole import ENUMERATED, best_choice
 
 
 class Quadratic:
@@ -161,7 +161,7 @@ def whole_quadratic(a, b):
         problem = Quadratic([[2.0]], [-2.0 * (0.3 * i + 0.2 * j)], [], [], [-10], [10])
         found = minimise(problem, np.array([0.0]) if near is None else near.x)
         constant = (0.3 * i + 0.2 * j) ** 2 + (i - a) ** 2 + (j - b) ** 2
-        return sqp.Optimum(**{**vars(found), "values": found.values + constant})
+        return constrained_search.Optimum(**{**vars(found), "values": found.values + constant})
 
     return search
 

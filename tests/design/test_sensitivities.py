@@ -7,8 +7,8 @@ import pytest
 from design_scenes import SLIP
 
 from contbed.cli import main
-from contbed.design.gradients import gradient
 from contbed.loading import loads
+from contbed.many.derivatives.gradients import gradient
 
 
 @pytest.fixture

@@ -11,10 +11,10 @@ from test_optimise import SCENE
 
 import contbed as cb
 from contbed import cli
-from contbed.design import plots
-from contbed.design.reading import read_design
-from contbed.design.surrogate import expected_improvement
 from contbed.errors import SceneError
+from contbed.many.optimise import plots
+from contbed.many.optimise.reading import read_design
+from contbed.many.optimise.surrogate import expected_improvement
 from contbed.models import MODELS
 
 pytest.importorskip("sklearn", reason="scikit-learn is not installed: pip install 'contbed[surrogate]'")

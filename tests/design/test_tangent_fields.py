@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.design.gradients import gradient, picked
-from contbed.design.keys import key
 from contbed.developed_flow.results import fill
 from contbed.developed_flow.tangent import Tangent as DevelopedTangent
 from contbed.loading import from_dict, loads
+from contbed.many.derivatives.gradients import gradient, picked
+from contbed.many.derivatives.keys import key
 from contbed.models import MODELS
 from contbed.result import Result
 

@@ -7,11 +7,12 @@ import pytest
 from design_scenes import SLIP, frozen_results, random_scene
 
 import contbed as cb
-from contbed.design import differences
-from contbed.design.gradients import gradient, picked
-from contbed.design.keys import continuous, key
 from contbed.loading import loads
-from contbed.verify.exact import fin, finite_length
+from contbed.many.closed_form import finite_length
+from contbed.many.derivatives import differences
+from contbed.many.derivatives.gradients import gradient, picked
+from contbed.many.derivatives.keys import continuous, key
+from studies._exact import fin
 
 # the rounding of temperatures over the step of differences; the truncation of either is smaller
 RELATIVE = 1e-6

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from design_scenes import SLIP
 
-from contbed.design.gradients import gradient, picked
-from contbed.design.keys import key
 from contbed.loading import loads
+from contbed.many.derivatives.gradients import gradient, picked
+from contbed.many.derivatives.keys import key
 from contbed.runner import run
 
 REST = """

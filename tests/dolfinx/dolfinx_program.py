@@ -10,9 +10,9 @@ import numpy as np
 from dolfinx_reacting_scenes import SCENES as REACTING
 from dolfinx_scenes import SCENES
 
-from contbed.design.gradients import gradient
 from contbed.errors import EngineError
 from contbed.loading import from_dict
+from contbed.many.derivatives.gradients import gradient
 from contbed.runner import run
 
 EVERY = SCENES | REACTING

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 FILES = [
     *ROOT.glob("studies/*/*.toml"),
     *ROOT.glob("contbed/*/template.toml"),
-    *ROOT.glob("contbed/validation/cases/*/scene.toml"),
+    *ROOT.glob("contbed/many/validate/cases/*/scene.toml"),
 ]
 
 

@@ -10,7 +10,7 @@ from scipy.special import jn_zeros
 
 from contbed.particle import uptake
 from contbed.particle.interior import interior
-from contbed.verify.exact_packed_bed import schumann
+from studies._exact.packed_bed import schumann
 from tests.particle.tables import rows
 
 

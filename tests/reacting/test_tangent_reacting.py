@@ -5,9 +5,9 @@ import pytest
 from reacting_bed_scenes import danckwerts
 
 import contbed as cb
-from contbed.design.gradients import gradient, picked
-from contbed.design.keys import key
 from contbed.loading import from_dict, loads
+from contbed.many.derivatives.gradients import gradient, picked
+from contbed.many.derivatives.keys import key
 from contbed.models import MODELS
 
 

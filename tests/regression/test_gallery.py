@@ -10,7 +10,7 @@ import matplotlib
 import pytest
 
 import contbed as cb
-from contbed.sweep.study import read_study
+from contbed.many.sweep.study import read_study
 from studies._gallery import Table, merged
 from studies._gallery.catalogue import FUNCTIONS, STUDIES, studies
 from studies._gallery.command import README, listing, with_list

@@ -1,4 +1,4 @@
-"""Every scene of the radiation studies runs; their numbers hold against contbed.verify at the scenes' own values."""
+"""Every scene of the radiation studies runs; their numbers hold against studies._exact at the scenes' own values."""
 
 import tomllib
 from importlib import import_module
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.verify.exact_radiation import square_p1
+from studies._exact.radiation import square_p1
 
 STUDIES = Path(__file__).parents[2] / "studies"
 

@@ -3,8 +3,8 @@
 import json
 
 from contbed import editor, load, run
-from contbed.design import sensitivities as design
-from contbed.design.optimise import optimise
+from contbed.many.derivatives import sensitivities as design
+from contbed.many.optimise.optimise import optimise
 
 VERSIONS = {"contbed": "0.1.0"}
 

@@ -7,9 +7,9 @@ import re
 import pytest
 
 from contbed import load
-from contbed.design.sensitivities import sensitivities
-from contbed.design.sensitivities import write as write_sensitivities
 from contbed.errors import ContbedError
+from contbed.many.derivatives.sensitivities import sensitivities
+from contbed.many.derivatives.sensitivities import write as write_sensitivities
 from contbed.report import page
 from contbed.report.linked import GREY, MAX_CATEGORIES, MAX_PAIRS, Column, linked, read_columns
 from contbed.report.optimum import _best

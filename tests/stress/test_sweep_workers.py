@@ -17,7 +17,7 @@ import pytest
 
 import contbed
 from contbed.errors import ContbedError
-from contbed.sweep.sweep import sweep
+from contbed.many.sweep.sweep import sweep
 
 SCENE = """\
 mesh = { type = "line", length = 0.5 }
@@ -177,7 +177,7 @@ def test_a_run_that_always_kills_its_worker_fails_and_the_others_finish(folder, 
 
 
 def sweep_names():
-    from contbed.sweep.study import read_study
+    from contbed.many.sweep.study import read_study
 
     return [case.name for case in read_study("study.toml").cases]
 

@@ -24,7 +24,7 @@ from contbed.two_fluid.heat import plan as heat_planning
 from contbed.two_fluid.heat.equations import density_times_T, stored_heat
 from contbed.two_fluid.heat.model import Physics, Thermal, build_heat
 from contbed.two_fluid.model import Options
-from contbed.verify.exact_packed_bed import schumann
+from studies._exact.packed_bed import schumann
 
 SLIP = symmetry()
 CP_GAS, CP_SOLID = 1000.0, 800.0

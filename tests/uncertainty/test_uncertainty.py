@@ -9,13 +9,13 @@ import pytest
 
 from contbed import cli
 from contbed.errors import ContbedError, SceneError
-from contbed.sweep import design
-from contbed.sweep.design import sample
-from contbed.sweep.distributions import Distribution
-from contbed.sweep.study import read_study
-from contbed.uncertainty.indices import indices
-from contbed.uncertainty.polynomial_chaos import chaos_indices, chaos_spread, expansion
-from contbed.uncertainty.propagate import first_order, independent, of_sample
+from contbed.many import value_sets
+from contbed.many.distributions import Distribution
+from contbed.many.sweep.study import read_study
+from contbed.many.uncertainty.indices import indices
+from contbed.many.uncertainty.polynomial_chaos import chaos_indices, chaos_spread, expansion
+from contbed.many.uncertainty.propagate import first_order, independent, of_sample
+from contbed.many.value_sets import sample
 
 SCENE = """\
 mesh = { type = "line", length = 2, cells = 4 }
@@ -62,7 +62,7 @@ TOTAL = ALONE + 0.01 * np.pi**8 * (1.0 / 18.0 - 1.0 / 50.0) / VARIANCE * np.arra
 @pytest.mark.parametrize("method", ["sobol_indices", "morris"])
 def test_half_widths_are_the_same_each_time(method):
     pytest.importorskip("SALib")
-    points = design.sample(method, 16, seed=2, dimensions=3)
+    points = value_sets.sample(method, 16, seed=2, dimensions=3)
     first, second = (indices(method, points, ishigami(points)).columns for _ in range(2))
     for name, values in first.items():
         np.testing.assert_array_equal(values, second[name])
@@ -70,7 +70,7 @@ def test_half_widths_are_the_same_each_time(method):
 
 def test_sobol_indices_of_ishigami_are_the_exact_ones():
     pytest.importorskip("SALib")
-    points = design.sample("sobol_indices", 4096, seed=2, dimensions=3)
+    points = value_sets.sample("sobol_indices", 4096, seed=2, dimensions=3)
     found = indices("sobol_indices", points, ishigami(points))
     # 4096 groups: half widths at 90 % are below 0.03, errors of scrambled points below half of that
     np.testing.assert_allclose(found.columns["first order"], ALONE, atol=0.015)
@@ -83,7 +83,7 @@ def test_sobol_indices_of_ishigami_are_the_exact_ones():
 
 def test_morris_effects_of_a_linear_model_are_its_slopes():
     pytest.importorskip("SALib")
-    points = design.sample("morris", 10, seed=2, dimensions=3)
+    points = value_sets.sample("morris", 10, seed=2, dimensions=3)
     found = indices("morris", points, points @ np.array([3.0, -2.0, 0.0]))
     np.testing.assert_allclose(found.columns["mean effect"], [3.0, -2.0, 0.0], atol=1e-12)
     np.testing.assert_allclose(found.columns["mean magnitude"], [3.0, 2.0, 0.0], atol=1e-12)
@@ -145,7 +145,7 @@ def test_mistakes_in_whole_numbers_are_told(folder, entry, told):
 
 def test_groups_with_a_failed_run_are_left_out():
     pytest.importorskip("SALib")
-    points = design.sample("sobol_indices", 64, seed=2, dimensions=3)
+    points = value_sets.sample("sobol_indices", 64, seed=2, dimensions=3)
     values = ishigami(points)
     whole = indices("sobol_indices", points[5:], values[5:])
     values[2] = np.nan
@@ -173,7 +173,7 @@ def test_first_order_is_exact_where_the_result_is_linear():
     found = first_order(value, slopes, spreads, 1)
     variance = (3.0 * 0.2) ** 2 + 6.0**2 / 12.0 + (0.5 * spreads["c"].deviation) ** 2
     np.testing.assert_allclose(found.deviation, np.sqrt(variance), rtol=1e-14)
-    u = design.sample("sobol", 2**14, seed=1, dimensions=3)
+    u = value_sets.sample("sobol", 2**14, seed=1, dimensions=3)
     values = np.column_stack([spread(u[:, k]) for k, spread in enumerate(spreads.values())]) @ slopes
     # Sobol points: far below the 1/root(n) of independent ones
     np.testing.assert_allclose([found.mean, found.deviation], [values.mean(), values.std()], rtol=1e-3)
@@ -213,7 +213,7 @@ def test_a_sweep_writes_samples_gradients_and_indices_side_by_side(folder, capsy
         assert abs(float(row["total"]) - share) <= 2.0 * float(row["total +-"]) + 1e-6
     content = json.loads((folder / "out" / "uncertainty.json").read_text())
     assert content["method"] == "sobol_indices" and (folder / "out" / "uncertainty.png").exists()
-    monkeypatch.setattr("contbed.uncertainty.write.gradient", None)  # what is known is not computed again
+    monkeypatch.setattr("contbed.many.uncertainty.write.gradient", None)  # what is known is not computed again
     assert cli.main(["sweep", "study.toml", "--out", "out", "--jobs", "1", "--quiet"]) == 0
     assert "40 were before" in capsys.readouterr().out
     pytest.importorskip("plotly", reason="plotly is not installed: pip install 'contbed[report]'")
@@ -242,7 +242,7 @@ LOG_NORMAL = Distribution(1.0, 1.5, even=False, logarithmic=True)
 def test_polynomials_of_the_parameters_are_found_exactly():
     """3 + x y + y^2 - 2 log z of x even, y normal and log z normal: moments by hand, to the rounding of 64 runs."""
     spreads = [EVEN, NORMAL, LOG_NORMAL]
-    points = design.sample("sobol", 64, seed=3, dimensions=3)
+    points = value_sets.sample("sobol", 64, seed=3, dimensions=3)
     x, y, z = (spread(points[:, k]) for k, spread in enumerate(spreads))
     found = expansion(points, 3.0 + x * y + y**2 - 2.0 * np.log(z), spreads)
     # x = 4 + 2 u, y = 10 + v: x y + y^2 = 140 + 20 u + 24 v + 2 u v + v^2, with the variances 1/3 of u and 1 of v
@@ -266,7 +266,7 @@ def test_bands_of_polynomial_chaos_hold():
     """
     spreads, held, used = [Distribution(-np.pi, np.pi, even=True)] * 3, [], 0
     for seed in range(40):
-        points = design.sample("latin_hypercube", 96 if seed % 2 else 128, seed, 3)
+        points = value_sets.sample("latin_hypercube", 96 if seed % 2 else 128, seed, 3)
         found = expansion(points, ishigami(points), spreads)
         used += found is not None
         if found is not None:
@@ -281,14 +281,14 @@ def test_what_no_polynomial_explains_is_told():
     """Noise of 4 % of the variance: about as much is missed at left-out runs, however many terms would fit it."""
     random, spreads = np.random.default_rng(1), [EVEN, NORMAL]
     for seed in range(5):
-        points = design.sample("latin_hypercube", 200, seed, 2)
+        points = value_sets.sample("latin_hypercube", 200, seed, 2)
         values = EVEN(points[:, 0]) / EVEN.deviation + np.sqrt(0.04 / 0.96) * random.standard_normal(200)
         assert 0.03 < expansion(points, values, spreads).unexplained < 0.06
 
 
 def test_without_a_polynomial_there_is_none():
     random, spreads = np.random.default_rng(1), [EVEN, NORMAL]
-    points = design.sample("latin_hypercube", 60, seed=1, dimensions=2)
+    points = value_sets.sample("latin_hypercube", 60, seed=1, dimensions=2)
     noise = random.standard_normal(60)
     assert expansion(points, noise, spreads) is None  # nothing of it is explained at left-out runs
     assert expansion(points, np.ones(60), spreads) is None
@@ -301,7 +301,7 @@ def test_without_a_polynomial_there_is_none():
 def test_results_whose_squares_are_no_numbers_have_the_same_spread(unit):
     """Mole fractions of what has reacted: a power of 2 changes no digit but those of the band."""
     spreads = [EVEN, NORMAL]
-    points = design.sample("latin_hypercube", 60, seed=1, dimensions=2)
+    points = value_sets.sample("latin_hypercube", 60, seed=1, dimensions=2)
     values = EVEN(points[:, 0]) + NORMAL(points[:, 1])
     found, small = expansion(points, values, spreads), expansion(points, unit * values, spreads)
     for each, other in ((chaos_spread(found), chaos_spread(small)), (of_sample(values), of_sample(unit * values))):
@@ -346,4 +346,4 @@ def test_mistakes_in_a_design_of_indices_are_told(folder, capsys, old, new, told
 def test_without_salib_indices_are_refused_before_any_run(monkeypatch):
     monkeypatch.setitem(sys.modules, "SALib.sample", None)
     with pytest.raises(ContbedError, match=r"needs SALib: pip install 'contbed\[calibrate\]'"):
-        design.sample("sobol_indices", 4, seed=1, dimensions=2)
+        value_sets.sample("sobol_indices", 4, seed=1, dimensions=2)

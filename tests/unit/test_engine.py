@@ -10,7 +10,7 @@ from skfem.helpers import dot, grad
 from contbed.errors import SceneError
 from contbed.fem.dual import Components, Dual
 from contbed.fem.skfem import Domain, Ops, System
-from contbed.verify.mms import Manufactured, exact
+from studies._exact.manufactured import Manufactured, exact
 
 KINDS = {
     "line": skfem.MeshLine,

@@ -16,8 +16,8 @@ PACKAGE = Path(contbed.__file__).parent
 # from the top to the bottom; a layer imports itself and what is below
 LAYERS = (
     ("cli", "__main__"),
-    ("calibration", "uncertainty"),
-    ("sweep", "verify", "validation", "warm", "report", "design"),
+    ("report",),
+    ("many", "warm"),
     ("runner",),
     ("explain", "editor", "loading"),
     ("places", "catalogue"),

@@ -15,9 +15,10 @@ from scipy.special import ndtr
 
 from contbed import cli
 from contbed.errors import ContbedError, ConvergenceError
-from contbed.sweep import design, table
-from contbed.sweep.plots import _Axis, _is_plane, _means
-from contbed.sweep.study import read_study
+from contbed.many import value_sets
+from contbed.many.sweep import table
+from contbed.many.sweep.plots import _Axis, _is_plane, _means
+from contbed.many.sweep.study import read_study
 
 STUDIES = Path(__file__).parents[2] / "studies"
 SCENE = """\
@@ -64,7 +65,7 @@ def folder(tmp_path, monkeypatch):
 @pytest.fixture
 def runner(monkeypatch):
     """A runner that only records its calls; `runner.error(scene)` may return what it raises."""
-    importlib.import_module("contbed.design.gradients")  # keeps the true one, which other tests need
+    importlib.import_module("contbed.many.derivatives.gradients")  # keeps the true one, which other tests need
     module = types.ModuleType("contbed.runner")
     module.calls, module.error = [], lambda scene: None
 
@@ -105,7 +106,7 @@ def never(below, text):
     ],
 )
 def test_ranges_are_even_and_exact_at_both_ends(low, high, count, spacing):
-    found = design.values({"from": low, "to": high, "count": count, "spacing": spacing}, "1", never)
+    found = value_sets.values({"from": low, "to": high, "count": count, "spacing": spacing}, "1", never)
     assert len(found) == count
     assert (found[0], found[-1]) == (low, high)  # to the last bit
     steps = np.diff(np.log(np.abs(found)) if spacing == "log" else found)
@@ -113,23 +114,23 @@ def test_ranges_are_even_and_exact_at_both_ends(low, high, count, spacing):
 
 
 def test_ranges_carry_units_and_count_in_whole_numbers():
-    assert design.values({"from": "3 mm", "to": "1.2 cm", "count": 4}, "m", never) == [0.003, 0.006, 0.009, 0.012]
-    assert design.values({"from": "0 degC", "to": 373.15, "count": 2}, "K", never) == [273.15, 373.15]
-    whole = design.values({"from": 10, "to": 40, "count": 4}, None, never)
+    assert value_sets.values({"from": "3 mm", "to": "1.2 cm", "count": 4}, "m", never) == [0.003, 0.006, 0.009, 0.012]
+    assert value_sets.values({"from": "0 degC", "to": 373.15, "count": 2}, "K", never) == [273.15, 373.15]
+    whole = value_sets.values({"from": 10, "to": 40, "count": 4}, None, never)
     assert whole == [10, 20, 30, 40] and all(type(value) is int for value in whole)
-    assert design.values({"from": 1, "to": 2, "count": 3}, None, never) == [1.0, 1.5, 2.0]
+    assert value_sets.values({"from": 1, "to": 2, "count": 3}, None, never) == [1.0, 1.5, 2.0]
 
 
 @pytest.mark.parametrize("count", [1, 7, 64, 1000])
 def test_a_latin_hypercube_has_one_point_in_each_slice_of_equal_probability(count):
-    u = design.sample("latin_hypercube", count, seed=5, dimensions=4)
+    u = value_sets.sample("latin_hypercube", count, seed=5, dimensions=4)
     spread = [
         {"from": 2.0, "to": 3.0},
         {"distribution": "log_uniform", "from": -1e-3, "to": -10.0},
         {"mean": 5.0, "deviation": 0.1},
         {"from": -1.0, "to": 1.0},
     ]
-    values = [design.distribution(entry, "1", never)(u[:, k]) for k, entry in enumerate(spread)]
+    values = [value_sets.distribution(entry, "1", never)(u[:, k]) for k, entry in enumerate(spread)]
     probabilities = [
         values[0] - 2.0,
         np.log(values[1] / -1e-3) / math.log(1e4),
@@ -142,10 +143,10 @@ def test_a_latin_hypercube_has_one_point_in_each_slice_of_equal_probability(coun
 
 
 def test_sobol_points_are_those_of_their_seed_and_fill_every_dimension():
-    u = design.sample("sobol", 64, seed=1, dimensions=6)
-    np.testing.assert_array_equal(u, design.sample("sobol", 64, seed=1, dimensions=6))
-    np.testing.assert_array_equal(u[:16], design.sample("sobol", 16, seed=1, dimensions=6))  # more points go on
-    assert (u != design.sample("sobol", 64, seed=2, dimensions=6)).all()
+    u = value_sets.sample("sobol", 64, seed=1, dimensions=6)
+    np.testing.assert_array_equal(u, value_sets.sample("sobol", 64, seed=1, dimensions=6))
+    np.testing.assert_array_equal(u[:16], value_sets.sample("sobol", 16, seed=1, dimensions=6))  # more points go on
+    assert (u != value_sets.sample("sobol", 64, seed=2, dimensions=6)).all()
     for column in u.T:
         assert sorted(np.floor(64 * column).astype(int)) == list(range(64))
     # a (0, 6, 2) net: one point in each box of 2^-k by 2^(k-6)
@@ -155,7 +156,7 @@ def test_sobol_points_are_those_of_their_seed_and_fill_every_dimension():
 
 
 def test_a_normal_sample_has_its_mean_and_deviation_also_in_degrees():
-    spread = design.distribution({"mean": "700 degC", "deviation": "10 degC"}, "K", never)
+    spread = value_sets.distribution({"mean": "700 degC", "deviation": "10 degC"}, "K", never)
     np.testing.assert_allclose(spread(ndtr(np.array([-2.0, 0.0, 1.0]))), [953.15, 973.15, 983.15], rtol=1e-12)
 
 

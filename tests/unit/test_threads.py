@@ -231,8 +231,8 @@ def test_runs_gradients_and_trials_take_one_thread_of_blas(several_for_blas, mon
 
         monkeypatch.setattr(*place, counted)
 
-    from contbed.design import tangent
-    from contbed.design.gradients import gradient
+    from contbed.many.derivatives import tangent
+    from contbed.many.derivatives.gradients import gradient
     from contbed.packed_bed import run
 
     watched((run, "run"))

@@ -9,7 +9,7 @@ def test_py_typed_is_in_the_package_and_in_the_wheel():
     assert (files("contbed") / "py.typed").is_file()
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
     shipped = project["tool"]["setuptools"]["package-data"]["contbed"]
-    assert "py.typed" in shipped and "validation/cases/*/*" in shipped
+    assert "py.typed" in shipped and "many/validate/cases/*/*" in shipped
 
 
 def test_the_package_shows_what_users_need():

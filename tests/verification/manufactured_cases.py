@@ -11,7 +11,7 @@ from contbed.fem.dual import Components
 from contbed.fem.skfem import Ops, System
 from contbed.packed_bed.equations import porous_flow, two_energy
 from contbed.radiation.equations import p1 as radiation
-from contbed.verify.mms import Manufactured, exact
+from studies._exact.manufactured import Manufactured, exact
 
 POROSITY = 0.4
 

@@ -13,7 +13,7 @@ import pytest
 import contbed as cb
 from contbed.fem.probe import Probe
 from contbed.loading import from_dict
-from contbed.verify.exact import finite_length
+from contbed.many.closed_form import finite_length
 
 CLOSED, EQUAL = 1e-10, 1e-9
 

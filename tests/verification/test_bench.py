@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from contbed.errors import ContbedError, SceneError
-from contbed.verify.bench import bench, time_at
+from contbed.many.bench import bench, time_at
 
 PROGRAM = """
 import json

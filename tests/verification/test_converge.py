@@ -10,9 +10,9 @@ import pytest
 
 from contbed.errors import SceneError
 from contbed.loading import loads
+from contbed.many.converge import converge, exact_profile
 from contbed.models import MODELS, plan
 from contbed.output.tables import read_table
-from contbed.verify.converge import converge, exact_profile
 
 STUDY = Path(__file__).parents[2] / "studies" / "pivem_2012" / "slip_0.50.toml"
 

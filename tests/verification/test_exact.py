@@ -7,7 +7,7 @@ from scipy.linalg import expm
 
 import contbed as cb
 from contbed.loading import from_dict
-from contbed.verify import exact
+from studies import _exact as exact
 
 # Pivem and de Lemos (2012): Table 2 properties; Table 3 rows as
 # name: (u_D, u_s/u_D, D, porosity, Re_D, C_s/C_f, k_s/k_f), then theta_eq and L_1% computed for contbed with 50 digits.

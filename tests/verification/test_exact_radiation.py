@@ -9,8 +9,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import expn
 
-from contbed.verify.exact_conduction_radiation import conduction_diffusion, conduction_radiation
-from contbed.verify.exact_radiation import (
+from studies._exact.conduction_radiation import conduction_diffusion, conduction_radiation
+from studies._exact.radiation import (
     P1,
     TWO_FLUX,
     equilibrium_flux,
@@ -23,7 +23,7 @@ from contbed.verify.exact_radiation import (
     square_p1,
     square_transport,
 )
-from contbed.verify.exact_transport import Equilibrium, half_space_emittance, slab, slab_emittance
+from studies._exact.transport import Equilibrium, half_space_emittance, slab, slab_emittance
 
 UNIT = 0.51
 

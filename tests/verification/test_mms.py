@@ -13,7 +13,7 @@ import pytest
 from manufactured_cases import Flow, Heat, Radiating
 
 from contbed.solvers.linear import Policy
-from contbed.verify.mms import jet, observed_order
+from studies._exact.manufactured import jet, observed_order
 
 TOLERANCE = 0.1
 CASES: dict[str, Any] = {

@@ -13,9 +13,9 @@ from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
 from contbed.loading import from_dict
 from contbed.radiation.equations.ordinates import Ordinates, Wall, solve_ordinates
-from contbed.verify.exact_conduction_radiation import conduction_radiation
-from contbed.verify.exact_radiation import P1, TWO_FLUX, equilibrium_flux, gray_plates, isothermal_body, linear_slab
-from contbed.verify.exact_transport import Equilibrium, half_space_emittance, slab_emittance
+from studies._exact.conduction_radiation import conduction_radiation
+from studies._exact.radiation import P1, TWO_FLUX, equilibrium_flux, gray_plates, isothermal_body, linear_slab
+from studies._exact.transport import Equilibrium, half_space_emittance, slab_emittance
 
 HOT, COLD = Wall(1.0), Wall(0.0)
 

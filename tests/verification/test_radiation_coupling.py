@@ -21,8 +21,8 @@ from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
 from contbed.solvers.linear import Policy
 from contbed.solvers.timestep import march
-from contbed.verify.exact_conduction_radiation import conduction_diffusion
-from contbed.verify.mms import observed_order
+from studies._exact.conduction_radiation import conduction_diffusion
+from studies._exact.manufactured import observed_order
 
 OPTICS = {"absorption": 8.0, "scattering": 2.0}
 HOT, COLD = 1500.0, 400.0

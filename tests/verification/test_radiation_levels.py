@@ -1,6 +1,6 @@
 """Radiation alone at every level: wall layers of thick beds, limits, symmetry, reciprocity, and Rosseland by plan.
 
-References come from contbed.verify or from solutions on finer meshes; balances close to 1e-10 of their largest part.
+References come from studies._exact or from solutions on finer meshes; balances close to 1e-10 of their largest part.
 """
 
 from typing import Any
@@ -15,8 +15,8 @@ from contbed.loading import from_dict
 from contbed.radiation.equations.ordinates import Wall, solve_ordinates
 from contbed.radiation.ordinates import OrdinatesProblem
 from contbed.radiation.thickness import estimate
-from contbed.verify.exact_conduction_radiation import conduction_diffusion
-from contbed.verify.exact_radiation import P1, TWO_FLUX, equilibrium_flux, isothermal_body
+from studies._exact.conduction_radiation import conduction_diffusion
+from studies._exact.radiation import P1, TWO_FLUX, equilibrium_flux, isothermal_body
 
 DIFFUSION = {"two_flux": TWO_FLUX, "p1": P1}
 LEVELS = ("two_flux", "p1", "ordinates")

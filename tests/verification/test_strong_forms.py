@@ -16,7 +16,7 @@ from manufactured_cases import OPTICS, Flow, Heat, Radiating, mesh
 from contbed.fem.skfem import Ops
 from contbed.packed_bed.equations import porous_flow, two_energy
 from contbed.radiation.equations import p1 as radiation
-from contbed.verify.mms import Manufactured, exact, jet
+from studies._exact.manufactured import Manufactured, exact, jet
 
 TOLERANCE = {"line": 1e-8, "triangle": 1e-8, "quadrilateral": 1e-8, "tetrahedron": 1e-5}
 SIGMA = 5.670374419e-8

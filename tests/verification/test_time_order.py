@@ -12,8 +12,8 @@ from contbed.fem.skfem import System
 from contbed.packed_bed.equations import two_energy
 from contbed.solvers.linear import Policy
 from contbed.solvers.timestep import march
-from contbed.verify.exact import two_temperature_relaxation
-from contbed.verify.mms import observed_order
+from studies._exact import two_temperature_relaxation
+from studies._exact.manufactured import observed_order
 
 END = 1.0
 # TR-BDF2 has order 2; between 16 and 32 steps of these smooth solutions the next term changes it by less than 0.1

@@ -8,10 +8,10 @@ import pytest
 
 from contbed import cli
 from contbed.errors import SceneError
-from contbed.validation.case import SHIPPED, names, read_case
-from contbed.validation.deviations import COVERAGE, Score
-from contbed.validation.report import write
-from contbed.validation.score import Validated, validate
+from contbed.many.validate.case import SHIPPED, names, read_case
+from contbed.many.validate.deviations import COVERAGE, Score
+from contbed.many.validate.report import write
+from contbed.many.validate.score import Validated, validate
 
 SCENE = """\
 mesh = { type = "line", length = 0.01, cells = 4 }

@@ -5,9 +5,9 @@ import pytest
 
 from contbed.closures import binding
 from contbed.errors import SceneError
+from contbed.many.validate.case import read_case
+from contbed.many.validate.score import at, validate
 from contbed.runner import run
-from contbed.validation.case import read_case
-from contbed.validation.score import at, validate
 
 SCENE = """\
 mesh = { type = "line", length = 0.05, cells = 10 }

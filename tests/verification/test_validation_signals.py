@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from contbed.errors import SceneError
+from contbed.many.validate import report
+from contbed.many.validate.case import read_case
+from contbed.many.validate.levels import at
+from contbed.many.validate.levels import compare as compare_levels
+from contbed.many.validate.score import Validated
+from contbed.many.validate.signal import compare, resampled, spectrum, statistics
 from contbed.result import Result
-from contbed.validation import report
-from contbed.validation.case import read_case
-from contbed.validation.levels import at
-from contbed.validation.levels import compare as compare_levels
-from contbed.validation.score import Validated
-from contbed.validation.signal import compare, resampled, spectrum, statistics
 
 SIGNAL = """\
 title = "a bubbling bed"

@@ -34,17 +34,17 @@ def report(unknowns: int, error: float, seconds: float) -> None:
 
 
 def coefficients() -> dict[str, float]:
-    """Arguments of `contbed.verify.exact.finite_length` for the slip row, and the height of its channel."""
+    """Arguments of `contbed.many.closed_form.finite_length` for the slip row, and the height of its channel."""
     import contbed
-    from contbed.verify.converge import closed_form
+    from contbed.many.converge import closed_form_arguments
 
     plan = contbed.plan(contbed.load(LINE))
-    return closed_form(plan) | {"height": plan.scene.mesh.height}
+    return closed_form_arguments(plan) | {"height": plan.scene.mesh.height}
 
 
 def largest_error(x: Any, fluid: Any, solid: Any, c: dict[str, float]) -> float:
     """Largest error of both temperatures of the slip row at positions x, against the closed form."""
-    from contbed.verify.exact import finite_length
+    from contbed.many.closed_form import finite_length
 
     exact = finite_length(x, **{name: value for name, value in c.items() if name != "height"})
     return max(float(np.abs(a - b).max()) for a, b in zip((fluid, solid), exact, strict=True))

@@ -1,0 +1,318 @@
+"""Measured values and the runs that predict them: each value with place, time, error and line of its file."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.errors import SceneError
+from contbed.fields import FIELDS, RESULTS, result
+from contbed.loading import load
+from contbed.many.calibrate.settings import CalibrationFile, ExperimentSettings, Value, experiment_names
+from contbed.many.sweep.table import result as named_result
+from contbed.many.value_sets import MAGNITUDE, tidy
+from contbed.scene.data_table import DataTable, read_table
+from contbed.scene.names import near_names
+from contbed.scene.tables import SceneBase
+from contbed.scene.units import factor_and_offset, to_si
+
+Array = NDArray[np.float64]
+PERCENT = re.compile(r"\s*([0-9.eE+-]+)\s*%\s*")
+OUTPUT_POSITION = re.compile(r"output\.positions\[(\d+)\]")
+NONE = math.nan
+
+
+@dataclass(frozen=True)
+class Point:
+    """A value that a run predicts, in SI.
+
+    t, x : time [s] and position [m] in the profiles; not a number where there is none
+    value, error : measured, and its standard error; not a number where nothing was measured
+    line : "file:line" of the measured value, or of what is predicted
+    fitted : it takes part in the fit
+    """
+
+    experiment: str
+    quantity: str
+    unit: str
+    t: float = NONE
+    x: float = NONE
+    value: float = NONE
+    error: float = NONE
+    line: str = ""
+    fitted: bool = False
+
+    @property
+    def in_profiles(self) -> bool:
+        """Whether the value is one of the profiles, not a named result."""
+        return not (math.isnan(self.t) and math.isnan(self.x))
+
+
+@dataclass(frozen=True)
+class Job:
+    """One scene that is run for each set of the fitted keys: its file, the keys set in it, and what it predicts."""
+
+    experiment: str
+    scene: Any
+    changes: Mapping[str, Any]
+    points: tuple[Point, ...]
+    trust: bool = field(default=False)
+    allow_large: bool = field(default=False)
+
+    def load(self, keys: Mapping[str, float]) -> SceneBase:
+        """Return the scene with these values of the fitted keys.
+
+        Raises
+        ------
+        SceneError : the scene does not take them
+        """
+        changes = {**self.changes, **keys}
+        return load(self.scene, changes, trust=self.trust, allow_large=self.allow_large)
+
+
+def read_jobs(file: CalibrationFile, trust: bool = False, allow_large: bool = False) -> list[Job]:
+    """Read tables and scenes; a job for each scene, those of rows with keys of their own one by one.
+
+    Parameters
+    ----------
+    file : of the calibration
+    trust, allow_large : as in `contbed.loading.load`
+
+    Raises
+    ------
+    SceneError : all mistakes of tables and scenes, with file, line and column
+    """
+    jobs: list[Job] = []
+    problems: list[str] = []
+    start = {key.name: tidy(float(key.prior.value(0.0))) for key in file.keys}
+    for k, (name, settings) in enumerate(zip(experiment_names(file.settings), file.settings.experiment, strict=True)):
+        try:
+            for number, job in enumerate(_jobs(file, k, name, settings, trust, allow_large)):
+                _check(file, k, job, start, ends=number == 0)
+                jobs.append(job)
+        except SceneError as error:
+            problems += error.problems
+    if problems:
+        raise SceneError(list(dict.fromkeys(problems)))
+    fitted = sum(point.fitted for job in jobs for point in job.points)
+    if fitted < len(file.keys):
+        raise SceneError(
+            f"{file.origin.at(('keys',))}: {len(file.keys)} keys are to be fitted to {fitted} measured values; "
+            "leave out keys, or give more data"
+        )
+    return jobs
+
+
+def _jobs(
+    file: CalibrationFile, k: int, name: str, settings: ExperimentSettings, trust: bool, allow_large: bool
+) -> Iterator[Job]:
+    origin, scene = file.origin, file.origin.base / settings.scene
+    table = read_table(file.origin.base / settings.file)
+    keep = np.ones(len(table.cells), dtype=bool)
+    for column, text in settings.where.items():
+        keep &= np.array([cell == text for cell in table.texts(column)])
+    predict_at = origin.at(("experiment", k, "predict"))
+    t = _column(table, settings.time, "s")
+    rows = np.flatnonzero(keep & ~(t <= 0.0))  # a run begins with what is at 0 s
+    if not len(rows):
+        raise SceneError(f"{origin.at(('experiment', k, 'where'))}: where: no row of {settings.file} fits after 0 s")
+    x = _column(table, settings.position, "m")
+    points = [
+        _points(file, k, name, settings, value, table, rows, t, x, ("experiment", k, "values", j))
+        for j, value in enumerate(settings.values)
+    ]
+    if settings.keys:
+        from contbed import explain
+        from contbed.scene.toml_lines import parse_key
+
+        columns = {
+            key: table.column(column, explain.unit(parse_key(key)) or "1") for key, column in settings.keys.items()
+        }
+        extra = tuple(_predicted(name, settings, t, x, predict_at))
+        for index, row in enumerate(rows):
+            own = {key: float(column[row]) for key, column in columns.items()}
+            yield Job(
+                name,
+                scene,
+                {**settings.set, **own},
+                (*(each[index] for each in points), *extra),
+                trust,
+                allow_large,
+            )
+        return
+    found = (*(point for each in points for point in each), *_predicted(name, settings, t, x, predict_at))
+    changes = dict(settings.set)
+    if times := sorted({point.t for point in found if not math.isnan(point.t)}):
+        changes["time.times"] = times
+    if positions := sorted({point.x for point in found if not math.isnan(point.x)}):
+        changes["output.positions"] = positions
+    yield Job(name, scene, changes, found, trust, allow_large)
+
+
+def _column(table: DataTable, name: str | None, unit: str) -> Array:
+    return np.full(len(table.cells), NONE) if name is None else table.column(name, unit)
+
+
+def _points(
+    file: CalibrationFile,
+    k: int,
+    name: str,
+    settings: ExperimentSettings,
+    value: Value,
+    table: DataTable,
+    rows: NDArray[np.int64],
+    t: Array,
+    x: Array,
+    at: tuple[str | int, ...],
+) -> list[Point]:
+    """Return the measured values of a column."""
+    where = file.origin.at((*at,))
+    in_profiles = settings.time is not None or settings.position is not None
+    if in_profiles and value.quantity not in FIELDS:
+        hint = meant(value.quantity, FIELDS)
+        raise SceneError(f"{where}: quantity: no profiles have a column '{value.quantity}'{hint}")
+    if not in_profiles:
+        _require_result(value.quantity, f"{where}: quantity")
+    unit = FIELDS[value.quantity].unit if in_profiles else named_result(value.quantity).unit or "1"
+    measured = table.column(value.column, unit)
+    errors = _errors(value, table, measured, unit, where)
+    end = settings.until if settings.until is not None else math.inf
+    found = []
+    for row in rows:
+        line = f"{table.path.name}:{table.lines[row]}"
+        if not errors[row] > 0.0:
+            raise SceneError(
+                f"{line}: the standard error of '{value.column}' is {errors[row]:g}; allowed: a number > 0"
+            )
+        found.append(
+            Point(
+                name, value.quantity, unit, float(t[row]), float(x[row]), float(measured[row]), float(errors[row]),
+                line, not t[row] > end,
+            )
+        )  # fmt: skip
+    return found
+
+
+def _errors(value: Value, table: DataTable, measured: Array, unit: str, where: str) -> Array:
+    """Return standard errors in SI, shape (rows,); differences of temperatures do not move with the zero of a scale."""
+    if value.error_column is not None:
+        given = table.column(value.error_column, unit)
+        header = table.units[table.names.index(value.error_column)] or "1"
+        scale = factor_and_offset(header, unit)
+        return given - (scale[1] if scale else 0.0)
+    assert value.error is not None, "checked when the file was read"
+    share = PERCENT.fullmatch(value.error)
+    if share is not None:
+        return float(share[1]) / 100.0 * np.abs(measured)
+    try:
+        error = to_si(value.error, unit) - to_si(MAGNITUDE.sub("0 ", value.error), unit)
+    except ValueError as wrong:
+        raise SceneError(f"{where}: error: {wrong}, or a share of the measured value like '5 %'") from None
+    return np.full(len(measured), error)
+
+
+def _predicted(name: str, settings: ExperimentSettings, t: Array, x: Array, at: str) -> Iterator[Point]:
+    """Yield what is predicted besides the measured values."""
+    wanted = settings.predict
+    for key in wanted.results:
+        _require_result(key, f"{at}: predict")
+        yield Point(name, key, named_result(key).unit or "1", line=at)
+    if not wanted.times and not wanted.positions:
+        return
+    for value in dict.fromkeys(value.quantity for value in settings.values):
+        for moment in wanted.times or (sorted({float(v) for v in t}) if settings.time else (NONE,)):
+            for place in wanted.positions or (sorted({float(v) for v in x}) if settings.position else (NONE,)):
+                yield Point(name, value, FIELDS[value].unit, moment, place, line=at)
+
+
+def _require_result(name: str, where: str) -> None:
+    """Raise SceneError for a name that no run of any scene reports."""
+    if result(name) is None:
+        raise SceneError(f'{where}: no run has a result "{name}"{meant(name, RESULTS)}')
+
+
+def meant(name: str, known: Iterable[str]) -> str:
+    """Return which name was probably meant, or nothing."""
+    found = near_names(name, list(known))
+    return f"; did you mean '{found[0]}'?" if found else ""
+
+
+def _check(file: CalibrationFile, k: int, job: Job, start: Mapping[str, float], ends: bool) -> None:
+    """Raise SceneError for values that the scene does not reach, keys that it does not take, `ends` of priors too."""
+    base = Job(job.experiment, job.scene, {}, (), job.trust, job.allow_large)
+    static = {key: value for key, value in job.changes.items() if key not in ("time.times", "output.positions")}
+    try:
+        scene: Any = base.load({**static, **start})
+    except SceneError as error:
+        raise SceneError([_relocated(file, k, text) for text in error.problems]) from None
+    if ends:
+        _check_ends(file, base, static, start)
+    time = getattr(scene, "time", None)
+    problems = []
+    for point in job.points:
+        if math.isnan(point.t):
+            continue
+        if time is None:
+            problems.append(
+                f"{point.line}: the scene {job.scene.name} is steady; leave out time, or give it a [time] table"
+            )
+            break
+        if point.t > time.end:
+            problems.append(
+                f"{point.line}: {point.t:g} s is after the end of the run, time.end = {time.end:g} s in "
+                f"{job.scene.name}; let the scene run longer, or leave out these rows with where"
+            )
+    if problems:
+        raise SceneError(problems)
+    try:
+        job.load(start)
+    except SceneError as error:
+        raise SceneError([_outside(file, k, job, text) for text in error.problems]) from None
+
+
+def _check_ends(file: CalibrationFile, base: Job, static: Mapping[str, Any], start: Mapping[str, float]) -> None:
+    """Raise SceneError for an even prior with an end that the scene does not take."""
+    problems = []
+    for key in file.keys:
+        if not key.prior.even:
+            continue
+        for end in (key.prior.low, key.prior.high):
+            try:
+                base.load({**static, **start, key.name: end})
+            except SceneError as error:
+                text = error.problems[0].removeprefix("override: ")
+                problems.append(f"{key.at}: the prior reaches to values that the scene does not take: {text}")
+    if problems:
+        raise SceneError(problems)
+
+
+def _relocated(file: CalibrationFile, k: int, text: str) -> str:
+    """Replace an override of a scene in a message by the line of the file of the calibration."""
+    told = text.removeprefix("override: ")
+    if told == text:
+        return text
+    for key in sorted(file.keys, key=lambda key: -len(key.name)):
+        if told.startswith(key.name):
+            return f"{key.at}: {told}; in the middle of its prior"
+    for place in ("set", "keys"):
+        for name in getattr(file.settings.experiment[k], place):
+            if told.startswith(name):
+                return f"{file.origin.at(('experiment', k, place, name))}: {told}"
+    return f"{file.origin.at(('experiment', k))}: {told}"
+
+
+def _outside(file: CalibrationFile, k: int, job: Job, text: str) -> str:
+    """Replace a position of the output in a message by the line of the measured value."""
+    found = OUTPUT_POSITION.search(text)
+    if found is None:
+        return _relocated(file, k, text)
+    place = job.changes["output.positions"][int(found[1])]
+    point = next(point for point in job.points if point.x == place)
+    reason = text.rpartition(": ")[2]
+    return f"{point.line}: position {place:g} m: {reason}; leave out these rows with where"

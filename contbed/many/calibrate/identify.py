@@ -1,0 +1,134 @@
+"""Which combinations of keys the data see: singular values of the scaled derivatives, and profiles of the likelihood.
+
+The derivatives of the predictions over their standard errors, with keys scaled by their priors, have a singular value
+for each of as many combinations of keys: the standard deviation of its prior over that which the data leave by
+themselves. Below 1 the data tell less of the combination than was known before.
+
+The profile of a key is the sum of squares with the key held and all others fitted again. The interval holds the values
+at which it is above its minimum by less than the quantile of chi-square with one degree of freedom (Raue et al. 2009,
+doi:10.1093/bioinformatics/btp358). Unlike the covariance it follows curved dependences, and shows where a key has no
+upper or lower end but that of its prior.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.errors import ConvergenceError
+from contbed.many.calibrate.fit import TOLERANCE, Data, Fit, Solution, least_squares
+from contbed.many.calibrate.model import Model
+from contbed.many.distributions import Distribution
+
+Array = NDArray[np.float64]
+SEEN = 1.0  # singular value above which the data tell more than the prior
+NAMED = 0.2  # component of a combination below which a key is not named
+CLOSE = 0.02  # relative difference from the quantile at which an end of an interval is found
+MOST_STEPS = 8  # of the search for an end
+MOST_RATIO = 3.0  # of one step of the search to the one before
+
+
+@dataclass(frozen=True)
+class Combination:
+    """A combination of scaled keys, shape (keys,) with length 1, and its singular value."""
+
+    weights: Array
+    singular: float
+
+    @property
+    def seen(self) -> bool:
+        """Whether the data tell more of the combination than its prior."""
+        return self.singular > SEEN
+
+    def named(self, names: Sequence[str]) -> str:
+        """Return the combination in words, largest part first."""
+        order = [int(k) for k in np.argsort(-np.abs(self.weights)) if abs(self.weights[k]) >= NAMED]
+        sign = math.copysign(1.0, self.weights[order[0]])
+        parts = [f"{sign * self.weights[k]:+.2f} {names[k]}" for k in order]
+        return " ".join(parts).removeprefix("+")
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Ends of an interval of a scaled key; `open_low`, `open_high`: the end is that of the prior, or of the search.
+
+    curve : points of the profile, (points, 2): scaled key, and rise of the sum of squares over its minimum
+    """
+
+    low: float
+    high: float
+    open_low: bool
+    open_high: bool
+    curve: Array
+
+
+def combinations(found: Fit, data: Data) -> list[Combination]:
+    """Return the combinations of keys from the best to the least seen."""
+    scaled = found.slopes[data.index] / (found.factor * data.error)[:, None]
+    _, singular, weights = np.linalg.svd(scaled, full_matrices=False)
+    return [Combination(weight, float(value)) for weight, value in zip(weights, singular, strict=True)]
+
+
+def profile(model: Model, data: Data, priors: Sequence[Distribution], found: Fit, key: int) -> Interval:
+    """Return the interval of a key by its profile; runs that fail end the search with an open end."""
+    rows: list[tuple[float, float]] = [(float(found.z[key]), 0.0)]
+    base = _squares(model, data, priors, found)
+    ends = []
+    for side in (-1.0, 1.0):
+        ends.append(_end(model, data, priors, found, key, side, base, rows))
+    (low, open_low), (high, open_high) = ends
+    return Interval(low, high, open_low, open_high, np.array(sorted(rows)))
+
+
+def _end(
+    model: Model, data: Data, priors: Sequence[Distribution], found: Fit, key: int, side: float, base: float,
+    rows: list[tuple[float, float]],
+) -> tuple[float, bool]:  # fmt: skip
+    """Return one end of the interval, and whether it is open.
+
+    The root of the rise is close to straight in the key, so that the secant through the fitted point finds the end.
+    """
+    bound = priors[key].bounds[int(side > 0.0)]
+    room = abs(bound - found.z[key])
+    step = min(found.quantile * math.sqrt(found.covariance[key, key]), room)
+    path = found.covariance[:, key] / found.covariance[key, key]
+    low_step, solution = 0.0, None
+    for _ in range(MOST_STEPS):
+        if room < TOLERANCE:
+            return float(bound), True
+        solution = _refit(model, data, priors, found, key, side * step, path)
+        if solution is None:
+            return float(found.z[key] + side * low_step), True
+        rise = max(2.0 * solution.cost - base, 0.0)
+        rows.append((float(solution.z[key]), rise))
+        ratio = math.sqrt(rise) / found.quantile
+        if abs(ratio - 1.0) < CLOSE or (step == room and ratio < 1.0):
+            return float(solution.z[key]), ratio < 1.0 - CLOSE
+        if ratio < 1.0:
+            low_step = max(low_step, step)
+        step = min(step * min(MOST_RATIO, 1.0 / max(ratio, 1.0 / MOST_RATIO)), room)
+    assert solution is not None, "there is at least one step"
+    return float(solution.z[key]), True
+
+
+def _refit(
+    model: Model, data: Data, priors: Sequence[Distribution], found: Fit, key: int, step: float, path: Array
+) -> Solution | None:
+    """Fit the other keys with one moved by `step`; None if the runs fail there."""
+    z = found.z + step * path
+    for k, prior in enumerate(priors):
+        z[k] = np.clip(z[k], *prior.bounds)
+    try:
+        return least_squares(model, data, priors, z, found.factor, held=(key,))
+    except (ConvergenceError, ValueError):  # scipy refuses to begin where a run failed
+        return None
+
+
+def _squares(model: Model, data: Data, priors: Sequence[Distribution], found: Fit) -> float:
+    residuals = (found.predicted[data.index] - data.value) / (found.factor * data.error)
+    own = np.array([0.0 if prior.even else value for prior, value in zip(priors, found.z, strict=True)])
+    return float(residuals @ residuals + own @ own)

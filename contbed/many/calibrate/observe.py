@@ -1,0 +1,64 @@
+"""What a run predicts at the measured times and positions, and its named results."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import SceneError
+from contbed.fields import header, name_of
+from contbed.many.calibrate.experiments import Point
+from contbed.result import Result
+from contbed.scene.names import nearest
+
+SAME = 1e-9  # relative difference of two times or positions that are the same
+COORDINATES = ("x", "z", "r", "y")  # along the bed, the first that the profiles have
+
+
+def observe(result: Result, points: Sequence[Point]) -> list[float]:
+    """Return the predicted values of points, in SI.
+
+    Raises
+    ------
+    SceneError : the run has no such result, column, time or position
+    """
+    return [_in_profiles(result, point) if point.in_profiles else _named(result, point) for point in points]
+
+
+def _named(result: Result, point: Point) -> float:
+    value: Any = result.qoi.get(point.quantity)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        numbers = [key for key, item in result.qoi.items() if isinstance(item, int | float)]
+        raise SceneError(f'{point.line}: the run has no number "{point.quantity}"; it has {", ".join(numbers)}')
+    return float(value)
+
+
+def _in_profiles(result: Result, point: Point) -> float:
+    profiles = result.profiles
+    values = profiles.get(header(point.quantity))
+    place = point.line
+    if values is None:
+        known = [name_of(name) for name in profiles]
+        raise SceneError(f'{place}: the profiles have no "{point.quantity}"; {nearest(point.quantity, known)}')
+    axis = next((profiles[header(name)] for name in COORDINATES if header(name) in profiles), None)
+    times = profiles.get(header("t"))
+    if math.isnan(point.x) and axis is not None:
+        raise SceneError(f"{place}: the profiles have positions; give position, the column of those of the measurement")
+    if math.isnan(point.x):
+        if times is None:
+            raise SceneError(f"{place}: the profiles have no times; leave out time")
+        return float(np.interp(point.t, times, values))
+    if axis is None:
+        raise SceneError(f"{place}: the profiles of this scene have no positions; leave out position")
+    distance = np.abs(axis - point.x) / max(float(np.max(np.abs(axis))), SAME)
+    if not math.isnan(point.t):
+        if times is None:
+            raise SceneError(f"{place}: the profiles have no times; leave out time")
+        distance = distance + np.abs(times - point.t) / max(float(np.max(times)), SAME)
+    row = int(np.argmin(distance))
+    if distance[row] > SAME:
+        raise SceneError(f"{place}: the run has no output there; {float(axis[row]):g} m is the nearest position")
+    return float(np.asarray(values)[row])

@@ -1,0 +1,184 @@
+"""The particles of a cascade: packings, their conductivity and exchange, each computed once and kept by its content.
+
+Conductivity: the network of resistors over the ratio k_solid/k_fluid. Exchange: gas between spheres at rest on cells of
+3 by 3 by 1.5 diameters, the mean of the Nusselt numbers that a law gives every sphere at its own slip and porosity.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed import __version__
+from contbed.cfd_dem.conduction import Solid
+from contbed.cfd_dem.coupling import Bed
+from contbed.cfd_dem.gas import Gas
+from contbed.cfd_dem.grid import Grid
+from contbed.cfd_dem.heat_transfer import bed_nusselt
+from contbed.closures.binding import bind
+from contbed.closures.drag import drag_di_felice
+from contbed.dem import extract
+from contbed.dem.heat_pair import STATIC, correction
+from contbed.dem.packing import pack
+from contbed.dem.particles import Material, Particles
+from contbed.dem.simulation import Simulation
+from contbed.dem.sizes import random_radii, sauter_mean
+from contbed.dem.walls import Domain
+from contbed.many.cascade.file import AT_PARTICLE, Cascade
+from contbed.materials.constant import ConstantFluid
+from contbed.output.files import atomic
+from contbed.output.summary import write_json
+
+Array = NDArray[np.float64]
+Columns = dict[str, Array]
+
+RATIOS = 7  # of conductivities in a packing
+DEGREE = 2  # of the polynomial of logarithms that is fitted to them
+SPEEDS = 5  # of the gas in a packing
+MARGIN = 1.3  # factor by which the range of a closure is wider than what the first run visits
+RIM = 2.0  # diameters below the surface where particles are held at a temperature; one at the floor
+HEADROOM = 1.3  # height of the gas over that of the bed
+AIR = (1.2, 1005.0, 1.8e-5)  # kg/m3, J/kg/K, Pa s: only Re and Pr count
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Packings of a cascade, and the folder where all that is known of them is kept."""
+
+    cascade: Cascade
+    folder: Path
+    beds: tuple[extract.Packing, ...]
+
+    @property
+    def porosities(self) -> Array:
+        """Porosity of each packing, away from floor and surface; between walls that of the box."""
+        return np.array([bed.porosity for bed in self.beds])
+
+    def conduction(self, bed: int, paths: str, ratios: tuple[float, float]) -> Columns:
+        """Return porosity, k_solid/k_fluid and k/k_fluid of a packing between two ratios."""
+        packings = self.cascade.settings.packings
+        factor = float(correction(packings.simulated, packings.youngs_modulus, STATIC))
+        points = np.geomspace(ratios[0] / MARGIN, ratios[1] * MARGIN, RATIOS)
+        about = {"bed": self._name(bed), "paths": paths, "ratios": points.tolist(), "factor": factor}
+        sweep = partial(extract.conductivity_sweep, [self.beds[bed]], points.tolist(), 1.0, factor, paths)
+        return _kept(self.folder / "conduction", about, sweep)
+
+    def exchange(self, bed: int, law: int, Re: tuple[float, float], Pr: tuple[float, float]) -> Columns:
+        """Return Re, Pr and Nu of a packing between two Reynolds and two Prandtl numbers."""
+        chosen = self.cascade.settings.laws.exchange[law]
+        bound = bind(chosen, "nusselt", AT_PARTICLE)
+        function = partial(bound.function, **bound.parameters) if bound.parameters else bound.function
+        speeds = np.geomspace(Re[0] / MARGIN, Re[1] * MARGIN, SPEEDS)
+        fluids = np.unique([Pr[0] / MARGIN, Pr[1] * MARGIN])
+        about = {"bed": self._name(bed), "law": bound.sheet.name, "parameters": bound.parameters}
+        about |= {"Re": speeds.tolist(), "Pr": fluids.tolist()}
+        return _kept(self.folder / "exchange", about, partial(_exchange, self, bed, function, speeds, fluids))
+
+    def _name(self, bed: int) -> str:
+        return _hash(_about(self.cascade, bed))
+
+
+def ensemble(cascade: Cascade, folder: Path, told: Callable[[], None]) -> Ensemble:
+    """Settle the packings, or take those that are in `folder`; `told` is called after each.
+
+    Raises
+    ------
+    ConvergenceError : a packing does not come to rest
+    """
+    beds = []
+    for number in range(cascade.settings.packings.count):
+        beds.append(_packing(cascade, folder / "packings", number))
+        told()
+    return Ensemble(cascade, folder, tuple(beds))
+
+
+def _about(cascade: Cascade, number: int) -> dict[str, Any]:
+    packings, density = cascade.settings.packings, cascade.reactor.density
+    return {
+        "diameter": cascade.diameter,
+        "spread": packings.spread,
+        "particles": packings.particles,
+        "width": packings.width,
+        "seed": packings.seed + number,
+        "simulated": packings.simulated,
+        "density": density,
+        "friction": packings.friction,
+        "walls": packings.walls,
+    }
+
+
+def _packing(cascade: Cascade, folder: Path, number: int) -> extract.Packing:
+    about = _about(cascade, number)
+    path = folder / f"{_hash(about)}.npz"
+    d = cascade.diameter
+    width = about["width"] * d
+    try:
+        with np.load(path) as kept:
+            x, R, porosity, surface = kept["x"], kept["radius"], float(kept["porosity"]), float(kept["surface"])
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile):
+        R = random_radii(0.5 * d, about["spread"], about["particles"], about["seed"])
+        if about["spread"]:  # equal ones keep their last digit
+            R *= 0.5 * d / sauter_mean(R)
+        bed = pack(
+            (width, width), radius=R, seed=about["seed"],
+            periodic=(not about["walls"], not about["walls"]), material=Material(
+                density=about["density"], youngs_modulus=about["simulated"], sliding_friction=about["friction"]),
+        )  # fmt: skip
+        porosity = bed.statistics["porosity_box" if about["walls"] else "porosity_core"]
+        x, R, surface = bed.position, bed.radius, bed.statistics["surface"]
+        text = io.BytesIO()
+        np.savez(text, x=x, radius=R, porosity=porosity, surface=surface)
+        folder.mkdir(parents=True, exist_ok=True)
+        with atomic(path) as temporary:
+            temporary.write_bytes(text.getvalue())
+    box = None if about["walls"] else (np.zeros(3), np.array([width, width, (x[:, 2] + R).max()]))
+    return extract.Packing(x, R, porosity, d, surface - RIM * d, width**2, box)
+
+
+def _exchange(ensemble: Ensemble, bed: int, law: Any, speeds: Array, fluids: Array) -> Columns:
+    packing, packings = ensemble.beds[bed], ensemble.cascade.settings.packings
+    d, top, width = ensemble.cascade.diameter, (packing.x[:, 2] + packing.radius).max(), np.sqrt(packing.area)
+    across, along = max(2, round(width / (3.0 * d))), max(4, round(HEADROOM * top / (1.5 * d)))
+    count = (across, across, along)
+    grid = Grid(np.zeros(3), np.array([width, width, HEADROOM * top]) / count, count, (True, True))
+    domain = Domain((0, 0, 0), (width, width, np.inf), (True, True, False))
+    density, heat_capacity, viscosity = AIR
+    points = []
+    for Pr in fluids:
+        gas_like = ConstantFluid(density, heat_capacity, viscosity, viscosity * heat_capacity / Pr)
+        for Re in speeds:
+            spheres, material = Particles(packing.x, packing.radius), Material(1000.0, packings.simulated)
+            simulation = Simulation(spheres, [material], (), domain)
+            gas = Gas(grid, gas_like, drag_di_felice, law, isothermal=True)
+            around = Bed(simulation, gas, 0.2 * d * density * d / (Re * viscosity), moving=False)
+            points.append(bed_nusselt(around, Re * viscosity / (density * d), 300.0, Solid(0.0)))
+    return dict(zip(("Re", "Pr", "Nu"), np.array(points).T, strict=True))
+
+
+def _kept(folder: Path, about: Mapping[str, Any], compute: Callable[[], Columns]) -> Columns:
+    """Return columns that belong to `about`: from their file, or computed and kept."""
+    path = folder / f"{_hash(about)}.json"
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        columns = content["columns"] if content["checksum"] == _hash(content["columns"]) else None
+    except (OSError, ValueError, KeyError, TypeError):
+        columns = None
+    if columns is None:
+        columns = {name: [float(v) for v in values] for name, values in compute().items()}
+        folder.mkdir(parents=True, exist_ok=True)
+        write_json(path, {"about": dict(about), "columns": columns, "checksum": _hash(columns)})
+    return {name: np.array(values) for name, values in columns.items()}
+
+
+def _hash(about: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps([__version__, about], sort_keys=True).encode()).hexdigest()[:16]

@@ -1,0 +1,189 @@
+"""The command `contbed sensitivities`: derivatives of named results as a table, as CSV and JSON, and as a picture.
+
+Derivatives stand in the unit of the result over the SI unit of the key. The relative derivative d ln result/d ln key is
+the change of the result in percent for one percent of the key; rows are in the order of its size.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import SceneError
+from contbed.fields import unit_of
+from contbed.many.derivatives.gradients import Gradient, gradient, require_known
+from contbed.many.derivatives.keys import continuous, key
+from contbed.output.files import atomic
+from contbed.output.plots import styled_figure
+from contbed.output.summary import write_json
+from contbed.scene.tables import SceneBase
+from contbed.versions import versions
+
+MOST_BARS = 12  # of a panel
+SMALLEST_BAR = 1e-3  # of the largest; smaller ones cannot be seen
+BAR = 0.24  # inches
+DIGITS = 5
+FILE = "sensitivities"  # name of the table, of the data and of the picture in the folder
+HOW = {
+    "tangent": "by the tangent of the solution, mesh and discretisation kept",
+    "differences": "by differences of runs",
+}
+
+
+def sensitivities(
+    scene: SceneBase, qoi: Sequence[str], keys: Sequence[str] = (), engine: str = "skfem"
+) -> tuple[Gradient, dict[str, Any]] | None:
+    """Return the gradient of a scene, and the same as plain data with units; None on all ranks but the first.
+
+    Parameters
+    ----------
+    qoi : named results
+    keys : keys of the scene; all continuous ones that it gives if empty, which leaves out defaults and settings of
+        the numerical method
+    engine : as of `contbed.run`
+
+    Raises
+    ------
+    SceneError : see `contbed.many.derivatives.gradients.gradient`; or the scene gives no continuous key
+    """
+    require_known(qoi)
+    names = list(dict.fromkeys(keys)) or [one.name for one in continuous(scene)]
+    if not names:
+        raise SceneError(f"{scene.origin.name}: the scene gives no continuous key; name one by --to")
+    found = gradient(scene, list(dict.fromkeys(qoi)), names, engine)
+    if found is None:
+        return None
+    units = [key(scene, name).unit for name in found.keys]
+    return found, {
+        "title": scene.title,
+        "versions": versions(),
+        "method": found.method,
+        "qoi": {
+            name: {"value": value, "unit": unit_of(name) or "1"}
+            for name, value in zip(found.qoi, found.values, strict=True)
+        },
+        "keys": {
+            name: {"value": value, "unit": unit} for name, value, unit in zip(found.keys, found.at, units, strict=True)
+        },
+        "derivatives": found.derivatives,
+        "relative": found.logarithmic,
+        "standard_errors": found.standard_errors,
+        "notes": list(found.notes),
+    }
+
+
+def order(found: Gradient, result: int) -> list[int]:
+    """Return the numbers of the keys by the size of their relative derivative, those without one last."""
+    weights = np.abs(found.logarithmic[result])
+    return sorted(range(len(found.keys)), key=lambda k: (not np.isfinite(weights[k]), -np.nan_to_num(weights[k]), k))
+
+
+def table(found: Gradient, about: dict[str, Any]) -> str:
+    """Return the derivatives as a table for each result, and the notes."""
+    lines = []
+    for i, name in enumerate(found.qoi):
+        unit = about["qoi"][name]["unit"]
+        rows = [_row(found, about, i, j) for j in order(found, i)]
+        head = ("key", "value", f"d {name}/d key", "relative", *(["standard error"] if _scatters(found) else []))
+        widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
+        lines.append(f"{name} = {found.values[i]:.{DIGITS}g} {'' if unit == '1' else unit}".rstrip())
+        lines += [
+            "  " + "  ".join(f"{item:{width}}" for item, width in zip(row, widths, strict=True)).rstrip()
+            for row in (head, *rows)
+        ]
+        lines.append("")
+    lines.append(f"derivatives {HOW[found.method]}; relative: percent of the result for one percent of the key")
+    return "\n".join([*lines, *(f"note: {note}" for note in found.notes)])
+
+
+def _scatters(found: Gradient) -> bool:
+    return found.standard_errors is not None
+
+
+def _row(found: Gradient, about: dict[str, Any], i: int, j: int) -> tuple[str, ...]:
+    name, relative = found.keys[j], found.logarithmic[i, j]
+    unit = about["keys"][name]["unit"]
+    own = quotient(about["qoi"][found.qoi[i]]["unit"], unit)
+    row = [
+        name,
+        f"{found.at[j]:.{DIGITS}g} {'' if unit == '1' else unit}".rstrip(),
+        f"{found.derivatives[i, j]:.{DIGITS}g} {'' if own == '1' else own}".rstrip(),
+        f"{relative:.{DIGITS - 2}g}" if found.at[j] and np.isfinite(relative) else "-",
+    ]
+    if found.standard_errors is not None:
+        row.append(f"{found.standard_errors[i, j]:.2g}")
+    return tuple(row)
+
+
+def quotient(above: str, below: str) -> str:
+    """Return the unit of a derivative.
+
+    >>> quotient("K", "m/s"), quotient("1", "m"), quotient("Pa", "1"), quotient("K", "K")
+    ('K/(m/s)', '1/m', 'Pa', '1')
+    """
+    if above == below:
+        return "1"
+    if below == "1":
+        return above
+    return f"{above}/({below})" if any(sign in below for sign in "/*") else f"{above}/{below}"
+
+
+def write(found: Gradient, about: dict[str, Any], out: Path, title: str) -> None:
+    """Write sensitivities.csv, sensitivities.json and sensitivities.png."""
+    write_json(out / f"{FILE}.json", about)
+    with atomic(out / f"{FILE}.csv") as temporary:
+        temporary.write_text(_csv(found, about), encoding="utf-8")
+    tornado(out / f"{FILE}.png", found, title)
+
+
+def _csv(found: Gradient, about: dict[str, Any]) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(
+        ["result", "key", "value", "unit", "derivative", "unit of derivative", "relative", "standard error"]
+    )
+    for i, name in enumerate(found.qoi):
+        for j in order(found, i):
+            unit = about["keys"][found.keys[j]]["unit"]
+            own = quotient(about["qoi"][name]["unit"], unit)
+            relative = float(found.logarithmic[i, j])
+            error = "" if found.standard_errors is None else repr(float(found.standard_errors[i, j]))
+            row = [name, found.keys[j], repr(float(found.at[j])), unit, repr(float(found.derivatives[i, j])), own]
+            writer.writerow([*row, repr(relative) if np.isfinite(relative) else "", error])
+    return text.getvalue()
+
+
+def tornado(path: Path, found: Gradient, title: str) -> None:
+    """Draw the relative derivatives as bars, the largest on top, a panel for each result."""
+    weights = np.nan_to_num(np.abs(found.logarithmic))
+    shown = [
+        [j for j in order(found, i)[:MOST_BARS] if weights[i, j] > SMALLEST_BAR * weights[i].max()]
+        for i in range(len(found.qoi))
+    ]
+    heights = [max(len(keys), 1) * BAR + 0.9 for keys in shown]
+    with styled_figure(path, sum(heights) + 0.3, title) as figure:
+        panels = figure.subplots(len(shown), 1, squeeze=False, height_ratios=heights)[:, 0]
+        for i, (panel, keys) in enumerate(zip(panels, shown, strict=True)):
+            values = np.nan_to_num(found.logarithmic[i, keys])
+            errors = _relative_errors(found, i, keys)
+            colours = ["#0072B2" if value >= 0.0 else "#D55E00" for value in values]
+            panel.barh(range(len(keys)), values, color=colours, height=0.7, xerr=errors)
+            panel.set_yticks(range(len(keys)), [found.keys[j] for j in keys])
+            panel.invert_yaxis()
+            panel.axvline(0.0, color="black", linewidth=0.6)
+            panel.set_xlabel(f"d ln {found.qoi[i]} / d ln key")
+
+
+def _relative_errors(found: Gradient, i: int, keys: Sequence[int]) -> Any:
+    if found.standard_errors is None:
+        return None
+    return list(_finite(abs(found.standard_errors[i, j] * found.at[j] / found.values[i]) for j in keys))
+
+
+def _finite(values: Iterator[Any]) -> Iterator[float]:
+    return (float(value) if np.isfinite(value) else 0.0 for value in values)

@@ -1,0 +1,154 @@
+"""Keys of a scene that a design may change: [keys] of its file.
+
+[keys]
+mesh.length = { from = "0.2 m", to = "2 m" }
+bed.particle_diameter = { from = "4 mm", to = "16 mm", start = "12 mm" }      # start: that of the scene if left out
+tubes.count = { from = 4, to = 20, integer = true }
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from contbed.many.sweep.study import flat
+from contbed.scene import schema
+from contbed.scene.names import nearest
+from contbed.scene.tables import SceneBase
+from contbed.scene.toml_lines import parse_key
+from contbed.scene.units import to_si
+from contbed.scene.values import value_at
+
+Say = Callable[[tuple[str, ...], str], None]
+KNOWN = ("from", "to", "start", "integer")
+
+
+@dataclass(frozen=True)
+class DesignKey:
+    """A key with its bounds and the value to begin with, in SI; `at` is its file:line."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    start: float
+    whole: bool
+    at: str
+
+    @property
+    def span(self) -> float:
+        """The distance of the bounds."""
+        return self.high - self.low
+
+    def shown(self, value: float) -> str:
+        """Return a value with its unit."""
+        number = f"{value:.0f}" if self.whole else f"{value:.6g}"
+        return number if self.unit == "1" else f"{number} {self.unit}"
+
+
+def is_range(entry: Any) -> bool:
+    """Return whether an entry of [keys] holds bounds, and not keys further down."""
+    return not isinstance(entry, Mapping) or not entry or bool({"from", "to"} & entry.keys())
+
+
+def entries(table: Mapping[str, Any]) -> Iterator[tuple[str, tuple[str, ...], Any]]:
+    """Yield dotted name, path and entry of each key, however its table is written."""
+    for below, entry in flat(table, is_range):
+        yield ".".join(below), below, entry
+
+
+def read_key(name: str, entry: Any, scene: SceneBase, at: str, say: Say) -> DesignKey | None:
+    """Return one key; mistakes are told to `say(path below the entry, text)`, and the key is then None."""
+    node = _node(scene, name, say)
+    if node is None:
+        return None
+    unit, whole = node
+    if not isinstance(entry, Mapping):
+        say((), "expected bounds, { from = ..., to = ... }")
+        return None
+    for key in entry:
+        if key not in KNOWN:
+            say((key,), f"{key}: unknown key; {nearest(key, list(KNOWN))}")
+    if not isinstance(given := entry.get("integer", whole), bool):
+        say(("integer",), "integer: expected true or false")
+        return None
+    if whole and not given:
+        say(("integer",), "integer = false, but this key of the scene counts; leave it out")
+        return None
+    low, high = (_number(entry, key, unit, given, say) for key in ("from", "to"))
+    if low is None or high is None:
+        return None
+    if low >= high:
+        same = f"from and to are both {low:g}" if low == high else f"from, {low:g}, is above to, {high:g}; swap them"
+        say((), f"{same}; give a range from the lower to the higher value" if low == high else same)
+        return None
+    start = _start(name, entry, scene, (unit, given), (low, high), say)
+    return None if start is None else DesignKey(name, unit, low, high, start, given, at)
+
+
+def _node(scene: SceneBase, name: str, say: Say) -> tuple[str, bool] | None:
+    """Return unit of a key, and whether it counts."""
+    root = schema.of(type(scene))
+    try:
+        path = parse_key(name)
+    except ValueError:
+        say((), "not a key of a scene; write it as mesh.length")
+        return None
+    nodes = schema.at(root, path)
+    if not nodes:
+        above = next(tables for end in range(len(path) - 1, -1, -1) if (tables := schema.at(root, path[:end])))
+        known = list(dict.fromkeys(key for table in above for key in schema.keys(table)))
+        say((), f"the scene has no such key; {nearest(str(path[-1]), known)}")
+        return None
+    options = [option for node in nodes for option in schema.options(node)]
+    unit = schema.unit(root, path)
+    if unit is None and not any(option.get("type") in ("number", "integer") for option in options):
+        say((), f"is no number and cannot be varied between bounds; allowed: {schema.allowed(nodes[0])}")
+        return None
+    return unit or "1", unit is None and all(option.get("type") == "integer" for option in options)
+
+
+def _start(
+    name: str, entry: Mapping[str, Any], scene: SceneBase, kind: tuple[str, bool], ends: tuple[float, float], say: Say
+) -> float | None:
+    """Return the value to begin with: that of the entry, or of the scene."""
+    unit, whole = kind
+    low, high = ends
+    if "start" in entry:
+        start, whose = _number(entry, "start", unit, whole, say), "start"
+    else:
+        found = value_at(scene, name)
+        if not isinstance(found, int | float) or isinstance(found, bool):
+            say((), f"the scene has no number here; give start = ... between {low:g} and {high:g}")
+            return None
+        start, whose = float(found), "the scene's value"
+    if start is None:
+        return None
+    if not low <= start <= high:
+        remedy = "move it inside" if whose == "start" else "give start = ..., or widen the bounds"
+        say(("start",) if whose == "start" else (), f"{whose}, {start:g}, is outside of {low:g} to {high:g}; {remedy}")
+        return None
+    if whole and not start.is_integer():
+        say((), f"the scene's value, {start:g}, is no whole number; give start = ...")
+        return None
+    return start
+
+
+def _number(entry: Mapping[str, Any], key: str, unit: str, whole: bool, say: Say) -> float | None:
+    """Return a number in SI."""
+    value = entry.get(key)
+    if isinstance(value, str):
+        try:
+            value = to_si(value, unit)
+        except ValueError as error:
+            say((key,), f"{key}: {error}")
+            return None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        say((key,) if key in entry else (), f"{key} is {'missing' if key not in entry else repr(value)}; give a number")
+        return None
+    if whole and not float(value).is_integer():
+        say((key,), f"{key} is {value:g}; the key is an integer, give a whole number")
+        return None
+    return float(value)

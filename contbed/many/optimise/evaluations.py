@@ -1,0 +1,280 @@
+"""Runs of a design: each scene and each gradient is computed once and kept by the hash of the scene.
+
+`runs/NAME/` is that of a sweep; `gradient_HASH.json` beside it holds the derivatives of the results to the keys that
+were asked for. A run or gradient that is there is taken from there, so that a killed command goes on where it was.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.errors import ContbedError, SceneError
+from contbed.many.derivatives.differences import seeds, with_seeds
+from contbed.many.derivatives.gradients import gradient
+from contbed.many.optimise.constrained_search import EvaluationFailed
+from contbed.many.optimise.problem import Design, plain
+from contbed.many.sweep.runs import compute, folder_of, forget, known
+from contbed.many.sweep.study import Case
+from contbed.output.summary import write_json
+from contbed.scene.identity import scene_hash
+from contbed.scene.names import nearest
+
+Array = NDArray[np.float64]
+
+TEXT = 2  # exit code of a scene that contradicts itself
+
+
+class OutOfRuns(Exception):
+    """As many runs as the design allows are computed."""
+
+
+@dataclass
+class Evaluation:
+    """One point: its keys (keys,), run and outcome, values of objective and constraints if it has them.
+
+    functions : what is minimised, then the excess of each constraint, (1 + constraints,); None if the run failed
+    each : the same of every run, if the design repeats them, (runs, 1 + constraints); all else are their means
+    """
+
+    point: Array
+    run: str
+    qoi: Mapping[str, Any]
+    exit_code: int
+    problem: str
+    functions: Array | None
+    differentiated: bool = False
+    each: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+    @property
+    def values(self) -> Array:
+        """What is minimised and the excess of each constraint."""
+        if self.functions is None:
+            raise EvaluationFailed(self.problem)
+        return self.functions
+
+
+def named_values(design: Design, at: Evaluation) -> dict[str, float]:
+    """Return the keys and results that expressions may use, by name."""
+    return design.values_at(at.point) | {name: float(at.qoi[name]) for name in design.results}
+
+
+@dataclass
+class Evaluations:
+    """All points of a design in the order in which they were first asked for."""
+
+    design: Design
+    folder: Path
+    retry_failed: bool = False
+    found: dict[bytes, Evaluation] = field(default_factory=dict)
+    before: int = 0
+    method: str = ""
+    standard_errors: bool = False
+    told: Any = None  # called with each new evaluation
+
+    def at(self, point: Array) -> Evaluation:
+        """Return the evaluation at a point.
+
+        Raises
+        ------
+        OutOfRuns : it is new and no run is left
+        """
+        rounded = np.array([plain(key, float(v)) for key, v in zip(self.design.keys, point, strict=True)], dtype=float)
+        mark = rounded.tobytes()
+        if mark not in self.found:
+            if len(self.found) >= self.design.runs:
+                raise OutOfRuns
+            self.found[mark] = self._computed(rounded)
+            if self.told is not None:
+                self.told(self)
+        return self.found[mark]
+
+    @property
+    def rows(self) -> tuple[Evaluation, ...]:
+        """All evaluations in order."""
+        return tuple(self.found.values())
+
+    def _computed(self, point: Array) -> Evaluation:
+        try:
+            cases = self._repeated(self._case(point))
+        except SceneError as error:
+            return Evaluation(point, "", {}, TEXT, "; ".join(error.problems), None)
+        outcomes = [self._outcome(case) for case in cases]
+        there = [outcome["qoi"] for outcome in outcomes if not outcome["exit_code"]]
+        if not there:
+            return Evaluation(point, cases[0].name, {}, outcomes[0]["exit_code"], outcomes[0]["problem"], None)
+        found = Evaluation(point, cases[0].name, there[0] if len(there) == 1 else _means(there), 0, "", None)
+        self._fill(found, there)
+        return found
+
+    def _repeated(self, case: Case) -> list[Case]:
+        """Return a case with as many seeds as the design repeats it."""
+        places = seeds(case.scene)
+        scenes = [case.scene, *(with_seeds(case.scene, places, k) for k in range(1, self.design.repeats))]
+        return [case, *(Case(scene_hash(scene), case.parameters, scene) for scene in scenes[1:])]
+
+    def _outcome(self, case: Case) -> dict[str, Any]:
+        """Return the outcome of a run, computed or kept."""
+        outcome = known(case, self.folder)
+        if outcome is not None and outcome["exit_code"] and self.retry_failed:
+            forget(case, self.folder)
+            outcome = None
+        self.before += outcome is not None
+        return outcome or compute(case, self.folder)
+
+    def _case(self, point: Array) -> Case:
+        scene = self.design.scene_at(point)
+        parameters = {key.name: float(value) for key, value in zip(self.design.keys, point, strict=True)}
+        return Case(scene_hash(scene), parameters, scene)
+
+    def _fill(self, found: Evaluation, runs: Sequence[Mapping[str, Any]]) -> None:
+        """Fill in objective and constraints by the results of all runs of a point, or why there are none."""
+        missing = [name for name in self.design.results if not isinstance(found.qoi.get(name), int | float)]
+        if missing:
+            if not self.found:
+                raise SceneError([self._unknown(name, found.qoi) for name in missing])
+            found.problem = f"the run has no result {', '.join(missing)}"
+            return
+        found.each = np.array([self._functions(found.point, qoi) for qoi in runs])
+        functions = found.each.mean(axis=0)
+        if np.isfinite(functions).all():
+            found.functions = functions
+        else:
+            texts = [self.design.objective.text, *(one.text for one in self.design.constraints)]
+            bad = ", ".join(text for text, value in zip(texts, functions, strict=True) if not np.isfinite(value))
+            found.problem = f"{bad}: not a finite number"
+
+    def _functions(self, point: Array, qoi: Mapping[str, Any]) -> list[float]:
+        """Return what is minimised and the excess of each constraint by the results of one run."""
+        values = self.design.values_at(point) | {name: float(qoi[name]) for name in self.design.results}
+        sign = -1.0 if self.design.maximise else 1.0
+        return [sign * self.design.objective(values), *(one.excess(values) for one in self.design.constraints)]
+
+    def _unknown(self, name: str, qoi: Mapping[str, Any]) -> str:
+        """Say that a run has no such result, and where the design asks for it."""
+        uses = [one for one in self.design.constraints if name in one.names]
+        at = self.design.objective_at if name in self.design.objective.names else uses[0].at
+        numbers = [key for key, value in qoi.items() if isinstance(value, int | float)]
+        return f'{at}: the run has no result "{name}"; {nearest(name, numbers)}'
+
+    def derivatives(self, point: Array, keys: Sequence[int]) -> Array:
+        """Return the derivatives of objective and constraints to some of the keys, (1 + constraints, keys).
+
+        Raises
+        ------
+        EvaluationFailed : the run or its gradient failed
+        SceneError : a key has no derivative
+        """
+        at = self.at(point)
+        at.values  # noqa: B018 - raises where the run has failed
+        names = [self.design.keys[k].name for k in keys]
+        slopes = {name: np.zeros(len(keys)) for name in self.design.fixed()}
+        slopes |= {name: np.array([float(name == other) for other in names]) for name in self._changed()}
+        if self.design.results:
+            slopes |= self._gradient(at, names)
+        values = named_values(self.design, at)
+        sign = -1.0 if self.design.maximise else 1.0
+        parts = [one.derivatives(values) for one in self.design.constraints]
+        rows = [
+            {name: sign * slope for name, slope in self.design.objective.derivatives(values).items()},
+            *parts,
+        ]
+        at.differentiated = True
+        return np.array(
+            [
+                np.sum([slope * slopes[name] for name, slope in row.items()], axis=0) + np.zeros(len(keys))
+                for row in rows
+            ]
+        )
+
+    def _changed(self) -> list[str]:
+        return [key.name for key in self.design.keys]
+
+    def _gradient(self, at: Evaluation, names: Sequence[str]) -> dict[str, Array]:
+        """Return the derivatives of each result to the keys `names`, computed or kept."""
+        results = list(self.design.results)
+        asked = {"qoi": results, "keys": list(names)}
+        case = self._case(at.point)
+        path = folder_of(case, self.folder) / f"gradient_{_hash(asked)}.json"
+        kept = _kept(path)
+        if kept is None:
+            try:
+                found = gradient(case.scene, results, names)
+            except ContbedError as error:
+                if isinstance(error, SceneError) and not any(row.differentiated for row in self.rows):
+                    raise  # a key without derivative, not a point without one
+                raise EvaluationFailed(f"no gradient: {error}") from error
+            kept = {
+                **asked,
+                "derivatives": found.derivatives.tolist(),
+                "standard_errors": None if found.standard_errors is None else found.standard_errors.tolist(),
+                "method": found.method,
+            }
+            write_json(path, kept | {"checksum": _hash(kept)})
+        self.method = kept["method"]
+        self.standard_errors |= kept["standard_errors"] is not None
+        return dict(zip(results, np.array(kept["derivatives"], dtype=float), strict=True))
+
+
+def _means(runs: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    """Return the means of the numbers that all runs have."""
+    numbers = [name for name, value in runs[0].items() if isinstance(value, int | float)]
+    return {
+        name: float(np.mean([run[name] for run in runs]))
+        for name in numbers
+        if all(isinstance(run.get(name), int | float) for run in runs)
+    }
+
+
+def _kept(path: Path) -> dict[str, Any] | None:
+    """Return a gradient that was kept; None if there is none or its file is damaged."""
+    try:
+        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        checksum = content.pop("checksum")
+    except (OSError, ValueError, KeyError, AttributeError, TypeError):
+        return None
+    return content if checksum == _hash(content) else None
+
+
+def _hash(content: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
+
+
+@dataclass
+class Slice:
+    """Objective and constraints over some of the keys, the others held: what a search by gradients minimises.
+
+    chosen : numbers of the keys that change
+    held : a point (keys,) with the values of the others
+    """
+
+    evaluations: Evaluations
+    chosen: list[int]
+    held: Array
+
+    def __post_init__(self) -> None:
+        keys = [self.evaluations.design.keys[k] for k in self.chosen]
+        self.low = np.array([key.low for key in keys])
+        self.high = np.array([key.high for key in keys])
+        self.equality = np.array([one.sign == "==" for one in self.evaluations.design.constraints], dtype=bool)
+
+    def point(self, x: Array) -> Array:
+        """Return all keys (keys,) where those chosen have the values x."""
+        whole = self.held.copy()
+        whole[self.chosen] = x
+        return whole
+
+    def values(self, x: Array) -> Array:
+        """Return objective and constraints, (1 + constraints,)."""
+        return self.evaluations.at(self.point(x)).values
+
+    def derivatives(self, x: Array) -> Array:
+        """Return their derivatives, (1 + constraints, chosen)."""
+        return self.evaluations.derivatives(self.point(x), self.chosen)

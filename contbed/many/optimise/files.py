@@ -1,0 +1,160 @@
+"""Files of a search: table.csv of its evaluations, summary.json, optimum.toml, convergence.png."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contbed.many.optimise.constrained_search import FIRST_ORDER
+from contbed.many.optimise.evaluations import Evaluation, Evaluations, named_values
+from contbed.many.optimise.found import Found, costs
+from contbed.many.optimise.problem import Constraint, Design
+from contbed.many.sweep.table import parameter, result
+from contbed.output.files import atomic
+from contbed.output.summary import write_json
+from contbed.output.toml_text import toml_text
+from contbed.scene.inputs import named_files
+from contbed.scene.toml_lines import KeyPath, parse_key, read
+from contbed.versions import versions
+
+
+def write(folder: Path, design: Design, found: Found, evaluations: Evaluations) -> None:
+    """Write all files."""
+    from contbed.many.optimise.plots import plot
+
+    write_table(folder, design, evaluations.rows)
+    write_json(folder / "summary.json", summary(design, found, evaluations))
+    with atomic(folder / "optimum.toml") as temporary:
+        temporary.write_text(optimum_text(design, found, folder), encoding="utf-8")
+    plot(folder / "convergence.png", design, found, evaluations.rows)
+
+
+def write_table(folder: Path, design: Design, rows: Sequence[Evaluation]) -> None:
+    """Write table.csv, one line for each evaluation."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    keys = [parameter(key.name, ()).header for key in design.keys]
+    results = [result(name).header for name in design.results]
+    excess = [f"{one.text}: missed by [{_unit(one.left.unit)}]" for one in design.constraints]
+    objective = f"{design.objective.text}: objective [{_unit(design.objective.unit)}]"
+    writer.writerow(["number", *keys, *results, objective, *excess, "gradient", "run", "exit code", "problem"])
+    for number, row in enumerate(rows, 1):
+        values = [""] * (1 + len(excess))
+        if row.functions is not None:
+            values = [repr(float(value)) for value in row.functions * _signs(design)]
+        point = [key.shown(v) if key.whole else repr(float(v)) for key, v in zip(design.keys, row.point, strict=True)]
+        named = [repr(row.qoi[name]) if name in row.qoi else "" for name in design.results]
+        state = ["yes" if row.differentiated else "", row.run, row.exit_code, row.problem]
+        writer.writerow([number, *point, *named, *values, *state])
+    with atomic(folder / "table.csv") as temporary:
+        temporary.write_text(text.getvalue(), encoding="utf-8")
+
+
+def _signs(design: Design) -> Any:
+    return np.array([-1.0 if design.maximise else 1.0, *np.ones(len(design.constraints))])
+
+
+def _unit(unit: str) -> str:
+    return "-" if unit == "1" else unit
+
+
+def summary(design: Design, found: Found, evaluations: Evaluations) -> dict[str, Any]:
+    """Return the content of summary.json."""
+    at, rows = found.evaluation, evaluations.rows
+    values = named_values(design, at)
+    slopes = found.slopes
+    names = [key.name for key in design.keys]
+    return {
+        "status": found.status,
+        "verdict": found.why,
+        "versions": versions(),
+        "title": design.title,
+        "design": design.file.name,
+        "objective": {
+            "formula": design.objective.text,
+            "aim": "maximise" if design.maximise else "minimise",
+            "value": design.objective(values),
+            "unit": design.objective.unit,
+            "gradient": None if slopes is None else dict(zip(names, slopes[0].tolist(), strict=True)),
+        },
+        "keys": {
+            key.name: {
+                "value": int(value) if key.whole else float(value),
+                "unit": key.unit,
+                "from": key.low,
+                "to": key.high,
+                "price_of_bound": float(price),
+            }
+            for key, value, price in zip(design.keys, at.point, found.bound_prices, strict=True)
+        },
+        "constraints": [_constraint(design, found, k, values) for k in range(len(design.constraints))],
+        "costs": list(costs(design, found)),
+        "first_order": {"residual": found.residual, "allowed": FIRST_ORDER},
+        "qoi": dict(at.qoi),
+        "run": at.run,
+        "method": design.method,
+        "gradients": evaluations.method,
+        "surrogate": _expected(design, found),
+        "runs": {
+            "evaluated": len(rows),
+            "before": evaluations.before,
+            "failed": sum(r.functions is None for r in rows),
+        },
+        "warnings": list(found.remarks),
+    }
+
+
+def _expected(design: Design, found: Found) -> dict[str, Any] | None:
+    """Return what the surrogate expects at the point, with standard errors; None with gradients."""
+    if found.expected is None or found.errors is None:
+        return None
+    names = [design.objective.text, *(f"{one.text}: missed by" for one in design.constraints)]
+    return {
+        name: {"expected": float(value), "standard_error": float(error)}
+        for name, value, error in zip(names, found.expected, found.errors, strict=True)
+    } | {"runs_at_a_point": design.repeats}
+
+
+def _constraint(design: Design, found: Found, k: int, values: dict[str, float]) -> dict[str, Any]:
+    one: Constraint = design.constraints[k]
+    names = [key.name for key in design.keys]
+    slopes = None if found.slopes is None else found.slopes[1 + k] * (-1.0 if one.sign == ">=" else 1.0)
+    return {
+        "constraint": one.text,
+        "value": one.left(values),
+        "bound": one.bound(values),
+        "unit": one.left.unit,
+        "missed_by": one.excess(values),
+        "active": bool(found.active[k]),
+        "price": float(found.prices[k]),
+        "price_unit": f"{design.objective.unit} per {one.left.unit}",
+        "gradient": None if slopes is None else dict(zip(names, slopes.tolist(), strict=True)),
+    }
+
+
+def optimum_text(design: Design, found: Found, folder: Path) -> str:
+    """Return the scene at the point that was found, as TOML; files that it names are found from `folder`."""
+    values, _ = read(design.scene_file)
+    scene = design.scene_at(found.evaluation.point)
+    base = design.scene_file.absolute().parent
+    for path, name in named_files(scene):
+        if (base / name).is_file() and not Path(name).is_absolute():
+            _put(values, path, os.path.relpath(base / name, folder))
+    for key, value in zip(design.keys, found.evaluation.point, strict=True):
+        _put(values, parse_key(key.name), int(value) if key.whole else float(f"{value:.14g}"))
+    about = f"# {found.status} of {design.file.name}: {'maximise' if design.maximise else 'minimise'} "
+    return f"{about}{design.objective.text}\n{toml_text(values)}"
+
+
+def _put(values: Any, path: KeyPath, value: Any) -> None:
+    """Put a value into nested tables and lists, making tables on the way."""
+    table: Any = values
+    for step in path[:-1]:
+        table = table[step] if isinstance(step, int) else table.setdefault(step, {})
+    table[path[-1]] = value

@@ -1,0 +1,252 @@
+"""Uncertainty of a sweep that has a [sample]: uncertainty.csv, indices.csv, uncertainty.json and a picture."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.errors import ContbedError
+from contbed.many.derivatives.gradients import gradient
+from contbed.many.sweep.study import Sample, Study
+from contbed.many.sweep.table import Quantity, Row, columns
+from contbed.many.uncertainty.indices import VARIES, Indices, indices
+from contbed.many.uncertainty.polynomial_chaos import chaos_indices, chaos_spread, expansion
+from contbed.many.uncertainty.propagate import Spread, contributions, first_order, independent, of_sample, of_size_one
+from contbed.many.value_sets import BY_THEMSELVES
+from contbed.output.files import atomic
+from contbed.output.plots import styled_figure
+from contbed.output.summary import write_json
+from contbed.scene.identity import scene_hash
+
+Array = NDArray[np.float64]
+FILE = "uncertainty.json"
+SLOPES = "gradient.json"  # what was found of it before
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """What is known of one result; `shares` are those of the parameters in the variance to first order."""
+
+    result: Quantity
+    spreads: tuple[Spread, ...]
+    indices: Indices | None
+    shares: Array | None
+
+
+@dataclass(frozen=True)
+class Report:
+    """Uncertainty of all results of a sweep, and what to be warned of."""
+
+    sample: Sample
+    results: tuple[Uncertainty, ...]
+    warnings: tuple[str, ...]
+
+
+def write(study: Study, rows: Sequence[Row], out: Path) -> Report | None:
+    """Write the uncertainty of the results of a sweep; None if it has no sample that stands by itself.
+
+    Parameters
+    ----------
+    study, rows : the sweep and its runs that have ended; out : its folder
+    """
+    sample = study.sample
+    if sample is None or len(study.order) != len(sample.points):
+        return None
+    by_name = {row.name: row for row in rows}
+    if not all(name in by_name for name in study.order):
+        return None
+    ordered = [by_name[name] for name in study.order]
+    chosen = _results(study, rows)
+    slopes, told = _slopes(study, sample, [quantity.key for quantity, _ in chosen], ordered, out)
+    found = []
+    for quantity, _ in chosen:
+        values = np.array([_number(row.qoi.get(quantity.key)) for row in ordered])
+        drawn = independent(sample.method, sample.points)
+        spreads = [of_sample(values[drawn])]
+        shares = None
+        if quantity.key in slopes:
+            value, slope, runs = slopes[quantity.key]
+            spreads.append(first_order(value, slope, sample.distributions, runs))
+            parts = of_size_one(contributions(slope, sample.distributions))[0] ** 2
+            shares = parts / parts.sum() if parts.sum() > 0.0 else None
+        index = None
+        if sample.method in BY_THEMSELVES:
+            index = indices(sample.method, sample.points, values)
+        elif chaos := expansion(sample.points, values, list(sample.distributions.values())):
+            spreads.append(chaos_spread(chaos))
+            index = chaos_indices(chaos)
+        found.append(Uncertainty(quantity, tuple(spread for spread in spreads if spread is not None), index, shares))
+    report = Report(sample, tuple(found), tuple(told))
+    _write(report, out)
+    return report
+
+
+def _results(study: Study, rows: Sequence[Row]) -> list[tuple[Quantity, Array]]:
+    """Return the chosen results, else all numbers that vary."""
+    found = []
+    for quantity in columns(study, list(rows))[1]:
+        values = np.array([_number(row.qoi.get(quantity.key)) for row in rows])
+        there = values[np.isfinite(values)]
+        varies = len(there) > 1 and np.ptp(there) > VARIES * np.abs(there).max()
+        if quantity.key in study.qoi or (not study.qoi and varies):
+            found.append((quantity, values))
+    return found
+
+
+def _number(value: Any) -> float:
+    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else float("nan")
+
+
+def _slopes(
+    study: Study, sample: Sample, wanted: list[str], rows: Sequence[Row], out: Path
+) -> tuple[dict[str, tuple[float, Array, int]], list[str]]:
+    """Return value, derivatives and runs of each result at the means of the parameters; they are kept in a file."""
+    if not sample.gradients:
+        return {}, []
+    floats = [name for name in wanted if any(isinstance(row.qoi.get(name), float) for row in rows)]
+    keys = list(sample.distributions)
+    if not floats:
+        return {}, []
+    try:
+        scene = study.base({name: spread.mean for name, spread in sample.distributions.items()})
+        of = hashlib.sha256(json.dumps([scene_hash(scene), floats, keys]).encode()).hexdigest()[:16]
+        known = _known(out / SLOPES, of)
+        if known is None:
+            found = gradient(scene, floats, keys)
+            runs = 1 if found.method == "tangent" else 1 + 4 * len(keys)
+            known = {
+                name: [float(value), [float(each) for each in row], runs]
+                for name, value, row in zip(floats, found.values, found.derivatives, strict=True)
+            }
+            write_json(out / SLOPES, {"of": of, "results": known})
+    except ContbedError as error:
+        return {}, [f"no propagation by gradients: {error}"]
+    return {name: (value, np.array(slope), runs) for name, (value, slope, runs) in known.items()}, []
+
+
+def _known(path: Path, of: str) -> dict[str, Any] | None:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        return dict(content["results"]) if content["of"] == of else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _write(report: Report, out: Path) -> None:
+    names = list(report.sample.distributions)
+    _csv(
+        out / "uncertainty.csv",
+        ("result", "unit", "estimator", "runs", "mean", "standard error of the mean", "standard deviation", "low",
+         "high"),
+        (
+            (one.result.name, one.result.unit, s.estimator, s.runs, s.mean, s.mean_error, s.deviation, s.low, s.high)
+            for one in report.results
+            for s in one.spreads
+        ),
+    )  # fmt: skip
+    head = next((list(one.indices.columns) for one in report.results if one.indices is not None), [])
+    _csv(
+        out / "indices.csv",
+        ("result", "unit", "parameter", "share by gradients", *head),
+        (
+            (
+                one.result.name, one.result.unit, name, None if one.shares is None else one.shares[k],
+                *(() if one.indices is None else (column[k] for column in one.indices.columns.values())),
+            )
+            for one in report.results
+            for k, name in enumerate(names)
+        ),
+    )  # fmt: skip
+    content = {
+        one.result.key: {
+            "unit": one.result.unit,
+            "spreads": [asdict(spread) for spread in one.spreads],
+            "shares by gradients": None if one.shares is None else dict(zip(names, one.shares, strict=True)),
+            "indices": None
+            if one.indices is None
+            else {name: dict(zip(names, column, strict=True)) for name, column in one.indices.columns.items()}
+            | {"groups": one.indices.groups},
+        }
+        for one in report.results
+    }
+    write_json(
+        out / FILE,
+        {
+            "method": report.sample.method,
+            "distributions": {name: str(spread) for name, spread in report.sample.distributions.items()},
+            "warnings": list(report.warnings),
+            "results": content,
+        },
+    )
+    _plot(report, out / "uncertainty.png")
+
+
+def _csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    with atomic(path) as temporary, open(temporary, "w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(head)
+        for row in rows:
+            writer.writerow([f"{value:.9g}" if isinstance(value, float) else value for value in row])
+
+
+_ROW = 1.2  # height of a panel besides its bars [inches]
+_BAR = 0.35  # and of a parameter
+
+
+def _plot(report: Report, path: Path) -> None:
+    """Draw the shares or effects of the parameters, a panel for each result."""
+    names = list(report.sample.distributions)
+    shown = [one for one in report.results if one.indices is not None or one.shares is not None]
+    if not shown:
+        return
+    rows = np.arange(len(names))
+    with styled_figure(path, len(shown) * (_ROW + _BAR * len(names)), "", width=8.0) as figure:
+        panels = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
+        for axes, one in zip(panels, shown, strict=True):
+            found = {} if one.indices is None else one.indices.columns
+            labels = [name for name in ("first order", "total", "mean magnitude") if name in found]
+            bars: list[tuple[str, Array, Array]] = [(name, found[name], found[f"{name} +-"]) for name in labels]
+            if one.shares is not None and "mean magnitude" not in found:
+                bars.insert(0, ("first order, by gradients", one.shares, np.zeros(len(names))))
+            height = 0.8 / max(len(bars), 1)
+            for k, (label, values, errors) in enumerate(bars):
+                axes.barh(rows + (k - 0.5 * (len(bars) - 1)) * height, values, height, xerr=errors, label=label)
+            axes.set_yticks(rows, names)
+            axes.set_ylim(len(names) - 0.5, -0.5)
+            unit = "" if one.result.unit in (None, "1") else f" [{one.result.unit}]"
+            axes.set(
+                title=one.result.name,
+                xlabel=f"mean magnitude of effects{unit}" if "mean magnitude" in found else "share of the variance",
+            )
+            axes.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.0))
+
+
+def table(report: Report) -> str:
+    """Return means, standard deviations and indices as lines for a terminal."""
+    lines = []
+    for one in report.results:
+        unit = "" if one.result.unit in (None, "1") else f" {one.result.unit}"
+        for s in one.spreads:
+            runs = "1 run" if s.runs == 1 else f"{s.runs} runs"
+            lines.append(
+                f"{one.result.name}, by {s.estimator} ({runs}): mean {s.mean:.6g}{unit}, standard deviation "
+                f"{s.deviation:.4g}{unit}, 90 % from {s.low:.6g} to {s.high:.6g}{unit}"
+            )
+        for k, name in enumerate(report.sample.distributions):
+            parts = [] if one.shares is None else [f"share by gradients {one.shares[k]:.3f}"]
+            if one.indices is not None:
+                found = one.indices.columns
+                for label in ("first order", "total", "mean magnitude"):
+                    if label in found:
+                        parts.append(f"{label} {found[label][k]:.3g} +- {found[f'{label} +-'][k]:.2g}")
+            if parts:
+                lines.append(f"  {name}: {', '.join(parts)}")
+    return "\n".join(lines)

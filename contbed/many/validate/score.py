@@ -1,0 +1,139 @@
+"""Prediction of a measured bed, its uncertainty, and its distance from what was measured.
+
+The deviation of a point is E = predicted - measured. Uncertainties of inputs are propagated to the prediction to
+first order, each input moved by its standard uncertainty to both sides: u_p^2 = sum ((p+ - p-)/2)^2, and so are
+closures. With the standard uncertainty u_d of a measured point the deviations are within the uncertainty if RMS(E) <=
+2 RMS(sqrt(u_d^2 + u_p^2)), a coverage of 95 % for normal deviations (ASME V&V 20-2009). Numerical errors are far
+below both.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.closures.binding import scaled
+from contbed.fields import header
+from contbed.many.validate import levels, signal
+from contbed.many.validate.case import Case
+from contbed.many.validate.deviations import Compared, score
+from contbed.result import Result
+from contbed.runner import run
+
+Array = NDArray[np.float64]
+SAME = 1e-9  # relative difference of two times or positions that are the same
+
+
+@dataclass(frozen=True)
+class Validated:
+    """A case that was run; cpu [s]."""
+
+    case: Case
+    compared: Compared
+    cpu: float
+    result: Result
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what summary.json says of the case."""
+        settings = self.case.settings
+        return {
+            "title": settings.title,
+            "source": settings.source,
+            "licence": settings.licence,
+            "quantity": settings.quantity,
+            "unit": self.case.unit,
+            "scores": [asdict(score) | {"within": score.within} for score in self.compared.scores],
+            "influence": self.compared.influence,
+            "qoi": self.compared.reported,
+            "cpu_s": self.cpu,
+        }
+
+
+def validate(case: Case, out: Path | None = None) -> Validated:
+    """Run a case and its variations; the files of the run itself go to `out`.
+
+    Raises
+    ------
+    SceneError, ConvergenceError : of the runs
+    """
+    begin = clock.process_time()
+    result = run(case.scene(), out)
+    compare = {"profiles": profiles, "history": profiles, "signal": signal.compare, "levels": levels.compare}[
+        case.settings.compare
+    ]
+    compared = compare(case, result)
+    return Validated(case, compared, clock.process_time() - begin, result)
+
+
+def profiles(case: Case, result: Result) -> Compared:
+    """Compare a field at measured times and positions, or one value at times; uncertainties of inputs are propagated.
+
+    Raises
+    ------
+    SceneError, ConvergenceError : of the runs
+    """
+    points, report = case.points, case.settings.report
+    predicted = at(case, result, points.t, points.x)
+    squares, influence = np.zeros_like(predicted), {}
+    for key, value, spread in case.uncertain():
+        low, high = (
+            at(case, run(case.scene(**{key: value + side * spread})), points.t, points.x) for side in (-1.0, 1.0)
+        )
+        change = 0.5 * (high - low)
+        squares += change**2
+        influence[key] = float(np.sqrt(np.mean(change**2)))
+    for kind, spread in case.uncertain_closures():
+        sides = []
+        for side in (-1.0, 1.0):
+            with scaled({kind: 1.0 + side * spread}):
+                sides.append(at(case, run(case.scene()), points.t, points.x))
+        change = 0.5 * (sides[1] - sides[0])
+        squares += change**2
+        influence[f"closure of kind {kind}"] = float(np.sqrt(np.mean(change**2)))
+    reported: dict[str, Any] = {}
+    symbol = case.settings.quantity.partition("_")[0]
+    whole = case.settings.compare == "history"
+    for x in (np.nan,) if whole else report.positions:
+        for t in report.times:
+            place = "" if whole else f"_{x:g}m"
+            unit = "" if case.unit == "1" else f"_{case.unit.replace('/', '_')}"
+            name = f"{symbol}{place}_{t:g}s{unit}"
+            reported[name] = float(at(case, result, np.array([t]), np.array([x]))[0])
+    band = np.sqrt(squares)
+    by_time = case.settings.each == "time"
+    of, unit = (points.t, "s") if by_time else (points.x, "m")
+    groups = [(f"{value:g} {unit}", of == value) for value in np.unique(of)]
+    if whole or (by_time and len(groups) > len(points.value) / 3):
+        groups = []  # a time of its own for nearly each point is no group
+    scores = [
+        score(name, (predicted - points.value)[chosen], case.uncertainty, band[chosen], case.unit)
+        for name, chosen in [*groups, ("all", np.ones(len(of), dtype=bool))]
+    ]
+    return Compared(predicted, band, scores, reported, influence)
+
+
+def at(case: Case, result: Result, t: Array, x: Array) -> Array:
+    """Return the predicted quantity at times [s] and positions [m] at which the run has output, shape (points,)."""
+    profiles = result.profiles
+    if case.settings.compare == "history":
+        history: Array = np.interp(t, profiles[header("t")], profiles[header(case.settings.quantity)])
+        return history
+    axis = profiles[header(result.plan.coordinate)]  # type: ignore[attr-defined]
+    return looked_up(profiles[header(case.settings.quantity)], profiles[header("t")], axis, t, x)
+
+
+def looked_up(values: Array, times: Array, axis: Array, t: Array, x: Array) -> Array:
+    """Return values of a table at times [s] and positions [m] that are among its rows, shape (points,)."""
+    scale_t, scale_x = max(float(np.max(times)), SAME), max(float(np.max(np.abs(axis))), SAME)
+    out = np.empty(len(t))
+    for k, (moment, place) in enumerate(zip(t, x, strict=True)):
+        distance = np.abs(times - moment) / scale_t + np.abs(axis - place) / scale_x
+        nearest = int(np.argmin(distance))
+        assert distance[nearest] <= SAME, "the scene of a case has output at all its points"
+        out[k] = values[nearest]
+    return out

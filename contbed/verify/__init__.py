@@ -1,1 +1,0 @@
-"""Verification that ships with contbed: exact solutions, manufactured solutions, convergence and stress studies."""

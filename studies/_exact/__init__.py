@@ -1,0 +1,29 @@
+"""Exact and high-precision reference solutions, under one name."""
+
+from contbed.many.closed_form import finite_length
+from contbed.packed_bed.equations.modes import rates
+from studies._exact.flow import ChannelFlow, brinkman_forchheimer_channel, plug_pressure_gradient
+from studies._exact.packed_bed import fin, schumann, two_temperature_relaxation
+from studies._exact.two_energy import (
+    decay_rate,
+    nakayama_coefficients,
+    nakayama_peclet,
+    semi_infinite,
+    tortuosity_parameter,
+)
+
+__all__ = [
+    "ChannelFlow",
+    "brinkman_forchheimer_channel",
+    "decay_rate",
+    "fin",
+    "finite_length",
+    "nakayama_coefficients",
+    "nakayama_peclet",
+    "plug_pressure_gradient",
+    "rates",
+    "schumann",
+    "semi_infinite",
+    "tortuosity_parameter",
+    "two_temperature_relaxation",
+]
