@@ -63,8 +63,8 @@ class Result:
     @property
     def summary(self) -> dict[str, Any]:
         """The contents of summary.json."""
+        from contbed.output.versions import versions
         from contbed.scene.identity import resolved
-        from contbed.versions import versions
 
         return {
             "status": self.status,

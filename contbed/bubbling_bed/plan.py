@@ -16,7 +16,7 @@ from contbed.closures import optics
 from contbed.errors import SceneError
 from contbed.mesh.grading import equidistributed, graded
 from contbed.mesh.mesh import Mesh, refine
-from contbed.output.plan_text import plan_text
+from contbed.plan_text import plan_text
 from contbed.scene.mechanism import find_mechanism
 from contbed.scene.mesh import REGION
 from contbed.solvers.linear import Policy

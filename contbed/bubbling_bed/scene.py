@@ -44,6 +44,7 @@ from contbed.scene.quantities import (
     WallCoefficient,
     Whole,
     form,
+    takes,
     unit,
 )
 from contbed.scene.tables import (
@@ -92,7 +93,9 @@ class BubblingBed(Table):
     solids_fraction: Fraction = Field(description="share of the emulsion's volume, one minus its voidage")
     minimum_fluidization: SpeedOrClosure = Field("minimum_fluidization_grace", description="superficial velocity")
     conductivity: ConductivityOrClosure | None = Field(
-        None, description="of the resting emulsion, added to the mixing and split by volume; absent: none"
+        None,
+        description="of the resting emulsion, added to the mixing and split by volume; absent: none",
+        json_schema_extra=takes("conductivity"),
     )
 
     @model_validator(mode="before")
@@ -208,12 +211,17 @@ class Species(OfMaterial):
     heat_capacity: HeatCapacity | None = Field(None, description="needed with gas.mass_flow")
     thermal_conductivity: Conductivity = Field(1.0, description="of the material")
     emissivity: Emissivity | None = Field(None, description="needed with [radiation]")
-    gas_coefficient: GasCoefficientOrClosure = Field(description="particle to emulsion gas, or a nusselt closure")
+    gas_coefficient: GasCoefficientOrClosure = Field(
+        description="particle to emulsion gas, or a nusselt closure", json_schema_extra=takes("nusselt")
+    )
     conductivity: ConductivityOrClosure = Field(
-        description="of axial mixing, on the whole section, or a closure of the solids' dispersion"
+        description="of axial mixing, on the whole section, or a closure of the solids' dispersion",
+        json_schema_extra=takes("solids_mixing"),
     )
     exchange: dict[str, ExchangeOrClosure] = Field(
-        default_factory=dict, description="with other species by name, per emulsion volume; each pair once"
+        default_factory=dict,
+        description="with other species by name, per emulsion volume; each pair once",
+        json_schema_extra=takes("solid_exchange"),
     )
     feed: Feed | None = None
     release: Release | None = None
@@ -244,7 +252,9 @@ class Surface(Table):
     """Tubes or walls along the whole height, at a temperature or with water inside."""
 
     perimeter: Length = Field(description="surface per height of bed")
-    coefficient: WallCoefficientOrClosure = Field(description="convective, split over the species by their surface")
+    coefficient: WallCoefficientOrClosure = Field(
+        description="convective, split over the species by their surface", json_schema_extra=takes("bed_tube")
+    )
     temperature: Temperature | None = None
     emissivity: Emissivity | None = Field(None, description="absent: a mirror")
     steam: Steam | None = Field(None, description="instead of `temperature`")

@@ -30,10 +30,10 @@ from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.gas_quantities import Motion
 from contbed.cfd_dem.tubes import TubeHeat
+from contbed.compiled.interrupts import deferred_interrupt
 from contbed.dem import heat
 from contbed.dem.simulation import Simulation
 from contbed.errors import SceneError
-from contbed.interrupts import deferred_interrupt
 
 Array = NDArray[np.float64]
 

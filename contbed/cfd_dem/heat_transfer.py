@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.coupling import Bed
+from contbed.compiled.interrupts import deferred_interrupt
 from contbed.dem import heat
 from contbed.dem.sizes import sauter_mean
-from contbed.interrupts import deferred_interrupt
 
 Array = NDArray[np.float64]
 

@@ -25,7 +25,7 @@ from contbed.dem.simulation import LARGEST_OVERLAP, Simulation
 from contbed.dem.softness import GRAVITY
 from contbed.dem.walls import INFINITE, Domain, box
 from contbed.errors import SceneError
-from contbed.output.plan_text import plan_text
+from contbed.plan_text import plan_text
 from contbed.scene.toml_lines import Origin
 from contbed.solvers.memory import MemoryPerUnknown
 

@@ -32,6 +32,7 @@ from contbed.scene.quantities import (
     Temperature,
     Whole,
     form,
+    takes,
     unit,
 )
 from contbed.scene.tables import FluidCantera, FluidConstant, Named, NamedOrFile, OfMaterial, SceneBase
@@ -107,7 +108,9 @@ class GasTube(Table):
     diameter: Length
     centre: tuple[Position, Position] = Field(description="of its axis, in x and z")
     nusselt: Annotated[Named, Discriminator(form)] = Field(
-        "churchill_bernstein", description="of the gas beside it, on its diameter"
+        "churchill_bernstein",
+        description="of the gas beside it, on its diameter",
+        json_schema_extra=takes("nusselt_cylinder"),
     )
     T: Temperature | None = Field(
         None, description="at which it heats or cools the bed, with [heat]; absent: coefficients alone"

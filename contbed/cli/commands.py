@@ -204,7 +204,7 @@ def warm() -> None:
 
     Meant for the time of installation, so that no run has to wait for it.
     """
-    from contbed.warm import warm as each
+    from contbed.cli.warm import warm as each
 
     total = 0.0
     for name, seconds in each():

@@ -12,7 +12,7 @@ from typer import Argument, Option
 
 def _names(incomplete: str) -> list[str]:
     """Names of data sheets, for the completion of a shell."""
-    from contbed.explain import entries
+    from contbed.explain.sheets import entries
 
     return [name for name in entries() if name.startswith(incomplete)]
 
@@ -26,9 +26,9 @@ def _kinds(incomplete: str) -> list[str]:
 
 def _places(incomplete: str) -> list[str]:
     """Places that take closures, for the completion of a shell."""
-    from contbed.places import places
+    from contbed.explain.closure_keys import closure_keys
 
-    return [place for place in places() if place.startswith(incomplete)]
+    return [place for place in closure_keys() if place.startswith(incomplete)]
 
 
 KindOrNone = Annotated[
@@ -44,7 +44,7 @@ def new(
 
     It runs as it is. Without KIND the kinds of scenes are listed.
     """
-    from contbed import editor
+    from contbed.explain import editor
     from contbed.models import MODELS
 
     if kind is None:
@@ -70,7 +70,7 @@ def schema(kind: KindOrNone = None) -> None:
     """
     import json
 
-    from contbed.editor import json_schema
+    from contbed.explain.editor import json_schema
 
     print(json.dumps(json_schema(kind), indent=1))
 
@@ -89,7 +89,7 @@ def explain(
 
     A name of a closure, model, table, key, result, reaction, material, term or command.
     """
-    from contbed import explain as sheets
+    from contbed.explain import sheets
 
     if bool(name) == (search is not None):
         raise typer.BadParameter("give a NAME or --search WORDS", param_hint="NAME")
@@ -126,7 +126,7 @@ def list_() -> None:
 
     Closures by kind, tables of each kind of scene, and the studies in this folder.
     """
-    from contbed.explain import listing
+    from contbed.explain.sheets import listing
 
     print(listing(Path("studies")))
 

@@ -13,7 +13,7 @@ from contbed.closures import registry
 from contbed.closures.arguments import ARGUMENTS, Argument, argument
 from contbed.closures.sheet import Interval
 from contbed.errors import SceneError
-from contbed.places import places
+from contbed.explain.closure_keys import closure_keys
 from contbed.scene.names import nearest
 
 GRAVITY = 9.81  # [m/s2]
@@ -135,7 +135,7 @@ def kind_for(place: str) -> str:
     kinds = sorted({registry.sheet(name).kind for name in registry.names()})
     if place in kinds:
         return place
-    known = places()
+    known = closure_keys()
     pattern = re.sub(r"^(species|boundary|region)\.[^.]+", r"\1.NAME", place)
     if pattern in known:
         return known[pattern]

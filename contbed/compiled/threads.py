@@ -30,8 +30,8 @@ from typing import Any
 
 import numpy as np
 
+from contbed.compiled.interrupts import deferred_interrupt
 from contbed.errors import SceneError
-from contbed.interrupts import deferred_interrupt
 
 VARIABLES = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS")  # the least of those set bounds the default
 PART = 4096  # elements of a part of `sums`; a kernel of 10 ns an element takes 40 us for it, a hand-over 10 us

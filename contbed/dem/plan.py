@@ -16,7 +16,7 @@ from contbed.dem.sizes import random_radii
 from contbed.dem.softness import GRAVITY
 from contbed.errors import EngineError, SceneError
 from contbed.models import Plan
-from contbed.output.plan_text import duration, plan_text
+from contbed.plan_text import duration, plan_text
 from contbed.solvers.memory import MemoryPerUnknown
 
 Array = NDArray[np.float64]

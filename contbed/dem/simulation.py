@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from contbed.compiled.interrupts import deferred_interrupt
 from contbed.dem import loop
 from contbed.dem.contact import largest_safe_step, require_safe_step
 from contbed.dem.contact_heat import ContactHeat
@@ -19,7 +20,6 @@ from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK, image_shifts, wall
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.walls import SKIN, Domain, Wall, wall_table
 from contbed.errors import ConvergenceError, SceneError
-from contbed.interrupts import deferred_interrupt
 from contbed.output.progress import Progress
 
 LARGEST_OVERLAP = 0.05  # of the smaller radius, at the start

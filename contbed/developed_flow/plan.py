@@ -12,7 +12,7 @@ from contbed.developed_flow import scene as d
 from contbed.developed_flow.closures import bound
 from contbed.developed_flow.equations import Coefficients
 from contbed.mesh.mesh import Mesh
-from contbed.output.plan_text import plan_text
+from contbed.plan_text import plan_text
 from contbed.scene.mesh import REGION
 
 GRADED = 3.5  # of tanh: the last cell is thinner than the first by a factor of cosh^2

@@ -13,7 +13,19 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from contbed.scene.quantities import Density, Fraction, Length, Number, Order, Positive, Switch, Table, Whole, unit
+from contbed.scene.quantities import (
+    Density,
+    Fraction,
+    Length,
+    Number,
+    Order,
+    Positive,
+    Switch,
+    Table,
+    Whole,
+    takes,
+    unit,
+)
 from contbed.scene.tables import OfMaterial, SceneBase
 from contbed.two_fluid.scene import Flux, Gas, Named
 
@@ -36,10 +48,14 @@ class FullyDeveloped(Table):
     conductivity: str = "granular_conductivity_syamlal"
     dissipation: str = "granular_dissipation_lun"
     production: str | None = Field(
-        None, description="of fluctuations by the slip, for fine particles: granular_production_koch; absent: none"
+        None,
+        description="of fluctuations by the slip, for fine particles: granular_production_koch; absent: none",
+        json_schema_extra=takes("granular_production"),
     )
     turbulence: str | None = Field(
-        None, description="of the gas above Re 2300: eddy_viscosity_nikuradse; absent: the gas is laminar"
+        None,
+        description="of the gas above Re 2300: eddy_viscosity_nikuradse; absent: the gas is laminar",
+        json_schema_extra=takes("eddy_viscosity"),
     )
 
 

@@ -20,7 +20,6 @@ from contbed.errors import SceneError
 from contbed.mesh.build import build, moved, require_names
 from contbed.mesh.grading import finest
 from contbed.mesh.mesh import Mesh
-from contbed.output.plan_text import plan_text
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.adapt import refinable
 from contbed.packed_bed.grading import nodes
@@ -39,6 +38,7 @@ from contbed.packed_bed.recognition import (
 from contbed.packed_bed.schedule import Piece, Schedule
 from contbed.packed_bed.schedule_checks import require_flow
 from contbed.packed_bed.sides import lines_of, on_a_line
+from contbed.plan_text import plan_text
 from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
 from contbed.scene.values import with_value
 from contbed.solvers.cost import advice

@@ -26,6 +26,7 @@ from contbed.scene.quantities import (
     Whole,
     form,
     given_one,
+    takes,
 )
 from contbed.scene.series import (
     HeatFluxOrSeries,
@@ -91,9 +92,12 @@ class Heat(Table):
         "conductivity_phase",
         description="effective, without dispersion; conductivity_phase is eps k_fluid; 0 where that of the solid is a "
         "closure of the whole bed",
+        json_schema_extra=takes("conductivity"),
     )
     conductivity_solid: ConductivityOrClosure = Field(
-        "conductivity_phase", description="effective; conductivity_phase is (1-eps) k_solid"
+        "conductivity_phase",
+        description="effective; conductivity_phase is (1-eps) k_solid",
+        json_schema_extra=takes("conductivity"),
     )
     tortuosity: NumberOrClosure | None = Field(
         None, description="tortuosity parameter G of the cross conduction between the phases; absent means none"
@@ -123,7 +127,9 @@ class PhaseCondition(Table):
         None, description="Danckwerts: temperature of the stream while it enters; nothing while it leaves"
     )
     flux: HeatFluxOrSeries | None = Field(None, description="heat into the bed")
-    coefficient: WallCoefficientOrClosure | None = Field(None, description="Robin: wall coefficient to `ambient`")
+    coefficient: WallCoefficientOrClosure | None = Field(
+        None, description="Robin: wall coefficient to `ambient`", json_schema_extra=takes("wall")
+    )
     emissivity: Emissivity | None = Field(None, description="of a surface that radiates to surroundings at `ambient`")
     ambient: TemperatureOrSeries | None = None
 

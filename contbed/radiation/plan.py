@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from contbed.mesh.build import build, moved, require_names
 from contbed.mesh.mesh import Mesh
-from contbed.output.plan_text import plan_text
+from contbed.plan_text import plan_text
 from contbed.radiation.grading import nodes
 from contbed.radiation.scene import FEWEST, MOST, MOST_CONDUCTING, Radiation, RadiationScene
 from contbed.scene.mesh import MeshLine

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.errors import SceneError
-from contbed.output.plan_text import plan_text
 from contbed.particle.effectiveness import effectiveness_of
+from contbed.plan_text import plan_text
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.across import across
 from contbed.reacting_bed.cells import aim

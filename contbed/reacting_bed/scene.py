@@ -43,6 +43,7 @@ from contbed.scene.quantities import (
     Whole,
     form,
     given_one,
+    takes,
     unit,
 )
 from contbed.scene.series import HeatFluxOrSeries, TemperatureOrSeries
@@ -135,9 +136,13 @@ class Heat(Table):
     """Energy of the bed: two temperatures with exchange, or one where `nusselt` is absent."""
 
     nusselt: NonNegativeOrClosure | None = Field(None, description="absent: gas and particles at one temperature")
-    conductivity_fluid: ConductivityOrClosure | None = Field(None, description="effective, axial; absent: none")
+    conductivity_fluid: ConductivityOrClosure | None = Field(
+        None, description="effective, axial; absent: none", json_schema_extra=takes("conductivity")
+    )
     conductivity_solid: ConductivityOrClosure | None = Field(
-        None, description="effective, axial, of the particles or of the whole bed at one temperature; absent: none"
+        None,
+        description="effective, axial, of the particles or of the whole bed at one temperature; absent: none",
+        json_schema_extra=takes("conductivity"),
     )
     dispersion: ConductivityOrClosure | None = Field(None, description="axial closure, or W/m/K; absent: none")
 
@@ -147,7 +152,9 @@ class Mass(Table):
 
     sherwood: NonNegativeOrClosure | None = Field(None, description="of the film around particles; absent: no film")
     dispersion: DispersionOfMass | None = Field(
-        None, description="axial, by name or in m2/s on the velocity between the particles; absent: none"
+        None,
+        description="axial, by name or in m2/s on the velocity between the particles; absent: none",
+        json_schema_extra=takes("mass_dispersion"),
     )
 
 
@@ -156,7 +163,7 @@ class Wall(Table):
 
     diameter: Length = Field(description="inner diameter of the tube")
     coefficient: WallCoefficientOrClosure | None = Field(
-        None, description="on the inner area, to `ambient`; by name with [section]"
+        None, description="on the inner area, to `ambient`; by name with [section]", json_schema_extra=takes("wall")
     )
     ambient: TemperatureOrSeries | None = None
     flux: HeatFluxOrSeries | None = Field(None, description="into the bed, on the inner area")
@@ -181,9 +188,13 @@ class Section(Table):
         description="of equal width, of a duct columns along each half of the side; the error across the flow is of "
         "second order",
     )
-    conductivity_fluid: ConductivityOrClosure | None = Field(None, description="effective, radial; absent: none")
+    conductivity_fluid: ConductivityOrClosure | None = Field(
+        None, description="effective, radial; absent: none", json_schema_extra=takes("conductivity")
+    )
     conductivity_solid: ConductivityOrClosure | None = Field(
-        None, description="effective, radial, of the particles or of the whole bed at one temperature; absent: none"
+        None,
+        description="effective, radial, of the particles or of the whole bed at one temperature; absent: none",
+        json_schema_extra=takes("conductivity"),
     )
     dispersion: ConductivityOrClosure | None = Field(None, description="transverse closure, or W/m/K; absent: none")
     mass_dispersion: DispersionOfMass | None = Field(

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from contbed.scene.checking import Mistakes
 from contbed.scene.names import nearest
-from contbed.scene.quantities import Emissivity, Table
+from contbed.scene.quantities import Emissivity, Table, takes
 from contbed.scene.series import HeatFluxOrSeries, TemperatureOrSeries
 from contbed.scene.tables import WallCoefficientOrClosure
 from contbed.scene.toml_lines import KeyPath
@@ -25,7 +25,9 @@ class ThermalCondition(Table):
     )
     fixed_temperature: TemperatureOrSeries | None = Field(None, description="Dirichlet: prescribed temperature")
     heat_flux: HeatFluxOrSeries | None = Field(None, description="into the bed")
-    coefficient: WallCoefficientOrClosure | None = Field(None, description="Robin: wall coefficient to `ambient`")
+    coefficient: WallCoefficientOrClosure | None = Field(
+        None, description="Robin: wall coefficient to `ambient`", json_schema_extra=takes("wall")
+    )
     emissivity: Emissivity | None = Field(None, description="of a surface that radiates to surroundings at `ambient`")
     ambient: TemperatureOrSeries | None = None
 

@@ -8,8 +8,19 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Strict, Tag
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    JsonValue,
+    Strict,
+    Tag,
+)
 
+CLOSURE = "closure"  # of a key in the schema: the kind of closures that it names
 LARGEST = 1e50  # beyond it, and below its inverse, fourth powers and squares of products leave a computer's numbers
 
 
@@ -90,6 +101,11 @@ def reject_bool(value: Any) -> Any:
 def unit(name: str) -> tuple[Any, ...]:
     """Return the annotations of a finite number in the SI unit `name`."""
     return Field(allow_inf_nan=False, json_schema_extra={"unit": name}), in_unit(name)
+
+
+def takes(kind: str) -> dict[str, JsonValue]:
+    """Return what the schema says of a key that names closures of a kind: `json_schema_extra` of its field."""
+    return {CLOSURE: kind}
 
 
 Number = Annotated[float, *unit("1")]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contbed.output.plan_text import plan_text
+from contbed.plan_text import plan_text
 from contbed.single_particle.scene import SingleParticleScene
 from contbed.solvers.linear import Policy
 

@@ -12,7 +12,7 @@ from contbed.errors import SceneError
 from contbed.mesh.build import build
 from contbed.mesh.entities import renamed
 from contbed.mesh.mesh import Mesh
-from contbed.output.plan_text import plan_text
+from contbed.plan_text import plan_text
 from contbed.scene.mesh import MeshFile
 from contbed.solvers.memory import MemoryPerUnknown
 from contbed.two_fluid import boundary, closure_kernels, filters, near_walls, probes, warnings

@@ -7,7 +7,7 @@ from functools import wraps
 from time import perf_counter
 from typing import Any, ParamSpec, TypeVar
 
-from contbed.interrupts import deferred_interrupt
+from contbed.compiled.interrupts import deferred_interrupt
 
 P = ParamSpec("P")
 T = TypeVar("T")

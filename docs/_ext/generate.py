@@ -20,16 +20,17 @@ from pictures import plot_closure
 from typeset import Unreadable, equations
 from verification import write_page as write_verification
 
-from contbed import closures, editor, fields
-from contbed.catalogue import laws_by_name, models
+from contbed import closures, fields
 from contbed.closures import arguments, registry
 from contbed.closures.reactions import LAWS
 from contbed.closures.reactions_solid import CHAR_LAWS
+from contbed.explain import editor
+from contbed.explain.catalogue import laws_by_name, models
+from contbed.explain.closure_keys import closure_keys
+from contbed.explain.terms import TERMS
 from contbed.models import MODELS, kind_of
-from contbed.places import places
 from contbed.scene import schema
 from contbed.scene.library import MATERIALS, data_sheet
-from contbed.terms import TERMS
 
 ROOT = Path(__file__).parents[2]
 THEORY = (
@@ -200,7 +201,7 @@ def correlations(folder: Path, figures: Path) -> None:
     (folder / "closures").mkdir()
     for kind in kinds:
         parts = [f"Returns: {plain(arguments.RESULTS.get(kind, kind))}."]
-        if named := [place for place, taken in places().items() if taken == kind]:
+        if named := [place for place, taken in closure_keys().items() if taken == kind]:
             parts.append("Named in scenes by " + ", ".join(code(place) for place in named) + ".")
         for name in closures.names(kind):
             parts += list(data_sheet_of(name, figures))

@@ -209,6 +209,6 @@ def test_particles_of_a_file_that_lie_in_a_tube_are_left_out(tmp_path):
 
 
 def test_the_schema_knows_the_law_of_tubes():
-    from contbed.places import places
+    from contbed.explain.closure_keys import closure_keys
 
-    assert places()["tubes.NAME.nusselt"] == "nusselt_cylinder"
+    assert closure_keys()["tubes.NAME.nusselt"] == "nusselt_cylinder"

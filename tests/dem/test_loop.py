@@ -15,13 +15,13 @@ import numpy as np
 import pytest
 
 from contbed.compiled import threads
+from contbed.compiled.interrupts import deferred_interrupt
 from contbed.dem import memory as memory_module
 from contbed.dem import neighbours
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Cylinder, Domain, Plane, Tube, box
 from contbed.errors import ConvergenceError, SceneError
-from contbed.interrupts import deferred_interrupt
 from contbed.output import checkpoint
 
 RADIUS = 1e-3

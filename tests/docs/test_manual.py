@@ -12,9 +12,10 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
-from contbed import cli, editor
-from contbed.catalogue import models
+from contbed import cli
 from contbed.closures import registry
+from contbed.explain import editor
+from contbed.explain.catalogue import models
 from contbed.models import MODELS, kind_of
 
 ROOT = Path(__file__).parents[2]

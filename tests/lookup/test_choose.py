@@ -10,7 +10,7 @@ from contbed import cli
 from contbed.cli.rank_closures import conditions, derived, fluidized, kind_for, ranked
 from contbed.closures import registry
 from contbed.errors import SceneError
-from contbed.explain import entries, explain, search
+from contbed.explain.sheets import entries, explain, search
 from contbed.reacting_bed.medium import places_of
 
 

@@ -4,10 +4,11 @@ import tomllib
 
 import pytest
 
-from contbed import catalogue, cli, closures, editor, fields
-from contbed.explain import explain
+from contbed import cli, closures, fields
+from contbed.explain import catalogue, editor
+from contbed.explain.closure_keys import closure_keys
+from contbed.explain.sheets import explain
 from contbed.models import MODELS
-from contbed.places import places
 from contbed.scene import schema
 
 PARTS = catalogue.last_parts(catalogue.keys())
@@ -28,7 +29,7 @@ def names_of(root, table, path=()):
             yield ".".join(here)
         if isinstance(value, dict):
             yield from names_of(root, value, here)
-        elif isinstance(value, str) and value.isidentifier() and (".".join(here) in places() or key in NAMED):
+        elif isinstance(value, str) and value.isidentifier() and (".".join(here) in closure_keys() or key in NAMED):
             yield value
 
 
@@ -49,7 +50,7 @@ def test_every_closure_kind_place_law_and_material_is_explained():
         *listed,
         *closures.names(),
         *catalogue.kinds(),
-        *places(),
+        *closure_keys(),
         *laws,
         *words,
         *catalogue.TERMS,

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from contbed import cli, editor
+from contbed import cli
+from contbed.explain import editor
+from contbed.explain.closure_keys import closure_keys
 from contbed.models import MODELS, kind_of
-from contbed.places import places
 from contbed.scene import schema
 
 jsonschema = pytest.importorskip("jsonschema", reason="jsonschema is not installed: pip install 'contbed[notebook]'")
@@ -83,7 +84,7 @@ def test_every_place_that_takes_a_closure_has_a_kind():
                         yield from keys(below, (*path, *name), (*seen, below.get("title")))
 
     wanted = {".".join(path) for model in MODELS.values() for path in keys(schema.of(model.scene), (), ())}
-    assert wanted <= set(places())
+    assert wanted <= set(closure_keys())
 
 
 def test_the_command_prints_json(capsys):

@@ -2,7 +2,8 @@
 
 import pytest
 
-from contbed import cli, editor, load, run
+from contbed import cli, load, run
+from contbed.explain import editor
 from contbed.models import MODELS, kind_of
 from contbed.scene.toml_lines import parse
 

@@ -2,7 +2,8 @@
 
 import json
 
-from contbed import editor, load, run
+from contbed import load, run
+from contbed.explain import editor
 from contbed.many.derivatives import sensitivities as design
 from contbed.many.optimise.optimise import optimise
 

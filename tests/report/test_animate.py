@@ -7,8 +7,9 @@ import pytest
 from PIL import Image
 from plane_scene import PLANE
 
-from contbed import cli, editor, load, run
+from contbed import cli, load, run
 from contbed.errors import ContbedError
+from contbed.explain import editor
 from contbed.report.animate import animate
 
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from plane_scene import PLANE
 
-from contbed import cli, editor, load, run
+from contbed import cli, load, run
 from contbed.errors import ContbedError
+from contbed.explain import editor
 from contbed.report import charts
 from contbed.report.fields import Cloud, pictures
 from contbed.report.read import read_run

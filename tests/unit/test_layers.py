@@ -17,19 +17,18 @@ PACKAGE = Path(contbed.__file__).parent
 LAYERS = (
     ("cli", "__main__"),
     ("report",),
-    ("many", "warm"),
+    ("many",),
     ("runner",),
-    ("explain", "editor", "loading"),
-    ("places", "catalogue"),
+    ("explain", "loading"),
     ("cfd_dem", "developed_flow", "bubbling_bed", "packed_bed", "reacting_bed", "single_particle"),
     ("dem", "two_fluid", "radiation"),
     ("result",),
-    ("models", "balance", "output"),
+    ("models", "plan_text", "balance", "output"),
     ("fem", "mesh"),
     ("solvers", "materials", "closures", "particle"),
     ("scene",),
     ("compiled",),
-    ("fields", "errors", "versions", "interrupts", "terms"),
+    ("fields", "errors"),
 )
 
 

@@ -5,8 +5,9 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
-from contbed import editor, run
+from contbed import run
 from contbed.bubbling_bed import plots as bubbling
+from contbed.explain import editor
 from contbed.loading import loads
 from contbed.output import maps
 from contbed.output.plots import styled_figure

@@ -10,8 +10,8 @@ from contbed.dem.particles import Material, Particles
 from contbed.dem.settling import settling_time, stages_of
 from contbed.loading import from_dict, load, loads
 from contbed.models import MODELS, plan
-from contbed.output.plan_text import duration
 from contbed.output.progress import Progress
+from contbed.plan_text import duration
 
 PACKING = """
 packing = { count = 600, radius = "1 mm", width = ["12 mm", "12 mm"], seed = 1 }

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contbed import catalogue, explain
 from contbed.closures.binding import bind, bind_dispersion, is_phase
 from contbed.errors import SceneError
+from contbed.explain import catalogue, sheets
 from contbed.loading import from_dict, load, loads
 from contbed.packed_bed.scene import Dispersion
 from contbed.scene import schema
@@ -229,15 +229,15 @@ def test_the_schema_knows_units():
         "mesh.type": None,
         "no.such": None,
     }.items():
-        assert explain.unit(parse_key(key)) == unit, key
+        assert sheets.unit(parse_key(key)) == unit, key
 
 
 def test_every_key_of_the_schema_explains_itself():
     for table in catalogue.tables():
-        assert f"[{table}]" in explain.explain(table)
-        for node in explain.at(tuple(table.split("."))):
+        assert f"[{table}]" in sheets.explain(table)
+        for node in sheets.at(tuple(table.split("."))):
             for key in schema.keys(node):
-                assert explain.explain(f"{table}.{key}")
+                assert sheets.explain(f"{table}.{key}")
 
 
 def test_text_and_file_give_the_same(tmp_path):

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import contbed as cb
 from contbed.errors import SceneError
-from contbed.explain import explain
+from contbed.explain.sheets import explain
 from contbed.loading import from_dict
 from contbed.scene.schedule import SeriesByKey
 from contbed.scene.series import Samples

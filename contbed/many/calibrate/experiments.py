@@ -128,11 +128,11 @@ def _jobs(
         for j, value in enumerate(settings.values)
     ]
     if settings.keys:
-        from contbed import explain
+        from contbed.explain import sheets
         from contbed.scene.toml_lines import parse_key
 
         columns = {
-            key: table.column(column, explain.unit(parse_key(key)) or "1") for key, column in settings.keys.items()
+            key: table.column(column, sheets.unit(parse_key(key)) or "1") for key, column in settings.keys.items()
         }
         extra = tuple(_predicted(name, settings, t, x, predict_at))
         for index, row in enumerate(rows):

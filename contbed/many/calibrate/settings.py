@@ -44,8 +44,8 @@ from typing import Any, ClassVar
 
 from pydantic import Field
 
-from contbed import explain
 from contbed.errors import SceneError
+from contbed.explain import sheets
 from contbed.loading import table_of
 from contbed.many import value_sets
 from contbed.many.distributions import Distribution
@@ -188,7 +188,7 @@ def _say_below(say: Any, where: KeyPath, key: str, below: KeyPath, text: str) ->
 
 def _unit(key: str) -> str | None:
     try:
-        return explain.unit(parse_key(key))
+        return sheets.unit(parse_key(key))
     except ValueError:  # the scene tells what is wrong with the key
         return None
 

@@ -18,8 +18,8 @@ from contbed.output.files import atomic
 from contbed.output.summary import write_json
 from contbed.output.tables import write_table
 from contbed.output.toml_text import toml_text
+from contbed.output.versions import versions
 from contbed.scene.toml_lines import parse_key, read
-from contbed.versions import versions
 
 Row = Sequence[Any]
 

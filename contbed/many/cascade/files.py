@@ -21,7 +21,7 @@ from contbed.output.files import atomic
 from contbed.output.plots import styled_figure
 from contbed.output.summary import write_json
 from contbed.output.tables import write_table
-from contbed.versions import versions
+from contbed.output.versions import versions
 
 _BLUE, _GREY = "#0072B2", "0.75"
 

@@ -21,8 +21,8 @@ from contbed.many.derivatives.keys import continuous, key
 from contbed.output.files import atomic
 from contbed.output.plots import styled_figure
 from contbed.output.summary import write_json
+from contbed.output.versions import versions
 from contbed.scene.tables import SceneBase
-from contbed.versions import versions
 
 MOST_BARS = 12  # of a panel
 SMALLEST_BAR = 1e-3  # of the largest; smaller ones cannot be seen

@@ -19,9 +19,9 @@ from contbed.many.sweep.table import parameter, result
 from contbed.output.files import atomic
 from contbed.output.summary import write_json
 from contbed.output.toml_text import toml_text
+from contbed.output.versions import versions
 from contbed.scene.inputs import named_files
 from contbed.scene.toml_lines import KeyPath, parse_key, read
-from contbed.versions import versions
 
 
 def write(folder: Path, design: Design, found: Found, evaluations: Evaluations) -> None:

@@ -35,8 +35,8 @@ from typing import Any
 
 import numpy as np
 
-from contbed import explain
 from contbed.errors import SceneError
+from contbed.explain import sheets
 from contbed.loading import load
 from contbed.many import value_sets
 from contbed.many.distributions import Distribution
@@ -267,7 +267,7 @@ def flat(
 def unit_of(name: str) -> str | None:
     """Return the SI unit of a dotted key; None if it has none or is not known."""
     try:
-        return explain.unit(parse_key(name))
+        return sheets.unit(parse_key(name))
     except ValueError:  # told by the scene
         return None
 

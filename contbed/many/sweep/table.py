@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from contbed import explain
+from contbed.explain import sheets
 from contbed.fields import FIELDS, name_of, unit_of
 from contbed.many.sweep.study import Study
 from contbed.output.files import atomic
@@ -58,7 +58,7 @@ class Quantity:
 def parameter(key: str, values: Iterable[Any]) -> Quantity:
     """Return a key of the scene; names and tables have no unit."""
     named = any(isinstance(value, str | dict) for value in values)
-    return Quantity(key, key, None if named else explain.unit(parse_key(key)))
+    return Quantity(key, key, None if named else sheets.unit(parse_key(key)))
 
 
 def result(key: str) -> Quantity:

@@ -15,7 +15,7 @@ from contbed.many.validate.score import Validated
 from contbed.many.validate.signal import resampled, spectrum, trace
 from contbed.output.files import atomic
 from contbed.output.plots import styled_figure
-from contbed.versions import versions
+from contbed.output.versions import versions
 
 _WIDE = 4.4  # height of a row of the picture [inches]
 _CURVES = 6  # most groups of one picture

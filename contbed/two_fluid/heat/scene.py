@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from contbed.scene.quantities import Conductivity, HeatCapacity, HeatFlux, Pressure, Table, Temperature, unit
+from contbed.scene.quantities import Conductivity, HeatCapacity, HeatFlux, Pressure, Table, Temperature, takes, unit
 from contbed.scene.tables import Named, NonNegativeOrClosure
 
 
@@ -19,7 +19,9 @@ class Heat(Table):
     conductivity_solid: Conductivity | None = Field(None, description="of a particle; for conductivity_bed")
     nusselt: NonNegativeOrClosure = Field("nusselt_gunn", description="exchange, Nu = h diameter/conductivity_gas")
     conductivity_bed: Named | None = Field(
-        None, description="of the bed at rest; the gas has (1 - sqrt(eps_s)) conductivity_gas of it, particles the rest"
+        None,
+        description="of the bed at rest; the gas has (1 - sqrt(eps_s)) conductivity_gas of it, particles the rest",
+        json_schema_extra=takes("conductivity"),
     )
     effective_gas: Conductivity = Field(0.0, description="conductivity of the gas; its fraction of it conducts")
     effective_solid: Conductivity = Field(0.0, description="conductivity of the particles; their fraction conducts")

@@ -1,4 +1,4 @@
-"""Places of a scene that name closures, and the kind of closure that each takes: `heat.nusselt` a Nusselt number."""
+"""Keys of a scene that name closures, and the kind of closure that each takes: `heat.nusselt` a Nusselt number."""
 
 from __future__ import annotations
 
@@ -8,32 +8,16 @@ from functools import cache
 from contbed.closures import registry
 from contbed.models import MODELS
 from contbed.scene import schema
-
-# tables by the name of their class, where neither the name of the key nor its default tells the kind
-KINDS = {
-    ("Heat", "conductivity_bed"): "conductivity",
-    ("Heat", "conductivity_fluid"): "conductivity",
-    ("Heat", "conductivity_solid"): "conductivity",
-    ("Section", "conductivity_fluid"): "conductivity",
-    ("Section", "conductivity_solid"): "conductivity",
-    ("Mass", "dispersion"): "mass_dispersion",
-    ("BubblingBed", "conductivity"): "conductivity",
-    ("PhaseCondition", "coefficient"): "wall",
-    ("Wall", "coefficient"): "wall",
-    ("Surface", "coefficient"): "bed_tube",
-    ("GasTube", "nusselt"): "nusselt_cylinder",
-    ("Species", "gas_coefficient"): "nusselt",
-    ("Species", "conductivity"): "solids_mixing",
-    ("Species", "exchange"): "solid_exchange",
-    ("FullyDeveloped", "production"): "granular_production",
-    ("FullyDeveloped", "turbulence"): "eddy_viscosity",
-}
+from contbed.scene.quantities import CLOSURE
 
 
-def kind_of_key(table: str, key: str, node: schema.Node) -> str | None:
-    """Return the kind of closure that a key of a table takes, by the name of its class; None if it takes none."""
-    if (table, key) in KINDS:
-        return KINDS[table, key]
+def kind_of_key(key: str, node: schema.Node) -> str | None:
+    """Return the kind of closure that a key takes; None if it takes none.
+
+    The field of the key names it where neither the name of the key nor its default does.
+    """
+    if CLOSURE in node:
+        return str(node[CLOSURE])
     default = node.get("default")
     if isinstance(default, str) and default in registry.names():
         return registry.sheet(default).kind
@@ -45,8 +29,8 @@ def kind_of_key(table: str, key: str, node: schema.Node) -> str | None:
 
 
 @cache
-def places() -> dict[str, str]:
-    """Return the kind of closure of each place of all kinds of scenes: "two_fluid.drag" takes "drag"."""
+def closure_keys() -> dict[str, str]:
+    """Return the kind of closure of each key of all kinds of scenes: "two_fluid.drag" takes "drag"."""
     found: dict[str, str] = {}
     for model in MODELS.values():
         for path, kind in _below(schema.of(model.scene), (), ()):
@@ -55,10 +39,9 @@ def places() -> dict[str, str]:
 
 
 def _below(table: schema.Node, path: tuple[str, ...], seen: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Yield the places in a table and in those below it."""
-    title = str(table.get("title", ""))
+    """Yield the keys in a table and in those below it."""
     for key, node in table.get("properties", {}).items():
-        if kind := kind_of_key(title, key, node):
+        if kind := kind_of_key(key, node):
             yield (*path, key), kind
             continue
         for option in schema.options(node):

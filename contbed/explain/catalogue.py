@@ -10,10 +10,10 @@ from contbed import closures, fields
 from contbed.closures import arguments, registry
 from contbed.closures.reactions import LAWS, Law
 from contbed.closures.reactions_solid import CALCINATION, CHAR_LAWS, SULPHATE_REDUCTION, SULPHATION
+from contbed.explain.terms import TERMS
 from contbed.models import MODELS, Model
 from contbed.scene import schema
 from contbed.scene.library import MATERIALS
-from contbed.terms import TERMS
 
 # words for the groups of names, without the plural's s
 WORDS = {

@@ -7,11 +7,12 @@ from typing import Any
 
 from contbed import closures
 from contbed.errors import SceneError
+from contbed.explain.closure_keys import kind_of_key
 from contbed.models import MODELS
-from contbed.places import kind_of_key
 from contbed.scene import schema
 from contbed.scene.library import MATERIALS
 from contbed.scene.names import nearest
+from contbed.scene.quantities import CLOSURE
 
 Node = dict[str, Any]
 OF_MATERIALS = {key for entry in MATERIALS.values() for key in entry.properties()}  # what a material may give
@@ -82,6 +83,7 @@ def _complete(table: Node) -> None:
             for name in [name for name in BOUNDS if name in part]:
                 part[BOUNDS[name]] = part.pop(name)
         _add_names(title, key, node)
+        node.pop(CLOSURE, None)
         _allow_units(node, None)
     required = [key for key in table.get("required", []) if not ("material" in properties and key in OF_MATERIALS)]
     if "required" in table:
@@ -109,7 +111,7 @@ def _add_names(table: str, key: str, node: Node) -> None:
         names = [entry.name for entry in MATERIALS.values() if entry.phase == phase]
         node["anyOf"] = [{"enum": names}]
         return
-    kind = kind_of_key(table, key, node)
+    kind = kind_of_key(key, node)
     if kind is None:
         return
     names = [name.removesuffix("_axial") for name in closures.names(kind) if not name.endswith("_transverse")]

@@ -8,17 +8,17 @@ from functools import cache
 from pathlib import Path
 
 from contbed import catalogue, closures, fields
-from contbed.catalogue import kinds, laws, laws_by_name, models, ordered, own_laws, schemas, tables
 from contbed.closures import arguments, registry
 from contbed.closures.reactions import Law
 from contbed.errors import SceneError
+from contbed.explain.catalogue import kinds, laws, laws_by_name, models, ordered, own_laws, schemas, tables
+from contbed.explain.closure_keys import closure_keys
+from contbed.explain.terms import TERMS
 from contbed.models import MODELS
-from contbed.places import places
 from contbed.scene import schema
 from contbed.scene.library import MATERIALS
 from contbed.scene.library import data_sheet as material_sheet
 from contbed.scene.toml_lines import KeyPath
-from contbed.terms import TERMS
 
 MAX_FOUND = 20  # entries that a search shows
 
@@ -137,7 +137,7 @@ def _kind_sheets(name: str) -> Iterator[str]:
         unit = registry.sheet(closures.names(name)[0]).unit
         lines = [f"closures of kind {name}: {arguments.RESULTS.get(name, name)} [{unit}]"]
         lines += [f"    {closure:44} {registry.sheet(closure).summary}" for closure in closures.names(name)]
-        named = [place for place, kind in places().items() if kind == name]
+        named = [place for place, kind in closure_keys().items() if kind == name]
         lines += [f"    named by {', '.join(named)}"] if named else []
         yield "\n".join(lines)
 
@@ -148,7 +148,7 @@ def _key_sheets(name: str) -> Iterator[str]:
         lines = [*schema.sheet(name, node)]
         if len(scenes) < len(MODELS):
             lines.insert(0, f"in scenes of kind {', '.join(scenes)}:")
-        if kind := places().get(name):
+        if kind := closure_keys().get(name):
             lines.append(f"    `contbed explain {kind}` shows the closures, `contbed closures --for {name}` ranks them")
         yield "\n".join(lines)
 
