@@ -7,10 +7,11 @@ from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 
-from contbed import catalogue, closures, fields
+from contbed import closures, fields
 from contbed.closures import arguments, registry
 from contbed.closures.reactions import Law
 from contbed.errors import SceneError
+from contbed.explain import catalogue
 from contbed.explain.catalogue import kinds, laws, laws_by_name, models, ordered, own_laws, schemas, tables
 from contbed.explain.closure_keys import closure_keys
 from contbed.explain.terms import TERMS
