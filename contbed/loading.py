@@ -12,11 +12,12 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from contbed.errors import SceneError
-from contbed.models import MODELS, kind_of
+from contbed.models import MODELS, kind_of, names
 from contbed.scene import schema
 from contbed.scene.checking import mistakes
 from contbed.scene.inputs import unusable_files
 from contbed.scene.names import near_names, nearest
+from contbed.scene.other_models import take_keys_of_others
 from contbed.scene.renames import take_former_keys
 from contbed.scene.size import too_large
 from contbed.scene.tables import SceneBase
@@ -113,9 +114,10 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     if not values:
         raise SceneError(f"{origin.name}:1: the scene is empty; it needs [mesh], [fluid], [bed] and [flow]")
     _require_a_scene(values, origin)
+    _require_a_model(values, origin)
     kind = kind_of(values)
     model, checks = MODELS[kind].scene, MODELS[kind].find("checks", "CHECKS")
-    parts, broken = _validate(model, values, problems)
+    parts, broken, ignored = _validate(model, values, problems)
     refused = [*unusable_files(parts, origin), *too_large(parts, origin)]
     problems += refused
     broken.update(str(path[0]) for path, _ in refused)
@@ -125,10 +127,37 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
         raise SceneError(list(dict.fromkeys(_line(origin, values, path, text) for path, text in problems)))
     scene = model(**{name: part for name, part in parts.items() if part is not None})
     scene._origin = origin
+    scene._ignored = ignored
     remarks = mistakes(parts, set(), origin, MODELS[kind].find("checks", "WARNINGS"))
     remarks.sort(key=lambda remark: origin.line(remark[0]))
     scene._warnings = tuple(_line(origin, values, path, text) for path, text in remarks)
     return scene
+
+
+def _require_a_model(values: Mapping[str, Any], origin: Origin) -> None:
+    """Refuse a name of a model that does not exist, and tables of two without a name.
+
+    Raises
+    ------
+    SceneError : it is not clear which model the scene is for
+    """
+    named = values.get("model")
+    own = [name for name in names() if name != "radiation" and name in values]
+    if named is None and len(own) > 1:
+        tables = " and ".join(f"[{name}]" for name in own)
+        raise SceneError(
+            f"{origin.at((own[1],))}: {tables}: tables of several models; "
+            f'say which one to run, such as model = "{own[0]}"'
+        )
+    if named is not None and named not in names():
+        text = f"unknown choice; {nearest(str(named), names())}"
+        raise SceneError(_line(origin, dict(values), ("model",), text))
+
+
+def _schemas_of_others(model: Any) -> list[schema.Node]:
+    """Return the JSON schemas of the other models; those of the same name are one."""
+    own = next(each for each in MODELS.values() if each.scene is model)
+    return [schema.of(each.scene) for each in MODELS.values() if each.name != own.name]
 
 
 def _require_a_scene(values: Mapping[str, Any], origin: Origin) -> None:
@@ -162,20 +191,29 @@ def _override(
 
 def _validate(
     model: Any, values: dict[str, Any], problems: list[tuple[KeyPath, str]]
-) -> tuple[dict[str, Any], set[str]]:
-    """Each table by itself, so that mistakes in one do not hide the contradictions between the others."""
-    parts: dict[str, Any] = {}
+) -> tuple[dict[str, Any], set[str], tuple[KeyPath, ...]]:
+    """Validate each table by itself, so that one mistake does not hide others.
+
+    Returns
+    -------
+    tables by name, the names of those with mistakes, and keys of other models
+    """
     current = deepcopy(values)
+    ignored: tuple[KeyPath, ...] = ()
+    scene, errors = _checked(model, current)
+    if "model" in values and any(error["type"] == "extra_forbidden" for error in errors):
+        others = _schemas_of_others(model)
+        ignored = tuple(take_keys_of_others(current, schema.of(model), others))
     former = take_former_keys(current, model.renamed)
+    if ignored or former:
+        scene, errors = _checked(model, current)
     problems += former
+    if scene is not None and not former:
+        return {name: getattr(scene, name) for name in model.model_fields}, set(), ignored
     broken = {str(path[0]) for path, _ in former}
     if former:  # what is absent may stand under a former name
         broken.update(name for name in model.model_fields if name not in current)
-    try:
-        scene = model.model_validate(current)
-        return {name: getattr(scene, name) for name in model.model_fields}, broken
-    except ValidationError as invalid:
-        errors = _own(invalid.errors(include_url=False))
+    parts: dict[str, Any] = {}
     for error in errors:
         path, text = _translate(error, current, schema.of(model))
         if len(path) == 1 and error["type"] == "extra_forbidden":
@@ -192,7 +230,17 @@ def _validate(
             parts[name] = TypeAdapter(field.rebuild_annotation()).validate_python(current[name])
         else:
             parts[name] = field.get_default(call_default_factory=True)
-    return parts, broken
+    return parts, broken, ignored
+
+
+def _checked(
+    model: Any, values: dict[str, Any]
+) -> tuple[Any, list[Mapping[str, Any]]]:
+    """Return the scene, None if the schema of its model refuses it, and the mistakes."""
+    try:
+        return model.model_validate(values), []
+    except ValidationError as invalid:
+        return None, _own(invalid.errors(include_url=False))
 
 
 def _own(errors: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:

@@ -64,6 +64,8 @@ class Model:
     """One physics.
 
     package : its folder in contbed
+    name : of the key `model` in a scene; several physics that are one model to a user have
+        the same, and the tables decide between them
     settings : name of the pydantic model of its scenes in scene.py
     means : whether the top-level tables of a file make it a scene of this physics
     equations : modules in the package whose docstrings `contbed explain` shows, by name
@@ -74,6 +76,7 @@ class Model:
     """
 
     package: str
+    name: str
     settings: str
     means: Callable[[Mapping[str, Any]], bool]
     equations: Mapping[str, str]
@@ -134,6 +137,7 @@ def _reacts(values: Mapping[str, Any]) -> bool:
 MODELS: dict[str, Model] = {
     "two_fluid": Model(
         "two_fluid",
+        "two_fluid",
         "TwoFluidScene",
         _has("two_fluid"),
         {"two_fluid": "equations"},
@@ -142,9 +146,10 @@ MODELS: dict[str, Model] = {
         shares=True,
     ),
     "fully_developed": Model(
-        "developed_flow", "DevelopedScene", _has("fully_developed"), {"developed_flow": "equations"}
+        "developed_flow", "developed_flow", "DevelopedScene", _has("fully_developed"), {"developed_flow": "equations"}
     ),
     "bubbling_bed": Model(
+        "bubbling_bed",
         "bubbling_bed",
         "BubblingScene",
         _is_bubbling_bed,
@@ -159,6 +164,7 @@ MODELS: dict[str, Model] = {
     ),
     "particles_gas": Model(
         "cfd_dem",
+        "particles",
         "GasScene",
         lambda values: "particles" in values and "gas" in values,
         {"particles_gas": "gas"},
@@ -167,6 +173,7 @@ MODELS: dict[str, Model] = {
     ),
     "particles": Model(
         "dem",
+        "particles",
         "ParticleScene",
         _is_particles,
         {"particles": "network"},
@@ -174,13 +181,14 @@ MODELS: dict[str, Model] = {
         scatters=True,
     ),
     "single_particle": Model(
-        "single_particle", "SingleParticleScene", _has("surroundings"), {"single_particle": "equations"}
+        "single_particle", "single_particle", "SingleParticleScene", _has("surroundings"), {"single_particle": "equations"}
     ),
     "radiation": Model(
-        "radiation", "RadiationScene", _only_radiates, {"radiation": "equations.p1", "ordinates": "equations.ordinates"}
+        "radiation", "radiation", "RadiationScene", _only_radiates, {"radiation": "equations.p1", "ordinates": "equations.ordinates"}
     ),
     "reacting_bed": Model(
         "reacting_bed",
+        "packed_bed",
         "ReactingScene",
         _reacts,
         {
@@ -197,6 +205,7 @@ MODELS: dict[str, Model] = {
         refuses_early="plan.require_buildable",
     ),
     "packed_bed": Model(
+        "packed_bed",
         "packed_bed",
         "Scene",
         lambda values: True,
@@ -229,9 +238,20 @@ def solver_of(scene: Kind) -> Callable[..., None]:
     return single_blas()(run)
 
 
+def names() -> list[str]:
+    """Return what the key `model` of a scene may hold."""
+    return list(dict.fromkeys(model.name for model in MODELS.values()))
+
+
 def kind_of(values: Mapping[str, Any]) -> str:
-    """Return the kind of scene that the tables of a file describe."""
-    return next(kind for kind, model in MODELS.items() if model.means(values))
+    """Return the kind of scene that the key `model` or else the tables of a file name.
+
+    An unknown name counts as none, so that the schema refuses it with those that exist.
+    """
+    named = values.get("model")
+    kinds = [kind for kind, model in MODELS.items() if model.name == named]
+    fits = [kind for kind in kinds or MODELS if MODELS[kind].means(values)]
+    return fits[0] if fits else kinds[-1]
 
 
 def require_buildable(scene: Kind) -> None:

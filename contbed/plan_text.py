@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
+from contbed.models import model_of
+from contbed.scene.toml_lines import dotted
+
 
 class DescribedPlan(Protocol):
     """What the text needs of a plan; see `contbed.models.Plan`."""
@@ -30,9 +33,14 @@ class DescribedPlan(Protocol):
 
 
 def plan_text(plan: DescribedPlan, *more: str) -> str:
-    """Describe a plan as a table, followed by the unknowns with their memory, further lines and warnings."""
-    rows = [("BUILT", what, why) for what, why in plan.built]
+    """Describe a plan as a table.
+
+    The unknowns with their memory, further lines and warnings follow.
+    """
+    rows = [("MODEL", model_of(plan.scene).name, _reason_for_the_model(plan.scene))]
+    rows += [("BUILT", what, why) for what, why in plan.built]
     rows += [("SKIPPED", what, why) for what, why in plan.skipped]
+    rows += [("IGNORED", dotted(path), "only other models have this key") for path in plan.scene.ignored]
     width = max(len(what) for _, what, _ in rows)
     lines = [f"{state:8}{what:{width}}  {why}" for state, what, why in rows]
     for part, size in plan.unknowns().items():
@@ -41,6 +49,10 @@ def plan_text(plan: DescribedPlan, *more: str) -> str:
             lines.append(f"{part}: {size} unknowns, about {megabytes:.0f} MB")
     warnings = [f"WARNING {text}" for text in plan.scene.warnings]
     return "\n".join([*lines, *more, *warnings])
+
+
+def _reason_for_the_model(scene: Any) -> str:
+    return "derived from the tables" if scene.model is None else "as the scene says"
 
 
 def duration(seconds: float) -> str:

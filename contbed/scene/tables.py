@@ -35,7 +35,7 @@ from contbed.scene.quantities import (
     Whole,
     form,
 )
-from contbed.scene.toml_lines import Origin
+from contbed.scene.toml_lines import KeyPath, Origin
 
 
 def from_library(phase: str, values: Any, temperature: str = "material_temperature") -> Any:
@@ -246,9 +246,13 @@ class SceneBase(Table):
     refused: ClassVar[Mapping[str, str]] = {}
 
     title: str = ""
+    model: str | None = Field(
+        None, description="name of the model; absent: derived from the tables"
+    )
 
     _origin: Origin = PrivateAttr(default_factory=Origin)
     _warnings: tuple[str, ...] = PrivateAttr(())
+    _ignored: tuple[KeyPath, ...] = PrivateAttr(())
 
     @property
     def origin(self) -> Origin:
@@ -259,3 +263,8 @@ class SceneBase(Table):
     def warnings(self) -> tuple[str, ...]:
         """What the scene says that is possible but seldom meant, each with file, line and key."""
         return self._warnings
+
+    @property
+    def ignored(self) -> tuple[KeyPath, ...]:
+        """Keys of the file that only other models have; see `scene.other_models`."""
+        return self._ignored
