@@ -233,9 +233,7 @@ def _validate(
     return parts, broken, ignored
 
 
-def _checked(
-    model: Any, values: dict[str, Any]
-) -> tuple[Any, list[Mapping[str, Any]]]:
+def _checked(model: Any, values: dict[str, Any]) -> tuple[Any, list[Mapping[str, Any]]]:
     """Return the scene, None if the schema of its model refuses it, and the mistakes."""
     try:
         return model.model_validate(values), []

@@ -181,10 +181,18 @@ MODELS: dict[str, Model] = {
         scatters=True,
     ),
     "single_particle": Model(
-        "single_particle", "single_particle", "SingleParticleScene", _has("surroundings"), {"single_particle": "equations"}
+        "single_particle",
+        "single_particle",
+        "SingleParticleScene",
+        _has("surroundings"),
+        {"single_particle": "equations"},
     ),
     "radiation": Model(
-        "radiation", "radiation", "RadiationScene", _only_radiates, {"radiation": "equations.p1", "ordinates": "equations.ordinates"}
+        "radiation",
+        "radiation",
+        "RadiationScene",
+        _only_radiates,
+        {"radiation": "equations.p1", "ordinates": "equations.ordinates"},
     ),
     "reacting_bed": Model(
         "reacting_bed",

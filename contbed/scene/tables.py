@@ -246,9 +246,7 @@ class SceneBase(Table):
     refused: ClassVar[Mapping[str, str]] = {}
 
     title: str = ""
-    model: str | None = Field(
-        None, description="name of the model; absent: derived from the tables"
-    )
+    model: str | None = Field(None, description="name of the model; absent: derived from the tables")
 
     _origin: Origin = PrivateAttr(default_factory=Origin)
     _warnings: tuple[str, ...] = PrivateAttr(())

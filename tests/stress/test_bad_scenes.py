@@ -80,7 +80,12 @@ CASES = [
     ("nested too deeply", "0.6", "[" * 5000 + "]" * 5000, [":1: arrays or tables are nested too deeply"]),
     # names of tables and keys
     ("table misspelt", "[heat]", "[het]", [":27: het: unknown key", "did you mean 'heat'?"]),
-    ("table unknown", "[flow]", "[dem]\nn = 1\n[flow]", [":23: dem: unknown key", "allowed: title, model, mesh, fluid"]),
+    (
+        "table unknown",
+        "[flow]",
+        "[dem]\nn = 1\n[flow]",
+        [":23: dem: unknown key", "allowed: title, model, mesh, fluid"],
+    ),
     ("key misspelt", "porosity", "porosty", [":20: bed.porosty = 0.4: unknown key", "did you mean 'porosity'?"]),
     ("key in capitals", "porosity", "Porosity", [":20: bed.Porosity = 0.4: unknown key", "did you mean 'porosity'?"]),
     ("key of another mesh", "radius", "height", [":6: mesh.height", "unknown key", "allowed: type, length, radius"]),

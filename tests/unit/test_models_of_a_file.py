@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from contbed.output.plan_text import plan_text
 from small_scenes import STEADY
 
 from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.models import MODELS, plan
-from contbed.output.plan_text import plan_text
 
 OTHERS = """\
 [two_fluid]
@@ -27,7 +27,7 @@ def test_a_model_ignores_the_tables_of_others_and_lists_them():
 
 
 def test_a_key_of_no_model_stays_a_mistake():
-    with pytest.raises(SceneError, match="two_fluid.gravty = 9.81: unknown key"):
+    with pytest.raises(SceneError, match=r"two_fluid\.gravty = 9\.81: unknown key"):
         loads(f'model = "two_fluid"\n{STEADY}{OTHERS}'.replace("gravity", "gravty"))
     with pytest.raises(SceneError, match="colour = 1: unknown key"):
         loads(f'colour = 1\nmodel = "packed_bed"\n{STEADY}{OTHERS}')
