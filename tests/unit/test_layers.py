@@ -165,7 +165,7 @@ def test_closures_and_outputs_know_no_physics():
         if room == "particle":
             assert {other.split(".")[0] for other in others} <= {"particle", "closures", "errors"}, name
         if room == "output":
-            below = {"output", "errors", "fields", "fem", "models", "scene"}
+            below = {"output", "errors", "fields", "fem"}
             assert {other.split(".")[0] for other in others} <= below, name
 
 

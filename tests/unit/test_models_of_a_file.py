@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from contbed.output.plan_text import plan_text
 from small_scenes import STEADY
 
 from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.models import MODELS, plan
+from contbed.plan_text import plan_text
 
 OTHERS = """\
 [two_fluid]
