@@ -38,6 +38,11 @@ class Gathered(NamedTuple):
     h_gas: Array
     h_solid: Array
 
+    @property
+    def T(self) -> Gathered:
+        """The vectors by component, for kernels over rows."""
+        return Gathered(*(part.T for part in self))
+
 
 @inner
 def solid_face_weight(there: float, here: float) -> float:

@@ -13,12 +13,10 @@ import numpy as np
 from contbed.compiled.threads import parallel
 from contbed.two_fluid.compiled import Array, Flags
 from contbed.two_fluid.fv import limiter
-from contbed.two_fluid.fv.grid import over_rows
 from contbed.two_fluid.implicit import solve_system
-from contbed.two_fluid.linear.cg import empty_system, transposed
+from contbed.two_fluid.linear.cg import empty_system
 from contbed.two_fluid.model import Model
-from contbed.two_fluid.packing import FrictionTable, Solids, add_compaction_flux, assemble_compaction, move_tangents
-from contbed.two_fluid.rectangular import solids as solids_of_rows
+from contbed.two_fluid.packing import FrictionTable, Solids, move_tangents
 from contbed.two_fluid.state import Counters, State
 from contbed.two_fluid.timing import phase
 
@@ -51,11 +49,7 @@ def advance(state: State, dt: float, model: Model) -> Moved:
     table = FrictionTable(*model.closures.packing)
     solids = Solids(old, state.properties.drag, state.properties.rheology.stiffness, model.materials.rho_solid)
     system, flux, counters = empty_system(g, 1), state.fluxes.solid.copy(), state.counters
-    rows = model.grid.rows
-    if rows is None:
-        assemble_compaction(g, dt, solids, flux, source, system)
-    else:
-        over_rows(model.grid, solids_of_rows.assemble_compaction, dt, solids, flux, source, transposed(system))
+    model.kernels.assemble_compaction(dt, solids, flux, source, system)
     # solved for in all cells: the small change ahead of a front keeps nearly empty cells smooth
     y = solve_system(state, "eps_s", system, model, explicit=0.0)
     shift, halo = np.zeros(len(old)), model.grid.halo
@@ -66,13 +60,10 @@ def advance(state: State, dt: float, model: Model) -> Moved:
         counters = counters.add(packing_rounds=1)
         y = solve_system(state, "eps_s", system._replace(links=np.zeros_like(system.links)), model, explicit=0.0)
     velocity = np.empty_like(flux)
-    if rows is None:
-        add_compaction_flux(g, dt, system, y, flux, velocity)
-    else:
-        links_of_faces, content = system.coef[:, 0], system.content[:, 0]
-        over_rows(model.grid, solids_of_rows.add_compaction_flux, dt, links_of_faces, content, y[:, 0], flux, velocity)
+    model.kernels.add_compaction_flux(dt, system, y, flux, velocity)
     new, upwind_cells = np.empty_like(old), np.zeros(len(old), dtype=np.bool_)
-    touched, rounds = limiter.limit(g, dt, old, source, model.materials.eps_max, flux, new, upwind_cells, halo)
+    bounds = limiter.Bounds(old, source, model.materials.eps_max)
+    touched, rounds = limiter.limit(g, dt, bounds, flux, new, upwind_cells, halo)
     if touched:
         counters = counters.add(limited_faces=touched, limited_steps=1, limiter_rounds=rounds)
     rate = state.memory.rate_eps_s + (new - old).reshape(-1, 1) / dt

@@ -38,7 +38,7 @@ class Cells(NamedTuple):
 
     rho_gas [kg/m3], eps_s, drag K = beta/eps_s [kg/m3/s], kinetic P [m2/s2], friction h [m2/s2], p [Pa]
     resting : whether particles rest in or beside a cell
-    rho_solid [kg/m3]
+    rho_solid [kg/m3], gravity (dim,) [m/s2] : of all cells
     """
 
     rho_gas: Array
@@ -49,6 +49,7 @@ class Cells(NamedTuple):
     p: Array
     resting: Flags
     rho_solid: float
+    gravity: Array
 
 
 class Velocities(NamedTuple):
@@ -146,7 +147,6 @@ def predict_on_faces(
     g: Geometry,
     edge: Edge,
     dt: float,
-    gravity: Array,
     cells: Cells,
     velocities: Velocities,
     gradients: FaceGradients,
@@ -169,7 +169,7 @@ def predict_on_faces(
             n = g.normal[f, k]
             hg += n * (w * h_g[left, k] + (1.0 - w) * h_g[right, k])
             hs += n * (w * h_s[left, k] + (1.0 - w) * h_s[right, k])
-            weight += n * gravity[k]
+            weight += n * cells.gravity[k]
         if g.skewed:
             for d in range(dim):
                 for k in range(dim):
@@ -195,7 +195,7 @@ def predict_on_faces(
                 most = 2.0 * min(friction[left], friction[right]) / distance
                 cross_solid = min(max(cross_rest, -most), most)
                 for k in range(dim):
-                    cross_solid += g.non_orthogonal[f, k] * gravity[k]
+                    cross_solid += g.non_orthogonal[f, k] * cells.gravity[k]
         rho_g = rho_gas[left] + (1.0 - w) * (rho_gas[right] - rho_gas[left])
         mean = w * s[left] + (1.0 - w) * s[right]
         steep = (kinetic[right] - kinetic[left]) / distance + cross_kinetic
@@ -210,7 +210,7 @@ def predict_on_faces(
         out.star_gas[f], out.star_solid[f], out.mobility_gas[f], out.mobility_solid[f] = u_g, u_s, move_g, move_s
         out.upwind_gas[f], out.upwind_solid[f] = u_g - move_g * drop, u_s - move_s * drop
         out.h_gas[f], out.h_solid[f] = hg, hs
-    predict_on_boundary(g, edge, dt, gravity, cells, velocities, gradients, out)
+    predict_on_boundary(g, edge, dt, cells, velocities, gradients, out)
 
 
 @inner
@@ -218,7 +218,6 @@ def predict_on_boundary(
     g: Geometry,
     edge: Edge,
     dt: float,
-    gravity: Array,
     cells: Cells,
     velocities: Velocities,
     gradients: FaceGradients,
@@ -247,7 +246,7 @@ def predict_on_boundary(
         for k in range(dim):
             hg += g.normal[f, k] * h_g[c, k]
             hs += g.normal[f, k] * h_s[c, k]
-            weight += g.normal[f, k] * gravity[k]
+            weight += g.normal[f, k] * cells.gravity[k]
             if g.skewed:
                 cross_p += g.non_orthogonal[f, k] * gradients.forces.p[c, k]
         a_g, a_s = drag_numbers(dt, cells.drag[c], s, s, rho_g, rho_s)
@@ -310,9 +309,7 @@ def reconstruct_boundary_fractions(
 
 
 @kernel
-def damp_buoyancy_waves(
-    g: Geometry, dt: float, gravity: Array, cells: Cells, fractions: FaceFractions, out: FacePredictor
-) -> None:
+def damp_buoyancy_waves(g: Geometry, dt: float, cells: Cells, fractions: FaceFractions, out: FacePredictor) -> None:
     """Reduce the volume flux where lighter lies on denser in a closed vessel.
 
     Gravity acts on the layers as the volume flux will have moved them, as far as a step does not resolve their buoyancy
@@ -323,7 +320,7 @@ def damp_buoyancy_waves(
         left, right, w = g.left[f], g.right[f], g.weight[f]
         weight = 0.0
         for k in range(len(g.axes)):
-            weight += g.normal[f, k] * gravity[k]
+            weight += g.normal[f, k] * cells.gravity[k]
         gas = w * cells.rho_gas[left] + (1.0 - w) * cells.rho_gas[right]
         mean = w * s[left] + (1.0 - w) * s[right]
         steep = dt * dt * weight * (rho_s - gas) * (s[right] - s[left]) / g.distance[f]

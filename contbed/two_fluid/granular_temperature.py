@@ -19,19 +19,17 @@ import numpy as np
 from contbed.compiled.threads import parallel
 from contbed.two_fluid import boundary
 from contbed.two_fluid.boundary import WALL, Edge, Particles
-from contbed.two_fluid.cell_velocities import FaceVelocities, divergence_solid
+from contbed.two_fluid.cell_velocities import FaceVelocities
 from contbed.two_fluid.compiled import SMALLEST, UNDERFLOW, Array, Flags, kernel
 from contbed.two_fluid.continuity import Moved
 from contbed.two_fluid.fv.gradient import MIN_BINDING_FRACTION, NO_PARTICLES
-from contbed.two_fluid.fv.grid import Geometry, over_rows
-from contbed.two_fluid.fv.operators import convect, gradient, predictor_half_step
+from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.fv.reconstruction import Reconstruction
 from contbed.two_fluid.implicit import solve_system
 from contbed.two_fluid.linear.cg import System, empty_system
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.momentum import Predicted
-from contbed.two_fluid.rectangular import cells
-from contbed.two_fluid.rectangular import solids as solids_of_rows
+from contbed.two_fluid.operators import gradient, predictor_half_step
 from contbed.two_fluid.state import Counters, Properties, State
 from contbed.two_fluid.timing import phase
 
@@ -62,36 +60,6 @@ class GranularTerms(NamedTuple):
     pressure: Array
     divergence: Array
     source: Array
-
-
-@kernel
-def conduct(g: Geometry, k: Array, values: Array, given: Array, grad: Array, out: Array, coef: Array) -> None:
-    """Add the conducted k grad values . n area [W] of all faces to `out` (nc, 1), set its links `coef` (nf, 1).
-
-    k (nc,) is taken by harmonic means. `given` (nb,) are boundary values, not a number where nothing is conducted;
-    `grad` (nc, 1, dim) corrects on skewed grids.
-    """
-    ni = len(g.right)
-    for f in range(len(g.left)):
-        left = g.left[f]
-        coef[f, 0] = 0.0
-        if f < ni:
-            right = g.right[f]
-            mean = 2.0 * k[left] * k[right] / (k[left] + k[right] + SMALLEST)
-            coef[f, 0] = mean * g.area[f] / g.distance[f]
-            rate = coef[f, 0] * (values[right] - values[left])
-            if g.skewed:
-                for d in range(len(g.axes)):
-                    both = g.weight[f] * grad[left, 0, d] + (1.0 - g.weight[f]) * grad[right, 0, d]
-                    rate += mean * g.area[f] * g.non_orthogonal[f, d] * both
-            out[left, 0] += rate
-            out[right, 0] -= rate
-        elif not np.isnan(given[f - ni]):
-            coef[f, 0] = k[left] * g.area[f] / g.distance[f]
-            out[left, 0] += coef[f, 0] * (given[f - ni] - values[left])
-            if g.skewed:
-                for d in range(len(g.axes)):
-                    out[left, 0] += k[left] * g.area[f] * g.non_orthogonal[f, d] * grad[left, 0, d]
 
 
 @kernel
@@ -195,13 +163,11 @@ def advance(
     memory = state.memory
     if model.options.theta == "frozen":
         return Granular(state.theta, memory.rate_theta, memory.heating_rate, moved.counters)
-    g, rows, r = model.grid.geometry, model.grid.rows, properties.rheology
-    divergence = np.empty_like(state.theta)
-    if rows is None:
-        divergence_solid(g, faces, moved.eps_s, u_solid, divergence)
-    else:
-        over_rows(model.grid, cells.divergence_solid, faces, moved.eps_s, u_solid.T, divergence)
-    kinetic_share = solid.shear_production / g.volume * r.mu / (r.mu + properties.mu_friction + SMALLEST)
+    r, divergence = properties.rheology, np.empty_like(state.theta)
+    model.kernels.divergence_solid(faces, moved.eps_s, u_solid, divergence)
+    kinetic_share = (
+        solid.shear_production / model.grid.geometry.volume * r.mu / (r.mu + properties.mu_friction + SMALLEST)
+    )
     production = kinetic_share + model.sources.theta
     if model.options.theta == "algebraic":
         theta = _balanced(state.theta, moved.eps_s, production, divergence, properties, dt, model)
@@ -225,31 +191,24 @@ def _transport(
 ) -> Granular:
     """Convected with the solids flux, conducted, produced, dissipated."""
     g, edge, r, s = model.grid.geometry, model.edge, properties.rheology, moved.eps_s
-    rho_s, old, counters, rows = model.materials.rho_solid, state.theta, moved.counters, model.grid.rows
+    rho_s, old, counters = model.materials.rho_solid, state.theta, moved.counters
     column, entering = old.reshape(-1, 1), edge.solid.kind == boundary.GIVEN
     given = np.where(entering, edge.theta, old[model.boundary_cells]).reshape(-1, 1)
-    grad = gradient(model.grid, column, given)
-    half_step = predictor_half_step(model.grid, dt, column, grad, u_solid, state.memory.rate_theta)
+    grad = gradient(model, column, given)
+    half_step = predictor_half_step(model, dt, column, grad, u_solid, state.memory.rate_theta)
     system, first_order, halo = empty_system(g, 1), moved.upwind_cells.copy(), model.grid.halo
     rhs, own = system.rhs, halo.cells
     while True:
         rhs[:] = 0.0
         field = Reconstruction(column, grad, half_step, given, first_order, model.options.limited)
-        convect(model.grid, moved.flux, field, rhs)
-        if rows is None:
-            more = _mark_negative(dt, s, old, rhs, first_order, model)
-        else:
-            more = solids_of_rows.mark_negative(g, rows, dt, s, old, rhs[:, 0], first_order)
-        if not more:
+        model.kernels.convect(moved.flux, field, rhs)
+        if not _mark_negative(dt, s, old, rhs, first_order, model):
             break
     marked = int(first_order[own].sum()) - int(moved.upwind_cells[own].sum())
     convected = rhs / ((s + NO_PARTICLES) * g.volume)[:, None]
     rhs *= 1.5 * rho_s
     outside = np.where(entering, edge.theta, np.nan)
-    if rows is None:
-        conduct(g, r.conductivity, old, outside, grad, rhs, system.coef)
-    else:
-        over_rows(model.grid, solids_of_rows.conduct, r.conductivity, old, outside, rhs[:, 0], system.coef[:, 0])
+    model.kernels.conduct(r.conductivity, old, outside, grad, rhs, system.coef)
     particles = Particles(rho_s, model.materials.eps_max, s, old, r.g0)
     assemble_theta(g, edge, dt, particles, terms, slip, u_solid, system)
     theta = old + solve_system(state, "theta", system, model)[:, 0]

@@ -13,6 +13,7 @@ from contbed.two_fluid import boundary
 from contbed.two_fluid.compiled import Array, Flags, Indices
 from contbed.two_fluid.end_pressure import EndPressure, end_pressure
 from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.kernels import Kernels, kernels_of
 from contbed.two_fluid.linear.pressure_solver import PressureSolver, SolvesPressure
 from contbed.two_fluid.rheology import Closures
 from contbed.two_fluid.timing import Timer
@@ -91,6 +92,11 @@ class Model:
     closed: bool
     heat: HeatModel | None
     timer: Timer
+
+    @cached_property
+    def kernels(self) -> Kernels:
+        """Kernels that suit the grid."""
+        return kernels_of(self.grid)
 
     @cached_property
     def gravity(self) -> Array:

@@ -9,30 +9,19 @@ import numpy as np
 from contbed.compiled.threads import parallel
 from contbed.two_fluid import boundary
 from contbed.two_fluid.boundary import Particles, Side, boundary_velocity, wall_slip
-from contbed.two_fluid.cell_velocities import (
-    Gathered,
-    add_reconstruction_remainder,
-    face_residual,
-    gather_gas,
-    gather_solid,
-)
+from contbed.two_fluid.cell_velocities import Gathered, add_reconstruction_remainder, gather_gas, gather_solid
 from contbed.two_fluid.compiled import Array, Flags, kernel
 from contbed.two_fluid.continuity import Moved
 from contbed.two_fluid.fv.gradient import NO_PARTICLES
-from contbed.two_fluid.fv.grid import Grid, over_rows
-from contbed.two_fluid.fv.operators import convect, gradient, predictor_half_step
 from contbed.two_fluid.fv.reconstruction import Reconstruction
 from contbed.two_fluid.implicit import solve_system
-from contbed.two_fluid.linear.cg import System, empty_system, transposed
+from contbed.two_fluid.linear.cg import System, empty_system
 from contbed.two_fluid.model import Model
-from contbed.two_fluid.packing import add_compaction_velocity
+from contbed.two_fluid.operators import gradient, predictor_half_step
 from contbed.two_fluid.pressure import Projection, zero_slope_gradient
 from contbed.two_fluid.properties import density_ratio
-from contbed.two_fluid.rectangular import cells as cells_of_rows
-from contbed.two_fluid.rectangular import solids as solids_of_rows
-from contbed.two_fluid.rectangular import stress as stress_of_rows
 from contbed.two_fluid.state import Energy, Properties, State
-from contbed.two_fluid.stress import Fluid, Motion, add_hoop_stress, add_stress
+from contbed.two_fluid.stress import Fluid, Motion, add_hoop_stress
 from contbed.two_fluid.timing import phase
 
 # subcycles of the convection of the gas in a step; more would cost more than shorter steps
@@ -150,7 +139,7 @@ def advance_subcycle(
             now[c, k] += part * (rhs[c, k] / volume[c, 0] + n * (source[c, k] + force[c, k]))
 
 
-def convect_in_subcycles(one: Phase, field: Reconstruction, dt: float, volume: Array, out: Array, grid: Grid) -> None:
+def convect_in_subcycles(one: Phase, field: Reconstruction, dt: float, volume: Array, out: Array, model: Model) -> None:
     """Set `out` (nc, dim) [m3/s times u] to the mean convection of the subcycles of a step.
 
     The velocity of each subcycle is reconstructed anew. `volume` (nc, 1) [m3] is that of the phase, times its relative
@@ -163,10 +152,11 @@ def convect_in_subcycles(one: Phase, field: Reconstruction, dt: float, volume: A
         if n > 0:
             now = now.copy(order="K")
             parallel(advance_subcycle, len(now), part, n, now, out, volume, given)
-            grid.halo.exchange(now)
-            slopes = gradient(grid, now, field.edge)
-        half_step = predictor_half_step(grid, part, now, slopes, now, one.rate)
-        convect(grid, one.flux, field._replace(values=now, gradient=slopes, half_step=half_step), out)
+            model.grid.halo.exchange(now)
+            slopes = gradient(model, now, field.edge)
+        half_step = predictor_half_step(model, part, now, slopes, now, one.rate)
+        reconstructed = field._replace(values=now, gradient=slopes, half_step=half_step)
+        model.kernels.convect(one.flux, reconstructed, out)
     if one.subcycles > 1:
         out /= one.subcycles
 
@@ -213,12 +203,8 @@ def predict(
         moved.upwind_cells,
     )
     predicted_gas, predicted_solid = _advance(gas, state, dt, model), _advance(solid, state, dt, model)
-    g, rows, compaction, h = model.grid.geometry, model.grid.rows, moved.compaction_velocity, predicted_solid.h
-    if rows is None:
-        add_compaction_velocity(g, compaction, materials.eps_max, eps_s, h)
-        halo.exchange(h)
-    else:
-        over_rows(model.grid, solids_of_rows.add_compaction_velocity, compaction, materials.eps_max, eps_s, h.T)
+    model.kernels.add_compaction_velocity(moved.compaction_velocity, materials.eps_max, eps_s, predicted_solid.h)
+    halo.exchange(predicted_solid.h)
     return predicted_gas, predicted_solid
 
 
@@ -227,21 +213,17 @@ def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
     g, u, side, eps = model.grid.geometry, one.u, one.side, one.fluid.eps
     given = np.empty_like(side.u)
     boundary_velocity(g, side, one.slip, u, eps, given)
-    grad = gradient(model.grid, u, given, None if one.name == "u_gas" else eps)
+    grad = gradient(model, u, given, None if one.name == "u_gas" else eps)
     system = empty_system(g, u.shape[1], model.grid.order)
     # a cell without the phase keeps its velocity
     volume = ((eps * one.rho_ratio + NO_PARTICLES) * g.volume)[:, None]
     field = Reconstruction(u, grad, u, given, one.first_order, model.options.limited)
-    convect_in_subcycles(one, field, dt, volume, system.rhs, model.grid)
+    convect_in_subcycles(one, field, dt, volume, system.rhs, model)
     convected = np.empty_like(u)
     # with the last forces the change vanishes in a steady state, which the implicit part then leaves alone
     parallel(add_forces, len(u), dt, one.rho, volume, (one.source, one.force), system, convected)
     work, motion = np.zeros(len(eps)), Motion(u, grad, given, one.slip)
-    if model.grid.rows is None:
-        add_stress(g, side, one.fluid, motion, system, work)
-    else:
-        by_component = Motion(u.T, grad.T, given, one.slip)
-        over_rows(model.grid, stress_of_rows.add_stress, side, one.fluid, by_component, transposed(system), work)
+    model.kernels.add_stress(side, one.fluid, motion, system, work)
     if model.grid.axisymmetric:
         add_hoop_stress(g, one.fluid, motion, system, work)
     change = solve_system(state, one.name, system, model)
@@ -255,17 +237,13 @@ def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
 @phase("reconstruction")
 def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
     """Cell velocities by least squares from the normal velocities of faces, plus the remainder of H that these lose."""
-    g, rows, faces = model.grid.geometry, model.grid.rows, projection.faces
+    g, faces = model.grid.geometry, projection.faces
     cells, velocities = projection.cells, projection.velocities
     h_gas, h_solid, s = velocities.h_gas, velocities.h_solid, cells.eps_s
     grad_gas, grad_solid = projection.gradients.h_gas, projection.gradients.h_solid
     gathered = Gathered(*(np.empty_like(h_gas) for _ in Gathered._fields))
-    if rows is None:
-        gather_gas(g, faces, grad_gas, grad_gas, False, gathered)
-        gather_solid(g, faces, s, grad_solid, grad_solid, False, gathered)
-        model.grid.halo.exchange(*gathered)
-    else:
-        over_rows(model.grid, cells_of_rows.gather, faces, s, Gathered(*(u.T for u in gathered)))
+    model.kernels.gather(faces, s, grad_gas, grad_solid, gathered)
+    model.grid.halo.exchange(*gathered)
     force_gas, force_solid, residual = np.empty_like(h_gas), np.empty_like(h_solid), np.empty(len(g.left))
     if g.skewed:
         # second pass, exact for linear fields: corrected with the gradients of H and of the first result
@@ -276,9 +254,6 @@ def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
         gather_solid(g, faces, s, grad_solid + change_solid, grad_solid, True, gathered)
         model.grid.halo.exchange(*gathered)
         grad_gas = grad_gas + zero_slope_gradient(gathered.gas - h_gas, None, model)
-    if rows is None:
-        face_residual(g, model.edge, faces.gas, gathered.gas, grad_gas, residual)
-    else:
-        over_rows(model.grid, cells_of_rows.face_residual, model.edge, faces.gas, gathered.gas.T, residual)
+    model.kernels.face_residual(model.edge, faces.gas, gathered.gas, grad_gas, residual)
     parallel(add_reconstruction_remainder, len(s), dt, cells, velocities, gathered, force_gas, force_solid)
     return Velocity(gathered.gas, gathered.solid, force_gas, force_solid, residual)

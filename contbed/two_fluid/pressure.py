@@ -16,18 +16,12 @@ from contbed.two_fluid.face_velocities import (
     FacePredictor,
     Velocities,
     damp_buoyancy_waves,
-    predict_on_faces,
-    reconstruct_fractions,
 )
-from contbed.two_fluid.fluxes import assemble_pressure, correct_fluxes
 from contbed.two_fluid.fv.gradient import gradient_rest_potential
-from contbed.two_fluid.fv.grid import over_rows
-from contbed.two_fluid.fv.operators import gradient, predictor_half_step, transposed
-from contbed.two_fluid.fv.reconstruction import Reconstruction, divergence
+from contbed.two_fluid.fv.reconstruction import Reconstruction
 from contbed.two_fluid.model import Model
+from contbed.two_fluid.operators import gradient, predictor_half_step
 from contbed.two_fluid.properties import density_ratio
-from contbed.two_fluid.rectangular import faces as faces_of_rows
-from contbed.two_fluid.rectangular import solids as solids_of_rows
 from contbed.two_fluid.state import Energy, Fluxes, ForceGradients, Properties, State
 from contbed.two_fluid.timing import phase
 
@@ -64,7 +58,7 @@ def project(
 
     predicted : H (nc, dim) of gas and solids, and the gradients (nc, dim, dim) of both velocities before
     """
-    g, rows, edge, materials = model.grid.geometry, model.grid.rows, model.edge, model.materials
+    g, kernels, edge, materials = model.grid.geometry, model.kernels, model.edge, model.materials
     h_gas, h_solid, grad_gas, grad_solid = predicted
     kinetic = properties.rheology.pressure * state.theta
     forces, resting = state.memory.gradients, model.no_cells
@@ -74,50 +68,34 @@ def project(
         grad_solid = grad_solid + zero_slope_gradient(h_solid - state.u_solid, eps_s, model)
     rho_gas = materials.rho_gas * density_ratio(energy) * np.ones(len(eps_s))
     friction = properties.rheology.h
-    cells = Cells(rho_gas, eps_s, properties.drag, kinetic, friction, state.p, resting, materials.rho_solid)
+    acting = properties.drag, kinetic, friction, state.p
+    cells = Cells(rho_gas, eps_s, *acting, resting, materials.rho_solid, model.gravity)
     velocities = Velocities(h_gas, h_solid, state.u_gas, state.u_solid)
     gradients = FaceGradients(grad_gas, grad_solid, forces, state.memory.face_residual)
     nf = len(g.left)
     predictor = FacePredictor(*(np.empty(nf) for _ in FacePredictor._fields))
-    if rows is None:
-        predict_on_faces(g, edge, dt, model.gravity, cells, velocities, gradients, predictor)
-    else:
-        over_rows(
-            model.grid, faces_of_rows.predict_on_faces, edge, dt, model.gravity, cells, velocities, gradients, predictor
-        )
+    kernels.predict_on_faces(edge, dt, cells, velocities, gradients, predictor)
 
     field = _half_step_fraction(state, eps_s, rate_eps_s, dt, model)
     fractions = FaceFractions(np.empty(nf), np.empty(nf))
-    if rows is None:
-        reconstruct_fractions(g, edge, field, predictor, fractions)
-    else:
-        over_rows(model.grid, faces_of_rows.reconstruct_fractions, edge, transposed(field), predictor, fractions)
+    kernels.reconstruct_fractions(edge, field, predictor, fractions)
     if model.closed:
-        damp_buoyancy_waves(g, dt, model.gravity, cells, fractions, predictor)
+        damp_buoyancy_waves(g, dt, cells, fractions, predictor)
 
     coef, rhs = np.empty(nf), g.volume * (model.sources.solid + model.sources.gas)
     if energy is not None:
         rhs += g.volume * energy.expansion
-    if rows is None:
-        assemble_pressure(g, edge, fractions, predictor, coef, rhs)
-    else:
-        over_rows(model.grid, faces_of_rows.assemble_pressure, edge, fractions, predictor, coef, rhs)
+    kernels.assemble_pressure(edge, fractions, predictor, coef, rhs)
     p = model.pressure_solver.solve(coef, rhs, state.p)
     faces = FaceVelocities(np.empty(nf), np.empty(nf), predictor.h_gas, predictor.h_solid, fractions.solid)
     fluxes = Fluxes(np.empty(nf), np.empty(nf), state.fluxes.moved, np.empty_like(p), np.empty_like(p))
-    if rows is None:
-        correct_fluxes(g, edge, p, fractions, predictor, faces, fluxes)
-    else:
-        over_rows(model.grid, faces_of_rows.correct_fluxes, edge, p, fractions, predictor, faces, fluxes)
+    kernels.correct_fluxes(edge, p, fractions, predictor, faces, fluxes)
     if model.closed:
         # with the convected rate of the faces, buoyancy waves of N dt of about 1 would grow
         rate_eps_s = rate_eps_s - 2.0 / dt * field.half_step
     else:
-        convected, volume_flux = np.empty_like(p), faces.solid * g.area
-        if rows is None:
-            divergence(g, volume_flux, fractions.solid, eps_s, np.empty_like(p), convected)
-        else:
-            over_rows(model.grid, solids_of_rows.divergence, volume_flux, fractions.solid, eps_s, convected)
+        convected = np.empty_like(p)
+        kernels.divergence(faces.solid * g.area, fractions.solid, eps_s, convected)
         rate_eps_s = -(convected / g.volume)[:, None]
     return Projection(p, faces, fluxes, cells, velocities, gradients, rate_eps_s)
 
@@ -127,14 +105,14 @@ def _half_step_fraction(state: State, eps_s: Array, rate: Array, dt: float, mode
     edge = model.edge
     column, nb = eps_s.reshape(-1, 1), len(model.boundary_cells)
     given = np.where(edge.solid.kind == boundary.GIVEN, edge.eps_s, eps_s[model.boundary_cells]).reshape(nb, 1)
-    grad = gradient(model.grid, column, given)
-    half_step = predictor_half_step(model.grid, dt, column, grad, state.u_solid, rate)
+    grad = gradient(model, column, given)
+    half_step = predictor_half_step(model, dt, column, grad, state.u_solid, rate)
     return Reconstruction(column, grad, half_step, given, model.no_cells, model.options.limited)
 
 
 def zero_slope_gradient(u: Array, eps_s: Array | None, model: Model) -> Array:
     """Gradient (nc, dim, dim) of u (nc, dim) with the values of the cells at boundaries; of the solids with `eps_s`."""
-    return gradient(model.grid, u, u[model.boundary_cells], eps_s)
+    return gradient(model, u, u[model.boundary_cells], eps_s)
 
 
 def force_gradients(
@@ -150,7 +128,7 @@ def force_gradients(
     given = values[cells] + np.einsum("bkd,bd->bk", slopes[cells], arm)
     outlet = edge.gas.kind == boundary.OUTLET
     given[outlet, 0] = edge.p[outlet]
-    grad, rest = gradient(model.grid, values, given), np.empty((len(values), 1, arm.shape[1]))
+    grad, rest = gradient(model, values, given), np.empty((len(values), 1, arm.shape[1]))
     resting = np.zeros(len(p), dtype=np.bool_)
     potential, rho_s = properties.rheology.h, model.materials.rho_solid
     drag = properties.drag[:, None] / rho_s * (state.u_gas - state.u_solid)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from contbed.compiled.threads import parallel
+from contbed.two_fluid.boundary import boundary_velocity
 from contbed.two_fluid.compiled import Array, kernel
 from contbed.two_fluid.model import Model
+from contbed.two_fluid.operators import gradient
 from contbed.two_fluid.state import Energy, Properties, State
-from contbed.two_fluid.stress import shear_rate
 from contbed.two_fluid.timing import phase
 
 # solids fraction [-] below which pressure, viscosities and conductivity of the particles fade
@@ -45,3 +46,17 @@ def evaluate_closures(state: State, eps_s: Array, energy: Energy | None, model: 
     r = r._replace(**faded)
     rate = shear_rate(state.u_solid, eps_s, model) if model.closures.sheared else eps_s
     return Properties(drag, r, model.closures.friction(r.p_friction, rate))
+
+
+def shear_rate(u_solid: Array, eps_s: Array, model: Model) -> Array:
+    """Square root (nc,) of the second invariant of the particles' strain rate [1/s]; partial-slip walls slip."""
+    g, u, side = model.grid.geometry, u_solid, model.edge.solid
+    given = np.empty_like(side.u)
+    boundary_velocity(g, side, np.abs(side.slip), u, eps_s, given)
+    grad = gradient(model, u, given, eps_s)
+    ring = u[:, 0] / g.radius if model.grid.axisymmetric else np.zeros(len(u))
+    strain = 0.5 * (grad + grad.transpose(0, 2, 1))
+    trace = np.einsum("cii->c", strain) + ring
+    square = np.einsum("cij,cij->c", strain, strain) + ring**2
+    rate: Array = np.sqrt(0.5 * np.maximum(square - trace**2 / 3.0, 0.0))
+    return rate

@@ -14,9 +14,9 @@ from contbed.two_fluid.fv import limiter
 from contbed.two_fluid.fv.gradient import MIN_BINDING_FRACTION
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.momentum import MAX_SUBCYCLES, SUBCYCLE_COURANT
+from contbed.two_fluid.properties import shear_rate
 from contbed.two_fluid.state import Account, State, check_finite, flatten, rebuild, zero_state
 from contbed.two_fluid.step import initial_fluxes, step
-from contbed.two_fluid.stress import shear_rate
 
 if TYPE_CHECKING:
     from contbed.two_fluid.heat.model import Thermal
@@ -193,9 +193,8 @@ def second_order(state: State, whole: State, first: Array, dt: float, model: Mod
         return replace(end, counters=counters, fluxes=end.fluxes._replace(moved=moved)), total
     moved = 2.0 * moved - whole.fluxes.moved
     eps_s, upwind_cells = np.empty_like(state.eps_s), np.empty(len(state.eps_s), dtype=np.bool_)
-    g, highest, source = model.grid.geometry, model.materials.eps_max, model.sources.solid
-    halo = model.grid.halo
-    touched, rounds = limiter.limit(g, dt, state.eps_s, source, highest, moved, eps_s, upwind_cells, halo)
+    bounds, halo = limiter.Bounds(state.eps_s, model.sources.solid, model.materials.eps_max), model.grid.halo
+    touched, rounds = limiter.limit(model.grid.geometry, dt, bounds, moved, eps_s, upwind_cells, halo)
     counters = end.counters.add(limited_faces=touched, limiter_rounds=rounds)
     theta = 2.0 * end.theta - whole.theta
     below = theta < 0.0

@@ -6,14 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contbed.two_fluid import boundary
 from contbed.two_fluid.boundary import OUTLET, WALL, Side
 from contbed.two_fluid.compiled import SMALLEST, Array, inner, kernel
 from contbed.two_fluid.fv.gradient import neighbour_weight
 from contbed.two_fluid.fv.grid import Geometry
-from contbed.two_fluid.fv.operators import gradient
 from contbed.two_fluid.linear.cg import System
-from contbed.two_fluid.model import Model
 
 # implicit over explicit coefficient [-] of the excess of viscosity: a cell of low viscosity follows a viscous
 # neighbour, and its shear acts back on that one in the next step (test_excess_of_viscosity_is_over_relaxed)
@@ -39,6 +36,11 @@ class Motion(NamedTuple):
     gradient: Array
     edge: Array
     slip: Array
+
+    @property
+    def T(self) -> Motion:
+        """The motion by component, for kernels over rows."""
+        return self._replace(u=self.u.T, gradient=self.gradient.T)
 
 
 @inner
@@ -174,17 +176,3 @@ def add_hoop_stress(g: Geometry, fluid: Fluid, motion: Motion, system: System, w
         out[c, 0] -= g.volume[c] * ring / r
         work[c] += g.volume[c] * ring * u[c, 0] / r
         diagonal[c, 0] += g.volume[c] * (4.0 / 3.0 * mu[c] + bulk[c]) / r**2
-
-
-def shear_rate(u_solid: Array, eps_s: Array, model: Model) -> Array:
-    """Square root (nc,) of the second invariant of the particles' strain rate [1/s]; partial-slip walls slip."""
-    g, u, side = model.grid.geometry, u_solid, model.edge.solid
-    given = np.empty_like(side.u)
-    boundary.boundary_velocity(g, side, np.abs(side.slip), u, eps_s, given)
-    grad = gradient(model.grid, u, given, eps_s)
-    ring = u[:, 0] / g.radius if model.grid.axisymmetric else np.zeros(len(u))
-    strain = 0.5 * (grad + grad.transpose(0, 2, 1))
-    trace = np.einsum("cii->c", strain) + ring
-    square = np.einsum("cij,cij->c", strain, strain) + ring**2
-    rate: Array = np.sqrt(0.5 * np.maximum(square - trace**2 / 3.0, 0.0))
-    return rate

@@ -58,7 +58,7 @@ def limited(count, s, flux, dt=1.0, highest=0.6):
     """Rounds and solids fractions of the limiter on a line of `count` cells of 1 m; `flux` is changed in place."""
     grid = line(float(count), count)
     out, upwind_cells = np.empty(count), np.zeros(count, dtype=bool)
-    _, rounds = limiter.limit(grid.geometry, dt, s, np.zeros(count), highest, flux, out, upwind_cells)
+    _, rounds = limiter.limit(grid.geometry, dt, limiter.Bounds(s, np.zeros(count), highest), flux, out, upwind_cells)
     assert out.min() >= 0.0 and out.max() <= highest
     return rounds, out
 

@@ -9,7 +9,7 @@ from contbed.errors import ConvergenceError, SceneError
 from contbed.two_fluid.boundary import Inlet, Outlet, Wall, symmetry
 from contbed.two_fluid.fv import limiter
 from contbed.two_fluid.model import Options
-from contbed.two_fluid.stress import shear_rate
+from contbed.two_fluid.properties import shear_rate
 
 SHAPES = ["quadrilateral", "triangle"]
 SLIP = symmetry()
@@ -415,7 +415,7 @@ def test_limiter_keeps_bounds_and_mass():
         flux = strength * random.normal(size=len(g.left))
         flux[grid.interior :] = 0.0
         given, out, upwind_cells = flux.copy(), np.empty(64), np.zeros(64, dtype=bool)
-        limiter.limit(g, 0.01, s, np.zeros(64), 0.6, flux, out, upwind_cells)
+        limiter.limit(g, 0.01, limiter.Bounds(s, np.zeros(64), 0.6), flux, out, upwind_cells)
         assert out.min() >= 0 and out.max() <= 0.6
         assert out @ g.volume == pytest.approx(s @ g.volume, rel=1e-13)
         assert (np.abs(flux) <= np.abs(given)).all() and (flux * given >= 0).all()

@@ -109,9 +109,7 @@ def _finish(s: Array, out: Array, upwind_cells: Flags) -> None:
 def limit(
     g: Geometry,
     dt: float,
-    s: Array,
-    source: Array,
-    highest: float,
+    bounds: Bounds,
     flux: Array,
     out: Array,
     upwind_cells: Flags,
@@ -121,8 +119,8 @@ def limit(
 
     Return the numbers of faces limited and of rounds.
     """
-    touched, bounds = np.zeros(len(flux), dtype=np.bool_), Bounds(s, source, highest)
-    shares = Shares(np.empty(len(s)), np.empty(len(s)))
+    touched = np.zeros(len(flux), dtype=np.bool_)
+    shares = Shares(np.empty(len(out)), np.empty(len(out)))
     for turn in range(MAX_LIMITER_ROUNDS + 2):
         right = _find_shares(g, dt, bounds, flux, out, turn >= MAX_LIMITER_ROUNDS, shares)
         if halo.distributed:
@@ -134,5 +132,5 @@ def limit(
             break
         _reduce(g, dt, shares, flux, touched)
     halo.exchange(out)
-    _finish(s, out, upwind_cells)
+    _finish(bounds.s, out, upwind_cells)
     return int(*halo.sum(int(touched[halo.faces].sum()))), turn

@@ -26,6 +26,11 @@ class Reconstruction(NamedTuple):
     first_order: Flags
     limited: bool
 
+    @property
+    def T(self) -> Reconstruction:
+        """The field by component, for kernels over rows."""
+        return self._replace(values=self.values.T, gradient=self.gradient.T, half_step=self.half_step.T)
+
 
 @kernel
 def limited_increment(slope: float, along: float, jump: float, half_step: float, limited: bool) -> float:

@@ -30,10 +30,9 @@ import numpy as np
 from contbed.errors import ConvergenceError
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.continuity import Moved
+from contbed.two_fluid.fv.diffusion import conduct
 from contbed.two_fluid.fv.gradient import FEW_PARTICLES, NO_PARTICLES
-from contbed.two_fluid.fv.operators import gradient, predictor_half_step
 from contbed.two_fluid.fv.reconstruction import Reconstruction, divergence, face_values
-from contbed.two_fluid.granular_temperature import conduct
 from contbed.two_fluid.heat.implicit import (
     Exchange,
     add_exchange,
@@ -44,6 +43,7 @@ from contbed.two_fluid.heat.implicit import (
 from contbed.two_fluid.heat.model import HeatModel
 from contbed.two_fluid.linear.cg import EXPLICIT_SHARE
 from contbed.two_fluid.model import Model
+from contbed.two_fluid.operators import gradient, predictor_half_step
 from contbed.two_fluid.state import Energy, HeatAccount, State, check_finite
 from contbed.two_fluid.timing import phase
 
@@ -213,7 +213,7 @@ def _face_temperatures(
     ):
         column, face = T[:, None], np.empty_like(flux)
         given, grad = _slope(T, entering, eps_s, model)
-        half_step = predictor_half_step(model.grid, dt, column, grad, u, rate)
+        half_step = predictor_half_step(model, dt, column, grad, u, rate)
         face_values(g, flux, Reconstruction(column, grad, half_step, given[:, None], first_order, True), face)
         found.append(face)
     return found[0], found[1]
@@ -222,7 +222,7 @@ def _face_temperatures(
 def _slope(T: Array, outside: Array, eps_s: Array | None, model: Model) -> tuple[Array, Array]:
     """Temperature (nb,) at boundaries, `outside` or level, and gradient (nc, 1, dim); of the solids with `eps_s`."""
     given = np.where(np.isnan(outside), T[model.boundary_cells], outside)
-    return given, gradient(model.grid, T[:, None], given[:, None], eps_s)
+    return given, gradient(model, T[:, None], given[:, None], eps_s)
 
 
 def _heat_walls(eps_s: Array, rates: Array, heat: HeatModel, dt: float, model: Model) -> float:

@@ -33,17 +33,17 @@ class System(NamedTuple):
     content: Array
     rhs: Array
 
+    @property
+    def T(self) -> System:
+        """The system by component, for kernels over rows."""
+        return System(*(part.T for part in self))
+
 
 def empty_system(g: Geometry, components: int, order: Literal["C", "F"] = "C") -> System:
     """Make a system without links of cells, in the memory `order` of the grid; the rest is not set."""
     size = (len(g.volume), components)
     coef = np.empty((len(g.left), components), order=order)
     return System(coef, np.zeros(size, order=order), np.empty(size, order=order), np.empty(size, order=order))
-
-
-def transposed(system: System) -> System:
-    """Return the system by component, for kernels over rows."""
-    return System(*(part.T for part in system))
 
 
 @kernel

@@ -16,8 +16,10 @@ from contbed.two_fluid.fv.rows import Rows
 
 
 @kernel
-def gather(g: Geometry, rows: Rows, faces: FaceVelocities, s: Array, out: Gathered) -> None:
-    """Cell vectors (dim, nc) of both phases from the normal u and H of the faces.
+def gather(
+    g: Geometry, rows: Rows, faces: FaceVelocities, s: Array, grad_gas: Array, grad_solid: Array, out: Gathered
+) -> None:
+    """Cell vectors (dim, nc) of both phases from the normal u and H of the faces; gradients are not needed here.
 
     A face with far fewer particles than the cell has less weight for those of the particles.
     """
@@ -74,8 +76,11 @@ def divergence_solid(g: Geometry, rows: Rows, faces: FaceVelocities, s: Array, u
 
 
 @kernel
-def face_residual(g: Geometry, rows: Rows, edge: Edge, face: Array, u: Array, out: Array) -> None:
-    """Set the Rhie-Chow residual `out` (nf,) [m/s]: normal gas velocity less that interpolated from u (dim, nc)."""
+def face_residual(g: Geometry, rows: Rows, edge: Edge, face: Array, u: Array, grad: Array, out: Array) -> None:
+    """Set the Rhie-Chow residual `out` (nf,) [m/s]: normal gas velocity less that interpolated from u (dim, nc).
+
+    `grad` is not needed here.
+    """
     ni = len(g.right)
     for r in range(len(rows.length)):
         d, first, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]

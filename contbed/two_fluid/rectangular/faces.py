@@ -36,7 +36,6 @@ def predict_on_faces(
     rows: Rows,
     edge: Edge,
     dt: float,
-    gravity: Array,
     cells: Cells,
     velocities: Velocities,
     gradients: FaceGradients,
@@ -47,7 +46,7 @@ def predict_on_faces(
     rho_gas, rho_s, residual = cells.rho_gas, cells.rho_solid, gradients.residual
     for r in range(len(rows.length)):
         d, face, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]
-        h_g, h_s, weight = velocities.h_gas.T[d], velocities.h_solid.T[d], gravity[d]
+        h_g, h_s, weight = velocities.h_gas.T[d], velocities.h_solid.T[d], cells.gravity[d]
         for i in range(rows.left_from[r], rows.left_to[r]):
             f, a, b = face + i, left + i, right + i
             w, distance, s_a, s_b = g.weight[f], g.distance[f], s[a], s[b]
@@ -65,7 +64,7 @@ def predict_on_faces(
             out.star_gas[f], out.star_solid[f], out.mobility_gas[f], out.mobility_solid[f] = u_g, u_s, move_g, move_s
             out.upwind_gas[f], out.upwind_solid[f] = u_g - move_g * drop, u_s - move_s * drop
             out.h_gas[f], out.h_solid[f] = hg, hs
-    predict_on_boundary(g, edge, dt, gravity, cells, velocities, gradients, out)
+    predict_on_boundary(g, edge, dt, cells, velocities, gradients, out)
 
 
 @kernel

@@ -63,14 +63,14 @@ def gradient_solid(g: Geometry, rows: Rows, s: Array, values: Array, edge: Array
 
 @kernel
 def predictor_half_step(
-    begin: int, end: int, dt: float, u: Array, grad: Array, carrier: Array, rate: Array, out: Array
+    g: Geometry, rows: Rows, dt: float, u: Array, grad: Array, carrier: Array, rate: Array, out: Array
 ) -> None:
     """Set the change `out` (m, nc) in half a step, by convection with `carrier` (dim, nc) and by `rate` (m, nc)."""
     for k in range(u.shape[0]):
-        for c in range(np.uint64(begin), np.uint64(end)):
+        for c in range(np.uint64(rows.begin), np.uint64(rows.end)):
             out[k, c] = 0.5 * dt * rate[k, c]
         for d in range(carrier.shape[0]):
-            for c in range(np.uint64(begin), np.uint64(end)):
+            for c in range(np.uint64(rows.begin), np.uint64(rows.end)):
                 out[k, c] -= 0.5 * dt * carrier[d, c] * grad[d, k, c]
 
 

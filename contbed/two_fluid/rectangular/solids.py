@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contbed.two_fluid.compiled import SMALLEST, ZERO, Array, Flags, inner, kernel
+from contbed.two_fluid.compiled import SMALLEST, ZERO, Array, inner, kernel
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.fv.rows import Rows
 from contbed.two_fluid.linear.cg import System
@@ -51,15 +51,16 @@ def assemble_compaction(
 
 @kernel
 def add_compaction_flux(
-    g: Geometry, rows: Rows, dt: float, coef: Array, content: Array, y: Array, flux: Array, velocity: Array
+    g: Geometry, rows: Rows, dt: float, system: System, y: Array, flux: Array, velocity: Array
 ) -> None:
-    """Add the flux that the change y (nc,) of p_solid/rho_s drives; set its part that becomes velocity (nf,)."""
+    """Add the flux that the change y (1, nc) of p_solid/rho_s drives; set its part that becomes velocity (nf,)."""
+    coef, content, change_of = system.coef[0], system.content[0], y[0]
     velocity[g.edge_from : g.edge_to] = 0.0
     for r in range(len(rows.length)):
         face, left, right = rows.face[r], rows.left[r], rows.right[r]
         for i in range(rows.left_from[r], rows.left_to[r]):
             f = face + i
-            change = -coef[f] * (y[right + i] - y[left + i]) / dt
+            change = -coef[f] * (change_of[right + i] - change_of[left + i]) / dt
             flux[f] += change
             velocity[f] = change / g.area[f] * sound_share(coef[f], content[left + i], content[right + i])
 
@@ -81,8 +82,11 @@ def add_compaction_velocity(g: Geometry, rows: Rows, velocity: Array, eps_max: f
 
 
 @kernel
-def conduct(g: Geometry, rows: Rows, k: Array, values: Array, given: Array, out: Array, coef: Array) -> None:
-    """Add what is conducted between cells [W] to `out` (nc,), set the links `coef` (nf,)."""
+def conduct(
+    g: Geometry, rows: Rows, k: Array, values: Array, given: Array, grad: Array, heat: Array, links: Array
+) -> None:
+    """Add what is conducted between cells [W] to `heat` (1, nc), set `links` (1, nf); `grad` is not needed here."""
+    out, coef = heat[0], links[0]
     rate, link = np.empty(len(g.right)), np.empty(len(g.right))
     for r in range(len(rows.length)):
         face, left, right = rows.face[r], rows.left[r], rows.right[r]
@@ -101,26 +105,6 @@ def conduct(g: Geometry, rows: Rows, k: Array, values: Array, given: Array, out:
         coef[f] = 0.0 if np.isnan(outside) else k[c] * g.area[f] / g.distance[f]
         if coef[f] > 0.0:
             out[c] += coef[f] * (outside - values[c])
-
-
-@kernel
-def mark_negative(g: Geometry, rows: Rows, dt: float, s: Array, old: Array, rhs: Array, first_order: Flags) -> bool:
-    """Mark the cells where convection alone would make theta negative, and their neighbours; whether any is new."""
-    negative, any_negative = np.empty(len(s), dtype=np.bool_), False
-    for c in range(len(s)):
-        negative[c] = s[c] * g.volume[c] * old[c] + dt * rhs[c] < 0.0
-        any_negative |= negative[c]
-    if not any_negative:
-        return False
-    before = first_order.sum()
-    for r in range(len(rows.length)):
-        left, right = rows.left[r], rows.right[r]
-        for i in range(ZERO, rows.length[r]):
-            if negative[left + i] or negative[right + i]:
-                first_order[left + i] = first_order[right + i] = True
-    for f in range(g.edge_from, g.edge_to):
-        first_order[g.left[f]] |= negative[g.left[f]]
-    return bool(first_order.sum() > before)
 
 
 @kernel
