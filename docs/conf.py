@@ -1,7 +1,8 @@
 """The manual: Sphinx with myst. `make docs` builds it; pages of `generated/` are written first, by `_ext/generate.py`.
 
 Sphinx, as most of the manual is docstrings in the numpy convention and data of the package: it reads them, checks all
-references, and takes warnings as errors. Formulas are MathML, so that neither building nor reading needs a network.
+references, and takes warnings as errors. Equations are literal blocks, so that neither
+building nor reading needs a network.
 """
 
 import sys
@@ -21,9 +22,8 @@ author = "contbed developers"
 copyright = "contbed developers"
 version = release = contbed.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "docstrings", "mathml"]
-html_math_renderer = "mathml"
-myst_enable_extensions = ["dollarmath", "deflist", "fieldlist"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "docstrings"]
+myst_enable_extensions = ["deflist", "fieldlist"]
 myst_heading_anchors = 4
 exclude_patterns = ["_ext", "_build", "notebooks"]
 default_role = "code"

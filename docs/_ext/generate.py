@@ -14,10 +14,9 @@ from collections.abc import Iterator, Mapping
 from html import escape
 from pathlib import Path
 
-from markdown_text import code, escaped_dollars, lower_headings, page, plain, table, toctree, without_links
+from markdown_text import code, literal, lower_headings, page, plain, table, toctree, without_links
 from notebooks import titles, write_page
 from pictures import plot_closure
-from typeset import Unreadable, equations
 from verification import write_page as write_verification
 
 from contbed import closures, fields
@@ -58,27 +57,17 @@ def write(folder: Path) -> None:
     project_texts(folder)
 
 
-def set_equations(lines: list[str]) -> str:
-    try:
-        return "```{math}\n" + "\n".join(equations(lines)) + "\n```"
-    except Unreadable:
-        return "```text\n" + "\n".join(line[4:] if line.startswith("    ") else line for line in lines) + "\n```"
-
-
 def docstring(text: str) -> str:
-    """Return the text of equations as Markdown: indented blocks are equations, columns stay columns."""
+    """Return the text of equations as Markdown: indented blocks and columns are literal blocks."""
     found = []
     for paragraph in text.split("\n\n")[1:]:
         lines = paragraph.splitlines()
         if not lines:
             continue
-        if all(line.startswith("    ") or not line for line in lines):
-            formulas = sum("=" in line for line in lines) >= 0.5 * len(lines)
-            found.append(
-                set_equations(lines) if formulas else "```text\n" + "\n".join(line[4:] for line in lines) + "\n```"
-            )
-        elif sum(bool(re.match(r"\S.{0,16}?\s{2,}\S", line)) for line in lines) > 0.5 * len(lines):
-            found.append("```text\n" + "\n".join(lines) + "\n```")
+        indented = all(line.startswith("    ") or not line for line in lines)
+        columns = sum(bool(re.match(r"\S.{0,16}?\s{2,}\S", line)) for line in lines)
+        if indented or columns > 0.5 * len(lines):
+            found.append(literal(lines))
         else:
             found.append(plain("\n".join(lines)))
     return "\n\n".join(found)
@@ -249,7 +238,7 @@ def data_sheet_of(name: str, figures: Path) -> Iterator[str]:
     sheet = registry.sheet(name)
     yield f"({name})=\n## `{name}`\n\n{plain(sheet.summary)}"
     if sheet.equation:
-        yield set_equations(sheet.equation.splitlines())
+        yield literal(sheet.equation.splitlines())
     rows = []
     for key in (*sheet.arguments, *sheet.options):
         known = arguments.argument(key, sheet.kind)
@@ -323,7 +312,7 @@ def gallery(folder: Path, figures: Path) -> None:
         page(
             folder / f"{name}.md",
             title.lstrip("# "),
-            lower_headings(escaped_dollars(without_links(body.strip()))),
+            lower_headings(without_links(body.strip())),
             f"Files: `studies/{name}`. The study is computed anew by `python -m studies run {name}`.",
         )
         names.append(name)
@@ -383,6 +372,6 @@ def project_texts(folder: Path) -> None:
     """Write pages that hold files of the project: the changelog, how it is built, how to cite it."""
     for name, title in (("CHANGELOG", "Changelog"), ("CONTRIBUTING", "Contributing")):
         text = (ROOT / f"{name}.md").read_text(encoding="utf-8").partition("\n")[2]
-        page(folder / f"{name.lower()}.md", title, escaped_dollars(without_links(text)))
+        page(folder / f"{name.lower()}.md", title, without_links(text))
     cite = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     page(folder / "cite.md", "How to cite", CITE, "```yaml\n" + cite + "```")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from textwrap import dedent
 
 
 def page(file: Path, title: str, *parts: str) -> None:
@@ -29,7 +30,7 @@ def code(text: str) -> str:
 def plain(text: str) -> str:
     """Return a text of a docstring as Markdown: what Markdown would read as its own is escaped."""
     parts = re.split(r"(`[^`]*`)", text)
-    return "".join(part if part.startswith("`") else re.sub(r"([*_<>\[\]#$|\\])", r"\\\1", part) for part in parts)
+    return "".join(part if part.startswith("`") else re.sub(r"([*_<>\[\]#|\\])", r"\\\1", part) for part in parts)
 
 
 def without_links(text: str) -> str:
@@ -44,5 +45,6 @@ def lower_headings(text: str) -> str:
     return re.sub(r"^(#+) ", lambda match: "#" * max(2, len(match[1]) + shift) + " ", text, flags=re.MULTILINE)
 
 
-def escaped_dollars(text: str) -> str:
-    return re.sub(r"(?<!\\)\$", r"\\$", text)
+def literal(lines: list[str]) -> str:
+    """Return lines as a literal block, without their common indentation."""
+    return "```text\n" + dedent("\n".join(lines)) + "\n```"
