@@ -16,14 +16,14 @@ from matplotlib.figure import Figure
 
 import contbed as cb
 from contbed import cli
-from contbed.many.calibrate.calibrate import calibrate
+from contbed.many.calibrate.calibrate import FILE, calibrate
 from contbed.many.calibrate.experiments import Point, read_jobs
 from contbed.many.calibrate.fit import fit
 from contbed.many.calibrate.found import Prediction, data_of
 from contbed.many.calibrate.model import SceneModel
 from contbed.many.calibrate.plots import _curves
 from contbed.many.calibrate.settings import read_file
-from contbed.many.calibrate.store import FILE, Store
+from contbed.many.store import Store
 from tests.report.report_file import charts_of
 
 SCENE = """\
@@ -222,12 +222,12 @@ def test_a_line_that_was_not_written_whole_is_computed_again(folder, no_pictures
 
 
 def test_a_line_that_was_changed_is_computed_again(folder):
-    store = Store(folder)
+    store = Store(folder / FILE)
     store.add("one", {"exit_code": 0, "problem": "", "values": [1.5]})
     store.add("two", {"exit_code": 0, "problem": "", "values": [2.5]})
     file = folder / FILE
     file.write_text(file.read_text().replace("1.5", "1.6"))
-    again = Store(folder)
+    again = Store(folder / FILE)
     assert again.known("one") is None and again.known("two")["values"] == [2.5]
 
 

@@ -17,12 +17,14 @@ from contbed.many.calibrate.model import SceneModel
 from contbed.many.calibrate.plots import plot
 from contbed.many.calibrate.posterior import require_emcee, sample
 from contbed.many.calibrate.settings import CalibrationFile, read_file
-from contbed.many.calibrate.store import Store
 from contbed.many.calibrate.write import write
+from contbed.many.store import Store
 from contbed.models import MODELS, kind_of
 from contbed.output.files import prepare
 from contbed.output.progress import Progress
 from contbed.scene.toml_lines import read
+
+FILE = "runs.jsonl"  # of all runs
 
 
 def calibrate(
@@ -57,7 +59,7 @@ def calibrate(
     work = read_jobs(file, trust, allow_large)
     folder = (Path(out) if out else Path("results") / Path(path).stem).absolute()
     prepare(folder)
-    store = Store(folder, retry_failed)
+    store = Store(folder / FILE, retry_failed)
     model = SceneModel(file.keys, work, store, jobs)
     found = _found(file, work, model, store, quiet)
     write(found, folder)

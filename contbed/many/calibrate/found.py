@@ -15,7 +15,7 @@ from contbed.many.calibrate.experiments import Job, Point
 from contbed.many.calibrate.fit import Data, Fit
 from contbed.many.calibrate.posterior import Samples
 from contbed.many.calibrate.settings import CalibrationFile, FittedKey
-from contbed.many.calibrate.store import Outcome
+from contbed.many.store import Content
 
 Array = NDArray[np.float64]
 BOUND = 0.01  # distance from a bound of a prior, in standard deviations of it, at which a key is said to be there
@@ -52,7 +52,7 @@ class Calibrated:
     prediction: Prediction
     runs: int
     before: int
-    failed: list[Outcome]
+    failed: list[Content]
     warnings: list[str] = field(default_factory=list)
 
     @property

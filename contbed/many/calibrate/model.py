@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.errors import ContbedError, SceneError, interrupt_in
+from contbed.errors import SceneError, interrupt_in
 from contbed.many.calibrate.experiments import Job, Point
 from contbed.many.calibrate.observe import observe
 from contbed.many.calibrate.settings import FittedKey
-from contbed.many.calibrate.store import Outcome, Store
-from contbed.many.sweep.runs import KILLED
+from contbed.many.runs import DIED, KILLED, failure
+from contbed.many.store import Content, Store, key_of
 from contbed.many.value_sets import tidy
+from contbed.many.workers import pooled
 from contbed.result import Result
 from contbed.scene.identity import scene_hash
 from contbed.scene.tables import SceneBase
@@ -69,7 +68,7 @@ class SceneModel:
                 try:
                     scene = job.load(keys)
                 except SceneError as error:
-                    name = _name(json.dumps([str(job.scene), sorted(keys.items())]), job)
+                    name = _name([str(job.scene), keys], job)
                     if self._store.known(name) is None:
                         self._store.add(name, _failed(error, keys))
                 else:
@@ -128,7 +127,7 @@ class SceneModel:
 
     def _found(
         self, waiting: dict[str, tuple[SceneBase, Job]], keys: tuple[str, ...] = ()
-    ) -> Iterator[tuple[str, Outcome]]:
+    ) -> Iterator[tuple[str, Content]]:
         """Yield the outcomes of runs, or of derivatives to keys; a process that dies takes one run with it."""
         tasks = [(name, scene, job, keys) for name, (scene, job) in waiting.items()]
         if self._processes == 1:
@@ -136,7 +135,7 @@ class SceneModel:
             return
         done = set()
         try:
-            for name, outcome in _pool(tasks, self._processes):
+            for name, outcome in pooled(_pair, tasks, self._processes):
                 done.add(name)
                 yield name, outcome
         except BrokenProcessPool:
@@ -144,29 +143,17 @@ class SceneModel:
                 if task[0] in done:
                     continue
                 try:
-                    yield from _pool([task], self._processes)
+                    yield from pooled(_pair, [task], self._processes)
                 except BrokenProcessPool:
-                    text = "its worker died: out of memory, killed from outside, or crashed"
-                    yield task[0], {"exit_code": KILLED, "problem": text}
+                    yield task[0], {"exit_code": KILLED, "problem": DIED}
 
 
-Task = tuple[str, SceneBase, Job, tuple[str, ...]]
+def _name(scene: Any, job: Job) -> str:
+    """Return the key of a run with what is wanted of it."""
+    return key_of(scene, [[point.quantity, repr(point.t), repr(point.x)] for point in job.points])
 
 
-def _pool(tasks: list[Task], processes: int) -> Iterator[tuple[str, Outcome]]:
-    from joblib import Parallel, delayed, parallel_config
-
-    with parallel_config(backend="loky", inner_max_num_threads=1):
-        pool = Parallel(n_jobs=processes, return_as="generator_unordered")
-        yield from pool(delayed(_pair)(*task) for task in tasks)
-
-
-def _name(scene: str, job: Job) -> str:
-    wanted = [[point.quantity, repr(point.t), repr(point.x)] for point in job.points]
-    return hashlib.sha256(json.dumps([scene, wanted]).encode()).hexdigest()[:16]
-
-
-def _pair(name: str, scene: SceneBase, job: Job, keys: tuple[str, ...]) -> tuple[str, Outcome]:
+def _pair(name: str, scene: SceneBase, job: Job, keys: tuple[str, ...]) -> tuple[str, Content]:
     from contbed.runner import run
 
     try:
@@ -191,7 +178,7 @@ def _slopes(result: Result, job: Job, keys: tuple[str, ...]) -> list[list[float]
     return [[float(value) for value in row] for row in found.derivatives]
 
 
-def _failed(error: Exception, keys: dict[str, float]) -> Outcome:
-    code, kind = (error.exit_code, "") if isinstance(error, ContbedError) else (1, f"{type(error).__name__}: ")
-    shown = f" (with {', '.join(f'{name} = {value:.6g}' for name, value in keys.items())})" if keys else ""
-    return {"exit_code": code, "problem": f"{kind}{error}{shown}".replace("\n", "; ")}
+def _failed(error: Exception, keys: dict[str, float]) -> Content:
+    code, problem = failure(error)
+    values = ", ".join(f"{name} = {value:.6g}" for name, value in keys.items())
+    return {"exit_code": code, "problem": f"{problem} (with {values})" if values else problem}

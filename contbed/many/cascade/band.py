@@ -32,11 +32,9 @@ from contbed.many.cascade import measured
 from contbed.many.cascade.file import AT_PARTICLE, Cascade
 from contbed.many.cascade.particles import DEGREE, Ensemble
 from contbed.many.cascade.reactor import CONDUCTIVITY, NUSSELT
-from contbed.many.sweep.runs import compute, folder_of, forget, known
-from contbed.many.sweep.study import Case
+from contbed.many.runs import case_of, compute, folder_of, known
 from contbed.output.folder import SUMMARY
 from contbed.output.shapes import Shape, Use, read_json
-from contbed.scene.identity import scene_hash
 from contbed.scene.mesh import MeshFile
 from contbed.scene.names import nearest_of
 
@@ -131,11 +129,8 @@ class Runs:
             output |= measured.outputs(cascade.measured)
         values = {**output, **files, **changes}
         scene = load(cascade.scene_file, values, trust=cascade.trust, allow_large=cascade.allow_large)
-        case = Case(scene_hash(scene), {}, scene)
-        outcome = known(case, self.folder)
-        if outcome is not None and outcome["exit_code"] and self.retry_failed:
-            forget(case, self.folder)
-            outcome = None
+        case = case_of(scene, {})
+        outcome = known(case, self.folder, self.retry_failed)
         self.before += outcome is not None and case.name not in self.seen
         self.seen.add(case.name)
         outcome = outcome or compute(case, self.folder)

@@ -6,10 +6,8 @@ Conductivity: the network of resistors over the ratio k_solid/k_fluid. Exchange:
 
 from __future__ import annotations
 
-import hashlib
 import io
-import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -35,9 +33,9 @@ from contbed.dem.simulation import Simulation
 from contbed.dem.sizes import random_radii, sauter_mean
 from contbed.dem.walls import Domain
 from contbed.many.cascade.file import AT_PARTICLE, Cascade
+from contbed.many.store import KEY, Store, key_of
 from contbed.materials.constant import ConstantFluid
 from contbed.output.files import atomic
-from contbed.output.summary import write_json
 
 Array = NDArray[np.float64]
 Columns = dict[str, Array]
@@ -53,10 +51,10 @@ AIR = (1.2, 1005.0, 1.8e-5)  # kg/m3, J/kg/K, Pa s: only Re and Pr count
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Packings of a cascade, and the folder where all that is known of them is kept."""
+    """Packings of a cascade, and the store of what is computed of them."""
 
     cascade: Cascade
-    folder: Path
+    store: Store
     beds: tuple[extract.Packing, ...]
 
     @property
@@ -71,7 +69,7 @@ class Ensemble:
         points = np.geomspace(ratios[0] / MARGIN, ratios[1] * MARGIN, RATIOS)
         about = {"bed": self._name(bed), "paths": paths, "ratios": points.tolist(), "factor": factor}
         sweep = partial(extract.conductivity_sweep, [self.beds[bed]], points.tolist(), 1.0, factor, paths)
-        return _kept(self.folder / "conduction", about, sweep)
+        return self._kept("conduction", about, sweep)
 
     def exchange(self, bed: int, law: int, Re: tuple[float, float], Pr: tuple[float, float]) -> Columns:
         """Return Re, Pr and Nu of a packing between two Reynolds and two Prandtl numbers."""
@@ -82,10 +80,15 @@ class Ensemble:
         fluids = np.unique([Pr[0] / MARGIN, Pr[1] * MARGIN])
         about = {"bed": self._name(bed), "law": bound.sheet.name, "parameters": bound.parameters}
         about |= {"Re": speeds.tolist(), "Pr": fluids.tolist()}
-        return _kept(self.folder / "exchange", about, partial(_exchange, self, bed, function, speeds, fluids))
+        return self._kept("exchange", about, partial(_exchange, self, bed, function, speeds, fluids))
+
+    def _kept(self, what: str, about: dict[str, Any], compute: Callable[[], Columns]) -> Columns:
+        """Return columns that belong to `about`, kept or computed."""
+        kept = self.store.kept(key_of(__version__, what, about), compute)
+        return {name: np.array(values) for name, values in kept.items() if name != KEY}
 
     def _name(self, bed: int) -> str:
-        return _hash(_about(self.cascade, bed))
+        return key_of(__version__, _about(self.cascade, bed))
 
 
 def ensemble(cascade: Cascade, folder: Path, told: Callable[[], None]) -> Ensemble:
@@ -99,7 +102,7 @@ def ensemble(cascade: Cascade, folder: Path, told: Callable[[], None]) -> Ensemb
     for number in range(cascade.settings.packings.count):
         beds.append(_packing(cascade, folder / "packings", number))
         told()
-    return Ensemble(cascade, folder, tuple(beds))
+    return Ensemble(cascade, Store(folder / "results.jsonl"), tuple(beds))
 
 
 def _about(cascade: Cascade, number: int) -> dict[str, Any]:
@@ -119,7 +122,7 @@ def _about(cascade: Cascade, number: int) -> dict[str, Any]:
 
 def _packing(cascade: Cascade, folder: Path, number: int) -> extract.Packing:
     about = _about(cascade, number)
-    path = folder / f"{_hash(about)}.npz"
+    path = folder / f"{key_of(__version__, about)}.npz"
     d = cascade.diameter
     width = about["width"] * d
     try:
@@ -163,22 +166,3 @@ def _exchange(ensemble: Ensemble, bed: int, law: Any, speeds: Array, fluids: Arr
             around = Bed(simulation, gas, 0.2 * d * density * d / (Re * viscosity), moving=False)
             points.append(bed_nusselt(around, Re * viscosity / (density * d), 300.0, Solid(0.0)))
     return dict(zip(("Re", "Pr", "Nu"), np.array(points).T, strict=True))
-
-
-def _kept(folder: Path, about: Mapping[str, Any], compute: Callable[[], Columns]) -> Columns:
-    """Return columns that belong to `about`: from their file, or computed and kept."""
-    path = folder / f"{_hash(about)}.json"
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        columns = content["columns"] if content["checksum"] == _hash(content["columns"]) else None
-    except (OSError, ValueError, KeyError, TypeError):
-        columns = None
-    if columns is None:
-        columns = {name: [float(v) for v in values] for name, values in compute().items()}
-        folder.mkdir(parents=True, exist_ok=True)
-        write_json(path, {"about": dict(about), "columns": columns, "checksum": _hash(columns)})
-    return {name: np.array(values) for name, values in columns.items()}
-
-
-def _hash(about: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json.dumps([__version__, about], sort_keys=True).encode()).hexdigest()[:16]

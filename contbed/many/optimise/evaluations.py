@@ -1,13 +1,11 @@
 """Runs of a design: each scene and each gradient is computed once and kept by the hash of the scene.
 
-`runs/NAME/` is that of a sweep; `gradient_HASH.json` beside it holds the derivatives of the results to the keys that
-were asked for. A run or gradient that is there is taken from there, so that a killed command goes on where it was.
+`runs/NAME/` is that of a sweep; `gradients.jsonl` holds the derivatives of results by the keys that were asked for. A
+run or gradient that is there is taken from there, so that a killed command resumes.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,10 +19,8 @@ from contbed.many.derivatives.differences import seeds, with_seeds
 from contbed.many.derivatives.gradients import gradient
 from contbed.many.optimise.constrained_search import EvaluationFailed
 from contbed.many.optimise.problem import Design, plain
-from contbed.many.sweep.runs import compute, folder_of, forget, known
-from contbed.many.sweep.study import Case
-from contbed.output.summary import write_json
-from contbed.scene.identity import scene_hash
+from contbed.many.runs import Case, case_of, compute, known
+from contbed.many.store import Store, key_of
 from contbed.scene.names import nearest
 
 Array = NDArray[np.float64]
@@ -78,6 +74,10 @@ class Evaluations:
     method: str = ""
     standard_errors: bool = False
     told: Any = None  # called with each new evaluation
+    gradients: Store = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.gradients = Store(self.folder / "gradients.jsonl")
 
     def at(self, point: Array) -> Evaluation:
         """Return the evaluation at a point.
@@ -118,21 +118,18 @@ class Evaluations:
         """Return a case with as many seeds as the design repeats it."""
         places = seeds(case.scene)
         scenes = [case.scene, *(with_seeds(case.scene, places, k) for k in range(1, self.design.repeats))]
-        return [case, *(Case(scene_hash(scene), case.parameters, scene) for scene in scenes[1:])]
+        return [case, *(case_of(scene, case.parameters) for scene in scenes[1:])]
 
     def _outcome(self, case: Case) -> dict[str, Any]:
         """Return the outcome of a run, computed or kept."""
-        outcome = known(case, self.folder)
-        if outcome is not None and outcome["exit_code"] and self.retry_failed:
-            forget(case, self.folder)
-            outcome = None
+        outcome = known(case, self.folder, self.retry_failed)
         self.before += outcome is not None
         return outcome or compute(case, self.folder)
 
     def _case(self, point: Array) -> Case:
         scene = self.design.scene_at(point)
         parameters = {key.name: float(value) for key, value in zip(self.design.keys, point, strict=True)}
-        return Case(scene_hash(scene), parameters, scene)
+        return case_of(scene, parameters)
 
     def _fill(self, found: Evaluation, runs: Sequence[Mapping[str, Any]]) -> None:
         """Fill in objective and constraints by the results of all runs of a point, or why there are none."""
@@ -200,24 +197,22 @@ class Evaluations:
     def _gradient(self, at: Evaluation, names: Sequence[str]) -> dict[str, Array]:
         """Return the derivatives of each result to the keys `names`, computed or kept."""
         results = list(self.design.results)
-        asked = {"qoi": results, "keys": list(names)}
         case = self._case(at.point)
-        path = folder_of(case, self.folder) / f"gradient_{_hash(asked)}.json"
-        kept = _kept(path)
-        if kept is None:
+
+        def compute_gradient() -> dict[str, Any]:
             try:
                 found = gradient(case.scene, results, names)
             except ContbedError as error:
                 if isinstance(error, SceneError) and not any(row.differentiated for row in self.rows):
                     raise  # a key without derivative, not a point without one
                 raise EvaluationFailed(f"no gradient: {error}") from error
-            kept = {
-                **asked,
-                "derivatives": found.derivatives.tolist(),
-                "standard_errors": None if found.standard_errors is None else found.standard_errors.tolist(),
+            return {
+                "derivatives": found.derivatives,
+                "standard_errors": found.standard_errors,
                 "method": found.method,
             }
-            write_json(path, kept | {"checksum": _hash(kept)})
+
+        kept = self.gradients.kept(key_of(case.name, results, list(names)), compute_gradient)
         self.method = kept["method"]
         self.standard_errors |= kept["standard_errors"] is not None
         return dict(zip(results, np.array(kept["derivatives"], dtype=float), strict=True))
@@ -231,20 +226,6 @@ def _means(runs: Sequence[Mapping[str, Any]]) -> dict[str, float]:
         for name in numbers
         if all(isinstance(run.get(name), int | float) for run in runs)
     }
-
-
-def _kept(path: Path) -> dict[str, Any] | None:
-    """Return a gradient that was kept; None if there is none or its file is damaged."""
-    try:
-        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        checksum = content.pop("checksum")
-    except (OSError, ValueError, KeyError, AttributeError, TypeError):
-        return None
-    return content if checksum == _hash(content) else None
-
-
-def _hash(content: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
 @dataclass

@@ -40,7 +40,8 @@ from contbed.explain import sheets
 from contbed.loading import load
 from contbed.many import value_sets
 from contbed.many.distributions import Distribution
-from contbed.scene.identity import resolved, scene_hash
+from contbed.many.runs import Case, case_of
+from contbed.scene.identity import resolved
 from contbed.scene.names import nearest
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse_key, read
@@ -49,15 +50,6 @@ _KEYS = ("title", "scene", "qoi", "parameters", "zipped", "sample")
 _VALUES = (value_sets.is_values, value_sets.values)
 _DISTRIBUTIONS = (value_sets.is_distribution, partial(value_sets.distribution, counts=True))
 _SAMPLE_KEYS = ("method", "count", "seed", "gradients", "parameters")
-
-
-@dataclass(frozen=True)
-class Case:
-    """One run: its name (the hash of its scene), the values of the parameters in SI, and the scene."""
-
-    name: str
-    parameters: Mapping[str, Any]
-    scene: SceneBase
 
 
 @dataclass(frozen=True)
@@ -291,7 +283,7 @@ def _cases(
                     known.append(told)
         else:
             found = resolved(loaded)
-            case = Case(scene_hash(loaded), {name: _at(found, name) for name in values}, loaded)
+            case = case_of(loaded, {name: _at(found, name) for name in values})
             cases.setdefault(case.name, case)
             order.append(case.name)
     if problems:

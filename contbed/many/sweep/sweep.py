@@ -12,9 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from contbed.errors import SceneError
-from contbed.many.sweep import table, workers
-from contbed.many.sweep.runs import Outcome, forget, is_damaged, known, locked
-from contbed.many.sweep.study import Case, Study, read_study
+from contbed.many import workers
+from contbed.many.runs import Case, is_damaged, known
+from contbed.many.store import Content, locked
+from contbed.many.sweep import table
+from contbed.many.sweep.study import Study, read_study
 from contbed.many.sweep.table import Row
 from contbed.output.files import prepare
 from contbed.output.progress import Progress
@@ -77,13 +79,10 @@ def sweep(
     if scheduler is not None:
         workers.require_dask()
     prepare(folder)
-    outcomes: dict[str, Outcome] = {}
+    outcomes: dict[str, Content] = {}
     for case in todo.cases:
-        if (found := known(case, folder)) is not None:
-            if retry_failed and found["exit_code"]:
-                forget(case, folder)
-            else:
-                outcomes[case.name] = found
+        if (found := known(case, folder, retry_failed)) is not None:
+            outcomes[case.name] = found
     before = len(outcomes)
     damaged = [case.name for case in todo.cases if case.name not in outcomes and is_damaged(case, folder)]
     warnings = [f"runs/{name}: outcome.json is not as it was written; the run is computed again" for name in damaged]
@@ -117,7 +116,7 @@ def _alone(folder: Path) -> Iterator[None]:
         os.close(descriptor)
 
 
-def _found(todo: Study, folder: Path, outcomes: dict[str, Outcome], jobs: int, scheduler: str | None) -> workers.Found:
+def _found(todo: Study, folder: Path, outcomes: dict[str, Content], jobs: int, scheduler: str | None) -> workers.Found:
     waiting = [case for case in todo.cases if case.name not in outcomes]
     if not waiting:
         return iter(())
@@ -126,7 +125,7 @@ def _found(todo: Study, folder: Path, outcomes: dict[str, Outcome], jobs: int, s
     return workers.in_this_process(waiting, folder) if jobs == 1 else workers.on_this_machine(waiting, folder, jobs)
 
 
-def _row(case: Case, outcome: Outcome) -> Row:
+def _row(case: Case, outcome: Content) -> Row:
     return Row(case.name, case.parameters, outcome["qoi"], outcome["exit_code"], outcome["problem"])
 
 

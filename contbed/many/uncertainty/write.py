@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import csv
-import hashlib
-import json
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -15,6 +13,7 @@ from numpy.typing import NDArray
 
 from contbed.errors import ContbedError
 from contbed.many.derivatives.gradients import gradient
+from contbed.many.store import Store, key_of
 from contbed.many.sweep.study import Sample, Study
 from contbed.many.sweep.table import Quantity, Row, columns
 from contbed.many.uncertainty.indices import VARIES, Indices, indices
@@ -25,10 +24,11 @@ from contbed.output.files import atomic
 from contbed.output.plots import styled_figure
 from contbed.output.summary import write_json
 from contbed.scene.identity import scene_hash
+from contbed.scene.tables import SceneBase
 
 Array = NDArray[np.float64]
 FILE = "uncertainty.json"
-SLOPES = "gradient.json"  # what was found of it before
+SLOPES = "gradient.jsonl"  # the derivatives at the means
 
 
 @dataclass(frozen=True)
@@ -117,27 +117,19 @@ def _slopes(
         return {}, []
     try:
         scene = study.base({name: spread.mean for name, spread in sample.distributions.items()})
-        of = hashlib.sha256(json.dumps([scene_hash(scene), floats, keys]).encode()).hexdigest()[:16]
-        known = _known(out / SLOPES, of)
-        if known is None:
-            found = gradient(scene, floats, keys)
-            runs = 1 if found.method == "tangent" else 1 + 4 * len(keys)
-            known = {
-                name: [float(value), [float(each) for each in row], runs]
-                for name, value, row in zip(floats, found.values, found.derivatives, strict=True)
-            }
-            write_json(out / SLOPES, {"of": of, "results": known})
+        key = key_of(scene_hash(scene), floats, keys)
+        known = Store(out / SLOPES).kept(key, lambda: _gradient(scene, floats, keys))
     except ContbedError as error:
         return {}, [f"no propagation by gradients: {error}"]
-    return {name: (value, np.array(slope), runs) for name, (value, slope, runs) in known.items()}, []
+    each = zip(floats, known["values"], known["derivatives"], strict=True)
+    return {name: (value, np.array(slope), known["runs"]) for name, value, slope in each}, []
 
 
-def _known(path: Path, of: str) -> dict[str, Any] | None:
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        return dict(content["results"]) if content["of"] == of else None
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+def _gradient(scene: SceneBase, results: list[str], keys: list[str]) -> dict[str, Any]:
+    """Return values and derivatives of results, and the number of runs that they take."""
+    found = gradient(scene, results, keys)
+    runs = 1 if found.method == "tangent" else 1 + 4 * len(keys)
+    return {"values": found.values, "derivatives": found.derivatives, "runs": runs}
 
 
 def _write(report: Report, out: Path) -> None:

@@ -1,39 +1,50 @@
-"""One run of a sweep: its folder, its outcome, and what its workers did.
+"""Runs of scenes, each with its folder, its outcome, and what its workers did.
 
 `runs/NAME/` holds what the run writes, and
 
     outcome.json    exit code, problem, parameters and named results; the scene too if the run failed; a checksum
     workers.log     a line when a worker begins the run and when it has ended it
 
-The outcome appears whole or not at all, after everything else, and a run that has one is never computed again, unless
-its content does not fit its checksum. The log
+The outcome appears whole or not at all, after everything else, and a run that has one is never computed again. The log
 is locked by the worker that computes: if two want the same run, the second waits and takes what the first has found.
 """
 
 from __future__ import annotations
 
-import fcntl
-import hashlib
-import json
 import os
 import socket
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
 from contbed.errors import ContbedError, SceneError
-from contbed.many.sweep.study import Case
-from contbed.output.summary import plain, write_json
-from contbed.scene.identity import resolved
+from contbed.many.store import Content, locked, opened, sealed
+from contbed.output.summary import write_json
+from contbed.scene.identity import resolved, scene_hash
+from contbed.scene.tables import SceneBase
 
 OUTCOME = "outcome.json"
 LOG = "workers.log"
 KILLED = 137  # what a shell returns for a process that was killed
+DIED = "its worker died: out of memory, killed from outside, or crashed"
 _BEGUN = "begun"
 
-Outcome = dict[str, Any]
+
+@dataclass(frozen=True)
+class Case:
+    """One run: its name (the hash of its scene), the values of the parameters in SI, and the scene."""
+
+    name: str
+    parameters: Mapping[str, Any]
+    scene: SceneBase
+
+
+def case_of(scene: SceneBase, parameters: Mapping[str, Any]) -> Case:
+    """Return the run of a scene under its name."""
+    return Case(scene_hash(scene), parameters, scene)
 
 
 def folder_of(case: Case, out: Path) -> Path:
@@ -41,28 +52,22 @@ def folder_of(case: Case, out: Path) -> Path:
     return out / "runs" / case.name
 
 
-def known(case: Case, out: Path) -> Outcome | None:
-    """Return the outcome of a run; None if it is not finished, or if its file is damaged."""
+def known(case: Case, out: Path, retry_failed: bool = False) -> Content | None:
+    """Return the outcome of a run; None if it is not finished, its file is damaged, or it failed and is tried again."""
+    file = folder_of(case, out) / OUTCOME
     try:
-        outcome = json.loads((folder_of(case, out) / OUTCOME).read_text(encoding="utf-8"))
-        return outcome if outcome["checksum"] == _checksum(outcome) else None
-    except (FileNotFoundError, NotADirectoryError, ValueError, AttributeError, KeyError, TypeError):
+        outcome = opened(file.read_text(encoding="utf-8"))
+    except (FileNotFoundError, NotADirectoryError, ValueError):
         return None
+    if outcome is not None and retry_failed and outcome["exit_code"]:
+        file.unlink(missing_ok=True)
+        return None
+    return outcome
 
 
 def is_damaged(case: Case, out: Path) -> bool:
     """Return whether the outcome of a run does not fit its checksum."""
     return (folder_of(case, out) / OUTCOME).is_file() and known(case, out) is None
-
-
-def _checksum(outcome: Outcome) -> str:
-    content = {key: value for key, value in outcome.items() if key != "checksum"}
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
-
-
-def forget(case: Case, out: Path) -> None:
-    """Delete the outcome of a run, so that it is computed again."""
-    (folder_of(case, out) / OUTCOME).unlink(missing_ok=True)
 
 
 def is_begun(case: Case, out: Path) -> bool:
@@ -73,7 +78,7 @@ def is_begun(case: Case, out: Path) -> bool:
         return False
 
 
-def compute(case: Case, out: Path) -> Outcome:
+def compute(case: Case, out: Path) -> Content:
     """Run a scene and keep its outcome; what is already there is returned as it is.
 
     Raises
@@ -87,13 +92,18 @@ def compute(case: Case, out: Path) -> Outcome:
         return _keep(case, out, log, lambda: _results(case, out))
 
 
-def give_up(case: Case, out: Path) -> Outcome:
+def give_up(case: Case, out: Path) -> Content:
     """Return a failed outcome for a run whose workers died, or the outcome that one of them has found after all."""
     with _claimed(case, out) as log:
         if (found := known(case, out)) is not None:
             return found
-        text = "its worker died: out of memory, killed from outside, or crashed"
-        return _keep(case, out, log, lambda: (KILLED, text, {}))
+        return _keep(case, out, log, lambda: (KILLED, DIED, {}))
+
+
+def failure(error: Exception) -> tuple[int, str]:
+    """Return the exit code and the problem, on one line, of a run that raised an error."""
+    code, name = (error.exit_code, "") if isinstance(error, ContbedError) else (1, f"{type(error).__name__}: ")
+    return code, f"{name}{error}".replace("\n", "; ")
 
 
 @contextmanager
@@ -109,27 +119,14 @@ def _no_link(path: str, flags: int) -> int:
     return os.open(path, flags | os.O_NOFOLLOW, 0o666)
 
 
-@contextmanager
-def locked(descriptor: int) -> Iterator[None]:
-    """Hold the lock of an open file or folder for the block; the system releases it when the process ends."""
-    with suppress(OSError):  # a file system without locks
-        fcntl.flock(descriptor, fcntl.LOCK_EX)
-    try:
-        yield
-    finally:
-        with suppress(OSError):
-            fcntl.flock(descriptor, fcntl.LOCK_UN)
-
-
-def _keep(case: Case, out: Path, log: IO[str], solve: Callable[[], tuple[int, str, dict[str, Any]]]) -> Outcome:
+def _keep(case: Case, out: Path, log: IO[str], solve: Callable[[], tuple[int, str, dict[str, Any]]]) -> Content:
     code, problem, qoi = solve()
     outcome = {"exit_code": code, "problem": problem, "parameters": case.parameters, "qoi": qoi}
     if code:
         outcome["scene"] = resolved(case.scene)
-    outcome = plain(outcome)
-    write_json(folder_of(case, out) / OUTCOME, outcome | {"checksum": _checksum(outcome)})
+    write_json(folder_of(case, out) / OUTCOME, sealed(outcome))
     _note(log, f"failed with {code}" if code else "finished")
-    found = known(case, out)  # exactly what a later sweep will read
+    found = known(case, out)  # exactly what a later study will read
     assert found is not None
     return found
 
@@ -144,8 +141,7 @@ def _results(case: Case, out: Path) -> tuple[int, str, dict[str, Any]]:
     except Exception as error:  # one broken run must not lose the others
         if _is_disk(error):
             raise
-        code, name = (error.exit_code, "") if isinstance(error, ContbedError) else (1, f"{type(error).__name__}: ")
-        return code, f"{name}{error}".replace("\n", "; "), {}
+        return *failure(error), {}
     return 0, "", dict(result.summary.get("qoi", {}))
 
 

@@ -1,23 +1,23 @@
-"""Workers of a sweep: processes of this machine, or workers of a dask cluster, each with one thread."""
+"""Workers of runs: processes of this machine, or workers of a dask cluster, each with one thread."""
 
 from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import Any
+from typing import Any, Literal
 
 from contbed.errors import ContbedError
-from contbed.many.sweep.runs import Outcome, compute, give_up, is_begun, known
-from contbed.many.sweep.study import Case
+from contbed.many.runs import Case, compute, give_up, is_begun, known
+from contbed.many.store import Content
 
 WAIT = 30.0  # s for the scheduler to answer, and for its first worker
 ATTEMPTS = 3  # times that workers may die before they begin a run
 
-Found = Iterator[tuple[Case, Outcome]]
+Found = Iterator[tuple[Case, Content]]
 
 
 def in_this_process(cases: list[Case], out: Path) -> Found:
@@ -32,7 +32,7 @@ def on_this_machine(cases: list[Case], out: Path, jobs: int) -> Found:
     while batches:
         batch, done = batches.popleft(), set()
         try:
-            for case, outcome in _pool(batch, out, jobs):
+            for case, outcome in pooled(_pair, [(case, out) for case in batch], jobs, batch=1):
                 done.add(case.name)
                 yield case, outcome
         except BrokenProcessPool:
@@ -54,15 +54,25 @@ def on_this_machine(cases: list[Case], out: Path, jobs: int) -> Found:
             batches.extendleft([[case for case in left if case not in begun], *([case] for case in begun)])
 
 
-def _pool(cases: list[Case], out: Path, jobs: int) -> Found:
+def pooled(
+    function: Callable[..., Any], tasks: Iterable[tuple[Any, ...]], jobs: int, batch: int | Literal["auto"] = "auto"
+) -> Iterator[Any]:
+    """Yield what a function returns for the arguments of each task, from `jobs` processes, as they end.
+
+    `batch` is the number of tasks that a process takes at a time.
+
+    Raises
+    ------
+    BrokenProcessPool : a process died
+    """
     from joblib import Parallel, delayed, parallel_config
 
     with parallel_config(backend="loky", inner_max_num_threads=1):
-        pool = Parallel(n_jobs=jobs, batch_size=1, return_as="generator_unordered")
-        yield from pool(delayed(_pair)(case, out) for case in cases)
+        pool = Parallel(n_jobs=jobs, batch_size=batch, return_as="generator_unordered")
+        yield from pool(delayed(function)(*task) for task in tasks)
 
 
-def _pair(case: Case, out: Path) -> tuple[Case, Outcome]:
+def _pair(case: Case, out: Path) -> tuple[Case, Content]:
     return case, compute(case, out)
 
 
@@ -109,11 +119,11 @@ def on_cluster(cases: list[Case], out: Path, scheduler: str) -> Found:
 
 
 def _lost(scheduler: str) -> ContbedError:
-    return ContbedError(f"lost the scheduler at {scheduler}; the same command goes on from here")
+    return ContbedError(f"lost the scheduler at {scheduler}; the same command resumes from here")
 
 
-def _on_cluster_worker(case: Case, out: Path) -> Outcome:
-    os.environ.setdefault("NUMBA_NUM_THREADS", "1")  # the others have been looked at by `_inspect`
+def _on_cluster_worker(case: Case, out: Path) -> Content:
+    os.environ.setdefault("NUMBA_NUM_THREADS", "1")  # `_inspect` has checked the others
     return compute(case, out)
 
 
