@@ -203,7 +203,6 @@ MODELS: dict[str, Model] = {
             "reacting_bed": "equations.bed",
             "gas_inside_particles": "equations.inside",
             "reacting_section": "equations.section",
-            "several_solids": "equations.kinds",
             "amounts_above_zero": "limited",
             "amounts_above_zero_in_time": "bounded",
             "cells_in_time": "time_cells",

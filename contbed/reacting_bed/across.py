@@ -58,14 +58,14 @@ def across(problem: Problem) -> Across | None:
         medium = medium.of(
             medium.scene.model_copy(update={"section": Section(dispersion="vdi")}),
             problem.species,
-            medium.solids_density,
+            problem.streams,
             medium.with_pressure,
         )
     try:
         radial = medium.radial(state)
     except SceneError:
         return None
-    K, radius = float(radial.conductivity_fluid + radial.conductivity_solid), 0.5 * wall.diameter
+    K, radius = float(radial.conductivity), 0.5 * wall.diameter
     q = float(medium.through_wall(problem.streams.T_gas, medium.wall_coefficient(state), K, 0.25 * radius))
     return Across(abs(q) * radius / (2.0 * K), _limit(problem))
 

@@ -1,71 +1,139 @@
-"""The equations of a bed with one kind of particles from its scene, species, streams and reactions."""
+"""The equations of a bed from its scene, species and streams."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from contbed.materials.thermo import T_STANDARD
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.equations.bed import Bed, Enthalpy
-from contbed.reacting_bed.equations.unknowns import Layout
-from contbed.reacting_bed.inlet_series import constant
-from contbed.reacting_bed.kinetics import Reaction
+from contbed.reacting_bed.equations.bed import Bed
+from contbed.reacting_bed.equations.phase import Enthalpy, Phase
+from contbed.reacting_bed.equations.unknowns import Layout, PhaseLayout
+from contbed.reacting_bed.kinetics import Reaction, reactions_of
 from contbed.reacting_bed.medium import Medium
-from contbed.reacting_bed.streams import Streams
-from contbed.reacting_bed.substances import Substances
+from contbed.reacting_bed.pellets import in_pellets
+from contbed.reacting_bed.phases import places
+from contbed.reacting_bed.streams import Streams, shares_of
+from contbed.reacting_bed.substances import Equation, PhaseSpecies, Substances, fed_to
 
 
-def bed_of(
-    scene: s.ReactingScene, species: Substances, entering: Streams, reactions: Sequence[Reaction], medium: Medium
-) -> Bed:
-    """Return the equations of a bed."""
-    reacting = {name for reaction in reactions for name in reaction.stoichiometry}
-    solids = tuple(name for name in species.solids if name in reacting)
-    films = films_of(scene, species, reactions)
-    layout = Layout(tuple(species.gases), solids, temperatures_of(scene), medium.with_pressure, films)
+def bed_of(scene: s.ReactingScene, species: Substances, entering: Streams, medium: Medium) -> Bed:
+    """Return the equations of a bed.
+
+    Raises
+    ------
+    SceneError : reactions cannot be used
+    """
+    reactions = _reactions(scene, species)
+    layouts = [_layout(scene, name, species.phases[name], reactions) for name in scene.phases]
+    temperatures = _temperatures(scene, layouts)
+    layout = Layout(tuple(species.gases), temperatures, medium.with_pressure, tuple(layouts))
+    phases = {}
+    for each in layouts:
+        own = species.phases[each.name]
+        inert = _inert(scene.phases[each.name], own, each, entering)
+        velocity = entering.velocities[each.name] / (1.0 - scene.bed.porosity)
+        phases[each.name] = Phase(each, medium.phases[each.name], own.enthalpies, velocity, inert)
     return Bed(
         layout,
         species.molar_masses,
         species.enthalpies,
-        reactions,
+        [_named_for_the_bed(reaction, species) for reaction in reactions],
         medium,
-        constant(scene.flow.velocity_solid) / (1.0 - scene.bed.porosity),
-        inert_of(scene, species, entering, solids),
+        phases,
         entering.pressure,
         entering.T_gas,
     )
 
 
-def temperatures_of(scene: s.ReactingScene) -> tuple[str, ...]:
+def within(bed: Bed, scene: s.ReactingScene, entering: Streams) -> Bed:
+    """Return a bed with the streams and surroundings of a scene that differs in nothing else."""
+    medium = bed.medium.within(scene, entering)
+    phases = {
+        name: replace(
+            phase, medium=medium.phases[name], velocity=entering.velocities[name] / (1.0 - scene.bed.porosity)
+        )
+        for name, phase in bed.phases.items()
+    }
+    return replace(bed, medium=medium, phases=phases, p_in=entering.pressure, T_in=entering.T_gas)
+
+
+def _temperatures(scene: s.ReactingScene, phases: Sequence[PhaseLayout]) -> tuple[str, ...]:
     """Return the temperatures of gas and particles that are unknowns."""
     if scene.heat is None:
         return ()
-    return ("T",) if scene.heat.nusselt is None else ("T_fluid", "T_solid")
+    return ("T",) if scene.heat.nusselt is None else ("T_fluid", *(phase.temperature for phase in phases))
 
 
-def films_of(scene: s.ReactingScene, species: Substances, reactions: Sequence[Reaction]) -> tuple[str, ...]:
+def _reactions(scene: s.ReactingScene, species: Substances) -> list[Reaction]:
+    """Return the reactions of the gas and of the solid phases, constituents by their own names."""
+    found: list[Reaction] = []
+    for name, running in places(scene, species.plain).items():
+        tables = {name: scene.reactions[name]}
+        if not running:
+            found += reactions_of(tables, species.plain, False)
+        for phase in running:
+            own = species.phases[phase]
+            for each in reactions_of(tables, own, scene.particle.mass == "effectiveness"):
+                full = own.full(each.name) if len(running) > 1 else each.name
+                found.append(replace(each, name=full, phase=phase, alone=each.name))
+    for phase in scene.phases:
+        found = _resolved(scene, phase, species, found)
+    return found
+
+
+def _resolved(scene: s.ReactingScene, phase: str, species: Substances, reactions: Sequence[Reaction]) -> list[Reaction]:
+    """Return reactions with those of a phase as means over its pellets, where their inside is resolved."""
+    table, share = scene.phases[phase], shares_of(scene.phases)[phase]
+    if scene.particle.mass not in ("auto", "interior") or not table.diffusivity:
+        return list(reactions)
+    own = [reaction for reaction in reactions if reaction.phase == phase]
+    resolved = in_pellets(own, species.gases, table.diffusivity, (1.0 - scene.bed.porosity) * share)
+    by_name = {reaction.name: reaction for reaction in resolved}
+    return [by_name.get(reaction.name, reaction) for reaction in reactions]
+
+
+def _named_for_the_bed(reaction: Reaction, species: Substances) -> Reaction:
+    """Return a reaction whose equation has the names of constituents in the whole bed."""
+    if reaction.phase is None:
+        return reaction
+    own = species.phases[reaction.phase]
+    moles = {own.full(name) if name in own.solids else name: n for name, n in reaction.stoichiometry.items()}
+    return replace(reaction, equation=Equation(moles, reaction.equation.reversible))
+
+
+def _layout(scene: s.ReactingScene, name: str, own: PhaseSpecies, reactions: Sequence[Reaction]) -> PhaseLayout:
+    """Return the unknowns of a solid phase without those inside of its particles."""
+    running = [reaction for reaction in reactions if reaction.phase == name]
+    reacting = {species for reaction in running for species in reaction.stoichiometry}
+    solids = tuple(species for species in own.solids if species in reacting)
+    return PhaseLayout(name, own.suffix, solids, _films(scene, name, own, running))
+
+
+def _films(scene: s.ReactingScene, name: str, own: PhaseSpecies, running: Sequence[Reaction]) -> tuple[str, ...]:
     """Return the gases whose films around particles are resolved, but for those that are adsorbed, see `inside`."""
     if scene.mass is None or scene.mass.sherwood is None:
         return ()
-    through = [r for r in reactions if r.site != "gas" and not r.own_film]
-    wanted = {name for r in through for name in r.stoichiometry} | {
-        name
-        for key, table in scene.reactions.items()
-        if any(r.key == key for r in through)
-        for name in table.orders or {}
-    }
-    return tuple(name for name in species.gases if name in wanted and name not in scene.adsorption)
+    through = [reaction for reaction in running if reaction.site != "gas" and not reaction.own_film]
+    wanted = {species for reaction in through for species in reaction.stoichiometry}
+    for reaction in through:
+        if reaction.key in scene.reactions:
+            wanted |= set(scene.reactions[reaction.key].orders or {})
+    adsorbed = scene.phases[name].adsorption
+    return tuple(species for species in own.gases if species in wanted and species not in adsorbed)
 
 
-def inert_of(
-    scene: s.ReactingScene, species: Substances, entering: Streams, solids: Sequence[str]
+def _inert(
+    table: s.SolidKind, own: PhaseSpecies, layout: PhaseLayout, entering: Streams
 ) -> tuple[tuple[float, Enthalpy], ...]:
-    """Return amount per volume of bed and enthalpy of what the particles hold beside the `solids` that react."""
-    inert: list[tuple[float, Enthalpy]] = [
-        (n, species.solids[name].enthalpy) for name, n in entering.solid.items() if name not in solids and n > 0
-    ]
-    solid = scene.solid
-    if solid is not None and solid.composition is None and solid.heat_capacity is not None:
-        capacity = solid.heat_capacity
-        inert.append((entering.solids_density, lambda T: capacity * (T - T_STANDARD)))
+    """Return amount per volume of bed and enthalpy of what particles hold beside the constituents that react."""
+    inert: list[tuple[float, Enthalpy]] = []
+    for name, species in own.solids.items():
+        moles = entering.solid[own.full(name)]
+        if name not in layout.solids and moles > 0:
+            inert.append((moles, species.enthalpy))
+    if not fed_to(table) and table.heat_capacity is not None:
+        capacity = table.heat_capacity
+        inert.append((entering.densities[layout.name], lambda T: capacity * (T - T_STANDARD)))
     return tuple(inert)

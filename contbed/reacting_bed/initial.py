@@ -27,13 +27,12 @@ from numpy.typing import NDArray
 
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.equations.bed import Bed
-from contbed.reacting_bed.equations.kinds import of_kind
+from contbed.reacting_bed.equations.phase import Phase
 from contbed.reacting_bed.equations.unknowns import LEAST_T, Layout, State, conserved
 from contbed.reacting_bed.initial_rows import GAS, located, rows_of
 from contbed.reacting_bed.inlet_series import SUM
 from contbed.reacting_bed.problem import Problem
-from contbed.reacting_bed.results import kinds_of
+from contbed.reacting_bed.results import constituents_of
 from contbed.scene.names import nearest
 from contbed.scene.profile import Rows
 
@@ -51,14 +50,14 @@ class Profile:
     temperatures : by unknown [K]
     fractions : mole fractions of all gases
     amounts : of solids that react [mol/m3 bed]
-    inner : concentrations in the pores of particles [mol/m3] by gas and kind, None for the only one
+    inner : concentrations in the pores of particles [mol/m3] by gas and solid phase
     """
 
     rows: Rows
     temperatures: Mapping[str, Array] = field(default_factory=dict)
     fractions: Mapping[str, Array] = field(default_factory=dict)
     amounts: Mapping[str, Array] = field(default_factory=dict)
-    inner: Mapping[tuple[str, str | None], Array] = field(default_factory=dict)
+    inner: Mapping[tuple[str, str], Array] = field(default_factory=dict)
 
     def fill(self, problem: Problem, u: Array) -> None:
         """Replace what the file says in a state (m, N, p + 1)."""
@@ -74,14 +73,13 @@ class Profile:
 
     def inside(self, name: str, layout: Layout) -> Array | None:
         """Return an unknown inside of particles along the rows; None where the file does not say."""
-        kind = name.rpartition("_")[2] if layout.kinds else None
-        return self.inner.get((str(conserved(name)), kind))
+        return self.inner.get((str(conserved(name)), layout.owners[name]))
 
     def described(self, problem: Problem, stores_gas: bool) -> str:
         """Return what the file gives, and what else the run begins with."""
         layout, scene = problem.layout, problem.scene
         given = [*self.temperatures, *(f"x_{name}" for name in self.fractions), *self.amounts]
-        given += [f"q_{gas}" if kind is None else of_kind(f"q_{gas}", kind) for gas, kind in self.inner]
+        given += [problem.species.phases[phase].full(f"q_{gas}") for gas, phase in self.inner]
         time = "" if self.rows.time is None else f" at t = {self.rows.time:g} s"
         rest = []
         if layout.temperatures and not self.temperatures:
@@ -94,7 +92,7 @@ class Profile:
             rest.append("solids as they enter")
         if scene.adsorbs and not self.inner:
             rest.append("particles in equilibrium with the gas around them")
-        elif any(bed.layout.points > 1 for bed, _ in phases_of(problem)):
+        elif any(phase.layout.points > 1 for phase in problem.bed.phases.values()):
             rest.append("particles uniform inside, with the loadings of the file")
         if problem.rings is not None:
             rest.append("uniform across the section")
@@ -114,9 +112,9 @@ def profile_of(scene: s.ReactingScene, problem: Problem) -> Profile:
         raise located(scene, error) from None
 
 
-def phases_of(problem: Problem) -> list[tuple[Bed, State]]:
-    """Return the bed of each kind of particles, and what enters as it sees it."""
-    return problem.bed.phases(problem.bed.state(problem.first_point()))
+def phases_of(problem: Problem) -> list[tuple[Phase, State]]:
+    """Return each solid phase, and what enters as it sees it."""
+    return problem.bed.with_states(problem.bed.state(problem.first_point()))
 
 
 class _Reader:
@@ -126,13 +124,9 @@ class _Reader:
         assert scene.time is not None and rows is not None
         self.scene, self.problem, self.rows = scene, problem, rows
         self.time = scene.time
-        layout = problem.layout
-        self.solids = list(kinds_of(problem).values())
-        self.loadings = {
-            (gas, kind): f"q_{gas}" if kind is None else of_kind(f"q_{gas}", kind)
-            for kind, (bed, _) in zip(layout.kinds or (None,), phases_of(problem), strict=True)
-            for gas in bed.layout.inside
-        }
+        self.phases = problem.layout.phases
+        self.solids = list(constituents_of(problem).values())
+        self.loadings = {(gas, phase.name): phase.full(f"q_{gas}") for phase in self.phases for gas in phase.inside}
 
     def profile(self) -> Profile:
         """Return what the rows say."""
@@ -150,7 +144,7 @@ class _Reader:
     def _has_no_other_columns(self) -> None:
         problem = self.problem
         solids = [name for names in self.solids for name in names]
-        known = ["T_fluid", "T_solid", *(of_kind("T_solid", kind) for kind in problem.layout.kinds)]
+        known = ["T_fluid", "T_solid", *(phase.temperature for phase in self.phases)]
         known += [f"x_{name}" for name in problem.species.gases]
         known += [f"{of}_{name}" for name in solids for of in ("n", "w")] + [*self.loadings.values()]
         for name, unit in zip(self.rows.table.names, self.rows.table.units, strict=True):
@@ -164,8 +158,8 @@ class _Reader:
     def _temperatures(self) -> dict[str, Array]:
         """Return the temperatures by unknown."""
         wanted = self.problem.layout.temperatures
-        kinds = [of_kind("T_solid", kind) for kind in self.problem.layout.kinds]
-        there = [name for name in ("T_fluid", "T_solid", *kinds) if self._has(name)]
+        own_names = [phase.temperature for phase in self.phases if phase.suffix]
+        there = [name for name in ("T_fluid", "T_solid", *own_names) if self._has(name)]
         values = {name: self._temperature(name) for name in there}
         if not there or not wanted:
             return {}
@@ -174,7 +168,7 @@ class _Reader:
             raise self.rows.table.error(self.rows.table.header_line, text)
         found = {}
         for name in wanted:
-            own = ("T_solid", "T_fluid") if name == "T" else (name, "T_solid") if name in kinds else (name,)
+            own = ("T_solid", "T_fluid") if name == "T" else (name, "T_solid") if name in own_names else (name,)
             column = there[0] if len(there) == 1 else next((each for each in own if each in values), None)
             if column is None:
                 raise self._missing(own[0], f"the file has {', '.join(there)}; give it as well, or one for all")
@@ -269,11 +263,12 @@ class _Reader:
             text = f"{values[row]:.6g}, and this solid does not react and is there as it enters, {fed:.6g}"
             raise self.rows.error(row, f"column '{column}': {text}; remove the column, or change [solid]")
 
-    def _inner(self, temperatures: Mapping[str, Array]) -> dict[tuple[str, str | None], Array]:
+    def _inner(self, temperatures: Mapping[str, Array]) -> dict[tuple[str, str], Array]:
         """Return the concentrations in the pores of particles that hold the loadings of the file."""
-        found: dict[tuple[str, str | None], Array] = {}
-        for kind, (bed, own) in zip(self.problem.layout.kinds or (None,), phases_of(self.problem), strict=True):
-            columns = {gas: self.loadings[gas, kind] for gas in bed.layout.inside}
+        found: dict[tuple[str, str], Array] = {}
+        for phase, own in phases_of(self.problem):
+            name = phase.layout.name
+            columns = {gas: self.loadings[gas, name] for gas in phase.layout.inside}
             if not any(self._has(column) for column in columns.values()):
                 continue
             q = {}
@@ -282,16 +277,15 @@ class _Reader:
                     raise self._missing(column, "give the loadings of all gases that are adsorbed")
                 values = self.rows.column(column, PER_MASS)
                 q[gas] = self._not_negative(column, values, float(np.abs(values).max()))
-            T: Any = temperatures.get("T" if kind is None else of_kind("T_solid", kind))
-            T = temperatures.get("T", temperatures.get("T_solid")) if T is None else T
+            T: Any = temperatures.get(phase.layout.temperature, temperatures.get("T"))
             if T is None:
                 T = self.time.initial_temperature or own.T_solid
-            assert bed.inside is not None
-            c = bed.inside.concentrations(q, T * np.ones_like(self.rows.where))
+            assert phase.inside is not None
+            c = phase.inside.concentrations(q, T * np.ones_like(self.rows.where))
             for gas, values in c.items():
                 if not np.isfinite(values).all():
                     row = int(np.flatnonzero(~np.isfinite(values))[0])
                     text = f"{q[gas][row]:.6g} mol/kg is no less than the capacity of the particles"
                     raise self.rows.error(row, f"column '{columns[gas]}': {text}; see adsorption.{gas}.capacity")
-                found[gas, kind] = values
+                found[gas, name] = values
         return found

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +18,7 @@ from contbed.particle.uptake import Level, breakthrough_error, moving_bed_error
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.inside import Inside, Isotherm, adsorbed
-from contbed.reacting_bed.equations.kinds import KindsBed, of_kind
 from contbed.reacting_bed.equations.unknowns import State
-from contbed.reacting_bed.kinds import kind_scene
 
 SHAPES = {"spheres": "sphere", "rods": "cylinder"}
 LEVELS: Mapping[str, Level] = {"film": "lumped", "linear_driving_force": "effective", "interior": "interior"}
@@ -59,18 +58,18 @@ class Choice:
         )
 
 
-def isotherms_of(scene: s.ReactingScene) -> dict[str, Isotherm]:
-    """Return the isotherms of a scene by gas."""
+def isotherms_of(table: s.SolidKind) -> dict[str, Isotherm]:
+    """Return the isotherms of a solid phase by gas."""
     return {
-        name: Isotherm(float(table.henry or table.affinity or 0.0), table.capacity, table.enthalpy, table.temperature)
-        for name, table in scene.adsorption.items()
+        name: Isotherm(float(given.henry or given.affinity or 0.0), given.capacity, given.enthalpy, given.temperature)
+        for name, given in table.adsorption.items()
     }
 
 
-def with_inside(scene: s.ReactingScene, bed: Bed, entering: State) -> tuple[Bed, dict[str | None, Choice]]:
-    """Return a bed whose particles take up gas, and how the level of each kind was chosen, None the only one.
+def with_inside(scene: s.ReactingScene, bed: Bed, entering: State) -> tuple[Bed, dict[str, Choice]]:
+    """Return a bed whose particles take up gas, and how the level of each solid phase was chosen.
 
-    Errors of several kinds add at most, at rest and with straight isotherms: what passes one kind is spread by the
+    Errors of several phases add at most, at rest and with straight isotherms: what passes one phase is spread by the
     others. Each may have its part of `solver.accuracy`.
 
     Parameters
@@ -78,67 +77,65 @@ def with_inside(scene: s.ReactingScene, bed: Bed, entering: State) -> tuple[Bed,
     bed : without its particles' inside
     entering : state of the gas and the particles as they enter
     """
-    if not isinstance(bed, KindsBed):
-        made, choice = _with_inside(scene, bed, entering, scene.solver.accuracy)
-        return made, {None: choice}
-    parts = dict(bed.parts)
-    choices: dict[str | None, Choice] = {}
-    views = {kind: kind_scene(scene, kind) for kind, table in scene.solids.items() if table.adsorption}
-    for kind, view in views.items():
-        limit = scene.solver.accuracy / len(views)
-        parts[kind], choices[kind] = _with_inside(view, parts[kind], entering.kinds[kind], limit)
-    layout = replace(
-        bed.layout,
-        inside=tuple(dict.fromkeys(gas for part in parts.values() for gas in part.layout.inside)),
-        inside_kinds=tuple(of_kind(name, kind) for kind, part in parts.items() for name in part.layout.inner),
-    )
-    return replace(bed, parts=parts, layout=layout), choices
+    films = {name: transport.films for name, transport in bed.medium.at(entering).phases.items()}
+    adsorbing = [name for name, table in scene.phases.items() if table.adsorption]
+    choices: dict[str, Choice] = {}
+    for name in adsorbing:
+        bed, inside = _with_points(scene, bed, name)
+        limit = scene.solver.accuracy / len(adsorbing)
+        choices[name] = _chosen(scene, bed, name, entering.phases[name], films[name], limit)
+        if choices[name].level != "interior":
+            share = 1.0 / (SURFACE_OVER_VOLUME[SHAPES[scene.bed.shape]] + 2)
+            resistance = 0.0 if choices[name].level == "film" else share
+            one = replace(inside, weights=np.ones(1), stiffness=np.zeros((1, 1)), resistance=resistance)
+            bed = _with(bed, name, one)
+    return bed, choices
 
 
-def _with_inside(scene: s.ReactingScene, bed: Bed, entering: State, accuracy: float) -> tuple[Bed, Choice]:
-    """Return the bed of one kind whose particles take up gas, and how their level was chosen."""
-    inside, choice = inside_of(scene, bed, entering, accuracy)
-    layout = replace(bed.layout, inside=inside.gases, points=inside.count)
-    return replace(bed, inside=inside, layout=layout), choice
-
-
-def inside_of(scene: s.ReactingScene, bed: Bed, entering: State, accuracy: float) -> tuple[Inside, Choice]:
-    """Return the particles of one kind that take up gas, and how their level was chosen.
-
-    Parameters
-    ----------
-    bed : without its particles' inside
-    entering : state of the gas and the particles as they enter
-    accuracy : largest error of a level that is taken
-    """
-    shape = SHAPES[scene.bed.shape]
-    solid = scene.solid
-    assert solid is not None
-    points = interior(scene.particle.points, shape)
+def _with_points(scene: s.ReactingScene, bed: Bed, name: str) -> tuple[Bed, Inside]:
+    """Return a bed with points inside of the particles of a phase, and these particles."""
+    table, medium = scene.phases[name], bed.phases[name].medium
+    points = interior(scene.particle.points, SHAPES[scene.bed.shape])
     inside = Inside(
-        tuple(scene.adsorption),
-        isotherms_of(scene),
-        {name: table.diffusivity for name, table in scene.adsorption.items()},
+        tuple(table.adsorption),
+        isotherms_of(table),
+        {gas: given.diffusivity for gas, given in table.adsorption.items()},
         points.weights,
         points.stiffness,
         points.surface,
         0.0,
-        0.5 * scene.bed.diameter,
-        solid.porosity,
-        bed.medium.solids_density / bed.medium.solids,
-        bed.medium.solids,
+        0.5 * medium.diameter,
+        table.porosity,
+        medium.density / medium.solids,
+        medium.solids,
     )
-    choice = _chosen(scene, bed, inside, entering, accuracy)
-    if choice.level == "interior":
-        return inside, choice
-    resistance = 0.0 if choice.level == "film" else 1.0 / (SURFACE_OVER_VOLUME[shape] + 2)
-    return replace(inside, weights=np.ones(1), stiffness=np.zeros((1, 1)), resistance=resistance), choice
+    return _with(bed, name, inside), inside
 
 
-def _chosen(scene: s.ReactingScene, bed: Bed, inside: Inside, entering: State, accuracy: float) -> Choice:
-    """Return the level that a scene names, or the cheapest whose error is small for every gas."""
+def _with(bed: Bed, name: str, inside: Inside) -> Bed:
+    """Return a bed whose particles of a phase take up gas."""
+    phase = bed.phases[name]
+    layout = replace(phase.layout, inside=inside.gases, points=inside.count)
+    phases = {**bed.phases, name: replace(phase, inside=inside, layout=layout)}
+    layouts = tuple(each.layout for each in phases.values())
+    return replace(bed, phases=phases, layout=replace(bed.layout, phases=layouts))
+
+
+def _chosen(
+    scene: s.ReactingScene, bed: Bed, phase: str, entering: State, films: Mapping[str, Any], accuracy: float
+) -> Choice:
+    """Return the level that a scene names for a phase, or the cheapest whose error is small for every gas.
+
+    Parameters
+    ----------
+    bed : with points inside of the particles of the phase
+    entering : the gas and the particles as they enter, as the phase sees them
+    films : coefficients of its films [m/s]
+    accuracy : largest error of a level that is taken
+    """
     shape = SHAPES[scene.bed.shape]
-    films = bed.medium.at(entering).films
+    inside, v = bed.phases[phase].inside, bed.phases[phase].velocity
+    assert inside is not None
     T, u, length = float(entering.T_solid), float(entering.u), scene.mesh.length
     molar = float(entering.p) / (R_GAS * float(entering.T_fluid))
     c = {name: max(float(entering.c[name]), LEAST_FRACTION * molar) for name in inside.gases}
@@ -149,7 +146,7 @@ def _chosen(scene: s.ReactingScene, bed: Bed, inside: Inside, entering: State, a
         D, k = inside.diffusivities[name], float(films[name])
         biot = k * inside.radius / D
         units = k * inside.solids * inside.surface / inside.radius * length / abs(u)
-        v, fourier = bed.velocity_solid, None
+        fourier = None
         if v:
             fourier = D / held * length / (abs(v) * inside.radius**2)
         error = {}
@@ -164,7 +161,7 @@ def _chosen(scene: s.ReactingScene, bed: Bed, inside: Inside, entering: State, a
     worst = max(found, key=lambda each: each.error["linear_driving_force"])
     if worst.level != "auto":
         return worst
-    if replace(bed, inside=inside).reacts_inside:
+    if bed.reacts_inside(phase):
         return replace(worst, level="interior", reacts=True)
     for level in ("film", "linear_driving_force"):
         if all(each.error[level] <= accuracy for each in found):

@@ -9,8 +9,8 @@ from contbed.errors import SceneError
 from contbed.materials.composition import names_in
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.inlet_series import CompositionSeries, constant
-from contbed.reacting_bed.kinds import kinds_named
 from contbed.reacting_bed.laws import STAGED
+from contbed.reacting_bed.phases import phases_named as kinds_named
 from contbed.reacting_bed.schedule import series_of
 from contbed.reacting_bed.substances import equations_of
 from contbed.scene.checking import Mistakes, See

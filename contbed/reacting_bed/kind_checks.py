@@ -12,8 +12,10 @@ from contbed.closures.binding import named
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.inlet_series import constant
-from contbed.reacting_bed.kinds import fed_to, kinds_named, merged, slowest
 from contbed.reacting_bed.medium import bound
+from contbed.reacting_bed.phases import phases_named as kinds_named
+from contbed.reacting_bed.streams import slowest
+from contbed.reacting_bed.substances import constituents_of, fed_to
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.names import nearest
 from contbed.scene.series import Series
@@ -34,6 +36,13 @@ def _with_solids(check: Check, each: Check) -> Check:
     return each
 
 
+def merged(solids: Kinds) -> s.Solids:
+    """Return particles with the constituents of all kinds, for their names and data."""
+    names = dict.fromkeys(name for table in solids.values() for name in fed_to(table))
+    composition = ", ".join(f"{name}:{1.0 / len(names)!r}" for name in names) if names else None
+    return s.Solids(composition=composition, constituent=constituents_of(solids))
+
+
 def _can_be_read(solids: Kinds) -> bool:
     try:
         return bool(merged(solids))
@@ -51,7 +60,11 @@ def of_all_kinds(check: Check) -> Check:
         if solids:
             given["solid"] = merged(solids)
             if "flow" in given and not isinstance(given["flow"].velocity_solid, Series):
-                given["flow"] = _moving(given["flow"], slowest(solids, given["flow"]))
+                speeds = [
+                    constant(given["flow"].velocity_solid if v is None else v)
+                    for v in (table.velocity_solid for table in solids.values())
+                ]
+                given["flow"] = _moving(given["flow"], slowest(speeds))
         yield from check(**given)
 
     return _with_solids(check, each)

@@ -22,7 +22,7 @@ from contbed.particle.effectiveness import effectiveness_of
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.laws import IRON, STAGED
 from contbed.reacting_bed.local import Local
-from contbed.reacting_bed.substances import Equation, Substances, equations_of
+from contbed.reacting_bed.substances import Equation, Species, equations_of
 
 BAR = 1e5
 SI_OF_BASIS = {"catalyst": "mol/kg/s", "gas": "mol/m**3/s", "particle": "mol/m**3/s", "bed": "mol/m**3/s"}
@@ -45,14 +45,14 @@ class Reaction:
     site: str
     own_film: bool = False
     step: int | None = None
-    kind: str | None = None  # of the particles in which it runs, where there are several
-    alone: str | None = None  # name without the kind, where it runs in several
+    phase: str | None = None  # solid phase in which it runs
+    alone: str | None = None  # name without the phase, where it runs in several
     gases: frozenset[str] = frozenset()  # of its equation and of its rate
     has_roots: bool = False  # whether orders or a formula have powers between 0 and 1
 
     @property
     def key(self) -> str:
-        """Name without the kind of particles: the key in [reactions] of a reaction without stages."""
+        """Name without the solid phase: the key in [reactions] of a reaction without stages."""
         return self.alone or self.name
 
     @property
@@ -61,20 +61,23 @@ class Reaction:
         return self.equation.stoichiometry
 
 
-def reactions_of(scene: s.ReactingScene, species: Substances) -> list[Reaction]:
-    """Return the reactions of a scene; one with stages gives one for each."""
+def reactions_of(tables: Mapping[str, s.Reaction], species: Species, with_effectiveness: bool) -> list[Reaction]:
+    """Return the reactions of tables in one place; one with stages gives one for each.
+
+    `with_effectiveness` says that particles with a diffusivity have one by their Thiele modulus.
+    """
     out: list[Reaction] = []
-    for name, table in scene.reactions.items():
+    for name, table in tables.items():
         equations = equations_of(name, table)
         if table.law in STAGED:
             out += _stages(table, equations)
             continue
         ((_, equation),) = equations.items()
-        out.append(_one(name, table, equation, scene, species))
+        out.append(_one(name, table, equation, species, with_effectiveness))
     return out
 
 
-def site_of(table: s.Reaction, equation: Equation, species: Substances) -> str:
+def site_of(table: s.Reaction, equation: Equation, species: Species) -> str:
     """Return where a reaction runs, as the basis of its rate."""
     if table.basis is not None:
         return table.basis
@@ -83,7 +86,7 @@ def site_of(table: s.Reaction, equation: Equation, species: Substances) -> str:
     return "particle" if any(name in species.solids for name in equation.stoichiometry) else "gas"
 
 
-def _one(name: str, table: s.Reaction, equation: Equation, scene: s.ReactingScene, species: Substances) -> Reaction:
+def _one(name: str, table: s.Reaction, equation: Equation, species: Species, with_effectiveness: bool) -> Reaction:
     basis = site_of(table, equation, species)
     used = {**equation.stoichiometry, **(table.orders or {})}
     site = "gas" if basis == "gas" or (basis == "bed" and not any(k in species.solids for k in used)) else "particle"
@@ -103,7 +106,7 @@ def _one(name: str, table: s.Reaction, equation: Equation, scene: s.ReactingScen
         rate = _named(name, table, equation, equilibrium)
     else:
         rate = _power(table, equation, equilibrium, species)
-    if scene.particle.mass == "effectiveness" and table.diffusivity and not own_film and site == "particle":
+    if with_effectiveness and table.diffusivity and not own_film and site == "particle":
         rate = _slowed(rate, table, equation, species, basis)
     scaled = _per_bed(rate, basis, table.factor)
     roots = any(0.0 < n < 1.0 for n in (table.orders or {}).values())
@@ -139,7 +142,7 @@ def constant(table: s.Reaction, T: Any) -> Any:
     return k * T**table.b if table.b else k
 
 
-def orders_of(table: s.Reaction, equation: Equation, species: Substances) -> dict[str, float]:
+def orders_of(table: s.Reaction, equation: Equation, species: Species) -> dict[str, float]:
     """Return the orders of a reaction in its species; absent: the coefficients of gases on the left."""
     if table.orders is not None:
         return dict(table.orders)
@@ -170,7 +173,7 @@ def _powers(at: Local, orders: Mapping[str, float]) -> Any:
     )
 
 
-def _power(table: s.Reaction, equation: Equation, equilibrium: Equilibrium, species: Substances) -> Rate:
+def _power(table: s.Reaction, equation: Equation, equilibrium: Equilibrium, species: Species) -> Rate:
     orders = orders_of(table, equation, species)
     gases = {name: n for name, n in equation.stoichiometry.items() if name in species.gases}
     left = {name: -n for name, n in gases.items() if n < 0}
@@ -220,14 +223,14 @@ def _reforming(name: str, equilibrium: Equilibrium) -> Rate:
     return rate
 
 
-def solids_of(equation: Equation, species: Substances) -> tuple[str, float, dict[str, float]]:
+def solids_of(equation: Equation, species: Species) -> tuple[str, float, dict[str, float]]:
     """Return the solid that reacts, its coefficient, and the solids that are made."""
     gone = [(name, -n) for name, n in equation.stoichiometry.items() if n < 0 and name in species.solids]
     made = {name: n for name, n in equation.stoichiometry.items() if n > 0 and name in species.solids}
     return gone[0][0], gone[0][1], made
 
 
-def whole(at: Local, equation: Equation, species: Substances) -> Any:
+def whole(at: Local, equation: Equation, species: Species) -> Any:
     """Return the moles of the reacting solid with what has reacted of it already [mol/m3 bed]."""
     name, count, made = solids_of(equation, species)
     total = at.n[name]
@@ -237,12 +240,12 @@ def whole(at: Local, equation: Equation, species: Substances) -> Any:
     return total
 
 
-def _key(equation: Equation, species: Substances) -> tuple[str, float]:
+def _key(equation: Equation, species: Species) -> tuple[str, float]:
     """Return the gas on the left that a rate of first order refers to, and its coefficient."""
     return next((name, -n) for name, n in equation.stoichiometry.items() if n < 0 and name in species.gases)
 
 
-def _grain(table: s.Reaction, equation: Equation, species: Substances) -> Rate:
+def _grain(table: s.Reaction, equation: Equation, species: Species) -> Rate:
     """Return 3 n0 a k c^m (1 - X)^(2/3)/(n_g r_g), times 1 - X once more for `grain_remaining`, per particle volume."""
     orders = orders_of(table, equation, species)
     name, _, _ = solids_of(equation, species)
@@ -263,7 +266,7 @@ def _grain(table: s.Reaction, equation: Equation, species: Substances) -> Rate:
     return rate
 
 
-def _shrinking_core(table: s.Reaction, equation: Equation, equilibrium: Equilibrium, species: Substances) -> Rate:
+def _shrinking_core(table: s.Reaction, equation: Equation, equilibrium: Equilibrium, species: Species) -> Rate:
     name, _, _ = solids_of(equation, species)
     gas, moles = _key(equation, species)
     gases = {key: n for key, n in equation.stoichiometry.items() if key in species.gases}
@@ -318,7 +321,7 @@ def interface_volumes(n: Mapping[str, Any]) -> tuple[Any, Any, Any]:
     return iron[0] / total, (iron[0] + iron[1]) / total, (iron[0] + iron[1] + iron[2]) / total
 
 
-def _slowed(rate: Rate, table: s.Reaction, equation: Equation, species: Substances, basis: str) -> Rate:
+def _slowed(rate: Rate, table: s.Reaction, equation: Equation, species: Species, basis: str) -> Rate:
     """Return a rate times the effectiveness of a sphere.
 
     The modulus is that of the size of the rate per concentration of the first gas that is used up: on the left, or on
@@ -370,7 +373,7 @@ def formula_of(table: s.Reaction, basis: str) -> tuple[Formula, dict[str, float]
     return parse_formula(str(table.rate)), parameters, factor
 
 
-def _formula(table: s.Reaction, equation: Equation, basis: str, species: Substances) -> Rate:
+def _formula(table: s.Reaction, equation: Equation, basis: str, species: Species) -> Rate:
     formula, parameters, factor = formula_of(table, basis)
     has_solid = any(name in species.solids and n < 0 for name, n in equation.stoichiometry.items())
 

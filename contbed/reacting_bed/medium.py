@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,12 +15,14 @@ from contbed.closures.reactions import R_GAS
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.equations.unknowns import LEAST_T, State
+from contbed.reacting_bed.gas_properties import Properties
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.local import SHARPEST, Local, Smoothing
+from contbed.reacting_bed.streams import Streams, mean_conductivity, sauter_mean
 from contbed.reacting_bed.substances import Substances
 from contbed.scene.tables import Closure
 
-_AREA = {"spheres": 6.0, "rods": 4.0}
+AREA = {"spheres": 6.0, "rods": 4.0}  # surface over volume, times the diameter
 _PACKING = ("eps", "d_p")
 _STREAM = (*_PACKING, "Re", "Pr", "Pe", "T", "k_fluid", "D_bed")
 GIVES: Mapping[str, tuple[str, ...]] = {
@@ -70,101 +73,278 @@ def bound(spec: Any, kind: str, base: Any, direction: str = "axial") -> BoundClo
 
 
 @dataclass(frozen=True)
-class Transport:
-    """Coefficients at points; see `equations.bed`."""
+class PhaseTransport:
+    """Coefficients of one solid phase at points: exchange [W/m3/K], conductivity [W/m/K] by its share, films [m/s]."""
 
     exchange: Any = 0.0
-    conductivity_fluid: Any = 0.0
     conductivity_solid: Any = 0.0
+    films: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Transport:
+    """Coefficients of a bed at points; see `equations.bed`."""
+
+    conductivity_fluid: Any = 0.0
     wall: Any = 0.0
     pressure_gradient: Any = 0.0
     dispersion: Mapping[str, Any] | None = None
-    films: Mapping[str, Any] = field(default_factory=dict)
-    kinds: Mapping[str, Transport] = field(default_factory=dict)  # of each of several kinds of particles
+    phases: Mapping[str, PhaseTransport] = field(default_factory=dict)
+
+    @property
+    def conductivity(self) -> Any:
+        """Conductivity of gas and particles [W/m/K]."""
+        return sum((each.conductivity_solid for each in self.phases.values()), self.conductivity_fluid)
 
 
 @dataclass(frozen=True, eq=False)
-class Medium:
-    """The bed of a scene. `solids_density` is the mass of particles per volume of bed [kg/m3]."""
+class Closures:
+    """Closures and numbers of a scene by the key of each, evaluated at a state of a packing.
+
+    diameter, conductivity : of the particles [m], [W/m/K]
+    velocity_solid : superficial velocity of the particles [m/s]
+    """
 
     scene: s.ReactingScene
     species: Substances
-    velocity_solid: float  # superficial [m/s]
-    solids_density: float
-    with_pressure: bool
-    closures: Mapping[str, BoundClosure]
-    share: float = 1.0  # of the volume of all particles, of one of several kinds
-    kinds: Mapping[str, Medium] = field(default_factory=dict)  # of each of several kinds of particles
-
-    @classmethod
-    def of(cls, scene: s.ReactingScene, species: Substances, solids_density: float, with_pressure: bool) -> Medium:
-        """Bind the closures of a scene."""
-        found = {}
-        for path, spec, kind in places_of(scene.bed, scene.heat, scene.mass, scene.section, scene.wall):
-            if named(spec) and not (kind == "conductivity" and is_phase(spec)):
-                direction = "transverse" if path[0] == "section" else "axial"
-                found[".".join(path)] = bound(spec, kind, scene.origin.base, direction)
-        return cls(scene, species, constant(scene.flow.velocity_solid), solids_density, with_pressure, found)
+    specs: Mapping[str, Any]
+    bound: Mapping[str, BoundClosure]
+    diameter: float
+    conductivity: float | None
+    velocity_solid: float
 
     @property
     def porosity(self) -> float:
         """Porosity of the bed."""
         return self.scene.bed.porosity
 
-    @property
-    def area(self) -> float:
-        """Specific surface of the packing, or of one of its kinds [1/m]."""
-        bed = self.scene.bed
-        return _AREA[bed.shape] * (1.0 - bed.porosity) / bed.diameter * self.share
+    def value(self, key: str, properties: Properties) -> Any:
+        """Return the value of a closure at a state; a number as it is."""
+        if key not in self.bound:
+            return self.specs[key]
+        closure = self.bound[key]
+        return closure(**{name: self.argument(name, properties) for name in closure.takes})
+
+    def argument(self, name: str, properties: Properties) -> Any:
+        """Return an argument of a closure."""
+        wall = self.scene.wall
+        values: dict[str, Callable[[], Any]] = {
+            "eps": lambda: self.porosity,
+            "d_p": lambda: self.diameter,
+            "Re": lambda: self.reynolds(properties),
+            "Pr": lambda: properties.prandtl,
+            "Pe": lambda: self.reynolds(properties) * properties.prandtl,
+            "T": lambda: properties.state.T_solid,
+            "k_fluid": lambda: properties.k_fluid,
+            "k_solid": lambda: self.k_solid,
+            "D_bed": lambda: 1e3 * self.diameter if wall is None else wall.diameter,
+        }
+        return values[name]()
+
+    def reynolds(self, properties: Properties) -> Any:
+        """Return the Reynolds number of the particles, on the velocity relative to them."""
+        slip, d = self.slip(properties.state), self.diameter
+        return properties.once(f"Re {d!r} {self.velocity_solid!r}", lambda: properties.reynolds(d, slip))
+
+    def conductivity_of(self, key: str, properties: Properties, phase: str) -> Any:
+        """Return an effective conductivity; 0 where none is given, that of a phase by its volume for "phase"."""
+        spec = self.specs.get(key)
+        if spec is None:
+            return 0.0
+        if is_phase(spec):
+            eps = self.porosity
+            return eps * properties.k_fluid if phase == "fluid" else (1.0 - eps) * self.k_solid
+        return self.value(key, properties)
 
     @property
+    def k_solid(self) -> float:
+        """Conductivity of the particles [W/m/K].
+
+        Raises
+        ------
+        SceneError : it is not given
+        """
+        if self.conductivity is None:
+            origin = self.scene.origin
+            raise SceneError(f"{origin.at(('solid',))}: solid.conductivity: missing; a closure of [heat] needs it")
+        return self.conductivity
+
+    def slip(self, state: State) -> Any:
+        """Return the superficial velocity relative to the particles [m/s]."""
+        eps = self.porosity
+        return state.u - eps * self.velocity_solid / (1.0 - eps)
+
+    def used(self) -> list[RangeUse]:
+        """Return how each closure was used in its last evaluation."""
+        return [closure.use() for closure in self.bound.values() if closure._last is not None]
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseMedium(Closures):
+    """One solid phase of the bed of a scene.
+
+    shape : of its particles
+    share : of the volume of all particles
+    density : mass of its particles per volume of bed [kg/m3]
+    """
+
+    shape: str
+    share: float
+    density: float
+
+    @cached_property
+    def area(self) -> float:
+        """Specific surface of the particles [1/m]."""
+        return AREA[self.shape] * (1.0 - self.porosity) / self.diameter * self.share
+
+    @cached_property
     def solids(self) -> float:
         """Volume of the particles per volume of bed."""
-        return (1.0 - self.scene.bed.porosity) * self.share
+        return (1.0 - self.porosity) * self.share
+
+    def at(self, properties: Properties) -> PhaseTransport:
+        """Return the coefficients at a state."""
+        exchange: Any = 0.0
+        if "nusselt" in self.specs:
+            exchange = self.value("nusselt", properties) * properties.k_fluid * (self.area / self.diameter)
+        K = self.share * self.conductivity_of("conductivity_solid", properties, "solid")
+        films = self._films(properties) if "sherwood" in self.specs else {}
+        return PhaseTransport(exchange, K, films)
+
+    def across(self, properties: Properties) -> Any:
+        """Return the conductivity across the flow, by the share of the volume [W/m/K]."""
+        return self.share * self.conductivity_of("section.conductivity_solid", properties, "solid")
+
+    def _films(self, properties: Properties) -> dict[str, Any]:
+        """Return the coefficient of the film of each gas [m/s]."""
+        out = {}
+        for name, D in zip(self.species.gases, properties.diffusivities, strict=True):
+            Sh = self.specs["sherwood"]
+            if "sherwood" in self.bound:
+                Sc = properties.viscosity / (properties.state.rho * D)
+                Re = self.reynolds(properties)
+                Sh = self.bound["sherwood"](eps=self.porosity, d_p=self.diameter, Re=Re, Sc=Sc)
+            out[name] = Sh * D * (1.0 / self.diameter)
+        return out
+
+    def local(
+        self,
+        state: State,
+        transport: PhaseTransport,
+        reaction: Any,
+        small: Smoothing | None = None,
+        inner: Mapping[str, Any] | None = None,
+    ) -> Local:
+        """Return the state as a reaction sees it, with concentrations `inner` of gases inside of particles."""
+        at_surface = reaction.site != "gas" and state.films and not reaction.own_film
+        c = {**state.c, **state.films} if at_surface else state.c
+        if inner:
+            c = {**c, **inner}
+        x = state.x
+        if c is not state.c:
+            total = state.p / (R_GAS * np.maximum(state.T_fluid, LEAST_T))
+            x = {name: value / total for name, value in c.items()}
+        return Local(
+            np.maximum(state.T_fluid if reaction.site == "gas" else state.T_solid, LEAST_T),
+            state.p,
+            c,
+            x,
+            state.n,
+            self.porosity,
+            self.solids,
+            0.5 * self.diameter,
+            self.density,
+            transport.films,
+            small or SHARPEST,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Medium(Closures):
+    """The bed of a scene: its gas, the wall, and solid phases by name.
+
+    `diameter`, `conductivity` and `velocity_solid` are means of all phases.
+    """
+
+    with_pressure: bool
+    phases: Mapping[str, PhaseMedium]
+
+    @classmethod
+    def of(cls, scene: s.ReactingScene, species: Substances, entering: Streams, with_pressure: bool) -> Medium:
+        """Bind the closures of a scene."""
+        phases = {}
+        for name, table in scene.phases.items():
+            phases[name] = PhaseMedium(
+                scene,
+                species,
+                *_closures(scene, _of_phase(scene, table)),
+                table.particle_diameter,
+                table.conductivity,
+                entering.velocities[name],
+                scene.bed.shape,
+                entering.shares[name],
+                entering.densities[name],
+            )
+        return cls(
+            scene,
+            species,
+            *_closures(scene, _of_bed(scene)),
+            sauter_mean(scene.phases),
+            mean_conductivity(scene.phases),
+            entering.mean_velocity,
+            with_pressure,
+            phases,
+        )
+
+    def within(self, scene: s.ReactingScene, entering: Streams) -> Medium:
+        """Return the medium with the streams and surroundings of a scene that differs in nothing else."""
+        phases = {
+            name: replace(phase, scene=scene, velocity_solid=entering.velocities[name])
+            for name, phase in self.phases.items()
+        }
+        return replace(self, scene=scene, velocity_solid=entering.mean_velocity, phases=phases)
 
     def at(self, state: State) -> Transport:
         """Return the coefficients at a state."""
-        needs = _Properties(self, state)
-        heat, mass, wall = self.scene.heat, self.scene.mass, self.scene.wall
-        exchange: Any = 0.0
-        K_f: Any = 0.0
-        K_s: Any = 0.0
-        q_wall: Any = 0.0
-        if heat is not None:
-            if heat.nusselt is not None:
-                Nu = self._value("heat.nusselt", heat.nusselt, needs)
-                exchange = Nu * needs.k_fluid * (self.area / self.scene.bed.diameter)
-            K_f = self._conductivity("heat.conductivity_fluid", heat.conductivity_fluid, needs, "fluid")
-            K_s = self._conductivity("heat.conductivity_solid", heat.conductivity_solid, needs, "solid")
-            if heat.dispersion is not None:
-                K_f = K_f + self._value("heat.dispersion", heat.dispersion, needs)
-            if wall is not None and self.scene.section is None:
-                q_wall = self.through_wall(state.T_fluid, wall.coefficient) * (4.0 / wall.diameter)
-        gradient: Any = 0.0
-        if self.with_pressure:
-            gradient = self.resistance(state, needs)
-        dispersion = None
-        films: dict[str, Any] = {}
-        if mass is not None:
-            if mass.dispersion is not None:
-                dispersion = self._dispersion("mass.dispersion", mass.dispersion, needs)
-            if mass.sherwood is not None:
-                films = self._films(mass.sherwood, needs)
-        if not self.kinds:
-            return Transport(exchange, K_f, K_s, q_wall, gradient, dispersion, films)
-        kinds = {kind: medium.of_its_share(state.kinds[kind]) for kind, medium in self.kinds.items()}
-        K_s = sum(transport.conductivity_solid for transport in kinds.values())
-        return Transport(exchange, K_f, K_s, q_wall, gradient, dispersion, films, kinds)
+        properties = Properties(self.scene, self.species, state)
+        K_f = self.conductivity_of("conductivity_fluid", properties, "fluid")
+        if "dispersion" in self.specs:
+            K_f = K_f + self.value("dispersion", properties)
+        wall, q_wall = self.scene.wall, 0.0
+        if self.scene.heat is not None and wall is not None and self.scene.section is None:
+            q_wall = self.through_wall(state.T_fluid, wall.coefficient) * (4.0 / wall.diameter)
+        gradient = self.resistance(state, properties) if self.with_pressure else 0.0
+        dispersion = self._dispersion("mass_dispersion", properties)
+        phases = {name: phase.at(properties.of(name)) for name, phase in self.phases.items()}
+        return Transport(K_f, q_wall, gradient, dispersion, phases)
 
-    def of_its_share(self, state: State) -> Transport:
-        """Return the coefficients of one of several kinds, which conducts by its share of the volume."""
-        found = self.at(state)
-        return replace(found, conductivity_solid=self.share * found.conductivity_solid)
+    def radial(self, state: State) -> Transport:
+        """Return the coefficients across the flow: conductivities, of each phase by its share, and dispersion."""
+        properties = Properties(self.scene, self.species, state)
+        K_f = self.conductivity_of("section.conductivity_fluid", properties, "fluid")
+        if "section.dispersion" in self.specs:
+            K_f = K_f + self.value("section.dispersion", properties)
+        dispersion = self._dispersion("section.mass_dispersion", properties)
+        phases = {
+            name: PhaseTransport(conductivity_solid=phase.across(properties.of(name)))
+            for name, phase in self.phases.items()
+        }
+        return Transport(conductivity_fluid=K_f, dispersion=dispersion, phases=phases)
+
+    def argument(self, name: str, properties: Properties) -> Any:
+        """Return an argument of a closure; that of the wall may take the stagnant conductivity beside it."""
+        return self.stagnant(properties) if name == "k_stagnant" else super().argument(name, properties)
+
+    def stagnant(self, properties: Properties) -> Any:
+        """Return the conductivity of gas and particles across the flow without dispersion [W/m/K]."""
+        K_f = self.conductivity_of("section.conductivity_fluid", properties, "fluid")
+        return sum((phase.across(properties.of(name)) for name, phase in self.phases.items()), K_f)
 
     def wall_coefficient(self, state: State) -> Any:
         """Return the coefficient of the wall [W/m2/K] at a state beside it, None for a wall with a given flux."""
-        wall = self.scene.wall
-        return None if wall is None else self._value("wall.coefficient", wall.coefficient, _Properties(self, state))
+        if "wall" not in self.specs:
+            return None
+        return self.value("wall", Properties(self.scene, self.species, state))
 
     def through_wall(self, T: Any, coefficient: Any, K: Any = 1.0, distance: float = 0.0) -> Any:
         """Return the heat through the wall into the bed [W/m2 of wall] from a temperature at a distance [m] from it.
@@ -181,213 +361,83 @@ class Medium:
             coefficient = coefficient / (1.0 + (coefficient * distance) / K)
         return coefficient * (constant(wall.ambient) - T)
 
-    def radial(self, state: State) -> Transport:
-        """Return the coefficients across the flow at a state: conductivities, of each kind by its share; dispersion."""
-        section, needs = self.scene.section, _Properties(self, state)
-        assert section is not None
-        across = self._across_kinds(state)
-        K_f, K_s = self._stagnant(needs, across)
-        if section.dispersion is not None:
-            K_f = K_f + self._value("section.dispersion", section.dispersion, needs)
-        dispersion = None
-        if section.mass_dispersion is not None:
-            dispersion = self._dispersion("section.mass_dispersion", section.mass_dispersion, needs)
-        kinds = {kind: Transport(conductivity_solid=K) for kind, K in across.items()}
-        return Transport(conductivity_fluid=K_f, conductivity_solid=K_s, dispersion=dispersion, kinds=kinds)
-
-    def _across_kinds(self, state: State) -> dict[str, Any]:
-        """Return the conductivity across the flow of each of several kinds, by its share of the volume [W/m/K]."""
-        return {
-            kind: medium.share * medium.stagnant(_Properties(medium, state.kinds[kind]))[1]
-            for kind, medium in self.kinds.items()
-        }
-
-    def stagnant(self, needs: _Properties) -> tuple[Any, Any]:
-        """Return the conductivities of gas and particles across the flow without dispersion [W/m/K]."""
-        return self._stagnant(needs, self._across_kinds(needs.state))
-
-    def _stagnant(self, needs: _Properties, kinds: Mapping[str, Any]) -> tuple[Any, Any]:
-        section = self.scene.section
-        assert section is not None  # `checks` sees to it
-        K_f = self._conductivity("section.conductivity_fluid", section.conductivity_fluid, needs, "fluid")
-        if kinds:
-            return K_f, sum(kinds.values())
-        return K_f, self._conductivity("section.conductivity_solid", section.conductivity_solid, needs, "solid")
-
-    def resistance(self, state: State, needs: Any = None) -> Any:
+    def resistance(self, state: State, properties: Properties | None = None) -> Any:
         """Return -dp/dx [Pa/m] by permeability and Forchheimer coefficient, on the velocity to particles."""
-        needs = needs or _Properties(self, state)
-        K = self._value("bed.permeability", self.scene.bed.permeability, needs)
-        c_F = self._value("bed.forchheimer", self.scene.bed.forchheimer, needs)
-        U = needs.slip
+        properties = properties or Properties(self.scene, self.species, state)
+        K, c_F = self.value("permeability", properties), self.value("forchheimer", properties)
+        U = self.slip(state)
         speed = np.abs(U) if not hasattr(U, "tangents") else (U * U + SLOW**2) ** 0.5
-        return needs.viscosity * U / K + c_F * state.rho * speed * U / K**0.5
+        return properties.viscosity * U / K + c_F * state.rho * speed * U / K**0.5
 
-    def local(
-        self,
-        state: State,
-        transport: Transport,
-        reaction: Any,
-        small: Smoothing | None = None,
-        inner: Mapping[str, Any] | None = None,
-    ) -> Local:
-        """Return the state as a reaction sees it, with concentrations `inner` of gases inside of particles."""
-        particle = reaction.site != "gas"
-        c = {**state.c, **state.films} if particle and state.films and not reaction.own_film else state.c
-        if inner:
-            c = {**c, **inner}
-        x = state.x
-        if c is not state.c:
-            total = state.p / (R_GAS * np.maximum(state.T_fluid, LEAST_T))
-            x = {name: value / total for name, value in c.items()}
-        T = state.T_solid if particle else state.T_fluid
-        bed = self.scene.bed
+    def local(self, state: State, small: Smoothing | None = None) -> Local:
+        """Return the state as a reaction in the gas sees it."""
         return Local(
-            np.maximum(T, LEAST_T),
+            np.maximum(state.T_fluid, LEAST_T),
             state.p,
-            c,
-            x,
+            state.c,
+            state.x,
             state.n,
-            bed.porosity,
-            self.solids,
-            0.5 * bed.diameter,
-            self.solids_density,
-            transport.films,
+            self.porosity,
+            1.0 - self.porosity,
+            0.5 * self.diameter,
+            sum(phase.density for phase in self.phases.values()),
+            {},
             small or SHARPEST,
         )
 
-    def _dispersion(self, key: str, spec: Any, needs: Any) -> dict[str, Any]:
-        if not named(spec):
-            return dict.fromkeys(self.species.gases, spec)
-        closure, v = self.closures[key], np.abs(needs.state.u) / self.porosity
-        bed = self.scene.bed
+    def _dispersion(self, key: str, properties: Properties) -> dict[str, Any] | None:
+        """Return the dispersion of each gas [m2/s]; None without dispersion."""
+        if key not in self.specs:
+            return None
+        if key not in self.bound:
+            return dict.fromkeys(self.species.gases, self.specs[key])
+        closure, v = self.bound[key], np.abs(properties.state.u) / self.porosity
         return {
-            name: closure(eps=bed.porosity, d_p=bed.diameter, v=v, D_gas=D)
-            for name, D in zip(self.species.gases, needs.diffusivities, strict=True)
+            name: closure(eps=self.porosity, d_p=self.diameter, v=v, D_gas=D)
+            for name, D in zip(self.species.gases, properties.diffusivities, strict=True)
         }
-
-    def _films(self, spec: Any, needs: Any) -> dict[str, Any]:
-        bed, out = self.scene.bed, {}
-        for name, D in zip(self.species.gases, needs.diffusivities, strict=True):
-            if named(spec):
-                Sc = needs.viscosity / (needs.state.rho * D)
-                Sh = self.closures["mass.sherwood"](eps=bed.porosity, d_p=bed.diameter, Re=needs.reynolds, Sc=Sc)
-            else:
-                Sh = spec
-            out[name] = Sh * D * (1.0 / bed.diameter)
-        return out
-
-    def _conductivity(self, key: str, spec: Any, needs: Any, phase: str) -> Any:
-        if spec is None:
-            return 0.0
-        if is_phase(spec):
-            eps = self.porosity
-            return eps * needs.k_fluid if phase == "fluid" else (1.0 - eps) * needs.k_solid
-        return self._value(key, spec, needs)
-
-    def _value(self, key: str, spec: Any, needs: Any) -> Any:
-        if not named(spec):
-            return spec
-        closure = self.closures[key]
-        return closure(**{name: needs.argument(name) for name in closure.takes})
 
     def ranges(self) -> list[RangeUse]:
-        """Return how each closure was used in its last evaluation."""
-        own = [closure.use() for closure in self.closures.values() if closure._last is not None]
-        return own + [use for medium in self.kinds.values() for use in medium.ranges()]
+        """Return how each closure of the bed and of its solid phases was used in its last evaluation."""
+        return [use for each in (self, *self.phases.values()) for use in each.used()]
 
 
-class _Properties:
-    """Properties of the gas at a state, each computed once, when it is needed."""
+def _of_bed(scene: s.ReactingScene) -> dict[str, tuple[Any, str]]:
+    """Return value and kind of the closures of a whole bed by key."""
+    places = places_of(scene.bed, scene.heat, scene.mass, scene.section, scene.wall)
+    found = {".".join(path): (spec, kind) for path, spec, kind in places}
+    renamed = {"wall.coefficient": "wall", "mass.dispersion": "mass_dispersion"}
+    out = {}
+    for key, value in found.items():
+        out[renamed.get(key, key.removeprefix("bed.").removeprefix("heat."))] = value
+    for key in ("nusselt", "conductivity_solid", "mass.sherwood", "section.conductivity_solid"):
+        out.pop(key, None)
+    return out
 
-    def __init__(self, medium: Medium, state: State):
-        self.medium, self.state = medium, state
-        self._known: dict[str, Any] = {}
 
-    def _once(self, name: str, make: Any) -> Any:
-        if name not in self._known:
-            self._known[name] = make()
-        return self._known[name]
+def _of_phase(scene: s.ReactingScene, table: s.SolidKind) -> dict[str, tuple[Any, str]]:
+    """Return value and kind of the closures of a solid phase by key."""
+    heat, mass, section = scene.heat, scene.mass, scene.section
+    found: dict[str, tuple[Any, str]] = {}
+    if heat is not None:
+        found["nusselt"] = (heat.nusselt if table.nusselt is None else table.nusselt, "nusselt")
+        found["conductivity_solid"] = (heat.conductivity_solid, "conductivity")
+    if mass is not None:
+        found["sherwood"] = (mass.sherwood if table.sherwood is None else table.sherwood, "sherwood")
+    if section is not None:
+        found["section.conductivity_solid"] = (section.conductivity_solid, "conductivity")
+    return found
 
-    @property
-    def _x(self) -> list[Any]:
-        return [self.state.x[name] for name in self.medium.species.gases]
 
-    @property
-    def _T(self) -> Any:
-        return self._once("T", lambda: np.maximum(self.state.T_fluid, LEAST_T))
-
-    def _of(self, name: str) -> Any:
-        transport = self.medium.species.transport
-        if transport is None or getattr(transport, name) is None:
-            key = {"viscosities": "viscosity", "conductivities": "conductivity", "diffusivities": "diffusivity"}[name]
-            origin = self.medium.scene.origin
-            raise SceneError(
-                f"{origin.at(('fluid',))}: fluid.{key}: is needed by a closure of this scene and not given; give one "
-                f"number, or values in [fluid.species.NAME]"
-            )
-        return transport
-
-    @property
-    def viscosity(self) -> Any:
-        return self._once("mu", lambda: self._of("viscosities").viscosity(self._T, self._x))
-
-    @property
-    def k_fluid(self) -> Any:
-        return self._once("k", lambda: self._of("conductivities").conductivity(self._T, self._x))
-
-    @property
-    def diffusivities(self) -> list[Any]:
-        found: list[Any] = self._once(
-            "D", lambda: self._of("diffusivities").diffusivity(self._T, self.state.p, self._x)
-        )
-        return found
-
-    @property
-    def k_solid(self) -> Any:
-        solid = self.medium.scene.solid
-        if solid is None or solid.conductivity is None:
-            raise SceneError(
-                f"{self.medium.scene.origin.at(('solid',))}: solid.conductivity: missing; a closure of [heat] needs it"
-            )
-        return solid.conductivity
-
-    @property
-    def slip(self) -> Any:
-        """Superficial velocity relative to the particles [m/s]."""
-        eps = self.medium.porosity
-        return self.state.u - eps * self.medium.velocity_solid / (1.0 - eps)
-
-    @property
-    def reynolds(self) -> Any:
-        def make() -> Any:
-            slip = np.abs(self.slip)
-            return self.state.rho * slip * self.medium.scene.bed.diameter / self.viscosity
-
-        return self._once("Re", make)
-
-    @property
-    def prandtl(self) -> Any:
-        def make() -> Any:
-            gases = self.medium.species.gases
-            cp = sum(self.state.x[name] * item.heat_capacity(self._T) for name, item in gases.items())
-            return self.viscosity * cp * self.state.moles / self.state.flux / self.k_fluid
-
-        return self._once("Pr", make)
-
-    def argument(self, name: str) -> Any:
-        """Return an argument of a closure."""
-        bed, wall = self.medium.scene.bed, self.medium.scene.wall
-        values = {
-            "eps": lambda: bed.porosity,
-            "d_p": lambda: bed.diameter,
-            "Re": lambda: self.reynolds,
-            "Pr": lambda: self.prandtl,
-            "Pe": lambda: self.reynolds * self.prandtl,
-            "T": lambda: self.state.T_solid,
-            "k_fluid": lambda: self.k_fluid,
-            "k_solid": lambda: self.k_solid,
-            "k_stagnant": lambda: sum(self.medium.stagnant(self)),
-            "D_bed": lambda: wall.diameter if wall is not None else 1e3 * bed.diameter,
-        }
-        return values[name]()
+def _closures(
+    scene: s.ReactingScene, given: Mapping[str, tuple[Any, str]]
+) -> tuple[dict[str, Any], dict[str, BoundClosure]]:
+    """Return the values that are given by key, and the closures of those that name one."""
+    specs = {key: spec for key, (spec, _) in given.items() if spec is not None}
+    closures = {}
+    for key, spec in specs.items():
+        kind = given[key][1]
+        if named(spec) and not (kind == "conductivity" and is_phase(spec)):
+            direction = "transverse" if key.startswith("section.") else "axial"
+            closures[key] = bound(spec, kind, scene.origin.base, direction)
+    return specs, closures

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from contbed.errors import ContbedError
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.kinds import species_of
 from contbed.reacting_bed.pellets import Pellets, runs_in_pellets
+from contbed.reacting_bed.phases import species_of
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.solve import Report, steady
 from contbed.reacting_bed.substances import Substances
@@ -47,7 +47,7 @@ def decided(scene: s.ReactingScene, vertices: Array) -> tuple[s.ReactingScene, P
 
     `vertices` are the cells to judge it on. A run in time has no one state to judge it by: its pellets are resolved.
     """
-    if scene.particle.mass != "auto" or not any(_diffusivities(scene).values()):
+    if scene.particle.mass != "auto" or not _diffusivities(scene):
         return scene, None
     if scene.time is not None:
         return scene, PelletLevel(True, None, "in time it is resolved")
@@ -64,11 +64,9 @@ def _with(scene: s.ReactingScene, mass: str) -> s.ReactingScene:
     return scene.model_copy(update={"particle": scene.particle.model_copy(update={"mass": mass})})
 
 
-def _diffusivities(scene: s.ReactingScene) -> dict[str | None, dict[str, float]]:
-    """Return the diffusivities of gases by kind of particles, None for the only one."""
-    if not scene.solids:
-        return {None: scene.particle.diffusivity}
-    return {kind: table.diffusivity for kind, table in scene.solids.items() if table.diffusivity}
+def _diffusivities(scene: s.ReactingScene) -> dict[str, dict[str, float]]:
+    """Return the diffusivities of gases by solid phase."""
+    return {name: table.diffusivity for name, table in scene.phases.items() if table.diffusivity}
 
 
 def _judged(scene: s.ReactingScene, vertices: Array) -> PelletLevel:
@@ -94,12 +92,11 @@ def missed(scene: s.ReactingScene, problem: Problem, species: Substances) -> flo
 
     free = {r.name: total(rate) for r, rate in zip(problem.reactions, bed.rates(state, values), strict=True)}
     held: dict[str, float] = {}
-    for kind, diffusivities in _diffusivities(scene).items():
-        gases, inside = species.gases, [r for r in problem.reactions if r.kind == kind]
+    for phase, diffusivities in _diffusivities(scene).items():
+        gases, inside = species.gases, [r for r in problem.reactions if r.phase == phase]
         chosen = [r for r in inside if runs_in_pellets(r.site, r.own_film, r.stoichiometry, gases)]
-        part, own = problem.phase(state, kind)
-        at = part.medium.local(own, part.medium.at(own), chosen[0], bed.small)
-        means = Pellets.of(chosen, diffusivities, part.medium.solids)(at)
+        solids = bed.phases[phase].medium.solids
+        means = Pellets.of(chosen, diffusivities, solids)(problem.local(state, chosen[0]))
         held |= {r.name: total(mean) for r, mean in zip(chosen, means, strict=True)}
 
     def largest(extents: dict[str, float]) -> float:

@@ -26,7 +26,6 @@ from contbed.closures.reactions import R_GAS
 from contbed.errors import ConvergenceError
 from contbed.fem.dual import Dual
 from contbed.particle.shells import shells
-from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.kinetics import Reaction
 from contbed.reacting_bed.local import Local
 
@@ -205,18 +204,19 @@ class Pellets:
 
 
 def in_pellets(
-    scene: s.ReactingScene, reactions: Sequence[Reaction], gases: Mapping[str, Any], share: float = 1.0
+    reactions: Sequence[Reaction], gases: Mapping[str, Any], diffusivities: Mapping[str, float], solids: float
 ) -> list[Reaction]:
-    """Return the reactions of a scene with those of gases in particles as means over resolved pellets.
+    """Return reactions of a solid phase with those of gases in particles as means over resolved pellets.
 
-    What `pellet_level` has not decided, as in time, is resolved. `share` is that of the volume of all particles.
+    Parameters
+    ----------
+    diffusivities : of the gases that react in the pellets [m2/s]
+    solids : volume of pellets per volume of bed
     """
-    if scene.particle.mass not in ("auto", "interior") or not scene.particle.diffusivity:
-        return list(reactions)
     chosen = [each for each in reactions if runs_in_pellets(each.site, each.own_film, each.stoichiometry, gases)]
     if not chosen:
         return list(reactions)
-    pellets = Pellets.of(chosen, scene.particle.diffusivity, (1.0 - scene.bed.porosity) * share)
+    pellets = Pellets.of(chosen, diffusivities, solids)
     resolved = {each.name: each for each in pellets.resolved()}
     return [resolved.get(each.name, each) for each in reactions]
 

@@ -17,8 +17,8 @@ from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.across import across
 from contbed.reacting_bed.cells import aim
 from contbed.reacting_bed.course import follows
-from contbed.reacting_bed.kinds import described_kinds, species_of
 from contbed.reacting_bed.pellet_level import decided, undecided
+from contbed.reacting_bed.phases import described_phases, species_of
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import require_rates
 from contbed.reacting_bed.schedule import Schedule, tables_of
@@ -205,11 +205,10 @@ def _at_start(scene: s.ReactingScene, schedule: Schedule) -> Problem:
     return problem
 
 
-def _effectiveness(problem: Problem, kind: str | None) -> str:
-    """Return the effectiveness of each reaction in a kind of particles where the gas enters, resolved and by Thiele."""
-    pellets = problem.pellets[kind]
-    bed, state = problem.phase(problem.bed.state(problem.first_point()), kind)
-    at = bed.medium.local(state, bed.medium.at(state), pellets.reactions[0], bed.small)
+def _effectiveness(problem: Problem, phase: str) -> str:
+    """Return the effectiveness of each reaction in a solid phase where the gas enters, resolved and by Thiele."""
+    pellets = problem.pellets[phase]
+    at = problem.local(problem.bed.state(problem.first_point()), pellets.reactions[0])
     parts = []
     for reaction, mean in zip(pellets.reactions, pellets(at), strict=True):
         rate = float(reaction.rate(at))
@@ -223,7 +222,7 @@ def _effectiveness(problem: Problem, kind: str | None) -> str:
             D = pellets.diffusivities[pellets.gases.index(gas)]
             text += f" (by the Thiele modulus of {gas} {float(effectiveness_of(at.radius, k, D)):.3g})"
         parts.append(text)
-    where = "" if kind is None else f" in {kind}"
+    where = f" in {phase}" if len(problem.bed.phases) > 1 else ""
     gases = ", ".join(pellets.gases)
     return f"diffusion and reaction of {gases}{where}; effectiveness at the inlet: {', '.join(parts)}"
 
@@ -260,11 +259,12 @@ def _lists(
     inert = [name for name in species.solids if name not in layout.solids]
     if inert:
         skipped.append((f"unknowns of {', '.join(inert)}", "no reaction takes or makes it"))
-    if scene.solids:
-        built.append(("kinds of particles", described_kinds(scene.solids)))
+    several = len(scene.phases) > 1
+    if several:
+        built.append(("kinds of particles", described_phases(scene.phases)))
     if layout.temperatures:
         count = len(layout.temperatures)
-        each = f"{count} temperatures: of the gas, and of {', '.join(layout.kinds)}"
+        each = f"{count} temperatures: of the gas, and of {', '.join(scene.phases)}"
         built.append(("energy", {1: "one temperature", 2: "two temperatures"}.get(count, each)))
     else:
         skipped.append(("energy", f"no [heat] table: isothermal at {problem.streams.T_gas:g} K"))
@@ -294,13 +294,13 @@ def _lists(
     elif across_it is not None:
         advice = "" if across_it.fits else "; resolve it by [section]"
         skipped.append(("differences across the bed", f"one dimension: {across_it}{advice}"))
-    for kind, choice in problem.choices.items():
-        gases = scene.adsorption if kind is None else scene.solids[kind].adsorption
-        built.append((f"adsorption of {', '.join(gases)}" + ("" if kind is None else f" by {kind}"), str(choice)))
+    for phase, choice in problem.choices.items():
+        by = f" by {phase}" if several else ""
+        built.append((f"adsorption of {', '.join(scene.phases[phase].adsorption)}{by}", str(choice)))
     if problem.pellets:
-        built.append((PELLETS, "; ".join(_effectiveness(problem, kind) for kind in problem.pellets)))
+        built.append((PELLETS, "; ".join(_effectiveness(problem, phase) for phase in problem.pellets)))
     for reaction in problem.reactions:
-        where = "at the particles" + ("" if reaction.kind is None else f", {reaction.kind}")
+        where = "at the particles" + (f", {reaction.phase}" if several else "")
         built.append((f"reaction {reaction.name}", "in the gas" if reaction.site == "gas" else where))
     if schedule:
         assert scene.time is not None

@@ -14,20 +14,18 @@ from contbed.closures.reactions import R_GAS
 from contbed.fem import line_system
 from contbed.fem.line_dg import Ends, Line, System
 from contbed.fem.line_projection import projected
-from contbed.reacting_bed import kinds
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.assembled import bed_of
+from contbed.reacting_bed.assembled import bed_of, within
 from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.parts import Parts
 from contbed.reacting_bed.equations.section import Section
 from contbed.reacting_bed.equations.unknowns import Layout, State, conserved
-from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.inside import Choice, with_inside
-from contbed.reacting_bed.kinds import species_of
-from contbed.reacting_bed.kinetics import Reaction, reactions_of
-from contbed.reacting_bed.local import Smoothing
+from contbed.reacting_bed.kinetics import Reaction
+from contbed.reacting_bed.local import Local, Smoothing
 from contbed.reacting_bed.medium import Medium
-from contbed.reacting_bed.pellets import Pellets, in_pellets
+from contbed.reacting_bed.pellets import Pellets
+from contbed.reacting_bed.phases import species_of
 from contbed.reacting_bed.streams import Streams, gas_sign, inlet, streams
 from contbed.reacting_bed.substances import Substances
 
@@ -46,7 +44,7 @@ class Problem:
     reactions: tuple[Reaction, ...]
     bed: Bed
     line: Line
-    choices: Mapping[str | None, Choice] = field(default_factory=dict)  # inside of particles that adsorb, by kind
+    choices: Mapping[str, Choice] = field(default_factory=dict)  # inside of particles that adsorb, by phase
     peaks: Mapping[str, float] = field(default_factory=dict)  # largest mole fractions of gases that are adsorbed
     damping: Array | None = None  # of fields in cells (m, N), see `fem.line_dg`
 
@@ -54,23 +52,10 @@ class Problem:
     def of(cls, scene: s.ReactingScene, vertices: Array, species: Substances | None = None) -> Problem:
         """Build the bed of a scene; `species` if they are known from one with the same."""
         species = species or species_of(scene)
-        if scene.solids:
-            return cls._of_kinds(scene, vertices, species)
         entering = streams(scene, species)
-        reactions = tuple(in_pellets(scene, reactions_of(scene, species), species.gases))
-        medium = Medium.of(scene, species, entering.solids_density, True)
+        medium = Medium.of(scene, species, entering, True)
         medium = replace(medium, with_pressure=_pressure_drops(scene, species, entering, medium))
-        bed = bed_of(scene, species, entering, reactions, medium)
-        made = cls(scene, species, entering, reactions, bed, Line(vertices, scene.solver.degree))
-        return made._with_inside() if scene.adsorbs else made
-
-    @classmethod
-    def _of_kinds(cls, scene: s.ReactingScene, vertices: Array, species: Substances) -> Problem:
-        """Build the bed of a scene with several kinds of particles."""
-        entering, gas = kinds.entering(scene, species), kinds.gas_scene(scene)
-        medium = kinds.medium_of_kinds(scene, species, entering)
-        medium = replace(medium, with_pressure=_pressure_drops(gas, species, entering, medium))
-        bed = kinds.bed_of_kinds(scene, species, entering, medium)
+        bed = bed_of(scene, species, entering, medium)
         made = cls(scene, species, entering, tuple(bed.reactions), bed, Line(vertices, scene.solver.degree))
         return made._with_inside() if scene.adsorbs else made
 
@@ -98,15 +83,8 @@ class Problem:
 
     def within(self, scene: s.ReactingScene) -> Problem:
         """Return the problem with the streams and surroundings of a scene that differs in nothing else."""
-        if scene.solids:
-            entering = kinds.entering(scene, self.species)
-            return replace(self, scene=scene, streams=entering, bed=kinds.within(self.bed, scene, entering))
         entering = streams(scene, self.species)
-        speed = constant(scene.flow.velocity_solid)
-        medium = replace(self.bed.medium, scene=scene, velocity_solid=speed)
-        v = speed / (1.0 - scene.bed.porosity)
-        bed = replace(self.bed, medium=medium, velocity_solid=v, p_in=entering.pressure, T_in=entering.T_gas)
-        return replace(self, scene=scene, streams=entering, bed=bed)
+        return replace(self, scene=scene, streams=entering, bed=within(self.bed, scene, entering))
 
     def with_strength(self, strength: float) -> Problem:
         """Return the problem with all rates multiplied by a factor."""
@@ -137,13 +115,15 @@ class Problem:
         return bool(self.layout.solids) or any(reaction.has_roots for reaction in self.reactions)
 
     @property
-    def pellets(self) -> dict[str | None, Pellets]:
-        """Catalyst pellets whose inside is resolved, by kind of particles, None for the only one."""
-        return {each.kind: each.rate for each in self.reactions if isinstance(each.rate, Pellets)}
+    def pellets(self) -> dict[str, Pellets]:
+        """Catalyst pellets whose inside is resolved, by solid phase."""
+        return {str(each.phase): each.rate for each in self.reactions if isinstance(each.rate, Pellets)}
 
-    def phase(self, state: State, kind: str | None) -> tuple[Bed, State]:
-        """Return the bed of a kind of particles, None for the only one, and the state as it sees it."""
-        return dict(zip(self.layout.kinds or (None,), self.bed.phases(state), strict=True))[kind]
+    def local(self, state: State, reaction: Reaction) -> Local:
+        """Return a state as a reaction of a solid phase sees it, nothing of which is adsorbed."""
+        phase = str(reaction.phase)
+        transport = self.bed.medium.at(state).phases[phase]
+        return self.bed.phases[phase].medium.local(state.phases[phase], transport, reaction, self.bed.small)
 
     @cached_property
     def system(self) -> System:
@@ -225,8 +205,8 @@ class Problem:
         molar = streams.pressure / (R_GAS * streams.T_gas)
         total = sum(streams.gas.values())
         one |= {f"g_{name}": g for name, g in streams.gas.items()}
-        for film in self.layout.films:
-            one[f"s_{film}"] = streams.gas[self.layout.gas_of_film(film)] / total * molar
+        for film, gas in self.layout.films.items():
+            one[f"s_{film}"] = streams.gas[gas] / total * molar
         clean = {name: 0.0 for name in self.layout.names if name.startswith("a_")}
         return one | clean | {f"n_{name}": n for name, n in streams.solid.items()}
 
@@ -251,8 +231,8 @@ class Problem:
         state = self._state_entering(streams.T_gas, streams.T_solid)
         h = self.bed.enthalpies
         gas = float(sum(g * h[name](streams.T_gas) for name, g in streams.gas.items()))
-        moving = [(bed.velocity_solid, bed, at) for bed, at in self.bed.phases(state)]
-        solid = [float(speed * bed.held_by_solids(at)) if speed else 0.0 for speed, bed, at in moving]
+        pairs = self.bed.with_states(state)
+        solid = [float(phase.velocity * phase.enthalpy(at)) if phase.velocity else 0.0 for phase, at in pairs]
         found |= {"T": gas + sum(solid), "T_fluid": gas, "p": streams.pressure}
         found |= dict(zip((name for name in names if name.startswith("T_solid")), solid, strict=False))
         return {name: found.get(name, 0.0) for name in names}
@@ -293,8 +273,9 @@ class Problem:
         gas = abs(sum(g * (h[name](streams.T_gas + rise) - h[name](streams.T_gas)) for name, g in streams.gas.items()))
         states = [self._state_entering(streams.T_gas, streams.T_solid + more) for more in (0.0, rise)]
         solid = 0.0
-        for (bed, cold), (_, warm) in zip(*(self.bed.phases(state) for state in states), strict=True):
-            solid += float(abs(bed.velocity_solid * (bed.held_by_solids(warm) - bed.held_by_solids(cold))))
+        for name, phase in self.bed.phases.items():
+            cold, warm = (phase.enthalpy(state.phases[name]) for state in states)
+            solid += float(abs(phase.velocity * (warm - cold)))
         return float((gas * streams.T_gas + solid * streams.T_solid) / (gas + solid))
 
     def start(self, T: float | None = None) -> Array:
@@ -321,25 +302,15 @@ class Problem:
 
     @cached_property
     def sizes(self) -> Array:
-        """Typical values of the unknowns (m,)."""
-        solids = max(sum(self.streams.solid.values()), 1e-30)
+        """Typical values of the unknowns (m,); of a constituent that of all in its solid phase."""
         molar = self.streams.pressure / (R_GAS * self.streams.T_gas)
-        one = {"g": self.moles, "n": solids, "p": self.streams.pressure, "s": molar, "a": molar}
-        one |= self._amounts
-        names = self.names
-        return np.array(
-            [one.get(name, one.get(name.split("_")[0], LARGE_T)) * self._share(name) for name in names], dtype=float
-        )
-
-    @property
-    def _amounts(self) -> dict[str, float]:
-        """Moles of all constituents of its kind that each solid of several kinds is measured by [mol/m3 bed]."""
-        found: dict[str, float] = {}
-        for kind, each in self.species.kinds.items():
-            names = [kinds.of_kind(name, kind) for name in each.solids]
+        one = {"g": self.moles, "p": self.streams.pressure, "s": molar, "a": molar}
+        for phase in self.species.phases.values():
+            names = [phase.full(name) for name in phase.solids]
             total = max(sum(self.streams.solid[name] for name in names), 1e-30)
-            found |= {f"n_{name}": total for name in names}
-        return found
+            one |= {f"n_{name}": total for name in names}
+        sizes = [one.get(name, one.get(name.split("_")[0], LARGE_T)) * self._share(name) for name in self.names]
+        return np.array(sizes, dtype=float)
 
     @cached_property
     def flux_sizes(self) -> Array:
@@ -376,9 +347,9 @@ def _drop(scene: s.ReactingScene, species: Substances, entering: Streams, medium
     if species.transport is None or species.transport.viscosities is None:
         return 0.0
     hottest = max(entering.T_gas, entering.T_solid)
-    names = tuple(species.gases)
-    bed = Bed(Layout(names, (), (), False), species.molar_masses, {}, (), medium, 0.0, (), entering.pressure, hottest)
-    state = bed.state([entering.gas[name] for name in names])
+    gases = tuple(species.gases)
+    bed = Bed(Layout(gases, (), False), species.molar_masses, {}, (), medium, {}, entering.pressure, hottest)
+    state = bed.state([entering.gas[name] for name in gases])
     return abs(float(medium.resistance(state))) * scene.mesh.length
 
 

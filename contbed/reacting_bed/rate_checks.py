@@ -38,22 +38,22 @@ class Amount(NamedTuple):
 
     row : its number in the layout
     species : as stoichiometries name it; gas : whether it is one
-    kind : of the particles at whose surface it is; "" for the only one, None in the bulk of the gas or in solids
+    phase : at the surface of whose particles it is; None in the bulk of the gas or in solids
     """
 
     row: int
     species: str
     gas: bool
-    kind: str | None
+    phase: str | None
 
     def gained(self, reaction: Reaction) -> float:
         """Return the moles that a reaction makes of it."""
-        if self.kind is not None and (reaction.site == "gas" or (reaction.kind or "") != self.kind):
+        if self.phase is not None and (reaction.site == "gas" or reaction.phase != self.phase):
             return 0.0
         return reaction.stoichiometry.get(self.species, 0.0)
 
     def __str__(self) -> str:
-        place = "" if self.kind is None else " at the particles"
+        place = "" if self.phase is None else " at the particles"
         return f"{self.species}{place}"
 
 
@@ -65,9 +65,8 @@ def amounts(problem: Problem) -> list[Amount]:
         if (species := conserved(name)) is not None and not name.startswith("a_") and not rest[row]:
             out.append(Amount(row, species, name.startswith("g_"), None))
         elif name.startswith("s_"):
-            film = name.removeprefix("s_")
-            gas = layout.gas_of_film(film)
-            out.append(Amount(row, gas, True, film.removeprefix(gas).removeprefix("_")))
+            gas = layout.films[name.removeprefix("s_")]
+            out.append(Amount(row, gas, True, layout.owners[name]))
     return out
 
 
@@ -225,6 +224,11 @@ def _is_written(problem: Problem, reaction: Reaction) -> bool:
     return table is not None and (table.rate is not None or table.law in (None, "power"))
 
 
+def _suffix(problem: Problem, reaction: Reaction) -> str:
+    """Return what ends names of constituents in a reaction."""
+    return "" if reaction.phase is None else problem.species.phases[reaction.phase].suffix
+
+
 def _place(problem: Problem, reaction: Reaction) -> str:
     table = problem.scene.reactions[reaction.key]
     path: KeyPath = ("reactions", reaction.key) + (("rate",) if table.rate is not None else ())
@@ -244,7 +248,7 @@ def _sentence(problem: Problem, amount: Amount, made: list[Array], at: int, what
     )
     if rate < 0.0 and not reaction.equation.reversible:
         return f"{text}: correct its sign, or let it run back only where there are products"
-    name = f"{'c' if amount.gas else 'n'}_{amount.species.removesuffix(f'_{reaction.kind}')}"
+    name = f"{'c' if amount.gas else 'n'}_{amount.species.removesuffix(_suffix(problem, reaction))}"
     if problem.scene.reactions[reaction.key].rate is None:
         return f"{text}: give an order in {amount.species} in `orders`"
     streams = problem.streams
@@ -254,7 +258,7 @@ def _sentence(problem: Problem, amount: Amount, made: list[Array], at: int, what
 
 def _without_value(problem: Problem, reaction: Reaction, state: State, rate: Any, where: str) -> str:
     """Return which rate has no value in a state, as everything enters or the bed is filled, and the remedy."""
-    own = state.of(reaction.kind)
+    own = state.of(reaction.phase)
     T = float(_value(own.T_fluid if reaction.site == "gas" else own.T_solid).ravel()[0])
     value = float(_value(rate).ravel()[0])
     what = f"is {value:g}" if not np.isfinite(value) else "has a slope that is not finite"
@@ -271,7 +275,7 @@ def _infinite_order(problem: Problem, reaction: Reaction, state: State, where: s
     """Return which negative order is one in a species that is not there, where powers are straight lines to zero."""
     table = problem.scene.reactions.get(reaction.key)
     orders = (table.orders if table is not None else None) or {}
-    there = {**state.g, **state.of(reaction.kind).n}
+    there = {**state.g, **state.of(reaction.phase).n}
     if any(order > 0.0 and name in there and not _value(there[name]).any() for name, order in orders.items()):
         return None  # nothing reacts
     for name, order in orders.items():

@@ -12,10 +12,9 @@ from contbed.balance import Balance
 from contbed.closures.reactions import R_GAS
 from contbed.materials.thermo import T_STANDARD, Equilibrium
 from contbed.reacting_bed.amounts import Least, below_zero, between_nodes, least
-from contbed.reacting_bed.equations.kinds import of_kind
 from contbed.reacting_bed.equations.unknowns import State, conserved
 from contbed.reacting_bed.problem import Problem
-from contbed.reacting_bed.results_kinds import fill_kinds, of_iron
+from contbed.reacting_bed.results_solids import fill_phases
 from contbed.result import Result, outside
 
 Array = NDArray[np.float64]
@@ -55,39 +54,37 @@ def profiles(problem: Problem, u: Array) -> dict[str, Array]:
 
 
 def temperatures_of_solids(problem: Problem, state: State) -> dict[str, Any]:
-    """Return the temperatures of the particles by name, of each kind where they differ."""
+    """Return the temperatures of the particles by name, of each solid phase where they differ."""
     if len(problem.layout.temperatures) <= 2:
         return {"T_solid": state.T_solid}
-    return {of_kind("T_solid", kind): own.T_solid for kind, own in state.kinds.items()}
+    return {phase.layout.temperature: own.T_solid for phase, own in problem.bed.with_states(state)}
 
 
 def fractions(problem: Problem, solids: Mapping[str, Any]) -> dict[str, Any]:
-    """Return mass fractions of constituents in their particles; of several kinds each in its own."""
+    """Return mass fractions of constituents in the particles of their solid phase."""
     out: dict[str, Any] = {}
-    for names in kinds_of(problem).values():
+    for names in constituents_of(problem).values():
         held = {name: solids[name] * problem.species.solids[name].molar_mass for name in names}
         mass = sum(held.values())
         out |= {name: m / mass for name, m in held.items()}
     return out
 
 
-def kinds_of(problem: Problem) -> dict[str | None, list[str]]:
-    """Return the names of the constituents of each kind of particles that has some; None is the only one."""
-    species = problem.species
-    if not species.kinds:
-        return {None: list(species.solids)}
-    found = {kind: [of_kind(name, kind) for name in each.solids] for kind, each in species.kinds.items()}
-    return {kind: names for kind, names in found.items() if names}
+def constituents_of(problem: Problem) -> dict[str, list[str]]:
+    """Return the names of the constituents of each solid phase that has some."""
+    phases = problem.species.phases
+    found = {name: [phase.full(each) for each in phase.solids] for name, phase in phases.items()}
+    return {name: names for name, names in found.items() if names}
 
 
 def loadings(problem: Problem, state: State, ones: Array) -> dict[str, Array]:
-    """Return the moles of each gas inside of particles, adsorbed and in their pores, per mass of their kind."""
+    """Return the moles of each gas inside of particles, adsorbed and in their pores, per mass of their solid phase."""
     out = {}
-    for (bed, own), kind in zip(problem.bed.phases(state), problem.layout.kinds or (None,), strict=True):
-        if (inside := bed.inside) is None:
+    for phase, own in problem.bed.with_states(state):
+        if (inside := phase.inside) is None:
             continue
         for name, points in inside.held(own.inner, own.T_solid)[0].items():
-            column = f"q_{name}" if kind is None else of_kind(f"q_{name}", kind)
+            column = phase.layout.full(f"q_{name}")
             out[f"{column} [mol/kg]"] = sum(points) / (inside.solids * inside.density) * ones
     return out
 
@@ -199,13 +196,7 @@ def _solids(problem: Problem, fluxes: Mapping[str, Array], state: State, end: in
             qoi[f"w_{name}_out"] = share[name]
             if streams.solid[name] and amounts[name] < streams.solid[name]:
                 qoi[f"conversion_{name}"] = 1.0 - amounts[name] / streams.solid[name]
-    if problem.species.kinds:
-        fill_kinds(problem, amounts, qoi)
-        return
-    mass = sum(n * problem.species.solids[name].molar_mass for name, n in amounts.items())
-    qoi["solids_out_kg_m2s"] = abs(problem.bed.velocity_solid) * mass
-    if "Fe" in problem.layout.solids:
-        qoi |= of_iron(amounts)
+    fill_phases(problem, amounts, qoi)
 
 
 def _along(value: Any, problem: Problem) -> float:
@@ -222,14 +213,14 @@ def _extents(problem: Problem, u: Array, state: State, end: int, result: Result)
         table = problem.mean(np.broadcast_to(rate, flat[0].shape).reshape(-1, *u[0].shape))[0]
         extent = float(np.einsum("cj,j,c->", table, line.weights, line.h))
         result.qoi[f"extent_{reaction.name}_mol_m2s"] = extent
-        if reaction.key != reaction.name:  # in several kinds of particles
+        if reaction.key != reaction.name:  # in several solid phases
             whole = f"extent_{reaction.key}_mol_m2s"
             result.qoi[whole] = result.qoi.get(whole, 0.0) + extent
         gases = {name: n for name, n in reaction.stoichiometry.items() if name in problem.species.gases}
         all_gas = len(gases) == len(reaction.stoichiometry)
         known = all(problem.species.gases[name].has_entropy for name in gases)
         if reaction.equation.reversible and all_gas and known:
-            T = _at(state.of(reaction.kind).T_solid if reaction.site != "gas" else state.T_fluid, end)
+            T = _at(state.of(reaction.phase).T_solid if reaction.site != "gas" else state.T_fluid, end)
             pressures = {name: max(_at(state.x[name] * state.p, end), 1e-300) / 1e5 for name in gases}
             Q = sum(n * np.log(pressures[name]) for name, n in gases.items())
             factor = problem.scene.reactions[reaction.key].equilibrium_factor
@@ -274,12 +265,11 @@ def heat_carried(problem: Problem, u: Array) -> float:
     for k in (0, 1):
         T_f = _at(state.T_fluid, k)
         total += abs(sum(_at(g, k) * float(h[name](T_f) - h[name](T_STANDARD)) for name, g in state.g.items()))
-        for bed, own in problem.bed.phases(state):
-            T_s, v, h_s = _at(own.T_solid, k), bed.velocity_solid, bed.enthalpies
-            total += abs(
-                v * sum(_at(n, k) * float(h_s[name](T_s) - h_s[name](T_STANDARD)) for name, n in own.n.items())
-            )
-            total += abs(v * sum(n * float(of(T_s) - of(T_STANDARD)) for n, of in bed.inert))
+        for phase, own in problem.bed.with_states(state):
+            T_s, v, h_s = _at(own.T_solid, k), phase.velocity, phase.enthalpies
+            moles = {name: _at(n, k) for name, n in own.n.items()}
+            total += abs(v * sum(n * float(h_s[name](T_s) - h_s[name](T_STANDARD)) for name, n in moles.items()))
+            total += abs(v * sum(n * float(of(T_s) - of(T_STANDARD)) for n, of in phase.inert))
     return max(total, 1e-300)
 
 
@@ -300,8 +290,8 @@ def _remarks(problem: Problem, u: Array, result: Result, found: Least | None) ->
         result.warnings.append(sentence)
     ranges = [(state.T_fluid, problem.species.gases)]
     ranges += [
-        (state.of(kind).T_solid, {name: problem.species.solids[name] for name in names})
-        for kind, names in kinds_of(problem).items()
+        (state.of(phase).T_solid, {name: problem.species.solids[name] for name in names})
+        for phase, names in constituents_of(problem).items()
     ]
     for T, items in ranges:
         for name, item in items.items():

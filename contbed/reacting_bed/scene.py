@@ -24,7 +24,6 @@ from contbed.reacting_bed.solids_scene import PositiveDiffusivity as PositiveDif
 from contbed.reacting_bed.solids_scene import SolidKind as SolidKind
 from contbed.reacting_bed.solids_scene import Solids as Solids
 from contbed.reacting_bed.solids_scene import Substance as Substance
-from contbed.reacting_bed.solids_scene import any_adsorbs as any_adsorbs
 from contbed.scene.mesh import MeshLine
 from contbed.scene.quantities import (
     Conductivity,
@@ -58,6 +57,8 @@ from contbed.scene.tables import (
     SceneBase,
     WallCoefficientOrClosure,
 )
+
+ONLY = "particles"  # name of the only solid phase
 
 ActivationEnergy = Annotated[MolarEnergy, Field(ge=0)]
 Diffusivity = Annotated[float, *unit("m**2/s"), Field(ge=0)]
@@ -392,6 +393,21 @@ class ReactingScene(SceneBase):
     output: Output = Output()
 
     @property
+    def phases(self) -> dict[str, SolidKind]:
+        """Solid phases by name, also where there is one."""
+        if self.solids:
+            return self.solids
+        solid = Solids() if self.solid is None else self.solid
+        only = SolidKind.model_construct(
+            **{name: getattr(solid, name) for name in Solids.model_fields},
+            volume_share=1.0,
+            particle_diameter=self.bed.diameter,
+            adsorption=self.adsorption,
+            diffusivity=self.particle.diffusivity,
+        )
+        return {ONLY: only}
+
+    @property
     def adsorbs(self) -> bool:
         """Whether particles take up gas."""
-        return any_adsorbs(self.adsorption, self.solids)
+        return any(table.adsorption for table in self.phases.values())

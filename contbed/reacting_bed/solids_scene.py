@@ -5,7 +5,6 @@ A bed is filled with one kind, [solid] with `bed.particle_diameter`, or with sev
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -110,8 +109,3 @@ class SolidKind(Solids):
     diffusivity: dict[str, PositiveDiffusivity] = Field(
         default_factory=dict, description="effective, of each gas that reacts in this kind, see particle.mass"
     )
-
-
-def any_adsorbs(adsorption: Mapping[str, Adsorption], solids: Mapping[str, SolidKind]) -> bool:
-    """Return whether particles take up gas, the only kind or one of several."""
-    return bool(adsorption) or any(kind.adsorption for kind in solids.values())

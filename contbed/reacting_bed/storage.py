@@ -63,7 +63,7 @@ class Storage:
         state = bed.state(values)
         parts: list[Any] = [0.0] * len(bed.layout.names)
         gas, heat = bed.held_by_gas(state) if bed.gas_pressure is not None else ({}, 0.0)
-        inside = iter(bed.held_inside(state))
+        inside = iter([moles for phase, own in bed.with_states(state) for moles in phase.moles_inside(own)])
         for k, name in enumerate(bed.layout.names):
             if name.startswith("n_"):
                 parts[k] = values[k]
@@ -74,9 +74,10 @@ class Storage:
             elif name == "T_fluid":
                 parts[k] = heat
             elif name == "T" or name.startswith("T_solid"):
-                parts[k] = bed.heat_held(state, name) + (heat if name == "T" else 0.0)
-                if not bed.knows_heat(name):
-                    parts[k] = NO_DATA * values[k]
+                of_solids = bed.heat_of_solids(state, name)
+                parts[k] = NO_DATA * values[k]
+                if of_solids is not None:
+                    parts[k] = of_solids + (heat if name == "T" else 0.0)
         return parts
 
     def bed_at(self, _: list[Any]) -> Bed:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,6 @@ from contbed.reacting_bed.inlet_series import CompositionSeries
 from contbed.reacting_bed.laws import LAWS_WITH_EQUATION
 from contbed.scene.mechanism import find_mechanism
 
-INERT = "solids"  # constituent of particles whose composition is not given
 INERT_CAPACITY = 1.0  # [J/mol/K] of a species without data in an isothermal bed, where it has no meaning
 FORMATION_SHOMATE = 5  # coefficients after which F, the constant of the enthalpy, follows
 
@@ -58,16 +57,11 @@ def equations_of(name: str, reaction: s.Reaction) -> dict[str, Equation]:
 
 
 @dataclass(frozen=True)
-class Substances:
-    """All species of a scene. `entering` mole fractions of the gas at the start, `fed` mass fractions of the solids."""
+class Species:
+    """Gases, and the constituents of the solids of one place, by name."""
 
     gases: dict[str, Thermo]
     solids: dict[str, Thermo]
-    entering: dict[str, float]
-    fed: dict[str, float]
-    transport: GasTransport | None
-    skeletal: dict[str, float]  # densities of constituents without pores [kg/m3]
-    kinds: Mapping[str, Substances] = field(default_factory=dict)  # of each of several kinds of particles
 
     @property
     def all(self) -> dict[str, Thermo]:
@@ -75,67 +69,130 @@ class Substances:
         return self.gases | self.solids
 
     @property
-    def molar_masses(self) -> dict[str, float]:
-        """Molar masses of the gases by name [kg/mol]."""
-        return {name: item.molar_mass for name, item in self.gases.items()}
-
-    @property
     def enthalpies(self) -> dict[str, Any]:
         """Enthalpies of gases and solids by name, functions of T [K]."""
         return {name: item.enthalpy for name, item in self.all.items()}
 
 
-def substances(scene: s.ReactingScene) -> Substances:
-    """Return the species of a scene: those that enter, and those that reactions name.
+@dataclass(frozen=True)
+class PhaseSpecies(Species):
+    """Species of one solid phase.
+
+    suffix : ends names of its constituents in the whole bed; "" for the only phase
+    fed : mass fractions where its particles enter
+    densities : of constituents without pores [kg/m3]
+    """
+
+    suffix: str
+    fed: dict[str, float]
+    densities: dict[str, float]
+
+    def full(self, name: str) -> str:
+        """Return the name in the whole bed of a constituent or reaction of this phase."""
+        return name + self.suffix
+
+
+@dataclass(frozen=True)
+class Substances(Species):
+    """All species of a scene; `solids` with the suffix of their phase.
+
+    transport : properties of the gas; None where they are not known
+    phases : species of each solid phase
+    """
+
+    transport: GasTransport | None
+    phases: Mapping[str, PhaseSpecies]
+
+    @property
+    def molar_masses(self) -> dict[str, float]:
+        """Molar masses of the gases by name [kg/mol]."""
+        return {name: item.molar_mass for name, item in self.gases.items()}
+
+    @property
+    def plain(self) -> Species:
+        """The same species, constituents by their names without a suffix."""
+        return Species(self.gases, {name: item for each in self.phases.values() for name, item in each.solids.items()})
+
+
+def fed_to(table: s.Solids) -> dict[str, float]:
+    """Return the mass fractions of a solid phase where it enters."""
+    return {} if table.composition is None else mole_fractions(table.composition)
+
+
+def constituents_of(phases: Mapping[str, s.SolidKind]) -> dict[str, s.Substance]:
+    """Return the data of constituents by name, which hold in all solid phases."""
+    return {name: data for table in phases.values() for name, data in table.constituent.items()}
+
+
+def mechanism_of(scene: s.ReactingScene) -> Mechanism | None:
+    """Return the mechanism that a scene takes its gases from."""
+    fluid = scene.fluid
+    if not isinstance(fluid, s.GasCantera):
+        return None
+    return Mechanism.read(find_mechanism(fluid.mechanism, scene.origin.base))
+
+
+def species_without_phases(scene: s.ReactingScene) -> tuple[Species, GasTransport | None]:
+    """Return the species of a scene, those that enter and those that reactions name, and properties of the gas.
 
     Raises
     ------
     SceneError : data of a species are missing
     """
-    fluid, solid = scene.fluid, scene.solid
-    entering = entering_fractions(fluid.composition, scene.origin.base)
-    fed = {} if solid is None or solid.composition is None else mole_fractions(solid.composition)
+    mechanism = mechanism_of(scene)
+    gas_names, solid_names = _names(scene, mechanism)
+    needs_heat = scene.heat is not None
+    gases = {name: _gas(name, scene.fluid, mechanism, needs_heat) for name in gas_names}
+    data = constituents_of(scene.phases)
+    solids = {name: _constituent(name, data.get(name), needs_heat) for name in solid_names}
+    return Species(gases, solids), _transport(scene, gases, mechanism)
+
+
+def _names(scene: s.ReactingScene, mechanism: Mechanism | None) -> tuple[list[str], list[str]]:
+    """Return the names of gases and of constituents of solids.
+
+    Raises
+    ------
+    SceneError : a species is neither
+    """
+    fluid, phases = scene.fluid, scene.phases
+    fed = dict.fromkeys(name for table in phases.values() for name in fed_to(table))
     equations = [e for name, table in scene.reactions.items() for e in equations_of(name, table).values()]
     named = {name for equation in equations for name in equation.stoichiometry}
     named |= {name for table in scene.reactions.values() for name in table.orders or {}}
-    known_solids = set(fed) | (set() if solid is None else set(solid.constituent))
+    known_solids = set(fed) | set(constituents_of(phases))
     solids = [name for name in [*fed, *sorted(named)] if name in known_solids]
-    mechanism = None
-    if isinstance(fluid, s.GasCantera):
-        mechanism = Mechanism.read(find_mechanism(fluid.mechanism, scene.origin.base))
-    gas_names, tables = [], solids_tables(scene)
+    gases: list[str] = []
+    tables = condensed_names() if fed else ()
     at_start = None if scene.time is None else scene.time.initial_composition
     filling = [] if at_start is None else mole_fractions(at_start)
     columns = _gases_of_file(scene)
+    entering = entering_fractions(fluid.composition, scene.origin.base)
     for name in [*entering, *filling, *columns, *sorted(named)]:
-        if name in solids or name in gas_names:
+        if name in solids or name in gases:
             continue
         if name in fluid.species or (mechanism is not None and name in mechanism.names):
-            gas_names.append(name)
+            gases.append(name)
         elif name in tables:
             solids.append(name)
         else:
             there = [*fluid.species, *known_solids, *(mechanism.names if mechanism else ())]
-            where = "the mechanism or [fluid.species]" if mechanism else "[fluid.species]"
-            text = (
-                f"{name} is neither a gas of {where} nor a constituent of the solid{nearest(name, there)}; give its "
-                f"thermodynamics in [fluid.species.{name}] or [solid.constituent.{name}]"
-            )
+            text = _unknown(name, there, mechanism)
             if name in columns:
                 from contbed.reacting_bed.initial_rows import located
 
                 raise located(scene, f"{columns[name]}: {text}")
             raise SceneError(text)
-    solids = list(dict.fromkeys(solids))
-    needs_heat = scene.heat is not None
-    gases = {name: _gas(name, fluid, mechanism, needs_heat) for name in gas_names}
-    found = {name: _constituent(name, scene, needs_heat) for name in solids}
-    skeletal = {
-        name: table.density
-        for name in solids
-        if solid is not None and (table := solid.constituent.get(name)) is not None and table.density is not None
-    }
-    return Substances(gases, found, entering, fed, _transport(scene, gases, mechanism), skeletal)
+    return gases, list(dict.fromkeys(solids))
+
+
+def _unknown(name: str, there: list[str], mechanism: Mechanism | None) -> str:
+    """Return the message for a species without data."""
+    where = "the mechanism or [fluid.species]" if mechanism else "[fluid.species]"
+    return (
+        f"{name} is neither a gas of {where} nor a constituent of the solid{nearest(name, there)}; give its "
+        f"thermodynamics in [fluid.species.{name}] or [solid.constituent.{name}]"
+    )
 
 
 def _gases_of_file(scene: s.ReactingScene) -> dict[str, str]:
@@ -163,10 +220,8 @@ def entering_fractions(composition: Any, base: Path) -> dict[str, float]:
     return dict(zip(names, (float(x) for x in table[0]), strict=True))
 
 
-def solids_tables(scene: s.ReactingScene) -> tuple[str, ...]:
-    """Return names of solids that Cantera's tables hold, where a scene has solids with a composition."""
-    if scene.solid is None or scene.solid.composition is None:
-        return ()
+def condensed_names() -> tuple[str, ...]:
+    """Return names of solids that Cantera's tables hold."""
     try:
         return tuple(_condensed())
     except ImportError:
@@ -221,9 +276,7 @@ def _gas(name: str, fluid: Any, mechanism: Mechanism | None, needs_heat: bool) -
     )
 
 
-def _constituent(name: str, scene: s.ReactingScene, needs_heat: bool) -> Thermo:
-    assert scene.solid is not None
-    table = scene.solid.constituent.get(name)
+def _constituent(name: str, table: s.Substance | None, needs_heat: bool) -> Thermo:
     if table is not None:
         found = _from_table(name, table, needs_heat)
         if found is not None:

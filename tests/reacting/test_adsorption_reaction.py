@@ -189,7 +189,7 @@ def test_the_plan_resolves_points_where_adsorbed_gases_react():
     scene, unit = reacting(0.02, 0.3, "auto")
     scene["time"]["end"] = unit
     found = plan(from_dict(scene))
-    assert found.problem.choices[None].level == "interior"
+    assert found.problem.choices["particles"].level == "interior"
     assert "gases that are adsorbed react" in dict(found.built)["adsorption of A"]
 
 

@@ -98,10 +98,9 @@ REFORMER = {
 def test_derivatives_of_mean_rates():
     """Against central differences of the inputs."""
     problem = plan(from_dict(REFORMER)).problem
-    bed = problem.bed
     state = problem.state(problem.start()[:, 0, :1])
     inside = problem.reactions[0].rate
-    at = bed.medium.local(state, bed.medium.at(state), problem.reactions[0])
+    at = problem.local(state, problem.reactions[0])
     one = np.ones(1)
     c = {name: Dual(value * one, {name: one}) for name, value in at.c.items()}
     found = inside(replace(at, T=Dual(at.T * one, {"T": one}), c=c))

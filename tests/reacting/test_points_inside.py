@@ -65,7 +65,7 @@ def test_particles_of_a_bed_hold_nothing_below_zero():
     course = Course.of(found.scene, found.problem, found.schedule, found.stores_gas)
     problem = course.problem
     rows = [k for k, name in enumerate(problem.names) if name.startswith("a_")]
-    weights = np.array(problem.bed.inside.weights)
+    weights = np.array(problem.bed.phases["particles"].inside.weights)
     lowest, least = 0.0, 0.0
     for after in march(course, begin(course, course.start()), Report()):
         points = after.u[rows] / problem.sizes[rows][:, None, None]

@@ -251,7 +251,7 @@ def test_balances_close_with_all_that_differs():
     result = solved(on_cells(unlike(), 6))
     assert "energy" in result.balances and "conversion_S_ore" in result.qoi
     # Ergun's equation has the Sauter mean
-    at = result.plan.problem.bed.medium.scene.bed.particle_diameter
+    at = result.plan.problem.bed.medium.diameter
     assert at == pytest.approx(1.0 / (0.6 / 4e-3 + 0.4 / 8e-3), rel=1e-14)
 
 

@@ -1,1 +1,1 @@
-"""Weak forms of the packed bed: two energies, porous flow; fronts along characteristics."""
+"""Equations of a reacting bed: gas, solid phases, the inside of particles, the section across the flow."""

@@ -1,54 +1,61 @@
-"""Gas species, solids, one or two temperatures and the pressure along a packed or moving bed.
+"""Gas species, solid phases, temperatures and the pressure along a packed or moving bed.
 
-    species k     d/dx [ g_k + J_k/M_k ] = S_k                                  g_k molar flux of convection [mol/m2/s]
-    solid j       d/dx [ v_s n_j ] = S_j                                        n_j [mol/m3 bed]
-    gas           d/dx [ sum (g_k + J_k/M_k) h_k(T_f) - K_f T_f' ] = h a (T_s - T_f) + X + q_w
-    solid         d/dx [ v_s sum n_j h_j(T_s) - K_s T_s' ] = -h a (T_s - T_f) - X
-    pressure      d/dx p = -mu U/K - c_F rho |U| U/sqrt(K)
-    film          0 = k_f,k a (c_k - c_s,k) + S_k,s
-    inside        d/dx [ v_s m_k,i ] = what point i of the particles gains of gas k, see `equations.inside`; what it
-                  gains from other points is linear and constant, and stands in `Bed.coupling`; reactions there add
-                  w_i S_k(c_i)
+    species k           d/dx [ g_k + J_k/M_k ] = S_k                      g_k molar flux of convection [mol/m2/s]
+    constituent j of i  d/dx [ v_i n_ij ] = S_ij                          n_ij [mol/m3 bed]
+    gas                 d/dx [ sum (g_k + J_k/M_k) h_k(T_f) - K_f T_f' ] = sum_i ( h_i a_i (T_i - T_f) + X_i ) + q_w
+    solid phase i       d/dx [ v_i sum_j n_ij h_j(T_i) - s_i K_s(T_i) T_i' ] = -h_i a_i (T_i - T_f) - X_i
+    pressure            d/dx p = -mu U/K - c_F rho |U| U/sqrt(K)
+    film of phase i     0 = k_f,ki a_i (c_k - c_s,ki) + S_ki
+    inside of phase i   d/dx [ v_i m_k,l ] = what point l of the particles gains of gas k, see `equations.inside`;
+                        what it gains from other points is linear and constant, and stands in `Bed.coupling`;
+                        reactions there add w_l S_k(c_l)
 
-Superficial fluxes: G = sum M_k g_k, u = G/rho, U = u - eps u_s/(1 - eps) relative to the particles, v_s = u_s/(1-eps).
-Enthalpies contain heats of formation, so that no heat of reaction appears anywhere. What particles make leaves them at
-T_s, what they take comes at T_f:
+Superficial fluxes: G = sum M_k g_k, u = G/rho, U = u - eps u_s/(1 - eps) relative to the particles, v = u_s/(1 - eps).
+s_i is the share of phase i in the volume of the particles, a_i = 6 s_i (1 - eps)/d_i; films and Nusselt numbers are on
+d_i and the velocity relative to it. Phases exchange heat and species by the gas alone. Each conducts by its share,
+along and across, as a bed filled with it would. The resistance to flow is that of spheres of the Sauter mean
+1/sum(s_i/d_i), on the velocity relative to the mean of the particles by volume. Enthalpies contain heats of formation,
+so that no heat of reaction appears anywhere. What particles make leaves them at T_i, what they take comes at T_f:
 
-    X = sum_k ( S_k,s+ h_k(T_s) - S_k,s- h_k(T_f) )       S_k,s the part of particles and catalyst, + what is made
+    X_i = sum_k ( S_ki+ h_k(T_i) - S_ki- h_k(T_f) )       S_ki the part of particles and catalyst, + what is made
 
     J_k = -eps rho ( D_k w_k' - w_k sum_j D_j w_j' )
 
 The correction makes the J_k sum to zero. The weighted sum of all species equations is that of G. With one temperature
-both energy equations are added. Where species are no unknowns of a film the gas at the particle is that of the stream.
-Several kinds of particles each have equations of their own, see `equations.kinds`; how amounts stay above zero tell
-`limited` and `bounded`.
+all energy equations are added. Where species are no unknowns of a film the gas at the particle is that of the stream.
+How amounts stay above zero: `limited` and `bounded`.
 
-Source: Wakao, Kaguei 1982, Heat and Mass Transfer in Packed Beds; Bird, Stewart, Lightfoot 2002, ch. 19.
+Source: Wakao, Kaguei 1982, Heat and Mass Transfer in Packed Beds; Bird, Stewart, Lightfoot 2002, ch. 19; Kunii,
+Levenspiel 1991, Fluidization Engineering, 2nd ed., ch. 3 for the mean diameter.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contbed.closures.reactions import R_GAS
-from contbed.reacting_bed.equations.inside import Inside
 from contbed.reacting_bed.equations.losses import within
+from contbed.reacting_bed.equations.phase import Enthalpy, Phase
 from contbed.reacting_bed.equations.unknowns import LEAST_T, Layout, State
 
-Enthalpy = Callable[[Any], Any]
+Amounts = dict[str, Any]  # by species [mol/m3 bed/s]
 
 
 @dataclass(frozen=True, eq=False)
 class Bed:
     """The equations of one bed.
 
-    `medium` gives the coefficients of a state: exchange [W/m3/K], conductivities [W/m/K], dispersion [m2/s], the
-    pressure gradient [Pa/m] and coefficients of films [m/s]; `inert` holds (n [mol/m3 bed], h) of what does not react.
+    medium : gives the coefficients of a state, see `medium.Medium`
+    phases : solid phases by name
+    strength : factor of all rates
+    small : `local.Smoothing` of powers between 0 and 1; None: that of the laws
+    gas_pressure : [Pa] at the nodes, at which the gas is stored in time; None: it follows at once
+    most_lost : of solids at rest [mol/m3 bed/s], see `losses`
     """
 
     layout: Layout
@@ -56,33 +63,49 @@ class Bed:
     enthalpies: Mapping[str, Enthalpy]
     reactions: Sequence[Any]
     medium: Any
-    velocity_solid: float  # true velocity v_s [m/s]
-    inert: tuple[tuple[float, Enthalpy], ...]
+    phases: Mapping[str, Phase]
     p_in: float
     T_in: float
-    strength: float = 1.0  # factor of all rates
-    small: Any = None  # `local.Smoothing` of powers between 0 and 1; None: that of the laws
-    gas_pressure: Any = None  # [Pa] at the nodes, at which the gas is stored in time; None: it follows at once
-    inside: Inside | None = None  # particles that take up gas
-    most_lost: Mapping[str, Any] = field(default_factory=dict)  # of solids at rest, see `losses` [mol/m3 bed/s]
+    strength: float = 1.0
+    small: Any = None
+    gas_pressure: Any = None
+    most_lost: Mapping[str, Any] = field(default_factory=dict)
 
     def state(self, u: Sequence[Any]) -> State:
         """Return the state at points from the unknowns."""
         layout = self.layout
         values = dict(zip(layout.names, u, strict=True))
         g = {name: values[f"g_{name}"] for name in layout.gases}
-        T_fluid = values.get("T_fluid", values.get("T", self.T_in))
-        T_solid = values.get("T_solid", values.get("T", self.T_in))
+        T = values.get("T", self.T_in)
+        T_fluid = values.get("T_fluid", T)
         p = values.get("p", self.p_in)
         moles: Any = sum(g.values())
         flux: Any = sum(self.masses[name] * g_k for name, g_k in g.items())
         molar = p / (R_GAS * np.maximum(T_fluid, LEAST_T))
         x = {name: g_k / moles for name, g_k in g.items()}
         c = {name: x_k * molar for name, x_k in x.items()}
-        films = {name: values[f"s_{name}"] for name in layout.films}
-        n = {name: values[f"n_{name}"] for name in layout.solids}
-        inner = layout.concentrations(values)
-        return State(g, n, T_fluid, T_solid, p, moles, flux, x, c, molar * flux / moles, films, inner)
+        gas = State(g, {}, T_fluid, T, p, moles, flux, x, c, molar * flux / moles)
+        phases: dict[str, State] = {}
+        n: dict[str, Any] = {}
+        films: dict[str, Any] = {}
+        for phase in layout.phases:
+            own_n = {name: values[phase.full(f"n_{name}")] for name in phase.solids}
+            own_films = {name: values[phase.full(f"s_{name}")] for name in phase.films}
+            own_T = values.get(phase.temperature, T)
+            inner = phase.concentrations(values)
+            phases[phase.name] = replace(gas, n=own_n, T_solid=own_T, films=own_films, inner=inner)
+            n |= {phase.full(name): value for name, value in own_n.items()}
+            films |= {phase.full(name): value for name, value in own_films.items()}
+        if len(layout.temperatures) == 2:
+            T = values[layout.temperatures[1]]
+        elif layout.temperatures[1:]:
+            T = self._mean_temperature(phases)
+        return replace(gas, n=n, T_solid=T, films=films, phases=phases)
+
+    def _mean_temperature(self, phases: Mapping[str, State]) -> Any:
+        """Return the mean temperature of all particles by volume."""
+        means = [self.phases[name].medium.share * state.T_solid for name, state in phases.items()]
+        return sum(means[1:], means[0])
 
     def __call__(self, u: Sequence[Any], q: Sequence[Any], _: Any) -> tuple[list[Any], list[Any], list[Any]]:
         """Return convective fluxes, diffusive fluxes and sources of all equations at points."""
@@ -109,18 +132,20 @@ class Bed:
 
         They carry their enthalpies. Where the gas fills the pores as many moles go back, of each gas its share.
         """
-        return self._damped(self.state(u), dict(zip(self.layout.names, J, strict=True)))
+        state = self.state(u)
+        fluxes = dict(zip(self.layout.names, J, strict=True))
+        gases, heat = self._damped_gases(state, fluxes)
+        found = {f"g_{name}": flux for name, flux in gases.items()}
+        found |= {f"n_{name}": fluxes[f"n_{name}"] for name in self.layout.solids}
+        found |= dict.fromkeys(("T", "T_fluid"), heat)
+        for phase in self.phases.values() if self.layout.temperatures else ():
+            T, solids = state.phases[phase.layout.name].T_solid, phase.layout.solids
+            carried: Any = sum(fluxes[phase.layout.full(f"n_{name}")] * phase.enthalpies[name](T) for name in solids)
+            found["T"] = found["T"] + carried
+            found[phase.layout.temperature] = carried
+        return [found.get(name, 0.0) for name in self.layout.names]
 
-    def _damped(self, state: State, J: Mapping[str, Any]) -> list[Any]:
-        gas, heat = self._gas_damped(state, J)
-        solids = {name: J[f"n_{name}"] for name in state.n}
-        out = [*gas.values(), *solids.values()]
-        if self.layout.temperatures:
-            of_solids: Any = sum(flux * self.enthalpies[name](state.T_solid) for name, flux in solids.items())
-            out += [heat + of_solids] if len(self.layout.temperatures) == 1 else [heat, of_solids]
-        return out + [0.0] * (len(self.layout.names) - len(out))
-
-    def _gas_damped(self, state: State, J: Mapping[str, Any]) -> tuple[dict[str, Any], Any]:
+    def _damped_gases(self, state: State, J: Mapping[str, Any]) -> tuple[dict[str, Any], Any]:
         """Return the fluxes of all gases that come with those which damp them, and of their heat."""
         fluxes = {name: J[f"g_{name}"] for name in state.g}
         if self.gas_pressure is not None:
@@ -135,19 +160,21 @@ class Bed:
         return {name: self.enthalpies[name](state.T_fluid) for name in state.g}
 
     def _convective(self, state: State, h: Mapping[str, Any]) -> list[Any]:
-        out = [*state.g.values(), *(self.velocity_solid * n for n in state.n.values())]
+        pairs = self.with_states(state)
         temperatures = self.layout.temperatures
+        out = [*state.g.values(), *(phase.velocity * n for phase, own in pairs for n in own.n.values())]
         if temperatures:
             gas: Any = sum(g * h[name] for name, g in state.g.items())
-            solid = self.velocity_solid * self.held_by_solids(state) if self.velocity_solid else 0.0
-            out += [gas + solid] if len(temperatures) == 1 else [gas, solid]
+            carried = [phase.velocity * phase.enthalpy(own) if phase.velocity else 0.0 for phase, own in pairs]
+            out += [sum(carried, gas)] if len(temperatures) == 1 else [gas, *carried]
         if self.layout.pressure:
             out.append(state.p)
         out += [0.0] * len(self.layout.films)
-        if self.inside is not None:
-            moves = self.velocity_solid != 0.0
-            inner = len(self.layout.inner)
-            out += [self.velocity_solid * m for m in self.held_inside(state)] if moves else [0.0] * inner
+        for phase, own in pairs:
+            if phase.velocity:
+                out += [phase.velocity * moles for moles in phase.moles_inside(own)]
+            else:
+                out += [0.0] * len(phase.layout.inner)
         return out
 
     def _diffusive(self, state: State, q: Sequence[Any], transport: Any, h: Mapping[str, Any]) -> list[Any]:
@@ -157,63 +184,80 @@ class Bed:
         temperatures = self.layout.temperatures
         if temperatures:
             carried: Any = sum(flux * h[name] for name, flux in J.items()) if J else 0.0
-            K_f, K_s = transport.conductivity_fluid, transport.conductivity_solid
+            K_f, K_s = transport.conductivity_fluid, [each.conductivity_solid for each in transport.phases.values()]
             if len(temperatures) == 1:
-                out.append(carried - (K_f + K_s) * slopes["T"])
+                out.append(carried - sum(K_s, K_f) * slopes["T"])
             else:
-                out += [carried - K_f * slopes["T_fluid"], -K_s * slopes["T_solid"]]
+                out.append(carried - K_f * slopes["T_fluid"])
+                out += [-K * slopes[name] for K, name in zip(K_s, temperatures[1:], strict=True)]
         return out + [0.0] * (len(self.layout.names) - len(out))
 
     def _sources(self, state: State, transport: Any, h: Mapping[str, Any]) -> list[Any]:
-        made, by_particles, inside = self.made(state, transport)
-        gains = self._taken_up(state, transport, made, by_particles, inside)
+        made, by_phase, inside = self.made(state, transport)
+        gains: list[Any] = []
+        for name in self.phases:
+            gains += self._taken_up(name, state, transport, made, by_phase, inside)
         out = [made.get(name, 0.0) for name in (*state.g, *state.n)]
         temperatures = self.layout.temperatures
         if len(temperatures) == 1:
             out.append(transport.wall)
         elif temperatures:
-            X: Any = 0.0
-            for name, rate in by_particles.items():
-                leaves = getattr(rate, "value", rate) > 0.0
-                X = X + rate * np.where(leaves, self.enthalpies[name](state.T_solid), h[name])
-            passed = transport.exchange * (state.T_solid - state.T_fluid) + X
-            out += [passed + transport.wall, -passed]
+            passed = [self._passed(name, state, transport, by_phase[name], h) for name in self.phases]
+            out += [sum(passed[1:], passed[0]) + transport.wall, *(-heat for heat in passed)]
         if self.layout.pressure:
             out.append(-transport.pressure_gradient)
-        for name in self.layout.films:
-            through = transport.films[name] * self.medium.area * (state.c[name] - state.films[name])
-            out.append(through + by_particles.get(name, 0.0))
+        for phase, own in self.with_states(state):
+            films, rates = transport.phases[phase.layout.name].films, by_phase[phase.layout.name]
+            for gas in phase.layout.films:
+                through = films[gas] * phase.medium.area * (state.c[gas] - own.films[gas])
+                out.append(through + rates.get(gas, 0.0))
         return out + gains
+
+    def _passed(self, name: str, state: State, transport: Any, rates: Amounts, h: Mapping[str, Any]) -> Any:
+        """Return the heat that a solid phase gives to the gas [W/m3 bed]."""
+        T, enthalpies = state.phases[name].T_solid, self.phases[name].enthalpies
+        carried: Any = 0.0
+        for gas, rate in rates.items():
+            leaves: Any = np.asarray(getattr(rate, "value", rate)) > 0.0
+            carried = carried + rate * np.where(leaves, enthalpies[gas](T), h[gas])
+        return transport.phases[name].exchange * (T - state.T_fluid) + carried
 
     def _taken_up(
         self,
+        name: str,
         state: State,
         transport: Any,
-        made: dict[str, Any],
-        by_particles: dict[str, Any],
-        inside: Mapping[str, Sequence[Any]],
+        made: Amounts,
+        by_phase: Mapping[str, Amounts],
+        inside: Mapping[str, Mapping[str, Sequence[Any]]],
     ) -> list[Any]:
-        """Return what points of particles gain by reactions and, at the surface, through films from the gas."""
-        if self.inside is None:
+        """Return what points of particles gain by reactions and, at the surface, through films from the gas.
+
+        What the films take is subtracted from what is `made` of the gas.
+        """
+        phase = self.phases[name]
+        if phase.inside is None:
             return []
         gains: list[Any] = []
-        for name, moles in self.inside.taken(state.inner, state.c, transport.films).items():
-            made[name] = made.get(name, 0.0) - moles
-            by_particles[name] = by_particles.get(name, 0.0) - moles
-            at_points = list(inside.get(name, [0.0] * self.layout.points))
+        taken = phase.inside.taken(state.phases[name].inner, state.c, transport.phases[name].films)
+        for gas, moles in taken.items():
+            made[gas] = made.get(gas, 0.0) - moles
+            by_phase[name][gas] = by_phase[name].get(gas, 0.0) - moles
+            at_points = list(inside[name].get(gas, [0.0] * phase.layout.points))
             gains += [*at_points[:-1], at_points[-1] + moles]
         return gains
 
     def coupling(self) -> NDArray[np.float64] | None:
         """Return the sources that are linear in the unknowns (m, m): diffusion between points inside of particles."""
-        if self.inside is None or self.layout.points == 1:
+        parts = {name: phase.diffusion_inside() for name, phase in self.phases.items()}
+        if all(part is None for part in parts.values()):
             return None
-        names, points = self.layout.names, self.layout.points
+        names = self.layout.names
         out = np.zeros((len(names), len(names)))
-        for gas in self.layout.inside:
-            first = names.index(f"a_{gas}_0")
-            here = slice(first, first + points)
-            out[here, here] = self.inside.conduction(gas)
+        for name, part in parts.items():
+            if part is not None:
+                here = [names.index(each) for each in self.phases[name].layout.inner]
+                out[np.ix_(here, here)] = part
         return out
 
     def diffusion(self, state: State, slopes: Mapping[str, Any], transport: Any) -> dict[str, Any]:
@@ -231,39 +275,40 @@ class Bed:
         hold = self.medium.porosity * state.rho
         return {name: -hold * (D[name] * dw[name] - w[name] * common) / self.masses[name] for name in w}
 
-    def made(self, state: State, transport: Any) -> tuple[dict[str, Any], dict[str, Any], dict[str, list[Any]]]:
-        """Return what all reactions make of each species, and what particles make of each gas [mol/m3 bed/s].
+    def made(self, state: State, transport: Any) -> tuple[Amounts, dict[str, Amounts], dict[str, dict[str, list[Any]]]]:
+        """Return what all reactions make of each species, and what each solid phase makes of each gas.
 
         Of gases that are adsorbed reactions in particles make nothing of the gas between them, but what points inside
         gain, the last return value.
         """
-        made: dict[str, Any] = {}
-        particles: dict[str, Any] = {}
-        inside: dict[str, list[Any]] = {}
+        made: Amounts = {}
+        by_phase: dict[str, Amounts] = {name: {} for name in self.phases}
+        inside: dict[str, dict[str, list[Any]]] = {name: {} for name in self.phases}
         found = within(self._rates_at_points(state, transport), self.reactions, self.most_lost)
         for reaction, rates in zip(self.reactions, found, strict=True):
             rate = sum(rates[1:], rates[0])
-            held = self._adsorbed(reaction)
+            adsorbed = self._adsorbed(reaction)
             for name, count in reaction.stoichiometry.items():
-                if name in held:
-                    before = inside.get(name, [0.0] * len(rates))
-                    inside[name] = [a + count * b for a, b in zip(before, rates, strict=True)]
+                if name in adsorbed:
+                    before = inside[reaction.phase].get(name, [0.0] * len(rates))
+                    inside[reaction.phase][name] = [a + count * b for a, b in zip(before, rates, strict=True)]
                     continue
                 made[name] = made[name] + count * rate if name in made else count * rate
                 if reaction.site != "gas" and name in state.g:
-                    particles[name] = particles[name] + count * rate if name in particles else count * rate
-        return made, particles, inside
+                    own = by_phase[reaction.phase]
+                    own[name] = own[name] + count * rate if name in own else count * rate
+        return made, by_phase, inside
 
     def _adsorbed(self, reaction: Any) -> frozenset[str]:
         """Return the gases that a reaction finds inside of the particles, which adsorb them; none elsewhere."""
-        if self.inside is None or reaction.site == "gas" or reaction.own_film:
+        if reaction.site == "gas" or reaction.own_film:
             return frozenset()
-        return reaction.gases & frozenset(self.inside.gases)
+        inside = self.phases[reaction.phase].inside
+        return frozenset() if inside is None else reaction.gases & frozenset(inside.gases)
 
-    @property
-    def reacts_inside(self) -> bool:
-        """Whether gases react in the particles that adsorb them."""
-        return any(self._adsorbed(reaction) for reaction in self.reactions)
+    def reacts_inside(self, phase: str) -> bool:
+        """Whether gases react in the particles of a phase that adsorbs them."""
+        return any(self._adsorbed(reaction) for reaction in self.reactions if reaction.phase == phase)
 
     def rates(self, state: State, transport: Any) -> list[Any]:
         """Return the rates of all reactions [mol/m3 bed/s]."""
@@ -271,64 +316,64 @@ class Bed:
 
     def _rates_at_points(self, state: State, transport: Any) -> list[list[Any]]:
         """Return the rates of all reactions [mol/m3 bed/s], the parts of the points of particles where these adsorb."""
-        found, steps = [], {}
+        found: list[list[Any]] = []
+        steps: dict[Any, Any] = {}
         for reaction in self.reactions:
             if gases := self._adsorbed(reaction):
                 found.append(self._rates_inside(state, transport, reaction, gases))
                 continue
             if reaction.step is None:
-                rate = reaction.rate(self.medium.local(state, transport, reaction, self.small))
+                rate = reaction.rate(self._local(state, transport, reaction))
             else:  # all steps of a law are found together
                 if reaction.rate not in steps:
-                    steps[reaction.rate] = reaction.rate(self.medium.local(state, transport, reaction, self.small))
+                    steps[reaction.rate] = reaction.rate(self._local(state, transport, reaction))
                 rate = steps[reaction.rate][reaction.step]
             found.append([self.strength * rate])
         return found
+
+    def _local(self, state: State, transport: Any, reaction: Any, inner: Mapping[str, Any] | None = None) -> Any:
+        """Return the state as a reaction sees it, in the gas or in the particles of its phase."""
+        if reaction.phase is None:
+            return self.medium.local(state, self.small)
+        medium, own = self.phases[reaction.phase].medium, state.phases[reaction.phase]
+        return medium.local(own, transport.phases[reaction.phase], reaction, self.small, inner)
 
     def _rates_inside(self, state: State, transport: Any, reaction: Any, gases: frozenset[str]) -> list[Any]:
         """Return the parts of a rate at the points of particles, where adsorbed gases have their concentrations.
 
         Other gases are there as around the particles.
         """
-        assert self.inside is not None
+        inside, own = self.phases[reaction.phase].inside, state.phases[reaction.phase]
+        assert inside is not None
         parts = []
-        for i, weight in enumerate(self.inside.weights):
-            inner = {name: state.inner[name][i] for name in gases}
-            local = self.medium.local(state, transport, reaction, self.small, inner)
-            parts.append(self.strength * float(weight) * reaction.rate(local))
+        for i, weight in enumerate(inside.weights):
+            inner = {name: own.inner[name][i] for name in gases}
+            rate = reaction.rate(self._local(state, transport, reaction, inner))
+            parts.append(self.strength * float(weight) * rate)
         return parts
 
-    def held_by_solids(self, state: State) -> Any:
-        """Return the enthalpy of the solids [J/m3 bed]."""
-        T = state.T_solid
-        total: Any = sum(n * self.enthalpies[name](T) for name, n in state.n.items())
-        if self.inside is not None:
-            held, heat = self.inside.held(state.inner, np.maximum(T, LEAST_T))
-            total = total + heat + sum(sum(points) * self.enthalpies[name](T) for name, points in held.items())
-        return total + sum(n * h(T) for n, h in self.inert)
+    @property
+    def velocity_solid(self) -> float:
+        """True velocity of the slowest solid phase that moves, 0 where none does [m/s]."""
+        return min((phase.velocity for phase in self.phases.values() if phase.velocity), key=abs, default=0.0)
 
-    def heat_held(self, state: State, _: str) -> Any:
-        """Return the enthalpy of the solids in the balance of a temperature [J/m3 bed]."""
-        return self.held_by_solids(state)
-
-    def knows_heat(self, _: str) -> bool:
-        """Whether solids with data stand in the balance of a temperature."""
-        return bool(self.inert or self.layout.solids)
-
-    def velocity_of(self, _: str) -> float:
+    def velocity_of(self, name: str) -> float:
         """Return the true velocity of the solids that an unknown belongs to [m/s]."""
-        return self.velocity_solid
+        owner = self.layout.owners.get(name)
+        return self.velocity_solid if owner is None else self.phases[owner].velocity
 
-    def phases(self, state: State) -> list[tuple[Bed, State]]:
-        """Return the bed of each kind of particles, and the state as it sees it."""
-        return [(self, state)]
+    def with_states(self, state: State) -> list[tuple[Phase, State]]:
+        """Return each solid phase with the state as it sees it."""
+        return [(phase, state.phases[name]) for name, phase in self.phases.items()]
 
-    def held_inside(self, state: State) -> list[Any]:
-        """Return the moles that each point of particles holds of each gas, as the unknowns are ordered [mol/m3 bed]."""
-        if self.inside is None:
-            return []
-        held = self.inside.held(state.inner, np.maximum(state.T_solid, LEAST_T))[0]
-        return [moles for points in held.values() for moles in points]
+    def heat_of_solids(self, state: State, name: str) -> Any:
+        """Return the enthalpy of the solids in the balance of a temperature [J/m3 bed]; None where data are missing."""
+        owner = self.layout.owners.get(name)
+        pairs = [pair for pair in self.with_states(state) if owner in (None, pair[0].layout.name)]
+        if not any(phase.stores_heat for phase, _ in pairs):
+            return None
+        held = [phase.enthalpy(own) for phase, own in pairs]
+        return sum(held[1:], held[0])
 
     def held_by_gas(self, state: State) -> tuple[dict[str, Any], Any]:
         """Return the moles of each gas in the pores, and their enthalpy [per m3 bed].

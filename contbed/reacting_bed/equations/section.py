@@ -11,8 +11,8 @@ F and S are those of `equations.bed` at each point: rings know of their neighbou
 width (`equations.parts`), whose exchange is of second order: what one ring gains through a face its neighbour loses to
 rounding. delta is the length from the middle of a ring to the wall, R ln(R/r) in a tube. The N_k sum to zero, so that
 the mass flux of each ring is what it is where it enters, or in time, where the gas is stored, what its own ring leaves
-of it: gas that expands goes along the bed, not across. Several kinds of particles each conduct across by their share of
-the volume. The pressure is one over the section: its gradient is the mean of those of the rings by area.
+of it: gas that expands goes along the bed, not across. Each solid phase conducts across by its share of the volume.
+The pressure is one over the section: its gradient is the mean of those of the rings by area.
 
 Source: Froment, Bischoff, De Wilde 2011, Chemical Reactor Analysis and Design, ch. 11.7.
 """
@@ -26,7 +26,6 @@ from typing import Any
 import numpy as np
 
 from contbed.reacting_bed.equations.bed import Bed
-from contbed.reacting_bed.equations.kinds import of_kind
 from contbed.reacting_bed.equations.parts import Parts
 from contbed.reacting_bed.equations.unknowns import State
 
@@ -108,16 +107,13 @@ class Section:
         gases = bed.layout.gases
         temperatures = bed.layout.temperatures
         fields: dict[str, list[Any]] = {}
-        if temperatures:
-            by_name = {
-                "T": (state.T_fluid, radial.conductivity_fluid + radial.conductivity_solid),
-                "T_fluid": (state.T_fluid, radial.conductivity_fluid),
-                "T_solid": (state.T_solid, radial.conductivity_solid),
-            } | {
-                of_kind("T_solid", kind): (state.kinds[kind].T_solid, own.conductivity_solid)
-                for kind, own in radial.kinds.items()
-            }
-            fields = {name: self._pairs(*by_name[name]) for name in temperatures}
+        if len(temperatures) == 1:
+            fields["T"] = self._pairs(state.T_fluid, radial.conductivity)
+        elif temperatures:
+            fields["T_fluid"] = self._pairs(state.T_fluid, radial.conductivity_fluid)
+            for phase, own in bed.with_states(state):
+                K = radial.phases[phase.layout.name].conductivity_solid
+                fields[phase.layout.temperature] = self._pairs(own.T_solid, K)
         shares = rings.shares
         for inner, outer, area in rings.joins:
             gained: dict[str, Any] = {}

@@ -11,45 +11,95 @@ LEAST_T = 50.0  # [K] below which properties are evaluated there, for states wit
 
 
 @dataclass(frozen=True)
+class PhaseLayout:
+    """Unknowns of one solid phase; its constituents that react and gases have their own names here.
+
+    suffix : ends the names of its unknowns in a bed of several phases; "" for the only phase
+    films : gases whose films around the particles are resolved
+    inside : gases that are known at `points` inside of the particles
+    """
+
+    name: str
+    suffix: str = ""
+    solids: tuple[str, ...] = ()
+    films: tuple[str, ...] = ()
+    inside: tuple[str, ...] = ()
+    points: int = 0
+
+    def full(self, name: str) -> str:
+        """Return the name in the whole bed of a constituent, reaction or unknown of this phase."""
+        return name + self.suffix
+
+    @property
+    def temperature(self) -> str:
+        """Name of the temperature of the phase, where it has its own."""
+        return self.full("T_solid")
+
+    @cached_property
+    def inner(self) -> tuple[str, ...]:
+        """Names of the unknowns inside of the particles."""
+        return tuple(self.full(f"a_{name}_{i}") for name in self.inside for i in range(self.points))
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of all unknowns that only this phase has."""
+        solids = (self.full(f"n_{name}") for name in self.solids)
+        films = (self.full(f"s_{name}") for name in self.films)
+        return (*solids, self.temperature, *films, *self.inner)
+
+    def concentrations(self, values: Mapping[str, Any]) -> dict[str, list[Any]]:
+        """Return the concentrations of each gas at the points of a particle, from unknowns by name."""
+        return {name: [values[self.full(f"a_{name}_{i}")] for i in range(self.points)] for name in self.inside}
+
+
+@dataclass(frozen=True)
 class Layout:
-    """Which unknowns there are, in their order."""
+    """Which unknowns there are, in their order; see `PhaseLayout` for those of solid phases.
+
+    temperatures : (), ("T",) of gas and solids, or "T_fluid" and that of each solid phase
+    pressure : whether it is an unknown
+    """
 
     gases: tuple[str, ...]
-    solids: tuple[str, ...]
-    temperatures: tuple[str, ...]  # (), ("T",) or ("T_fluid", "T_solid")
+    temperatures: tuple[str, ...]
     pressure: bool
-    films: tuple[str, ...] = ()
-    inside: tuple[str, ...] = ()  # gases inside of particles
-    points: int = 0  # of a particle, at which they are known
-    kinds: tuple[str, ...] = ()  # of particles where there are several, whose names end those of solids and films
-    inside_kinds: tuple[str, ...] = ()  # unknowns inside of several kinds of particles
+    phases: tuple[PhaseLayout, ...] = ()
 
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of all unknowns."""
-        pressure = ("p",) if self.pressure else ()
-        gases, films = (f"g_{name}" for name in self.gases), (f"s_{name}" for name in self.films)
+        gases = (f"g_{name}" for name in self.gases)
         solids = (f"n_{name}" for name in self.solids)
-        return (*gases, *solids, *self.temperatures, *pressure, *films, *self.inner, *self.inside_kinds)
+        pressure = ("p",) if self.pressure else ()
+        films = (f"s_{name}" for name in self.films)
+        inner = (name for phase in self.phases for name in phase.inner)
+        return (*gases, *solids, *self.temperatures, *pressure, *films, *inner)
 
     @cached_property
-    def inner(self) -> tuple[str, ...]:
-        """Names of the unknowns inside of particles of one kind."""
-        return tuple(f"a_{name}_{i}" for name in self.inside for i in range(self.points))
+    def solids(self) -> tuple[str, ...]:
+        """Constituents that react, with the suffix of their phase."""
+        return tuple(phase.full(name) for phase in self.phases for name in phase.solids)
 
-    def concentrations(self, values: Mapping[str, Any]) -> dict[str, list[Any]]:
-        """Return the concentrations of each gas at the points of a particle, from unknowns by name."""
-        return {name: [values[f"a_{name}_{i}"] for i in range(self.points)] for name in self.inside}
+    @cached_property
+    def films(self) -> dict[str, str]:
+        """The gas of each film by the name of the film, "CO" of "CO_ore"."""
+        return {phase.full(name): name for phase in self.phases for name in phase.films}
 
-    def gas_of_film(self, film: str) -> str:
-        """Return the gas of a film, "CO" of that of the kind "ore", "CO_ore"."""
-        return film.rpartition("_")[0] if self.kinds else film
+    @property
+    def inside(self) -> tuple[str, ...]:
+        """Gases inside of particles of any phase."""
+        return tuple(dict.fromkeys(name for phase in self.phases for name in phase.inside))
+
+    @cached_property
+    def owners(self) -> dict[str, str]:
+        """The solid phase of each unknown that only one has."""
+        return {name: phase.name for phase in self.phases for name in phase.names}
 
 
 def conserved(name: str) -> str | None:
     """Return the species whose moles an unknown counts; None for temperatures, pressure and films."""
     kind, _, rest = name.partition("_")
-    if kind == "a":  # a_GAS_POINT, or a_GAS_POINT_KIND
+    if kind == "a":  # a_GAS_POINT, or a_GAS_POINT_PHASE
         gas, _, last = rest.rpartition("_")
         return gas if last.isdigit() else gas.rpartition("_")[0]
     return rest if kind in ("g", "n") else None
@@ -57,25 +107,33 @@ def conserved(name: str) -> str | None:
 
 @dataclass(frozen=True)
 class State:
-    """What follows from the unknowns at points."""
+    """What follows from the unknowns at points.
+
+    n : moles of constituents that react [mol/m3 bed]
+    T_solid : of the particles, of several phases the mean by volume
+    moles, flux : molar and mass flux of the gas
+    films : concentrations at the particles [mol/m3]
+    inner : concentrations in the pores of particles, at their points
+    phases : the state as each solid phase sees it, with the names of its own constituents and gases
+    """
 
     g: Mapping[str, Any]
     n: Mapping[str, Any]
     T_fluid: Any
     T_solid: Any
     p: Any
-    moles: Any  # molar flux of the gas
-    flux: Any  # mass flux
+    moles: Any
+    flux: Any
     x: Mapping[str, Any]
     c: Mapping[str, Any]
     rho: Any
-    films: Mapping[str, Any] = field(default_factory=dict)  # concentrations at the particle [mol/m3]
-    inner: Mapping[str, Sequence[Any]] = field(default_factory=dict)  # in the pores of particles, at their points
-    kinds: Mapping[str, State] = field(default_factory=dict)  # as each of several kinds of particles sees it
+    films: Mapping[str, Any] = field(default_factory=dict)
+    inner: Mapping[str, Sequence[Any]] = field(default_factory=dict)
+    phases: Mapping[str, State] = field(default_factory=dict)
 
-    def of(self, kind: str | None) -> State:
-        """Return the state as a kind of particles sees it, None where there is one."""
-        return self if kind is None else self.kinds[kind]
+    def of(self, phase: str | None) -> State:
+        """Return the state as a solid phase sees it, None for the gas."""
+        return self if phase is None else self.phases[phase]
 
     @property
     def u(self) -> Any:

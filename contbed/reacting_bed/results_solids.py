@@ -1,11 +1,10 @@
-"""Named results of solids that leave: of each kind and of all, and of iron ore."""
+"""Named results of solids that leave: of each solid phase and of all, and of iron ore."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-from contbed.reacting_bed.equations.kinds import KindsBed, of_kind
 from contbed.reacting_bed.laws import IRON
 from contbed.reacting_bed.problem import Problem
 
@@ -20,28 +19,33 @@ def of_iron(amounts: Mapping[str, float]) -> dict[str, float]:
     return {"metallization": amounts["Fe"] / iron, "reduction": 1.0 - oxygen / (1.5 * iron)}
 
 
-def fill_kinds(problem: Problem, amounts: Mapping[str, float], qoi: dict[str, Any]) -> None:
-    """Add what leaves of each kind that moves and of all; `amounts` by constituent and kind [mol/m3 bed]."""
+def fill_phases(problem: Problem, amounts: Mapping[str, float], qoi: dict[str, Any]) -> None:
+    """Add what leaves of each solid phase that moves and of all; `amounts` by full name [mol/m3 bed]."""
     bed, species = problem.bed, problem.species
-    assert isinstance(bed, KindsBed)
-    reacting = {name for part in bed.parts.values() for name in part.layout.solids}
+    several = len(bed.phases) > 1
     total = 0.0
     leaving: dict[str, float] = {}
     fed: dict[str, float] = {}
-    for kind, part in bed.parts.items():
-        v, own = abs(part.velocity_solid), species.kinds[kind].solids
+    reacting: set[str] = set()
+    for name, phase in bed.phases.items():
+        v, own = abs(phase.velocity), species.phases[name]
+        reacting |= set(phase.layout.solids)
         if not v:
             continue
-        there = {name: amounts[of_kind(name, kind)] for name in own}
-        mass = v * (sum(n * own[name].molar_mass for name, n in there.items()) if own else part.medium.solids_density)
-        qoi[f"solids_{kind}_out_kg_m2s"] = mass
+        there = {each: amounts[own.full(each)] for each in own.solids}
+        density = sum(n * own.solids[each].molar_mass for each, n in there.items())
+        mass = v * (density if there else phase.medium.density)
         total += mass
-        for name, n in there.items():
-            leaving[name] = leaving.get(name, 0.0) + v * n
-            fed[name] = fed.get(name, 0.0) + v * problem.streams.solid[of_kind(name, kind)]
-        if "Fe" in part.layout.solids:
-            qoi |= {of_kind(name, kind): value for name, value in of_iron(there).items()}
+        if several:
+            qoi[f"solids_{name}_out_kg_m2s"] = mass
+        for each, n in there.items():
+            leaving[each] = leaving.get(each, 0.0) + v * n
+            fed[each] = fed.get(each, 0.0) + v * problem.streams.solid[own.full(each)]
+        if "Fe" in phase.layout.solids:
+            qoi |= {own.full(key): value for key, value in of_iron(there).items()}
     qoi["solids_out_kg_m2s"] = total
+    if not several:
+        return
     for name, n in leaving.items():
         if name in reacting and fed[name] and n < fed[name]:
             qoi[f"conversion_{name}"] = 1.0 - n / fed[name]
