@@ -64,7 +64,7 @@ $(VENV_FLOORS)/.test: pyproject.toml tests/floors.py
 	@touch $@
 
 test-dolfinx: $(VENV_DOLFINX)/.test
-	OMP_NUM_THREADS=1 $(VENV_DOLFINX)/bin/python -m pytest -q tests/dolfinx
+	OMP_NUM_THREADS=1 $(VENV_DOLFINX)/bin/python -m pytest -q tests/ranks
 
 dolfinx: $(VENV_DOLFINX)/.test
 

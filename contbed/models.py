@@ -48,10 +48,6 @@ class Plan(Protocol):
         """Whether the run takes time steps, so that it can be restarted from a checkpoint."""
 
     @property
-    def without_weak_form(self) -> str:
-        """Equations without a weak form for another engine, as text; empty if all have one."""
-
-    @property
     def policy(self) -> Any:
         """Choice of the linear solver."""
 
@@ -72,7 +68,6 @@ class Model:
     compiles : whether its loops are compiled at their first use, which takes a while
     scatters : whether its results scatter with the start of the particles, so that small changes cannot be told apart
     refuses_early : module and name of a function that refuses what a plan would, for `contbed check`; empty: none
-    shares : whether ranks make the parts of its grid, so that its plan for them leaves it out
     """
 
     package: str
@@ -83,7 +78,6 @@ class Model:
     compiles: bool = False
     scatters: bool = False
     refuses_early: str = ""
-    shares: bool = False
 
     def find(self, module: str, name: str) -> Any:
         """Import a module of the package and return its attribute `name`."""
@@ -143,7 +137,6 @@ MODELS: dict[str, Model] = {
         {"two_fluid": "equations"},
         compiles=True,
         scatters=True,
-        shares=True,
     ),
     "fully_developed": Model(
         "developed_flow", "developed_flow", "DevelopedScene", _has("fully_developed"), {"developed_flow": "equations"}
@@ -274,12 +267,11 @@ def require_buildable(scene: Kind) -> None:
         model.find(module, name)(scene)
 
 
-def plan(scene: Any, shared: bool = False) -> Any:
-    """Decide what a scene needs and build its mesh; `shared` leaves out a grid whose parts ranks make.
+def plan(scene: Any) -> Any:
+    """Decide what a scene needs and build its mesh.
 
     Raises
     ------
     SceneError : mesh, flow or closures of the scene cannot be used
     """
-    model = model_of(scene)
-    return model.find("plan", "plan")(scene, **({"shared": True} if shared and model.shares else {}))
+    return model_of(scene).find("plan", "plan")(scene)

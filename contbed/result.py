@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contbed import models
+from contbed.engine import Engine
 from contbed.errors import ContbedError
 from contbed.fields import unit_of
 
@@ -28,7 +29,8 @@ class Result:
     """Everything that a run computed.
 
     `profiles` maps CSV headers to columns; `nodal` maps field names to (Space, values) at the last time; `series` holds
-    (time, nodal) of a transient; `engine` holds the cost of each rank; `summary` is the content of summary.json.
+    (time, nodal) of a transient; `engine` computed the run, and `usage` is the cost of each of its ranks; `summary` is
+    the content of summary.json.
     """
 
     plan: models.Plan
@@ -44,7 +46,8 @@ class Result:
     timings: dict[str, float] = field(default_factory=dict)
     adaptations: int = 0
     history: list[float] = field(default_factory=list)
-    engine: dict[str, Any] = field(default_factory=dict)
+    engine: Engine = field(default_factory=Engine)
+    usage: dict[str, Any] = field(default_factory=dict)
     solved: Any = None  # problem and state of a steady run, for the `tangent` of its physics
     status: str = "ok"
 
@@ -81,7 +84,7 @@ class Result:
             "units": {key: self.units.get(key) or unit_of(key) or "1" for key in self.qoi},
             "adaptations": self.adaptations,
             "newton": self.history,
-            **({"engine": self.engine} if self.engine else {}),
+            **({"engine": self.usage} if self.usage else {}),
         }
 
     def _repr_html_(self) -> str:
@@ -147,11 +150,7 @@ class Result:
         return failed
 
     def _write_fields(self, out: Path) -> None:
-        mesh = self.plan.mesh
-        if mesh.engine == "dolfinx":
-            from contbed.output.pieces import write
-        else:
-            from contbed.output.vtu import write
+        mesh, write = self.plan.mesh, self.engine.write
         if self.series:
             from contbed.output.vtu import write_series
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from contbed import models
 from contbed.compiled.threads import using
+from contbed.engine import Elsewhere, Engine
 from contbed.errors import BalanceError, ClosureRangeError, ContbedError, ConvergenceError, SceneError, interrupt_in
 from contbed.fields import field, name_of
 from contbed.result import Result, outside
@@ -51,8 +52,7 @@ def run(
     out : folder for the results; nothing is written, plotted or imported for it if None
     quiet : no progress bar
     restart : folder of an earlier run of the same scene whose checkpoint is continued
-    engine : "skfem", or "dolfinx" for PETSc under MPI; then only the first rank returns a result, others None;
-        "lammps" settles the packing of a scene of particles with LAMMPS; "cuda" moves particles on a GPU
+    engine : one of `engine_named`; under "dolfinx" only rank 0 returns a result, other ranks None
     threads : cores to compute on; None: all that may be used, where that is faster. The numbers do not depend on it
 
     Raises
@@ -61,14 +61,34 @@ def run(
     ContbedError : a file cannot be written, after all others have been; another run is writing to `out`
     """
     with using(threads):
-        if engine == "dolfinx":
-            from contbed.fem.ranks import run_on_root
-
-            return run_on_root(lambda: _run(scene, out, quiet, restart, engine))
-        return _run(scene, out, quiet, restart, engine)
+        chosen = engine_named(engine)
+        return chosen.run(lambda: _run(scene, out, quiet, restart, chosen))
 
 
-def _run(scene: SceneBase, out: str | Path | None, quiet: bool, restart: str | Path | None, engine: str) -> Result:
+def engine_named(name: str) -> Engine:
+    """Return what computes runs.
+
+    Parameters
+    ----------
+    name : "skfem", this process; "dolfinx", several ranks by DOLFINx and PETSc; "lammps", which settles the packing of
+        a scene of particles; "cuda", particles on a GPU
+    """
+    if name == "dolfinx":
+        from contbed.ranks.engine import Ranks
+
+        return Ranks()
+    if name == "lammps":
+        from contbed.dem.plan import on_lammps
+
+        return Elsewhere(name, on_lammps)
+    if name == "cuda":
+        from contbed.dem.gpu import on_gpu
+
+        return Elsewhere(name, on_gpu)
+    return Engine()
+
+
+def _run(scene: SceneBase, out: str | Path | None, quiet: bool, restart: str | Path | None, engine: Engine) -> Result:
     if restart is not None and not Path(restart).is_dir():  # before it is made for the results
         from contbed.output.checkpoint import require_there
 
@@ -90,31 +110,19 @@ def _run(scene: SceneBase, out: str | Path | None, quiet: bool, restart: str | P
 
 
 def _found(
-    scene: SceneBase, place: RunFolder | None, quiet: bool, restart: str | Path | None, engine: str
+    scene: SceneBase, place: RunFolder | None, quiet: bool, restart: str | Path | None, engine: Engine
 ) -> tuple[Result, BaseException | None]:
     """Plan, solve and write; the result and what went wrong."""
     start = clock.perf_counter()
     goes_on = place is not None and restart is not None and place.path.resolve() == Path(restart).resolve()
     try:
-        plan: Any = models.plan(scene, shared=engine == "dolfinx")
-        if engine == "dolfinx":
-            from contbed.fem.dolfinx import on_dolfinx
-
-            plan = on_dolfinx(plan)
-        elif engine == "lammps":
-            from contbed.dem.plan import on_lammps
-
-            plan = on_lammps(plan)
-        elif engine == "cuda":
-            from contbed.dem.gpu import on_gpu
-
-            plan = on_gpu(plan)
+        plan = engine.plan(scene)
         checkpoint = None if restart is None else _checkpoint(scene, plan, Path(restart))
     except Exception as error:
         if place is not None and not goes_on:
             place.mark_failed(_status(error), str(error))
         raise
-    result = Result(plan)
+    result = Result(plan, engine=engine)
     result.warnings += scene.warnings
     result.timings["plan"] = clock.perf_counter() - start
     if place is not None:
@@ -125,10 +133,7 @@ def _found(
         place.give_back()
         return result, failure
     result.timings["total"] = clock.perf_counter() - start
-    if engine == "dolfinx":
-        from contbed.fem.dolfinx import engine_usage
-
-        result.engine = engine_usage()
+    result.usage = engine.usage()
     if place is not None:
         not_written = _write(result, place, failure)
         failure = failure or not_written

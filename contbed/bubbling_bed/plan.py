@@ -38,7 +38,6 @@ class BubblingPlan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     albedo: float | None = None  # of the emulsion
-    without_weak_form: str = ""
     steps: bool = False
 
     @property

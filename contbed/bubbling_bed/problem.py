@@ -47,7 +47,7 @@ class BubblingProblem:
     def __init__(self, plan: BubblingPlan):
         self.plan, self.c = plan, plan.coefficients
         self.watch: Callable[[float, str], None] = unwatched  # told the share of the way to a steady state
-        self.system = make_system(plan.mesh, plan.fields, 2 * plan.scene.solver.degree + EXTRA, pointwise=True)
+        self.system = make_system(plan.mesh, plan.fields, 2 * plan.scene.solver.degree + EXTRA)
         (self.bottom,), (self.top,) = self.system.boundary("bottom"), self.system.boundary("top")
         self.fixed = np.empty(0, dtype=np.int64)
         self.radiant = [name for name in ("G", "G_freeboard") if name in self.system.fields]
@@ -121,7 +121,7 @@ class BubblingProblem:
 
     def assemble(self, state: Array, jacobian: bool) -> tuple[Array, Any]:
         """Assemble the residual and the exact Jacobian."""
-        if jacobian and self._recorded is None and not self.unrecorded and self.plan.mesh.engine == "skfem":
+        if jacobian and self._recorded is None and not self.unrecorded:
             self._jacobians += 1
             if self._jacobians >= self._record_from:
                 self._record()

@@ -54,7 +54,7 @@ def stretched(plan: BubblingPlan, scene: Any, typical: dict[str, Any] | None = N
     ratio = scene.bubbling_bed.height / plan.scene.bubbling_bed.height
     mesh = plan.mesh
     if ratio != 1.0:
-        mesh = replace(line(ratio * np.sort(mesh.skfem.p[0])), engine=mesh.engine)
+        mesh = line(ratio * np.sort(mesh.skfem.p[0]))
     c, albedo = coefficients(scene, typical)
     return BubblingProblem(replace(plan, scene=scene, coefficients=c, mesh=mesh, albedo=albedo))
 

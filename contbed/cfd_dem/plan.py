@@ -48,7 +48,6 @@ class GasPlan:
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
     policy: MemoryPerUnknown = MEMORY
-    without_weak_form: str = "scenes of kind particles_gas"
     steps: bool = True
     tubes: tuple[BedTube, ...] = ()
     engine: Literal["contbed", "cuda"] = "contbed"

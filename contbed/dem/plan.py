@@ -54,7 +54,6 @@ class ParticlePlan:
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
     policy: MemoryPerUnknown = MEMORY
-    without_weak_form: str = "scenes of kind particles"
     steps: bool = False
     engine: Literal["contbed", "lammps", "cuda"] = "contbed"
 

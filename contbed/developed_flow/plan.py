@@ -27,7 +27,6 @@ class DevelopedPlan:
     mesh: Mesh
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
-    without_weak_form: str = ""
     steps: bool = False
 
     @property
@@ -44,7 +43,7 @@ class DevelopedPlan:
 
     def on(self, nodes: np.ndarray) -> DevelopedPlan:
         """Return the plan on other nodes."""
-        return replace(self, mesh=replace(line(nodes, self.mesh.axisymmetric), engine=self.mesh.engine))
+        return replace(self, mesh=line(nodes, self.mesh.axisymmetric))
 
     def __str__(self) -> str:
         return plan_text(self)

@@ -39,7 +39,7 @@ class DevelopedProblem:
         fields = {"u_gas": (degree, 0), "gradient": (0, 0)}
         if self.particles:
             fields |= {"u_solid": (degree, 0), "root": (degree, 0), "pressure": (0, 0)}
-        self.system = make_system(plan.mesh, fields, 2 * degree + EXTRA_QUADRATURE_ORDER, pointwise=True)
+        self.system = make_system(plan.mesh, fields, 2 * degree + EXTRA_QUADRATURE_ORDER)
         (self.wall,) = self.system.boundary("wall")
         self.fixed = self.system.nodes("u_gas", plan.mesh.skfem.boundaries["wall"])
         self.weights = np.ones(self.system.size)  # what compares steps of pressures with those of velocities

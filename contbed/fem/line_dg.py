@@ -60,12 +60,10 @@ class Line:
 
     vertices : (N + 1,) increasing [m]
     degree : p >= 1
-    engine : that integrates and solves on this line, one of `fem.ENGINES`
     """
 
     vertices: Array
     degree: int
-    engine: str = "skfem"
 
     @property
     def cells(self) -> int:
@@ -307,17 +305,17 @@ class System:
             source += np.tensordot(self.coupling, u, axes=1)
         convective = _values(Cf, (N + 1,), m)
         hat = self._at_ends(convective + _values(Df, (N + 1,), m), convective)
-        residual = self.integrated(F, source, hat)
+        residual = self._integrated(F, source, hat)
         if not jacobian:
             return residual, None
-        slopes = self.no_slopes()
+        slopes = Slopes(self)
         self._differentiate(C, D, S, slopes)
         if self.damping is not None:
             self._differentiate_damping(E, self.damping, slopes)
         self._differentiate_faces(Cf, Df, slopes)
         return residual, slopes
 
-    def integrated(self, F: Array, source: Array, hat: Array) -> Array:
+    def _integrated(self, F: Array, source: Array, hat: Array) -> Array:
         """Return residuals from fluxes and sources at the nodes (m, N, p + 1), and fluxes at vertices (m, N + 1)."""
         line = self.line
         test = line.weights[:, None] * line.slopes  # (node j, test i): w_j phi_i'(xi_j)
@@ -325,10 +323,6 @@ class System:
         residual += hat[:, 1:, None] * line.right - hat[:, :-1, None] * line.left
         residual -= source * line.weights * line.h[:, None]
         return residual
-
-    def no_slopes(self) -> Any:
-        """Return derivatives of the residuals to be added to."""
-        return Slopes(self)
 
     def _differentiate(self, C: Values, D: Values, S: Values, slopes: Any) -> None:
         """Add the derivatives of fluxes and sources at the nodes."""

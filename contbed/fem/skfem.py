@@ -21,6 +21,7 @@ from skfem.mesh import Mesh as SkfemMesh
 from contbed.fem.domain import Domain
 from contbed.fem.dual import Components, Dual, Linear
 from contbed.fem.elements import GlobalUnknown, Space
+from contbed.mesh.mesh import MeshEngine
 from contbed.solvers.linear import Policy
 from contbed.solvers.multigrid import Vertices
 from contbed.solvers.ordering import nested_dissection
@@ -366,3 +367,6 @@ class System:
             places = [inside]
         widths = np.bincount(unique // test.size, minlength=trial.size)
         return np.concatenate(places).astype(np.int32), (unique % test.size).astype(np.int32), widths
+
+
+ENGINE = MeshEngine(System, Policy)

@@ -5,10 +5,19 @@ Lengths in m. Every exterior facet belongs to exactly one named boundary and eve
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 import skfem
+
+
+class MeshEngine(NamedTuple):
+    """What assembles and solves on a mesh: a `fem.skfem.System` and a `solvers.linear.Policy`, or classes like them."""
+
+    system: Callable[..., Any]
+    policy: Callable[..., Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,13 +29,13 @@ class Mesh:
     skfem : mesh with `boundaries` (exterior facets by name) and `subdomains` (cells by region)
     axisymmetric : coordinates are (r, z) with r >= 0
     axis : index of the bed axis coordinate
-    engine : what assembles and solves on it, one of `contbed.fem.ENGINES`
+    engine : what assembles and solves on it; None: scikit-fem on this process
     """
 
     skfem: skfem.Mesh
     axisymmetric: bool = False
     axis: int = 0
-    engine: str = "skfem"
+    engine: MeshEngine | None = None
 
     @property
     def boundaries(self) -> tuple[str, ...]:

@@ -89,10 +89,8 @@ def at_nodes(space: Space, values: Array, target: Space) -> Array:
     return out
 
 
-def write_fields(
-    path: Path | str, mesh: skfem.Mesh, nodal: Mapping[str, tuple[Space, Array]], region: bool = True
-) -> None:
-    """Write fields on Lagrange spaces of degree 1 to 3 as one .vtu with quadratic cells.
+def write_fields(path: Path, mesh: skfem.Mesh, nodal: Mapping[str, tuple[Space, Array]], region: bool = True) -> str:
+    """Write fields on Lagrange spaces of degree 1 to 3 as one .vtu with quadratic cells; return its name.
 
     Parameters
     ----------
@@ -129,6 +127,7 @@ def write_fields(
     }
     with atomic(path) as temporary, open(temporary, "w", encoding="ascii") as file:
         file.writelines(_unstructured_grid(len(quadratic.points.T), ncells, arrays))
+    return path.name
 
 
 def _unstructured_grid(npoints: int, ncells: int, arrays: Mapping[str, Mapping[str, NDArray[Any]]]) -> Iterator[str]:
@@ -157,12 +156,6 @@ def _compressed(content: bytes) -> str:
     last = len(content) % _BLOCK  # 0: the last one is full
     sizes = np.array([len(blocks), _BLOCK, last, *map(len, packed)], dtype=np.uint32)
     return (b64encode(sizes.tobytes()) + b64encode(b"".join(packed))).decode("ascii")
-
-
-def write(path: Path, mesh: skfem.Mesh, nodal: Mapping[str, tuple[Space, Array]]) -> str:
-    """Write fields by `write_fields`; return the name of the file to open."""
-    write_fields(path, mesh, nodal)
-    return path.name
 
 
 def _padded(rows: Array) -> Array:

@@ -92,8 +92,8 @@ class Plan:
         return self.scene.time is not None and not self.fronts
 
     @property
-    def without_weak_form(self) -> str:
-        """Equations without a weak form for another engine, as text; empty if all have one."""
+    def without_ranks(self) -> str:
+        """What the scene has that does not run on several ranks, as text; empty if there is nothing."""
         if self.schedule:
             return "values that change with time"
         return "fronts tracked along characteristics (a bed at rest without conduction)" if self.fronts else ""

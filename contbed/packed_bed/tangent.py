@@ -228,11 +228,6 @@ def _require_alike(problem: HeatProblem, base: HeatProblem) -> None:
         raise UnlikeError(OTHER)
 
 
-def of(result: Result) -> Steady | Repeated | None:
-    """Return what follows a run to other numbers: the tangent of a steady one, repetitions of a transient.
-
-    None for fronts, cycles, restarts and other engines.
-    """
-    if result.solved is None or result.plan.mesh.engine != "skfem":
-        return None
+def of(result: Result) -> Steady | Repeated:
+    """Return what follows a run to other numbers: the tangent of a steady one, repetitions of a transient."""
     return Steady(result) if result.solved.levels is None else Repeated(result)

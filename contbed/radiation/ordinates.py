@@ -17,7 +17,6 @@ import numpy as np
 from scipy.sparse import csc_matrix
 
 from contbed.closures.optics import SIGMA
-from contbed.fem import engine_matrix, policy
 from contbed.fem.elements import Space
 from contbed.mesh.mesh import Mesh
 from contbed.radiation.equations import p1 as radiation
@@ -58,7 +57,6 @@ class OrdinatesProblem:
             walls.get(-1),
             table.directions,
             degree,
-            inverse=self._inverse if mesh.engine == "dolfinx" else None,
         )
         self.space = Space(mesh.skfem, degree)
         self._fields: dict[bytes, OrdinatesSolution] = {}
@@ -70,11 +68,6 @@ class OrdinatesProblem:
         wanted = {end: scene.boundary[name].radiation for name, end in self.ends.items() if end in walls}
         given = {end: condition.temperature for end, condition in wanted.items() if condition and condition.temperature}
         self.fixed_values = given if self.conductivity else {}
-
-    def _inverse(self, matrix: Any) -> Any:
-        """Return a solver on all ranks; the ordinates refine its rounding errors themselves."""
-        solver = Solver(engine_matrix(self.mesh, matrix), policy(self.mesh, self.scene.solver.memory_GB))
-        return lambda rhs: np.apply_along_axis(solver.approximate, 0, rhs)
 
     def _end(self, name: str, z: Any) -> int:
         """Return 0 for the boundary at the first node, -1 for the last."""
@@ -112,7 +105,7 @@ class OrdinatesProblem:
             return residual, None
         slope = 16.0 * SIGMA * state**3
         exchange = self.mass @ (K * (np.eye(len(state)) - 0.25 * K * self.response) * slope)
-        return residual, engine_matrix(self.mesh, csc_matrix(section * (self.stiffness + exchange)))
+        return residual, csc_matrix(section * (self.stiffness + exchange))
 
     def solve(self, policy: Policy) -> tuple[Any, list[float]]:
         """Solve by Newton's method from the mean of the given temperatures.

@@ -26,8 +26,12 @@ class Plan:
     mesh: Mesh
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...] = (("porous flow", "[radiation] alone"), ("two-energy", "no [heat] table"))
-    without_weak_form: str = ""
     steps: bool = False
+
+    @property
+    def without_ranks(self) -> str:
+        """What the scene has that does not run on several ranks, as text; empty if there is nothing."""
+        return "discrete ordinates on a line" if self.solved.radiation.level == "ordinates" else ""
 
     @property
     def coordinate(self) -> str:

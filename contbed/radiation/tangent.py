@@ -63,6 +63,6 @@ class Tangent:
         return out[0], out[1]
 
 
-def of(result: Result) -> Tangent | None:
-    """Return the tangent of a run; None where it has solved nothing that has one."""
-    return None if result.solved is None or result.plan.mesh.engine != "skfem" else Tangent(result)
+def of(result: Result) -> Tangent:
+    """Return the tangent of a run that has solved a steady state."""
+    return Tangent(result)

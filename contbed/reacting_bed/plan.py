@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -44,21 +44,6 @@ class Plan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
-
-    @property
-    def without_weak_form(self) -> str:
-        """What the engine for MPI does not have."""
-        return ""
-
-    @property
-    def engine(self) -> str:
-        """The engine that integrates and solves."""
-        return self.problem.line.engine
-
-    def on_engine(self, engine: str) -> Plan:
-        """Return the plan on another engine."""
-        line = replace(self.problem.line, engine=engine)
-        return replace(self, problem=replace(self.problem, line=line))
 
     @property
     def steps(self) -> bool:

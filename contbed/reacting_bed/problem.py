@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.closures.reactions import R_GAS
-from contbed.fem import line_system
 from contbed.fem.line_dg import Ends, Line, System
 from contbed.fem.line_projection import projected
 from contbed.reacting_bed import scene as s
@@ -133,7 +132,7 @@ class Problem:
             coupling = np.asarray(np.kron(np.eye(self.rings.count), coupling), dtype=float)
         exchanged = (self._directions, self._diffuses, point, self._ends, self._local)
         damping = None if self.damping is None else self.gas_signs[:, None] * self.damping
-        return line_system(self.line, *exchanged, coupling, damping)
+        return System(self.line, *exchanged, coupling, damping)
 
     @property
     def gas_signs(self) -> Array:

@@ -17,7 +17,6 @@ class Plan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
-    without_weak_form: str = "shells of a sphere by finite volumes"
     steps: bool = False
 
     @property

@@ -311,11 +311,9 @@ def constrain(matrix: sp.csc_matrix, fixed: Any) -> sp.csc_matrix:
 
 def scaled(matrix: sp.csc_matrix, factors: Any) -> sp.csc_matrix:
     """Return the matrix with each column multiplied by a factor."""
-    return matrix.multiply(factors).tocsc() if sp.issparse(matrix) else matrix.scaled(factors)
+    return matrix.multiply(factors).tocsc()
 
 
 def bordered(matrix: sp.csc_matrix, column: Any, row: Any, corner: float) -> sp.csc_matrix:
     """Return the matrix with one more unknown and one more equation, in the last column and row."""
-    if not sp.issparse(matrix):
-        return matrix.bordered(column, row, corner)
     return sp.bmat([[matrix, sp.csc_matrix(column[:, None])], [sp.csr_matrix(row), [[corner]]]]).tocsc()

@@ -6,9 +6,7 @@ import numpy as np
 
 from contbed.errors import ConvergenceError
 from contbed.two_fluid.compiled import Array
-from contbed.two_fluid.linear.cg import EXPLICIT_SHARE, System, solve
-from contbed.two_fluid.linear.cg_on_ranks import solve_on_ranks
-from contbed.two_fluid.linear.lattice_multigrid import solve_exchange
+from contbed.two_fluid.linear.cg import EXPLICIT_SHARE, System
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.state import State, check_finite
 
@@ -25,15 +23,8 @@ def solve_system(state: State, name: str, system: System, model: Model, explicit
     ------
     ConvergenceError : a field is not finite, or too many iterations; with the name of the unknown
     """
-    x, halo = np.empty_like(system.rhs), model.grid.halo
-    lattice = model.pressure_solver.lattice
-    if halo.distributed:
-        iterations = solve_on_ranks(model.grid, system, explicit, TOLERANCE, MAX_ITERATIONS, x)
-    elif lattice is None:
-        iterations = solve(model.grid.geometry, system, explicit, TOLERANCE, MAX_ITERATIONS, x)
-    else:
-        iterations = solve_exchange(lattice, system.T, explicit, TOLERANCE, MAX_ITERATIONS, x.T)
-    if iterations < 0:
+    x = np.empty_like(system.rhs)
+    if model.pressure_solver.solve_diffusion(system, explicit, TOLERANCE, MAX_ITERATIONS, x) < 0:
         check_finite(state, model.grid)
         raise ConvergenceError(
             f"t = {state.time:.6g} s, step {state.steps}: {name} did not converge in {MAX_ITERATIONS} iterations; "

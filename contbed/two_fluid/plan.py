@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from contbed.compiled import threads
 from contbed.errors import SceneError
 from contbed.mesh.build import build
 from contbed.mesh.entities import renamed
@@ -19,15 +18,9 @@ from contbed.two_fluid import boundary, closure_kernels, filters, near_walls, pr
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, bound, dissipative_restitution
 from contbed.two_fluid.fv import grid
-from contbed.two_fluid.fv.connections import connect
-from contbed.two_fluid.linear.pressure_solver import uses_elimination
 from contbed.two_fluid.model import Materials, Options, build_model
+from contbed.two_fluid.place import ONE_PROCESS, Place
 from contbed.two_fluid.simulation import Simulation
-
-if TYPE_CHECKING:
-    from contbed.two_fluid.distributed.division import Division
-    from contbed.two_fluid.distributed.grid import SharedGrid
-    from contbed.two_fluid.distributed.lattice import Lattice
 
 MEMORY = MemoryPerUnknown(400.0)  # bytes for each unknown: 200 in 800 000 of a plane, up to 600 in 140 000 of a volume
 # s of CPU per cell and step in 1-D, 2-D and 3-D, of beds of some 10 000 cells, on rectangular grids and on any mesh
@@ -47,9 +40,7 @@ class TwoFluidPlan:
     warnings: tuple[str, ...] = ()
     steps: bool = True
     policy: MemoryPerUnknown = MEMORY
-    without_weak_form: str = ""
-    divided: Lattice | Division | None = None  # from which ranks make their parts of the grid; `grid` is its outline
-    shared_grid: SharedGrid | None = None  # of ranks, which then have the grid; `grid` is its outline
+    place: Place = ONE_PROCESS  # of several ranks, `grid` is the outline of a grid of which each has its part
 
     def unknowns(self) -> dict[str, int]:
         """Count unknowns: fraction, pressure, granular temperature and two velocities in each cell."""
@@ -57,25 +48,6 @@ class TwoFluidPlan:
         cells = len(self.grid.cells)
         flow = {"flow": cells * (2 + theta + 2 * self.grid.dimension)}
         return flow if self.scene.heat is None else flow | {"heat": 2 * cells}
-
-    def on_engine(self, engine: str) -> TwoFluidPlan:
-        """Return the plan on an engine that shares its grid out to all ranks.
-
-        Raises
-        ------
-        EngineError : fewer cells than ranks
-        """
-        from contbed.two_fluid.distributed.grid import SharedGrid
-        from contbed.two_fluid.distributed.lattice import Lattice
-
-        cells, divided = (self.grid, self.divided) if self.divided else _shared(self.scene, self.mesh)
-        if isinstance(divided, Lattice):
-            shared = SharedGrid.of_lattice(divided, cells)
-        else:
-            shared = SharedGrid.of_division(divided, self.mesh.skfem, cells)
-        # a copy of the mesh leaves behind the lists of faces that the grid was built from
-        mesh = replace(self.mesh, engine=engine, skfem=replace(self.mesh.skfem))
-        return replace(self, mesh=mesh, grid=shared.outline, divided=None, shared_grid=shared)
 
     def bed(self) -> tuple[Simulation, closure_kernels.CompiledClosures]:
         """Build the bed with its initial fields, and its compiled closures."""
@@ -103,12 +75,7 @@ class TwoFluidPlan:
         boundaries = conditions(scene, self.grid)
         closures = near_walls.corrected(compiled.closures, compiled.bound, scene, self.grid)
         model = build_model(self.grid, materials, closures, boundaries, _options(scene), heat)
-        if self.shared_grid is None:
-            bed = Simulation(model)
-        else:
-            from contbed.two_fluid.distributed.bed import SharedSimulation
-
-            bed = SharedSimulation(model, self.shared_grid, scene, particles, compiled.counts)
+        bed = self.place.simulation(model, scene, particles, compiled.counts)
         bed.start(**initial(scene, self.grid))
         return bed, compiled
 
@@ -116,15 +83,15 @@ class TwoFluidPlan:
         return plan_text(self, *(f"WARNING {text}" for text in self.warnings))
 
 
-def plan(scene: t.TwoFluidScene, shared: bool = False) -> TwoFluidPlan:
-    """Build mesh and grid; of a grid that is `shared` the outline only, as ranks make its parts.
+def plan(scene: t.TwoFluidScene, place: Place = ONE_PROCESS) -> TwoFluidPlan:
+    """Build mesh and grid; `place` is where steps are computed.
 
     Raises
     ------
     SceneError : the mesh cannot be used, a boundary has no condition or does not exist
     """
     mesh = _cut(build(scene.mesh, base=str(scene.origin.base)), scene)
-    cells, divided = _shared(scene, mesh) if shared else (grid.build(mesh, _pairs(scene)), None)
+    cells, place = place.grid(scene, mesh, _pairs(scene))
     _require_resolved(scene, mesh, cells)
     known = conditions(scene, cells)
     for name in cells.boundaries:
@@ -134,13 +101,7 @@ def plan(scene: t.TwoFluidScene, shared: bool = False) -> TwoFluidPlan:
     table = scene.two_fluid
     cost = (STEP_COST_IN_ROWS if cells.rectangular else STEP_COST)[cells.dimension - 1] * len(cells.cells)
     built = [("cells", f"{len(cells.cells)}, about {cost * 1e3:.2g} ms a step")]
-    if shared:
-        built.append(("pressure", "conjugate gradients with algebraic multigrid of PETSc"))
-        built.append(("threads", "1 on each rank"))
-    else:
-        how = "elimination" if uses_elimination(cells) else "conjugate gradients with multigrid"
-        built.append(("pressure", f"{how}, band of {cells.bandwidth} cells"))
-        built.append(("threads", _threads(cells)))
+    built += place.described(cells)
     skipped: list[tuple[str, str]] = []
     for there, what, how, why in (
         (table.drag != ABSENT, "drag", str(table.drag), 'drag = "none"'),
@@ -163,42 +124,12 @@ def plan(scene: t.TwoFluidScene, shared: bool = False) -> TwoFluidPlan:
         skipped.append(("fully developed flow", "[fully_developed] gives profiles far from the inlet in a second"))
     points = probes.cells(mesh, cells, scene.output.probes)
     seldom_meant = warnings.of_the_mesh(scene, mesh, cells)
-    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points, seldom_meant, divided=divided)
+    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points, seldom_meant, place=place)
 
 
 def _pairs(scene: t.TwoFluidScene) -> list[tuple[str, str]]:
     """Return the pairs of periodic boundaries."""
     return [(name, part.partner) for name, part in scene.boundary.items() if isinstance(part, t.Periodic)]
-
-
-def _shared(scene: t.TwoFluidScene, mesh: Mesh) -> tuple[grid.Grid, Lattice | Division]:
-    """Return the outline of the grid of a mesh, and what ranks make their parts of it from."""
-    from contbed.two_fluid.distributed.bricks import outline
-    from contbed.two_fluid.distributed.division import Division
-    from contbed.two_fluid.distributed.lattice import lattice_of, numbers_of_facets
-
-    pairs = _pairs(scene)
-    lattice = None if isinstance(scene.mesh, MeshFile) else lattice_of(mesh, scene.mesh.sides, pairs)
-    if lattice is not None:
-        return outline(lattice, numbers_of_facets(lattice, mesh, pairs)), lattice
-    division = Division.of(connect(mesh, pairs))
-    return division.outline(), division
-
-
-def _threads(cells: grid.Grid) -> str:
-    """On how many cores a step is computed, and why."""
-    count, allowed, number = len(cells.cells), threads.count(), threads.count(len(cells.cells))
-    if not cells.rectangular:
-        return "1: the mesh is not a rectangular grid, whose rows are shared among cores"
-    if number == 1:
-        why = (
-            "one core is allowed"
-            if allowed == 1
-            else f"below {2 * threads.LEAST} cells, sharing costs more than it saves"
-        )
-        return f"1: {why}"
-    few = f", {allowed} are allowed: each takes at least {threads.LEAST} cells" if number < allowed else ""
-    return f"{number}, each takes {count // number} cells{few}"
 
 
 def _require_resolved(scene: t.TwoFluidScene, mesh: Mesh, cells: grid.Grid) -> None:

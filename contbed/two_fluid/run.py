@@ -13,8 +13,8 @@ import numpy as np
 
 from contbed.errors import ContbedError, ConvergenceError, SceneError
 from contbed.result import Result, timed
-from contbed.two_fluid import momentum_budget, plausibility, probes
 from contbed.two_fluid import plan as planning
+from contbed.two_fluid import plausibility, probes
 from contbed.two_fluid import results as findings
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.averages import Averages
@@ -48,22 +48,15 @@ class Run:
         inlets = (getattr(part, "until", None) for part in self.scene.boundary.values())
         self.ends = sorted({end for end in inlets if end is not None})
         self.ended = 0
-        self.averages = None if time.average_from is None else self._begin_averages(time.average_from, time.end)
+        self.averages = None
+        if time.average_from is not None:
+            self.averages = plan.place.averages(self.bed, time.average_from, time.end)
         self.rows: list[list[float]] = []
         self.files: list[tuple[float, str]] = []
         self.interval = time.sample or time.end / ROWS
         self.cut_steps = 0
         self.largest_speed = plausibility.largest_speed(self.scene, self.bed)
         self.take_row()
-
-    def _begin_averages(self, start: float, end: float) -> Averages:
-        if self.plan.mesh.engine == "dolfinx":
-            from contbed.two_fluid.distributed.averages import SharedAverages
-            from contbed.two_fluid.distributed.bed import SharedSimulation
-
-            assert isinstance(self.bed, SharedSimulation)
-            return SharedAverages(self.bed, start, end)
-        return Averages(start, end, momentum=momentum_budget.momentum(self.bed))
 
     def averaged(self) -> Averages | None:
         """Return the averages of the whole bed; None before there are any."""
@@ -234,11 +227,8 @@ def _fields(run: Run, folder: Path) -> None:
     time = run.bed.clock.time
     if run.files and run.files[-1][0] == time:
         return
-    if run.plan.mesh.engine == "dolfinx":
-        from contbed.two_fluid.distributed.files import write
-    else:
-        from contbed.two_fluid.files import write
-    name = write(folder / f"fields_{len(run.files):04d}.vtu", run.plan.mesh.skfem, run.bed, run.averages)
+    path = folder / f"fields_{len(run.files):04d}.vtu"
+    name = run.plan.place.write(path, run.plan.mesh.skfem, run.bed, run.averages)
     run.files.append((time, name))
     write_series(folder / "fields.pvd", run.files)
 

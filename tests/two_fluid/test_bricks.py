@@ -5,11 +5,11 @@ import pytest
 
 from contbed.errors import EngineError
 from contbed.mesh import build as meshing
+from contbed.ranks.two_fluid import bricks
+from contbed.ranks.two_fluid.division import Division
+from contbed.ranks.two_fluid.lattice import lattice_of, numbers_of_facets
 from contbed.scene.mesh import MeshAxisymmetric, MeshBox, MeshLine, MeshRectangle
 from contbed.two_fluid.boundary import Wall, assemble
-from contbed.two_fluid.distributed import bricks
-from contbed.two_fluid.distributed.division import Division
-from contbed.two_fluid.distributed.lattice import lattice_of, numbers_of_facets
 from contbed.two_fluid.end_pressure import end_pressure
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.fv.connections import connect

@@ -5,9 +5,9 @@ import pytest
 from core_closures import closures, shaken_mesh
 
 from contbed.mesh import build as meshing
+from contbed.ranks.two_fluid.division import OF_FACES, OF_INTERIOR, Division
 from contbed.scene.mesh import MeshAxisymmetric, MeshBox, MeshRectangle
 from contbed.two_fluid.boundary import Inlet, Outlet, Wall, assemble
-from contbed.two_fluid.distributed.division import OF_FACES, OF_INTERIOR, Division
 from contbed.two_fluid.end_pressure import end_pressure
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.fv.connections import connect

@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 
-from contbed.fem.petsc import DIRECT_3D, PetscPolicy
 from contbed.loading import from_dict
 from contbed.models import plan
+from contbed.ranks.petsc import DIRECT_3D, PetscPolicy
 from contbed.solvers.cost import LONG_RUN, RATES, advice
 from contbed.solvers.linear import Policy
 

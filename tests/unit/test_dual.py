@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from contbed.fem import dual
 from contbed.fem.dual import Dual
-from contbed.fem.tape import Recorded
+from contbed.ranks.tape import Recorded
 
 STEP = 1e-30
 # smooth on all reals and bounded, so that any composition stays finite

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-TESTS = sorted((Path(__file__).parents[1] / "dolfinx").glob("*.py"))
+TESTS = sorted((Path(__file__).parents[1] / "ranks").glob("*.py"))
 
 
 def names_of(module: str) -> set[str]:

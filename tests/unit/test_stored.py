@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from contbed.errors import ContbedError
-from contbed.output import pieces
 from contbed.output.stored import read_fields, read_series
 from contbed.output.vtu import write_series
+from contbed.ranks import pieces
 
 
 @pytest.fixture

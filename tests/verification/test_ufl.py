@@ -32,7 +32,7 @@ basix = pytest.importorskip("basix", reason="fenics-basix is not installed")
 pytest.importorskip("basix.ufl", reason="fenics-basix is older than these tests")
 ufl = pytest.importorskip("ufl", reason="fenics-ufl is not installed")
 jit = pytest.importorskip("ffcx.codegeneration.jit", reason="fenics-ffcx is not installed")
-ufl_forms = pytest.importorskip("contbed.fem.ufl_forms", reason="fenics-basix is not installed")
+ufl_forms = pytest.importorskip("contbed.ranks.ufl_forms", reason="fenics-basix is not installed")
 pytestmark = [
     pytest.mark.skipif(not (shutil.which("cc") or shutil.which("gcc")), reason="FFCx needs a C compiler: no cc, gcc"),
     pytest.mark.skipif(

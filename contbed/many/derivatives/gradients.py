@@ -23,13 +23,13 @@ from numpy.typing import NDArray
 
 from contbed import fields
 from contbed.compiled.blas import single_blas
-from contbed.errors import EngineError, SceneError, UnlikeError
+from contbed.errors import SceneError, UnlikeError
 from contbed.many.derivatives import differences, tangent
 from contbed.many.derivatives.differences import Slope
 from contbed.many.derivatives.keys import Key, key
 from contbed.models import model_of
 from contbed.result import Result
-from contbed.runner import run
+from contbed.runner import engine_named, run
 from contbed.scene.tables import SceneBase
 
 Array = NDArray[np.float64]
@@ -87,12 +87,7 @@ def gradient(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str], engine: 
     ContbedError : the scene, or the scene with a key a little changed, cannot be solved
     """
     require_possible(scene, qoi, keys)
-    if engine == "dolfinx":
-        from contbed.fem.ranks import run_on_root
-
-        found: Gradient = run_on_root(lambda: gradient_of(run(scene, engine=engine), qoi, keys))
-        return found
-    return gradient_of(run(scene), qoi, keys)
+    return engine_named(engine).run(lambda: gradient_of(run(scene, engine=engine), qoi, keys))
 
 
 def require_possible(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str]) -> None:
@@ -111,9 +106,7 @@ def gradient_of(result: Result, qoi: Sequence[str], keys: Sequence[str]) -> Grad
     """
     require_possible(result.scene, qoi, keys)
     chosen = [key(result.scene, name) for name in keys]
-    if getattr(result.plan.mesh or result.plan, "engine", "skfem") == "dolfinx":
-        _require_ranks(result.scene)
-        return _by_runs(result, tuple(qoi), chosen, "dolfinx")
+    result.engine.require_all(result.scene)
     base = tangent.of(result)
     if base is not None:
         return _by_tangent(base, result, tuple(qoi), chosen)
@@ -158,7 +151,7 @@ def _by_tangent(base: Any, result: Result, qoi: tuple[str, ...], keys: list[Key]
         try:
             slopes.append(tangent.slope(base, scene, one, lambda found: _of_state(scene, found, qoi)))
         except UnlikeError as error:
-            other = differences.slope(scene, one, lambda changed: _results(changed, qoi), centre)
+            other = differences.slope(scene, one, lambda changed: _results(result, changed, qoi), centre)
             note = f"{one.name} = {one.value:g}: {error}; its derivatives are differences of whole runs"
             slopes.append(replace(other, note=note))
     return _gradient(qoi, keys, centre, slopes, base.method)
@@ -172,30 +165,20 @@ def _of_state(scene: SceneBase, found: dict[str, Any], qoi: tuple[str, ...]) -> 
     return picked(scene, found, qoi)
 
 
-def _require_ranks(scene: SceneBase) -> None:
-    from contbed.fem.ranks import rank_group
-
-    if not rank_group().alone:
-        raise EngineError(
-            f"{scene.origin.name}: derivatives on several ranks need all of them: call "
-            "contbed.many.derivatives.gradients."
-            'gradient(scene, results, keys, engine="dolfinx") on each, or mpirun contbed sensitivities'
-        )
-
-
-def _by_runs(result: Result, qoi: tuple[str, ...], keys: list[Key], engine: str = "skfem") -> Gradient:
+def _by_runs(result: Result, qoi: tuple[str, ...], keys: list[Key]) -> Gradient:
     scene: SceneBase = result.scene
     centre = picked(scene, result.qoi, qoi)
     scatters = model_of(scene).scatters
     find: Callable[..., Slope] = differences.noisy_slope if scatters else differences.slope
-    slopes = [find(scene, one, lambda changed: _results(changed, qoi, engine), centre) for one in keys]
+    slopes = [find(scene, one, lambda changed: _results(result, changed, qoi), centre) for one in keys]
     made = _gradient(qoi, keys, centre, slopes, "differences")
     errors = np.array([one.errors for one in slopes]).reshape(len(keys), len(qoi)).T
     return replace(made, standard_errors=errors) if scatters else _with_unsure(made, errors)
 
 
-def _results(scene: SceneBase, qoi: tuple[str, ...], engine: str = "skfem") -> Array:
-    return picked(scene, run(scene, engine=engine).qoi, qoi)
+def _results(result: Result, scene: SceneBase, qoi: tuple[str, ...]) -> Array:
+    """Return the named results of another scene, run as the one of `result` was."""
+    return picked(scene, run(scene, engine=result.engine.name).qoi, qoi)
 
 
 def _gradient(qoi: tuple[str, ...], keys: list[Key], centre: Array, slopes: list[Slope], method: str) -> Gradient:

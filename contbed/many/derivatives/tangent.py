@@ -1,7 +1,7 @@
 """Derivatives of a solved steady scene by its discrete tangent, for every physics that has a module `tangent`.
 
 That module offers `of(result)`: an object whose `results(below, above)` are the named results of two scenes that differ
-a little from the solved one, or None where it has none. Its `step` is the relative step of a key, and its `method` that
+a little from the solved one. Its `step` is the relative step of a key, and its `method` that
 of the gradient: "tangent", or "differences" where a transient is repeated with its mesh and time steps.
 """
 
@@ -25,9 +25,9 @@ Array = NDArray[np.float64]
 
 
 def of(result: Result) -> Any | None:
-    """Return the tangent of a run; None where its physics has none, or has none of what the run solved."""
+    """Return the tangent of a run; None where its physics has none, or the run has no solved state at hand."""
     model = model_of(result.scene)
-    if find_spec(f"contbed.{model.package}.tangent") is None:
+    if result.solved is None or not result.engine.tangents or find_spec(f"contbed.{model.package}.tangent") is None:
         return None
     return model.find("tangent", "of")(result)
 

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded
-from scipy.sparse import coo_array, csc_matrix, csr_array, diags, tril
+from scipy.sparse import coo_array, csr_array
 
 from contbed.errors import ConvergenceError
 
@@ -83,7 +83,6 @@ class Ordinates:
     order : directions per half range, >= 1
     degree : of the elements; at the nodes u_j and q converge with twice this order
     equilibrium : if true, the medium emits what it absorbs, 4 e = Ka G, at every point, and `solve` takes no emission
-    inverse : solutions for right-hand sides (n,) or (n, k) from the matrix (n, n); absent, by Cholesky in bands
     """
 
     def __init__(
@@ -96,7 +95,6 @@ class Ordinates:
         order: int = 4,
         degree: int = 2,
         equilibrium: bool = False,
-        inverse: Callable[[csc_matrix], Callable[[Array], Array]] | None = None,
     ):
         self.z = np.asarray(z, dtype=float)
         self.width = np.diff(self.z)
@@ -119,7 +117,7 @@ class Ordinates:
         self.walls = {0: left, len(self.points) - 1: right}
         if not self.absorption.any() and not any(wall and wall.emissivity for wall in (left, right)):
             raise ValueError("ordinates: neither the medium nor a wall absorbs, so that G has no level")
-        self.inverse = self._factorised() if inverse is None else inverse(self._matrix())
+        self.inverse = self._factorised()
 
     def solve(self, emission: Coefficient | None = None) -> OrdinatesSolution:
         """Return the field of an emission e = sum_m Ka,m sigma T_m^4 [W/m3], given in any of the ways of Ka."""
@@ -186,12 +184,6 @@ class Ordinates:
         except np.linalg.LinAlgError as error:
             raise self._failure("the matrix is singular in double precision") from error
         return lambda rhs: np.asarray(cho_solve_banded(factor, rhs))
-
-    def _matrix(self) -> csc_matrix:
-        """Return the system as a sparse matrix."""
-        band = self._band()
-        lower = diags([row[: len(row) - k] for k, row in enumerate(band)], -np.arange(len(band)))
-        return csc_matrix(lower + tril(lower, -1).T)
 
     def _band(self) -> Array:
         """Return the system in LAPACK's lower band storage, unknowns ordered by point, then direction."""

@@ -13,9 +13,10 @@ from typing import Protocol
 from contbed.errors import ConvergenceError
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.linear.cg import System, solve
 from contbed.two_fluid.linear.elimination import Elimination
 from contbed.two_fluid.linear.lattice import build_levels
-from contbed.two_fluid.linear.lattice_multigrid import LatticeMultigrid
+from contbed.two_fluid.linear.lattice_multigrid import LatticeMultigrid, solve_exchange
 from contbed.two_fluid.linear.multigrid import Multigrid
 
 WIDEST_BAND_OF_LATTICE = 40  # cells, up to which elimination is faster than multigrid on the lattice, measured
@@ -33,12 +34,11 @@ class SolvesPressure(Protocol):
     floating: bool
     iterations: int
 
-    @property
-    def lattice(self) -> LatticeMultigrid | None:
-        """Multigrid on the lattice of a rectangular grid."""
-
     def solve(self, coef: Array, rhs: Array, guess: Array) -> Array:
         """Pressure (nc,) [Pa]; `guess` is where iterations start."""
+
+    def solve_diffusion(self, system: System, explicit: float, tolerance: float, most: int, x: Array) -> int:
+        """Solve another symmetric system for `x` (nc, m), see linear/cg.py; return the iterations, -1 if too many."""
 
 
 class PressureSolver:
@@ -72,3 +72,9 @@ class PressureSolver:
         if self.iterations < 0:
             raise ConvergenceError("the equation of pressure does not converge: a part without inlet or outlet?")
         return p
+
+    def solve_diffusion(self, system: System, explicit: float, tolerance: float, most: int, x: Array) -> int:
+        """Solve another symmetric system for `x` (nc, m), see linear/cg.py; return the iterations, -1 if too many."""
+        if self.lattice is None:
+            return solve(self.grid.geometry, system, explicit, tolerance, most, x)
+        return solve_exchange(self.lattice, system.T, explicit, tolerance, most, x.T)

@@ -13,8 +13,8 @@ import numpy as np
 import skfem
 
 from contbed.errors import EngineError
+from contbed.ranks.two_fluid.partition import LAYERS, REACH, Share
 from contbed.two_fluid.compiled import Indices
-from contbed.two_fluid.distributed.partition import LAYERS, REACH, Share
 from contbed.two_fluid.files import in_order_of_vtk
 from contbed.two_fluid.fv.connections import SKEWED, Connections, Links, beside, offsets
 from contbed.two_fluid.fv.grid import Grid, faces_of, geometry

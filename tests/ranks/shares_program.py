@@ -9,12 +9,12 @@ import numpy as np
 from dolfinx_scenes import MESHES
 from two_fluid_scenes import BEDS
 
-from contbed import models
-from contbed.fem import dolfinx_versions as versions
-from contbed.fem.dolfinx import Partition, on_dolfinx
-from contbed.fem.ranks import RankGroup, rank_group, run_on_root
 from contbed.loading import from_dict
 from contbed.mesh.build import build
+from contbed.ranks import dolfinx
+from contbed.ranks.engine import Ranks
+from contbed.ranks.group import RankGroup, rank_group, run_on_root
+from contbed.ranks.system import Partition
 from contbed.runner import run
 from contbed.scene.mesh import MeshBox, MeshFile, MeshLine, MeshRectangle
 
@@ -38,7 +38,7 @@ def placed(all_ranks: RankGroup, root: Any, key: int, ends: Any) -> Any:
     part = all_ranks.objects[key]
     mesh = part.mesh
     dim = mesh.topology.dim
-    middles = mesh.geometry.x[versions.geometry_list(mesh)[: part.owned]].mean(axis=1)[:, :dim]
+    middles = mesh.geometry.x[dolfinx.geometry_list(mesh)[: part.owned]].mean(axis=1)[:, :dim]
     mesh.topology.create_connectivity(dim - 1, dim)
     found = [
         [len(locate_entities_boundary(mesh, dim - 1, lambda x, d=d, e=e: np.isclose(x[d], e))) for e in pair]
@@ -50,13 +50,13 @@ def placed(all_ranks: RankGroup, root: Any, key: int, ends: Any) -> Any:
 def cells(out: Path) -> None:
     """What each rank gives to DOLFINx of meshes of each shape, and where their cells and facets are then."""
     given: list[Any] = []
-    make = versions.create_mesh
+    make = dolfinx.create_mesh
 
-    def counted(comm: Any, cell: str, cells: Any, points: Any, shared: bool = False) -> Any:
+    def counted(comm: Any, cell: str, cells: Any, points: Any) -> Any:
         given.append((len(cells), len(points)))
-        return make(comm, cell, cells, points, shared)
+        return make(comm, cell, cells, points)
 
-    versions.create_mesh = counted
+    dolfinx.create_mesh = counted
     for name, settings in SHAPES.items():
 
         def main(name: str = name, settings: Any = settings) -> None:
@@ -99,13 +99,13 @@ def grids(out: Path) -> None:
         found = {}
         for name in ("rectangles", "triangles"):
             scene = BEDS[name] | {"mesh": BEDS[name]["mesh"] | {"cells": [40, 100]}}
-            plan = on_dolfinx(models.plan(from_dict(scene), shared=True))
+            plan = Ranks().plan(from_dict(scene))
             bed, _ = plan.bed()
             assert len(bed.state.eps_s) == len(plan.grid.cells)  # put together, as for a row
             bed.step_towards(1e3)
             held = {key: len(value) for key, value in vars(bed._whole).items() if isinstance(value, np.ndarray)}
             found[name] = {
-                "lists": rank_group().run_on_all(longest, plan.shared_grid.key),
+                "lists": rank_group().run_on_all(longest, plan.place.parts.key),
                 "faces": plan.grid.face_count,
                 "outline": len(plan.grid.geometry.left),
                 "state": max(held.values()),
@@ -118,7 +118,7 @@ def grids(out: Path) -> None:
 
 def points(out: Path) -> None:
     """Whether the first rank has points of the integrals over cells after it has assembled, of a box that radiates."""
-    from contbed.fem.dolfinx import System
+    from contbed.ranks.system import System
 
     assemble, found = System.assemble, []
 

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import skfem
 
-from contbed.fem.ranks import RankGroup
-from contbed.output import pieces
 from contbed.output.files import announce
+from contbed.ranks import pieces
+from contbed.ranks.group import RankGroup
+from contbed.ranks.two_fluid.bed import SharedSimulation
 from contbed.two_fluid import files
 from contbed.two_fluid.averages import Averages
-from contbed.two_fluid.distributed.bed import SharedSimulation
 from contbed.two_fluid.simulation import Simulation
 
 

@@ -7,12 +7,12 @@ from typing import Any
 
 import skfem
 
-from contbed.fem.ranks import RankGroup, rank_group
+from contbed.ranks.group import RankGroup, rank_group
+from contbed.ranks.two_fluid.bricks import Bricks, bricks_of
+from contbed.ranks.two_fluid.division import Division
+from contbed.ranks.two_fluid.lattice import Lattice
+from contbed.ranks.two_fluid.partition import Share
 from contbed.two_fluid.compiled import Indices
-from contbed.two_fluid.distributed.bricks import Bricks, bricks_of
-from contbed.two_fluid.distributed.division import Division
-from contbed.two_fluid.distributed.lattice import Lattice
-from contbed.two_fluid.distributed.partition import Share
 from contbed.two_fluid.fv.grid import Grid
 
 

@@ -7,15 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from dolfinx_reacting_scenes import SCENES as REACTING
 from dolfinx_scenes import SCENES
 
 from contbed.errors import EngineError
 from contbed.loading import from_dict
 from contbed.many.derivatives.gradients import gradient
 from contbed.runner import run
-
-EVERY = SCENES | REACTING
 
 
 def found(result: Any) -> dict[str, Any]:
@@ -47,17 +44,9 @@ def agree(out: Path, engine: str = "dolfinx") -> None:
             np.savez(out / f"{name}.npz", **found(result))
 
 
-def react(out: Path, *names: str) -> None:
-    """Run reacting beds."""
-    for name in names:
-        result = run(from_dict(REACTING[name]), engine="dolfinx")
-        if result is not None:
-            np.savez(out / f"{name}.npz", **found(result))
-
-
 def iterate(out: Path) -> None:
     """Scenes in space without factorisations."""
-    from contbed.fem import petsc
+    from contbed.ranks import petsc
 
     petsc.DIRECT_3D = 0
     for name in ("heat_tetrahedra", "heat_hexahedra"):
@@ -68,7 +57,7 @@ def iterate(out: Path) -> None:
 
 def write(out: Path) -> None:
     """Results of two scenes as files, in pieces where there are several ranks."""
-    from contbed.output import pieces
+    from contbed.ranks import pieces
 
     pieces.WHOLE = 10
     for name in ("heat_sources_and_tubes", "transient_gas"):
@@ -85,7 +74,7 @@ def stop(out: Path, scene: str, after: str) -> None:
 
     Progress.advance_to = advance
     try:
-        run(from_dict(EVERY[scene]), out=out, engine="dolfinx")
+        run(from_dict(SCENES[scene]), out=out, engine="dolfinx")
     except BaseException as error:
         assert "KeyboardInterrupt" in (type(error).__name__, str(error))
         return
@@ -94,7 +83,7 @@ def stop(out: Path, scene: str, after: str) -> None:
 
 def resume(out: Path, scene: str, folder: str) -> None:
     """Continue from the checkpoint in a folder."""
-    result = run(from_dict(EVERY[scene]), restart=folder, out=out, engine="dolfinx")
+    result = run(from_dict(SCENES[scene]), restart=folder, out=out, engine="dolfinx")
     if result is not None:
         np.savez(out / "found.npz", **found(result))
 
@@ -103,24 +92,22 @@ def lose(out: Path, scene: str) -> None:
     """The last rank fails in the middle of an assembly."""
     from mpi4py import MPI
 
-    from contbed.fem import dolfinx_line_parts, dolfinx_parts, dolfinx_points
+    from contbed.ranks import parts
 
-    def broken(whole: Any) -> Any:
-        def fail(*arguments: Any) -> Any:
-            if MPI.COMM_WORLD.rank == MPI.COMM_WORLD.size - 1:
-                raise FloatingPointError("this rank has had enough")
-            return whole(*arguments)
+    whole = parts._jacobian
 
-        return fail
+    def fail(*arguments: Any) -> Any:
+        if MPI.COMM_WORLD.rank == MPI.COMM_WORLD.size - 1:
+            raise FloatingPointError("this rank has had enough")
+        return whole(*arguments)
 
-    dolfinx_parts._jacobian, dolfinx_points._kernel = broken(dolfinx_parts._jacobian), broken(dolfinx_points._kernel)
-    dolfinx_line_parts._traces = broken(dolfinx_line_parts._traces)
-    run(from_dict(EVERY[scene]), engine="dolfinx")
+    parts._jacobian = fail
+    run(from_dict(SCENES[scene]), engine="dolfinx")
 
 
 def complain(out: Path, scene: str, key: str, value: str) -> None:
     """All ranks meet the error that ended the root rank, in a scene with one value changed."""
-    table = tables = deepcopy(EVERY[scene])
+    table = tables = deepcopy(SCENES[scene])
     *path, last = key.split(".")
     for step in path:
         table = table.setdefault(step, {})
@@ -138,7 +125,7 @@ def slopes(out: Path, scene: str, qoi: str, *keys: str) -> None:
     """Derivatives of a result; on all ranks, and on one rank of a run that has been made as well."""
     from mpi4py import MPI
 
-    loaded = from_dict(EVERY[scene])
+    loaded = from_dict(SCENES[scene])
     found = gradient(loaded, [qoi], keys, engine="dolfinx")
     result = run(loaded, engine="dolfinx")
     if found is None or result is None:
@@ -154,7 +141,7 @@ def slopes(out: Path, scene: str, qoi: str, *keys: str) -> None:
     np.savez(out / "slopes.npz", derivatives=found.derivatives, method=found.method)
 
 
-COMMANDS = {f.__name__: f for f in (agree, react, iterate, write, stop, resume, lose, complain, slopes)}
+COMMANDS = {f.__name__: f for f in (agree, iterate, write, stop, resume, lose, complain, slopes)}
 
 if __name__ == "__main__":
     COMMANDS[sys.argv[1]](Path(sys.argv[2]), *sys.argv[3:])

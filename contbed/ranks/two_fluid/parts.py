@@ -15,16 +15,16 @@ import numpy as np
 
 from contbed.compiled import threads
 from contbed.errors import ConvergenceError
-from contbed.fem.ranks import RankGroup
+from contbed.ranks.group import RankGroup
+from contbed.ranks.two_fluid.halo import Neighbour, RankHalo
+from contbed.ranks.two_fluid.partition import Part
+from contbed.ranks.two_fluid.pressure import PetscPressure
 from contbed.two_fluid import closure_kernels
 from contbed.two_fluid.averages import Averages
 from contbed.two_fluid.boundary import Edge, Side
 from contbed.two_fluid.closure_kernels import CompiledClosures, GuardCounts, ParticleProperties
 from contbed.two_fluid.closures import bound
 from contbed.two_fluid.compiled import Array
-from contbed.two_fluid.distributed.halo import Neighbour, RankHalo
-from contbed.two_fluid.distributed.partition import Part
-from contbed.two_fluid.distributed.pressure import PetscPressure
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.model import Materials, Model, Options, Sources
 from contbed.two_fluid.near_walls import with_factors

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contbed.ranks.two_fluid import parts
+from contbed.ranks.two_fluid.grid import SharedGrid
 from contbed.two_fluid.boundary import OUTLET, Condition
 from contbed.two_fluid.closure_kernels import GuardCounts, ParticleProperties
 from contbed.two_fluid.compiled import Array
-from contbed.two_fluid.distributed import parts
-from contbed.two_fluid.distributed.grid import SharedGrid
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.scene import TwoFluidScene
 from contbed.two_fluid.simulation import Clock, Simulation

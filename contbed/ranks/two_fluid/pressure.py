@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import ConvergenceError
+from contbed.ranks.two_fluid.cg import solve_on_ranks
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.linear.cg import System
 
 # residual over the right-hand side [-]; what is left of the divergence of the flux, and the most by which results on
 # different numbers of ranks differ (test_ranks_agree)
@@ -40,10 +42,7 @@ class PetscPressure:
     Attributes
     ----------
     iterations : of the last solution
-    lattice : None, for conjugate gradients of other equations go through `linear.cg_on_ranks`
     """
-
-    lattice = None
 
     def __init__(self, grid: Grid, floating: bool, has_first_cell: bool, comm: Any):
         from petsc4py import PETSc
@@ -116,3 +115,7 @@ class PetscPressure:
         p[:owned] = self.x.array
         self.grid.halo.exchange(p)
         return p
+
+    def solve_diffusion(self, system: System, explicit: float, tolerance: float, most: int, x: Array) -> int:
+        """Solve another symmetric system for `x` (nc, m), see cg.py; return the iterations, -1 if too many."""
+        return solve_on_ranks(self.grid, system, explicit, tolerance, most, x)

@@ -10,10 +10,10 @@ import numpy as np
 
 from contbed.errors import EngineError
 from contbed.mesh.tensor import places
+from contbed.ranks.two_fluid.division import Outline
+from contbed.ranks.two_fluid.lattice import Lattice, joined, positions
+from contbed.ranks.two_fluid.partition import LAYERS, Part
 from contbed.two_fluid.compiled import Indices
-from contbed.two_fluid.distributed.division import Outline
-from contbed.two_fluid.distributed.lattice import Lattice, joined, positions
-from contbed.two_fluid.distributed.partition import LAYERS, Part
 from contbed.two_fluid.files import in_order_of_vtk
 
 

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from contbed.fem.dolfinx import Partition
 from contbed.fem.elements import Space
-from contbed.fem.ranks import RankGroup, rank_group
 from contbed.output.files import announce, atomic
 from contbed.output.vtu import write_fields
+from contbed.ranks.group import RankGroup, rank_group
+from contbed.ranks.system import Partition
 
 WHOLE = 100_000  # cells up to which the first rank writes one file
 
@@ -22,8 +22,7 @@ def write(path: Path, mesh: Any, nodal: Mapping[str, tuple[Space, Any]]) -> str:
     """Write fields of the root rank's mesh, see `output.vtu.write_fields`; returns the name of the file to open."""
     all_ranks = rank_group()
     if all_ranks.comm.size == 1 or mesh.nelements <= WHOLE:
-        write_fields(path, mesh, nodal)
-        return path.name
+        return write_fields(path, mesh, nodal)
     partition = Partition.of(all_ranks, mesh)
     names = [*(mesh.subdomains or {})] if len(mesh.subdomains or {}) > 1 else []
     region = np.full((mesh.nelements, 1), -1, dtype=np.int64)

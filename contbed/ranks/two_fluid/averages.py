@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from contbed.fem.ranks import RankGroup
+from contbed.ranks.group import RankGroup
+from contbed.ranks.two_fluid.bed import SharedSimulation
 from contbed.two_fluid import momentum_budget
 from contbed.two_fluid.averages import OF_BED, Averages
 from contbed.two_fluid.compiled import Indices
-from contbed.two_fluid.distributed.bed import SharedSimulation
 from contbed.two_fluid.simulation import Simulation
 
 

@@ -1,7 +1,7 @@
 """What every rank does on its part of the mesh: spaces, forms as UFL from a recording, assembly with DOLFINx.
 
 Each function of `run_on_all` takes the ranks and what the root rank gives (`root`, None on the others), and keeps
-results as objects under a key. `fem.dolfinx` has the side of the root rank.
+results as objects under a key. `ranks.system` has the side of the root rank.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import EngineError
-from contbed.fem import dolfinx_versions as versions
-from contbed.fem.petsc import Layout, LocalMatrix
-from contbed.fem.ranks import RankGroup
 from contbed.mesh.tensor import Tensor
+from contbed.ranks import dolfinx
+from contbed.ranks.group import RankGroup
+from contbed.ranks.petsc import Layout, LocalMatrix
 
 
 def usage(all_ranks: RankGroup, root: Any) -> Any:
@@ -35,10 +35,9 @@ def make_mesh(
     cell: str,
     corners: Any,
     dim: int,
-    shared: bool,
     tensor: Tensor | None,
 ) -> Any:
-    """Distribute a mesh, with the cells behind `shared` facets; return those of each rank in turn and their number.
+    """Distribute a mesh; return the cells of each rank in turn and their number.
 
     Each rank begins with an equal range of cells and nodes: its own of a `tensor`, or what the root rank sends of
     `root`, (ncells, nv) and (n, dim). Then DOLFINx moves cells to where their neighbours are. `corners` is the order
@@ -51,7 +50,7 @@ def make_mesh(
     else:
         cells = tensor.corners(all_ranks.range_of(tensor.cells))[:, corners]
         points = tensor.points(all_ranks.range_of(tensor.nodes))
-    mesh = versions.create_mesh(all_ranks.comm, cell, cells, points, shared)
+    mesh = dolfinx.create_mesh(all_ranks.comm, cell, cells, points)
     owned = mesh.topology.index_map(dim).size_local
     original = np.asarray(mesh.topology.original_cell_index[:owned], dtype=np.int64)
     counts = all_ranks.comm.gather(owned)
@@ -60,7 +59,7 @@ def make_mesh(
         given = all_ranks.scatter(None if whole is None else whole[order], counts, len(corners), np.int64)
     else:
         given = tensor.corners(original)[:, corners]
-    found = np.asarray(mesh.geometry.input_global_indices)[versions.geometry_list(mesh)[:owned]]
+    found = np.asarray(mesh.geometry.input_global_indices)[dolfinx.geometry_list(mesh)[:owned]]
     if not np.array_equal(given, found):
         raise EngineError("this version of DOLFINx renumbers the vertices of cells")
     all_ranks.objects[key] = SimpleNamespace(mesh=mesh, cell=cell, owned=owned, spaces={})
@@ -68,17 +67,17 @@ def make_mesh(
 
 
 def space_on(part: Any, what: Any) -> Any:
-    """Return a space on a mesh, built once: ("nodes", degree), ("cells",) or ("points", points, weights)."""
+    """Return a space on a mesh, built once: ("nodes", degree), ("cells",) or ("points", points)."""
     kind, *data = what
     key = (kind, *(item if isinstance(item, int) else item.tobytes() for item in data))
     if key not in part.spaces:
         make: dict[str, Any] = {
-            "nodes": partial(versions.lagrange, ncomponents=0),
-            "cells": versions.constants,
-            "points": versions.quadrature,
+            "nodes": partial(dolfinx.lagrange, ncomponents=0),
+            "cells": dolfinx.constants,
+            "points": dolfinx.quadrature,
         }
         element = make[kind](part.cell, *data)
-        part.spaces[key] = versions.function_space(part.mesh, element)
+        part.spaces[key] = dolfinx.function_space(part.mesh, element)
     return part.spaces[key]
 
 
@@ -92,12 +91,12 @@ def make_space(all_ranks: RankGroup, root: Any, key: int, mesh: int, layout: lis
     low = None
     if len(degrees) == 1:
         (degree,) = degrees
-        W = versions.function_space(part.mesh, versions.lagrange(part.cell, degree, size))
+        W = dolfinx.function_space(part.mesh, dolfinx.lagrange(part.cell, degree, size))
         if degree > 1:
             low = _vertices(part, W, size)
     else:
-        W = versions.function_space(
-            part.mesh, versions.mixed([versions.lagrange(part.cell, degree, count) for degree, count in layout])
+        W = dolfinx.function_space(
+            part.mesh, dolfinx.mixed([dolfinx.lagrange(part.cell, degree, count) for degree, count in layout])
         )
     lists = unknowns_of_cells(part, W, layout)
     block = W.dofmap.index_map_bs
@@ -112,7 +111,7 @@ def make_space(all_ranks: RankGroup, root: Any, key: int, mesh: int, layout: lis
         fields.append(mine[mine < owned].astype(np.int32))
         first += max(count, 1)
     all_ranks.objects[key] = SimpleNamespace(
-        part=part, W=W, state=fem.Function(W), low=low, owned=owned, fields=fields, block=block, layout=layout
+        part=part, W=W, state=fem.Function(W), low=low, owned=owned, fields=fields, block=block
     )
     counts = all_ranks.comm.gather(owned)
     return all_ranks.gather(numbers[:owned], counts), counts
@@ -122,12 +121,12 @@ def unknowns_of_cells(part: Any, W: Any, layout: list[tuple[int, int]]) -> list[
     """Return the local numbers of each scalar unknown in the cells of this rank, arrays (ncells, nb)."""
     size = sum(max(count, 1) for _, count in layout)
     if W.dofmap.index_map_bs == size:
-        blocks = versions.dof_list(W)[: part.owned]
+        blocks = dolfinx.dof_list(W)[: part.owned]
         return [blocks * size + k for k in range(size)]
     lists = []
     for k, (_, count) in enumerate(layout):
         parts = [W.sub(k).sub(c) for c in range(count)] if count else [W.sub(k)]
-        lists += [versions.dof_list(space)[: part.owned] for space in parts]
+        lists += [dolfinx.dof_list(space)[: part.owned] for space in parts]
     return lists
 
 
@@ -135,8 +134,8 @@ def _vertices(part: Any, W: Any, size: int) -> Any:
     """Build the linear interpolants of all unknowns: their function, and the block of `W` at each vertex."""
     from dolfinx import fem
 
-    space = versions.function_space(part.mesh, versions.lagrange(part.cell, 1, size))
-    here, there = versions.dof_list(space), versions.dof_list(W)
+    space = dolfinx.function_space(part.mesh, dolfinx.lagrange(part.cell, 1, size))
+    here, there = dolfinx.dof_list(space), dolfinx.dof_list(W)
     blocks = np.empty(space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts, dtype=np.int32)
     blocks[here] = there[:, : here.shape[1]]
     return SimpleNamespace(function=fem.Function(space), space=space, blocks=blocks, size=size)
@@ -158,7 +157,7 @@ def make_form(
 
     unknowns = all_ranks.objects[space]
     part = unknowns.part
-    kinds = [("cells",) if width == 1 else ("points", measure.points, measure.weights) for width in widths]
+    kinds = [("cells",) if width == 1 else ("points", measure.points) for width in widths]
     arrays = [fem.Function(space_on(part, kind)) for kind in kinds]
     known = [fem.Function(space_on(part, ("nodes", degree))) for degree in degrees]
     all_ranks.objects[key] = stored = SimpleNamespace(unknowns=unknowns, arrays=arrays, known=known, residual=None)
@@ -199,7 +198,7 @@ def replay(entries: Any, stored: Any) -> Any:
     import ufl
     from dolfinx import fem
 
-    from contbed.fem.ufl_forms import UFUNCS
+    from contbed.ranks.ufl_forms import UFUNCS
 
     unknowns, mesh = stored.unknowns, stored.unknowns.part.mesh
     leaves = {"unknown": unknowns.state, "test": ufl.TestFunction(unknowns.W)}
@@ -236,7 +235,7 @@ def set_array(all_ranks: RankGroup, root: Any, key: int, index: int, which: str 
     """Set the values of an array or a known field."""
     stored = all_ranks.objects[key]
     function = getattr(stored, which)[index]
-    places = versions.dof_list(function.function_space)[: stored.unknowns.part.owned]
+    places = dolfinx.dof_list(function.function_space)[: stored.unknowns.part.owned]
     values, counts = root or (None, None)
     function.x.array[places] = all_ranks.scatter(values, counts, places.shape[1], float)
 
@@ -255,7 +254,7 @@ def assemble(all_ranks: RankGroup, root: Any, form: int, matrix: int | None) -> 
     if (low := unknowns.low) is not None:
         low.function.x.array[:] = x.array.reshape(-1, low.size)[low.blocks].ravel()
     if stored.residual is None:
-        stored.residual = versions.compiled(stored.form)
+        stored.residual = dolfinx.compiled(stored.form)
     b = petsc.assemble_vector(stored.residual)
     b.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
     mine = b.array.copy()
@@ -274,7 +273,7 @@ def _jacobian(stored: Any, added: Any) -> Any:
     from petsc4py import PETSc
 
     if stored.jacobians is None:
-        stored.jacobians = [versions.compiled(slope) for slope in stored.slopes]
+        stored.jacobians = [dolfinx.compiled(slope) for slope in stored.slopes]
     first, *others = stored.jacobians
     A = petsc.create_matrix(first)
     petsc.assemble_matrix(A, first)

@@ -18,7 +18,6 @@ import numpy as np
 import ufl
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from contbed.fem.dolfinx_versions import lagrange, mixed
 from contbed.fem.dual import Components
 from contbed.fem.skfem import Ops
 
@@ -84,6 +83,21 @@ class Pointwise(NDArrayOperatorsMixin):
 
 def _expression(item: Any) -> Any:
     return item.expression if isinstance(item, Pointwise) else ufl.as_ufl(float(item))
+
+
+def lagrange(cell: str, degree: int, ncomponents: int) -> Any:
+    """Return the element with equispaced nodes: a vector of `ncomponents`, or a scalar for 0."""
+    import basix.ufl
+
+    shape = (ncomponents,) if ncomponents else None
+    return basix.ufl.element("P", cell, degree, lagrange_variant=basix.LagrangeVariant.equispaced, shape=shape)
+
+
+def mixed(elements: list[Any]) -> Any:
+    """Return the element of several unknowns."""
+    from basix.ufl import mixed_element
+
+    return mixed_element(elements)
 
 
 def _components(expression: Any, first: int, count: int) -> Any:

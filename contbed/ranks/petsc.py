@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from contbed.errors import ConvergenceError
-from contbed.fem.ranks import RankGroup, rank_group
+from contbed.ranks.group import RankGroup
 from contbed.solvers.cost import RATES
 from contbed.solvers.linear import Policy
 
@@ -144,19 +143,6 @@ class Matrix:
         """Return the matrix with rows and columns of fixed unknowns replaced by the identity."""
         return self._made(constrain, root=self.layout.petsc_numbers()[fixed]) if len(fixed) else self
 
-    def scaled(self, factors: Any) -> Matrix:
-        """Return the matrix with each column multiplied by a factor."""
-        return self._made(scale, root=(self.layout, factors))
-
-    def bordered(self, column: Any, row: Any, corner: float) -> Matrix:
-        """Return the matrix with one more unknown and equation, placed last on the last rank."""
-        layout = self.layout
-        counts = [*layout.counts[:-1], layout.counts[-1] + 1]
-        wider = Layout(np.append(layout.order, layout.size), counts, layout.size + 1)
-        made = self._made(border, root=(layout, column, np.append(row, corner)[wider.order]))
-        made.layout, made.shape = wider, (wider.size, wider.size)
-        return made
-
     def inverse(self, policy: Policy) -> Callable[[Any], Any]:
         """Return a function that solves for right-hand sides."""
         return _Inverse(self, policy)
@@ -199,29 +185,7 @@ class _Inverse:
         return layout.from_parts(parts)
 
 
-def distribute(matrix: Any) -> Matrix:
-    """Return a distributed copy of the root rank's SciPy matrix, with contiguous rows on each rank."""
-    all_ranks, rows, size = rank_group(), matrix.tocsr(), matrix.shape[0]
-    ends = np.linspace(0, size, all_ranks.comm.size + 1).astype(int)
-    key, counts, entries = all_ranks.new_key(), np.diff(ends), np.diff(rows.indptr[ends])
-    lengths = np.diff(rows.indptr)
-    all_ranks.run_on_all(receive, key, root=((lengths, counts), (rows.indices, entries), (rows.data, entries)))
-    return Matrix(all_ranks, key, Layout(np.arange(size), counts, size))
-
-
 # What follows runs on all ranks.
-
-
-def receive(all_ranks: RankGroup, root: Any, key: int) -> None:
-    """Store the root rank's matrix as object `key`."""
-    from petsc4py import PETSc
-
-    parts = zip(root or [(None, None)] * 3, (np.int32, np.int32, float), strict=True)
-    lengths, columns, values = (all_ranks.scatter(given, counts, 1, kind)[:, 0] for (given, counts), kind in parts)
-    starts = np.append(0, np.cumsum(lengths)).astype(np.int32)
-    local = (len(lengths), PETSc.DECIDE)
-    A = PETSc.Mat().createAIJ((local, local), csr=(starts, columns, values), comm=all_ranks.comm)
-    all_ranks.objects[key] = LocalMatrix(A, SimpleNamespace(fields=[None], block=1))
 
 
 def multiply(all_ranks: RankGroup, root: Any, key: int, absolute: bool) -> Any:
@@ -259,38 +223,6 @@ def constrain(all_ranks: RankGroup, root: Any, key: int, first: int) -> None:
     piece = all_ranks.objects[first]
     A = piece.A.copy()
     A.zeroRowsColumns(np.empty(0, np.int32) if root is None else root.astype(np.int32), 1.0)
-    all_ranks.objects[key] = LocalMatrix(A, piece.unknowns)
-
-
-def scale(all_ranks: RankGroup, root: Any, key: int, first: int) -> None:
-    """Store matrix `first` with its columns multiplied by factors as object `key`."""
-    piece = all_ranks.objects[first]
-    A = piece.A.copy()
-    right = A.createVecRight()
-    layout, factors = root or (None, None)
-    right.array[:] = Layout.scatter(all_ranks, layout, factors)
-    A.diagonalScale(None, right)
-    all_ranks.objects[key] = LocalMatrix(A, piece.unknowns)
-
-
-def border(all_ranks: RankGroup, root: Any, key: int, first: int) -> None:
-    """Store matrix `first` with one more column and row as object `key`."""
-    from petsc4py import PETSc
-
-    piece, comm = all_ranks.objects[first], all_ranks.comm
-    layout, column, row = root or (None, None, None)
-    size = piece.A.getSize()[0]
-    starts, columns, values = piece.A.getValuesCSR()
-    mine = Layout.scatter(all_ranks, layout, column)
-    last = all_ranks.scatter(row, None if row is None else [0] * (comm.size - 1) + [size + 1], 1, float)[:, 0]
-    columns = np.append(np.insert(columns, starts[1:], size), np.arange(len(last)))
-    values = np.append(np.insert(values, starts[1:], mine), last)
-    starts = starts + np.arange(len(starts))
-    if len(last):
-        starts = np.append(starts, len(columns))
-    local = len(starts) - 1
-    csr = (starts.astype(np.int32), columns.astype(np.int32), values)
-    A = PETSc.Mat().createAIJ(((local, PETSc.DECIDE), (local, PETSc.DECIDE)), csr=csr, comm=comm)
     all_ranks.objects[key] = LocalMatrix(A, piece.unknowns)
 
 

@@ -1,10 +1,9 @@
 """Small scenes that together use every form and every model that both engines have."""
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
-MESHES, STUDIES = (Path(__file__).parents[2] / folder for folder in ("meshes", "studies"))
+MESHES = Path(__file__).parents[2] / "meshes"
 GAS = {"model": "cantera", "composition": "N2:0.7, CO2:0.2, H2O:0.1", "pressure": "1 bar"}
 CONSTANT = {"density": 1.2, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5}
 STEEL = {"density": 7800.0, "heat_capacity": 500.0, "conductivity": 1.5}
@@ -129,75 +128,6 @@ SCENES |= {
         "mesh": CHANNEL | {"length": 1.0, "height": 1.0},
         "radiation": MEDIUM["radiation"] | {"level": "p1"},
     },
-}
-ORDINATES = MEDIUM["radiation"] | {"level": "ordinates", "ordinates": 4}
-SCENES |= {
-    "ordinates_equilibrium": {**MEDIUM, "radiation": ORDINATES, "solver": {"degree": 3}},
-    "ordinates_given": {**MEDIUM, "radiation": ORDINATES | {"temperature": 700.0}},
-    "ordinates_conducting": {**MEDIUM, "radiation": ORDINATES | {"conductivity": 0.5}},
-}
-
-
-def study(path: str, cells: int, **changes: Any) -> dict[str, Any]:
-    """The tables of a study on a mesh of so many cells, tables replaced."""
-    found = tomllib.loads((STUDIES / path).read_text(encoding="utf-8"))
-    return found | {"mesh": {"cells": cells}} | changes
-
-
-def settling() -> dict[str, Any]:
-    """A bed with closures, a freeboard, water in its tubes, and sizes and a height that settle."""
-    found = study("rabi_two_flux_bed/two_flux.toml", 12)
-    del found["bubbling_bed"]["height"]
-    found["bubbling_bed"]["settled_height"] = 0.6
-    found["freeboard"] = {
-        "height": 3.0,
-        "elutriation": "geldart",
-        "temperature_above": 600.0,
-        "walls": {"perimeter": 3.5, "coefficient": 20.0, "temperature": 600.0, "emissivity": 0.8},
-    }
-    sand = found["species"]["inert"]
-    del sand["diameter"]
-    sand |= {
-        "sizes": {"diameters": [2e-4, 5e-4, 1e-3], "feed": [0.2, 0.4, 0.4]},
-        "feed": {"mass_flow": 0.2, "temperature": 300.0, "height": 0.2, "width": 0.05},
-    }
-    del found["tubes"]["temperature"]
-    found["tubes"]["steam"] = {"pressure": 60e5, "temperature": 450.0, "mass_flow": 0.5, "coefficient": 3000.0}
-    return found
-
-
-def developed(flow: dict[str, Any]) -> dict[str, Any]:
-    """A riser of the study that has one solution for its flows."""
-    found = tomllib.loads((STUDIES / "two_fluid_checks" / "developed.toml").read_text(encoding="utf-8"))
-    found["fully_developed"] |= flow
-    return found | {"solver": {"cells": 12}}
-
-
-SCENES |= {
-    "bubbling_frozen": study("bubbling_bed_case1/p1.toml", 16),
-    "bubbling_pairs": study("bubbling_bed_case1/paper_closure.toml", 16, solver={"degree": 3}),
-    "bubbling_branch": {  # of one temperature, through both folds
-        "mesh": {"cells": 6},
-        "bubbling_bed": {"height": 0.6, "section": 1.3, "solids_fraction": 0.5},
-        "gas": {"capacity_flow": 300.0, "temperature": 600.0},
-        "solver": {"guess": 400.0},
-        "species": {
-            "inert": {
-                "volume_fraction": 1.0,
-                "diameter": 1e-3,
-                "gas_coefficient": 1e5,
-                "conductivity": 1e5,
-                "release": {"rate": 1.1e5, "activation": 3000.0, "reference": 1000.0},
-            }
-        },
-        "continuation": {"parameter": "gas.temperature", "to": 760.0},
-    },
-    "bubbling_closures": study("rabi_two_flux_bed/two_flux.toml", 12),
-    "bubbling_settling": settling(),
-    "developed_gas": developed({"section": "pipe", "solid_flux": 0.0}),
-    "developed_channel": developed({"section": "channel"}),
-    "developed_pipe": developed({"section": "pipe"}),
-    "bubbling_reacting": study("coal_boiler_design/boiler.toml", 8, solver={"degree": 2, "guess": 1150.0}),
 }
 for _scene in SCENES.values():
     _scene["output"] = {"plots": False}

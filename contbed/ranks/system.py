@@ -1,9 +1,9 @@
 """Engine for MPI: forms compiled by FFCx, assembled by DOLFINx and solved by PETSc.
 
-`System` has the interface of `fem.skfem.System`, so problems do not know which engine they use. It records each form
-once (`fem.tape`); every rank turns the recording into UFL on its part of the mesh and compiles it. The root rank keeps
-vectors and known values in the numbering of its mesh; the other ranks get their part of a state and return their part
-of a residual (`fem.dolfinx_parts`). Jacobians stay distributed (`fem.petsc`).
+`System` has the interface of `fem.skfem.System`, so problems do not know which engine they use. It records each
+form once (`ranks.tape`); every rank turns the recording into UFL on its part of the mesh and compiles it. The root rank
+keeps vectors and known values in the numbering of its mesh; the other ranks get their part of a state and return their
+part of a residual (`ranks.parts`). Jacobians stay distributed (`ranks.petsc`).
 
 Integrals over boundaries are assembled by the root rank with `fem.skfem` and added. Their share of the work vanishes as
 meshes grow, and property tables need quadrature points on facets, for which DOLFINx has no elements.
@@ -12,7 +12,7 @@ meshes grow, and property tables need quadrature points on facets, for which DOL
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain
 from types import SimpleNamespace
 from typing import Any
@@ -21,50 +21,16 @@ import numpy as np
 from skfem.refdom import RefHex, RefLine, RefQuad, RefTet, RefTri
 
 from contbed.errors import EngineError
-from contbed.fem import dolfinx_parts as parts
-from contbed.fem import dolfinx_versions as versions
 from contbed.fem import skfem
-from contbed.fem.elements import GlobalUnknown, Space, lagrange
-from contbed.fem.petsc import Layout, Matrix
-from contbed.fem.ranks import RankGroup, rank_group
-from contbed.fem.tape import Recording, Tape, integrand
+from contbed.fem.elements import Space, lagrange
 from contbed.mesh.tensor import tensor_of
+from contbed.ranks import parts
+from contbed.ranks.group import RankGroup, rank_group
+from contbed.ranks.petsc import Layout, Matrix
+from contbed.ranks.tape import Recording, Tape, integrand
 from contbed.solvers.linear import Policy
 
 CELLS = {RefLine: "interval", RefTri: "triangle", RefQuad: "quadrilateral", RefTet: "tetrahedron", RefHex: "hexahedron"}
-
-
-def on_dolfinx(plan: Any) -> Any:
-    """Return the plan with its mesh on this engine, for models in weak form and those that share out a grid.
-
-    Raises
-    ------
-    EngineError : names what the engine does not have
-    """
-    scene = plan.scene
-    if lacking := plan.without_weak_form:
-        raise EngineError(f"{scene.origin.name}: the engine dolfinx has no {lacking}; run it with --engine skfem")
-    dolfinx, _ = versions.modules()
-    size = rank_group().comm.size
-    how = f"DOLFINx {dolfinx.__version__} and PETSc on {size} rank{'s' if size > 1 else ''}"
-    if hasattr(plan, "on_engine"):  # discontinuous polynomials on a line, or a grid that ranks share
-        placed = plan.on_engine("dolfinx")
-    else:
-        placed = replace(plan, mesh=replace(plan.mesh, engine="dolfinx"))
-    return replace(placed, built=(("engine", how), *placed.built))
-
-
-def engine_usage() -> dict[str, Any]:
-    """Return the ranks, the iterations of each linear solution, and time [s] and memory [GB] of each rank."""
-    all_ranks = rank_group()
-    taken = np.asarray(all_ranks.run_on_all(parts.usage)).reshape(-1, 2)
-    return {
-        "name": "dolfinx",
-        "ranks": all_ranks.comm.size,
-        "iterations": all_ranks.iterations,
-        "cpu_s": taken[:, 0].tolist(),
-        "memory_GB": taken[:, 1].tolist(),
-    }
 
 
 @dataclass(eq=False)
@@ -80,11 +46,8 @@ class Partition:
     counts: Any
 
     @classmethod
-    def of(cls, all_ranks: RankGroup, mesh: Any, shared: bool = False) -> Partition:
-        """Return the partition of a mesh; it is built at the first call, and the last one is kept.
-
-        With `shared`, ranks know the cells behind their facets, which forms over interior facets need.
-        """
+    def of(cls, all_ranks: RankGroup, mesh: Any) -> Partition:
+        """Return the partition of a mesh; it is built at the first call, and the last one is kept."""
         kept: Partition | None = all_ranks.partition
         if kept is None or kept.mesh is not mesh:
             if kept is not None:
@@ -98,7 +61,7 @@ class Partition:
             key, corners, tensor = all_ranks.new_key(), _order(refdom, 1), tensor_of(mesh)
             whole = None if tensor else (mesh.t[corners].T, mesh.p.T)
             order, counts = all_ranks.run_on_all(
-                parts.make_mesh, key, CELLS[refdom], corners, mesh.dim(), shared, tensor, root=whole
+                parts.make_mesh, key, CELLS[refdom], corners, mesh.dim(), tensor, root=whole
             )
             all_ranks.partition = kept = cls(mesh, key, order, counts)
         return kept
@@ -118,19 +81,14 @@ class System(skfem.System):
         self.tape = Tape(self, self.cells)
         self.key = self.ranks.new_key()
         self._compiled: dict[Any, _Compiled] = {}
-        self.nodal_fields = {
-            name: field for name, field in self.fields.items() if not isinstance(field[0], GlobalUnknown)
-        }
         self.layout = self._distribute()
 
     def _distribute(self) -> Layout:
         """Distribute the unknowns: each belongs to the rank that owns its node."""
         numbers = (
-            self.partition.split(_by_cell(self.fields[name][0]) + start)
-            for (name, _), start in self.offset.items()
-            if name in self.nodal_fields
+            self.partition.split(_by_cell(self.fields[name][0]) + start) for (name, _), start in self.offset.items()
         )
-        degrees = [(space.degree, count) for space, count in self.nodal_fields.values()]
+        degrees = [(space.degree, count) for space, count in self.fields.values()]
         order, counts = self.ranks.run_on_all(parts.make_space, self.key, self.partition.key, degrees, root=numbers)
         return Layout(order, counts, self.size)
 
@@ -164,8 +122,6 @@ class System(skfem.System):
         """
         signature = tuple((id(form), id(coeffs)) for form, _, coeffs in forms)
         if signature not in self._compiled:
-            if len(self.nodal_fields) < len(self.fields):
-                raise EngineError("forms with unknowns without a place are not compiled, use engine.dolfinx_points")
             whole = integrand(self.tape, forms)
             if whole is None:
                 raise EngineError("the engine dolfinx needs at least one integral over cells")

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import ContbedError
-from contbed.fem import dolfinx_versions
+from contbed.ranks import dolfinx
 
 POLL_INTERVAL = 2e-4  # [s] between looks for work
 ABORT_EXIT_CODE = 70  # exit code of an abort
@@ -40,7 +40,7 @@ class RankGroup:
         self.comm, self.is_root = comm, comm.rank == 0
         self.objects: dict[int, Any] = {}
         self.released: list[int] = []
-        self.partition: Any = None  # the last `dolfinx.Partition`
+        self.partition: Any = None  # the last `system.Partition`
         self.iterations: list[int] = []
         self.count = 0
         self.served = False  # whether the other ranks wait for what the root rank asks for
@@ -171,7 +171,7 @@ def rank_group() -> RankGroup:
     """Return the group of all ranks that mpirun started; there is one for each process."""
     global _group
     if _group is None:
-        dolfinx_versions.modules()
+        dolfinx.modules()
         from mpi4py import MPI
 
         _group = RankGroup(MPI.COMM_WORLD)

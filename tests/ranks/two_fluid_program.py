@@ -9,15 +9,14 @@ from typing import Any
 import numpy as np
 from two_fluid_scenes import BEDS, CHECK_CASES, CHECKS
 
-from contbed import models
-from contbed.fem.dolfinx import on_dolfinx
-from contbed.fem.ranks import run_on_root
 from contbed.loading import from_dict, load
-from contbed.output import pieces
+from contbed.ranks import pieces
+from contbed.ranks.engine import Ranks
+from contbed.ranks.group import run_on_root
+from contbed.ranks.two_fluid.averages import SharedAverages
+from contbed.ranks.two_fluid.files import write
 from contbed.runner import run
 from contbed.two_fluid.averages import Averages
-from contbed.two_fluid.distributed.averages import SharedAverages
-from contbed.two_fluid.distributed.files import write
 from contbed.two_fluid.momentum_budget import momentum
 from contbed.two_fluid.results import balances, contents
 
@@ -34,7 +33,7 @@ def states(out: Path, *names: str) -> None:
     for name in names or (*BEDS, *CHECK_CASES):
 
         def main(name: str = name) -> None:
-            bed, compiled = on_dolfinx(models.plan(loaded(name), shared=True)).bed()
+            bed, compiled = Ranks().plan(loaded(name)).bed()
             start = contents(bed)
             for _ in range(STEPS):
                 bed.step_towards(1e3)
@@ -49,7 +48,7 @@ def averages(out: Path, *names: str) -> None:
     for name in names:
 
         def main(name: str = name) -> None:
-            bed, _ = on_dolfinx(models.plan(loaded(name), shared=True)).bed()
+            bed, _ = Ranks().plan(loaded(name)).bed()
             for _ in range(STEPS // 2):
                 bed.step_towards(1e3)
             window = bed.clock.time * (1.0 + 1e-9), 4.0 * bed.clock.time
@@ -75,7 +74,7 @@ def files(out: Path, *names: str) -> None:
     for name in names:
 
         def main(name: str = name) -> None:
-            plan = on_dolfinx(models.plan(loaded(name), shared=True))
+            plan = Ranks().plan(loaded(name))
             bed, _ = plan.bed()
             taken = SharedAverages(bed, 0.0, 1.0)
             for _ in range(3):
