@@ -64,3 +64,12 @@ def duration(seconds: float) -> str:
     if seconds >= 3600.0:
         return f"{seconds / 3600.0:.2g} h"
     return f"{seconds / 60.0:.2g} min" if seconds >= 99.5 else f"{seconds:.2g} s"
+
+
+def percent(share: float) -> str:
+    """Return a share in percent, in two digits.
+
+    >>> percent(0.0333), percent(2e-9)
+    ('3.3 %', '< 0.01 %')
+    """
+    return "< 0.01 %" if share < 1e-4 else f"{100.0 * share:.2g} %"

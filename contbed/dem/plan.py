@@ -88,8 +88,9 @@ class ParticlePlan:
 
     def __str__(self) -> str:
         seconds = self.seconds()
-        more = [] if seconds is None else [f"time: about {duration(seconds)} of processor"]
-        return plan_text(self, *more)
+        if self.scene.packing is None or seconds is None:
+            return plan_text(self)
+        return plan_text(self, f"time: about {duration(seconds)} of processor")
 
 
 def particles_by(built: tuple[tuple[str, str], ...], where: str) -> tuple[tuple[str, str], ...]:

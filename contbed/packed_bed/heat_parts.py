@@ -1,4 +1,4 @@
-"""What the plan of a packed bed tells of its heat: what is built, what is left out and why."""
+"""What the plan of a packed bed says about heat: what is built, what is left out and why."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ TAKEN_TOGETHER = {"nusselt_wakao_kaguei": "dispersion_wakao_kaguei"}
 def parts_of_heat(
     scene: s.Scene, medium: Medium, schedule: Schedule, inside: Inside | None, thick: str, fronts: bool
 ) -> Iterator[tuple[str, str, bool]]:
-    """Yield each part, what is told of it, and whether it is built.
+    """Yield each part, its description, and whether it is built.
 
     Parameters
     ----------
     scene : as it is solved
-    inside : how the level inside of the particles was chosen, None without heat
+    inside : how the level of intraparticle conduction was chosen, None without heat
     thick : why the level of radiation was chosen
-    fronts : whether these are tracked
+    fronts : whether fronts are tracked
     """
     if scene.heat is None:
         yield "two-energy", "no [heat] table", False
@@ -32,7 +32,7 @@ def parts_of_heat(
     yield "two-energy", _how_heat(scene, medium, fronts), True
     if inside is not None:
         why = "no [particle] table: " if scene.particle is None else ""
-        yield "inside of particles", f"{why}{inside}", inside.level != "lumped"
+        yield "intraparticle conduction", f"{why}{inside}", inside.level != "lumped"
     if scene.heat.dispersion is None:
         yield "dispersion", _why_no_dispersion(scene.heat), False
     if scene.heat.tortuosity is None:

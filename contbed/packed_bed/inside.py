@@ -1,6 +1,6 @@
-"""What is resolved inside of the particles of a bed: one temperature, a corrected film, or temperatures inside.
+"""Level of intraparticle conduction of a bed: lumped particles, a corrected film, or temperatures inside.
 
-With Bi = h R/k_s particles of one temperature follow the fluid by the film alone, or by 1/h_eff = 1/h + R/((s+2) k_s),
+With Bi = h R/k_s lumped particles follow the fluid through the external film only, or by 1/h_eff = 1/h + R/((s+2) k_s),
 s = 3 for spheres and 2 for rods; points inside cost one unknown each. The error of each level in what leaves is
 predicted from the exact solutions of `particle.uptake`: that of a step at the inlet of a transient, the steady moving
 bed, and fluid that passes the particles of a steady bed at rest, where h_eff is exact. Where the level is "auto" the
@@ -22,6 +22,7 @@ from contbed.packed_bed import scene as s
 from contbed.packed_bed.medium import Medium
 from contbed.particle.interior import interior
 from contbed.particle.uptake import Level, breakthrough_error, moving_bed_error, steady_error
+from contbed.plan_text import percent
 
 ACCURACY = 5e-3  # of what leaves over the span, by which a level may miss where solver.accuracy is absent
 POINTS = (2, 3, 4, 6, 8, 12)  # temperatures inside that are tried where particle.points is absent
@@ -29,9 +30,9 @@ USUAL_POINTS = 3  # where temperatures inside are asked for and their number is 
 USUAL_UNITS = 20.0  # transfer units for which errors are predicted where the length or the flow is not known
 SHAPES = {"spheres": "sphere", "rods": "cylinder"}
 NAMES = {
-    "lumped": "one temperature per particle, film alone",
-    "effective": "one temperature per particle, film coefficient corrected for conduction inside",
-    "interior": "temperatures inside",
+    "lumped": "lumped particles, external film only",
+    "effective": "lumped particles, film coefficient corrected for intraparticle conduction",
+    "interior": "{points} intraparticle temperatures",
 }
 
 
@@ -49,8 +50,18 @@ class Candidate:
         return 2 + self.points
 
     def __str__(self) -> str:
-        name = f"{self.points} points" if self.points else self.level
-        return f"{name} {self.error:.1e}"
+        return f"{self.name} {percent(self.error)}"
+
+    @property
+    def name(self) -> str:
+        """The level, with its number of intraparticle temperatures."""
+        return f"{self.level} with {self.points} points" if self.points else self.level
+
+    @property
+    def keys(self) -> str:
+        """The keys of a scene that ask for this level."""
+        points = f", particle.points = {self.points}" if self.points else ""
+        return f'particle.heat = "{self.level}"{points}'
 
 
 @dataclass(frozen=True)
@@ -82,19 +93,31 @@ class Inside:
         return cheapest(self.candidates, self.accuracy)
 
     def __str__(self) -> str:
-        which = NAMES[self.level] + (f", {self.chosen.points} points" if self.chosen.points else "")
-        stay = "" if self.fourier is None else f", Fo = {self.fourier:.3g}"
-        others = [each for each in self.candidates if each.unknowns <= self.chosen.unknowns and each != self.chosen]
-        text = (
-            f"{which}: Bi = {self.biot:.3g}{stay}; predicted error of what leaves {self.chosen.error:.1e} of the span"
-        )
+        model = NAMES[self.level].format(points=self.chosen.points)
+        residence = "" if self.fourier is None else f", Fo = {self.fourier:.3g}"
+        within = self.chosen.error <= self.accuracy
+        sentences = [
+            f"{model} (Bi = {self.biot:.3g}{residence})",
+            f"Predicted outlet error {percent(self.chosen.error)}, {'within' if within else 'above'} "
+            f"solver.accuracy = {100.0 * self.accuracy:g} %",
+        ]
+        named = {self.chosen} if within else {self.chosen, self.adequate}
+        others = [each for each in self.candidates if each.unknowns <= self.chosen.unknowns and each not in named]
         if others:
-            text += f", without more unknowns {', '.join(str(each) for each in others)}"
-        if self.chosen.error <= self.accuracy:
-            return f"{text}; solver.accuracy is {self.accuracy:g}"
+            sentences.append(f"Predicted without more unknowns: {', '.join(str(each) for each in others)}")
+        if not within:
+            sentences.append(self._remedy())
+        return ". ".join(sentences)
+
+    def _remedy(self) -> str:
         better = self.adequate
-        remedy = f"{better} would be within" if better.error <= self.accuracy else f"least {better}"
-        return f"{text}; ABOVE solver.accuracy {self.accuracy:g}, {remedy}"
+        more = better.unknowns - self.chosen.unknowns
+        cost = f"{more} more unknowns at each node" if more > 0 else "same cost" if more == 0 else "fewer unknowns"
+        if better.error <= self.accuracy:
+            return f"Set {better.keys} ({cost}, error {percent(better.error)})"
+        if better == self.chosen:
+            return "No other level is more accurate"
+        return f"The most accurate level is {better.keys} ({cost}, error {percent(better.error)})"
 
 
 def cheapest(candidates: tuple[Candidate, ...], accuracy: float) -> Candidate:

@@ -21,6 +21,7 @@ from contbed.packed_bed import scene as s
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.recognition import reduced, velocities
 from contbed.packed_bed.schedule import initial_range
+from contbed.plan_text import percent
 from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
 
 
@@ -44,11 +45,12 @@ def lines_of(flows: Sequence[s.Scene], medium: Medium, changes: bool) -> tuple[l
     if error is None:
         return list(lines), ""
     accuracy = scene.solver.accuracy
-    told = "none is stated" if accuracy is None else f"it is {accuracy:g}"
-    text = f"heat through the sides changes what leaves by at most {error:.1e} of the span; solver.accuracy: {told}"
-    if accuracy is not None and error <= accuracy:
-        return [on_a_line(scene)], text
-    return list(lines), text
+    text = f"heat through the sides changes the outlet by at most {percent(error)} of the temperature span"
+    if accuracy is None:
+        return list(lines), f"{text}; the sides are resolved, as solver.accuracy is not given"
+    if error > accuracy:
+        return list(lines), f"{text}, above solver.accuracy = {100.0 * accuracy:g} %: the sides are resolved"
+    return [on_a_line(scene)], f"{text}, within solver.accuracy = {100.0 * accuracy:g} %: solved in 1-D"
 
 
 def without_sides(scene: s.Scene) -> s.Scene:

@@ -42,7 +42,7 @@ def choose(scene: Scene) -> tuple[Scene, str]:
     thick = scene.model_copy(update={"radiation": table.model_copy(update={"level": "rosseland"})})
     error = estimate(thick, scene.mesh)
     most = allowed(scene.solver)
-    text = f"Rosseland errs by about {100.0 * error:.2g} %, allowed are {100.0 * most:g} %"
+    text = f"predicted error of Rosseland {100.0 * error:.2g} %, allowed {100.0 * most:g} %"
     return (thick if error <= most else scene), text
 
 

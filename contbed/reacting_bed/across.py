@@ -32,7 +32,7 @@ class Across:
     limit: float | None
 
     def __str__(self) -> str:
-        found = f"heat through the wall makes {self.difference:.3g} K from the axis to the wall at the inlet"
+        found = f"the wall heat flux causes a difference of {self.difference:.3g} K across the bed at the inlet"
         if self.limit is None:
             return found
         word = "below" if self.fits else "above"

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.errors import ContbedError
+from contbed.plan_text import percent
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.pellets import Pellets, runs_in_pellets
 from contbed.reacting_bed.phases import species_of
@@ -39,7 +40,8 @@ class PelletLevel:
         if self.error is None:
             return self.why
         side = "above" if self.resolved else "within"
-        return f"without it what reacts would differ by {self.error:.2g} of itself, {side} solver.accuracy"
+        change = percent(self.error)
+        return f"neglecting intrapellet diffusion changes the reacted amounts by {change}, {side} solver.accuracy"
 
 
 def decided(scene: s.ReactingScene, vertices: Array) -> tuple[s.ReactingScene, PelletLevel | None]:
@@ -50,7 +52,7 @@ def decided(scene: s.ReactingScene, vertices: Array) -> tuple[s.ReactingScene, P
     if scene.particle.mass != "auto" or not _diffusivities(scene):
         return scene, None
     if scene.time is not None:
-        return scene, PelletLevel(True, None, "in time it is resolved")
+        return scene, PelletLevel(True, None, "always resolved in transients")
     level = _judged(_with(scene, "none"), vertices)
     return _with(scene, "interior" if level.resolved else "none"), level
 
@@ -74,7 +76,9 @@ def _judged(scene: s.ReactingScene, vertices: Array) -> PelletLevel:
     try:
         error = missed(scene, Problem.of(scene, vertices, species), species)
     except ContbedError as found:
-        return PelletLevel(True, None, f"without it no state is found to judge it by ({found})")
+        return PelletLevel(
+            True, None, f"resolved, as the bed without intrapellet diffusion has no steady state ({found})"
+        )
     return PelletLevel(error > scene.solver.accuracy, error)
 
 

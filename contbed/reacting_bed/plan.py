@@ -29,7 +29,7 @@ from contbed.scene.toml_lines import KeyPath, Origin
 TRANSIENT_CELLS = 60  # of one length, through which fronts move
 SHORT_RESIDENCE = 0.01  # of the gas over the times in which something changes, below which it is quasi-steady
 PARTS = {"tube": "rings", "plane": "layers", "duct": "columns of a quarter"}
-PELLETS = "inside of pellets"
+PELLETS = "intrapellet diffusion"
 FIRST_LAYER = 1e-4  # length of the first and last cell over that of the bed
 
 
@@ -277,7 +277,7 @@ def _lists(
             )
         )
     elif across_it is not None:
-        advice = "" if across_it.fits else "; resolve it by [section]"
+        advice = "" if across_it.fits else ". Add [section] to resolve it"
         skipped.append(("differences across the bed", f"one dimension: {across_it}{advice}"))
     for phase, choice in problem.choices.items():
         by = f" by {phase}" if several else ""

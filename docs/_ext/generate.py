@@ -338,11 +338,11 @@ def gallery(folder: Path, figures: Path) -> None:
 def glossary(folder: Path) -> None:
     def rows(entries: Mapping[str, fields.Field]) -> list[list[str]]:
         return [
-            [code(name), f"${symbol(entry)}$", "" if entry.unit == "1" else plain(entry.unit), plain(entry.description)]
+            [code(name), "" if entry.unit == "1" else plain(entry.unit), plain(entry.description)]
             for name, entry in entries.items()
         ]
 
-    head = ["name", "symbol", "unit", "meaning"]
+    head = ["name", "unit", "meaning"]
     taken = [
         [code(name), "" if entry.unit == "-" else plain(entry.unit), plain(entry.meaning)]
         for name, entry in arguments.ARGUMENTS.items()
@@ -362,10 +362,6 @@ def glossary(folder: Path) -> None:
         "## Arguments of closures",
         table(["name", "unit", "meaning"], taken),
     )
-
-
-def symbol(entry: fields.Field) -> str:
-    return entry.symbol.replace("|", r"\vert ")
 
 
 def project_texts(folder: Path) -> None:

@@ -50,7 +50,7 @@ def test_beads_dilute_a_catalyst():
     scene = split_pellets(scene, {"catalyst": share, "beads": 1.0 - share}, beads={"diffusivity": {}})
     result = solved(scene)
     assert result.qoi["x_A_out"] == pytest.approx(left(k * L, share * sphere(phi)), rel=SHELLS)
-    told = dict(result.plan.built)["inside of pellets"]
+    told = dict(result.plan.built)["intrapellet diffusion"]
     assert told.startswith("diffusion and reaction of A, B in catalyst; effectiveness at the inlet: r 0.48")
 
 
@@ -84,7 +84,7 @@ def test_auto_judges_all_kinds(phi, level):
     planned = plan(from_dict(scene))
     assert planned.scene.particle.mass == level
     error = 1.0 - SHARES["coarse"] * sphere(2.0 * phi) - SHARES["fine"] * sphere(phi)
-    told = dict(planned.built if level == "interior" else planned.skipped)["inside of pellets"]
+    told = dict(planned.built if level == "interior" else planned.skipped)["intrapellet diffusion"]
     assert f"would differ by {error:.2g} of itself" in told
     found = solved(scene).qoi["x_A_out"]
     scene["particle"]["mass"] = level

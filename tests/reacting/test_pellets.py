@@ -13,6 +13,7 @@ from contbed.errors import SceneError
 from contbed.fem.dual import Dual
 from contbed.loading import from_dict
 from contbed.particle.effectiveness import sphere
+from contbed.plan_text import percent
 from contbed.reacting_bed.plan import plan
 
 D_A, D_B, R = 2e-6, 5e-6, 1.5e-3
@@ -120,7 +121,7 @@ def test_derivatives_of_mean_rates():
 
 def test_a_reformer_closes_and_the_plan_tells_the_effectiveness():
     scene = from_dict(REFORMER)
-    text = dict(plan(scene).built)["inside of pellets"]
+    text = dict(plan(scene).built)["intrapellet diffusion"]
     assert "effectiveness at the inlet: reforming 0.0" in text
     assert "by the Thiele modulus of CH4" in text
     result = contbed.run(scene)
@@ -160,8 +161,8 @@ def test_pellets_are_resolved_where_diffusion_matters(phi, level):
     scene["particle"] = {key: value for key, value in scene["particle"].items() if key != "mass"}
     planned = plan(from_dict(scene))
     assert planned.scene.particle.mass == level
-    told = dict(planned.built if level == "interior" else planned.skipped)["inside of pellets"]
-    assert f"would differ by {1.0 - sphere(phi):.2g} of itself" in told
+    told = dict(planned.built if level == "interior" else planned.skipped)["intrapellet diffusion"]
+    assert f"changes the reacted amounts by {percent(1.0 - sphere(phi))}" in told
     found = contbed.run(from_dict(scene)).qoi["x_A_out"]
     both = {}
     for mass in ("none", "interior"):
@@ -191,8 +192,8 @@ def test_what_cannot_be_judged_is_resolved():
     del scene["particle"]["mass"]
     scene["time"] = {"end": 1.0}
     planned = plan(from_dict(scene))
-    assert "in time it is resolved" in dict(planned.built)["inside of pellets"]
+    assert "always resolved in transients" in dict(planned.built)["intrapellet diffusion"]
     assert type(planned.problem.reactions[0].rate).__name__ == "Pellets"
     del scene["particle"], scene["time"]
     planned = plan(from_dict(scene))
-    assert "inside of pellets" not in dict(planned.built) | dict(planned.skipped)
+    assert "intrapellet diffusion" not in dict(planned.built) | dict(planned.skipped)

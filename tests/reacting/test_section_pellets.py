@@ -112,7 +112,7 @@ def test_auto_weighs_the_rings_by_their_area(factor, level):
         np.einsum("r,rcj,j,c->", problem.rings.shares, f, line.weights, line.h)
         for f in (rate, rate * (1.0 - sphere(R * np.sqrt(k / D_A))))
     )
-    told = dict(planned.built if level == "interior" else planned.skipped)["inside of pellets"]
+    told = dict(planned.built if level == "interior" else planned.skipped)["intrapellet diffusion"]
     assert f"would differ by {part / whole:.2g} of itself" in told
     assert solved(cooled(3, "auto", factor)).qoi == solved(cooled(3, level, factor)).qoi
 

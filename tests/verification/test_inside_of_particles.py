@@ -11,6 +11,7 @@ from contbed.errors import SceneError
 from contbed.loading import load
 from contbed.models import plan
 from contbed.particle import uptake
+from contbed.plan_text import percent
 from contbed.runner import run
 from tests.particle.tables import rows
 
@@ -154,13 +155,13 @@ boundary.left.solid.inflow = 300.0
 
 
 def inside_line(found):
-    """What a plan says on the inside of particles."""
-    (line,) = [text for name, text in (*found.built, *found.skipped) if name == "inside of particles"]
+    """What a plan says about intraparticle conduction."""
+    (line,) = [text for name, text in (*found.built, *found.skipped) if name == "intraparticle conduction"]
     return line
 
 
 @pytest.mark.parametrize(
-    ("Bi", "level"), [(0.05, "corrected"), (0.5, "corrected"), (15.0, "temperatures inside, 2 points")]
+    ("Bi", "level"), [(0.05, "corrected"), (0.5, "corrected"), (15.0, "2 intraparticle temperatures")]
 )
 def test_plan_takes_the_cheapest_level_within_the_accuracy(tmp_path, Bi, level):
     found = plan(load(bed(tmp_path, Bi=Bi, xi=20, particle="particle = {}", more=step([20.0]))))
@@ -168,7 +169,7 @@ def test_plan_takes_the_cheapest_level_within_the_accuracy(tmp_path, Bi, level):
     assert level in line and f"Bi = {Bi:.3g}" in line
     for name in ("lumped", "effective"):
         error = uptake.breakthrough_error(20, Bi, name, last=1.0)
-        assert f"{error:.1e}" in line
+        assert percent(error) in line
 
 
 def test_accuracy_decides_how_many_points(tmp_path):
@@ -187,7 +188,7 @@ def test_a_stated_level_is_kept_and_its_error_told(tmp_path, level):
     assert found.solved.particle.heat == level
     line = inside_line(found)
     error = uptake.breakthrough_error(20, 30.0, 3 if level == "interior" else level, last=1.0)
-    assert f"{error:.1e}" in line and "ABOVE solver.accuracy 1e-06" in line
+    assert f"{percent(error)}, above solver.accuracy = 0.0001 %" in line
 
 
 def test_stated_points_are_kept(tmp_path):
@@ -203,19 +204,23 @@ boundary.right.fluid.inflow = 400.0
 boundary.left.solid.inflow = 300.0
 """
     alpha = FILM * D / 2 / 5.0 / SOLID
-    for fourier, level in ((0.02, "temperatures inside"), (0.2, "temperatures inside"), (2.0, "corrected")):
+    for fourier, level in (
+        (0.02, "intraparticle temperatures"),
+        (0.2, "intraparticle temperatures"),
+        (2.0, "corrected"),
+    ):
         speed = alpha * LENGTH * (1 - EPS) / (fourier * (D / 2) ** 2)
         gamma = 0.9
         text = more.replace("SPEED", repr(speed))
         units = gamma * 15.0 * fourier  # h a L/(G c) = s Gamma Bi Fo
         line = inside_line(plan(load(bed(tmp_path, Bi=5.0, xi=units, particle="particle = {}", more=text))))
         assert level in line and f"Fo = {fourier:g}" in line
-        assert f"{uptake.moving_bed_error(-gamma, 5.0, fourier, 'effective'):.1e}" in line
+        assert percent(uptake.moving_bed_error(-gamma, 5.0, fourier, "effective")) in line
 
 
 def test_without_the_table_particles_are_uniform_and_the_plan_tells_the_error(tmp_path):
     found = plan(load(bed(tmp_path, Bi=2.0, xi=20, more=step([20.0]))))
-    assert "no [particle] table" in dict(found.skipped)["inside of particles"]
+    assert "no [particle] table" in dict(found.skipped)["intraparticle conduction"]
     assert "T_inside_1" not in str(found.unknowns()) and found.solved.particle is None
 
 

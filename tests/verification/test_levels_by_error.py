@@ -8,6 +8,7 @@ import pytest
 import contbed as cb
 from contbed.packed_bed.inside import Candidate, cheapest
 from contbed.packed_bed.plan import plan
+from contbed.plan_text import percent
 from studies.levels_by_error import study
 
 STEPS = 1e-4  # difference of two runs with time steps of a local error of 1e-5
@@ -85,5 +86,5 @@ def test_choices_of_random_beds_are_the_cheapest_of_their_candidates():
         if inside.chosen.error <= inside.accuracy:
             assert all(each.error > inside.accuracy for each in cheaper)
         text = str(inside)
-        assert f"{inside.chosen.error:.1e} of the span" in text
+        assert f"Predicted outlet error {percent(inside.chosen.error)}" in text
         assert all(str(each) in text for each in cheaper)

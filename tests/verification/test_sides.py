@@ -71,7 +71,7 @@ def test_a_line_is_taken_only_where_the_accuracy_is_stated_and_met():
         solver = {} if accuracy is None else {"accuracy": accuracy}
         found = plan(cb.load(round_bed(0.1, solver=solver)))
         assert found.mesh.skfem.dim() == dimension
-        assert "changes what leaves by at most 2.0e-03 of the span" in str(found)
+        assert "changes the outlet by at most 0.2 % of the temperature span" in str(found)
     # where the scene says that nothing is reduced, nothing is
     found = plan(cb.load(round_bed(0.1, solver={"accuracy": 0.05, "reduce": False})))
     assert found.mesh.skfem.dim() == 2
