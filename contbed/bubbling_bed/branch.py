@@ -18,8 +18,8 @@ from contbed.bubbling_bed import scene as b
 from contbed.bubbling_bed.plan import coefficients, typical_numbers
 from contbed.bubbling_bed.problem import RECORDED_FROM, TYPICAL, BubblingProblem
 from contbed.errors import SceneError
-from contbed.fem.batched import RecordedForms
-from contbed.fem.graph import Graph
+from contbed.fem.ad.batched import RecordedForms
+from contbed.fem.ad.graph import Graph
 from contbed.result import Result
 from contbed.scene import schema
 from contbed.scene.toml_lines import parse_key

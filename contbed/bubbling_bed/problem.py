@@ -15,8 +15,8 @@ from contbed.bubbling_bed.plan import BubblingPlan
 from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
 from contbed.fem import system as make_system
-from contbed.fem.batched import RecordedForms
-from contbed.fem.graph import Graph, NotRecordableError
+from contbed.fem.ad.batched import RecordedForms
+from contbed.fem.ad.graph import Graph, NotRecordableError
 from contbed.radiation.equations.p1 import emitted
 from contbed.solvers.continuation import relax, unwatched
 from contbed.solvers.linear import Solver, scaled

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from skfem.mesh import Mesh as SkfemMesh
 from skfem.quadrature import get_quadrature
 
-from contbed.fem.dual import Components, plain
+from contbed.fem.ad.dual import Components, plain
 from contbed.fem.elements import Space, lagrange
 
 Array = NDArray[np.float64]

@@ -31,7 +31,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.fem.dual import Dual, plain
+from contbed.fem.ad.dual import Dual, plain
 from contbed.fem.line_slopes import Slopes
 
 Array = NDArray[np.float64]

@@ -18,8 +18,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from skfem.mesh import Mesh as SkfemMesh
 
+from contbed.fem.ad.dual import Components, Dual, Linear
 from contbed.fem.domain import Domain
-from contbed.fem.dual import Components, Dual, Linear
 from contbed.fem.elements import GlobalUnknown, Space
 from contbed.mesh.mesh import MeshEngine
 from contbed.solvers.linear import Policy

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.fem.dual import plain
+from contbed.fem.ad.dual import plain
 from contbed.packed_bed.equations import two_energy
 from contbed.solvers.condensed import Inside
 

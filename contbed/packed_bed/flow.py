@@ -9,7 +9,7 @@ import numpy as np
 
 from contbed.errors import SceneError
 from contbed.fem import system as make_system
-from contbed.fem.dual import Components
+from contbed.fem.ad.dual import Components
 from contbed.fem.skfem import System
 from contbed.fem.tensor_error import TensorGrid
 from contbed.mesh.mesh import Mesh

@@ -10,8 +10,8 @@ import numpy as np
 
 from contbed.errors import ConvergenceError
 from contbed.fem import system as make_system
+from contbed.fem.ad.dual import plain
 from contbed.fem.domain import Domain
-from contbed.fem.dual import plain
 from contbed.fem.skfem import Ops
 from contbed.mesh.mesh import Mesh
 from contbed.packed_bed import scene as s

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contbed.closures.optics import SIGMA
+from contbed.fem.ad.dual import Components, plain
 from contbed.fem.domain import Domain
-from contbed.fem.dual import Components, plain
 from contbed.fem.skfem import Ops, System
 from contbed.fem.stabilisation import tau
 from contbed.mesh.mesh import Mesh

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.fem.dual import plain
+from contbed.fem.ad.dual import plain
 from contbed.fem.skfem import Ops
 from contbed.packed_bed.heat import PHASES
 

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import ContbedError
+from contbed.fem.ad.dual import _BINARY, _COMPARISONS, _UNARY, Components, Dual, Linear
 from contbed.fem.domain import Domain
-from contbed.fem.dual import _BINARY, _COMPARISONS, _UNARY, Components, Dual, Linear
 from contbed.fem.skfem import Ops, System, _Unknown
 
 LOGICAL = {np.logical_and, np.logical_or, np.logical_not, np.bitwise_and, np.bitwise_or, np.invert}

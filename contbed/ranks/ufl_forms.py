@@ -18,7 +18,7 @@ import numpy as np
 import ufl
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from contbed.fem.dual import Components
+from contbed.fem.ad.dual import Components
 from contbed.fem.skfem import Ops
 
 UFUNCS: dict[np.ufunc, Callable[..., Any]] = {

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from contbed.closures.reactions import R_GAS
 from contbed.errors import ConvergenceError
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 from contbed.particle.shells import shells
 from contbed.reacting_bed.kinetics import Reaction
 from contbed.reacting_bed.local import Local

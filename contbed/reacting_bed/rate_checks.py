@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from contbed.closures.formula import parse_formula
 from contbed.closures.reactions import R_GAS
 from contbed.errors import SceneError
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 from contbed.materials.composition import mole_fractions
 from contbed.reacting_bed.amounts import allowed, along, at_rest
 from contbed.reacting_bed.equations.unknowns import State, conserved

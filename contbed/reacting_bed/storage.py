@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.problem import Problem
 

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from contbed.closures.optics import SIGMA
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 
 Array = NDArray[np.float64]
 SCALE_HEAT = 1e5  # [J/kg] by which equations of heat are divided, to be of the order of those of mass

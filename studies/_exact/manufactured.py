@@ -7,7 +7,7 @@
 
 The equations get the load vector R(exact), the residual with the exact values, gradients and second derivatives at all
 quadrature points, so that no source is derived by hand and the conditions on the rest of the boundary are consistent.
-The derivatives come from `fem.dual`. This cannot detect a wrong sign that both sides share: `jet` gives the strong
+The derivatives come from `ad.dual`. This cannot detect a wrong sign that both sides share: `jet` gives the strong
 form for that.
 """
 
@@ -21,8 +21,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from contbed.fem.ad.dual import Components, Dual
 from contbed.fem.domain import Domain
-from contbed.fem.dual import Components, Dual
 from contbed.fem.elements import lagrange
 from contbed.fem.skfem import System
 from contbed.solvers.linear import Policy

@@ -12,7 +12,7 @@ from contbed.closures import devolatilisation as dv
 from contbed.closures import reactions as r
 from contbed.closures import reactions_solid as rs
 from contbed.errors import SceneError
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 
 ALL = [law for laws in (r.LAWS | rs.CHAR_LAWS).values() for law in laws.values()] + [
     rs.CALCINATION,

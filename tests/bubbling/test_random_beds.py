@@ -13,7 +13,7 @@ from contbed.bubbling_bed.coefficients import SMOOTHED
 from contbed.bubbling_bed.equations.coefficients import Local
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.errors import ConvergenceError, SceneError
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 from contbed.loading import from_dict
 
 # 8, 33: bubbles end below the surface; 36: the bed rests by far; 113: thin layers of gas; 136, 199: a freeboard where

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from contbed.closures import enclosure
 from contbed.closures.optics import SIGMA, optical_coefficients
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 
 ROUND_OFF = 1e-13
 # char, limestone, inert: of the emulsion half is solid

@@ -16,7 +16,7 @@ from contbed.closures import radiation_emissivity_half_space as emissivity_half_
 from contbed.closures.optics import Species, optical_coefficients
 from contbed.closures.sizes import SizeDistribution
 from contbed.errors import SceneError
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 
 ROUND_OFF = 1e-14
 # char, limestone, inert of a bubbling bed whose emulsion is half solid

@@ -14,7 +14,7 @@ from contbed.closures import usage
 from contbed.closures.file import closure_of
 from contbed.dem import extract
 from contbed.errors import ClosureRangeError, SceneError
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 from contbed.loading import from_dict, loads
 from contbed.scene.identity import resolved, scene_hash
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 from contbed.materials import ConstantFluid, Solid, gas_mixture, pointwise, real_fluid
 
 METHODS = ("density", "heat_capacity", "enthalpy", "viscosity", "conductivity")

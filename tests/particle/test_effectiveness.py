@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 from contbed.particle import effectiveness, nonisothermal
 from tests.particle.tables import rows
 

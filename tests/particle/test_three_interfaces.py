@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 from contbed.particle import three_interfaces as three
 from tests.particle.tables import rows
 

@@ -20,7 +20,7 @@ from reacting_bed_scenes import (
 )
 
 import contbed
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.reacting_bed import bounded as module

@@ -10,7 +10,7 @@ from reacting_bed_scenes import isothermal, species
 
 import contbed
 from contbed.errors import SceneError
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 from contbed.loading import from_dict
 from contbed.particle.effectiveness import sphere
 from contbed.plan_text import percent

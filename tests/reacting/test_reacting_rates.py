@@ -8,7 +8,7 @@ from reacting_bed_scenes import danckwerts, isothermal, species
 
 import contbed
 from contbed.closures.formula import parse_formula
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 from contbed.loading import from_dict
 from contbed.particle.effectiveness import overall, sphere
 

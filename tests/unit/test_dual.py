@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from contbed.fem import dual
-from contbed.fem.dual import Dual
+from contbed.fem.ad import dual
+from contbed.fem.ad.dual import Dual
 from contbed.ranks.tape import Recorded
 
 STEP = 1e-30

@@ -8,7 +8,7 @@ import skfem
 from skfem.helpers import dot, grad
 
 from contbed.errors import SceneError
-from contbed.fem.dual import Components, Dual
+from contbed.fem.ad.dual import Components, Dual
 from contbed.fem.skfem import Domain, Ops, System
 from studies._exact.manufactured import Manufactured, exact
 

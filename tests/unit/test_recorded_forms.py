@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from skfem import MeshLine, MeshQuad
 from test_dual import EXPRESSION, evaluate
 
-from contbed.fem.batched import Program, RecordedForms
-from contbed.fem.dual import Components, Dual
-from contbed.fem.graph import Graph, NotRecordableError, Unknown
-from contbed.fem.graph_plan import planned, structure
+from contbed.fem.ad.batched import Program, RecordedForms
+from contbed.fem.ad.dual import Components, Dual
+from contbed.fem.ad.graph import Graph, NotRecordableError, Unknown
+from contbed.fem.ad.plan import planned, structure
 from contbed.fem.skfem import System
 
 POINTS = 70  # more than are differentiated together

@@ -7,7 +7,7 @@ import numpy as np
 import skfem
 
 from contbed.fem import stabilisation
-from contbed.fem.dual import Components
+from contbed.fem.ad.dual import Components
 from contbed.fem.skfem import Ops, System
 from contbed.packed_bed.equations import porous_flow, two_energy
 from contbed.radiation.equations import p1 as radiation

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 import contbed as cb
 from contbed.closures import pressure_gradient_ergun
-from contbed.fem.dual import Components
+from contbed.fem.ad.dual import Components
 from contbed.fem.elements import Space
 from contbed.loading import from_dict
 from contbed.packed_bed.equations.porous_flow import Coefficients

@@ -20,8 +20,9 @@ import skfem
 from skfem.quadrature import get_quadrature
 
 from contbed.closures import dispersion_wakao_kaguei_axial, nusselt_gunn, wall_li_finlayson
-from contbed.fem import dual, stabilisation
-from contbed.fem.dual import Components
+from contbed.fem import stabilisation
+from contbed.fem.ad import dual
+from contbed.fem.ad.dual import Components
 from contbed.fem.elements import lagrange
 from contbed.fem.skfem import Ops, System
 from contbed.materials import ConstantFluid, Solid, gas_mixture

@@ -19,7 +19,7 @@ import numpy as np
 
 from contbed.closures.formula import FUNCTIONS, Formula, parse_formula
 from contbed.errors import SceneError
-from contbed.fem.dual import Dual
+from contbed.fem.ad.dual import Dual
 from contbed.many.optimise.dimensions import unit_of_formula
 
 # a name in quotes, or a dotted or plain one; the digits and the letter e of a number are none

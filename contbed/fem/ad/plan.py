@@ -2,7 +2,7 @@
 
 Forms that differ only in the values of their coefficients, as those of the points of a continuation and of the scenes
 of a sweep do, have the same operations with the same operands. They share one plan: which nodes are live, the row of
-each, the rules of its derivatives, and the order in which those are multiplied and added (`fem.elimination`).
+each, the rules of its derivatives, and the order in which those are multiplied and added (`ad.elimination`).
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.fem.dual import _BINARY, _UNARY
-from contbed.fem.elimination import Elimination
-from contbed.fem.graph import Graph
+from contbed.fem.ad.dual import _BINARY, _UNARY
+from contbed.fem.ad.elimination import Elimination
+from contbed.fem.ad.graph import Graph
 
 Array = NDArray[np.float64]
 LEAVES = ("slot", "number", "array", "parameter")

@@ -1,11 +1,11 @@
 """Residuals and Jacobians of pointwise forms from graphs that are recorded once and evaluated at any state.
 
-A form with dozens of unknowns and closures takes thousands of small operations on dual numbers. Recorded (`fem.graph`)
+A form with dozens of unknowns and closures takes thousands of small operations on dual numbers. Recorded (`ad.graph`)
 each operation is done once, and the derivatives follow by eliminating the inner operations in an order found once
-(`fem.elimination`), for all cells and in batches. All coefficients are then contracted with the basis tables together.
+(`ad.elimination`), for all cells and in batches. All coefficients are then contracted with the basis tables together.
 
 What changes a form other than its unknowns, such as another coefficient, needs a new recording. Its plan
-(`fem.graph_plan`) depends on the operations alone, not on their numbers: forms with other numbers share it.
+(`ad.plan`) depends on the operations alone, not on their numbers: forms with other numbers share it.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from contbed.fem.ad.dual import Components, Linear
+from contbed.fem.ad.graph import Graph, Unknown
+from contbed.fem.ad.plan import LEAVES, planned, structure
 from contbed.fem.domain import Domain
-from contbed.fem.dual import Components, Linear
-from contbed.fem.graph import Graph, Unknown
-from contbed.fem.graph_plan import LEAVES, planned, structure
 from contbed.fem.skfem import Form, Ops, System, _Unknown
 
 Array = NDArray[np.float64]

@@ -3,7 +3,7 @@
 A form is run on `Node` values, which follow numpy's ufunc protocol as dual numbers do. What two parts of a form compute
 alike is one node. Comparisons and choices (`where`, `minimum`, `maximum`) are operations too, so that another state may
 take the other branch. `fem.tape` records forms as data for the compilers of other processes; a graph is evaluated by
-numpy in this one, see `fem.batched`.
+numpy in this one, see `ad.batched`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from contbed.fem.dual import _BINARY, _COMPARISONS, _UNARY, Components, Linear
+from contbed.fem.ad.dual import _BINARY, _COMPARISONS, _UNARY, Components, Linear
 
 Function = Callable[[Any], Any]
 LOGICAL = {
