@@ -19,6 +19,7 @@ from contbed.cli.terminal import (
     Trust,
     complain,
     load_scene,
+    overrides_of,
     resume,
     usual_engine,
 )
@@ -67,6 +68,35 @@ def sweep(
     finished = len(done.rows) - len(done.failed)
     print(f"{finished} of {len(done.rows)} runs are finished, {done.before} were before; see {folder / 'table.csv'}")
     if done.failed:
+        raise typer.Exit(3)
+
+
+def compare(
+    scene: SceneFile,
+    models: Annotated[str, Option("--models", metavar="A,B,C", help="packed_bed,two_fluid and the like")],
+    out: OutFolder = None,
+    settings: Settings = None,
+    report: Annotated[bool, Option("--report", help="write report.html into DIR as well")] = False,
+    trust: Trust = False,
+    allow_large: AllowLarge = False,
+) -> None:
+    """Run one reactor by several models.
+
+    Shows the results that more than one model has, their differences, the time of each run and what each leaves out.
+    """
+    from contbed.many.compare import compare as run_all
+
+    folder = out or Path("results") / f"{scene.stem}-compared"
+    wanted = [name.strip() for name in models.split(",") if name.strip()]
+    found = run_all(scene, wanted, folder, overrides_of(settings), trust=trust, allow_large=allow_large)
+    print(found.text())
+    if report:
+        from contbed.report.write import write
+
+        done = [folder / outcome.model for outcome in found.outcomes]
+        write(done, folder / "report.html")
+    print(f"results are in {folder}")
+    if any(outcome.problem for outcome in found.outcomes):
         raise typer.Exit(3)
 
 
@@ -200,5 +230,5 @@ def _require_jobs(jobs: int) -> None:
         raise typer.BadParameter("a number of processes, or -1", param_hint="--jobs")
 
 
-COMMANDS: tuple[Callable[..., Any], ...] = (sweep, sensitivities, optimise, cascade, calibrate)
+COMMANDS: tuple[Callable[..., Any], ...] = (compare, sweep, sensitivities, optimise, cascade, calibrate)
 """Commands that `contbed.cli.commands` registers."""

@@ -45,8 +45,12 @@ def load_scene(path: Path, settings: list[str] | None, trust: bool, allow_large:
     """Return the scene of a file with the values of --set."""
     from contbed.loading import load
 
-    values = dict(_assignment(text) for text in settings or [])
-    return load(path, values, trust=trust, allow_large=allow_large)
+    return load(path, overrides_of(settings), trust=trust, allow_large=allow_large)
+
+
+def overrides_of(settings: list[str] | None) -> dict[str, Any]:
+    """Return the values of --set by key."""
+    return dict(_assignment(text) for text in settings or [])
 
 
 def _assignment(text: str) -> tuple[str, Any]:

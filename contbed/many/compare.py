@@ -1,0 +1,193 @@
+"""One reactor by several models, side by side: `contbed compare SCENE --models A,B`.
+
+Each model reads the same file and ignores the keys that only others have, see
+`scene.other_models`. Its run is an ordinary one in the folder of its name. The
+comparison lists the results that more than one model has (`output.common_results`),
+their differences to the first model, the time of each run and what each leaves out.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from contbed.errors import ContbedError, SceneError
+from contbed.loading import load
+from contbed.models import names
+from contbed.output.common_results import Value, common_results
+from contbed.output.files import atomic
+from contbed.output.summary import write_json
+from contbed.result import Result
+from contbed.runner import run
+from contbed.scene.names import nearest
+from contbed.scene.tables import SceneBase
+from contbed.scene.toml_lines import dotted
+
+FILE = "comparison.json"
+TABLE = "comparison.csv"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The run of one model.
+
+    results : by common name
+    ignored : keys of the file that only other models have
+    problem : what stopped the run; empty if nothing did
+    """
+
+    model: str
+    results: Mapping[str, Value] = field(default_factory=dict)
+    seconds: float = 0.0
+    unknowns: int = 0
+    ignored: tuple[str, ...] = ()
+    skipped: tuple[tuple[str, str], ...] = ()
+    problem: str = ""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The runs of all models, in the order asked for."""
+
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def shared(self) -> dict[str, Value]:
+        """The quantities that more than one model has, with the first value of each."""
+        found: dict[str, Value] = {}
+        for outcome in self.outcomes:
+            for name, value in outcome.results.items():
+                count = sum(name in other.results for other in self.outcomes)
+                if count > 1:
+                    found.setdefault(name, value)
+        return found
+
+    def difference(self, name: str, outcome: Outcome) -> float | None:
+        """Return how far a result is from that of the first model that has it, relative to it.
+
+        None for that model itself, for one without the result, and where the first is 0.
+        """
+        first = next(each for each in self.outcomes if name in each.results)
+        reference = first.results[name].value
+        if outcome is first or name not in outcome.results or reference == 0.0:
+            return None
+        return (outcome.results[name].value - reference) / abs(reference)
+
+    def text(self) -> str:
+        """Return the comparison as a table for a terminal."""
+        models = [outcome.model for outcome in self.outcomes]
+        width = max([len(f"{name} [{value.unit}]") for name, value in self.shared.items()] + [12])
+        column = max([len(model) for model in models] + [20])
+        lines = [" " * width + "".join(f"  {model:>{column}}" for model in models)]
+        for name, value in self.shared.items():
+            cells = [self._cell(name, outcome) for outcome in self.outcomes]
+            label = f"{name} [{value.unit}]"
+            lines.append(f"{label:{width}}" + "".join(f"  {cell:>{column}}" for cell in cells))
+        for label, cells in (
+            ("wall time [s]", [f"{outcome.seconds:.3g}" for outcome in self.outcomes]),
+            ("unknowns", [str(outcome.unknowns) for outcome in self.outcomes]),
+        ):
+            lines.append(f"{label:{width}}" + "".join(f"  {cell:>{column}}" for cell in cells))
+        for outcome in self.outcomes:
+            lines += ["", f"{outcome.model}:"]
+            lines += [f"  failed: {outcome.problem}"] if outcome.problem else []
+            lines += [f"  leaves out {what}: {why}" for what, why in outcome.skipped]
+            lines += [f"  ignores {', '.join(outcome.ignored)}"] if outcome.ignored else []
+        return "\n".join(lines)
+
+    def _cell(self, name: str, outcome: Outcome) -> str:
+        if name not in outcome.results:
+            return "-"
+        difference = self.difference(name, outcome)
+        shown = f"{outcome.results[name].value:.6g}"
+        return shown if difference is None else f"{shown} ({100.0 * difference:+.2g} %)"
+
+    def write(self, out: Path) -> None:
+        """Write the table as comparison.csv and all of it as comparison.json into a folder."""
+        with (
+            atomic(out / TABLE) as temporary,
+            open(temporary, "w", encoding="utf-8", newline="") as file,
+        ):
+            csv.writer(file, lineterminator="\n").writerows(self._rows())
+        write_json(out / FILE, {"outcomes": [_as_data(each) for each in self.outcomes]})
+
+    def _rows(self) -> Iterator[list[Any]]:
+        """Yield the rows of comparison.csv: a quantity each, a column for each model."""
+        yield ["quantity", *(outcome.model for outcome in self.outcomes)]
+        for name, first in self.shared.items():
+            values = [outcome.results.get(name) for outcome in self.outcomes]
+            cells = ["" if value is None else f"{value.value:.12g}" for value in values]
+            yield [f"{name} [{first.unit}]", *cells]
+        yield ["wall time [s]", *(f"{outcome.seconds:.3g}" for outcome in self.outcomes)]
+
+
+def compare(
+    scene: str | Path,
+    models: Sequence[str],
+    out: Path,
+    overrides: Mapping[str, Any] | None = None,
+    *,
+    trust: bool = False,
+    allow_large: bool = False,
+) -> Comparison:
+    """Run one file by several models; a model that fails leaves the others their runs.
+
+    Parameters
+    ----------
+    scene : a TOML file
+    models : names of models, see `contbed.models.names`
+    out : folder; each model writes into a folder of its name in it
+    overrides : values of keys, such as {"mesh.refine": 1}
+
+    Raises
+    ------
+    SceneError : a model does not exist, or the file cannot be a scene of it
+    """
+    unknown = [model for model in models if model not in names()]
+    if unknown:
+        raise SceneError(f"--models: {unknown[0]!r}: unknown choice; {nearest(unknown[0], names())}")
+    given = dict(overrides or {})
+    scenes = {
+        model: load(scene, {**given, "model": model}, trust=trust, allow_large=allow_large)
+        for model in dict.fromkeys(models)
+    }
+    outcomes = [_outcome(model, scenes[model], out / model) for model in scenes]
+    found = Comparison(tuple(outcomes))
+    found.write(out)
+    return found
+
+
+def _outcome(model: str, scene: SceneBase, folder: Path) -> Outcome:
+    ignored = tuple(dotted(path) for path in scene.ignored)
+    try:
+        result = run(scene, folder)
+    except ContbedError as error:
+        return Outcome(model, ignored=ignored, problem=str(error))
+    return Outcome(
+        model,
+        common_results(result.qoi, _tables(result), tuple(getattr(scene, "solids", ()))),
+        result.timings["total"],
+        sum(result.plan.unknowns().values()),
+        ignored,
+        tuple(result.plan.skipped),
+    )
+
+
+def _tables(result: Result) -> dict[str, Mapping[str, Any]]:
+    return {"profiles": result.profiles, **result.tables}
+
+
+def _as_data(outcome: Outcome) -> dict[str, Any]:
+    return {
+        "model": outcome.model,
+        "results": {name: value.value for name, value in outcome.results.items()},
+        "units": {name: value.unit for name, value in outcome.results.items()},
+        "wall_time_s": outcome.seconds,
+        "unknowns": outcome.unknowns,
+        "ignored": list(outcome.ignored),
+        "skipped": [list(pair) for pair in outcome.skipped],
+        "problem": outcome.problem,
+    }

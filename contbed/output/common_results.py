@@ -1,0 +1,144 @@
+"""Results that several models of one reactor have, under one name for all of them.
+
+A model reports a quantity under its own name, as a named result or as a column along
+the bed. COMMON lists where each quantity may stand; the first that a run has counts.
+NAME is a gas, which then has a row of its own, or in a column the solid phase.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.integrate import trapezoid
+
+ALONG = ("x [m]", "z [m]", "height [m]")  # coordinates along the bed
+NAME = "NAME"
+
+
+@dataclass(frozen=True)
+class Common:
+    """A quantity that several models report.
+
+    results : its named results
+    columns : columns along the bed, whose mean counts where there is no named result
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    results: tuple[str, ...] = ()
+    columns: tuple[str, ...] = ()
+
+
+COMMON = (
+    Common(
+        "pressure_drop",
+        "Pa",
+        "pressure of the gas below the bed over that above it",
+        ("pressure_drop_Pa", "pressure_drop_mean [Pa]", "pressure_drop [Pa]"),
+    ),
+    Common(
+        "T_gas_out",
+        "K",
+        "temperature of the gas that leaves, in a bubbling bed of its emulsion",
+        ("T_fluid_out_K", "T_emulsion_top_K"),
+    ),
+    Common(
+        "T_gas_mean",
+        "K",
+        "mean temperature of the gas along the bed",
+        ("T_gas_mean [K]",),
+        ("T_fluid [K]", "T_emulsion [K]", "T_gas [K]"),
+    ),
+    Common(
+        "T_solids_mean",
+        "K",
+        "mean temperature of the solids along the bed",
+        ("T_solid_mean_K", "T_solid_mean [K]"),
+        ("T_solid [K]", "T_NAME [K]"),
+    ),
+    Common("bed_height", "m", "height of the bed", ("bed_height_m", "height [m]")),
+    Common(
+        "x_NAME_out",
+        "1",
+        "mole fraction of a gas in what leaves",
+        ("x_NAME_out", "x_NAME_wet"),
+    ),
+    Common("conversion_NAME", "1", "converted share of a gas", ("conversion_NAME",)),
+)
+
+
+@dataclass(frozen=True)
+class Value:
+    """What a run found for a common quantity."""
+
+    value: float
+    unit: str
+    meaning: str
+
+
+def common_results(
+    qoi: Mapping[str, Any],
+    tables: Mapping[str, Mapping[str, Any]],
+    solids: Sequence[str],
+) -> dict[str, Value]:
+    """Return the results of a run that other models may have too, by common name.
+
+    Parameters
+    ----------
+    qoi : named results
+    tables : columns by header, of "profiles" and of further tables
+    solids : names of the solid phases
+    """
+    found: dict[str, Value] = {}
+    for quantity in COMMON:
+        values = _named(quantity, qoi) or _means(quantity, tables, solids)
+        for name, value in values.items():
+            found[name] = Value(value, quantity.unit, quantity.meaning)
+    return found
+
+
+def _named(quantity: Common, qoi: Mapping[str, Any]) -> dict[str, float]:
+    """Return the named results of a quantity by common name."""
+    found: dict[str, float] = {}
+    for pattern in quantity.results:
+        form = re.compile(re.escape(pattern).replace(NAME, "(.+)"))
+        for key, value in qoi.items():
+            match = form.fullmatch(key)
+            if match is None or not isinstance(value, int | float):
+                continue
+            name = quantity.name.replace(NAME, match.group(match.lastindex or 0))
+            found.setdefault(name, float(value))
+    return found
+
+
+def _means(
+    quantity: Common,
+    tables: Mapping[str, Mapping[str, Any]],
+    solids: Sequence[str],
+) -> dict[str, float]:
+    """Return the mean of the first column of a quantity that a table along the bed has."""
+    headers = [
+        column.replace(NAME, solid) for column in quantity.columns for solid in (solids if NAME in column else ("",))
+    ]
+    for table in tables.values():
+        along = next((header for header in ALONG if header in table), None)
+        for header in headers:
+            if along is not None and header in table:
+                return {quantity.name: _mean(table[along], table[header])}
+    return {}
+
+
+def _mean(along: Any, values: Any) -> float:
+    """Return the mean of values over a coordinate; points without a value are left out."""
+    x, y = np.asarray(along, dtype=float), np.asarray(values, dtype=float)
+    known = np.isfinite(x) & np.isfinite(y)
+    order = np.argsort(x[known], kind="stable")
+    x, y = x[known][order], y[known][order]
+    if x.size < 2 or x[-1] <= x[0]:
+        return float(y.mean()) if y.size else float("nan")
+    return float(trapezoid(y, x) / (x[-1] - x[0]))
