@@ -90,6 +90,7 @@ def explain(
     A name of a closure, model, table, key, result, reaction, material, term or command.
     """
     from contbed.explain import sheets
+    from contbed.scene.names import first_paragraph
 
     if bool(name) == (search is not None):
         raise typer.BadParameter("give a NAME or --search WORDS", param_hint="NAME")
@@ -97,7 +98,7 @@ def explain(
         print(sheets.search(search or ""))
         return
     commands = getattr(context.find_root().command, "commands", {})
-    about = {key: str(command.help or "").partition("\n")[0] for key, command in commands.items()}
+    about = {key: first_paragraph(command.help) for key, command in commands.items()}
     print(sheets.explain(" ".join(name), about))
 
 

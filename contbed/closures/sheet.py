@@ -81,7 +81,8 @@ class Docstring(NamedTuple):
     @classmethod
     def read(cls, text: str) -> Docstring:
         """Take a docstring, without its indentation, apart."""
-        summary, _, rest = text.partition("\n")
+        first, _, rest = text.partition("\n\n")
+        summary = " ".join(first.split())
         equation: list[str] = []
         rows: dict[str, list[str]] = {}
         sections: dict[str, list[str]] = {}

@@ -14,6 +14,7 @@ from contbed.explain.terms import TERMS
 from contbed.models import MODELS, Model
 from contbed.scene import schema
 from contbed.scene.library import MATERIALS
+from contbed.scene.names import first_paragraph
 
 # words for the groups of names, without the plural's s
 WORDS = {
@@ -139,7 +140,7 @@ def sections(name: str) -> dict[str, list[str]]:
         }
     if name == "tables":
         return {
-            f"tables of a {kind} scene: {_first_line(schema.of(model.scene).get('description'))}": tables_of(
+            f"tables of a {kind} scene: {first_paragraph(schema.of(model.scene).get('description'))}": tables_of(
                 schema.of(model.scene)
             )
             for kind, model in ordered()
@@ -153,7 +154,7 @@ def sections(name: str) -> dict[str, list[str]]:
             ),
         }
     found: Mapping[str, str] = {
-        "models": {key: _first_line(text) for key, text in models().items()},
+        "models": {key: first_paragraph(text) for key, text in models().items()},
         "materials": {key: entry.meaning for key, entry in MATERIALS.items()},
         "results": {key: entry.description for key, entry in fields.RESULTS.items()},
         "terms": {key: text.partition(". ")[0] for key, text in TERMS.items()},
@@ -177,10 +178,6 @@ def _short(kind: str) -> list[str]:
 
 def _lines(entries: Mapping[str, str]) -> list[str]:
     return [f"{name:28} {text}" for name, text in entries.items()]
-
-
-def _first_line(text: object) -> str:
-    return str(text or "").partition("\n")[0]
 
 
 def last_parts(names: Iterable[str]) -> dict[str, list[str]]:

@@ -11,7 +11,7 @@ from contbed.explain.closure_keys import kind_of_key
 from contbed.models import MODELS
 from contbed.scene import schema
 from contbed.scene.library import MATERIALS
-from contbed.scene.names import nearest
+from contbed.scene.names import first_paragraph, nearest
 from contbed.scene.quantities import CLOSURE
 
 Node = dict[str, Any]
@@ -36,7 +36,7 @@ def template(kind: str) -> str:
 
 def summary(kind: str) -> str:
     """Return in one line what the scenes of a physics describe."""
-    return str(schema.of(_model(kind).scene)["description"]).partition("\n")[0]
+    return first_paragraph(schema.of(_model(kind).scene)["description"])
 
 
 def json_schema(kind: str | None = None) -> Node:

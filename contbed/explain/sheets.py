@@ -19,6 +19,7 @@ from contbed.models import MODELS
 from contbed.scene import schema
 from contbed.scene.library import MATERIALS
 from contbed.scene.library import data_sheet as material_sheet
+from contbed.scene.names import first_paragraph
 from contbed.scene.toml_lines import KeyPath
 
 MAX_FOUND = 20  # entries that a search shows
@@ -66,7 +67,7 @@ def explain(name: str, commands: Mapping[str, str] | None = None) -> str:
 
 def entries() -> dict[str, str]:
     """Return the title of everything that `explain` shows, by name."""
-    found = {name: text.partition("\n")[0] for name, text in models().items()}
+    found = {name: first_paragraph(text) for name, text in models().items()}
     found |= {name: registry.sheet(name).summary for name in closures.names()}
     found |= {kind: f"closures: {arguments.RESULTS.get(kind, kind)}" for kind in kinds()}
     found |= {name: entry.meaning for name, entry in MATERIALS.items()}
@@ -78,7 +79,7 @@ def entries() -> dict[str, str]:
     for table in tables():
         for node in at(tuple(table.split("."))):
             for option in schema.options(node):
-                found.setdefault(table, str(option.get("description", "")).partition("\n")[0])
+                found.setdefault(table, first_paragraph(option.get("description")))
                 for key, child in option.get("properties", {}).items():
                     found.setdefault(f"{table}.{key}", str(child.get("description", "")))
     return found
@@ -202,7 +203,7 @@ def _meaning(key: str) -> str:
     for node in catalogue.keys()[key]:
         for option in (node, *schema.options(node)):
             if "description" in option:
-                return str(option["description"]).partition("\n")[0]
+                return first_paragraph(option["description"])
     return ""
 
 

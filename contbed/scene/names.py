@@ -25,3 +25,8 @@ def nearest_of(name: str, known: list[str]) -> str:
     return (
         f"nearest: {', '.join(found)}" if found else "`contbed list` shows results, a run's summary.json those it has"
     )
+
+
+def first_paragraph(text: object) -> str:
+    """Return the first paragraph of a docstring in one line; empty for None."""
+    return " ".join(str(text or "").partition("\n\n")[0].split())
