@@ -220,7 +220,7 @@ def _validate(
             text = model.refused.get(str(path[0]), text)
         if not (former and error["type"] == "missing"):
             problems.append((path, text))
-        # A misspelt table is not an absent one: what it breaks is not told twice.
+        # A misspelt table is not an absent one: what it breaks is reported once.
         broken.update({str(path[0]), *near_names(str(path[0]), list(model.model_fields))})
     for name, field in model.model_fields.items():
         if name in broken:

@@ -66,7 +66,8 @@ class Model:
     means : whether the top-level tables of a file make it a scene of this physics
     equations : modules in the package whose docstrings `contbed explain` shows, by name
     compiles : whether its loops are compiled at their first use, which takes a while
-    scatters : whether its results scatter with the start of the particles, so that small changes cannot be told apart
+    scatters : whether its results scatter with the start of the particles, so that small changes cannot be
+    distinguished
     refuses_early : module and name of a function that refuses what a plan would, for `contbed check`; empty: none
     """
 
@@ -104,7 +105,7 @@ def _has(*tables: str) -> Callable[[Mapping[str, Any]], bool]:
 
 
 def _is_bubbling_bed(values: Mapping[str, Any]) -> bool:
-    # a misspelt name is told as such, rather than all tables of the bed as unknown
+    # a misspelt name is reported itself, rather than all tables of the bed as unknown
     return any(get_close_matches(name.lower(), ["bubbling_bed"], n=1, cutoff=0.6) for name in values)
 
 

@@ -52,7 +52,7 @@ class Result:
     status: str = "ok"
 
     def __post_init__(self) -> None:
-        # as it was written; the plan may go on to another scene, such as that of a bed that has settled
+        # as it was written; the plan may move to another scene, such as that of a bed that has settled
         self.scene: Any = getattr(self.plan, "scene", None)
 
     def __repr__(self) -> str:

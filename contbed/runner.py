@@ -212,7 +212,7 @@ def _write(result: Result, place: RunFolder, failure: BaseException | None) -> B
     if len(texts) == 1:
         return failed[0]
     every = ContbedError("\n".join(texts))
-    every.__cause__ = failed[0].__cause__  # a full disk is told from a fault of the scene
+    every.__cause__ = failed[0].__cause__  # distinguishes a full disk from a fault of the scene
     return every
 
 
@@ -238,7 +238,7 @@ def _require_temperatures(result: Result) -> None:
         if quantity is None or quantity.unit != "K":
             continue
         known = np.asarray(column, dtype=float)
-        coldest = float(np.min(known[~np.isnan(known)], initial=np.inf))  # what is not there has no temperature
+        coldest = float(np.min(known[~np.isnan(known)], initial=np.inf))  # absent phases have no temperature
         if coldest <= quantity.lower:
             raise ConvergenceError(
                 f"{name} falls to {coldest:.4g} K: a source, a flux or a wall takes more heat than the bed holds; "

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 BARELY = 0.05  # excess gas over u_mf below which a place counts as barely fluidized
-WIDE = 2.0  # diameter of bubbles over that of the bed beyond which it is told
+WIDE = 2.0  # diameter of bubbles over that of the bed beyond which the run warns
 SHOWN = 20.0  # temperatures are looked at this many kelvin beyond the properties of the gas
 
 

@@ -34,7 +34,7 @@ def frozen(computed: Computed, T: float, height: float) -> dict[str, Any]:
         flows, sizes = computed.march(T, np.array([0.0, 0.5 * height]))
         at |= {"flow_bubble": flows[1:], "d_bubble": sizes[1:]}
     o = SimpleNamespace(grad=lambda field: (0.0,), x=(np.full(1, 0.5 * height),))
-    with np.errstate(invalid="ignore"):  # what has no value is told below
+    with np.errstate(invalid="ignore"):  # values that are not finite are reported below
         local = computed(SimpleNamespace(**at), o)
     cp = {name: local.heat_capacity[name](T) for name in local.flows}
 
@@ -58,7 +58,7 @@ def frozen(computed: Computed, T: float, height: float) -> dict[str, Any]:
 
 
 def _refuse(computed: Computed, T: float, key: str, name: Any, state: dict[str, float]) -> NoReturn:
-    """Tell which coefficient has no value at the temperature at which layers are predicted."""
+    """Name the coefficient that has no value at the temperature at which layers are predicted."""
     of = f" of {' and '.join(name) if isinstance(name, tuple) else name}" if name else ""
     known = ", ".join(f"{k} = {state[k]:.3g} {unit}" for k, unit in QUOTED.items() if k in state)
     raise SceneError(

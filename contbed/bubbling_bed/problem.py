@@ -46,7 +46,7 @@ class BubblingProblem:
 
     def __init__(self, plan: BubblingPlan):
         self.plan, self.c = plan, plan.coefficients
-        self.watch: Callable[[float, str], None] = unwatched  # told the share of the way to a steady state
+        self.watch: Callable[[float, str], None] = unwatched  # is called with the progress to a steady state
         self.system = make_system(plan.mesh, plan.fields, 2 * plan.scene.solver.degree + EXTRA)
         (self.bottom,), (self.top,) = self.system.boundary("bottom"), self.system.boundary("top")
         self.fixed = np.empty(0, dtype=np.int64)

@@ -33,7 +33,7 @@ class Solved:
 
 @timed("heat")
 def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
-    """Solve and fill the result; a steady run has no state to go on from, so that `folder` and `start` are not used."""
+    """Solve and fill the result; a steady run cannot resume, so `folder` and `start` are ignored."""
     from contbed.output.progress import Progress
 
     with Progress(100.0, "% of the way", quiet) as progress:

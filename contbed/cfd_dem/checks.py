@@ -204,7 +204,7 @@ def cells_lie_inside_of_the_bed(particles: g.GasParticles, gas: g.GasFlow, origi
         if cell > width * (1.0 + ROUNDING):
             yield (
                 ("gas", "cell", 0),
-                f"{cell:.3g} m in {'xy'[axis]}, the bed is {width:.3g} m wide: one cell, which tells nothing across; "
+                f"{cell:.3g} m in {'xy'[axis]}, the bed is {width:.3g} m wide: one cell across; "
                 "cells count in particle diameters",
             )
 

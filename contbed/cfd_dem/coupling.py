@@ -104,7 +104,7 @@ class Bed:
     ) -> None:
         """Advance by `duration` [s]; `on_interval` is called each time that `interval` [s] has passed.
 
-        `reached` is told the time [s] after each step of the gas.
+        `reached` is called with the time [s] after each step of the gas.
 
         Raises
         ------

@@ -25,7 +25,7 @@ Integers = NDArray[np.int64]
 Index = int | np.int64
 
 JOINED = 0.5  # conductance between joined columns over the sum of those that cross: they are twice as far apart
-# numba would compile functions once more for a Python 0
+# numba would compile functions again for a Python 0
 FINEST = np.int64(0)  # level
 FIRST = np.int64(0)  # column of a level
 

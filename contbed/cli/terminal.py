@@ -1,4 +1,4 @@
-"""What the commands share: their options, messages on stderr, how to go on after Ctrl-C."""
+"""What the commands share: their options, messages on stderr, how to resume after Ctrl-C."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ RANK = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID")  # numb
 SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE")  # how many processes mpirun started
 
 COARSE_CLOCK = 0.1  # s, by which the times of files may lag; systems count them in some 10 ms
-# what must be there to go on, not older than a time [s since 1970], and the command that does
+# what must exist to resume, not older than a time [s since 1970], and the command that does
 resume: list[tuple[Path, float, str]] = []
 
 SceneFile = Annotated[Path, Argument(metavar="SCENE", help="a TOML file")]
@@ -67,10 +67,10 @@ def _assignment(text: str) -> tuple[str, Any]:
 
 
 def interrupted() -> str:
-    """Return what to say after Ctrl-C: how to go on, where there is a state to go on from."""
+    """Return what to say after Ctrl-C: how to resume, where there is a state to resume from."""
     for needed, since, command in resume:
         if needed.exists() and needed.stat().st_mtime >= since - COARSE_CLOCK:
-            return f"interrupted; to go on: {command}"
+            return f"interrupted; to resume: {command}"
     return "interrupted"
 
 

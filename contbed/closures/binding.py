@@ -92,7 +92,7 @@ class BoundClosure:
         return self._record.rows.copy()
 
     def restore(self, state: NDArray[np.float64]) -> None:
-        """Go on with the record of used ranges of a checkpoint."""
+        """Resume the record of used ranges of a checkpoint."""
         self._record.rows[:] = state
 
     def _plain(self, known: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """Formulas that a scene writes: "k*c_A/(1 + K*p_B)" as a function of named values, nothing else is evaluated.
 
-Numbers, names, + - * / **, parentheses and the functions of `FUNCTIONS` are allowed. Powers that are no whole number
+Numbers, names, + - * / **, parentheses and the functions of `FUNCTIONS` are allowed. Powers that are no integer
 are odd about zero, |x|^n with the sign of x, so that what is slightly negative within an iteration pulls back.
 """
 
@@ -18,7 +18,7 @@ import numpy as np
 from contbed.errors import SceneError
 from contbed.scene.names import nearest
 
-TINY = 1e-14  # below which a power that is no whole number is a straight line
+TINY = 1e-14  # below which a power that is no integer is a straight line
 LONGEST = 2000  # characters
 _WITH_UNIT = re.compile(r"(?<![\w.])\d+\.?\d*(?:[eE][+-]?\d+)? *([A-Za-z_%]\w*)")  # "900 K"
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {

@@ -11,7 +11,7 @@ which changes r where less than about s is left and lets a slightly negative [i]
 Gases burn no faster than they mix: with a time tau of mixing, r/(1 + tau sum_i r/[i]) is at most [i]/tau of the
 scarcest. Reversible reactions run backward at the rate that thermodynamic equilibrium demands: r (1 - Q/K).
 
-Constants are those quoted for the sources in secondary literature; `share_outside` tells where a run left `T_range`.
+Constants are those quoted for the sources in secondary literature; `share_outside` reports where a run left `T_range`.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Law:
         return self.constant(T) * product([power(concentration[name], n, small) for name, n in self.orders.items()])
 
     def frequency(self, T: Any, concentration: Mapping[str, Any], small: Any) -> Any:
-        """Sum over the reactants of forward rate over what there is of each [1/s]; the scarcest decides."""
+        """Sum over the reactants of forward rate over amount [1/s]; the scarcest decides."""
         total: Any = 0.0
         for name in self.orders:
             others: Any = 1.0

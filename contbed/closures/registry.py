@@ -90,7 +90,7 @@ def _load() -> None:
 
 
 def names(kind: str | None = None) -> tuple[str, ...]:
-    """Return the names of all closures, or of those of one kind, in alphabetical order."""
+    """Return the names of all closures, or of one kind, in alphabetical order."""
     _load()
     return tuple(sorted(name for name in _register if kind is None or _sheet(name).kind == kind))
 

@@ -1,4 +1,4 @@
-"""Heat between two kinds of particles by collisions [W/m3/K]."""
+"""Heat between two solid phases by collisions [W/m3/K]."""
 
 from __future__ import annotations
 

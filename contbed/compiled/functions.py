@@ -1,7 +1,7 @@
 """Compiled functions that call each other: without entries that are not needed, and anew when one of them changes.
 
 The entry from Python unpacks and checks each array of each argument, half of what a kernel of many arrays takes to
-compile. Python must not call a function without it: the process would end without a word. Numba makes another entry
+compile. Python must not call a function without it: the process would end silently. Numba makes another entry
 from C for each function, which nothing here calls.
 
 Code on disk holds that of all functions that it calls, but numba makes it anew only where the file of the calling one

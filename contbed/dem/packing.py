@@ -38,7 +38,7 @@ class Packing:
     """A settled bed on the floor z = 0.
 
     `position` [m] (n, 3), `radius` [m]; `domain` holds the box and its periodic sides, `cylinder` the radius [m] of a
-    round bed or None; `walls` and `domain` are those of a `Simulation` that goes on; `contacts` of pairs; `statistics`:
+    round bed or None; `walls` and `domain` are those of a `Simulation` that resumes; `contacts` of pairs; `statistics`:
     count, height and mean surface [m], porosity, coordination, overlaps over the diameter, kinetic energy over N m g d.
     """
 

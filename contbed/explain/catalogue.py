@@ -1,4 +1,4 @@
-"""What there is by name: models, kinds of closures, rate laws, materials, tables, keys of scenes and their choices."""
+"""All that has a name: models, kinds of closures, rate laws, materials, tables, keys of scenes and their choices."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ def _complete(table: Node) -> None:
     required = [key for key in table.get("required", []) if not ("material" in properties and key in OF_MATERIALS)]
     if "required" in table:
         table["required"] = required
-    # the physics of a fluid is constant unless told
+    # the default model of a fluid is constant
     if "model" in required and properties["model"].get("const") == "constant":
         required.remove("model")
 

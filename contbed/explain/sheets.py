@@ -43,7 +43,7 @@ def explain(name: str, commands: Mapping[str, str] | None = None) -> str:
 
     Raises
     ------
-    SceneError : nothing has the name; the nearest are told
+    SceneError : nothing has the name; the message names the nearest
     """
     sheets = [sheet for source in _SOURCES for sheet in source(name)]
     if name in (commands or {}):

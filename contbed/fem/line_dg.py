@@ -12,7 +12,7 @@ tested with the same polynomials; fluxes of cells meet at the ends of the cells:
 
 Where `damping` d of a field is given, a flux J = - d du/dxi adds inside of the cell, xi in [0, 1], and none at its
 ends: what passes and is held stays the same, and the field is flat where d is large. What comes with J in other
-equations the point tells. A field that is a flux to the left has d below zero.
+equations the point determines. A field that is a flux to the left has d below zero.
 
 Fields that come from the left and from the right share the points, so that what one gains the other loses exactly, and
 the sum of an equation over all cells is flux in = flux out + source to rounding. Fields are of order p + 1. Where D = 0

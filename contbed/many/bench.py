@@ -1,4 +1,4 @@
-"""Run time against error: a study's own programs, measured in one go on one machine.
+"""Run time against error: a study's own programs, measured in one session on one machine.
 
     contbed bench studies/two_energy_benchmark --trust
 
@@ -245,7 +245,7 @@ def _race(plan: Race, repeats: int, study: Path, out: Path, skipped: list[str]) 
         for case in cases:
             times[case.name].append(_run(case.command, study, out)[1])
     medians = {name: statistics.median(found) for name, found in times.items()}
-    first = next(iter(medians.values()), 0.0) or float("nan")  # shorter than the clock tells
+    first = next(iter(medians.values()), 0.0) or float("nan")  # shorter than the resolution of the clock
     return [(plan.title, name, "", "", time, time / first) for name, time in medians.items()]
 
 

@@ -25,7 +25,7 @@ class Distribution:
     low, high : ends of an even distribution; of a normal one, the value at z = 0 and that at z = 1
     even : even between the ends and nothing outside, or normal
     logarithmic : the logarithm of the value is distributed so
-    whole : whole numbers from the low to the high end alone, each as likely as the others
+    whole : integers from the low to the high end alone, each as likely as the others
     """
 
     low: float
@@ -99,7 +99,7 @@ class Distribution:
         """Return the distribution in words, numbers in SI."""
         logarithm = " in its logarithm" if self.logarithmic else ""
         if self.whole:
-            return f"whole numbers from {self.low:.6g} to {self.high:.6g}"
+            return f"integers from {self.low:.6g} to {self.high:.6g}"
         if self.even:
             return f"even{logarithm} from {self.low:.6g} to {self.high:.6g}"
         if self.logarithmic:

@@ -4,7 +4,7 @@
     { from = "3 mm", to = "12 mm", count = 4 }                  even steps, both ends exact
     { from = 0.01, to = 100, count = 5, spacing = "log" }       even ratios, both ends exact; ends of one sign
     { distribution = "uniform", from = 0.36, to = 0.44 }        in a sample; also "log_uniform"
-    { from = 10, to = 20, integer = true }                      whole numbers, each as likely as the others
+    { from = 10, to = 20, integer = true }                      integers, each as likely as the others
     { distribution = "normal", mean = "6 mm", deviation = "0.2 mm" }
     { distribution = "log_normal", median = "5 W/m/K", factor = 1.3 }   two of three are within 5/1.3 to 5*1.3
 
@@ -13,7 +13,7 @@ its values. The Latin hypercube has one point in each of `count` slices of equal
 (McKay, Beckman & Conover 1979, doi:10.1080/00401706.1979.10489755); the Sobol points fill all dimensions evenly if
 `count` is a power of two (Owen 1998, doi:10.1006/jcom.1998.0487).
 
-Mistakes are told to `say(path below the table, text)`, and what could not be read is None.
+Mistakes are reported to `say(path below the table, text)`, and what could not be read is None.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def values(entry: Any, unit: str | None, say: Say) -> list[Any] | None:
 
 
 def distribution(entry: Any, unit: str | None, say: Say, counts: bool = False) -> Distribution | None:
-    """Return the map from (0, 1) to the values of a distribution, which may be whole numbers of keys that `counts`."""
+    """Return the map from (0, 1) to the values of a distribution, which may be integers for keys that `counts`."""
     if not isinstance(entry, Mapping):
         say((), "expected a distribution: { from, to }, { mean, deviation } or { median, factor }")
         return None
@@ -122,7 +122,7 @@ def distribution(entry: Any, unit: str | None, say: Say, counts: bool = False) -
         say((), f"from {ends[0]:g} to {ends[1]:g}; give the lower end first")
         return None
     if whole_numbers and not (ends[0].is_integer() and ends[1].is_integer()):
-        say((), f"whole numbers from {ends[0]:g} to {ends[1]:g}; give whole numbers")
+        say((), f"integers from {ends[0]:g} to {ends[1]:g}; give integers")
         return None
     return Distribution(*ends, even=True, logarithmic=name == "log_uniform", whole=whole_numbers)
 
@@ -158,7 +158,7 @@ def sample(method: str, count: int, seed: int, dimensions: int) -> Array:
         points: Array = qmc.LatinHypercube(dimensions, seed=random).random(count)
         return points
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # on counts that are no power of two, which the study tells
+        warnings.simplefilter("ignore", UserWarning)  # on counts that are no power of two, which the study reports
         points = qmc.Sobol(dimensions, scramble=True, seed=random).random(count)
     return points
 
@@ -176,7 +176,7 @@ def _with_salib(method: str, count: int, seed: int, dimensions: int) -> Array:
         "bounds": [[0.0, 1.0]] * dimensions,
     }
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # on counts that are no power of two, which the study tells
+        warnings.simplefilter("ignore", UserWarning)  # on counts that are no power of two, which the study reports
         if method == "sobol_indices":
             return np.asarray(sobol.sample(problem, count, calc_second_order=False, seed=seed))
         return np.asarray(morris.sample(problem, count, num_levels=LEVELS, seed=seed))
@@ -188,11 +188,11 @@ def within_tails(u: Array, spread: Distribution) -> Array:
 
 
 def whole(entry: Mapping[str, Any], key: str, low: int, high: int, say: Say, default: int | None = None) -> int | None:
-    """Return the whole number of a key, within bounds."""
+    """Return the integer of a key, within bounds."""
     value = entry.get(key, default)
     if isinstance(value, int) and not isinstance(value, bool) and low <= value <= high:
         return value
-    say((key,) if key in entry else (), f"{key} is {_shown(entry, key)}; allowed: a whole number from {low} to {high}")
+    say((key,) if key in entry else (), f"{key} is {_shown(entry, key)}; allowed: an integer from {low} to {high}")
     return None
 
 

@@ -28,7 +28,7 @@ class RealFluid:
     Quintic splines, so values are smooth and derivatives are exact. `table_error` is the largest relative error of any
     property half way between nodes: below 1e-7, but up to 1e-4 within some 0.01 K of the places where CoolProp itself
     scatters or has kinks (supercritical, near the critical point). Outside T_range each property keeps its value at the
-    nearer end, which keeps it positive; `share_outside` tells how often that happened.
+    nearer end, which keeps it positive; `share_outside` reports how often that happened.
     """
 
     constant: ClassVar[bool] = False

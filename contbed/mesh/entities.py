@@ -41,7 +41,7 @@ def renamed(mesh: skfem.Mesh, **names: Any) -> skfem.Mesh:
 
 
 def _entities(mesh: skfem.Mesh, shape: Any, spanned: int, of_cell: Any) -> tuple[Numbers, Numbers]:
-    """Return the nodes of all facets or edges, which span so many axes, and the numbers of those of each cell."""
+    """Return the nodes of all facets or edges, which span so many axes, and their numbers in each cell."""
     order = ORDERS[len(shape)]
     step, at = strides(shape, order), places(np.arange(np.prod(shape)), shape, order)
     kinds = [frozenset(axes) for axes in combinations(order, spanned)]

@@ -159,7 +159,7 @@ def require_same(
     Parameters
     ----------
     meta : of the checkpoint; `meta["identity"]` is that of the scene that wrote it
-    identity : of the scene that goes on, see `contbed.scene.identity`
+    identity : of the scene that resumes, see `contbed.scene.identity`
     may_change : keys of the scene that may differ, tables with all their keys
     at : file and line of a key
 

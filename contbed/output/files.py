@@ -13,7 +13,7 @@ from tempfile import TemporaryFile
 from contbed.errors import ContbedError
 
 TOKEN = 8  # random bytes in the name of a file that is being written
-watchers: dict[Path, Callable[[str], None]] = {}  # of folders that a run holds: told the name of each file
+watchers: dict[Path, Callable[[str], None]] = {}  # of folders that a run holds: called with the name of each file
 
 _REMEDY = {
     errno.ENOSPC: "free some space or write elsewhere",
@@ -55,7 +55,7 @@ def atomic(path: Path | str) -> Iterator[Path]:
 
 
 def announce(path: Path) -> None:
-    """Tell the run that holds the folder, if there is one, that a file of its own will be written."""
+    """Notify the run that holds the folder, if there is one, that a file of its own will be written."""
     watch = watchers.get(path.parent.resolve()) if watchers else None
     if watch is not None:
         watch(path.name)

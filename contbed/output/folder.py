@@ -43,12 +43,12 @@ class RunFolder:
         self._read: set[Path] = set()
 
     def begin(self, about: Mapping[str, Any], keep: bool, inputs: Collection[Path] = ()) -> None:
-        """Remove what the former run wrote, unless its files are kept because it goes on, and say "running".
+        """Remove what the former run wrote, unless its files are kept because it resumes, and say "running".
 
         Parameters
         ----------
         about : what the summary says of the run from its start
-        keep : the run goes on from this folder's checkpoint, and its earlier files stay
+        keep : the run resumes from this folder's checkpoint, and its earlier files stay
         inputs : files that the run reads; they stay too
         """
         self._former = former = read_summary(self.path)
@@ -84,7 +84,7 @@ class RunFolder:
         write_json(self.path / SUMMARY, {**summary, **origin, "files": sorted({*self.files, SUMMARY})})
 
     def give_back(self) -> None:
-        """Leave the summary as it was: the run cannot go on from this folder and has changed nothing in it."""
+        """Leave the summary as it was: the run cannot resume from this folder and has changed nothing in it."""
         self._running = None
         if self._former:
             write_json(self.path / SUMMARY, self._former)

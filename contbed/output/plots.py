@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 WIDTH = 8.0  # inches, 1600 pixels
 DPI = 200
 _COMPRESSION = 2  # of PNG: lines on white get no smaller by more, which takes three times as long
-# Okabe and Ito's colours, told apart with any colour vision
+# Okabe and Ito's colours, distinct for any colour vision
 _COLOURS = {"fluid": "#0072B2", "solid": "#D55E00", "other": "#009E73"}
 _PAIRS = (("T_fluid", "T_solid"), ("theta_fluid", "theta_solid"))
 _MAPS = {"K": "inferno", "1": "inferno", "m/s": "viridis", "Pa": "cividis"}

@@ -1,7 +1,7 @@
 """Shapes of JSON files that contbed writes, which are looked at when they are read: others may have changed them.
 
 A shape is a pydantic model of what is used of a file; what else stands there is left alone. A file that is cut, empty,
-of another program or version is told in one sentence with the place that differs.
+of another program or version is reported in one sentence with the place that differs.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _EXPECTED = {
     "list_type": "a list",
     "string_type": "a text",
     "float_type": "a number",
-    "int_type": "a whole number",
+    "int_type": "an integer",
     "bool_type": "true or false",
     "too_short": "more items",
     "too_long": "fewer items",
@@ -114,7 +114,7 @@ def read_json(path: Path, shape: type[Shape], what: str, remedy: str) -> dict[st
 
 @contextmanager
 def fitting(path: Path, what: str, remedy: str) -> Iterator[None]:
-    """Tell names and lengths that differ between the parts of a file, which its shape says nothing of.
+    """Report names and lengths that differ between the parts of a file, which its shape says nothing of.
 
     Raises
     ------

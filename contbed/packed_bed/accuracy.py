@@ -26,7 +26,7 @@ FLOW_RATIO = 100.0  # error of the velocity over that of theta: layers at walls 
 GIVEN_THETA = 1e-3  # error of theta above which a mesh of given cells gets a warning
 GIVEN_VELOCITY = 1e-2  # the same for the velocity over that at the inlet
 RELAXATION, MOST_RELAXED = 1.1, 100.0  # factor by which cells grow until few enough, and its limit
-MOST_CELLS_TOLD = 10**9  # where only the number of cells needed is told
+MOST_CELLS_TOLD = 10**9  # where only the number of cells needed is reported
 FULL = 0.8  # share of the largest number of cells from which a mesh cannot be much better
 SHARE = 0.3  # share of the tolerance aimed at in each direction, as those of all directions add up
 

@@ -273,7 +273,7 @@ def the_inside_of_particles_fits_the_scene(
     if particle is None:
         return
     if heat is None:
-        yield ("particle",), "the inside of particles needs the temperatures of two phases; add a [heat] table"
+        yield ("particle",), "intraparticle conduction needs the temperatures of two phases; add a [heat] table"
     elif particle.heat == "interior" and radiation is not None:
         yield (
             ("particle", "heat"),
@@ -309,7 +309,7 @@ def closures_exist(mesh: Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Bounda
             continue
         if isinstance(mesh, MeshLine) and "D_bed" in found.takes and not isinstance(spec, ClosureFile):
             name = spec if isinstance(spec, str) else spec.name
-            yield path, f'needs the diameter of the bed, which a line does not tell: {{name = "{name}", D_bed = ...}}'
+            yield path, f'needs the diameter of the bed, which a line does not have: {{name = "{name}", D_bed = ...}}'
 
 
 CHECKS: tuple[Check, ...] = (

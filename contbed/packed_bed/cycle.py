@@ -45,7 +45,7 @@ def find_cycle(
     ----------
     problems : of the parts of a period, each with its piece
     tolerance : largest change over one period, over the span of temperatures
-    keep : is told the state from which each further period begins, and the state that is found
+    keep : is called with the state from which each further period begins, and the state that is found
 
     Raises
     ------

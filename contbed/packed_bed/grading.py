@@ -23,7 +23,7 @@ from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
 from contbed.scene.series import ProfileFile
 
 FRONT_CELLS = 4000  # cells of a bed with tracked fronts
-FIRST_CELLS_3D = 2000  # cells of the first automatic mesh of a box; it takes some 2 s, and errors tell the next one
+FIRST_CELLS_3D = 2000  # cells of the first automatic mesh of a box; it takes some 2 s, and errors give the next one
 FEWEST = 4  # cells in each direction of it
 # cells of scale 1 over the standard deviation of a front: quadratic elements then miss it by some GRADING_ERROR
 FRONT_SHARE = 0.5

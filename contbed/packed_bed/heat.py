@@ -96,7 +96,7 @@ class HeatProblem:
 
     @property
     def heats(self) -> slice:
-        """Rows of the content and of the residual that are heats; those of modes inside of particles are none."""
+        """Rows of the content and of the residual that are heats; those of intraparticle modes are none."""
         return slice(0, self.system.offset[self.modes[0].name, 0] if self.modes else self.system.size)
 
     @property

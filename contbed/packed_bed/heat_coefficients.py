@@ -95,7 +95,7 @@ class HeatCoefficients:
         )
 
     def _mode(self, mode: Mode, where: Domain, exchange: Any) -> two_energy.Mode:
-        """Return the coefficients of one mode of conduction inside of the particles."""
+        """Return the coefficients of one mode of intraparticle conduction."""
         solid, T_ref = self.medium.solid, self.medium.T_fluid_in
         velocity, stabilisation = self._velocity("solid", where), None
         if velocity is not None and self.scene.solver.stabilisation:

@@ -55,7 +55,7 @@ def transient(
         checkpoint.save(folder, arrays | vertices | flows, meta | {"identity": label})
 
     def keep(state: Any) -> None:
-        """Keep a state from which a cycle goes on, whose periods begin at 0."""
+        """Keep a state from which a cycle resumes, whose periods begin at 0."""
         arrays, meta = History(state).pack()
         keeper.offer(arrays | vertices, meta)
 

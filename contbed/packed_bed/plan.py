@@ -71,7 +71,7 @@ class Plan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     schedule: Schedule = field(default_factory=lambda: Schedule({}))
-    inside: Inside | None = None  # how the level inside of the particles was chosen
+    inside: Inside | None = None  # how the level of intraparticle conduction was chosen
 
     def as_written(self, boundary: str) -> str:
         """Name in the scene of a boundary of the mesh that is solved on."""
@@ -207,7 +207,8 @@ class Plan:
     def with_values(self, scene: s.Scene) -> Plan:
         """Return the plan of a scene that has other numbers, with the discretisation of this one.
 
-        The nodes of the mesh move with the lengths of the bed; levels of radiation and of the inside of particles stay.
+        The nodes of the mesh move with the lengths of the bed; levels of radiation and of intraparticle conduction
+        stay.
         """
         kept: dict[str, Any] = {}
         written, schedule = scene, self.schedule
@@ -353,7 +354,7 @@ def _changes_of_flow(schedule: Schedule, scene: s.Scene) -> list[float]:
 
 
 def _inside(schedule: Schedule, scene: s.Scene) -> Inside | None:
-    """Return what is resolved inside of the particles, by the flow for which its level misses most.
+    """Return the level of intraparticle conduction, by the flow for which its error is largest.
 
     Nothing leaves while the fluid is at rest: such times count where there are no others.
     """

@@ -28,7 +28,7 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     Parameters
     ----------
     folder : where checkpoints go; None for none
-    start : arrays and numbers of a checkpoint to go on from
+    start : arrays and numbers of a checkpoint to resume from
 
     Raises
     ------

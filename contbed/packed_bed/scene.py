@@ -106,7 +106,7 @@ class Heat(Table):
 
 
 class Particle(Table):
-    """The inside of the particles; absent: each has one temperature, and the film alone resists."""
+    """Intraparticle conduction; absent: lumped particles, external film only."""
 
     heat: Literal["auto", "lumped", "effective", "interior"] = Field(
         "auto",

@@ -194,7 +194,7 @@ def steps_of(
     assert time is not None
     low, high = problem.T_span
     solver = problem.scene.solver
-    uniform = np.zeros(problem.system.size)  # temperatures count from it, modes inside of particles from 0
+    uniform = np.zeros(problem.system.size)  # temperatures count from it, intraparticle modes from 0
     uniform[problem.heats] = low
     return march(
         problem,

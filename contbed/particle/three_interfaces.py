@@ -149,7 +149,7 @@ def plain(value: Any) -> Any:
 
 
 def _available(X: Three, guard: float) -> tuple[Three, Three]:
-    """Return factors of the three rate constants forward and backward by what there is to react."""
+    """Return factors of the three rate constants forward and backward by the amounts that can react."""
     x = [np.maximum(radius, THINNEST) for radius in X]
     ratios = (x[0] / x[1], x[1] / x[2], x[2])
     layers = [np.maximum(1.0 - ratio * ratio * ratio, 0.0) for ratio in ratios]

@@ -5,7 +5,7 @@ the variable of Laplace over time in units of R^2/alpha, Bi = h R/k and s = 3, 2
 
     interior     H = phi/(Bi + phi),    phi = sqrt(p) coth(sqrt p) - 1,  sqrt(p) I1/I0,  sqrt(p) tanh(sqrt p)
     effective    H = K p/(p + s K Bi),  K = 1/(1 + Bi/(s + 2)): one temperature, 1/h_eff = 1/h + R/((s + 2) k)
-    lumped       the same with K = 1:   one temperature and the film alone
+    lumped       the same with K = 1:   one temperature, external film only
     n points     H = 1/(1 + s Bi g),    g = sum_m v_m^2/(p + lambda_m) over the modes of `interior`, v at the surface
 
     bed at rest, step at the inlet:     gas = L^-1{exp(-xi H)/p},  xi = h a z/(G c)
@@ -146,8 +146,8 @@ def moving_bed_error(gamma: float, biot: float, fourier: float, level: Level, sh
 def steady_error(xi: float, biot: float, level: Level, shape: str = "sphere") -> float:
     """Return the largest error of gas that passes particles of one temperature in a steady bed, over the span.
 
-    The corrected coefficient and any points inside are exact there; with the film alone the gas misses exp(-x/c) -
-    exp(-x) after x transfer units, c the correction, most at x = c ln(c)/(c - 1).
+    The corrected coefficient and any points inside are exact there; with the external film only the gas misses
+    exp(-x/c) - exp(-x) after x transfer units, c the correction, most at x = c ln(c)/(c - 1).
     """
     c = correction(biot, shape)
     if level != "lumped" or c == 1.0:

@@ -19,7 +19,7 @@ from contbed.scene.mesh_checks import (
 )
 from contbed.scene.tables import Packing
 
-MISSING_SOLIDS = 1e-3  # share of the solids that species may leave out without a word: rounding of what is written
+MISSING_SOLIDS = 1e-3  # share of the solids that species may leave out silently: rounding of what is written
 
 
 def tubes_see_radiation(heat: Any | None, radiation: Radiation | None, region: Mapping[str, Any]) -> Mistakes:

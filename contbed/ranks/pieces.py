@@ -15,7 +15,7 @@ from contbed.output.vtu import write_fields
 from contbed.ranks.group import RankGroup, rank_group
 from contbed.ranks.system import Partition
 
-WHOLE = 100_000  # cells up to which the first rank writes one file
+WHOLE = 100_000  # cells up to which rank 0 writes one file
 
 
 def write(path: Path, mesh: Any, nodal: Mapping[str, tuple[Space, Any]]) -> str:

@@ -96,7 +96,7 @@ def finer(scene: ReactingScene) -> str:
 
 
 def below_zero(problem: Problem, found: Least) -> str | None:
-    """Return what a user is told of the least amount; None where it is within the errors that the scene allows."""
+    """Return the warning about the least amount; None where it is within the errors that the scene allows."""
     time, limit = problem.scene.time, allowed(problem.scene)
     if not found.value < -limit:
         return None

@@ -1,4 +1,4 @@
-"""Steps in time in which amounts of gases and solids stay above zero; `limited` tells it of steady states.
+"""Positivity-preserving time steps of gases and solids; for steady states see `limited`.
 
 Two things take an amount below zero, and a step that does so is taken again with bounds:
 
@@ -18,7 +18,7 @@ steps grow: else the damping of the first, short steps makes cells flat. Where t
 of it is one of the gas that follows at once, and the error of a step is that before damping grows. A gas in the pores
 stays as it was damped: where there is much room its damping ends at once, as it makes fronts wider, and the error of a
 step is that with the damping that it needs. In damped cells errors are those of the means. They are not less than the
-square of what a step without bounds takes of solids at rest beyond what there is: of order 2 as the estimate is.
+square of what a step without bounds takes of solids at rest beyond their amount: of order 2 as the estimate is.
 
 Source: Zhang, Shu 2010, J. Comput. Phys. 229, 3091-3120, doi:10.1016/j.jcp.2009.12.030.
 """

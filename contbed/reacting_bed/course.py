@@ -112,7 +112,7 @@ class Course:
         return self.schedule.cuts(self.time.end, self.small)
 
     def seen(self, time: float, step: float) -> float:
-        """Return the longest step [s] from a time, halved until its stages tell what the series do meanwhile."""
+        """Return the longest step [s] from a time, halved until its stages resolve the series."""
         while step > SHORTEST_STEP * self.time.end and not self.schedule.sees(time, time + step, STAGES, self.small):
             step *= 0.5
         return step

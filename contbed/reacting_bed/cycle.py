@@ -4,8 +4,8 @@ With y what is stored at the start of a period and Phi(y) that at its end, Phi(y
 acceleration (`solvers.anderson`). After some periods the sequence of time steps is kept, so that Phi is smooth; it is
 chosen anew where the error of a kept step is larger than allowed.
 
-y holds what the equations store, each over its typical size: temperatures over the range of those of the scene and of
-the bed after one period; moles of solids over those that enter, of each kind; concentrations inside of particles over
+y holds what the equations store, each over its typical size: temperatures over the range of the scene and of
+the bed after one period; moles of solids over those that enter, of each kind; intraparticle concentrations over
 that of the gas, of traces over their largest; mole fractions of a gas in the pores over 1. What follows at once (a gas
 that is not stored, films, the pressure) is no part of y. The change of a cycle is the largest of y over a period.
 
@@ -72,7 +72,7 @@ class Cycle:
 def periods(course: Course, start: Array, report: solve.Report, advance: Advance) -> Iterator[Cycle]:
     """Yield periods from a first guess of the state at their start to one that closes, or `MOST`, and then the best.
 
-    `advance` is told the time that each step has reached [s], and which period it is.
+    `advance` is called with the time that each step has reached [s], and which period it is.
 
     Raises
     ------

@@ -45,7 +45,7 @@ OF_RESULTS = re.compile(r"t|u|p_gas|T_.*_(axis|wall)")  # columns of profiles.cs
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """What a file says of the start, each along its rows; see the module for what is not there.
+    """What a file says of the start, each along its rows; see the module for what is missing.
 
     temperatures : by unknown [K]
     fractions : mole fractions of all gases
@@ -72,7 +72,7 @@ class Profile:
                 u[k] = np.interp(problem.line.points, self.rows.where, found)
 
     def inside(self, name: str, layout: Layout) -> Array | None:
-        """Return an unknown inside of particles along the rows; None where the file does not say."""
+        """Return an intraparticle unknown along the rows; None where the file does not say."""
         return self.inner.get((str(conserved(name)), layout.owners[name]))
 
     def described(self, problem: Problem, stores_gas: bool) -> str:

@@ -1,4 +1,4 @@
-"""What is resolved inside of particles that adsorb gas: the film alone, a linear driving force, or points inside.
+"""Level of intraparticle adsorption: external film only, a linear driving force, or intraparticle points.
 
 The cheaper levels are judged by the exact breakthrough of a step, or in a bed that moves by its exact steady state,
 both for the straight isotherm through what the gas that enters would load (`particle.uptake`).
@@ -29,7 +29,7 @@ LEAST_FRACTION = 1e-9  # at which the slope of an isotherm is taken where none o
 class Choice:
     """The level of a bed and the numbers that chose it, those of the gas for which the cheaper levels miss most.
 
-    biot : k_f R/D; units : k_f a L/u; fourier : D L/(K v R^2) of moving particles, None at rest, with K what is held
+    biot : k_f R/D; units : k_f a L/u; fourier : D L/(K v R^2) of moving particles, None at rest, with K the amount held
     per volume of particles over the concentration of the gas
     error : of each cheaper level in what leaves, over its step
     reacts : whether gases react inside, which these errors do not know
@@ -45,9 +45,9 @@ class Choice:
 
     def __str__(self) -> str:
         which = {
-            "film": "one concentration per particle, film alone",
+            "film": "one concentration per particle, external film only",
             "linear_driving_force": "one concentration per particle, film in series with diffusion inside",
-            "interior": "points inside of the particles",
+            "interior": "intraparticle points",
         }[self.level]
         stay = "" if self.fourier is None else f", Fo = {self.fourier:.3g}"
         reacts = "; gases that are adsorbed react, for which points are resolved" if self.reacts else ""
@@ -93,7 +93,7 @@ def with_inside(scene: s.ReactingScene, bed: Bed, entering: State) -> tuple[Bed,
 
 
 def _with_points(scene: s.ReactingScene, bed: Bed, name: str) -> tuple[Bed, Inside]:
-    """Return a bed with points inside of the particles of a phase, and these particles."""
+    """Return a bed with intraparticle points of a phase, and these particles."""
     table, medium = scene.phases[name], bed.phases[name].medium
     points = interior(scene.particle.points, SHAPES[scene.bed.shape])
     inside = Inside(
@@ -128,7 +128,7 @@ def _chosen(
 
     Parameters
     ----------
-    bed : with points inside of the particles of the phase
+    bed : with intraparticle points of the phase
     entering : the gas and the particles as they enter, as the phase sees them
     films : coefficients of its films [m/s]
     accuracy : largest error of a level that is taken

@@ -1,4 +1,4 @@
-"""Checks of what happens inside of particles: gases that are adsorbed and react, pellets that are resolved."""
+"""Checks of intraparticle transport: gases that are adsorbed and react, pellets that are resolved."""
 
 from __future__ import annotations
 
@@ -144,7 +144,7 @@ def kinds_have_diffusivities(particle: s.Particle, reactions: Reactions, solids:
     for gas in particle.diffusivity:
         yield (
             ("particle", "diffusivity", gas),
-            f"does not tell in which kind; give solids.NAME.diffusivity.{gas}, for each whose inside is resolved",
+            f"does not say in which solid phase; give solids.NAME.diffusivity.{gas}, for each whose inside is resolved",
         )
     anywhere = False
     for kind, table in solids.items():

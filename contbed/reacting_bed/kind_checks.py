@@ -1,4 +1,4 @@
-"""Checks of several kinds of particles in one bed, and the checks of one kind done for each of them."""
+"""Checks of several solid phases in one bed, and the checks of one phase done for each of them."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*")
 
 
 def _with_solids(check: Check, each: Check) -> Check:
-    """Return `each` with the parameters of a check, and the kinds of particles beside."""
+    """Return `each` with the parameters of a check and the solid phases."""
     signature = inspect.signature(check)
     more = inspect.Parameter("solids", inspect.Parameter.KEYWORD_ONLY, annotation=Kinds)
     parameters = [*signature.parameters.values(), more]
@@ -134,7 +134,7 @@ def _alone(solids: Kinds, kind: str) -> s.Solids:
 
 
 def particles_have_a_size(solid: s.Solids | None, bed: s.Bed, solids: Kinds, mesh: Any, see: See) -> Mistakes:
-    """Check that one kind of particles or several fill the bed, each with a diameter below the length of the bed."""
+    """Check that one solid phase or several fill the bed, each with a diameter below the length of the bed."""
     if solid is not None and solids:
         yield (
             ("solids",),
@@ -211,7 +211,7 @@ def reactions_name_kinds(reactions: Reactions, solids: Kinds) -> Mistakes:
             continue
         path = ("reactions", name, "solid")
         if not solids:
-            yield path, "has no meaning where one kind of particles fills the bed; remove it, or give [solids.NAME]"
+            yield path, "has no meaning where one solid phase fills the bed; remove it, or give [solids.NAME]"
             continue
         for kind in kinds_named(table):
             if kind not in solids:
@@ -221,11 +221,11 @@ def reactions_name_kinds(reactions: Reactions, solids: Kinds) -> Mistakes:
 
 
 def kinds_tell_what_they_adsorb(solids: Kinds, adsorption: dict[str, s.Adsorption]) -> Mistakes:
-    """Check that each of several kinds tells which gases it adsorbs."""
+    """Check that each of several solid phases states which gases it adsorbs."""
     for gas in adsorption if solids else ():
         yield (
             ("adsorption", gas),
-            f"does not tell which kind adsorbs it; give solids.NAME.adsorption.{gas}, for each that does",
+            f"does not say which solid phase adsorbs it; give solids.NAME.adsorption.{gas}, for each that does",
         )
 
 

@@ -33,7 +33,7 @@ Rate = Callable[[Local], Any]
 
 @dataclass(frozen=True)
 class Reaction:
-    """One reaction. `site` is "gas" or "particle"; `own_film` tells that the law contains the film around particles.
+    """One reaction. `site` is "gas" or "particle"; `own_film` says that the law contains the film around particles.
 
     `step` is None where `rate` gives the rate; else `rate` gives those of all steps of a law at once, as they share
     their work, and this is the step that is meant.
@@ -246,7 +246,7 @@ def _key(equation: Equation, species: Species) -> tuple[str, float]:
 
 
 def _grain(table: s.Reaction, equation: Equation, species: Species) -> Rate:
-    """Return 3 n0 a k c^m (1 - X)^(2/3)/(n_g r_g), times 1 - X once more for `grain_remaining`, per particle volume."""
+    """Return 3 n0 a k c^m (1 - X)^(2/3)/(n_g r_g), times another 1 - X for `grain_remaining`, per particle volume."""
     orders = orders_of(table, equation, species)
     name, _, _ = solids_of(equation, species)
     scale = 3.0 * table.active_share / (float(table.molar_density or 1.0) * float(table.grain_radius or 1.0))

@@ -6,10 +6,10 @@ strong the amount is constant in the cell and its equation the upwind one of ord
 
     C_e(u) - C_e(u_upwind) = h S_e(u),
 
-whose solution is not below zero if what enters the cell is not and no rate takes what is not there. The damping grows
-until no amount is below zero, and no further: a cell that is resolved is of order p + 1 with it, as its undershoot is.
-All other cells and fields keep their polynomials. Where damping changes what leaves, the cells were too long: they are
-halved.
+whose solution is not below zero if what enters the cell is not and no rate consumes an absent species. The damping
+grows until no amount is below zero, and no further: a cell that is resolved is of order p + 1 with it, as its
+undershoot is. All other cells and fields keep their polynomials. Where damping changes what leaves, the cells were too
+long: they are halved.
 
 Source: Zhang, Shu 2010, J. Comput. Phys. 229, 3091-3120, doi:10.1016/j.jcp.2009.12.030, for steps in time.
 """
@@ -30,7 +30,7 @@ from contbed.reacting_bed.problem import Problem
 Array = NDArray[np.float64]
 FIRST = 0.4  # of the share by which a polynomial has to become flat, the damping to begin with
 LEAST, MOST = 1.1, 10.0  # growth from one trial to the next
-ENOUGH = 1.05  # of what two trials tell is needed
+ENOUGH = 1.05  # of what two trials suggest
 FLAT = 1e2  # of it, from which on a mean below zero is not the polynomial's but that of rates
 TRIALS = 16  # of dampings on one mesh
 LARGE_CHANGE = 3.0  # of what leaves by damping, over the tolerance, to which estimates keep by such a factor
@@ -40,8 +40,8 @@ HALVINGS = 2  # of cells that are damped, before the damping is accepted
 def damped(problem: Problem, u: Array, report: solve.Report) -> tuple[Problem, Array]:
     """Return the problem whose amounts are damped where they fall below zero, and its state.
 
-    What is left below zero is what Newton's method leaves, or comes from rates that take what is not there, or lies in
-    a bed where no damped state is found.
+    What is left below zero is what Newton's method leaves, or comes from rates that consume an absent species, or lies
+    in a bed where no damped state is found.
     """
     low, before = lowest(problem, u), np.zeros(u.shape[:2])
     speeds, damping = carried(problem)[:, None], np.zeros(u.shape[:2])
@@ -68,7 +68,7 @@ def damped(problem: Problem, u: Array, report: solve.Report) -> tuple[Problem, A
 
 
 def more(damping: Array, low: Array, before: Array, mean: Array, speeds: Array) -> Array:
-    """Return the next damping (m, N): as far as the last two trials tell by a straight line, at first as a limiter.
+    """Return the next damping (m, N): by linear extrapolation of the last two trials, at first as a limiter.
 
     That of Zhang and Shu makes a polynomial flat by the share low/mean.
     """
@@ -83,7 +83,7 @@ def more(damping: Array, low: Array, before: Array, mean: Array, speeds: Array) 
 def limited(problem: Problem, u: Array, report: solve.Report) -> tuple[Problem, Array]:
     """Return a steady state without amounts below zero, where cells may be chosen on halves of those that need it.
 
-    The report tells in how many cells amounts are damped, and by how much that changes what leaves.
+    The report says in how many cells amounts are damped, and by how much that changes what leaves.
     """
     leaving, tolerance = solve.what_leaves(problem, u), problem.scene.solver.tolerance
     for halving in range(HALVINGS + 1):

@@ -235,7 +235,7 @@ class PhaseMedium(Closures):
         small: Smoothing | None = None,
         inner: Mapping[str, Any] | None = None,
     ) -> Local:
-        """Return the state as a reaction sees it, with concentrations `inner` of gases inside of particles."""
+        """Return the state as a reaction sees it, with intraparticle concentrations `inner` of gases."""
         at_surface = reaction.site != "gas" and state.films and not reaction.own_film
         c = {**state.c, **state.films} if at_surface else state.c
         if inner:

@@ -47,7 +47,7 @@ class Plan:
 
     @property
     def steps(self) -> bool:
-        """Whether the run takes time steps that it could go on from."""
+        """Whether the run takes time steps that it could resume from."""
         return self.scene.time is not None
 
     @property
@@ -246,7 +246,7 @@ def _lists(
         skipped.append((f"unknowns of {', '.join(inert)}", "no reaction takes or makes it"))
     several = len(scene.phases) > 1
     if several:
-        built.append(("kinds of particles", described_phases(scene.phases)))
+        built.append(("solid phases", described_phases(scene.phases)))
     if layout.temperatures:
         count = len(layout.temperatures)
         each = f"{count} temperatures: of the gas, and of {', '.join(scene.phases)}"

@@ -61,7 +61,7 @@ def plot(result: Result, folder: Path) -> None:
 
 
 def looks_of(names: list[str], kinds: list[str]) -> list[tuple[str, str]]:
-    """Return colour and style of each line: a colour for each constituent, a style for each kind of particles."""
+    """Return colour and style of each line: a colour for each constituent, a style for each solid phase."""
     parts = [name.split("_") for name in names]
     there = [next((part for part in reversed(each) if part in kinds), None) for each in parts]
     alone = [tuple(part for part in each if part != kind) for each, kind in zip(parts, there, strict=True)]

@@ -43,7 +43,7 @@ class Problem:
     reactions: tuple[Reaction, ...]
     bed: Bed
     line: Line
-    choices: Mapping[str, Choice] = field(default_factory=dict)  # inside of particles that adsorb, by phase
+    choices: Mapping[str, Choice] = field(default_factory=dict)  # of intraparticle adsorption, by phase
     peaks: Mapping[str, float] = field(default_factory=dict)  # largest mole fractions of gases that are adsorbed
     damping: Array | None = None  # of fields in cells (m, N), see `fem.line_dg`
 

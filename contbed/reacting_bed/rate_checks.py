@@ -1,4 +1,4 @@
-"""Rates that take a species where there is none of it, or that have no value: told before a run and after it.
+"""Rates that take a species where there is none of it, or that have no value: reported before a run and after it.
 
 Rates r_j take species k where there is none if its amount is not above zero and all of them together take of it
 
@@ -153,7 +153,7 @@ def taken_though_absent(problem: Problem, u: Array) -> str | None:
 
 
 def taken_to_the_end(problem: Problem, u: Array) -> str | None:
-    """Return what rates would go on taking where hardly any is left of it in a state; None if they end with it."""
+    """Return what rates keep consuming where hardly any is left of it in a state; None if they end with it."""
     means = _means(problem, u)
     for amount in amounts(problem) if problem.reactions else ():
         low = means[:, amount.row] < HARDLY

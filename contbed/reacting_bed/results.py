@@ -78,7 +78,7 @@ def constituents_of(problem: Problem) -> dict[str, list[str]]:
 
 
 def loadings(problem: Problem, state: State, ones: Array) -> dict[str, Array]:
-    """Return the moles of each gas inside of particles, adsorbed and in their pores, per mass of their solid phase."""
+    """Return the intraparticle moles of each gas, adsorbed and in their pores, per mass of their solid phase."""
     out = {}
     for phase, own in problem.bed.with_states(state):
         if (inside := phase.inside) is None:

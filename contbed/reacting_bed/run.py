@@ -12,7 +12,7 @@ from contbed.reacting_bed.problem import Problem, isothermal_drop
 from contbed.reacting_bed.rate_checks import taken_though_absent
 from contbed.result import Result
 
-LARGE_SMOOTHING = 1e-5  # share of a gas or solid above which a warning tells what was rounded
+LARGE_SMOOTHING = 1e-5  # share of a gas or solid above which a warning says what was rounded
 RESTART_MAY_CHANGE = ("time.end", "time.times", "time.checkpoint_every", "time.cycle.tolerance", "output")
 
 
@@ -22,7 +22,7 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     Parameters
     ----------
     folder : where checkpoints go; None for none
-    start : arrays and numbers of a checkpoint to go on from
+    start : arrays and numbers of a checkpoint to resume from
 
     Raises
     ------

@@ -274,7 +274,7 @@ class Particle(Table):
     mass: Literal["auto", "none", "effectiveness", "interior"] = Field(
         "auto",
         description="effectiveness of a sphere by the Thiele modulus of each reaction with a diffusivity; interior: "
-        "diffusion and reaction of all gases resolved inside of the particles, with particle.diffusivity; auto: "
+        "diffusion and reaction of all gases resolved in the particles, with particle.diffusivity; auto: "
         "resolved where that changes what reacts by more than solver.accuracy",
     )
     diffusivity: dict[str, PositiveDiffusivity] = Field(
@@ -284,7 +284,7 @@ class Particle(Table):
     )
     adsorption: Literal["auto", "film", "linear_driving_force", "interior"] = Field(
         "auto",
-        description="what resists the uptake of gas: the film alone; in series with it diffusion inside, by one "
+        description="resistance to the uptake of gas: external film only; in series with it diffusion inside, by one "
         "concentration per particle; diffusion between points inside. auto: the cheapest whose error in what "
         "leaves is within solver.accuracy",
     )
@@ -372,7 +372,7 @@ class ReactingScene(SceneBase):
 
     mesh: MeshLine
     fluid: Fluid
-    solid: Solids | None = Field(None, description="where one kind of particles fills the bed")
+    solid: Solids | None = Field(None, description="where one solid phase fills the bed")
     solids: dict[str, SolidKind] = Field(default_factory=dict, description="where several do: each kind by name")
     bed: Bed
     flow: Flow
@@ -382,7 +382,7 @@ class ReactingScene(SceneBase):
     section: Section | None = None
     particle: Particle = Particle()
     adsorption: dict[str, Adsorption] = Field(
-        default_factory=dict, description="of gases by name; of several kinds of particles each has its own"
+        default_factory=dict, description="of gases by name; of several solid phases each has its own"
     )
     reactions: dict[str, Reaction] = Field(default_factory=dict)
     boundary: dict[str, Boundary] = Field(default_factory=dict)

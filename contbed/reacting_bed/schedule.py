@@ -47,7 +47,8 @@ def tables_of(scene: s.ReactingScene) -> dict[str, Any]:
 class Schedule(SeriesByKey):
     """The series of a scene.
 
-    `species` are the columns of the series of compositions by key, `temperatures` the keys of those of temperatures.
+    `species` are the columns of the series of compositions by key, `temperatures` the keys of the series of
+    temperatures.
     """
 
     species: dict[KeyPath, tuple[str, ...]]

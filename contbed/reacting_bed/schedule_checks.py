@@ -18,7 +18,7 @@ from contbed.scene.toml_lines import Origin
 Boundaries = dict[str, s.Boundary]
 FLOWS = ("mass_flux", "molar_flux", "velocity")
 SOLID_FLOW = "velocity_solid"
-LEAST_FLOW = 1e-7  # of the largest, below which fluxes of species tell no composition
+LEAST_FLOW = 1e-7  # of the largest, below which fluxes of species give no composition
 
 
 def series_are_usable(
@@ -100,7 +100,7 @@ def _of_streams_that_enter(boundary: Boundaries, flow: s.Flow) -> Boundaries:
 def a_cycle_changes_something(
     fluid: Any, flow: s.Flow, wall: s.Wall | None, boundary: Boundaries, time: s.Time | None, see: See
 ) -> Mistakes:
-    """Check that a cycle has series, of which it is a whole number of periods."""
+    """Check that a cycle has series, of which it is an integer number of periods."""
     tables = {"fluid": fluid, "flow": flow, "boundary": boundary, "wall": wall}
     what = "a composition, a flow, or a temperature of what enters or of the wall"
     yield from a_cycle_fits_its_series(series_of(tables), time, what, see)

@@ -1,4 +1,4 @@
-"""Tables of a reacting bed on its solids: data of species and constituents, one kind of particles, or several.
+"""Tables of a reacting bed on its solids: data of species and constituents, one solid phase, or several.
 
 A bed is filled with one kind, [solid] with `bed.particle_diameter`, or with several, a table [solids.NAME] for each.
 """
@@ -94,7 +94,7 @@ class Adsorption(Table):
 
 
 class SolidKind(Solids):
-    """One of several kinds of particles that fill the bed together, mixed evenly where they enter."""
+    """One of several solid phases that fill the bed together, mixed evenly where they enter."""
 
     volume_share: Annotated[Number, Field(gt=0, le=1)] = Field(
         description="of the volume of all particles where they enter, or at rest; those of all kinds sum to 1"

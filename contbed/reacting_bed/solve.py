@@ -1,4 +1,4 @@
-"""Steady states of a reacting bed: Newton's method, what helps where it fails, and cells that follow the errors."""
+"""Steady states of a reacting bed: Newton's method, its fallbacks, and adaptive cells."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from contbed.reacting_bed.storage import Storage
 
 Array = NDArray[np.float64]
 LARGEST_T = 150.0  # change of a temperature in one step [K]
-LARGEST_SHARE = 0.7  # of what there is that a step may take away
+LARGEST_SHARE = 0.7  # of an amount that a step may take away
 LEAST_SHARE = 1e-3  # of the typical size, below which a fall is not held up
 SHORTEST = 1e-3  # step of Newton's method at which it is given up
 PROGRESS, PATIENCE = 0.8, 14  # iterations in which the least residual has to fall by this factor
@@ -35,7 +35,7 @@ STEPS_PER_CELLS = 3  # of the march on the same cells, before these are put wher
 STILL = 1e-7  # largest change in a step, over typical sizes, of a state that is steady
 EVEN_CELLS = 30  # that are put between the first ones for the march
 START_OF_MARCH = 1e-2  # of the residence time of the solids
-END_OF_MARCH = 1e5  # of it: what has not come to rest by then does not
+END_OF_MARCH = 1e5  # of it: a state that has not become steady by then does not
 
 
 @dataclass
@@ -130,7 +130,7 @@ def newton(problem: Problem, u: Array, report: Report, storage: Storage | None =
 
 
 def failed(text: str, problem: Problem, u: Array, report: Report, storage: Storage | None = None) -> ConvergenceError:
-    """Return the error of a state, which tells where in the bed and for what its residuals are largest."""
+    """Return the error of a state, which says where in the bed and for what its residuals are largest."""
     with np.errstate(all="ignore"):
         residual = problem.system.assemble(u, False)[0]
         if storage is not None:
@@ -154,7 +154,7 @@ def residence_time(problem: Problem) -> float:
 
 
 def march(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
-    """Go to a steady state by steps in time of growing length, in which the gas is quasi-steady, on cells that follow.
+    """Go to a steady state by steps in time of growing length, in which the gas is quasi-steady, on adaptive cells.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def march(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
 
 
 def steady(problem: Problem, report: Report, guess: Array | None = None) -> tuple[Problem, Array]:
-    """Return the steady state on cells that follow its errors.
+    """Return the steady state on cells adapted to its errors.
 
     Raises
     ------
@@ -271,7 +271,7 @@ def on_cells(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array
 
 
 def sharpened(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
-    """Return the state reached with powers of what is left made sharper step by step, on cells that follow.
+    """Return the state reached with powers of what is left made sharper step by step, on adaptive cells.
 
     Where reaction ends at a point, powers below one have infinite slopes there, and Newton's method goes from one side
     of zero to the other; the sharpest that converges is kept.
@@ -331,7 +331,7 @@ def sharper(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]
 def smoothing_changes(problem: Problem, u: Array, report: Report) -> float:
     """Return by how much what leaves would change with powers as sharp as those of the laws, over what enters.
 
-    By one step of Newton's method, which tells it where the method itself does not find them.
+    By one step of Newton's method, which shows it where the method itself does not converge.
     """
     du, share, _ = step(problem.with_small(None), u, report)
     return float(np.abs(what_leaves(problem, u + share * du) - what_leaves(problem, u)).max())

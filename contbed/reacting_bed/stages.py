@@ -1,4 +1,4 @@
-"""One step in time of a reacting bed, d/dt C(u) + R(u, t) = 0 with what is held C and fluxes less sources R.
+"""One step in time of a reacting bed, d/dt C(u) + R(u, t) = 0 with the content C and fluxes less sources R.
 
 Two stages of an L-stable diagonally implicit method of order 2 with gamma = 1 - 1/sqrt(2), written for C, so that what
 is stored is exactly what has passed:
@@ -97,7 +97,7 @@ def _solved(
 ) -> tuple[Array, Any]:
     """Return the solution of a stage, and the last matrix; that which is given is used as long as it serves.
 
-    `own` tells whether it is that of the guess, so that another one of it would be the same.
+    `own` says whether it is that of the guess, so that another one of it would be the same.
     """
     with np.errstate(all="ignore"):
         found = _corrected(problem, guess, report, storage, factors)

@@ -47,7 +47,7 @@ class Storage:
         return cls(problem, cls(problem, before, dt).content(before, False)[0], dt)
 
     def content(self, u: Array, jacobian: bool) -> tuple[Array, Any]:
-        """Return what is held per volume of bed by equation at the nodes, and its derivatives."""
+        """Return the content per volume of bed by equation at the nodes, and its derivatives."""
         flat, section = u.reshape(len(u), -1), self.problem.section
         one = np.ones(flat.shape[1])
         values: list[Any] = [Dual(x, {("u", k): one}) for k, x in enumerate(flat)] if jacobian else list(flat)
@@ -58,7 +58,7 @@ class Storage:
         return table.reshape(u.shape), parts
 
     def _of_bed(self, values: list[Any]) -> list[Any]:
-        """Return what is held by equation of the layout at points."""
+        """Return the content by equation of the layout at points."""
         bed = self.bed_at(values)
         state = bed.state(values)
         parts: list[Any] = [0.0] * len(bed.layout.names)
@@ -91,7 +91,7 @@ class Storage:
         return found
 
     def rounding(self) -> Array:
-        """Return what one rounding of all terms is in the residuals: of what is held, over the step, and of fluxes."""
+        """Return what one rounding of all terms is in the residuals: of the content, over the step, and of fluxes."""
         line, sizes = self.problem.line, self.problem.flux_sizes[:, None, None]
         found: Array = np.finfo(float).eps * (np.abs(self.held) * line.weights * line.h[:, None] / self.dt + sizes)
         return found

@@ -1,4 +1,4 @@
-"""Cells of a run in time that follow the errors of its states: halves of halves of a few first cells.
+"""Dynamic h-adaptivity: the cells of a coarse mesh are bisected repeatedly where the error indicator is large.
 
 After a step the jumps between cells and the highest modes of all fields are taken over the sizes that errors of steps
 refer to. Where one is larger than what is aimed at, the step is repeated on cells that are shorter there, with some
@@ -30,7 +30,7 @@ SAME_LENGTH = 1.0 + 1e-6
 
 
 def halved(vertices: Array, wanted: Array) -> Array:
-    """Return vertices of halves of halves of first cells, none longer than is wanted there (N,), with room beside it.
+    """Return vertices of repeatedly bisected first cells, none longer than is wanted there (N,), with room beside it.
 
     `vertices` are the present ones; away from a short cell lengths grow by no more than the distance.
     """

@@ -30,13 +30,13 @@ from contbed.reacting_bed.storage import Storage, gas_of_rings, stored_rows
 
 Array = NDArray[np.float64]
 ITERATIONS = 40  # of Newton's method at a node
-ROUNDED = 1e-14  # change of unknowns over their sizes, of which what is held changes by rounding
+ROUNDED = 1e-14  # change of unknowns over their sizes, of which the content changes by rounding
 ROUGH, SLOW = 1e-10, 0.1  # such a change where heats of formation round, and its fall that is none of Newton's method
-LARGEST_FALL = 0.9  # of a concentration inside of particles in one iteration, as isotherms bend
+LARGEST_FALL = 0.9  # of an intraparticle concentration in one iteration, as isotherms bend
 
 
 class _OfMoles(Storage):
-    """What is held where the gas in the pores has so many moles `gas` [mol/m3 bed] at the points of all rings."""
+    """Content where the gas in the pores has so many moles `gas` [mol/m3 bed] at the points of all rings."""
 
     def __init__(self, problem: Problem, held: Array, gas: Array | None):
         super().__init__(problem, held, 1.0)
@@ -78,7 +78,7 @@ def transferred(problem: Problem, u: Array, vertices: Array) -> tuple[Problem, A
 
 
 def _above_zero(problem: Problem, held: Array) -> Array:
-    """Return what is held with gases and solids nowhere below zero but for the tolerance, with the means of cells.
+    """Return the content with gases and solids nowhere below zero but for the tolerance, with the means of cells.
 
     Between nodes as well: a cell that is divided would else have parts with less than nothing. Particles that adsorb
     keep what they hold, as their points are not bounded in steps either.

@@ -1,6 +1,6 @@
 """Steps in time of a reacting bed: particles store moles and heat, the gas too or it follows at once.
 
-    d/dt C(u) + R(u, t) = 0,    C what is held per volume of bed, zero for equations of a gas that follows at once
+    d/dt C(u) + R(u, t) = 0,    C the content per volume of bed, zero for equations of a gas that follows at once
 
 What is stored is exactly what has passed the ends, weighted as the stages of a step are (`stages`). No step crosses a
 jump of a series, or a kink that is larger than its error allows: streams that enter have at each stage the values of
@@ -127,7 +127,7 @@ def run_transient(
 
 
 class _Infeasible(ConvergenceError):
-    """Rates take what is not there, so that no state can be."""
+    """Rates consume an absent species, so that no state exists."""
 
 
 def taken_in(course: Course, before: History, after: History) -> str | None:

@@ -17,7 +17,7 @@ from contbed.reacting_bed.time_cells import SHORTEST
 from contbed.result import Result
 
 Array = NDArray[np.float64]
-LARGE_ERROR = 3.0  # of cells over what is aimed at, above which it is told
+LARGE_ERROR = 3.0  # of cells over what is aimed at, above which the run warns
 
 
 def fill(course: Course, history: History, result: Result) -> None:
@@ -42,7 +42,7 @@ def fill(course: Course, history: History, result: Result) -> None:
 
 
 def _short_fronts(problem: Problem, error: float) -> str:
-    """Return what a user is told of fronts that the shortest cells do not resolve."""
+    """Return the warning about fronts that the shortest cells do not resolve."""
     shortest = SHORTEST * problem.scene.mesh.length
     return (
         f"fronts are shorter than the shortest cells, {shortest:.2g} m: errors there are {error:.2g} of the sizes of "

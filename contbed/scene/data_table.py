@@ -5,7 +5,7 @@
     0,396
     0.5,390.5
 
-Mistakes are told with file, line and column.
+Mistakes are reported with file, line and column.
 """
 
 from __future__ import annotations

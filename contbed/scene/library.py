@@ -1,7 +1,8 @@
 """Materials by name with the sources of their values, for tables of solids and fluids: `material = "alumina"`.
 
 Properties are polynomials a0 + a1 T + a2 T^2 + ... of T [K], as in a scene. They follow the values of the source within
-`error`; where no source gives a property that holds for the material as such, it is absent and a scene has to give it.
+`error`; where no source gives a property that holds for the material in general, it is absent and a scene has to give
+it.
 """
 
 from __future__ import annotations

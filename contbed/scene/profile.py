@@ -1,6 +1,6 @@
 """Rows of a table along a bed, in the order of their positions, at one time of a file that has several.
 
-Mistakes are told with file and line.
+Mistakes are reported with file and line.
 """
 
 from __future__ import annotations

@@ -94,7 +94,7 @@ def form(value: Any) -> str:
 def reject_bool(value: Any) -> Any:
     """Reject true and false, which Python would take for 1 and 0."""
     if isinstance(value, bool):
-        raise ValueError(f"expected a whole number, found {str(value).lower()}")
+        raise ValueError(f"expected an integer, found {str(value).lower()}")
     return value
 
 

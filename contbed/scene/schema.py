@@ -25,7 +25,7 @@ _BOUNDS = {
     "maximum": "<=",
 }
 POWERS_OF = "powers_of"  # of a list of coefficients: the unit of the variable of the polynomial
-_TYPES = {"number": "number", "integer": "whole number", "boolean": "true or false"}
+_TYPES = {"number": "number", "integer": "integer", "boolean": "true or false"}
 
 
 _definitions: dict[str, Node] = {}  # of the schemas that have been asked for; one name means one table in all of them
@@ -152,7 +152,7 @@ def _one(option: Node) -> str:
         return f"a list, each {allowed(option.get('items', {}))}"
     bounds = [f"{sign} {option[key]:g}" for key, sign in _BOUNDS.items() if key in option]
     words = [
-        "a",
+        "an" if kind == "integer" else "a",
         _TYPES.get(str(kind), "value"),
         " and ".join(bounds),
         "" if option.get("unit") == "1" else option.get("unit", ""),

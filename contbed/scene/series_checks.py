@@ -32,7 +32,7 @@ def series_is_usable(path: KeyPath, series: Series, time: Any, see: See, origin:
 
 
 def a_cycle_fits_its_series(found: Iterable[tuple[KeyPath, Series]], time: Any, what: str, see: See) -> Mistakes:
-    """Check that something changes in the course of a cycle, and that it is a whole number of periods of each series.
+    """Check that something changes within a cycle, which is an integer number of periods of each series.
 
     `what` says which values may change.
     """

@@ -32,7 +32,7 @@ _ALLOW = "allowed by --allow-large, in Python load(..., allow_large=True)"
 
 
 def too_large(parts: Mapping[str, Any], origin: Origin) -> Iterator[tuple[KeyPath, str]]:
-    """Keys that ask for more than there is or than is taken without being told to, and by how much."""
+    """Keys that ask for more memory or cells than exist or than are accepted without --allow-large, and by how much."""
     if origin.allow_large:
         return
     available = available_bytes()

@@ -39,7 +39,7 @@ from contbed.scene.toml_lines import KeyPath, Origin
 
 
 def from_library(phase: str, values: Any, temperature: str = "material_temperature") -> Any:
-    """Return what the library knows of a table's `material`, at the temperature under the key `temperature` if given.
+    """Return the data of the library for a table's `material`, at the temperature under the key `temperature` if given.
 
     Raises
     ------
@@ -196,9 +196,9 @@ class Solver(Table):
     tolerance: Fraction = Field(1e-5, description="target error of theta for automatic meshes")
     accuracy: Fraction | None = Field(
         None,
-        description="largest predicted error over the span of a cheaper model that the plan may take where the scene "
-        "leaves it open; absent: 0.005 for the inside of particles, 0.01 for Rosseland, and sides of "
-        "a bed that exchange heat are resolved",
+        description="the plan accepts a cheaper sub-model if its predicted error, relative to the temperature span, "
+        "is below this; absent: 0.005 for intraparticle conduction, 0.01 for Rosseland, and sides of a bed that "
+        "exchange heat are resolved",
     )
     adapt: Annotated[Whole, Field(ge=0, le=10)] | None = Field(
         None, description="refinements where the error estimate of a steady run exceeds `tolerance`; absent: automatic"

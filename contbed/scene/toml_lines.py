@@ -30,7 +30,7 @@ _DUPLICATE = re.compile(r"Cannot (?:overwrite a value|mutate immutable namespace
 
 @dataclass(frozen=True)
 class Origin:
-    """Where the values of a scene come from; it takes no part in comparisons, so equal values are equal scenes."""
+    """Where the values of a scene come from; it is ignored in comparisons, so equal values are equal scenes."""
 
     name: str = field(default="scene", compare=False)
     base: Path = field(default=Path(), compare=False)

@@ -34,7 +34,7 @@ from contbed.closures.optics import SIGMA
 from contbed.fem.ad.dual import Dual
 
 Array = NDArray[np.float64]
-SCALE_HEAT = 1e5  # [J/kg] by which equations of heat are divided, to be of the order of those of mass
+SCALE_HEAT = 1e5  # [J/kg] by which equations of heat are divided, to be of the order of the equations of mass
 OUTERMOST = 2  # offset of slots of the outermost shell, beyond those of neighbours
 SCALE_SURFACE = 1e4  # [W/m2] by which that of the surface is divided
 

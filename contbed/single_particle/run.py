@@ -161,7 +161,7 @@ def _mass(problem: Sphere, state: Any) -> float:
 
 
 def _told(steps: Iterator[Step], origin: Origin) -> Iterator[Step]:
-    """Yield the steps; what stops them is told with its time and what to try."""
+    """Yield the steps; an error that stops them names the time and a remedy."""
     reached = 0.0
     try:
         for step in steps:

@@ -1,6 +1,6 @@
 """Matrices of a line, with few diagonals beside the main one: products by BLAS and factors by LAPACK.
 
-Products and solutions of some hundred unknowns cost microseconds, a tenth of those of general sparse matrices.
+Products and solutions of some hundred unknowns cost microseconds, a tenth of what general sparse matrices take.
 """
 
 from __future__ import annotations

@@ -140,8 +140,8 @@ def trace(
 
     It ends where p passes `stop` or, on the other side, `back`, or where `points` are found; with `first_fold` at the
     first fold as well. `weights` make the
-    unknowns comparable with `size`. A branch that cannot be continued is returned incomplete. `watch` is told the
-    share of the way, by the parameter or by the number of points, and the parameter.
+    unknowns comparable with `size`. A branch that cannot be continued is returned incomplete. `watch` is called with
+    the share of the way, by the parameter or by the number of points, and the parameter.
     """
     continuation = _Continuation(assemble, weights, size, abs(stop - start), policy, tolerance)
     out = Branch([start], [x])

@@ -36,8 +36,8 @@ def relax(
     """March from `state` to a steady state with steps that grow from `first` to `last` [s].
 
     A step that needs more than `iterations` of Newton's method, or fails, is shortened. Unknowns stay above `lower`.
-    After `patience` steps of which none is the longest so far the march is given up. `watch` is told the share of the
-    way to `last`, by powers of ten, and the step.
+    After `patience` steps of which none is the longest so far the march is given up. `watch` is called with the share
+    of the way to `last`, by powers of ten, and the step.
 
     Raises
     ------

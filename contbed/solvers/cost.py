@@ -3,7 +3,7 @@
 The rates are processor seconds of a whole run per million unknowns (flow by Newton in 2-D, heat linear), the power with
 which time grows, and bytes per unknown at the peak, measured by studies/scaling on a 2-core x86-64 machine with one
 thread per rank; those of multigrid hold for plug flow in 3-D. A transient takes about as much for every few steps. The
-ranks share the memory evenly, except for `ROOT_BYTES`, which only the first one needs.
+ranks share the memory evenly, except for `ROOT_BYTES`, which only rank 0 needs.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def advice(unknowns: dict[str, int], policy: Policy, run: str = "a steady scene"
     )
     ranks = max(2, ceil(other.time(size) / LONG_RUN))
     first = 0.15 + 1e-9 * ROOT_BYTES * size + other.memory_GB(size) / ranks
-    return f"engine: dolfinx, mpirun -n {ranks}: {there} for {run}, {first:.2g} GB of it on the first rank; {why}"
+    return f"engine: dolfinx, mpirun -n {ranks}: {there} for {run}, {first:.2g} GB of it on rank 0; {why}"
 
 
 def _time(seconds: float) -> str:

@@ -142,7 +142,7 @@ def march(
     """Yield accepted steps from `tick` (0, or where a checkpoint stopped) to `end`; tick 0 is at `start`.
 
     `levels` are the levels of all steps from the start, of a run that is repeated; they are not judged again.
-    `sees` tells whether a step between two times [s] may be taken at all, of data that it knows at its stages alone.
+    `sees` says whether a step between two times [s] may be taken at all, of data that it knows at its stages alone.
     `tolerance` is the local error relative to `span`; a constant `step` [s] is rounded down to divide the time.
     Linear problems are measured from the state `origin`, a number or one for each unknown, which loses fewer digits
     than measuring from zero. A step whose error is too large, or in which Newton's method fails, is halved; the

@@ -132,7 +132,7 @@ def friction_of_particles_is_complete(two_fluid: t.TwoFluid, solid: t.Solid, see
     try:
         value = float(bind(chosen, kind, GIVES[kind], origin.base)(e=solid.restitution, sliding_friction=friction))
     except SceneError:
-        return  # closures_exist tells
+        return  # closures_exist reports it
     if not 0.0 <= value <= 1.0:
         text = f"gives {value:.4g}, no restitution between 0 and 1; see {see('solid.sliding_friction')}"
         yield ("two_fluid", kind), f"{text} and {see('solid.restitution')}"

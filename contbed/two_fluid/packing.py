@@ -171,7 +171,7 @@ def move_tangents(
     fraction. There the tangent is taken at the fraction that the cell has if its neighbours keep their y (one nonlinear
     Jacobi iteration for one cell, solved by Newton's method within bounds).
 
-    volumes (nc,) [m3]; system : its links (nc, 1) are the sums of those of all faces of a cell
+    volumes (nc,) [m3]; system : its links (nc, 1) are the sums over all faces of a cell
     shift (nc,) : what the tangents so far have added to the right-hand side
     """
     links, content, rhs = system.links, system.content, system.rhs

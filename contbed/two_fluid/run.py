@@ -108,7 +108,7 @@ class Run:
         return arrays, {"state": json.dumps(plain), "files": json.dumps(self.files)}
 
     def resume(self, arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
-        """Go on from a checkpoint, bit for bit."""
+        """Resume from a checkpoint, bit for bit."""
         self.bed.restore({**arrays, **json.loads(meta["state"])})
         self.rows = np.asarray(arrays["rows"]).tolist()
         for count, saved in zip(self.compiled.counts, arrays["counts"], strict=True):
@@ -147,7 +147,7 @@ def run(
     if start is not None:
         run.resume(*start)
     result.warnings += plan.warnings
-    _raise_first(_rehearse(run))  # what cannot be evaluated is told before the steps, not after them
+    _raise_first(_rehearse(run))  # outputs that cannot be evaluated are reported before the steps
     stops = np.arange(1, max(1, round(scene.time.end / run.interval)) + 1) * run.interval
     stops[-1] = scene.time.end
     failed: list[ContbedError] = []

@@ -1,4 +1,4 @@
-"""What is possible in a two-fluid scene but seldom meant: what the tables tell, and what the mesh tells."""
+"""What is possible in a two-fluid scene but seldom meant: by the tables, and by the mesh."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ def orders(rows: list[dict[str, str]], entry: dict[str, Any]) -> list[float]:
     Parameters
     ----------
     rows : of a table of convergence
-    entry : `over`, the column of cells or tolerances; `errors`, columns; `series`, the columns that tell series apart,
+    entry : `over`, the column of cells or tolerances; `errors`, columns; `series`, the columns that distinguish series,
         none if absent; `least`, below which errors are left out, as rounding or printed digits of the exact solution
         make them; `tolerance`, true where errors fall with `over`
 

@@ -27,7 +27,7 @@ def test_keys_that_a_scene_gives():
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("mesh.cells", "line 4|:4: mesh.cells is a whole number"),
+        ("mesh.cells", "line 4|:4: mesh.cells is an integer"),
         ("mesh.type", "a choice or a name"),
         ("bed.shape", "a choice or a name"),
         ("solver.stabilisation", "true or false"),

@@ -244,7 +244,7 @@ def test_formulas_with_prices_and_whole_numbers(folder, runner):
     assert found["keys"]["bed.particle_diameter"]["value"] == pytest.approx(2e-3, rel=1e-6)
     assert found["objective"]["unit"] == "EUR"
     assert found["constraints"][0]["bound"] == pytest.approx(1e3)
-    assert "all 4 choices of whole numbers were tried" in found["verdict"]
+    assert "all 4 choices of integers were tried" in found["verdict"]
 
 
 @pytest.mark.parametrize(
@@ -269,7 +269,7 @@ def test_formulas_with_prices_and_whole_numbers(folder, runner):
         ("flow.velocity = {", "flow.velosity = {", "toml:6: flow.velosity: the scene has no such key; allowed: veloc"),
         ("flow.velocity = {", "mesh.type = {", "mesh.type: is no number and cannot be varied between bounds"),
         ('"scene.toml"', '"bed.toml"', 'design.toml:2: scene: no such file: "bed.toml"'),
-        ("title =", "runs = 0\ntitle =", "toml:1: runs: runs is 0; allowed: a whole number from 1 to"),
+        ("title =", "runs = 0\ntitle =", "toml:1: runs: runs is 0; allowed: an integer from 1 to"),
     ],
 )
 def test_mistakes_are_told_before_any_run(folder, runner, capsys, old, new, told):

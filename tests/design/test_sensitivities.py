@@ -56,7 +56,7 @@ def test_json(scene, capsys):
 @pytest.mark.parametrize(
     ("more", "told"),
     [
-        (("--to", "mesh.cells"), "slip.toml:4: mesh.cells is a whole number"),
+        (("--to", "mesh.cells"), "slip.toml:4: mesh.cells is an integer"),
         (("--to", "bed.porosty"), "did you mean bed.porosity"),
         (("--qoi", "T_fluid_ou"), "did you mean T_fluid_out_K"),
     ],

@@ -110,7 +110,7 @@ CASES = [
     ("true for a number", "0.4", "true", [":20: bed.porosity = true: expected a number, found true"]),
     ("true for a whole number", "[bed]", "[solver]\ndegree = true\n[bed]", [":20: solver.degree = true: expected a"]),
     ("one for true", "[bed]", "[solver]\nreduce = 1\n[bed]", [":20: solver.reduce = 1", "allowed: true or false"]),
-    ("fraction for a whole number", "radius", "refine = 1.5\nradius", [":6: mesh.refine = 1.5", "a whole number >= 0"]),
+    ("fraction for a whole number", "radius", "refine = 1.5\nradius", [":6: mesh.refine = 1.5", "an integer >= 0"]),
     ("text for a number", "0.4", '"loose"', [":20: bed.porosity = \"loose\": expected a plain number, found 'loose'"]),
     ("list for a number", "0.4", "[0.4]", [":20: bed.porosity", "wrong kind of value; allowed: a number > 0 and < 1"]),
     ("date for a number", "0.4", "2024-01-01", [':20: bed.porosity = "2024-01-01"', "wrong kind of value"]),

@@ -223,7 +223,7 @@ def test_interrupt_leaves_the_last_state(scene, whole, tmp_path):
     run = start_until_checkpoint(scene, tmp_path)
     run.send_signal(signal.SIGINT)
     _, message = run.communicate(timeout=60)
-    hint = f"interrupted; to go on: contbed run {scene} --restart {tmp_path}\n"
+    hint = f"interrupted; to resume: contbed run {scene} --restart {tmp_path}\n"
     assert (run.returncode, message) == (130, hint)
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["status"] == "interrupted"
@@ -240,7 +240,7 @@ def test_the_way_on_has_the_settings_of_the_run(scene, tmp_path, capsys, monkeyp
     settings = ["--set", "flow.velocity=0.31", "--set", "title=a b", "--allow-large"]
     assert cli.main(["run", str(scene), "--out", str(tmp_path), "--quiet", *settings]) == 130
     way = f"contbed run {scene} --set flow.velocity=0.31 --set 'title=a b' --allow-large --restart {tmp_path}"
-    assert capsys.readouterr().err == f"interrupted; to go on: {way}\n"
+    assert capsys.readouterr().err == f"interrupted; to resume: {way}\n"
 
 
 def test_an_earlier_checkpoint_is_no_way_on(scene, tmp_path, capsys, monkeypatch):
@@ -254,7 +254,7 @@ def test_an_earlier_checkpoint_is_no_way_on(scene, tmp_path, capsys, monkeypatch
     assert cli.main(["run", str(scene), "--out", str(tmp_path), "--quiet"]) == 130
     assert capsys.readouterr().err == "interrupted\n"
     assert cli.main(["run", str(scene), "--restart", str(tmp_path), "--quiet"]) == 130
-    assert capsys.readouterr().err.startswith("interrupted; to go on: contbed run")
+    assert capsys.readouterr().err.startswith("interrupted; to resume: contbed run")
 
 
 def stopped_after_a_checkpoint(_, out, **__):

@@ -215,7 +215,7 @@ def test_an_interrupted_sweep_ends_clean(folder, whole_group):
     wait_for(lambda: len(outcomes("out")) >= 4)
     (os.killpg if whole_group else os.kill)(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=60)
-    assert (process.returncode, out, err) == (130, "", "interrupted; to go on: the same command\n")
+    assert (process.returncode, out, err) == (130, "", "interrupted; to resume: the same command\n")
     with open("out/table.csv", newline="") as file:
         assert 4 <= len(list(csv.DictReader(file))) < 24
     with pytest.raises(ProcessLookupError):  # no worker is left
@@ -274,7 +274,7 @@ def test_a_lost_scheduler_ends_the_sweep_and_the_machine_goes_on(folder, cluster
 
     thread = Thread(target=killer)
     thread.start()
-    with pytest.raises(ContbedError, match=r"lost the scheduler at tcp:.*; the same command goes on from here"):
+    with pytest.raises(ContbedError, match=r"lost the scheduler at tcp:.*; the same command resumes from here"):
         sweep("study.toml", "out", scheduler=cluster.scheduler_address)
     thread.join()
     found = sweep("study.toml", "out", jobs=1)

@@ -130,7 +130,7 @@ def test_whole_numbers_are_sampled_evenly(folder, method):
 @pytest.mark.parametrize(
     ("entry", "told"),
     [
-        ("{ from = 4.5, to = 7, integer = true }", "give whole numbers"),
+        ("{ from = 4.5, to = 7, integer = true }", "give integers"),
         ("{ from = 7, to = 4, integer = true }", "the lower end first"),
         ("{ from = 4, to = 7, integer = 1 }", "expected true or false"),
         ("{ mean = 4, deviation = 1, integer = true }", "integer: unknown key"),

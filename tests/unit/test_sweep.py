@@ -327,7 +327,7 @@ def test_a_full_disk_stops_the_sweep_and_is_no_fault_of_the_scene(folder, runner
 def test_an_interrupt_keeps_what_is_there(folder, runner, capsys):
     runner.error = lambda scene: KeyboardInterrupt() if len(runner.calls) == 2 else None
     assert sweep() == 130
-    assert capsys.readouterr().err == "interrupted; to go on: the same command\n"
+    assert capsys.readouterr().err == "interrupted; to resume: the same command\n"
     assert len(rows(folder)) == 1
     assert json.loads((folder / "out" / "table.json").read_text())["cases"] == 4
     assert sweep() == 0
@@ -389,9 +389,9 @@ def parameters(text):
         (parameters("[]"), "study.toml:3: flow.velocity: an empty list; give at least one value"),
         (parameters("{}"), "study.toml:3: flow.velocity: count is missing"),
         (parameters("{ from = 1, to = 1, count = 3 }"), "flow.velocity: an empty range, from and to are both 1"),
-        (parameters("{ from = 1, to = 2, count = 0 }"), "flow.velocity: count is 0; allowed: a whole number from 2"),
-        (parameters("{ from = 1, to = 2, count = 2.0 }"), "flow.velocity: count is 2.0; allowed: a whole number"),
-        (parameters("{ from = 1, to = 2 }"), "flow.velocity: count is missing; allowed: a whole number from 2"),
+        (parameters("{ from = 1, to = 2, count = 0 }"), "flow.velocity: count is 0; allowed: an integer from 2"),
+        (parameters("{ from = 1, to = 2, count = 2.0 }"), "flow.velocity: count is 2.0; allowed: an integer"),
+        (parameters("{ from = 1, to = 2 }"), "flow.velocity: count is missing; allowed: an integer from 2"),
         (parameters("{ from = -1, to = 2, count = 3, spacing = 'log' }"), "a logarithmic range from -1 to 2; its ends"),
         (parameters("{ from = 0, to = 2, count = 3, spacing = 'log' }"), "must have the same sign and not be 0"),
         (parameters("{ from = 1, to = 2, count = 3, spacing = 'lin' }"), "did you mean 'linear'?"),
@@ -411,7 +411,7 @@ def parameters(text):
         (STUDY + "[zipped]\nbed.porosity = [0.3]", "study.toml:5: zipped: expected tables [[zipped]]"),
         (STUDY.replace("0.1,", f"{'0.1, ' * 60000}"), "study.toml:2: parameters: 120002 runs; at most 100000"),
         (SAMPLE.replace("sobol", "soboll"), "study.toml:3: sample: method is 'soboll'; allowed: latin_hypercube, "),
-        (SAMPLE.replace("count = 8", "count = true"), "study.toml:4: sample: count is True; allowed: a whole number"),
+        (SAMPLE.replace("count = 8", "count = true"), "study.toml:4: sample: count is True; allowed: an integer"),
         (SAMPLE.replace("count = 8", "cuont = 8"), "study.toml:4: sample: cuont: unknown key"),
         (SAMPLE.replace("seed = 3", "seed = -3"), "study.toml:5: sample: seed is -3"),
         (SAMPLE.partition("[sample.p")[0], "study.toml:2: sample: parameters: missing; give distributions"),

@@ -19,7 +19,7 @@ from contbed.result import Result
 
 ELEMENTS = ("C", "H", "O", "N", "S", "Ca")
 SOLIDS = {"moisture": "H2O(l)", "char": "C", "CaCO3": "CaCO3", "CaO": "CaO", "CaSO4": "CaSO4"}
-ROUNDING = 1e-14  # mole fraction either side of zero that balances of the others cannot tell from zero
+ROUNDING = 1e-14  # mole fraction either side of zero that balances of the others do not resolve
 
 
 def carried(problem: Any, chemistry: Chemistry, state: Any) -> dict[str, tuple[float, float]]:
@@ -199,7 +199,7 @@ def without_rounding(amounts: Any, total: Any) -> Any:
 
 
 def _below_zero(part: Any, profiles: Mapping[str, Any], tolerance: float) -> str | None:
-    """Return what a user is told of the least mole fraction; None where it is within the error of automatic meshes."""
+    """Return the warning about the least mole fraction; None where it is within the error of automatic meshes."""
     columns = {(name, phase): profiles[f"x_{name}_{phase} [1]"] for phase in part.phases for name in part.gases}
     (name, phase), x = min(columns.items(), key=lambda item: item[1].min())
     if not x.min() < -tolerance:

@@ -8,7 +8,7 @@ from typing import Any
 from contbed.errors import EngineError
 
 MISSING = "the engine cuda needs numba-cuda, which is not installed; install it with: pip install 'contbed[cuda]'"
-REASON = 2  # lines of numba-cuda's message that are told: where it failed, and why
+REASON = 2  # lines of numba-cuda's message that are reported: where it failed, and why
 
 
 def on_gpu(plan: Any) -> Any:

@@ -37,7 +37,7 @@ SHARE = 256  # particles, or cells, that one thread goes through where parts are
 
 @cuda.jit
 def wrap(row: DeviceArray, lower: DeviceArray, upper: DeviceArray, periodic: DeviceArray, control: DeviceArray) -> None:
-    """Bring particles into the periodic sides; tell one that is outside of the other sides."""
+    """Bring particles into the periodic sides; report one that is outside of the other sides."""
     i = cuda.grid(1)
     if i >= row.shape[0]:
         return
@@ -169,7 +169,7 @@ def find_neighbours(
     skin: float,
     control: DeviceArray,
 ) -> None:
-    """List the neighbours of each particle, ascending; tell how many places were needed."""
+    """List the neighbours of each particle, ascending; report how many places were needed."""
     i = cuda.grid(1)
     if i >= row.shape[0]:
         return
@@ -246,7 +246,7 @@ def carry(old: Lists, new: Lists, cells: Cells) -> None:
 
 @cuda.jit
 def find_beyond(row: DeviceArray, walls: DeviceArray, control: DeviceArray) -> None:
-    """Tell a particle that is beyond a wall."""
+    """Report a particle that is beyond a wall."""
     i = cuda.grid(1)
     if i >= row.shape[0]:
         return

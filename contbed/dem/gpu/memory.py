@@ -1,7 +1,7 @@
 """The particles of a simulation in the memory of a GPU: steps and lists sent to it, and what goes in and out.
 
 Particles stand by cell, all neighbours of each in a list of its own; `Record` holds every pair once, as on processors,
-so that a checkpoint of one goes on on the other.
+so that a checkpoint of one resumes on the other.
 """
 
 from __future__ import annotations

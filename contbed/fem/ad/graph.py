@@ -67,7 +67,7 @@ class Graph:
         return number
 
     def parameter(self) -> Node:
-        """Return the number on which a family of forms depends; programs are told its value."""
+        """Return the number on which a family of forms depends; programs receive its value."""
         return self.add("parameter")
 
     def leaf(self, item: Any) -> Node:

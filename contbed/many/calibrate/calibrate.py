@@ -1,4 +1,4 @@
-"""The command `contbed calibrate`: fit, what the data tell about the keys, predictions, tables and plots.
+"""The command `contbed calibrate`: fit, what the data determine of the keys, predictions, tables and plots.
 
 All runs are kept in its folder: an interrupted command continues from them.
 """

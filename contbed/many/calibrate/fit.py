@@ -9,8 +9,9 @@ doi:10.1137/1.9780898717921). The covariance is the inverse of the matrix of sec
 
 Where residuals are larger than the stated errors allow (chi-square test), all errors are multiplied by the root of
 chi-square per degree of freedom (Birge 1932, doi:10.1103/PhysRev.40.207). Where neighbours deviate to the same side, n
-values tell less than n independent ones: with the correlation r of neighbours, as much as n (1 - r)/(1 + r) (Bayley &
-Hammersley 1946, doi:10.2307/2983560). Both enter the covariance of the keys; a new measurement scatters with the first.
+values carry less information than n independent ones: with the correlation r of neighbours, as much as n (1 - r)/(1 +
+r) (Bayley & Hammersley 1946, doi:10.2307/2983560). Both enter the covariance of the keys; a new measurement scatters
+with the first.
 """
 
 from __future__ import annotations

@@ -130,7 +130,7 @@ def warnings_of(file: CalibrationFile, found: Fit, samples: Samples | None) -> l
     if found.alike > 0.0:
         share = (1.0 - found.alike) / (1.0 + found.alike)
         told.append(
-            f"neighbouring deviations are alike, correlation {found.alike:.2f}: the values tell as much as "
+            f"neighbouring deviations are alike, correlation {found.alike:.2f}: the values count as much as "
             f"{100.0 * share:.0f} % as many independent ones; standard errors of the keys are widened by "
             f"{1.0 / math.sqrt(share):.2g}"
         )

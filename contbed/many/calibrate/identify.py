@@ -2,7 +2,7 @@
 
 The derivatives of the predictions over their standard errors, with keys scaled by their priors, have a singular value
 for each of as many combinations of keys: the standard deviation of its prior over that which the data leave by
-themselves. Below 1 the data tell less of the combination than was known before.
+themselves. Below 1 the data determine the combination less well than the prior does.
 
 The profile of a key is the sum of squares with the key held and all others fitted again. The interval holds the values
 at which it is above its minimum by less than the quantile of chi-square with one degree of freedom (Raue et al. 2009,
@@ -25,7 +25,7 @@ from contbed.many.calibrate.model import Model
 from contbed.many.distributions import Distribution
 
 Array = NDArray[np.float64]
-SEEN = 1.0  # singular value above which the data tell more than the prior
+SEEN = 1.0  # singular value above which the data determine more than the prior
 NAMED = 0.2  # component of a combination below which a key is not named
 CLOSE = 0.02  # relative difference from the quantile at which an end of an interval is found
 MOST_STEPS = 8  # of the search for an end
@@ -41,7 +41,7 @@ class Combination:
 
     @property
     def seen(self) -> bool:
-        """Whether the data tell more of the combination than its prior."""
+        """Whether the data determine the combination better than its prior."""
         return self.singular > SEEN
 
     def named(self, names: Sequence[str]) -> str:

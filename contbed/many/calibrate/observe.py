@@ -46,7 +46,7 @@ def _in_profiles(result: Result, point: Point) -> float:
     axis = next((profiles[header(name)] for name in COORDINATES if header(name) in profiles), None)
     times = profiles.get(header("t"))
     if math.isnan(point.x) and axis is not None:
-        raise SceneError(f"{place}: the profiles have positions; give position, the column of those of the measurement")
+        raise SceneError(f"{place}: the profiles have positions; give position, the column of the measured positions")
     if math.isnan(point.x):
         if times is None:
             raise SceneError(f"{place}: the profiles have no times; leave out time")

@@ -1,7 +1,7 @@
 """Samples of the posterior distribution of the keys, by the affine-invariant sampler of emcee.
 
 Foreman-Mackey et al. 2013, doi:10.1086/670067. The same seed gives the same samples, so that a command that was killed
-finds its runs again and goes on.
+finds its runs again and resumes.
 """
 
 from __future__ import annotations

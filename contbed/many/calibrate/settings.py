@@ -189,7 +189,7 @@ def _say_below(say: Any, where: KeyPath, key: str, below: KeyPath, text: str) ->
 def _unit(key: str) -> str | None:
     try:
         return sheets.unit(parse_key(key))
-    except ValueError:  # the scene tells what is wrong with the key
+    except ValueError:  # the scene reports what is wrong with the key
         return None
 
 

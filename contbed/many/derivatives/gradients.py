@@ -34,8 +34,9 @@ from contbed.scene.tables import SceneBase
 
 Array = NDArray[np.float64]
 
-UNSURE = 1e-2  # relative error of a derivative beyond which it is told
-SMALL = 1e-3  # share of the largest derivative of a result, both by relative changes, below which errors are not told
+UNSURE = 1e-2  # relative error of a derivative beyond which it is reported
+# share of the largest derivative of a result, both by relative changes, below which errors are not reported
+SMALL = 1e-3
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Continuous keys of a scene: numbers whose small changes change the results a little.
 
-A key is written as in scenes and sweeps, "bed.porosity", and one item of a list as "flow.velocity[1]". Whole numbers,
+A key is written as in scenes and sweeps, "bed.porosity", and one item of a list as "flow.velocity[1]". Integers,
 names, switches and choices have no derivative; numerical settings (solver, output, mesh cells, tolerances, time
 steps) have one that says nothing about the bed. `continuous` lists those that a scene gives.
 """
@@ -79,7 +79,7 @@ def key(scene: SceneBase, name: str) -> Key:
     elif isinstance(value, bool) or (value is None and _is_switch(root, path)):
         problem = "is true or false and has no derivative"
     elif isinstance(value, int):
-        problem = "is a whole number and has no derivative; compare two runs, or use contbed sweep"
+        problem = "is an integer and has no derivative; compare two runs, or use contbed sweep"
     elif isinstance(value, str):
         closure = any(schema.is_closure(way) for node in schema.at(root, path) for way in schema.options(node))
         remedy = "give a number or a closure's parameters, {name = ..., a = ...}" if closure else "use contbed sweep"

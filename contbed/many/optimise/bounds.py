@@ -60,7 +60,7 @@ def entries(table: Mapping[str, Any]) -> Iterator[tuple[str, tuple[str, ...], An
 
 
 def read_key(name: str, entry: Any, scene: SceneBase, at: str, say: Say) -> DesignKey | None:
-    """Return one key; mistakes are told to `say(path below the entry, text)`, and the key is then None."""
+    """Return one key; mistakes are reported to `say(path below the entry, text)`, and the key is then None."""
     node = _node(scene, name, say)
     if node is None:
         return None
@@ -131,7 +131,7 @@ def _start(
         say(("start",) if whose == "start" else (), f"{whose}, {start:g}, is outside of {low:g} to {high:g}; {remedy}")
         return None
     if whole and not start.is_integer():
-        say((), f"the scene's value, {start:g}, is no whole number; give start = ...")
+        say((), f"the scene's value, {start:g}, is no integer; give start = ...")
         return None
     return start
 
@@ -149,6 +149,6 @@ def _number(entry: Mapping[str, Any], key: str, unit: str, whole: bool, say: Say
         say((key,) if key in entry else (), f"{key} is {'missing' if key not in entry else repr(value)}; give a number")
         return None
     if whole and not float(value).is_integer():
-        say((key,), f"{key} is {value:g}; the key is an integer, give a whole number")
+        say((key,), f"{key} is {value:g}; the key takes integers")
         return None
     return float(value)

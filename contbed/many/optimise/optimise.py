@@ -76,7 +76,7 @@ def optimise(
     retry_failed : compute the failed runs again
     quiet : no progress bar
     trust, allow_large : as in `contbed.loading.load`
-    warn : is told, before the search, of constraints that seem out of reach
+    warn : is called, before the search, with constraints that seem out of reach
 
     Raises
     ------
@@ -113,7 +113,7 @@ def optimise(
 
 
 def by_gradient(evaluations: Evaluations) -> Found:
-    """Return the optimum by gradients, whole numbers by enumeration or by their neighbours."""
+    """Return the optimum by gradients, integers by enumeration or by their neighbours."""
     design = evaluations.design
     whole = [k for k, key in enumerate(design.keys) if key.whole]
     rest = [k for k, key in enumerate(design.keys) if not key.whole]
@@ -147,12 +147,12 @@ def by_gradient(evaluations: Evaluations) -> Found:
                 point[whole], point[rest] = best.choice, best.optimum.x
     except OutOfRuns:
         optimum, point, text = None, None, ""
-        remarks.append(f"all {design.runs} runs are computed; raise runs and give the same command to go on")
+        remarks.append(f"all {design.runs} runs are computed; raise runs and give the same command to resume")
     return found_at(evaluations, optimum, point, rest, tuple(remarks), text)
 
 
 def _only(part: Slice) -> Optimum:
-    """Return the one point that whole numbers leave."""
+    """Return the one point that integers leave."""
     values = part.values(np.zeros(0))
     size = np.where(values[1:] != 0.0, np.abs(values[1:]), 1.0)
     missed = np.where(part.equality, np.abs(values[1:]), values[1:]) / size
@@ -169,5 +169,5 @@ def _shown(design: Design, whole: list[int], choice: tuple[int, ...]) -> str:
 
 def _how_complete(tried: int, complete: bool) -> str:
     if complete:
-        return f"all {tried} choices of whole numbers were tried"
-    return f"{tried} choices of whole numbers were tried, no neighbour of the best is better; others were not tried"
+        return f"all {tried} choices of integers were tried"
+    return f"{tried} choices of integers were tried, no neighbour of the best is better; others were not tried"

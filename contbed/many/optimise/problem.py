@@ -121,7 +121,7 @@ def is_key(name: str) -> bool:
 
 
 def plain(key: DesignKey, value: float) -> float:
-    """Return a value as a scene takes it: whole numbers as such, others rounded to what is the same everywhere."""
+    """Return a value as a scene takes it: integers unchanged, others rounded to what is the same everywhere."""
     return round(value) if key.whole else tidy(float(value))
 
 

@@ -29,7 +29,7 @@ def warnings_at_start(evaluations: Evaluations) -> Iterator[str]:
     try:
         slopes = evaluations.derivatives(design.start, range(len(design.keys)))
     except EvaluationFailed:
-        return  # the search tells why
+        return  # the search reports why
     for one, excess, short in zip(
         design.constraints, at.values[1:], least_misses(design, at.values[1:], slopes[1:]), strict=True
     ):

@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 
 LENGTHS = (0.05, 20.0)  # of the kernel, of the bounds: shorter ones are noise, longer ones a plane
 VARIANCES = (1e-2, 1e3)  # of the kernel, of that of the values
-NOISE = (1e-8, 1.0)  # variance of errors, of that of the values, where repeats do not tell it
+NOISE = (1e-8, 1.0)  # variance of errors, of that of the values, where repeats do not determine it
 RESTARTS = 1  # of the fit of the kernel, beside its first start
 JITTER = 1e-9  # variance that keeps the matrix regular, of that of the values
 SPREAD = 11  # 2**11 candidates over the bounds
@@ -171,7 +171,7 @@ def _candidates(best: Array, steps: Array, number: int) -> Array:
 
 
 def _unknown(z: Array, known: Array) -> Array:
-    """Return the points that are not known: a run of one of these would tell nothing new."""
+    """Return the points that are not known: a run of one of these would add nothing."""
     far = np.ones(len(z), dtype=bool)
     for point in known:
         far &= np.abs(z - point).max(axis=1) > SAME

@@ -1,7 +1,7 @@
-"""Designs with whole numbers: for each choice of them the other keys are found by a search of their own.
+"""Designs with integers: for each choice of them the other keys are found by a search of their own.
 
 Up to `ENUMERATED` choices all are tried, and the best is exact. Beyond that the neighbours of the best choice so far
-are tried, one whole number up and down for each key, until none is better: a better choice farther off is not excluded.
+are tried, one integer up and down for each key, until none is better: a better choice farther off is not excluded.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from itertools import product
 
 from contbed.many.optimise.constrained_search import Optimum
 
-ENUMERATED = 24  # choices of whole numbers up to which all are tried
+ENUMERATED = 24  # choices of integers up to which all are tried
 
 Choice = tuple[int, ...]
 
@@ -30,11 +30,11 @@ class Best:
 def best_choice(
     ranges: Sequence[tuple[int, int]], start: Choice, search: Callable[[Choice, Optimum | None], Optimum | None]
 ) -> Best | None:
-    """Return the best choice of whole numbers; None if no search could begin.
+    """Return the best choice of integers; None if no search could begin.
 
     Parameters
     ----------
-    ranges : lowest and highest value of each whole number
+    ranges : lowest and highest value of each integer
     start : the choice to begin with
     search : returns the best of the other keys for a choice, beginning at an earlier optimum; None where that fails
     """

@@ -37,7 +37,7 @@ def search(evaluations: Evaluations) -> Found:
         verdict = _improve(evaluations, steps)
     except OutOfRuns:
         out_of_runs = True
-        verdict = f"all {design.runs} points are computed; raise runs and give the same command to go on"
+        verdict = f"all {design.runs} points are computed; raise runs and give the same command to resume"
     return _found(evaluations, verdict, out_of_runs)
 
 

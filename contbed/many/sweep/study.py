@@ -260,14 +260,14 @@ def unit_of(name: str) -> str | None:
     """Return the SI unit of a dotted key; None if it has none or is not known."""
     try:
         return sheets.unit(parse_key(name))
-    except ValueError:  # told by the scene
+    except ValueError:  # reported by the scene
         return None
 
 
 def _cases(
     make: Callable[[dict[str, Any]], SceneBase], groups: list[list[dict[str, Any]]], places: Mapping[str, str]
 ) -> tuple[list[Case], tuple[str, ...]]:
-    """Return the scenes of all combinations, and their names in order; a mistake that several share is told once."""
+    """Return the scenes of all combinations, and their names in order; a shared mistake is reported once."""
     cases: dict[str, Case] = {}
     order: list[str] = []
     problems: dict[str, list[str]] = {}

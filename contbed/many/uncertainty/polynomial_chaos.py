@@ -6,7 +6,7 @@ P are orthonormal in the distribution of each parameter, Legendre's of an even o
 the coordinate in which it is even or normal. The terms that contain parameter j only, over the variance, are its
 first-order index, those that contain it at all its total one (Sudret 2008, doi:10.1016/j.ress.2007.04.002). Terms are
 taken one after the other, by their projection on what is left (sparse as in Blatman & Sudret 2011,
-doi:10.1016/j.jcp.2010.12.021) or by degree; which, and how many, the error tells at a fifth of the runs that is left
+doi:10.1016/j.jcp.2010.12.021) or by degree; which, and how many, the error decides at a fifth of the runs that is left
 out in turn.
 """
 
@@ -35,7 +35,7 @@ INTERACTIONS = 0.75  # norm of the degrees that is bounded: high degrees in one 
 ROUNDING = 1e-9  # of that norm
 FOLDS = 5  # of the runs, each of which is left out once
 QUANTILE = 1.645  # of the normal distribution, for half widths at 90 %
-DEPENDENT = 1e-8  # part of a term, by norm, below which the runs do not tell it from those before
+DEPENDENT = 1e-8  # part of a term, by norm, below which the runs do not distinguish it from those before
 POINTS = 4096  # of the polynomial, for its band
 SEED = 1  # of these points
 
@@ -183,7 +183,7 @@ def _taken(basis: Array, y: Array, most: int, others: Array, greedy: bool) -> tu
     """Return the terms in the order in which they are taken, and with each of them the values at other runs.
 
     Those taken are made orthonormal (Gram and Schmidt), here and at the other runs alike, so that a further one leaves
-    the parts of those before as they are. Terms that the runs do not tell from them are left out.
+    the parts of those before as they are. Terms that the runs do not distinguish from them are left out.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ def _taken(basis: Array, y: Array, most: int, others: Array, greedy: bool) -> tu
         term = int(np.argmax(np.where(open_terms, ranked, -np.inf)))
         open_terms[term] = False
         q, r = basis[:, term].copy(), others[:, term].copy()
-        for _ in range(2):  # once more for what rounding leaves
+        for _ in range(2):  # again for what rounding leaves
             parts = here[:, :count].T @ q
             q, r = q - here[:, :count] @ parts, r - there[:, :count] @ parts
         size = float(np.linalg.norm(q))

@@ -17,8 +17,8 @@ second-derivative term. When G comes from a computed flow, its divergence is ort
 only; subtracting div(G) times the linear interpolant of the enthalpy keeps a uniform temperature uniform and leaves the
 heat balance exact.
 
-Inside of particles: T_s is the mean temperature of a particle, that of its surface is T_s + sum_m T_m. The modes of
-conduction T_m, each its share of the temperature at the surface (`contbed.particle.interior`), move with the solids:
+Intraparticle conduction: T_s is the mean temperature of a particle, that of its surface is T_s + sum_m T_m. The modes
+of conduction T_m, each its share of the temperature at the surface (`contbed.particle.interior`), move with the solids:
 
     d((1-eps) rho_s c_s T_m)/dt + div(G_s c_s T_m) = -D_m T_m + g_m h a (T_f - T_s - sum_m T_m)
 
@@ -57,7 +57,7 @@ class Phase:
 
 @dataclass(frozen=True)
 class Mode:
-    """One mode of conduction inside of the particles; see the module."""
+    """One mode of intraparticle conduction; see the module."""
 
     name: str
     decay: Any  # D_m as a function of T_solid [W/m3/K]

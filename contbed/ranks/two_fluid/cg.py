@@ -1,6 +1,6 @@
 """The conjugate gradients of cg.py on a grid that ranks share: the same iterations, so the same result to rounding.
 
-All components go on together, so that an iteration costs one exchange of ghost cells and two sums over the ranks,
+All components iterate together, so that an iteration costs one exchange of ghost cells and two sums over the ranks,
 whatever the number of components. A component that has converged stays as it is. Only cells that are solved for are
 exchanged: they have numbers of their own, first those that the rank owns, then ghost cells.
 """

@@ -1,6 +1,6 @@
 """A grid of any cells before ranks share it: who gets which cells, the share of each, and the outline of the whole.
 
-The first rank has who is beside whom, places and sizes of all cells and facets; ranks make the lists of their parts.
+Rank 0 has the connections, places and sizes of all cells and facets; ranks make the lists of their parts.
 """
 
 from __future__ import annotations

@@ -94,7 +94,7 @@ class RankHalo(Halo):
         return [float(value) for value in everywhere]
 
     def first(self, message: str) -> str:
-        """Return the message of the first rank that has one; empty if none has."""
+        """Return the message of the lowest rank that has one; empty if none has."""
         if not self.any(bool(message)):
             return ""
         return next(str(text) for text in self.comm.allgather(message) if text)

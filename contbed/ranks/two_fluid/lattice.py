@@ -246,7 +246,7 @@ def lattice_of(mesh: Mesh, sides: Sequence[tuple[str, str]], pairs: Sequence[tup
         axis = next((d for d, both in enumerate(sides) if {front, back} == set(both)), None)
         whole = tensor.bricks // (tensor.shape[axis] - 1) if axis is not None else -1
         if axis is None or len(mesh.skfem.boundaries[front]) != whole or len(mesh.skfem.boundaries[back]) != whole:
-            return None  # what does not match is told by `fv.grid.build`
+            return None  # what does not match is reported by `fv.grid.build`
         lends[axis] = sides[axis].index(front)
     return Lattice(tensor, mesh.axisymmetric, tuple(lends))
 

@@ -57,7 +57,7 @@ class Part:
 
 
 class Share(NamedTuple):
-    """What the first rank gives another one for its part, whose geometry that one makes.
+    """What rank 0 gives another one for its part, whose geometry that one makes.
 
     Cells are own ones first, then layer by layer, LAYERS + REACH of them, each in the order of the whole grid; those
     of the outer REACH layers have a say in the geometry of the others only.

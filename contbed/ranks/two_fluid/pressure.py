@@ -110,7 +110,7 @@ class PetscPressure:
             if self.ksp.getConvergedReason() > 0:
                 break
         else:
-            raise ConvergenceError("the equation of pressure does not converge: a part without inlet or outlet?")
+            raise ConvergenceError("the pressure equation did not converge; is a region without inlet and outlet?")
         p = np.empty_like(guess)
         p[:owned] = self.x.array
         self.grid.halo.exchange(p)

@@ -1,1 +1,1 @@
-"""Equations of a reacting bed: gas, solid phases, the inside of particles, the section across the flow."""
+"""Equations of a reacting bed: gas, solid phases, intraparticle gas, the section across the flow."""

@@ -248,7 +248,7 @@ class Bed:
         return gains
 
     def coupling(self) -> NDArray[np.float64] | None:
-        """Return the sources that are linear in the unknowns (m, m): diffusion between points inside of particles."""
+        """Return the sources that are linear in the unknowns (m, m): diffusion between intraparticle points."""
         parts = {name: phase.diffusion_inside() for name, phase in self.phases.items()}
         if all(part is None for part in parts.values()):
             return None
@@ -300,7 +300,7 @@ class Bed:
         return made, by_phase, inside
 
     def _adsorbed(self, reaction: Any) -> frozenset[str]:
-        """Return the gases that a reaction finds inside of the particles, which adsorb them; none elsewhere."""
+        """Return the intraparticle gases of a reaction, which the particles adsorb; none elsewhere."""
         if reaction.site == "gas" or reaction.own_film:
             return frozenset()
         inside = self.phases[reaction.phase].inside

@@ -1,4 +1,4 @@
-"""Gas inside of the particles of a bed: it diffuses in their pores, is adsorbed and reacts.
+"""Intraparticle gas of a bed: it diffuses in their pores, is adsorbed and reacts.
 
     dm/dt = r^-s d/dr( r^s D dc/dr ),   m = eps_p c + rho_p q(p, T_s)     per volume of particles [mol/m3]
     D dc/dr = k_f (c_bulk - c)          at the surface, r = R;  s = 2 of a sphere, 1 of a long cylinder
@@ -8,7 +8,7 @@ at the points of `particle.interior`, with its weights w and conduction matrix K
     w_i dm_i/dt = -(D/R^2) sum_j K_ij c_j + (n/R) k_f (c_bulk - c_i) [i is the surface]
 
 One concentration per particle is the same with one point and the film in series with R/((n + 2) D): the linear driving
-force of Glueckauf. With the film alone nothing resists inside. Isotherms, p_k = c_k R T_s the partial pressure:
+force of Glueckauf. With the external film only nothing resists inside. Isotherms, p_k = c_k R T_s the partial pressure:
 
     linear      q = H p                       H, b = their values at T_0 times exp(-dH/R (1/T_s - 1/T_0))
     Langmuir    q_k = q_s b_k p_k/(1 + sum_j b_j p_j)

@@ -7,12 +7,12 @@
     axis        N = 0
 
 In a duct heat and species pass along y and along z, each as between plane walls.
-F and S are those of `equations.bed` at each point: rings know of their neighbours by N alone. Finite volumes of equal
-width (`equations.parts`), whose exchange is of second order: what one ring gains through a face its neighbour loses to
-rounding. delta is the length from the middle of a ring to the wall, R ln(R/r) in a tube. The N_k sum to zero, so that
-the mass flux of each ring is what it is where it enters, or in time, where the gas is stored, what its own ring leaves
-of it: gas that expands goes along the bed, not across. Each solid phase conducts across by its share of the volume.
-The pressure is one over the section: its gradient is the mean of those of the rings by area.
+F and S are those of `equations.bed` at each point: rings are coupled only through the radial fluxes N. Finite volumes
+of equal width (`equations.parts`), whose exchange is of second order: what one ring gains through a face its neighbour
+loses to rounding. delta is the length from the middle of a ring to the wall, R ln(R/r) in a tube. The N_k sum to zero:
+there is no radial mass flow, and each ring keeps its inlet mass flux or, in transients with gas hold-up, satisfies its
+own axial continuity. Each solid phase conducts across by its share of the volume. The pressure is one over the section:
+its gradient is the area mean over the rings.
 
 Source: Froment, Bischoff, De Wilde 2011, Chemical Reactor Analysis and Design, ch. 11.7.
 """
@@ -46,7 +46,7 @@ class Section:
         return self._flat(self._parted(C)), self._flat(self._parted(D)), self._flat(sources)
 
     def held(self, u: Sequence[Any], by_bed: Callable[[list[Any]], list[Any]]) -> list[Any]:
-        """Return what is held per volume of bed by equation at points; `by_bed` gives that of all rings as of one."""
+        """Return the content per volume of bed by equation at points; `by_bed` gives that of all rings as of one."""
         return self._flat(self._parted(by_bed(self._joined(u))))
 
     def convective(self, u: Sequence[Any]) -> list[Any]:

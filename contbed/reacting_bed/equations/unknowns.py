@@ -16,7 +16,7 @@ class PhaseLayout:
 
     suffix : ends the names of its unknowns in a bed of several phases; "" for the only phase
     films : gases whose films around the particles are resolved
-    inside : gases that are known at `points` inside of the particles
+    inside : gases that are known at intraparticle `points`
     """
 
     name: str
@@ -37,7 +37,7 @@ class PhaseLayout:
 
     @cached_property
     def inner(self) -> tuple[str, ...]:
-        """Names of the unknowns inside of the particles."""
+        """Names of the intraparticle unknowns."""
         return tuple(self.full(f"a_{name}_{i}") for name in self.inside for i in range(self.points))
 
     @cached_property
@@ -87,7 +87,7 @@ class Layout:
 
     @property
     def inside(self) -> tuple[str, ...]:
-        """Gases inside of particles of any phase."""
+        """Intraparticle gases of any phase."""
         return tuple(dict.fromkeys(name for phase in self.phases for name in phase.inside))
 
     @cached_property

@@ -54,7 +54,7 @@ class Halo:
         return values
 
     def first(self, message: str) -> str:
-        """Return the message of the first rank that has one; empty if none has."""
+        """Return the message of the lowest rank that has one; empty if none has."""
         return message
 
 

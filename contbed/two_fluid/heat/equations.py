@@ -90,7 +90,7 @@ def fill_with_gas(energy: Energy, eps_s: Array, heat: HeatModel, model: Model) -
 def rate_of_steps(state: State, crossed: float, heat: HeatModel, model: Model) -> float:
     """Return one over the longest next step [1/s] that an ideal gas allows; 0 for a gas of constant density.
 
-    What the last step left open between mass, temperature and volume tells how long it may be, but the gas, which
+    What the last step left open between mass, temperature and volume limits its length, but the gas, which
     leaves a cell at the rate `crossed` [1/s], may always cross as much of a cell as the particles.
     """
     energy = state.energy

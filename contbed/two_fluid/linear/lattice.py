@@ -24,7 +24,7 @@ from contbed.two_fluid.fv.grid import Grid
 MAX_ASPECT = 1.5
 BLOCK = 2048  # places that one thread takes without a pause, about 3 us of work
 MIN_BLOCKS = 4  # of a lattice that threads share; on a smaller one a barrier costs more than it saves
-FINEST = np.int64(0)  # lattice; numba would compile functions once more for a Python 0
+FINEST = np.int64(0)  # lattice; numba would compile functions again for a Python 0
 Index = int | np.int64
 COARSE_LINK = 0.5  # a coarse link spans twice the distance of the links that it is the sum of (Braess 1995)
 

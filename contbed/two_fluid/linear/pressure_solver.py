@@ -70,7 +70,7 @@ class PressureSolver:
         p = guess.copy()
         self.iterations = self.method.solve(coef, self.floating, rhs, p)
         if self.iterations < 0:
-            raise ConvergenceError("the equation of pressure does not converge: a part without inlet or outlet?")
+            raise ConvergenceError("the pressure equation did not converge; is a region without inlet and outlet?")
         return p
 
     def solve_diffusion(self, system: System, explicit: float, tolerance: float, most: int, x: Array) -> int:
