@@ -9,6 +9,7 @@ heavy is imported when it is first used.
 
 from __future__ import annotations
 
+import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
     from contbed.runner import run
 
 
+if os.name == "nt":
+    raise ImportError("contbed locks files and yields cores by calls of POSIX: on Windows, run it in WSL")
 choose_cache()
 
 

@@ -17,7 +17,6 @@ Threads wait by looking at a counter, at first without a pause and then leaving 
 
 from __future__ import annotations
 
-import os
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,7 +32,7 @@ from contbed.compiled.functions import entry, inner
 TICKET, ARRIVED, SIZE = 0, 8, 16  # places of the counters, 64 bytes apart: a cache line each
 LOOKS = 2000  # at the counter before the core is left to others, about 5 us
 
-_yield_core = types.ExternalFunction("SwitchToThread" if os.name == "nt" else "sched_yield", types.int32())
+_yield_core = types.ExternalFunction("sched_yield", types.int32())
 
 
 class Crew(NamedTuple):

@@ -56,10 +56,10 @@ class _Unknown(Dual):
 
 
 class _Test(Linear):
-    __slots__ = ("key", "where")
+    __slots__ = ("key",)
 
-    def __init__(self, where: Domain, key: Any):
-        self.where, self.key = where, key
+    def __init__(self, key: Any):
+        self.key = key
         super().__init__({(*key, "v"): 1.0})
 
 
@@ -230,10 +230,11 @@ class System:
             out[name] = Components(parts) if ncomponents else parts[0]
         return SimpleNamespace(**out)
 
-    def _tests(self, where: Domain) -> SimpleNamespace:
+    def tests(self) -> SimpleNamespace:
+        """Return the test functions of all fields by name."""
         out = {}
         for name, (_, ncomponents) in self.fields.items():
-            parts = [_Test(where, (name, c)) for c in range(max(ncomponents, 1))]
+            parts = [_Test((name, c)) for c in range(max(ncomponents, 1))]
             out[name] = Components(parts) if ncomponents else parts[0]
         return SimpleNamespace(**out)
 
@@ -259,7 +260,7 @@ class System:
         residual = np.zeros(self.size)
         blocks: list[tuple[Any, Array]] = []
         for form, where, coeffs in forms:
-            integrand = form(self._trial(where, state, jacobian), self._tests(where), coeffs, Ops(where))
+            integrand = form(self._trial(where, state, jacobian), self.tests(), coeffs, Ops(where))
             if isinstance(integrand, Linear):
                 self._contract(integrand, where, residual, blocks if jacobian else None)
         if not jacobian:

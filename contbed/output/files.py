@@ -83,8 +83,6 @@ def _cannot_write(path: Path, error: OSError) -> ContbedError:
 
 def _flush(path: Path) -> None:
     """Wait until the disk holds a file, or the names in a folder."""
-    if os.name == "nt" and path.is_dir():
-        return
     descriptor = os.open(path, os.O_RDONLY if path.is_dir() else os.O_RDWR)
     try:
         os.fsync(descriptor)

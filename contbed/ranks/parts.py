@@ -146,17 +146,21 @@ def make_form(
     root: Any,
     key: int,
     space: int,
-    entries: Any,
-    widths: list[int],
+    recording: Any,
     degrees: list[int],
     measure: Any,
 ) -> None:
-    """Build the UFL forms of residual and Jacobian from a recording; they are compiled at first use."""
+    """Build the UFL forms of residual and Jacobian from a recording; they are compiled at first use.
+
+    recording : entries, results, and the number of columns of each array
+    degrees : of known fields
+    """
     import ufl
     from dolfinx import fem
 
     unknowns = all_ranks.objects[space]
     part = unknowns.part
+    entries, results, widths = recording
     kinds = [("cells",) if width == 1 else ("points", measure.points) for width in widths]
     arrays = [fem.Function(space_on(part, kind)) for kind in kinds]
     known = [fem.Function(space_on(part, ("nodes", degree))) for degree in degrees]
@@ -164,9 +168,9 @@ def make_form(
     for which in ("arrays", "known"):
         for k in range(len(getattr(stored, which))):
             set_array(all_ranks, next(root) if root else None, key, k, which)
-    stored.form = integral(replay(entries, stored), part, measure)
+    stored.form = integral(_integrand(entries, results, stored), part, measure)
     stored.slopes = [ufl.derivative(stored.form, unknowns.state, ufl.TrialFunction(unknowns.W))]
-    if any(entry[0] == "unknown" and entry[2] == "low" for entry in entries) and unknowns.low is not None:
+    if any(entry[0] == "slot" and entry[2] == "low" for entry in entries) and unknowns.low is not None:
         low = unknowns.low
         stored.slopes.append(ufl.derivative(stored.form, low.function, ufl.TrialFunction(low.space)))
     stored.jacobians = None
@@ -184,51 +188,35 @@ def integral(integrand: Any, part: Any, measure: Any) -> Any:
     return fem.Constant(part.mesh, measure.section) * integrand * dx
 
 
-def slot(field: Any, kind: Any) -> Any:
-    """Return the value, the gradient or a second derivative of a field in UFL."""
-    import ufl
-
-    if kind == "v":
-        return field
-    return ufl.grad(field)[kind[1]] if kind[0] == "g" else ufl.grad(ufl.grad(field))[kind[1], kind[2]]
-
-
-def replay(entries: Any, stored: Any) -> Any:
-    """Return the integrand of a recording in UFL."""
+def _integrand(entries: Any, results: Any, stored: Any) -> Any:
+    """Return what a recording integrates over cells, in UFL."""
     import ufl
     from dolfinx import fem
 
-    from contbed.ranks.ufl_forms import UFUNCS
+    from contbed.ranks.ufl import expressions, slot
 
     unknowns, mesh = stored.unknowns, stored.unknowns.part.mesh
-    leaves = {"unknown": unknowns.state, "test": ufl.TestFunction(unknowns.W)}
-    done: list[Any] = []
-    literal = {entry[2] for entry in entries if entry[0] in ("power", "float_power")}
-    for place, (operation, *operands) in enumerate(entries):
-        if operation == "number":
-            # a number that only scales may change without compiling the form again
-            plain = place in literal or operands[0] in (0.0, 1.0, -1.0)
-            value = ufl.as_ufl(operands[0]) if plain else fem.Constant(mesh, operands[0])
-        elif operation == "array":
-            value = stored.arrays[operands[0]]
-        elif operation in leaves:
-            component, kind = operands
-            if kind == "low":
-                value = (unknowns.state if unknowns.low is None else unknowns.low.function)[component]
-            else:
-                value = slot(leaves[operation][component], kind)
-        elif operation == "known":
-            value = slot(stored.known[operands[0]], operands[1])
-        elif operation == "x":
-            value = ufl.SpatialCoordinate(mesh)[operands[0]]
-        elif operation == "h":
-            value = ufl.MaxCellEdgeLength(mesh)
-        elif operation == "where":
-            value = ufl.conditional(*(done[k] for k in operands))
-        else:
-            value = UFUNCS[getattr(np, operation)](*(done[k] for k in operands))
-        done.append(value)
-    return done[-1]
+    tests = ufl.TestFunction(unknowns.W)
+
+    def number(value: float, plain: bool) -> Any:
+        # a number that only scales may change without compiling the form again
+        return ufl.as_ufl(value) if plain or value in (0.0, 1.0, -1.0) else fem.Constant(mesh, value)
+
+    def unknown(component: int, kind: Any) -> Any:
+        if kind == "low":
+            return (unknowns.state if unknowns.low is None else unknowns.low.function)[component]
+        return slot(unknowns.state[component], kind)
+
+    leaves = {
+        "number": number,
+        "array": stored.arrays.__getitem__,
+        "slot": unknown,
+        "known": lambda field, kind: slot(stored.known[field], kind),
+        "x": lambda axis: ufl.SpatialCoordinate(mesh)[axis],
+        "h": lambda: ufl.MaxCellEdgeLength(mesh),
+    }
+    done = expressions(entries, leaves)
+    return sum(done[entry] * slot(tests[component], kind) for component, kind, entry in results)
 
 
 def set_array(all_ranks: RankGroup, root: Any, key: int, index: int, which: str = "arrays") -> None:

@@ -1,7 +1,7 @@
 """Engine for MPI: forms compiled by FFCx, assembled by DOLFINx and solved by PETSc.
 
 `System` has the interface of `fem.skfem.System`, so problems do not know which engine they use. It records each
-form once (`ranks.tape`); every rank turns the recording into UFL on its part of the mesh and compiles it. The root rank
+form once (`ad.graph`); every rank turns the recording into UFL on its part of the mesh and compiles it. The root rank
 keeps vectors and known values in the numbering of its mesh; the other ranks get their part of a state and return their
 part of a residual (`ranks.parts`). Jacobians stay distributed (`ranks.petsc`).
 
@@ -22,12 +22,14 @@ from skfem.refdom import RefHex, RefLine, RefQuad, RefTet, RefTri
 
 from contbed.errors import EngineError
 from contbed.fem import skfem
+from contbed.fem.ad.dual import Components
+from contbed.fem.ad.graph import Field, Graph, Node, recorded
 from contbed.fem.elements import Space, lagrange
 from contbed.mesh.tensor import tensor_of
 from contbed.ranks import parts
 from contbed.ranks.group import RankGroup, rank_group
 from contbed.ranks.petsc import Layout, Matrix
-from contbed.ranks.tape import Recording, Tape, integrand
+from contbed.ranks.recording import KnownField, Recording, recording_of
 from contbed.solvers.linear import Policy
 
 CELLS = {RefLine: "interval", RefTri: "triangle", RefQuad: "quadrilateral", RefTet: "tetrahedron", RefHex: "hexahedron"}
@@ -78,7 +80,8 @@ class System(skfem.System):
         super().__init__(mesh, fields, order, **measure)
         self.ranks = rank_group()
         self.partition = Partition.of(self.ranks, mesh)
-        self.tape = Tape(self, self.cells)
+        self.graph, self.state = Graph(self._value), np.empty(0)
+        self._known: list[KnownField] = []
         self.key = self.ranks.new_key()
         self._compiled: dict[Any, _Compiled] = {}
         self.layout = self._distribute()
@@ -98,16 +101,43 @@ class System(skfem.System):
 
     def known(self, where: Any, space: Any, values: Any) -> Any:
         """Return a known finite-element field as coefficient on `where`."""
-        return self.tape.known(space, values) if where is self.cells else super().known(where, space, values)
+        if where is not self.cells:
+            return super().known(where, space, values)
+        if values.ndim > 1:
+            return Components(self.known(where, space, row) for row in values)
+        field = KnownField(space, values)
+        if field not in self._known:
+            self._known.append(field)
+        return Field(self.graph, "known", self._known.index(field))
+
+    def _value(self, place: int) -> Any:
+        """Return the array that a node stands for, with unknowns from the last state."""
+        return self._values([place])[0]
+
+    def _values(self, places: Sequence[int]) -> list[Any]:
+        return self.graph.values(places, self._leaf)
+
+    def _leaf(self, operation: str, operands: tuple[Any, ...]) -> Any:
+        where = self.cells
+        if operation in ("x", "h"):
+            return where.x[operands[0]] if operation == "x" else where.h
+        *what, kind = operands
+        if operation == "known":
+            field = self._known[what[0]]
+            space, start, values = field.space, 0, field.values
+        else:
+            space, start, values = self.fields[what[0]][0], self.offset[what[0], what[1]], self.state
+        found = skfem._Unknown(where, space, values[start + space.dofs[:, where.cells].T], None)
+        return found.value if kind == "v" else found.slot(kind).value
 
     def assemble(self, forms: Sequence[tuple[Any, Any, Any]], state: Any, jacobian: bool = True) -> tuple[Any, Any]:
         """Assemble the residual and, if wanted, the distributed Jacobian of the sum of `(form, domain, coeffs)`."""
         inside = [form for form in forms if form[1] is self.cells]
         edge = [form for form in forms if form[1] is not self.cells]
-        self.tape.state = state
+        self.state = state
         compiled = self._compiled_of(inside)
         residual, outer = super().assemble(edge, state, jacobian and bool(edge)) if edge else (0.0, None)
-        for indices in self.tape.renew(compiled.recording):
+        for indices in compiled.recording.renew(self._values):
             shares = self.partition.split(compiled.recording.arrays[indices])
             self.ranks.run_on_all(parts.set_array, compiled.key, indices, root=shares)
         key = self.ranks.new_key() if jacobian else None
@@ -122,11 +152,18 @@ class System(skfem.System):
         """
         signature = tuple((id(form), id(coeffs)) for form, _, coeffs in forms)
         if signature not in self._compiled:
-            whole = integrand(self.tape, forms)
-            if whole is None:
-                raise EngineError("the engine dolfinx needs at least one integral over cells")
-            self._compiled[signature] = _Compiled(self, self.tape.record(whole), forms)
+            self._compiled[signature] = _Compiled(self, self._recorded(forms), forms)
         return self._compiled[signature]
+
+    def _recorded(self, forms: Any) -> Recording:
+        """Return the recording of the sum of forms over cells."""
+        x = Components(self.graph.add("x", axis) for axis in range(self.cells.dim))
+        ops = skfem.Ops(self.cells, x, self.graph.add("h"))
+        coefficients: dict[Any, Node] = {}
+        for form, _, coeffs in forms:
+            for test, node in recorded(self.graph, self, form, coeffs, ops).items():
+                coefficients[test] = coefficients[test] + node if test in coefficients else node
+        return recording_of(self.graph, coefficients, [*self.offset], self.cells.shape)
 
     def __del__(self) -> None:
         if hasattr(self, "key"):
@@ -139,16 +176,16 @@ class _Compiled:
     def __init__(self, system: System, recording: Recording, forms: Any):
         self.ranks, self.recording, self.forms, self.key = system.ranks, recording, forms, system.ranks.new_key()
         partition = system.partition
-        known = (partition.split(field.values[_by_cell(field.space)]) for field in recording.known)
+        known = [system._known[number] for number in recording.known]
+        fields = (partition.split(field.values[_by_cell(field.space)]) for field in known)
         self.ranks.run_on_all(
             parts.make_form,
             self.key,
             system.key,
-            recording.entries,
-            [array.shape[1] for array in recording.arrays],
-            [field.space.degree for field in recording.known],
+            (recording.entries, recording.results, [array.shape[1] for array in recording.arrays]),
+            [field.space.degree for field in known],
             measure_of(system),
-            root=chain((partition.split(array) for array in recording.arrays), known),
+            root=chain((partition.split(array) for array in recording.arrays), fields),
         )
 
     def __del__(self) -> None:

@@ -13,7 +13,7 @@ from test_dual import EXPRESSION, evaluate
 
 from contbed.fem.ad.batched import Program, RecordedForms
 from contbed.fem.ad.dual import Components, Dual
-from contbed.fem.ad.graph import Graph, NotRecordableError, Unknown
+from contbed.fem.ad.graph import Field, Graph, Node, NotRecordableError
 from contbed.fem.ad.plan import planned, structure
 from contbed.fem.skfem import System
 
@@ -23,7 +23,7 @@ POINTS = 70  # more than are differentiated together
 def recorded(function: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
     """The function as a program: of two arrays its value and its derivatives to both."""
     graph = Graph()
-    result = function(*(Unknown(graph, (name, 0)) for name in "xy"))
+    result = function(*(Field(graph, "slot", name, 0) for name in "xy"))
     program = Program(graph, [graph.leaf(result).place], (1, POINTS))
 
     def evaluated(x: Any, y: Any) -> Any:
@@ -116,7 +116,7 @@ def test_forms_of_other_operations_have_other_plans() -> None:
 
 def plan_of(form: Callable[[Any, Any], Any]) -> Any:
     graph = Graph()
-    result = form(*(Unknown(graph, (name, 0)) for name in "xy"))
+    result = form(*(Field(graph, "slot", name, 0) for name in "xy"))
     return planned(structure(graph, [graph.leaf(result).place]))
 
 
@@ -186,5 +186,16 @@ def test_constant_results() -> None:
 
 def test_components_take_recorded_factors() -> None:
     graph = Graph()
-    x = Unknown(graph, ("x", 0))
+    x = Field(graph, "slot", "x", 0)
     assert all(item.place == x.place for item in (Components((1.0, 1.0)) * x).items)
+
+
+def test_a_node_beside_a_dual_number_is_its_value() -> None:
+    """As where the flow of a whole bed, recorded for all ranks, is integrated over a boundary on rank 0."""
+    graph = Graph(lambda place: graph.values([place], lambda *_: np.array([2.0, 3.0]))[0])
+    node, dual = Field(graph, "known", 0), Dual(np.array([5.0, 7.0]), {"T": np.ones(2)})
+    np.testing.assert_array_equal((node * 2.0).value, [4.0, 6.0])
+    for found, slope in ((node * dual, [2.0, 3.0]), (dual * node, [2.0, 3.0]), (node + dual - node, [1.0, 1.0])):
+        np.testing.assert_array_equal(found.tangents["T"], slope)
+    np.testing.assert_array_equal(np.where(node > 2.5, dual, node).value, [2.0, 7.0])
+    assert isinstance(node * node.value, Node)

@@ -1,4 +1,4 @@
-"""Every form, compiled by FFCx from its UFL side, gives the element residual that scikit-fem assembles.
+"""Every form, recorded and compiled by FFCx, gives the element residual that scikit-fem assembles.
 
 One general cell of each shape, random unknowns, the same quadrature points on both sides. Both sum the same terms in
 another order: they agree to 1e-12 of the largest entry, some thousand roundings.
@@ -19,21 +19,23 @@ import pytest
 import skfem
 from skfem.quadrature import get_quadrature
 
-from contbed.closures import dispersion_wakao_kaguei_axial, nusselt_gunn, wall_li_finlayson
+from contbed.closures import dispersion_wakao_kaguei_axial, nusselt_gunn
 from contbed.fem import stabilisation
 from contbed.fem.ad import dual
 from contbed.fem.ad.dual import Components
+from contbed.fem.ad.graph import Field, Graph, recorded
 from contbed.fem.elements import lagrange
 from contbed.fem.skfem import Ops, System
 from contbed.materials import ConstantFluid, Solid, gas_mixture
 from contbed.packed_bed.equations import porous_flow, two_energy
 from contbed.radiation.equations import p1 as radiation
+from contbed.ranks.recording import recording_of
 
 basix = pytest.importorskip("basix", reason="fenics-basix is not installed")
 pytest.importorskip("basix.ufl", reason="fenics-basix is older than these tests")
 ufl = pytest.importorskip("ufl", reason="fenics-ufl is not installed")
 jit = pytest.importorskip("ffcx.codegeneration.jit", reason="fenics-ffcx is not installed")
-ufl_forms = pytest.importorskip("contbed.ranks.ufl_forms", reason="fenics-basix is not installed")
+recorded_ufl = pytest.importorskip("contbed.ranks.ufl", reason="fenics-ufl is not installed")
 pytestmark = [
     pytest.mark.skipif(not (shutil.which("cc") or shutil.which("gcc")), reason="FFCx needs a C compiler: no cc, gcc"),
     pytest.mark.skipif(
@@ -110,19 +112,6 @@ def heat_coefficients(o: Any, velocity: Any, materials: Any, *, uniform: bool, s
     return two_energy.Coefficients(phases["fluid"], phases["solid"], exchange, lambda T: 0.05 * solid.conductivity(T))
 
 
-def wall_coefficients(o: Any, velocity: Any, inflow: float | None) -> two_energy.Wall:
-    """A stream, a heat flux and a wall coefficient by Li and Finlayson on one boundary."""
-    fluid, _ = real_properties()
-
-    def coefficient(unknowns: Any) -> Any:
-        T = unknowns.T_fluid
-        k, mu = fluid.conductivity(T), fluid.viscosity(T)
-        Re = np.sqrt(o.dot(velocity, velocity)) * fluid.density(T) * DIAMETER / mu
-        return wall_li_finlayson(Re, mu * fluid.heat_capacity(T) / k, k, DIAMETER, BED)
-
-    return two_energy.Wall("T_fluid", velocity * 1.3, fluid.enthalpy, inflow, 200.0, coefficient, 350.0)
-
-
 @dataclass(frozen=True)
 class Case:
     """A form with its coefficients, `coeffs(ops, velocity field)`."""
@@ -132,7 +121,6 @@ class Case:
     fields: Callable[[int], dict[str, tuple[int, int]]]
     order: int = 5
     axisymmetric: bool = False
-    facet: int | None = None
     scale: tuple[float, float] = (-1.0, 1.0)
 
 
@@ -164,14 +152,13 @@ def heat(
 OPTICS = radiation.Coefficients({"T_solid": 0.7, "T_fluid": 0.2}, 0.9, 4e4, 0.3)
 
 
-def radiating(form: Any, coeffs: Any, *, facet: int | None = None, axisymmetric: bool = False) -> Case:
+def radiating(form: Any, coeffs: Any, *, axisymmetric: bool = False) -> Case:
     """Incident radiation beside both temperatures."""
     return Case(
         form,
         coeffs,
         lambda dim: dict.fromkeys((*two_energy.FIELDS, *radiation.FIELDS), (2, 0)),
         axisymmetric=axisymmetric,
-        facet=facet,
         scale=(300.0, 1200.0),
     )
 
@@ -182,18 +169,6 @@ def heat_with_radiation(o: Any, known: Any) -> Any:
     return replace(c, radiated=lambda unknowns: radiation.absorbed(unknowns.T_solid, unknowns.G, 0.7))
 
 
-def wall(facet: int, inflow: float | None, axisymmetric: bool = False) -> Case:
-    """One phase on one facet."""
-    return Case(
-        two_energy.boundary,
-        lambda o, known: wall_coefficients(o, known, inflow),
-        lambda dim: dict.fromkeys(two_energy.FIELDS, (2, 0)),
-        axisymmetric=axisymmetric,
-        facet=facet,
-        scale=(300.0, 1200.0),
-    )
-
-
 CASES = {
     "flow": flow(),
     "heat_uniform_velocity_degree_1": heat(two_energy.residual, constant_properties, uniform=True, degree=1),
@@ -202,55 +177,76 @@ CASES = {
     "heat_gas": heat(two_energy.residual, real_properties),
     "heat_gas_degree_3": heat(two_energy.residual, real_properties, degree=3),
     "storage": heat(two_energy.storage, real_properties),
-    "wall_outflow": wall(0, None),
-    "wall_inflow": wall(1, 2e5),
     "radiation": radiating(radiation.residual, lambda o, known: OPTICS),
-    "radiation_wall": radiating(radiation.boundary, lambda o, known: radiation.Surface(0.6, 300.0), facet=1),
     "heat_with_radiation": radiating(two_energy.residual, heat_with_radiation),
 }
 ROUND = {
     "flow_axisymmetric": flow(axisymmetric=True),
     "heat_axisymmetric": heat(two_energy.residual, real_properties, axisymmetric=True),
     "storage_axisymmetric": heat(two_energy.storage, real_properties, axisymmetric=True),
-    "wall_axisymmetric": wall(2, None, axisymmetric=True),
     "radiation_axisymmetric": radiating(radiation.residual, lambda o, known: OPTICS, axisymmetric=True),
 }
 ALL = [(cell, name) for cell in MESHES for name in (CASES if cell == "tetrahedron" else CASES | ROUND)]
 
 
+def lagrange_element(cell: str, degree: int, ncomponents: int) -> Any:
+    """The element with equispaced nodes: a vector, or a scalar for 0 components."""
+    shape = (ncomponents,) if ncomponents else None
+    return basix.ufl.element("P", cell, degree, lagrange_variant=basix.LagrangeVariant.equispaced, shape=shape)
+
+
 class Element:
-    """One case on one cell: the UFL form, the scikit-fem system, and data for both."""
+    """One case on one cell: the form recorded and in UFL, the scikit-fem system, and data for both."""
 
     def __init__(self, cell: str, case: Case):
         mesh = MESHES[cell]
+        dim = mesh.dim()
         self.cell, self.case = cell, case
-        fields = case.fields(mesh.dim())
-        mesh = mesh.with_boundaries({"facet": np.array([case.facet or 0])})
+        fields = case.fields(dim)
         self.system = System(mesh, fields, case.order, axisymmetric=case.axisymmetric)
-        self.ufl_system = ufl_forms.UflSystem(cell, fields, case.axisymmetric)
-        self.velocity_system = System(mesh, {"u": (2, mesh.dim())}, case.order)
-        self.velocity, known = self.ufl_system.known(2, mesh.dim())
-        self.velocity_element = SimpleNamespace(sub_elements=[self.velocity.ufl_element()])
-        refdom = mesh.elem.refdom
-        rule = get_quadrature(refdom if case.facet is None else refdom.brefdom, case.order)
-        self.form = self.ufl_system.form(
-            case.form,
-            case.coeffs(self.ufl_system.ops, known),
-            order=case.order,
-            rule=(rule[0].T.copy(), rule[1]),
-            facets=case.facet is not None,
-        )
+        self.velocity_system = System(mesh, {"u": (2, dim)}, case.order)
+        self.mesh = ufl.Mesh(lagrange_element(cell, 1, dim))
+        self.element = basix.ufl.mixed_element([lagrange_element(cell, *field) for field in fields.values()])
+        self.element_low = basix.ufl.mixed_element([lagrange_element(cell, 1, n) for _, n in fields.values()])
+        velocity = lagrange_element(cell, 2, dim)
+        self.velocity_element = SimpleNamespace(sub_elements=[velocity])
+        spaces = (ufl.FunctionSpace(self.mesh, element) for element in (self.element, self.element_low, velocity))
+        self.state, self.state_low, self.velocity = (ufl.Coefficient(space) for space in spaces)
+        self.form = self._form()
         random = np.random.default_rng(7)
-        self.state = random.uniform(*case.scale, self.system.size)
-        self.velocity_state = random.uniform(-1.0, 1.0, self.velocity_system.size)
+        self.values = random.uniform(*case.scale, self.system.size)
+        self.velocity_values = random.uniform(-1.0, 1.0, self.velocity_system.size)
+
+    def _form(self) -> Any:
+        """The form in UFL, by way of its recording; a component of the velocity is a known field."""
+        system, case, graph = self.system, self.case, Graph()
+        x = Components(graph.add("x", axis) for axis in range(system.mesh.dim()))
+        ops = Ops(system.cells, x, graph.add("h"))
+        known = Components(Field(graph, "known", axis) for axis in range(system.mesh.dim()))
+        coefficients = recorded(graph, system, case.form, case.coeffs(ops, known), ops)
+        found = recording_of(graph, coefficients, [*system.offset], system.cells.shape)
+        slot, place = recorded_ufl.slot, ufl.SpatialCoordinate(self.mesh)
+        leaves = {
+            "number": lambda value, plain: ufl.as_ufl(value),
+            "slot": lambda k, kind: self.state_low[k] if kind == "low" else slot(self.state[k], kind),
+            "known": lambda k, kind: slot(self.velocity[k], kind),
+            "x": lambda axis: place[axis],
+            "h": lambda: ufl.MaxCellEdgeLength(self.mesh),
+        }
+        done, tests = recorded_ufl.expressions(found.entries, leaves), ufl.TestFunction(self.state.ufl_function_space())
+        integrand = sum(done[entry] * slot(tests[k], kind) for k, kind, entry in found.results)
+        if case.axisymmetric:
+            integrand = 2.0 * np.pi * place[0] * integrand
+        points, weights = get_quadrature(system.mesh.elem.refdom, case.order)
+        rule = {"quadrature_rule": "custom", "quadrature_points": points.T.copy(), "quadrature_weights": weights}
+        return integrand * ufl.dx(domain=self.mesh, metadata={"quadrature_degree": case.order, **rule})
 
     def scikit_fem(self, jacobian: bool = False) -> tuple[Any, Any]:
         """Residual and Jacobian of `System`."""
         system, case = self.system, self.case
-        where = system.cells if case.facet is None else system.boundary("facet")[0]
-        space = self.velocity_system.fields["u"][0]
-        known = system.known(where, space, self.velocity_system.part(self.velocity_state, "u"))
-        return system.assemble([(case.form, where, case.coeffs(Ops(where), known))], self.state, jacobian)
+        where, space = system.cells, self.velocity_system.fields["u"][0]
+        known = system.known(where, space, self.velocity_system.part(self.velocity_values, "u"))
+        return system.assemble([(case.form, where, case.coeffs(Ops(where), known))], self.values, jacobian)
 
     def places(self, system: System, element: Any) -> Any:
         """Number in the system of each local unknown of a UFL element, found by the coordinates of its node."""
@@ -266,25 +262,23 @@ class Element:
 
     def tabulate(self, form: Any, compiled: Any, ffi: Any) -> Any:
         """The element tensor of a compiled form, in the numbering of the scikit-fem system."""
-        places = self.places(self.system, self.ufl_system.element)
-        vertices = self.places(self.system, self.ufl_system.element_low)
+        places = self.places(self.system, self.element)
+        vertices = self.places(self.system, self.element_low)
         velocity = self.places(self.velocity_system, self.velocity_element)
         data = {
-            self.ufl_system.state: self.state[places],
-            self.ufl_system.state_low: self.state[vertices],
-            self.velocity: self.velocity_state[velocity],
+            self.state: self.values[places],
+            self.state_low: self.values[vertices],
+            self.velocity: self.velocity_values[velocity],
         }
         used = [compiled.original_coefficient_positions[k] for k in range(compiled.num_coefficients)]
         w = np.concatenate([data[form.coefficients()[k]] for k in used])
         mesh, order = self.system.mesh, BASIX_ORDER[self.cell]
         x = np.zeros((len(order), 3))
         x[:, : mesh.dim()] = mesh.p[:, mesh.t[order, 0]].T
-        on_facet = [k for k, vertex in enumerate(order) if vertex in mesh.facets[:, self.case.facet or 0]]
-        facet = np.array([basix.topology(basix.CellType[self.cell])[-2].index(on_facet)], dtype=np.int32)
         A = np.zeros((len(places),) * compiled.rank)
         pointer = [ffi.cast("double*", array.ctypes.data) for array in (A, w, np.zeros(1), x)]
         kernel = compiled.form_integrals[0].tabulate_tensor_float64
-        kernel(*pointer, ffi.cast("int*", facet.ctypes.data), ffi.NULL, ffi.NULL)
+        kernel(*pointer, ffi.NULL, ffi.NULL, ffi.NULL)
         out = np.zeros((self.system.size,) * compiled.rank)
         out[np.ix_(*[places] * compiled.rank)] = A
         return out
@@ -298,7 +292,7 @@ def compiled(cell: str) -> dict[str, tuple[Element, Any]]:
     forms = {name: element.form for name, element in elements.items()}
     if cell == "triangle":
         elements["flow_jacobian"] = elements["flow"]
-        forms["flow_jacobian"] = ufl.derivative(forms["flow"], elements["flow"].ufl_system.state)
+        forms["flow_jacobian"] = ufl.derivative(forms["flow"], elements["flow"].state)
     with TemporaryDirectory() as folder:
         found, module, _ = jit.compile_forms(
             list(forms.values()), cache_dir=folder, cffi_extra_compile_args=["-O0"], timeout=60
@@ -330,35 +324,42 @@ def test_derivative_equals_dual_numbers() -> None:
 UNARY, BINARY = set(dual._UNARY), set(dual._BINARY) | {np.power, np.float_power}
 
 
+def at_a_point(function: Callable[[Any, Any], Any]) -> float:
+    """A function of the coordinates x and y of the point (0.3, 0.8), recorded and evaluated by UFL."""
+    graph = Graph()
+    x, y = (graph.add("x", axis) for axis in range(2))
+    found = recording_of(graph, {("T", 0, "v"): graph.leaf(function(x, y))}, [("T", 0)], (1, 1))
+    place = ufl.SpatialCoordinate(ufl.Mesh(lagrange_element("triangle", 1, 2)))
+    leaves = {"number": lambda value, plain: ufl.as_ufl(value), "x": lambda axis: place[axis]}
+    value: float = recorded_ufl.expressions(found.entries, leaves)[found.results[0][2]]((0.3, 0.8))
+    return value
+
+
 @pytest.mark.parametrize("ufunc", sorted(UNARY | BINARY | dual._COMPARISONS, key=str), ids=lambda f: f.__name__)
 def test_every_function_of_dual_numbers_has_a_counterpart(ufunc: Any) -> None:
-    at = (0.3, 0.8)
-    x, y = ufl_forms.UflSystem("triangle", {"T": (1, 0)}).ops.x
-    for pair, values in (((x, y), at), ((y, x), at[::-1]), ((x, 0.3), (0.3, 0.3))):
-        arguments = 1 if ufunc in UNARY else 2
-        found, expected = ufunc(*pair[:arguments]), ufunc(*values[:arguments])
-        if ufunc in dual._COMPARISONS:
-            found, expected = np.where(found, 2.0 * x, y), 0.6 if expected else 0.8
-        assert found.expression(at) == pytest.approx(expected, rel=1e-14)  # two roundings
+    pairs: list[Callable[[Any, Any], Any]] = [lambda x, y: (x, y), lambda x, y: (y, x), lambda x, y: (x, 0.3)]
+    for pair in pairs:
+
+        def function(x: Any, y: Any, pair: Any = pair) -> Any:
+            found = ufunc(*pair(x, y)[: 1 if ufunc in UNARY else 2])
+            return np.where(found, 2.0 * x, y) if ufunc in dual._COMPARISONS else found
+
+        assert at_a_point(function) == pytest.approx(float(function(0.3, 0.8)), rel=1e-14)  # two roundings
 
 
-def test_conditions_combine() -> None:
-    at = (0.3, 0.8)
-    x, y = ufl_forms.UflSystem("triangle", {"T": (1, 0)}).ops.x
-    for condition, expected in (
-        ((x < y) & (x < 0.1), 2.0),
-        ((x < y) | (x < 0.1), 1.0),
-        (~(x < y), 2.0),
-        (np.logical_and(x < y, y < 1.0), 1.0),
-        (np.logical_or(x > y, y > 1.0), 2.0),
-        (np.logical_not(x > y), 1.0),
-    ):
-        assert np.where(condition, 1.0, 2.0).expression(at) == expected
-    assert np.where(1.0 < 2.0, x, y) is x
-    assert np.where(1.0 > 2.0, x, y) is y
-
-
-def test_unsupported_ufunc() -> None:
-    field = ufl_forms.UflSystem("triangle", {"T": (1, 0)}).unknowns.T
-    with pytest.raises(TypeError, match=r"numpy\.sinh"):
-        np.sinh(field)
+@pytest.mark.parametrize(
+    "condition",
+    [
+        lambda x, y: (x < y) & (x < 0.1),
+        lambda x, y: (x < y) | (x < 0.1),
+        lambda x, y: np.logical_not(x < y),
+        lambda x, y: np.logical_and(x < y, y < 1.0),
+        lambda x, y: np.logical_or(x > y, y > 1.0),
+        lambda x, y: np.invert(np.greater(x, y)),
+        lambda x, y: 1.0 < 2.0,
+        lambda x, y: 1.0 > 2.0,
+    ],
+)
+def test_conditions_combine(condition: Any) -> None:
+    expected = np.where(condition(np.float64(0.3), np.float64(0.8)), 0.3, 1.6)
+    assert at_a_point(lambda x, y: np.where(condition(x, y), x, 2.0 * y)) == expected

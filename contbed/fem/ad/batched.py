@@ -12,16 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from contbed.fem.ad.dual import Components, Linear
-from contbed.fem.ad.graph import Graph, Unknown
-from contbed.fem.ad.plan import LEAVES, planned, structure
+from contbed.fem.ad.graph import LEAVES, Graph, recorded
+from contbed.fem.ad.plan import planned, structure
 from contbed.fem.domain import Domain
 from contbed.fem.skfem import Form, Ops, System, _Unknown
 
@@ -145,14 +143,10 @@ class RecordedForm:
 
     def __init__(self, system: System, form: Form, where: Domain, coeffs: Any, graph: Graph | None = None):
         self._system, self._where = system, where
-        graph, unknowns = graph or Graph(), {}
-        for name, (_, ncomponents) in system.fields.items():
-            parts = [Unknown(graph, (name, k)) for k in range(max(ncomponents, 1))]
-            unknowns[name] = Components(parts) if ncomponents else parts[0]
-        integrand = form(SimpleNamespace(**unknowns), system._tests(where), coeffs, Ops(where))
-        slots = integrand.slots if isinstance(integrand, Linear) else {}
-        tests = list(slots)  # (name, component, kind) by the number of the result
-        self.program = Program(graph, [graph.leaf(c).place for c in slots.values()], where.weight.shape)
+        graph = graph or Graph()
+        coefficients = recorded(graph, system, form, coeffs, Ops(where))
+        tests = list(coefficients)  # (name, component, kind) by the number of the result
+        self.program = Program(graph, [node.place for node in coefficients.values()], where.weight.shape)
         self._fields = _Groups((self._space(slot), slot[2], slot[:2]) for slot in self.program.slots)
         self._rows = _Groups((self._space(test), test[2], test[:2]) for test in tests)
         self._pairs = _Groups(

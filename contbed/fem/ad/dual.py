@@ -65,7 +65,7 @@ def _operator(ufunc: np.ufunc, name: str) -> Callable[[Any, Any], Any]:
 
     def operate(self: Dual, other: Any) -> Any:
         kind = type(other)
-        if not self.plain or not (kind in _CONSTANTS or (issubclass(kind, Dual) and other.plain)):
+        if not (kind in _CONSTANTS or issubclass(kind, Dual)):
             return by_protocol(self, other)
         if kind in _CONSTANTS:
             second, of_second = other, _NONE
@@ -86,7 +86,7 @@ def _reversed(ufunc: np.ufunc, name: str) -> Callable[[Any, Any], Any]:
     by_protocol, rule = getattr(NDArrayOperatorsMixin, name), _BINARY[ufunc]
 
     def operate(self: Dual, other: Any) -> Any:
-        if not self.plain or type(other) not in _CONSTANTS:
+        if type(other) not in _CONSTANTS:
             return by_protocol(self, other)
         result = ufunc(other, self.value)
         if not self.tangents:
@@ -100,7 +100,6 @@ class Dual(NDArrayOperatorsMixin):
     """A value at all quadrature points with its derivative to each slot it depends on."""
 
     __slots__ = ("tangents", "value")
-    plain = True  # whether operators do what this class says; a subclass that records them is none
 
     def __init__(self, value: Array, tangents: dict[Slot, Array]):
         self.value = value
@@ -152,7 +151,7 @@ class Dual(NDArrayOperatorsMixin):
         )
 
     def __array_function__(self, function: Any, types: Any, args: Any, kwargs: Any) -> Any:
-        if function is not np.where:
+        if function is not np.where or any(isinstance(item, Symbolic) for item in args):
             return NotImplemented
         condition, yes, no = np.asarray(args[0]), args[1], args[2]
         chosen = np.where(condition, getattr(yes, "value", yes), getattr(no, "value", no))
@@ -235,4 +234,10 @@ class Components:
         return Components(a / divisor for a in self.items)
 
 
-_OTHERS = (Linear, Components)
+class Symbolic(NDArrayOperatorsMixin):
+    """A pointwise value that is recorded and computed later, see `ad.graph`."""
+
+    __slots__ = ()
+
+
+_OTHERS = (Linear, Components, Symbolic)

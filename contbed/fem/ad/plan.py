@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 
 from contbed.fem.ad.dual import _BINARY, _UNARY
 from contbed.fem.ad.elimination import Elimination
-from contbed.fem.ad.graph import Graph
+from contbed.fem.ad.graph import LEAVES, Graph, live
 
 Array = NDArray[np.float64]
-LEAVES = ("slot", "number", "array", "parameter")
 KEPT = 32  # plans, of a few hundred kilobytes each; a bed that reacts has five
 
 
@@ -73,7 +72,7 @@ class Plan:
             () if operation in LEAVES else items
             for operation, items in zip(what.operations, what.operands, strict=True)
         ]
-        self.live = self._live(what.results)
+        self.live = live(self.operands.__getitem__, what.results)
         slots = [k for k in self.live if what.operations[k] == "slot"]
         others = [k for k in self.live if what.operations[k] != "slot"]
         self.slots = [what.operands[k] for k in slots]
@@ -87,16 +86,6 @@ class Plan:
         place = {k: n for n, k in enumerate(slots)}
         self.derivatives = [(result, place[leaf], row) for result, leaf, row in found.derivatives]
         self.batches, self.size = found.batches, found.end
-
-    def _live(self, results: Sequence[int]) -> list[int]:
-        live: set[int] = set()
-        stack = list(results)
-        while stack:
-            node = stack.pop()
-            if node not in live:
-                live.add(node)
-                stack += self.operands[node]
-        return sorted(live)
 
     def _edges(self, results: Sequence[int]) -> list[tuple[int, int, int]]:
         """Return (operand, node, row) of all derivatives; those that are computed by rules join `slopes`."""
