@@ -98,12 +98,20 @@ def table_of(model: type[_Table], values: dict[str, Any], origin: Origin) -> _Ta
     ------
     SceneError : all mistakes, each with file and line
     """
+    if found := mistakes_of(model, values):
+        raise SceneError(list(dict.fromkeys(one_line(f"{origin.at(path)}: {text}") for path, text in found)))
+    return model.model_validate(values)
+
+
+def mistakes_of(model: type[BaseModel], values: dict[str, Any]) -> list[tuple[KeyPath, str]]:
+    """Return the mistakes in a table that should be a `model`: path, and key, value and what is wrong."""
     try:
-        return model.model_validate(values)
+        model.model_validate(values)
     except ValidationError as invalid:
         errors = _own(invalid.errors(include_url=False))
-    found = [_translate(error, values, schema.of(model)) for error in errors]
-    raise SceneError(list(dict.fromkeys(_line(origin, values, path, text) for path, text in found)))
+        found = (_translate(error, values, schema.of(model)) for error in errors)
+        return [(path, _about(values, path, text)) for path, text in found]
+    return []
 
 
 def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any]) -> Any:
@@ -325,9 +333,14 @@ def _value(values: Any, path: KeyPath) -> Any:
 
 
 def _line(origin: Origin, values: dict[str, Any], path: KeyPath, text: str) -> str:
+    return one_line(f"{origin.at(path)}: {_about(values, path, text)}")
+
+
+def _about(values: dict[str, Any], path: KeyPath, text: str) -> str:
+    """Return what is wrong with a key behind its name and value."""
     value = _value(values, path)
     shown = "" if value is None or isinstance(value, dict) else f" = {_shown(value)}"
-    return one_line(f"{origin.at(path)}: {dotted(path)}{shown}: {text}")
+    return f"{dotted(path)}{shown}: {text}"
 
 
 def _shown(value: Any) -> str:

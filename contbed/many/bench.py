@@ -39,10 +39,9 @@ import numpy as np
 from pydantic import Field
 
 from contbed.errors import ContbedError, SceneError
-from contbed.loading import table_of
+from contbed.many.study_file import StudyFile
 from contbed.output.files import atomic
 from contbed.scene.quantities import Positive, Table, Whole
-from contbed.scene.toml_lines import read
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 HEADERS = ("part", "case", "unknowns", "error", "user_s", "ratio")
@@ -158,8 +157,7 @@ def machine() -> str:
 def _read(file: Path) -> Settings:
     if not file.is_file():
         raise ContbedError(f"{file}: no such file; a study to measure lists its programs there")
-    values, origin = read(file)
-    found = table_of(Settings, values, origin)
+    found = StudyFile(file, Settings).settings
     if found.curves is None and not found.race:
         raise SceneError(f"{file}:1: nothing to measure; give [curves], or [[race]] tables")
     return found

@@ -13,40 +13,92 @@ its values. The Latin hypercube has one point in each of `count` slices of equal
 (McKay, Beckman & Conover 1979, doi:10.1080/00401706.1979.10489755); the Sobol points fill all dimensions evenly if
 `count` is a power of two (Owen 1998, doi:10.1006/jcom.1998.0487).
 
-Mistakes are reported to `say(path below the table, text)`, and what could not be read is None.
+Mistakes are reported to `say(path below the table, text)`; what could not be read is None.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from contbed.errors import ContbedError
 from contbed.many.distributions import Distribution
+from contbed.many.study_file import Say, checked
 from contbed.scene.names import nearest
+from contbed.scene.quantities import Switch, Table, Whole
 
 Array = NDArray[np.float64]
-Say = Callable[[tuple[str, ...], str], None]
+Method = Literal["latin_hypercube", "sobol", "sobol_indices", "morris"]
 
 MOST_RUNS = 100_000
-METHODS = ("latin_hypercube", "sobol", "sobol_indices", "morris")
 BY_THEMSELVES = ("sobol_indices", "morris")  # methods whose points belong together, one group for each of `count`
 LEVELS = 4  # of a Morris design, as its authors take
 TAIL = 0.05  # probability below and above the values of a normal distribution in a Morris design, which has ends
-SPACINGS = ("linear", "log")
 MAGNITUDE = re.compile(r"^[\s+-]*[\d.]+(?:[eE][+-]?\d+)?")
-DISTRIBUTIONS = {
-    "uniform": ("from", "to"),
-    "log_uniform": ("from", "to"),
-    "normal": ("mean", "deviation"),
-    "log_normal": ("median", "factor"),
-}
 _BY_KEY = {"mean": "normal", "median": "log_normal"}  # distributions that are known by a key of theirs
+
+
+class Ends(Table):
+    """Two ends, numbers in the unit of the key or with a unit."""
+
+    kind: ClassVar[str] = "values"
+
+    low: Any = Field(None, alias="from")
+    high: Any = Field(None, alias="to")
+
+
+class Range(Ends):
+    """Values from one end to the other."""
+
+    count: Annotated[Whole, Field(ge=2, le=MOST_RUNS)]
+    spacing: Literal["linear", "log"] = "linear"
+
+
+class Even(Ends):
+    """An even distribution, of the value or of its logarithm."""
+
+    distribution: Literal["uniform", "log_uniform"] = "uniform"
+
+
+class EvenIntegers(Ends):
+    """An even distribution, of integers if so asked."""
+
+    distribution: Literal["uniform"] = "uniform"
+    integer: Switch = False
+
+
+class Normal(Table):
+    """A normal distribution."""
+
+    kind: ClassVar[str] = "values"
+
+    distribution: Literal["normal"] = "normal"
+    mean: Any = None
+    deviation: Any = None
+
+
+class LogNormal(Table):
+    """A normal distribution of the logarithm."""
+
+    kind: ClassVar[str] = "values"
+
+    distribution: Literal["log_normal"] = "log_normal"
+    median: Any = None
+    factor: Any = None
+
+
+DISTRIBUTIONS: dict[str, type[Table]] = {
+    "uniform": Even,
+    "log_uniform": Even,
+    "normal": Normal,
+    "log_normal": LogNormal,
+}
 
 
 def is_values(entry: Any) -> bool:
@@ -81,14 +133,13 @@ def values(entry: Any, unit: str | None, say: Say) -> list[Any] | None:
     if not {"from", "to"} & entry.keys() and {"distribution", *_BY_KEY} & entry.keys():
         say((), "is a distribution, which a sample is drawn from; give it under [sample.parameters]")
         return None
-    _only(entry, ("from", "to", "count", "spacing"), say)
-    count = whole(entry, "count", 2, MOST_RUNS, say)
-    spacing = choice(entry, "spacing", SPACINGS, say, "linear")
-    ends = _ends(entry, unit, spacing == "log", say)
-    if ends is None or count is None or spacing is None:
+    table = checked(Range, entry, say)
+    ends = _ends(entry, unit, entry.get("spacing") == "log", say)
+    if table is None or ends is None:
         return None
+    steps = np.geomspace if table.spacing == "log" else np.linspace
     with np.errstate(over="ignore", invalid="ignore"):
-        found = (np.geomspace if spacing == "log" else np.linspace)(*ends, count)
+        found = steps(*ends, table.count)
     if not np.isfinite(found).all():
         say((), "the range is too wide for a computer's numbers")
         return None
@@ -103,13 +154,13 @@ def distribution(entry: Any, unit: str | None, say: Say, counts: bool = False) -
         say((), "expected a distribution: { from, to }, { mean, deviation } or { median, factor }")
         return None
     usual = next((name for key, name in _BY_KEY.items() if key in entry), "uniform")
-    name = choice(entry, "distribution", tuple(DISTRIBUTIONS), say, usual)
-    if name is None:
+    name = str(entry.get("distribution", usual))
+    if name not in DISTRIBUTIONS:
+        say(("distribution",), f"distribution is {name!r}; {nearest(name, list(DISTRIBUTIONS))}")
         return None
-    whole_numbers = entry.get("integer", False) if counts and name == "uniform" else False
-    _only(entry, ("distribution", *DISTRIBUTIONS[name], *(("integer",) if counts and name == "uniform" else ())), say)
-    if not isinstance(whole_numbers, bool):
-        say(("integer",), "integer: expected true or false")
+    may_count = counts and name == "uniform"
+    table = checked(EvenIntegers if may_count else DISTRIBUTIONS[name], entry, say)
+    if table is None:
         return None
     if name == "normal":
         return _normal(entry, unit, say)
@@ -121,10 +172,11 @@ def distribution(entry: Any, unit: str | None, say: Say, counts: bool = False) -
     if ends[0] > ends[1] and not (name == "log_uniform" and ends[0] < 0.0):  # by size, as negative logarithms go
         say((), f"from {ends[0]:g} to {ends[1]:g}; give the lower end first")
         return None
-    if whole_numbers and not (ends[0].is_integer() and ends[1].is_integer()):
+    integers = isinstance(table, EvenIntegers) and table.integer
+    if integers and not (ends[0].is_integer() and ends[1].is_integer()):
         say((), f"integers from {ends[0]:g} to {ends[1]:g}; give integers")
         return None
-    return Distribution(*ends, even=True, logarithmic=name == "log_uniform", whole=whole_numbers)
+    return Distribution(*ends, even=True, logarithmic=name == "log_uniform", whole=integers)
 
 
 def tidy(value: float) -> float:
@@ -187,26 +239,6 @@ def within_tails(u: Array, spread: Distribution) -> Array:
     return u if spread.even else TAIL + (1.0 - 2.0 * TAIL) * u
 
 
-def whole(entry: Mapping[str, Any], key: str, low: int, high: int, say: Say, default: int | None = None) -> int | None:
-    """Return the integer of a key, within bounds."""
-    value = entry.get(key, default)
-    if isinstance(value, int) and not isinstance(value, bool) and low <= value <= high:
-        return value
-    say((key,) if key in entry else (), f"{key} is {_shown(entry, key)}; allowed: an integer from {low} to {high}")
-    return None
-
-
-def choice(
-    entry: Mapping[str, Any], key: str, known: Sequence[str], say: Say, default: str | None = None
-) -> str | None:
-    """Return the choice of a key."""
-    value = entry.get(key, default)
-    if value in known:
-        return str(value)
-    say((key,) if key in entry else (), f"{key} is {_shown(entry, key)}; {nearest(str(value), list(known))}")
-    return None
-
-
 def _ends(entry: Mapping[str, Any], unit: str | None, logarithmic: bool, say: Say) -> tuple[float, float] | None:
     low, high = (number(entry, key, unit, say) for key in ("from", "to"))
     if low is None or high is None:
@@ -257,12 +289,6 @@ def number(entry: Mapping[str, Any], key: str, unit: str | None, say: Say, diffe
     plain = "a plain number, this key has no unit" if isinstance(value, str) else "a finite number"
     say((key,) if key in entry else (), f"{key} is {_shown(entry, key)}; allowed: {plain}")
     return None
-
-
-def _only(entry: Mapping[str, Any], known: tuple[str, ...], say: Say) -> None:
-    for key in entry:
-        if key not in known:
-            say((key,), f"{key}: unknown key; {nearest(key, list(known))}")
 
 
 def _shown(entry: Mapping[str, Any], key: str) -> str:

@@ -35,7 +35,7 @@ _definitions: dict[str, Node] = {}  # of the schemas that have been asked for; o
 def of(model: Any) -> Node:
     """Return the JSON schema of a kind of scene from its pydantic model."""
     found: Node = model.model_json_schema(ref_template=f"{model.kind}/{{model}}")
-    _definitions.update({f"{model.kind}/{name}": node for name, node in found["$defs"].items()})
+    _definitions.update({f"{model.kind}/{name}": node for name, node in found.get("$defs", {}).items()})
     return found
 
 
@@ -113,7 +113,7 @@ def keys(node: Node) -> list[str]:
 
 def is_closure(option: Node) -> bool:
     """Return whether an option is a closure's table, the only one that may have further keys."""
-    return option.get("additionalProperties") is True
+    return option.get("additionalProperties") is True and "properties" in option
 
 
 def is_closure_file(option: Node) -> bool:
@@ -145,7 +145,8 @@ def _one(option: Node) -> str:
             return "a table with a closure's name and parameters"
         if is_closure_file(option):
             return "a table with the file of a closure"
-        return f"a table with {', '.join(keys(option))}"
+        names = ", ".join(keys(option))
+        return f"a table with {names}" if names else "a table"
     if kind == "array":
         if parts := option.get("prefixItems"):
             return f"a list of {len(parts)}: {_one(parts[0])}"

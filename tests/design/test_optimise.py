@@ -254,7 +254,7 @@ def test_formulas_with_prices_and_whole_numbers(folder, runner):
         ('"flow.velocity"', '"u_mux"', "nearest: u_max"),
         ('"flow.velocity"', '"flow.velocty"', "the scene has no number 'flow.velocty'; nearest: flow.velocity"),
         ('"flow.velocity"', '"u_max + T_fluid_out_K"', "u_max is in m/s, T_fluid_out_K in K; they cannot be added"),
-        ("maximise", "minimize", "design.toml:3: minimize: unknown key; allowed:"),
+        ("maximise", "minimize", 'design.toml:3: minimize = "flow.velocity": unknown key; allowed:'),
         ('"u_max <= 0.4"', '"u_max < 0.4"', "toml:4: constraints[1]: 'u_max < 0.4': expected one of <=, >= and =="),
         ('"u_max <= 0.4"', '"u_max <= 40 Pa"', "expected a velocity like 'm/s', found '40 Pa'"),
         ('"u_max <= 0.4"', '"u_max <= 2*pressure_drop_Pa"', "the left side is in m/s, the right one in Pa"),
@@ -265,11 +265,11 @@ def test_formulas_with_prices_and_whole_numbers(folder, runner):
         ('"5 cm/s"', '"20 cm/s"', "flow.velocity: the scene's value, 0.1, is outside of 0.2 to 0.5; give start = ..."),
         ('"5 cm/s"', '"5 cm"', "design.toml:6: flow.velocity: from: expected a velocity like 'm/s', found '5 cm'"),
         ("to = 0.5", "to = 0.5, start = 0.6", "start, 0.6, is outside of 0.05 to 0.5; move it inside"),
-        ("to = 0.5", "to = 0.5, count = 3", "count: unknown key; allowed: from, to, start, integer"),
+        ("to = 0.5", "to = 0.5, count = 3", "count = 3: unknown key; allowed: from, to, start, integer"),
         ("flow.velocity = {", "flow.velosity = {", "toml:6: flow.velosity: the scene has no such key; allowed: veloc"),
         ("flow.velocity = {", "mesh.type = {", "mesh.type: is no number and cannot be varied between bounds"),
         ('"scene.toml"', '"bed.toml"', 'design.toml:2: scene: no such file: "bed.toml"'),
-        ("title =", "runs = 0\ntitle =", "toml:1: runs: runs is 0; allowed: an integer from 1 to"),
+        ("title =", "runs = 0\ntitle =", "toml:1: runs = 0: out of range; allowed: an integer >= 1"),
     ],
 )
 def test_mistakes_are_told_before_any_run(folder, runner, capsys, old, new, told):

@@ -195,7 +195,7 @@ def test_runs_that_fail_are_left_out(folder, runner):
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ('"surrogate"', '"annealing"', 'toml:3: method: \'annealing\'; allowed: "gradient", "surrogate"'),
+        ('"surrogate"', '"annealing"', 'toml:3: method = "annealing": unknown choice; allowed: gradient, surrogate'),
         ("<= 0.7", "== 0.7", 'constraints[0]: "pressure_drop_Pa == 0.7": without gradients no point fulfils it; give'),
         ("minimise", "repeats = 2\nminimise", "toml:4: repeats: the scene has no seed"),
         ('"surrogate"', '"gradient"\nrepeats = 2', "repeats: a search by gradients runs a point once"),

@@ -132,8 +132,8 @@ def test_whole_numbers_are_sampled_evenly(folder, method):
     [
         ("{ from = 4.5, to = 7, integer = true }", "give integers"),
         ("{ from = 7, to = 4, integer = true }", "the lower end first"),
-        ("{ from = 4, to = 7, integer = 1 }", "expected true or false"),
-        ("{ mean = 4, deviation = 1, integer = true }", "integer: unknown key"),
+        ("{ from = 4, to = 7, integer = 1 }", "integer = 1: wrong kind of value; allowed: true or false"),
+        ("{ mean = 4, deviation = 1, integer = true }", "integer = true: unknown key"),
     ],
 )
 def test_mistakes_in_whole_numbers_are_told(folder, entry, told):
@@ -330,8 +330,8 @@ def test_a_sample_has_indices_by_polynomial_chaos(folder, capsys):
     ("old", "new", "told"),
     [
         ("[sample]", "[parameters]\nflow.velocity = [0.1, 0.2]\n[sample]",
-         'study.toml:6: sample: method = "sobol_indices" stands by itself; leave out parameters'),
-        ("gradients = true", "gradients = 1", "study.toml:7: sample: gradients: expected true or false"),
+         'study.toml:6: sample.method: "sobol_indices" stands by itself; leave out parameters'),
+        ("gradients = true", "gradients = 1", "study.toml:7: sample.gradients = 1: wrong kind of value"),
         ("count = 8", "count = 3", "not a power of two; Sobol points fill the space evenly at 2 or 4"),
         ('"sobol_indices"', '"sobol_index"', "did you mean 'sobol_indices'"),
     ],

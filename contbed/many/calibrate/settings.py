@@ -36,21 +36,18 @@ quantity with a time or a position is one of the profiles, any other a named res
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
 from pydantic import Field
 
-from contbed.errors import SceneError
-from contbed.explain import sheets
-from contbed.loading import table_of
 from contbed.many import value_sets
 from contbed.many.distributions import Distribution
+from contbed.many.study_file import StudyFile, unit_of
 from contbed.scene.quantities import Instant, Position, Switch, Table
-from contbed.scene.toml_lines import KeyPath, Origin, one_line, parse_key, read
+from contbed.scene.toml_lines import Origin
 
 
 class Value(Table):
@@ -138,30 +135,21 @@ def read_file(path: str | Path) -> CalibrationFile:
     ------
     SceneError : all its mistakes, with file and line
     """
-    path = Path(path)
-    values, origin = read(path)
-    settings = table_of(Settings, values, origin)
-    problems: list[str] = []
-
-    def say(path: KeyPath, text: str) -> None:
-        problems.append(one_line(f"{origin.at(path)}: {text}"))
-
-    keys = tuple(_keys(settings.keys, origin, say))
-    if not keys and not problems:
-        say(("keys",), "keys: empty; give what is fitted, solid.conductivity = { median = 5.0, factor = 1.5 }")
-    for k, experiment in enumerate(settings.experiment):
-        _check(k, experiment, origin, [key.name for key in keys], say)
+    file = StudyFile(path, Settings)
+    settings, origin = file.settings, file.origin
+    keys = tuple(_keys(file))
+    if not keys and not file.problems:
+        file.say(("keys",), "empty; give what is fitted, solid.conductivity = { median = 5.0, factor = 1.5 }")
+    for k in range(len(settings.experiment)):
+        _check(file, k, [key.name for key in keys])
     if settings.posterior is not None and settings.posterior.walkers < 2 * len(keys):
-        say(
-            ("posterior", "walkers"), f"posterior.walkers: at least twice the number of keys is needed, {2 * len(keys)}"
-        )
+        file.say(("posterior", "walkers"), f"at least twice the number of keys is needed, {2 * len(keys)}")
     names = experiment_names(settings)
     for k, name in enumerate(names):
         if name in names[:k]:
-            say(("experiment", k), f'experiment {k + 1} is called "{name}" like an earlier one; give it a name')
-    if problems:
-        raise SceneError(list(dict.fromkeys(problems)))
-    return CalibrationFile(path, settings, keys, origin)
+            file.say(("experiment", k), f'"{name}" is the name of an earlier one; give it another')
+    file.stop()
+    return CalibrationFile(file.path, settings, keys, origin)
 
 
 def experiment_names(settings: Settings) -> list[str]:
@@ -169,44 +157,29 @@ def experiment_names(settings: Settings) -> list[str]:
     return [each.name or Path(each.scene).stem for each in settings.experiment]
 
 
-def _keys(table: Mapping[str, Any], origin: Origin, say: Any, above: KeyPath = ()) -> Iterator[FittedKey]:
-    for name, entry in table.items():
-        path = (*above, name)
-        if not value_sets.is_distribution(entry):
-            yield from _keys(entry, origin, say, path)
-            continue
-        key, where = ".".join(map(str, path)), ("keys", *path)
-        unit = _unit(key)
-        prior = value_sets.distribution(entry, unit, partial(_say_below, say, where, key))
+def _keys(file: StudyFile[Settings]) -> Iterator[FittedKey]:
+    for name, path, entry in file.entries(("keys",), file.settings.keys, value_sets.is_distribution, {}):
+        unit = unit_of(name)
+        prior = value_sets.distribution(entry, unit, file.say_below(path, name))
         if prior is not None:
-            yield FittedKey(key, unit or "1", prior, origin.at(where))
+            yield FittedKey(name, unit or "1", prior, file.origin.at(path))
 
 
-def _say_below(say: Any, where: KeyPath, key: str, below: KeyPath, text: str) -> None:
-    say((*where, *below), f"{key}: {text}")
-
-
-def _unit(key: str) -> str | None:
-    try:
-        return sheets.unit(parse_key(key))
-    except ValueError:  # the scene reports what is wrong with the key
-        return None
-
-
-def _check(k: int, experiment: ExperimentSettings, origin: Origin, keys: list[str], say: Any) -> None:
-    at = ("experiment", k)
-    for key, name in (("scene", experiment.scene), ("file", experiment.file)):
-        if not (origin.base / name).is_file():
-            say((*at, key), f'{key}: no such file: "{name}", looked for beside this file')
+def _check(file: StudyFile[Settings], k: int, keys: list[str]) -> None:
+    """Note the mistakes of an experiment."""
+    at, experiment = ("experiment", k), file.settings.experiment[k]
+    file.file((*at, "scene"), experiment.scene)
+    file.file((*at, "file"), experiment.file)
     for key in (*experiment.set, *experiment.keys):
         if key in keys:
             place = "set" if key in experiment.set else "keys"
-            say((*at, place, key), f"{key}: is fitted under [keys], it cannot be given here as well")
+            file.say((*at, place, key), "is fitted under [keys], it cannot be given here as well", key)
     if experiment.keys and (experiment.time or experiment.position):
-        say((*at, "keys"), "keys: rows with keys of their own are runs of their own, without time or position")
+        text = "rows with keys of their own are runs of their own, without time or position"
+        file.say((*at, "keys"), text, "keys")
     if experiment.until is not None and experiment.time is None:
-        say((*at, "until"), "until: needs the column of the times, time")
+        file.say((*at, "until"), "needs the column of the times, time", "until")
     for j, value in enumerate(experiment.values):
         if (value.error is None) == (value.error_column is None):
             text = 'give the standard error of the measured values, error = "3 K" or "5 %", or else error_column'
-            say((*at, "values", j), f"values of {value.quantity}: {text}")
+            file.say((*at, "values", j), text, f"values of {value.quantity}")

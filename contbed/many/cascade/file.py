@@ -27,8 +27,9 @@ particles are not asked for it. The scene gets the porosity of the packings.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -39,14 +40,15 @@ from contbed.bubbling_bed.scene import BubblingScene
 from contbed.closures.binding import bind
 from contbed.dem.heat import VORONOI
 from contbed.errors import SceneError
-from contbed.loading import load, table_of
+from contbed.loading import load
 from contbed.many.cascade.reactor import Reactor, reactor, why_not
+from contbed.many.study_file import StudyFile
 from contbed.many.validate.case import Case, names, read_case
 from contbed.packed_bed.scene import Scene
 from contbed.scene.names import nearest, nearest_of
 from contbed.scene.quantities import Length, Number, Pressure, Switch, Table, Whole, form
-from contbed.scene.tables import Named
-from contbed.scene.toml_lines import Origin, parse_key, read
+from contbed.scene.tables import Named, SceneBase
+from contbed.scene.toml_lines import parse_key
 from contbed.scene.uncertain import uncertain_numbers
 
 AT_PARTICLE = ("Re", "Pr", "eps")  # what a law of exchange is given
@@ -136,83 +138,83 @@ def read_cascade(path: str | Path, trust: bool = False, allow_large: bool = Fals
     ------
     SceneError : with file:line, the mistakes of the file or of its scene
     """
-    path = Path(path)
-    values, origin = read(path)
-    settings: Settings = table_of(Settings, values, origin)
-    if not (origin.base / settings.scene).is_file():
-        raise SceneError(f'{origin.at(("scene",))}: scene: no such file: "{settings.scene}", looked for beside it')
-    scene = load(origin.base / settings.scene, trust=trust, allow_large=allow_large)
-    problems = list(_mistakes(settings, scene, origin))
-    if problems:
-        raise SceneError(problems)
+    file = StudyFile(path, Settings)
+    settings = file.settings
+    scene_file = file.file(("scene",), settings.scene)
+    file.stop()
+    make = partial(load, scene_file, trust=trust, allow_large=allow_large)
+    scene = make()
+    _note_mistakes(file, scene)
+    file.stop()
     assert isinstance(scene, Scene | BubblingScene)
-    uncertain = tuple(uncertain_numbers(settings.uncertain, scene, origin))
-    if problems := list(_impossible(settings, uncertain, origin, {"trust": trust, "allow_large": allow_large})):
-        raise SceneError(problems)
-    measured = _measured(settings, scene, origin)
-    return Cascade(path, settings, scene, reactor(scene), uncertain, measured, trust, allow_large)
+    uncertain = tuple(uncertain_numbers(settings.uncertain, scene, file.origin))
+    _note_impossible(file, uncertain, make)
+    file.stop()
+    measured = _measured(file, scene)
+    return Cascade(file.path, settings, scene, reactor(scene), uncertain, measured, trust, allow_large)
 
 
-def _impossible(
-    settings: Settings, uncertain: Iterable[tuple[str, float, float]], origin: Origin, flags: Mapping[str, bool]
-) -> Iterator[str]:
-    """Say which standard uncertainties reach values that a scene refuses."""
+def _note_impossible(
+    file: StudyFile[Settings], uncertain: Iterable[tuple[str, float, float]], make: Callable[..., SceneBase]
+) -> None:
+    """Note the standard uncertainties that reach values that the scene refuses."""
     for key, value, uncertainty in uncertain:
         for end in (value - uncertainty, value + uncertainty):
             try:
-                load(origin.base / settings.scene, {key: end}, **flags)
+                make({key: end})
             except SceneError as error:
-                where = f"{origin.at(('uncertain', *parse_key(key)))}: uncertain.{key}"
-                text = error.problems[0].removeprefix("override: ")
-                yield f"{where}: {uncertainty:g} around {value:g} reaches what the scene refuses: {text}"
+                reason = error.problems[0].removeprefix("override: ")
+                text = f"{uncertainty:g} around {value:g} reaches what the scene refuses: {reason}"
+                file.say(("uncertain", *parse_key(key)), text, f"uncertain.{key}")
                 break
 
 
-def _measured(settings: Settings, scene: Scene | BubblingScene, origin: Origin) -> Case | None:
+def _measured(file: StudyFile[Settings], scene: Scene | BubblingScene) -> Case | None:
     """Return the measured bed.
 
     Raises
     ------
     SceneError : there is no such case, it has no profiles, or the scene is steady
     """
-    if settings.measured is None:
+    name, at = file.settings.measured, ("measured",)
+    if name is None:
         return None
-    where = f"{origin.at(('measured',))}: measured"
-    folder = origin.base / settings.measured
-    if not (folder / "case.toml").is_file() and settings.measured not in names():
-        raise SceneError(f'{where}: no case "{settings.measured}"; {nearest(settings.measured, names())}')
-    case = read_case(settings.measured if settings.measured in names() else str(folder))
+    folder = file.origin.base / name
+    if not (folder / "case.toml").is_file() and name not in names():
+        file.fail(at, f'no case "{name}"; {nearest(name, names())}')
+    case = read_case(name if name in names() else str(folder))
     if case.settings.compare != "profiles":
-        raise SceneError(f"{where}: the case compares {case.settings.compare}, a cascade only profiles")
+        file.fail(at, f"the case compares {case.settings.compare}, a cascade only profiles")
     if scene.time is None:
-        raise SceneError(f"{where}: the points are measured over time, but the scene is steady; give it a [time]")
+        file.fail(at, "the points are measured over time, but the scene is steady; give it a [time]")
     return case
 
 
-def _mistakes(settings: Settings, scene: Any, origin: Origin) -> Iterator[str]:
+def _note_mistakes(file: StudyFile[Settings], scene: SceneBase) -> None:
+    """Note what the file asks for and its scene or its packings cannot give."""
+    settings, laws = file.settings, file.settings.laws
     if why := why_not(scene):
-        yield f"{origin.at(('scene',))}: scene: {why}"
+        file.say(("scene",), why)
         return
-    if not settings.laws.conduction and not settings.laws.exchange:
-        yield f"{origin.at(('laws',))}: laws: asks nothing of the particles; give conduction, exchange, or both"
+    if not laws.conduction and not laws.exchange:
+        file.say(("laws",), "asks nothing of the particles; give conduction, exchange, or both")
     for name in ("conduction", "exchange"):
-        if getattr(settings.laws, f"scatter_{name}") and not getattr(settings.laws, name):
-            yield f"{origin.at(('laws', f'scatter_{name}'))}: laws.scatter_{name}: there is no law of {name} to scatter"
-    if settings.packings.walls and settings.laws.exchange:
-        why = "the gas is computed between periodic sides only; leave out walls, or laws.exchange"
-        yield f"{origin.at(('packings', 'walls'))}: packings.walls: {why}"
-    for paths in settings.laws.conduction:
-        if paths not in VORONOI or settings.packings.spread == 0.0:
-            continue
-        why = f'{paths} are for equal spheres; take "cones", or packings.spread = 0'
-        yield f"{origin.at(('laws', 'conduction'))}: laws.conduction: {why}"
+        if getattr(laws, f"scatter_{name}") and not getattr(laws, name):
+            file.say(("laws", f"scatter_{name}"), f"there is no law of {name} to scatter")
+    if settings.packings.walls and laws.exchange:
+        text = "the gas is computed between periodic sides only; leave out walls, or laws.exchange"
+        file.say(("packings", "walls"), text)
+    for paths in laws.conduction:
+        if paths in VORONOI and settings.packings.spread:
+            text = f'{paths} are for equal spheres; take "cones", or packings.spread = 0'
+            file.say(("laws", "conduction"), text)
     if not settings.qoi and settings.measured is None:
-        yield f"{origin.at(('qoi',))}: qoi: asks for no result; name one, such as T_fluid_out_K, or give `measured`"
-    for k, law in enumerate(settings.laws.exchange):
+        file.say(("qoi",), "asks for no result; name one, such as T_fluid_out_K, or give `measured`")
+    for k, law in enumerate(laws.exchange):
         try:
             bind(law, "nusselt", AT_PARTICLE)
         except SceneError as error:
-            yield f"{origin.at(('laws', 'exchange'))}: laws.exchange[{k}]: {error}"
+            file.say(("laws", "exchange", k), str(error))
     for name in settings.qoi:
         if fields.unit_of(name) is None:
-            yield f"{origin.at(('qoi',))}: qoi: no named result {name!r}; {nearest_of(name, list(fields.RESULTS))}"
+            file.say(("qoi",), f"no named result {name!r}; {nearest_of(name, list(fields.RESULTS))}")

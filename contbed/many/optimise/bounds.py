@@ -8,21 +8,25 @@ tubes.count = { from = 4, to = 20, integer = true }
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from contbed.many.sweep.study import flat
+from contbed.many.study_file import Say, checked
+from contbed.many.value_sets import Ends, number
 from contbed.scene import schema
 from contbed.scene.names import nearest
+from contbed.scene.quantities import Switch
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import parse_key
-from contbed.scene.units import to_si
 from contbed.scene.values import value_at
 
-Say = Callable[[tuple[str, ...], str], None]
-KNOWN = ("from", "to", "start", "integer")
+
+class Bounds(Ends):
+    """Bounds of a key, and where a search begins."""
+
+    start: Any = None
+    integer: Switch | None = None
 
 
 @dataclass(frozen=True)
@@ -53,14 +57,8 @@ def is_range(entry: Any) -> bool:
     return not isinstance(entry, Mapping) or not entry or bool({"from", "to"} & entry.keys())
 
 
-def entries(table: Mapping[str, Any]) -> Iterator[tuple[str, tuple[str, ...], Any]]:
-    """Yield dotted name, path and entry of each key, however its table is written."""
-    for below, entry in flat(table, is_range):
-        yield ".".join(below), below, entry
-
-
 def read_key(name: str, entry: Any, scene: SceneBase, at: str, say: Say) -> DesignKey | None:
-    """Return one key; mistakes are reported to `say(path below the entry, text)`, and the key is then None."""
+    """Return one key; mistakes are noted by `say(path below the entry, text)`; the key is then None."""
     node = _node(scene, name, say)
     if node is None:
         return None
@@ -68,12 +66,10 @@ def read_key(name: str, entry: Any, scene: SceneBase, at: str, say: Say) -> Desi
     if not isinstance(entry, Mapping):
         say((), "expected bounds, { from = ..., to = ... }")
         return None
-    for key in entry:
-        if key not in KNOWN:
-            say((key,), f"{key}: unknown key; {nearest(key, list(KNOWN))}")
-    if not isinstance(given := entry.get("integer", whole), bool):
-        say(("integer",), "integer: expected true or false")
+    table = checked(Bounds, entry, say)
+    if table is None:
         return None
+    given = whole if table.integer is None else table.integer
     if whole and not given:
         say(("integer",), "integer = false, but this key of the scene counts; leave it out")
         return None
@@ -138,17 +134,8 @@ def _start(
 
 def _number(entry: Mapping[str, Any], key: str, unit: str, whole: bool, say: Say) -> float | None:
     """Return a number in SI."""
-    value = entry.get(key)
-    if isinstance(value, str):
-        try:
-            value = to_si(value, unit)
-        except ValueError as error:
-            say((key,), f"{key}: {error}")
-            return None
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        say((key,) if key in entry else (), f"{key} is {'missing' if key not in entry else repr(value)}; give a number")
-        return None
-    if whole and not float(value).is_integer():
+    value = number(entry, key, unit, say)
+    if value is not None and whole and not value.is_integer():
         say((key,), f"{key} is {value:g}; the key takes integers")
         return None
-    return float(value)
+    return value

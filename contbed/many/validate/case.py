@@ -30,22 +30,23 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from contbed.closures import registry
 from contbed.errors import SceneError
 from contbed.fields import FIELDS
 from contbed.loading import load
+from contbed.many.study_file import StudyFile
 from contbed.scene.data_table import read_table
 from contbed.scene.identity import resolved
 from contbed.scene.names import nearest
 from contbed.scene.quantities import Instant, Position, Switch, Table
 from contbed.scene.tables import SceneBase
-from contbed.scene.toml_lines import Origin, dotted, read
+from contbed.scene.toml_lines import Origin
 from contbed.scene.uncertain import share_of, uncertain_numbers
 from contbed.scene.units import to_si
 
@@ -81,6 +82,8 @@ class Signal(Table):
 
 class Settings(Table):
     """case.toml."""
+
+    kind: ClassVar[str] = "case"
 
     title: str
     source: str
@@ -213,12 +216,8 @@ def read_case(name: str) -> Case:
     folder = SHIPPED / name if name in names() else Path(name)
     if not (folder / "case.toml").is_file():
         raise SceneError(f"'{name}' is neither a folder with a case.toml nor a measured bed; {nearest(name, names())}")
-    values, origin = read(folder / "case.toml")
-    try:
-        settings = Settings.model_validate(values)
-    except ValidationError as invalid:
-        errors = invalid.errors(include_url=False)
-        raise SceneError([f"{origin.at(e['loc'])}: {dotted(e['loc'])}: {e['msg']}" for e in errors]) from None
+    file = StudyFile(folder / "case.toml", Settings)
+    settings = file.settings
     needed = {
         "profiles": ("time", "position"),
         "history": ("time",),
@@ -227,15 +226,14 @@ def read_case(name: str) -> Case:
     }[settings.compare]
     absent = [f"measured.{key}" for key in needed if getattr(settings.measured, key) is None]
     absent += ["signal"] if settings.compare == "signal" and settings.signal is None else []
-    if absent:
-        raise SceneError(f'{origin.at(("measured",))}: {absent[0]}: missing; compare = "{settings.compare}" needs it')
+    for key in absent:
+        file.say(("measured",), f'missing; compare = "{settings.compare}" needs it', key)
     if settings.quantity not in FIELDS:
-        raise SceneError(
-            f"{origin.at(('quantity',))}: quantity: no such quantity; {nearest(settings.quantity, [*FIELDS])}"
-        )
+        file.fail(("quantity",), f"no such quantity; {nearest(settings.quantity, [*FIELDS])}")
     unit = FIELDS[settings.quantity].unit
     try:
         uncertainty = to_si(settings.uncertainty, unit)
     except ValueError as error:
-        raise SceneError(f"{origin.at(('uncertainty',))}: uncertainty: {error}") from None
-    return Case(folder, settings, origin, unit, uncertainty)
+        file.fail(("uncertainty",), str(error))
+    file.stop()
+    return Case(folder, settings, file.origin, unit, uncertainty)
