@@ -3,8 +3,8 @@
 >>> import contbed as cb
 >>> result = cb.run(cb.load("scene.toml"))  # doctest: +SKIP
 
-`load` reads and checks a scene, `plan` says what will be built, `run` solves it and returns a `Result`. Everything
-heavy is imported when it is first used.
+`load` reads and checks a scene, `plan` says what will be built, `run` solves it and returns a `Result`; `gradient`
+returns derivatives of results with respect to keys. Everything heavy is imported when it is first used.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from contbed.compiled.cache import choose_cache
 
 __version__ = "0.1.0"
-__all__ = ["Plan", "Result", "Scene", "load", "plan", "run"]
+__all__ = ["Plan", "Result", "Scene", "gradient", "load", "plan", "run"]
 
 _HOMES = {
     "Scene": "packed_bed.scene",
@@ -25,10 +25,12 @@ _HOMES = {
     "plan": "models",
     "Result": "result",
     "run": "runner",
+    "gradient": "many.derivatives.gradients",
 }
 
 if TYPE_CHECKING:
     from contbed.loading import load
+    from contbed.many.derivatives.gradients import gradient
     from contbed.models import plan
     from contbed.packed_bed.plan import Plan
     from contbed.packed_bed.scene import Scene

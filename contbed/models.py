@@ -7,6 +7,7 @@ Every physics is a package with the same modules, which are imported when they a
                 possible but seldom meant
     plan.py     plan(scene) -> Plan: what is built, what is left out and why, unknowns and cost
     run.py      run(plan, result, folder, quiet, start): solves and fills the result
+    results.py  named results, profiles, tables and balances of a run
     plots.py    plot(result, folder): the plots of a run
     equations/  the equations, each file with its PDEs, symbols, units and source
     template.toml   a commented scene that runs as it is, for `contbed new`

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial, wraps
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -111,11 +110,6 @@ class Result:
 
         made: Figure = figure(self, *names, table=table)
         return made
-
-    def gradient(self, qoi: Sequence[str], keys: Sequence[str]) -> Any:
-        """Return derivatives of named results by keys of the scene; see `contbed.many.derivatives.gradients`."""
-        # found by name, as it stands on top of the runs that make results
-        return import_module("contbed.many.derivatives.gradients").gradient_of(self, qoi, keys)
 
     def table(self) -> str:
         """Return the result as a table for a terminal."""

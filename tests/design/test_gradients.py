@@ -8,7 +8,7 @@ import contbed as cb
 from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.many.derivatives import differences
-from contbed.many.derivatives.gradients import gradient
+from contbed.many.derivatives.gradients import gradient, gradient_of
 from contbed.many.derivatives.keys import continuous, key
 from contbed.models import MODELS
 from contbed.scene.values import with_value
@@ -130,7 +130,7 @@ def test_a_seed_that_changes_nothing_leaves_the_error_of_the_step():
 def test_pressure_drop_by_its_closed_form():
     scene = loads(SLIP)
     result = cb.run(scene)
-    found = result.gradient(["pressure_drop_Pa", *OUT], ["mesh.length", "fluid.viscosity"])
+    found = gradient_of(result, ["pressure_drop_Pa", *OUT], ["mesh.length", "fluid.viscosity"])
     # plug flow relative to the bed: mu/K (u - phi u_s) L + quadratic drag
     drop = result.qoi["pressure_drop_Pa"]
     assert found.derivatives[0, 0] == pytest.approx(drop / 0.04, rel=1e-8)

@@ -11,7 +11,7 @@ from dolfinx_scenes import SCENES
 
 from contbed.errors import EngineError
 from contbed.loading import from_dict
-from contbed.many.derivatives.gradients import gradient
+from contbed.many.derivatives.gradients import gradient, gradient_of
 from contbed.runner import run
 
 
@@ -132,10 +132,10 @@ def slopes(out: Path, scene: str, qoi: str, *keys: str) -> None:
         assert found is None and result is None
         return
     if MPI.COMM_WORLD.size == 1:
-        assert np.array_equal(result.gradient([qoi], keys).derivatives, found.derivatives)
+        assert np.array_equal(gradient_of(result, [qoi], keys).derivatives, found.derivatives)
     else:
         try:
-            result.gradient([qoi], keys)
+            gradient_of(result, [qoi], keys)
         except EngineError as error:
             assert "need all of them" in str(error)
     np.savez(out / "slopes.npz", derivatives=found.derivatives, method=found.method)

@@ -14,6 +14,7 @@ from solving import solved, stepped
 
 from contbed.errors import SceneError
 from contbed.loading import from_dict
+from contbed.many.derivatives.gradients import gradient_of
 from contbed.particle.uptake import invert, uptake
 from contbed.reacting_bed.plan import plan
 
@@ -170,7 +171,7 @@ def test_kinds_of_unlike_speed_in_a_steady_bed():
 def test_derivatives_to_the_isotherm_of_one_kind():
     """Against central differences, which err by the square of 1e-4 and by what Newton's method leaves over it."""
     scene = split_adsorbing(moving(warm("interior")), coarse={"particle_diameter": 5e-3})
-    found = solved(scene).gradient(["x_A_out"], ["solids.fine.adsorption.A.affinity"])
+    found = gradient_of(solved(scene), ["x_A_out"], ["solids.fine.adsorption.A.affinity"])
     sides = []
     for change in (-1e-4, 1e-4):
         other = deepcopy(scene)

@@ -12,6 +12,7 @@ import contbed
 from contbed.errors import SceneError
 from contbed.fem.ad.dual import Dual
 from contbed.loading import from_dict
+from contbed.many.derivatives.gradients import gradient
 from contbed.particle.effectiveness import sphere
 from contbed.plan_text import percent
 from contbed.reacting_bed.plan import plan
@@ -181,7 +182,7 @@ def test_derivatives_of_a_bed_whose_level_was_chosen():
     scene, k = pellets(0.2)
     scene["mesh"]["length"] = L = 0.5 / (0.6 * k)
     scene["particle"]["mass"] = "auto"
-    found = contbed.run(from_dict(scene)).gradient(["x_A_out"], ["reactions.r.parameters.k"]).derivatives[0, 0]
+    found = gradient(from_dict(scene), ["x_A_out"], ["reactions.r.parameters.k"]).derivatives[0, 0]
     # resolved pellets have 2 (1 - eta) = 0.5 % less
     assert found == pytest.approx(-left(k * L, 1.0) * 0.6 * L / 0.5, rel=1e-4)
 

@@ -11,6 +11,7 @@ from solving import solved
 from test_pellets import D_A, REFORMER, R, left, pellets
 
 from contbed.loading import from_dict
+from contbed.many.derivatives.gradients import gradient_of
 from contbed.particle.effectiveness import sphere
 from contbed.reacting_bed.plan import plan
 
@@ -153,6 +154,6 @@ def test_in_time_it_ends_in_the_steady_state():
 def test_derivatives_are_those_of_differences():
     """Central differences err by the square of 1e-4 and by what is left of Newton's method over it."""
     key = "reactions.r.factor"
-    found = solved(cooled(2)).gradient(["x_A_out"], [key]).derivatives[0, 0]
+    found = gradient_of(solved(cooled(2)), ["x_A_out"], [key]).derivatives[0, 0]
     low, high = (solved(cooled(2, factor=1.0 + side * 1e-4)).qoi["x_A_out"] for side in (-1.0, 1.0))
     assert found == pytest.approx((high - low) / 2e-4, rel=1e-5)

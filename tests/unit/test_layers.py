@@ -1,7 +1,8 @@
 """Who may import whom: no circles between files, and only downwards through the layers.
 
 The docstring of `contbed.models` describes the modules of a physics. Imports inside of functions count like those at
-the top of a file; the package's own `__init__.py` is left out, which only names what users import.
+the top of a file, and so do names of modules given to `import_module`; the package's own `__init__.py` is left out,
+which only names what users import.
 """
 
 from __future__ import annotations
@@ -54,9 +55,20 @@ def imports(path: Path, known: dict[str, Path]) -> set[str]:
             for alias in node.names:
                 full = f"{base}.{alias.name}" if base else alias.name
                 found.add(full if full in known else base)
+        elif isinstance(node, ast.Call) and _name(node.func) == "import_module":
+            found |= {
+                item.value.removeprefix("contbed.")
+                for item in node.args
+                if isinstance(item, ast.Constant) and str(item.value).startswith("contbed.")
+            }
         elif isinstance(node, ast.Import):
             found |= {alias.name.removeprefix("contbed.") for alias in node.names if alias.name.startswith("contbed.")}
     return found - {""}
+
+
+def _name(function: ast.expr) -> str:
+    """Return the last part of the name that is called."""
+    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
 
 
 KNOWN = modules()
