@@ -140,8 +140,12 @@ MODELS: dict[str, Model] = {
         compiles=True,
         scatters=True,
     ),
-    "fully_developed": Model(
-        "developed_flow", "developed_flow", "DevelopedScene", _has("fully_developed"), {"developed_flow": "equations"}
+    "developed_flow": Model(
+        "developed_flow",
+        "developed_flow",
+        "DevelopedScene",
+        _has("developed_flow", "fully_developed"),
+        {"developed_flow": "equations"},
     ),
     "bubbling_bed": Model(
         "bubbling_bed",

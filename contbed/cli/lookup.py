@@ -106,7 +106,7 @@ def closures(
     place: Annotated[
         str,
         Option(
-            "--for", metavar="PLACE", help="key that names a closure, two_fluid.drag; or a kind", autocompletion=_places
+            "--for", metavar="PLACE", help="key that names a closure, closures.drag; or a kind", autocompletion=_places
         ),
     ],
     at: Annotated[

@@ -126,7 +126,7 @@ def derived(given: Mapping[str, float]) -> tuple[dict[str, float], str]:
 
 
 def kind_for(place: str) -> str:
-    """Return the kind of closure that a place of a scene takes, "two_fluid.drag"; or the kind itself, "drag".
+    """Return the kind of closure that a place of a scene takes, "closures.drag"; or the kind itself, "drag".
 
     Raises
     ------
@@ -136,7 +136,7 @@ def kind_for(place: str) -> str:
     if place in kinds:
         return place
     known = closure_keys()
-    pattern = re.sub(r"^(species|boundary|region)\.[^.]+", r"\1.NAME", place)
+    pattern = re.sub(r"^(species|solids|boundary|region)\.[^.]+", r"\1.NAME", place)
     if pattern in known:
         return known[pattern]
     raise SceneError(f"--for: no place {place!r} takes a closure; {nearest(place, [*known, *kinds])}")

@@ -16,15 +16,18 @@ _BED = {
     "mesh": {"type": "rectangle", "length": 0.02, "height": 0.04, "cells": [4, 8]},
     "two_fluid": {},
     "gas": _GAS,
-    "solid": {"particle_diameter": 275e-6, "density": 2500.0},
-    "initial": {"layer": [{"end": 0.02, "eps_s": 0.5}]},
-    "boundary": _WALLS | {"bottom": {"type": "inlet", "velocity": 0.3}, "top": {"type": "outlet"}},
+    "solids": {"beads": {"diameter": 275e-6, "density": 2500.0}},
+    "initial": {"layer": [{"end": 0.02, "solids": {"beads": {"volume_fraction": 0.5}}}]},
+    "boundary": _WALLS | {"bottom": {"type": "inlet", "gas": {"velocity": 0.3}}, "top": {"type": "outlet"}},
     "time": {"end": 1e-3, "sample": 5e-4, "average_from": 5e-4},
 }
 _HOT = {
-    "heat": {"heat_capacity_gas": 1000.0, "heat_capacity_solid": 800.0, "conductivity_gas": 0.025},
-    "initial": {"layer": [{"end": 0.02, "eps_s": 0.5}], "T_gas": 300.0},
-    "boundary": _WALLS | {"bottom": {"type": "inlet", "velocity": 0.3, "T_gas": 400.0}, "top": {"type": "outlet"}},
+    "heat": {},
+    "gas": _GAS | {"heat_capacity": 1000.0, "conductivity": 0.025},
+    "solids": {"beads": {"diameter": 275e-6, "density": 2500.0, "heat_capacity": 800.0}},
+    "initial": {"layer": [{"end": 0.02, "solids": {"beads": {"volume_fraction": 0.5}}}], "gas": {"temperature": 300.0}},
+    "boundary": _WALLS
+    | {"bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 400.0}}, "top": {"type": "outlet"}},
 }
 _BOX = {
     "mesh": {"type": "box", "length": 0.02, "width": 0.02, "height": 0.04, "cells": [8, 8, 16]},
@@ -48,7 +51,7 @@ _PARTICLES = {
 }
 _LINE = {
     "mesh": {"type": "line", "length": 0.04, "cells": 8},
-    "boundary": {"left": {"type": "inlet", "velocity": 0.3}, "right": {"type": "outlet"}},
+    "boundary": {"left": {"type": "inlet", "gas": {"velocity": 0.3}}, "right": {"type": "outlet"}},
 }
 SCENES: dict[str, dict[str, Any]] = {
     "two fluids": _BED,

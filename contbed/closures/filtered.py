@@ -122,7 +122,7 @@ def granular_pressure_igci(eps_s: Value, g0: Value, e: Value, filter_froude: Val
 
     joined by logistic steps whose width is 1 % of the fraction where pieces meet; no clusters above 0.59. A cubic is
     printed for fractions above 0.595; with its three digits it is negative up to 0.61, where friction acts in any case.
-    The granular temperature is v_t^2, frozen: two_fluid.granular_temperature and initial.theta.
+    The granular temperature is v_t^2 and frozen, by the keys granular_temperature of [two_fluid] and [initial].
     Between 0.3 and 0.59 the pressure falls with eps_s.
 
     g0 : [-] radial distribution at contact, without effect

@@ -1,4 +1,4 @@
-"""Closures of a fully developed flow: their keys in a scene, and the arguments available to them."""
+"""Closures of a fully developed flow: their keys in [closures], and the arguments available to them."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from contbed.developed_flow import scene as d
 KINDS = {
     "drag": "drag",
     "radial_distribution": "radial_distribution",
-    "pressure": "granular_pressure",
-    "viscosity": "granular_viscosity",
-    "conductivity": "granular_conductivity",
-    "dissipation": "granular_dissipation",
-    "production": "granular_production",
+    "granular_pressure": "granular_pressure",
+    "granular_viscosity": "granular_viscosity",
+    "granular_conductivity": "granular_conductivity",
+    "granular_dissipation": "granular_dissipation",
+    "granular_production": "granular_production",
     "turbulence": "eddy_viscosity",
 }
 _THEORY = frozenset({"eps_s", "eps_max", "e", "g0"})
@@ -27,6 +27,6 @@ GIVES: dict[str, frozenset[str]] = {
 
 def bound(scene: d.DevelopedScene) -> dict[str, BoundClosure]:
     """Return the closures of a scene by kind."""
-    table, base = scene.fully_developed, scene.origin.base
-    named = {kind: getattr(table, key) for key, kind in KINDS.items()}
+    base = scene.origin.base
+    named = {kind: getattr(scene.closures, key) for key, kind in KINDS.items()}
     return {kind: bind(name, kind, GIVES[kind], base) for kind, name in named.items() if name is not None}

@@ -39,7 +39,7 @@ class DevelopedPlan:
     def unknowns(self) -> dict[str, int]:
         """Count the unknowns: two velocities, the root of the granular temperature, and two numbers."""
         nodes = self.scene.solver.degree * self.mesh.skfem.nelements + 1
-        return {"flow": 3 * nodes + 2 if self.scene.fully_developed.solid_flux else nodes + 1}
+        return {"flow": 3 * nodes + 2 if self.scene.developed_flow.solids_mass_flux else nodes + 1}
 
     def on(self, nodes: np.ndarray) -> DevelopedPlan:
         """Return the plan on other nodes."""
@@ -51,18 +51,18 @@ class DevelopedPlan:
 
 def plan(scene: d.DevelopedScene) -> DevelopedPlan:
     """Build the mesh and resolve closures."""
-    table = scene.fully_developed
+    table, turbulence = scene.developed_flow, scene.closures.turbulence
     even = np.linspace(0.0, 1.0, scene.solver.cells + 1)
     mesh = line(table.radius * np.tanh(GRADED * even) / np.tanh(GRADED), table.section == "pipe")
     built = [("section", f"{table.section}, {scene.solver.cells} cells of degree {scene.solver.degree}")]
     skipped = []
     particles = ("particles", "two velocities and granular temperature, Newton with continuation")
-    if table.solid_flux:
+    if table.solids_mass_flux:
         built.append(particles)
     else:
-        skipped.append((particles[0], "solid_flux = 0"))
-    (built if table.turbulence else skipped).append(("turbulence of the gas", table.turbulence or "not named"))
-    (built if scene.solver.branches and table.solid_flux else skipped).append(
+        skipped.append((particles[0], "solids_mass_flux = 0"))
+    (built if turbulence else skipped).append(("turbulence of the gas", turbulence or "not named"))
+    (built if scene.solver.branches and table.solids_mass_flux else skipped).append(
         ("other branches", "looked for" if scene.solver.branches else "solver.branches = false")
     )
     return DevelopedPlan(scene, coefficients(scene), mesh, tuple(built), tuple(skipped))
@@ -70,17 +70,17 @@ def plan(scene: d.DevelopedScene) -> DevelopedPlan:
 
 def coefficients(scene: d.DevelopedScene) -> Coefficients:
     """Return the coefficients of the equations from the scene."""
-    table, gas, solid, wall = scene.fully_developed, scene.gas, scene.solid, scene.wall
+    table, fluid, solid, wall = scene.developed_flow, scene.fluid, scene.solid, scene.boundary.wall.solid
     return Coefficients(
-        rho_gas=gas.density,
-        mu_gas=gas.viscosity,
+        rho_gas=fluid.density,
+        mu_gas=fluid.viscosity,
         rho_solid=solid.density,
-        d_p=solid.particle_diameter,
+        d_p=solid.diameter,
         restitution=solid.restitution,
-        eps_max=solid.packing,
+        eps_max=solid.packing_limit,
         gravity=table.gravity,
-        velocity=table.velocity,
-        solid_flux=table.solid_flux,
+        velocity=table.gas_velocity,
+        solid_flux=table.solids_mass_flux,
         radius=table.radius,
         pipe=table.section == "pipe",
         specularity=wall.specularity,

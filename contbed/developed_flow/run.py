@@ -38,15 +38,15 @@ def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any)
 
 
 def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None:
-    meant = plan.scene.fully_developed.theta_centre
+    meant = plan.scene.developed_flow.granular_temperature_centre
     problem = DevelopedProblem(plan)
     problem.watch = watch
     try:
         problem, state, history = _found(problem, meant or START_THETA, result)
         result.history += history
     except ConvergenceError as error:
-        where = plan.scene.origin.at(("fully_developed",))
-        text = f"{where}: fully_developed: no solution found ({error}); {advice(problem)}"
+        where = plan.scene.origin.at(("developed_flow",))
+        text = f"{where}: developed_flow: no solution found ({error}); {advice(problem)}"
         raise ConvergenceError(text, error.history, error.state) from error
     if problem.particles and plan.scene.solver.branches:
         state = _nearest(problem, state, meant, result)
@@ -55,7 +55,7 @@ def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None
     fill(problem, state, result)
     result.solved = problem, state
     if problem.particles and meant is not None and abs(result.qoi["theta_centre"] / meant - 1.0) > BRANCH_TOLERANCE:
-        where = plan.scene.origin.at(("fully_developed", "theta_centre"))
+        where = plan.scene.origin.at(("developed_flow", "granular_temperature_centre"))
         more = "" if plan.scene.solver.branches else "; solver.branches = true looks for others"
         found = result.qoi["theta_centre"]
         result.warnings.append(f"{where}: theta at the centre is {found:.4g} m2/s2, not near {meant:g}{more}")
@@ -95,10 +95,10 @@ def advice(problem: DevelopedProblem) -> str:
     c = problem.c
     if not problem.particles:
         return "raise solver.newton_tolerance"
-    theta = problem.plan.scene.fully_developed.theta_centre or START_THETA
+    theta = problem.plan.scene.developed_flow.granular_temperature_centre or START_THETA
     if "granular_production" not in c.closures and reach_of_fluctuations(c, theta) < SHORT_REACH * c.radius:
         return (
-            'name fully_developed.production = "granular_production_koch": without it drag stops the fluctuations of '
+            'name closures.granular_production = "granular_production_koch": without it drag stops the fluctuations of '
             f"particles of {c.d_p:g} m away from walls, and no fraction carries the pressure; or {_tries(problem)}"
         )
     return _tries(problem)
@@ -108,10 +108,11 @@ def _tries(problem: DevelopedProblem) -> str:
     """Say which easier scenes to start from."""
     c = problem.c
     others = ", ".join(
-        f"{factor * (problem.plan.scene.fully_developed.theta_centre or START_THETA):.2g}" for factor in GUESSES
+        f"{factor * (problem.plan.scene.developed_flow.granular_temperature_centre or START_THETA):.2g}"
+        for factor in GUESSES
     )
-    tries = f"try theta_centre = {others} m2/s2, or more solver.cells"
-    easier = f"a solid_flux below {c.solid_flux:g} kg/m2/s, a velocity above {c.velocity:g} m/s"
+    tries = f"try granular_temperature_centre = {others} m2/s2, or more solver.cells"
+    easier = f"a solids_mass_flux below {c.solid_flux:g} kg/m2/s, a gas_velocity above {c.velocity:g} m/s"
     if c.specularity > START_SPECULARITY:
         easier += f", a specularity below {c.specularity:g}"
     return f"{tries}; then reach the scene from one that is easier: {easier}"

@@ -1,18 +1,22 @@
-"""Tables of a scene with [fully_developed]: gas and particles that rise or fall, uniform along the way, in SI.
+"""Tables of a scene of developed flow: gas and particles that rise or fall, uniform along the way, in SI.
 
 See `developed_flow.equations`.
 
-    [fully_developed]         section, the two flows, branch, closures by name
-    [gas], [solid], [wall]    their properties
+    [gas], [solids.NAME]      their properties; there is one solid phase
+    [closures]                by name
+    [boundary.wall]           slip of the particles
+    [developed_flow]          section, the two flows, branch
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
+from contbed.scene import gas as gases
 from contbed.scene.quantities import (
     Density,
     Fraction,
@@ -26,28 +30,39 @@ from contbed.scene.quantities import (
     takes,
     unit,
 )
-from contbed.scene.tables import OfMaterial, SceneBase
-from contbed.two_fluid.scene import Flux, Gas, Named
+from contbed.scene.solids import SolidPhase
+from contbed.scene.tables import SceneBase
+from contbed.two_fluid.conditions import Flux
+from contbed.two_fluid.renames import CLOSURES, SOLID
+from contbed.two_fluid.scene import ConstantsAt, Named, one_solid
+
+if TYPE_CHECKING:
+    from contbed.materials.constants import Constants
 
 
-class FullyDeveloped(Table):
-    """The section, what flows through it, and closures."""
+class DevelopedFlow(Table):
+    """The section, and what flows through it."""
 
     section: Literal["channel", "pipe"]
     radius: Length = Field(description="of the pipe, or half the width of the channel")
-    velocity: Annotated[float, *unit("m/s"), Field(gt=0)] = Field(description="superficial, of the gas, upward")
-    solid_flux: Flux = Field(description="mass flux of the particles, upward; 0: gas alone")
-    theta_centre: Annotated[float, *unit("m**2/s**2"), Field(gt=0)] | None = Field(
+    gas_velocity: Annotated[float, *unit("m/s"), Field(gt=0)] = Field(description="superficial, upward")
+    solids_mass_flux: Flux = Field(description="of the particles, upward; 0: gas alone")
+    granular_temperature_centre: Annotated[float, *unit("m**2/s**2"), Field(gt=0)] | None = Field(
         None, description="granular temperature at the centre of the solution that is meant, where there are several"
     )
     gravity: Annotated[float, *unit("m/s**2"), Field(ge=0)] = 9.81
+
+
+class Closures(Table):
+    """Closures by name."""
+
     drag: Named = "drag_wen_yu"
     radial_distribution: str = "g0_sinclair_jackson"
-    pressure: str = "granular_pressure_lun"
-    viscosity: str = "granular_viscosity_gidaspow"
-    conductivity: str = "granular_conductivity_syamlal"
-    dissipation: str = "granular_dissipation_lun"
-    production: str | None = Field(
+    granular_pressure: str = "granular_pressure_lun"
+    granular_viscosity: str = "granular_viscosity_gidaspow"
+    granular_conductivity: str = "granular_conductivity_syamlal"
+    granular_dissipation: str = "granular_dissipation_lun"
+    granular_production: str | None = Field(
         None,
         description="of fluctuations by the slip, for fine particles: granular_production_koch; absent: none",
         json_schema_extra=takes("granular_production"),
@@ -59,20 +74,72 @@ class FullyDeveloped(Table):
     )
 
 
-class Solid(OfMaterial):
+class GasConstant(ConstantsAt, gases.GasConstant):
+    """A gas or liquid with constant properties, given or those of a material at a temperature."""
+
+
+class GasCantera(ConstantsAt, gases.GasCantera):
+    """An ideal-gas mixture of a Cantera mechanism; its properties at one temperature."""
+
+
+class GasCoolProp(ConstantsAt, gases.GasCoolProp):
+    """A real fluid from CoolProp; its properties at one temperature."""
+
+
+Gas = Annotated[
+    GasConstant | GasCantera | GasCoolProp,
+    Field(discriminator="model"),
+    BeforeValidator(gases.constant_by_default),
+]
+
+
+class Solid(SolidPhase):
     """Equal spheres."""
 
-    particle_diameter: Length
+    diameter: Length
     density: Density
     restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
-    packing: Annotated[Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
+    packing_limit: Annotated[Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
+
+
+class SolidAtWall(Table):
+    """Particles that slip along the wall, after Johnson and Jackson."""
+
+    wall: Literal["johnson_jackson"] = "johnson_jackson"
+    specularity: Annotated[Number, Field(gt=0, le=1)]
+    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
 
 
 class Wall(Table):
-    """Where the gas stands still and particles slip, after Johnson and Jackson."""
+    """Where the gas stands still and particles slip."""
 
-    specularity: Annotated[Number, Field(gt=0, le=1)]
-    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    type: Literal["wall"] = "wall"
+    solids: Annotated[dict[str, SolidAtWall], AfterValidator(one_solid)]
+
+    @property
+    def solid(self) -> SolidAtWall:
+        """The particles."""
+        return next(iter(self.solids.values()))
+
+
+class Boundary(Table):
+    """The only boundary, the wall of the section."""
+
+    wall: Wall
+
+
+RENAMED = {
+    **{f"fully_developed.{old}": f"closures.{new}" for old, new in CLOSURES.items()},
+    **SOLID,
+    "fully_developed": "developed_flow",
+    "fully_developed.velocity": "developed_flow.gas_velocity",
+    "fully_developed.solid_flux": "developed_flow.solids_mass_flux",
+    "fully_developed.theta_centre": "developed_flow.granular_temperature_centre",
+    "fully_developed.production": "closures.granular_production",
+    "fully_developed.turbulence": "closures.turbulence",
+    "wall": "boundary.wall.solids.NAME",
+}
+"""Present names of keys by former ones, see `contbed.scene.renames`."""
 
 
 class Output(Table):
@@ -97,13 +164,36 @@ class Solver(Table):
 class DevelopedScene(SceneBase):
     """Fully developed flow of gas and particles."""
 
-    kind: ClassVar[str] = "fully_developed"
-    renamed: ClassVar[Mapping[str, str]] = {"solid.diameter": "particle_diameter"}
+    kind: ClassVar[str] = "developed_flow"
+    renamed: ClassVar[Mapping[str, str]] = RENAMED
     time: ClassVar[None] = None
 
-    fully_developed: FullyDeveloped
+    developed_flow: DevelopedFlow
     gas: Gas
-    solid: Solid
-    wall: Wall
+    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)]
+    closures: Closures = Closures()
+    boundary: Boundary
     output: Output = Output()
     solver: Solver = Solver()
+
+    @property
+    def solid(self) -> Solid:
+        """The only solid phase."""
+        return next(iter(self.solids.values()))
+
+    @property
+    def fluid(self) -> Constants:
+        """Constant properties of the gas."""
+        return fluid_of(self.gas, self.origin.base)
+
+
+def fluid_of(gas: Gas, base: Path) -> Constants:
+    """Return the properties of the gas of a scene in the folder `base`, at its reference temperature if they vary.
+
+    Raises
+    ------
+    SceneError : they vary, and no temperature is given
+    """
+    from contbed.materials.constants import constants_of
+
+    return constants_of(gas, gas.reference_temperature, base)

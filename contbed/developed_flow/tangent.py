@@ -61,7 +61,7 @@ class Tangent:
         c = coefficients(scene)
         if (c.solid_flux > 0) != self.problem.particles:
             raise UnlikeError(OTHER)
-        ratio = scene.fully_developed.radius / plan.scene.fully_developed.radius
+        ratio = scene.developed_flow.radius / plan.scene.developed_flow.radius
         changed = replace(plan, scene=scene, coefficients=c)
         if ratio != 1.0:
             return DevelopedProblem(changed.on(ratio * np.sort(plan.mesh.skfem.p[0])))

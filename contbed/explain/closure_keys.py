@@ -30,7 +30,7 @@ def kind_of_key(key: str, node: schema.Node) -> str | None:
 
 @cache
 def closure_keys() -> dict[str, str]:
-    """Return the kind of closure of each key of all kinds of scenes: "two_fluid.drag" takes "drag"."""
+    """Return the kind of closure of each key of all kinds of scenes: "closures.drag" takes "drag"."""
     found: dict[str, str] = {}
     for model in MODELS.values():
         for path, kind in _below(schema.of(model.scene), (), ()):

@@ -59,11 +59,11 @@ class GasCoolProp(Table):
     T_range: tuple[Temperature, Temperature] = Field(description="temperatures to tabulate, one phase only")
 
 
-def _constant_by_default(values: Any) -> Any:
+def constant_by_default(values: Any) -> Any:
     """Return a [gas] table with its model, "constant" where none is given."""
     return {"model": "constant"} | values if isinstance(values, dict) else values
 
 
 Gas = Annotated[
-    GasConstant | GasCantera | GasCoolProp, Field(discriminator="model"), BeforeValidator(_constant_by_default)
+    GasConstant | GasCantera | GasCoolProp, Field(discriminator="model"), BeforeValidator(constant_by_default)
 ]

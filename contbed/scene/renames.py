@@ -3,6 +3,7 @@
 A pattern is a dotted key such as "time.initial_solid" or "boundary.NAME.fluid.inflow"; NAME is any name. Items of a
 list of tables count as the list: "initial.layer.eps_s". The present name repeats each NAME in its order; one more
 NAME stays as it is. A text with spaces in place of the present name is the whole message.
+"NAME:inlet" is a name whose table has the type "inlet".
 A key that has become a table, "boundary.NAME.gas" now "boundary.NAME.gas.wall", is a former one as long as it holds
 something else than a table.
 """
@@ -34,7 +35,11 @@ def present_key(key: KeyPath, renamed: Mapping[str, str]) -> str | None:
     for pattern, new in renamed.items():
         steps = pattern.split(".")
         same_length = len(steps) == len(key)
-        if same_length and " " not in new and all(step in (NAME, part) for step, part in zip(steps, key, strict=True)):
+        if (
+            same_length
+            and " " not in new
+            and all(_is_name(step) or step == part for step, part in zip(steps, key, strict=True))
+        ):
             return _substituted(pattern, new, key)
     return None
 
@@ -47,10 +52,15 @@ def _matches(values: Any, steps: tuple[str, ...], path: KeyPath = ()) -> Iterato
         for index, item in enumerate(values):
             yield from _matches(item, steps, (*path, index))
     elif isinstance(values, dict):
-        first, rest = steps[0], steps[1:]
+        (first, _, kind), rest = steps[0].partition(":"), steps[1:]
         for key in list(values) if first == NAME else [first]:
-            if key in values:
+            if key in values and (not kind or _type(values[key]) == kind):
                 yield from _matches(values[key], rest, (*path, key))
+
+
+def _type(table: Any) -> Any:
+    """Return the type that a table names."""
+    return table.get("type") if isinstance(table, dict) else None
 
 
 def _is_former(values: Any, path: KeyPath, pattern: str, new: str) -> bool:
@@ -66,12 +76,17 @@ def _message(pattern: str, new: str, path: KeyPath) -> str:
     return f"this key is called '{_substituted(pattern, new, path)}' now"
 
 
+def _is_name(step: str) -> bool:
+    """Return whether a step of a pattern stands for any name."""
+    return step.partition(":")[0] == NAME
+
+
 def _substituted(pattern: str, new: str, path: KeyPath) -> str:
     """Return a new name with the names of a path in place of NAME."""
     keys = [key for key in path if isinstance(key, str)]
-    names = [key for step, key in zip(pattern.split("."), keys, strict=True) if step == NAME]
+    names = [key for step, key in zip(pattern.split("."), keys, strict=True) if _is_name(step)]
     steps = new.split(".")
-    places = [index for index, step in enumerate(steps) if step == NAME]
+    places = [index for index, step in enumerate(steps) if _is_name(step)]
     for index, name in zip(places, names, strict=False):
         steps[index] = name
     return ".".join(steps)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import combinations
 from math import prod
+from typing import TYPE_CHECKING, Any
 
 from contbed.closures import names, sheet
 from contbed.closures.binding import bind, named
 from contbed.errors import SceneError
 from contbed.scene import mesh as meshes
 from contbed.scene.checking import Mistakes, See
-from contbed.scene.quantities import Table
-from contbed.scene.toml_lines import Origin
+from contbed.scene.names import nearest
+from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.two_fluid import near_walls
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import (
@@ -20,13 +22,17 @@ from contbed.two_fluid.closures import (
     GIVES,
     HEAT_KINDS,
     KINDS,
+    conducts,
     full_name,
     is_filtered_stress,
-    settling_velocity,
     takes,
+    terminal_velocity,
 )
-from contbed.two_fluid.heat.scene import Heat, conducts
+from contbed.two_fluid.conditions import Boundary, Initial, Inlet, Layer, Outlet, Periodic, Symmetry, Wall
 from contbed.two_fluid.warnings import WARNINGS as WARNINGS
+
+if TYPE_CHECKING:
+    from contbed.materials.constants import Constants
 
 MIN_PRESSURE = 1e3  # [Pa] of an ideal gas; below, its mean free path is no longer small beside the particles
 SAME_THETA = 1e-3  # share by which a granular temperature may be rounded in a scene
@@ -44,7 +50,7 @@ def mesh_has_cells(mesh: meshes.Mesh, origin: Origin) -> Mistakes:
         yield ("mesh", "cells"), "one cell has no neighbour to exchange anything with; give at least 2"
 
 
-def layers_are_in_the_vessel(initial: t.Initial, mesh: meshes.Mesh) -> Mistakes:
+def layers_are_in_the_vessel(initial: Initial, mesh: meshes.Mesh) -> Mistakes:
     """Check that each layer is in the vessel, and that no two layers set the same field at the same place."""
     for k, layer in enumerate(initial.layer):
         if layer.end <= 0.0 and not isinstance(mesh, meshes.MeshFile):
@@ -53,18 +59,57 @@ def layers_are_in_the_vessel(initial: t.Initial, mesh: meshes.Mesh) -> Mistakes:
             text = f"the vessel ends at {mesh.extents[-1]:.6g} m; nothing of the layer is in it"
             yield ("initial", "layer", k, "start"), text
     for (i, first), (k, second) in combinations(enumerate(initial.layer), 2):
-        fields = sorted(first.model_fields_set & second.model_fields_set - {"start", "end"})
+        fields = sorted(_given_fields(first) & _given_fields(second))
         if fields and max(first.start, second.start) < min(first.end, second.end):
             text = f"overlaps layer {i + 1}, which sets {', '.join(fields)} there too; change start and end"
             yield ("initial", "layer", k), text
 
 
-def pieces_do_not_overlap(boundary: dict[str, t.Boundary]) -> Mistakes:
+def _given_fields(layer: Layer) -> set[str]:
+    """Return the keys of the fields that a layer sets."""
+    found = {f"gas.{key}" for key in layer.gas.model_fields_set}
+    for name, solid in layer.solids.items():
+        found |= {f"solids.{name}.{key}" for key in solid.model_fields_set}
+    return found
+
+
+def solids_exist(solids: dict[str, t.Solid], initial: Initial, boundary: dict[str, Boundary]) -> Mistakes:
+    """Check that the start and the boundaries name solids that the scene has."""
+    for where, part in _places(initial, boundary):
+        for name in getattr(part, "solids", {}):
+            if name not in solids:
+                yield (*where, "solids", name), f"no such solid; {nearest(name, list(solids))}"
+
+
+def gas_has_properties(gas: t.Gas, initial: Initial, boundary: dict[str, Boundary], origin: Origin) -> Mistakes:
+    """Check that a gas whose properties vary has a temperature at which they are taken."""
+    try:
+        t.fluid_of(gas, initial, boundary, origin.base)
+    except SceneError as error:
+        yield ("gas",), str(error)
+
+
+def _fluid(gas: t.Gas, initial: Initial, boundary: dict[str, Boundary], origin: Origin) -> Constants | None:
+    """Return the properties of the gas; None where `gas_has_properties` reports that there are none."""
+    try:
+        return t.fluid_of(gas, initial, boundary, origin.base)
+    except SceneError:
+        return None
+
+
+def _places(initial: Initial, boundary: dict[str, Boundary]) -> list[tuple[KeyPath, Any]]:
+    """Return the tables of the start and of boundaries with their paths."""
+    layers = [(("initial", "layer", k), layer) for k, layer in enumerate(initial.layer)]
+    sides = [(("boundary", name), part) for name, part in boundary.items()]
+    return [(("initial",), initial), *layers, *sides]
+
+
+def pieces_do_not_overlap(boundary: dict[str, Boundary]) -> Mistakes:
     """Check that no two pieces of a boundary overlap."""
     pieces = [
         (name, part)
         for name, part in boundary.items()
-        if not isinstance(part, t.Periodic) and part.on is not None and part.start is not None and part.end is not None
+        if not isinstance(part, Periodic) and part.on is not None and part.start is not None and part.end is not None
     ]
     for (first, one), (second, other) in combinations(pieces, 2):
         assert one.start is not None and one.end is not None and other.start is not None and other.end is not None
@@ -72,11 +117,12 @@ def pieces_do_not_overlap(boundary: dict[str, t.Boundary]) -> Mistakes:
             yield ("boundary", second, "start"), f"overlaps boundary.{first}, also a piece of {one.on!r}"
 
 
-def particles_fit_the_mesh(solid: t.Solid, mesh: meshes.Mesh, see: See) -> Mistakes:
+def particles_fit_the_mesh(solids: dict[str, t.Solid], mesh: meshes.Mesh, see: See) -> Mistakes:
     """Check that a particle has room in the vessel."""
-    if not isinstance(mesh, meshes.MeshFile) and solid.particle_diameter >= min(mesh.extents):
+    ((name, solid),) = solids.items()
+    if not isinstance(mesh, meshes.MeshFile) and solid.diameter >= min(mesh.extents):
         text = f"no smaller than the vessel, which is {min(mesh.extents):.4g} m wide; see {see('mesh')}"
-        yield ("solid", "particle_diameter"), text
+        yield ("solids", name, "diameter"), text
 
 
 def window_is_in_the_vessel(output: t.Output, mesh: meshes.Mesh) -> Mistakes:
@@ -101,101 +147,129 @@ def levels_are_in_the_vessel(output: t.Output, mesh: meshes.Mesh) -> Mistakes:
             )
 
 
-def closures_exist(two_fluid: t.TwoFluid, origin: Origin) -> Mistakes:
-    """Check that every closure of [two_fluid] exists and can be called."""
+def closures_exist(closures: t.Closures, origin: Origin) -> Mistakes:
+    """Check that every closure of the flow exists and can be called."""
     for key, kind in KINDS.items():
-        chosen = getattr(two_fluid, key)
+        chosen = getattr(closures, key)
         if chosen == ABSENT:
             if kind in ("radial_distribution", "granular_pressure"):
-                yield ("two_fluid", key), 'cannot be "none"; without collisions: pressure = "granular_pressure_dilute"'
+                text = 'cannot be "none"; without collisions: granular_pressure = "granular_pressure_dilute"'
+                yield ("closures", key), text
             continue
         try:
             bind(chosen, kind, (*GIVES[kind], *FROM_CELLS.get(kind, ())), origin.base)
         except SceneError as error:
-            yield ("two_fluid", key), str(error)
+            yield ("closures", key), str(error)
 
 
-def friction_of_particles_is_complete(two_fluid: t.TwoFluid, solid: t.Solid, see: See, origin: Origin) -> Mistakes:
+def friction_of_particles_is_complete(
+    closures: t.Closures, solids: dict[str, t.Solid], see: See, origin: Origin
+) -> Mistakes:
     """Check that the friction of particles has its closure, the closure its coefficient, and that both fit."""
-    chosen, friction = two_fluid.effective_restitution, solid.sliding_friction
-    kind = "effective_restitution"
+    ((name, solid),) = solids.items()
+    chosen, friction = closures.effective_restitution, solid.sliding_friction
+    kind, coefficient = "effective_restitution", f"solids.{name}.sliding_friction"
     if chosen == ABSENT:
         if friction is not None:
-            text = f"does nothing without two_fluid.{kind}; name one of {', '.join(names(kind))}, or leave it out"
-            yield ("solid", "sliding_friction"), text
+            text = f"does nothing without closures.{kind}; name one of {', '.join(names(kind))}, or leave it out"
+            yield ("solids", name, "sliding_friction"), text
         return
-    if two_fluid.dissipation == ABSENT:
-        yield ("two_fluid", kind), f"stands in the dissipation, which is absent; see {see('two_fluid.dissipation')}"
+    if closures.granular_dissipation == ABSENT:
+        known = see("closures.granular_dissipation")
+        yield ("closures", kind), f"stands in the dissipation, which is absent; see {known}"
     if friction is None:
-        yield ("two_fluid", kind), "needs solid.sliding_friction, Coulomb's coefficient of two particles"
+        yield ("closures", kind), f"needs {coefficient}, Coulomb's coefficient of two particles"
         return
     try:
         value = float(bind(chosen, kind, GIVES[kind], origin.base)(e=solid.restitution, sliding_friction=friction))
     except SceneError:
         return  # closures_exist reports it
     if not 0.0 <= value <= 1.0:
-        text = f"gives {value:.4g}, no restitution between 0 and 1; see {see('solid.sliding_friction')}"
-        yield ("two_fluid", kind), f"{text} and {see('solid.restitution')}"
+        text = f"gives {value:.4g}, no restitution between 0 and 1; see {see(coefficient)}"
+        yield ("closures", kind), f"{text} and {see(f'solids.{name}.restitution')}"
 
 
 def filtered_closures_have_their_velocity(
-    two_fluid: t.TwoFluid, gas: t.Gas, solid: t.Solid, initial: t.Initial, see: See
+    closures: t.Closures,
+    two_fluid: t.TwoFluid,
+    gas: t.Gas,
+    solids: dict[str, t.Solid],
+    initial: Initial,
+    boundary: dict[str, Boundary],
+    see: See,
+    origin: Origin,
 ) -> Mistakes:
     """Check that particles settle, and that the filtered stress has the granular temperature that it is given over."""
-    settling = settling_velocity(two_fluid, gas, solid)
-    keys = [key for key, kind in KINDS.items() if kind in FROM_CELLS and takes(getattr(two_fluid, key), kind)]
+    ((name, solid),) = solids.items()
+    if (fluid := _fluid(gas, initial, boundary, origin)) is None:
+        return
+    settling = terminal_velocity(two_fluid.gravity, fluid, solid)
+    keys = [key for key, kind in KINDS.items() if kind in FROM_CELLS and takes(getattr(closures, key), kind)]
     if settling <= 0.0:
         for key in keys:
-            yield ("two_fluid", key), f"needs particles that settle; see {see('two_fluid.gravity')} and the densities"
+            yield ("closures", key), f"needs particles that settle; see {see('two_fluid.gravity')} and the densities"
         return
-    if not is_filtered_stress(two_fluid):
+    if not is_filtered_stress(closures):
         return
     if two_fluid.granular_temperature != "frozen":
         yield ("two_fluid", "granular_temperature"), 'must be "frozen": the filtered stress takes its place'
-    layers = [layer.theta for layer in initial.layer if layer.theta is not None]
-    if any(abs(theta / settling**2 - 1.0) > SAME_THETA for theta in (initial.theta, *layers)):
+    start = [part.solid.granular_temperature for part in initial.parts]
+    if any(abs(theta / settling**2 - 1.0) > SAME_THETA for theta in start if theta is not None):
         text = (
             f"must be {settling**2:.6g} m2/s2, the square of the terminal velocity, which the filtered stress is over"
         )
-        yield ("initial", "theta"), text
+        yield ("initial", "solids", name, "granular_temperature"), text
 
 
-def factors_near_walls_have_what_they_multiply(two_fluid: t.TwoFluid, gas: t.Gas, solid: t.Solid) -> Mistakes:
+def factors_near_walls_have_what_they_multiply(
+    closures: t.Closures,
+    two_fluid: t.TwoFluid,
+    gas: t.Gas,
+    solids: dict[str, t.Solid],
+    initial: Initial,
+    boundary: dict[str, Boundary],
+    origin: Origin,
+) -> Mistakes:
     """Check that factors near walls multiply filtered closures, of particles that settle."""
-    for key in near_walls.KINDS:
-        if getattr(two_fluid, key) == ABSENT:
+    (solid,) = solids.values()
+    if (fluid := _fluid(gas, initial, boundary, origin)) is None:
+        return
+    for key, of in near_walls.KINDS.items():
+        if getattr(closures, key) == ABSENT:
             continue
-        of = key.removeprefix("wall_")
-        name = full_name(getattr(two_fluid, of), KINDS[of])
-        absent = getattr(two_fluid, of) == ABSENT
+        name = full_name(getattr(closures, of), KINDS[of])
+        absent = getattr(closures, of) == ABSENT
         if absent or (name in names(KINDS[of]) and "filter_froude" not in sheet(name).arguments):
             there = ABSENT if absent else name
-            yield ("two_fluid", key), f"multiplies a filtered {of}, but two_fluid.{of} is {there!r}: leave it out"
-        if settling_velocity(two_fluid, gas, solid) <= 0.0:
-            yield ("two_fluid", key), "needs particles that settle, under gravity and heavier than the gas"
+            text = f"multiplies a filtered {of}, but closures.{of} is {there!r}: leave it out"
+            yield ("closures", key), text
+        if terminal_velocity(two_fluid.gravity, fluid, solid) <= 0.0:
+            yield ("closures", key), "needs particles that settle, under gravity and heavier than the gas"
 
 
-def fractions_fit(initial: t.Initial, boundary: dict[str, t.Boundary], solid: t.Solid, see: See) -> Mistakes:
+def fractions_fit(initial: Initial, boundary: dict[str, Boundary], solids: dict[str, t.Solid], see: See) -> Mistakes:
     """Check that fractions and the onset of friction are below the packing limit, and that layers have a height."""
-    known = see("solid.packing")
-    if initial.eps_s * (1.0 + initial.noise) > solid.packing:
-        yield ("initial", "eps_s"), f"denser than the densest packing with its noise; see {known}"
+    ((solid_name, solid),) = solids.items()
+    known, key = see(f"solids.{solid_name}.packing_limit"), ("solids", solid_name, "volume_fraction")
+    too_dense, largest = f"denser than the densest packing with its noise; see {known}", 1.0 + initial.noise
+    if initial.solid.volume_fraction * largest > solid.packing_limit:
+        yield ("initial", *key), too_dense
     for k, layer in enumerate(initial.layer):
-        if layer.eps_s is not None and layer.eps_s * (1.0 + initial.noise) > solid.packing:
-            yield ("initial", "layer", k, "eps_s"), f"denser than the densest packing with its noise; see {known}"
+        if (layer.solid.volume_fraction or 0.0) * largest > solid.packing_limit:
+            yield ("initial", "layer", k, *key), too_dense
         if layer.start >= layer.end:
             yield ("initial", "layer", k, "end"), "is not above start"
     for name, part in boundary.items():
-        if isinstance(part, t.Inlet) and part.eps_s > solid.packing:
-            yield ("boundary", name, "eps_s"), f"denser than the densest packing; see {known}"
-    if solid.friction.start >= solid.packing:
-        yield ("solid", "friction", "start"), f"is not below the densest packing; see {known}"
+        if isinstance(part, Inlet) and part.solid.volume_fraction > solid.packing_limit:
+            yield ("boundary", name, *key), f"denser than the densest packing; see {known}"
+    if solid.friction.start >= solid.packing_limit:
+        yield ("solids", solid_name, "friction", "start"), f"is not below the densest packing; see {known}"
 
 
-def boundaries_are_complete(boundary: dict[str, t.Boundary], mesh: meshes.Mesh) -> Mistakes:
+def boundaries_are_complete(boundary: dict[str, Boundary], mesh: meshes.Mesh) -> Mistakes:
     """Check that each side of the mesh has one condition, and conditions what they need."""
     sides = () if isinstance(mesh, meshes.MeshFile) else tuple(name for pair in mesh.sides for name in pair)
-    partners = {part.partner for part in boundary.values() if isinstance(part, t.Periodic)}
+    partners = {part.partner for part in boundary.values() if isinstance(part, Periodic)}
     for name, part in boundary.items():
         where = ("boundary", name)
         whole = getattr(part, "on", None)
@@ -203,107 +277,171 @@ def boundaries_are_complete(boundary: dict[str, t.Boundary], mesh: meshes.Mesh) 
             yield where, f"a piece of {whole!r} needs start and end, start below end"
         if sides and (whole or name) not in sides:
             yield where, f"the mesh has no boundary {whole or name!r}; it has {', '.join(sides)}"
-        if isinstance(part, t.Periodic) and sides and part.partner not in sides:
+        if isinstance(part, Periodic) and sides and part.partner not in sides:
             yield (*where, "partner"), f"the mesh has no such boundary; it has {', '.join(sides)}"
         if name in partners:
             yield where, "is the partner of a periodic boundary and cannot be given twice"
-        if isinstance(part, t.Wall) and (part.solid == "johnson_jackson") != (part.specularity is not None):
-            yield (*where, "specularity"), "belongs to solid = 'johnson_jackson', which needs it"
-        if isinstance(part, t.Wall) and part.friction and part.solid != "johnson_jackson":
-            yield (*where, "friction"), "belongs to solid = 'johnson_jackson'; elsewhere particles stick or slip freely"
-        if isinstance(part, t.Inlet):
-            if part.solid_flux is not None and part.solid_velocity is not None:
-                yield (*where, "solid_velocity"), "give either solid_flux or solid_velocity"
-            if (part.eps_s > 0) != (part.solid_flux is not None or part.solid_velocity is not None):
-                yield where, "particles need eps_s and either solid_flux or solid_velocity"
+        if isinstance(part, Wall):
+            yield from _wall_is_complete(where, part)
+        if isinstance(part, Inlet):
+            yield from _feed_is_complete(where, part)
     for side in sides:
         if side not in boundary and side not in partners and side != "axis":
             yield ("boundary", side), "missing; every side of the mesh needs a condition"
 
 
-def what_enters_can_leave(boundary: dict[str, t.Boundary]) -> Mistakes:
+def _wall_is_complete(where: KeyPath, wall: Wall) -> Mistakes:
+    """Check that the law of particles at a wall has its coefficients, and that no other law has them."""
+    for name, solid in wall.solids.items():
+        here, rough = (*where, "solids", name), solid.wall == "johnson_jackson"
+        if rough != (solid.specularity is not None):
+            yield (*here, "specularity"), "belongs to wall = 'johnson_jackson', which needs it"
+        if solid.friction and not rough:
+            yield (*here, "friction"), "belongs to wall = 'johnson_jackson'; elsewhere particles stick or slip freely"
+
+
+def _feed_is_complete(where: KeyPath, inlet: Inlet) -> Mistakes:
+    """Check that particles that enter have a fraction and either a flux or a velocity."""
+    for name, solid in inlet.solids.items():
+        here, moves = (*where, "solids", name), solid.mass_flux is not None or solid.velocity is not None
+        if solid.mass_flux is not None and solid.velocity is not None:
+            yield (*here, "velocity"), "give either mass_flux or velocity"
+        if (solid.volume_fraction > 0) != moves:
+            yield here, "particles that enter need volume_fraction and either mass_flux or velocity"
+
+
+def what_enters_can_leave(boundary: dict[str, Boundary]) -> Mistakes:
     """Check that there is an outlet where something enters."""
-    inlets = [name for name, part in boundary.items() if isinstance(part, t.Inlet)]
-    if inlets and not any(isinstance(part, t.Outlet) for part in boundary.values()):
+    inlets = [name for name, part in boundary.items() if isinstance(part, Inlet)]
+    if inlets and not any(isinstance(part, Outlet) for part in boundary.values()):
         yield ("boundary", inlets[0]), "enters but nothing leaves; one boundary has to be of type 'outlet'"
 
 
-def inlets_blow(boundary: dict[str, t.Boundary]) -> Mistakes:
+def inlets_blow(boundary: dict[str, Boundary]) -> Mistakes:
     """Check that the velocity of an inlet without particles is given."""
     for name, part in boundary.items():
-        if isinstance(part, t.Inlet) and part.eps_s == 0.0 and "velocity" not in part.model_fields_set:
-            yield ("boundary", name, "velocity"), "missing; nothing enters (a closed boundary has type = 'wall')"
+        if not isinstance(part, Inlet) or part.solid.volume_fraction > 0.0:
+            continue
+        if "velocity" not in part.gas.model_fields_set:
+            yield ("boundary", name, "gas", "velocity"), "missing; nothing enters (a closed boundary has type = 'wall')"
 
 
-def pulses_end_in_an_inlet(boundary: dict[str, t.Boundary]) -> Mistakes:
+def pulses_end_in_an_inlet(boundary: dict[str, Boundary]) -> Mistakes:
     """Check that an inlet that ends is a piece of one that does not."""
     for name, part in boundary.items():
-        if isinstance(part, t.Inlet) and part.until is not None:
+        if isinstance(part, Inlet) and part.until is not None:
             whole = boundary.get(part.on or "")
-            if not isinstance(whole, t.Inlet) or whole.until is not None:
+            if not isinstance(whole, Inlet) or whole.until is not None:
                 yield ("boundary", name, "until"), "belongs to a piece `on` an inlet that does not end itself"
 
 
 def heat_is_complete(
-    heat: Heat | None, initial: t.Initial, boundary: dict[str, t.Boundary], time: t.Time, see: See
+    heat: t.Heat | None,
+    closures: t.Closures,
+    two_fluid: t.TwoFluid,
+    initial: Initial,
+    boundary: dict[str, Boundary],
+    time: t.Time,
+    see: See,
 ) -> Mistakes:
-    """Check that temperatures are given where there is heat, and only there."""
-    places: list[tuple[tuple[str | int, ...], Table]] = [(("initial",), initial)]
-    places += [(("initial", "layer", k), layer) for k, layer in enumerate(initial.layer)]
-    places += [(("boundary", name), part) for name, part in boundary.items()]
+    """Check that temperatures are given where there is heat."""
     if heat is None:
-        for where, part in places:
-            for key in ("T_gas", "T_solid", "T", "heat_flux"):
-                if getattr(part, key, None) is not None:
-                    yield (*where, key), "has no meaning without [heat]"
         return
-    if initial.T_gas is None:
-        yield ("initial", "T_gas"), "missing; [heat] needs it"
+    if initial.gas.temperature is None:
+        yield ("initial", "gas", "temperature"), "missing; [heat] needs it"
     for name, part in boundary.items():
-        if isinstance(part, t.Inlet) and part.T_gas is None and (part.velocity > 0 or part.T_solid is None):
-            yield ("boundary", name, "T_gas"), "missing; [heat] needs it"
-        if isinstance(part, t.Wall) and part.T is not None:
+        if isinstance(part, Inlet) and part.gas.temperature is None:
+            gas_enters = part.gas.velocity > 0
+            if gas_enters or part.solid.temperature is None:
+                yield ("boundary", name, "gas", "temperature"), "missing; [heat] needs it"
+        if isinstance(part, Wall) and part.temperature is not None:
             if part.heat_flux is not None:
-                yield ("boundary", name, "heat_flux"), "give either T or heat_flux"
-            if not conducts(heat):
-                yield ("boundary", name, "T"), "heats nothing without conductivity_bed or effective_... in [heat]"
+                yield ("boundary", name, "heat_flux"), "give either temperature or heat_flux"
+            if not conducts(closures, two_fluid):
+                text = "heats nothing without closures.conductivity_bed, or two_fluid.conductivity_gas or _solids"
+                yield ("boundary", name, "temperature"), text
     if time.order == 2:
         yield ("time", "order"), f"heat is of first order in time; see {see('heat')}"
 
 
-def closures_of_heat_exist(heat: Heat | None, origin: Origin) -> Mistakes:
-    """Check that the closures of [heat] exist and can be called."""
-    for key, kind in HEAT_KINDS.items() if heat is not None else ():
-        chosen = getattr(heat, key)
+def nothing_is_heated_without_heat(
+    heat: t.Heat | None, gas: t.Gas, initial: Initial, boundary: dict[str, Boundary]
+) -> Mistakes:
+    """Check that temperatures are given only where they are solved, or fix the properties of the gas."""
+    if heat is not None:
+        return
+    given = [path for path, T in _temperatures(initial, boundary) if T is not None]
+    given += [("boundary", name, "heat_flux") for name in boundary if getattr(boundary[name], "heat_flux", None)]
+    for path in given:
+        if "gas" not in path or gas.model == "constant":
+            yield path, "has no meaning without [heat]"
+    if gas.density_law != "constant":
+        yield ("gas", "density_law"), "has no meaning without [heat]"
+
+
+def properties_of_heat_are_given(
+    heat: t.Heat | None,
+    closures: t.Closures,
+    gas: t.Gas,
+    solids: dict[str, t.Solid],
+    initial: Initial,
+    boundary: dict[str, Boundary],
+    origin: Origin,
+) -> Mistakes:
+    """Check that gas and particles have the properties that their temperatures need."""
+    ((name, solid),) = solids.items()
+    fluid = _fluid(gas, initial, boundary, origin)
+    if heat is None or fluid is None:
+        return
+    for key in ("heat_capacity", "conductivity"):
+        if getattr(fluid, key) is None:
+            yield ("gas", key), "missing; [heat] needs it"
+    if solid.heat_capacity is None:
+        yield ("solids", name, "heat_capacity"), "missing; [heat] needs it"
+    if closures.conductivity_bed is not None and solid.conductivity is None:
+        yield ("solids", name, "conductivity"), "missing; closures.conductivity_bed needs it"
+    if gas.density_law == "ideal_gas" and gas.pressure < MIN_PRESSURE:
+        yield ("gas", "pressure"), f"absolute; below {MIN_PRESSURE:g} Pa a gas among particles is no continuum"
+
+
+def closures_of_heat_exist(
+    heat: t.Heat | None, closures: t.Closures, two_fluid: t.TwoFluid, origin: Origin
+) -> Mistakes:
+    """Check that the closures of heat exist and can be called."""
+    if heat is None:
+        return
+    for key, kind in HEAT_KINDS.items():
+        chosen = getattr(closures, key)
         if not named(chosen):
             continue
         try:
             bind(chosen, kind, GIVES[kind], origin.base)
         except SceneError as error:
-            yield ("heat", key), str(error)
-    if heat is None:
-        return
-    if heat.conductivity_bed is not None:
-        if heat.effective_gas + heat.effective_solid > 0:
-            yield ("heat", "conductivity_bed"), "give either conductivity_bed or effective_gas and effective_solid"
-        if heat.conductivity_solid is None:
-            yield ("heat", "conductivity_solid"), "missing; conductivity_bed needs it"
-    if heat.density == "ideal_gas" and heat.pressure < MIN_PRESSURE:
-        yield ("heat", "pressure"), f"absolute; below {MIN_PRESSURE:g} Pa a gas among particles is no continuum"
-    if heat.T_reference is not None and heat.density == "constant":
-        yield ("heat", "T_reference"), 'belongs to density = "ideal_gas"'
+            yield ("closures", key), str(error)
+    if closures.conductivity_bed is not None and two_fluid.conductivity_gas + two_fluid.conductivity_solids > 0:
+        text = "give either conductivity_bed, or two_fluid.conductivity_gas and conductivity_solids"
+        yield ("closures", "conductivity_bed"), text
 
 
-def temperatures_are_possible(heat: Heat | None, initial: t.Initial, boundary: dict[str, t.Boundary]) -> Mistakes:
+def temperatures_are_possible(gas: t.Gas, initial: Initial, boundary: dict[str, Boundary]) -> Mistakes:
     """Check that no temperature is beyond what gas and particles bear."""
-    places: list[tuple[tuple[str | int, ...], Table]] = [(("initial",), initial)]
-    places += [(("initial", "layer", k), layer) for k, layer in enumerate(initial.layer)]
-    places += [(("boundary", name), part) for name, part in boundary.items()]
-    places += [(("heat",), heat)] if heat is not None else []
-    for where, part in places:
-        for key in ("T_gas", "T_solid", "T", "T_reference"):
-            if (value := getattr(part, key, None)) is not None and value > MAX_TEMPERATURE:
-                yield (*where, key), f"above {MAX_TEMPERATURE:g} K gases dissociate and no particle is solid"
+    reference: tuple[KeyPath, float | None] = (("gas", "reference_temperature"), gas.reference_temperature)
+    for path, T in (reference, *_temperatures(initial, boundary)):
+        if T is not None and T > MAX_TEMPERATURE:
+            yield path, f"above {MAX_TEMPERATURE:g} K gases dissociate and no particle is solid"
+    if gas.reference_temperature is not None and gas.model == "constant" and gas.density_law == "constant":
+        yield ("gas", "reference_temperature"), 'belongs to density_law = "ideal_gas"'
+
+
+def _temperatures(initial: Initial, boundary: dict[str, Boundary]) -> Iterator[tuple[KeyPath, float | None]]:
+    """Yield the temperatures at the start and at boundaries with their paths."""
+    for where, part in _places(initial, boundary):
+        if isinstance(part, Wall):
+            yield (*where, "temperature"), part.temperature
+        elif not isinstance(part, Periodic | Outlet | Symmetry):
+            yield (*where, "gas", "temperature"), part.gas.temperature
+            for name, solid in part.solids.items():
+                yield (*where, "solids", name, "temperature"), solid.temperature
 
 
 def times_are_in_order(time: t.Time, see: See) -> Mistakes:
@@ -318,6 +456,8 @@ def times_are_in_order(time: t.Time, see: See) -> Mistakes:
 
 CHECKS = (
     mesh_has_cells,
+    solids_exist,
+    gas_has_properties,
     closures_exist,
     friction_of_particles_is_complete,
     filtered_closures_have_their_velocity,
@@ -333,6 +473,8 @@ CHECKS = (
     inlets_blow,
     pulses_end_in_an_inlet,
     heat_is_complete,
+    nothing_is_heated_without_heat,
+    properties_of_heat_are_given,
     closures_of_heat_exist,
     temperatures_are_possible,
     times_are_in_order,

@@ -15,28 +15,29 @@ from contbed.scene.tables import Closure
 from contbed.two_fluid import scene as t
 
 if TYPE_CHECKING:
+    from contbed.materials.constants import Constants
     from contbed.two_fluid.simulation import Simulation
 
 ABSENT = "none"
 KINDS = {
     "drag": "drag",
     "radial_distribution": "radial_distribution",
-    "pressure": "granular_pressure",
-    "viscosity": "granular_viscosity",
-    "bulk_viscosity": "granular_bulk_viscosity",
-    "conductivity": "granular_conductivity",
-    "dissipation": "granular_dissipation",
+    "granular_pressure": "granular_pressure",
+    "granular_viscosity": "granular_viscosity",
+    "granular_bulk_viscosity": "granular_bulk_viscosity",
+    "granular_conductivity": "granular_conductivity",
+    "granular_dissipation": "granular_dissipation",
     "effective_restitution": "effective_restitution",
-    "friction": "granular_friction",
+    "friction_pressure": "granular_friction",
     "friction_viscosity": "granular_friction_viscosity",
     "wall_drag": "wall_drag",
     "wall_pressure": "wall_pressure",
     "wall_viscosity": "wall_viscosity",
 }
-"""Kinds by the keys of [two_fluid]."""
+"""Kinds of the closures of the flow by the keys of [closures]."""
 
 HEAT_KINDS = {"nusselt": "nusselt", "conductivity_bed": "conductivity"}
-"""Kinds by the keys of [heat]."""
+"""Kinds of the closures of heat by the keys of [closures]."""
 
 MIN_REPORTED_FRACTION = 1e-6  # solids fraction below which the range use of closures is not recorded
 FILTER_CELLS = 2.0  # cells across a filter, of which the resolved scales are free of the scheme's own diffusion
@@ -72,13 +73,13 @@ Bound = Mapping[str, BoundClosure | None]
 
 def bound(scene: t.TwoFluidScene) -> Bound:
     """Bind the closures of a scene by kind, None for what is absent."""
-    flow, base = scene.two_fluid, scene.origin.base
-    chosen = {kind: getattr(flow, key) for key, kind in KINDS.items()}
+    base = scene.origin.base
+    chosen = {kind: getattr(scene.closures, key) for key, kind in KINDS.items()}
     chosen |= {kind: filtered(chosen[kind], kind, scene) for kind in FROM_CELLS}
     found = {kind: None if spec == ABSENT else bind(spec, kind, GIVES[kind], base) for kind, spec in chosen.items()}
     if scene.heat is not None:
         for key, kind in HEAT_KINDS.items():
-            if named(spec := getattr(scene.heat, key)):
+            if named(spec := getattr(scene.closures, key)):
                 found[kind] = bind(spec, kind, GIVES[kind], base)
     return found
 
@@ -119,40 +120,45 @@ def full_name(spec: Any, kind: str) -> str:
     return name if name.startswith(f"{kind}_") else f"{kind}_{name}"
 
 
-def is_filtered_stress(two_fluid: t.TwoFluid) -> bool:
+def is_filtered_stress(closures: t.Closures) -> bool:
     """Whether pressure or viscosity of the particles are those of cells that do not resolve clusters."""
-    stress = {"granular_pressure": two_fluid.pressure, "granular_viscosity": two_fluid.viscosity}
-    return any(full_name(spec, kind) == f"{kind}_igci" for kind, spec in stress.items())
+    kinds = ("granular_pressure", "granular_viscosity")
+    return any(full_name(getattr(closures, kind), kind) == f"{kind}_igci" for kind in kinds)
 
 
-def settling_velocity(two_fluid: t.TwoFluid, gas: t.Gas, solid: t.Solid) -> float:
+def conducts(closures: t.Closures, two_fluid: t.TwoFluid) -> bool:
+    """Whether any heat is conducted."""
+    return closures.conductivity_bed is not None or two_fluid.conductivity_gas + two_fluid.conductivity_solids > 0
+
+
+def terminal_velocity(gravity: float, fluid: Constants, solid: t.Solid) -> float:
     """Stokes' terminal velocity of a particle [m/s]."""
-    return two_fluid.gravity * solid.particle_diameter**2 * (solid.density - gas.density) / (18.0 * gas.viscosity)
+    return gravity * solid.diameter**2 * (solid.density - fluid.density) / (18.0 * fluid.viscosity)
 
 
 def _filter_froude(scene: t.TwoFluidScene, kind: str) -> float:
     """Filter size times gravity over the square of the terminal velocity [-]."""
     if isinstance(scene.mesh, MeshFile) or scene.mesh.cells is None:
         key = next(key for key, of in KINDS.items() if of == kind)
-        name = full_name(getattr(scene.two_fluid, key), kind)
-        where = scene.origin.at(("two_fluid", key))
+        name = full_name(getattr(scene.closures, key), kind)
+        where = scene.origin.at(("closures", key))
         text = f'cells of unknown size; give the filter: {{ name = "{name}", filter_froude = ... }}'
-        raise SceneError(f"{where}: two_fluid.{key}: {text}")
+        raise SceneError(f"{where}: closures.{key}: {text}")
     cells = np.atleast_1d(scene.mesh.cells) * 2**scene.mesh.refine
     size = float(np.prod(_extents(scene.mesh) / cells) ** (1.0 / len(cells)))
-    return FILTER_CELLS * size * scene.two_fluid.gravity / _settling(scene) ** 2
+    return FILTER_CELLS * size * scene.two_fluid.gravity / _terminal_velocity(scene) ** 2
 
 
-def _settling(scene: t.TwoFluidScene) -> float:
-    return settling_velocity(scene.two_fluid, scene.gas, scene.solid)
+def _terminal_velocity(scene: t.TwoFluidScene) -> float:
+    return terminal_velocity(scene.two_fluid.gravity, scene.fluid, scene.solid)
 
 
 def _terminal_reynolds(scene: t.TwoFluidScene, _: str) -> float:
-    return _settling(scene) * scene.gas.density * scene.solid.particle_diameter / scene.gas.viscosity
+    return _terminal_velocity(scene) * scene.fluid.density * scene.solid.diameter / scene.fluid.viscosity
 
 
 def _terminal_froude(scene: t.TwoFluidScene, _: str) -> float:
-    return _settling(scene) ** 2 / (scene.two_fluid.gravity * scene.solid.particle_diameter)
+    return _terminal_velocity(scene) ** 2 / (scene.two_fluid.gravity * scene.solid.diameter)
 
 
 _OF_SCENE = {"filter_froude": _filter_froude, "Re_t": _terminal_reynolds, "terminal_froude": _terminal_froude}
@@ -166,12 +172,12 @@ def _extents(mesh: Any) -> Any:
 
 def constants(scene: t.TwoFluidScene) -> dict[str, Any]:
     """Arguments of closures that do not change in a run."""
-    gas, solid, heat = scene.gas, scene.solid, scene.heat
+    fluid, solid = scene.fluid, scene.solid
     found: dict[str, Any] = {
-        "d_p": solid.particle_diameter,
-        "mu": gas.viscosity,
+        "d_p": solid.diameter,
+        "mu": fluid.viscosity,
         "e": solid.restitution,
-        "eps_max": solid.packing,
+        "eps_max": solid.packing_limit,
         "eps_min": solid.friction.start,
         "strength": solid.friction.strength,
         "angle": solid.friction.angle,
@@ -179,16 +185,16 @@ def constants(scene: t.TwoFluidScene) -> dict[str, Any]:
     }
     if solid.sliding_friction is not None:
         found["sliding_friction"] = solid.sliding_friction
-    if heat is not None:
-        k = heat.conductivity_gas
-        Pr = heat.heat_capacity_gas * gas.viscosity / k
-        found |= {"k_fluid": k, "k_solid": heat.conductivity_solid, "Pr": Pr}
+    if scene.heat is not None:
+        k, heat_capacity = fluid.conductivity, fluid.heat_capacity
+        assert k is not None and heat_capacity is not None
+        found |= {"k_fluid": k, "k_solid": solid.conductivity, "Pr": heat_capacity * fluid.viscosity / k}
     return found
 
 
 def dissipative_restitution(scene: t.TwoFluidScene) -> float:
     """Restitution that the dissipation has: that of the particles, or the effective one, which stands for friction."""
-    chosen = scene.two_fluid.effective_restitution
+    chosen = scene.closures.effective_restitution
     if chosen == ABSENT:
         return scene.solid.restitution
     kind = "effective_restitution"

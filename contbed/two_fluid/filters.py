@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contbed.closures import filtered
-from contbed.two_fluid.closures import FILTER_CELLS, FROM_CELLS, KINDS, bound, settling_velocity
+from contbed.two_fluid.closures import FILTER_CELLS, FROM_CELLS, KINDS, bound, terminal_velocity
 
 if TYPE_CHECKING:
     from contbed.scene.toml_lines import KeyPath
@@ -22,7 +22,7 @@ FEWEST, MOST = 1.0, 4.0  # cells across a filter: fewer have no filtered scales,
 
 
 def chosen(scene: t.TwoFluidScene) -> dict[str, tuple[str, float]]:
-    """Name of the closure and size of its filter over v_t^2/g [-] by key of [two_fluid]; empty where none has one."""
+    """Name of the closure and size of its filter over v_t^2/g [-] by key of [closures]; empty where none has one."""
     closures, found = bound(scene), {}
     for key, kind in KINDS.items():
         closure = closures[kind] if kind in FROM_CELLS else None
@@ -33,7 +33,7 @@ def chosen(scene: t.TwoFluidScene) -> dict[str, tuple[str, float]]:
 
 def unit(scene: t.TwoFluidScene) -> float:
     """Length v_t^2/g [m] that clusters scale with."""
-    return settling_velocity(scene.two_fluid, scene.gas, scene.solid) ** 2 / scene.two_fluid.gravity
+    return terminal_velocity(scene.two_fluid.gravity, scene.fluid, scene.solid) ** 2 / scene.two_fluid.gravity
 
 
 def cell_size(grid: Grid) -> float:
@@ -77,4 +77,4 @@ def unlike_the_cells(scene: t.TwoFluidScene, grid: Grid) -> Iterator[tuple[KeyPa
         if not FEWEST <= cells <= MOST:
             meant = FILTER_CELLS * cell_size(grid) / unit(scene)
             text = f"its filter is {cells:.3g} cells wide; {FILTER_CELLS:g} are meant, filter_froude = {meant:.4g}"
-            yield ("two_fluid", key), text
+            yield ("closures", key), text

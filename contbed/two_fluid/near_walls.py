@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contbed.two_fluid.closures import settling_velocity
+from contbed.two_fluid.closures import terminal_velocity
 from contbed.two_fluid.rheology import Closures, Rheology
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def distances(scene: t.TwoFluidScene, grid: Grid) -> Array:
 
 def wall_froude(scene: t.TwoFluidScene, grid: Grid) -> Array:
     """Distance (nc,) from the walls beside the flow times gravity over the square of the terminal velocity [-]."""
-    settling = settling_velocity(scene.two_fluid, scene.gas, scene.solid)
+    settling = terminal_velocity(scene.two_fluid.gravity, scene.fluid, scene.solid)
     return distances(scene, grid) * scene.two_fluid.gravity / settling**2
 
 
@@ -86,5 +86,5 @@ def friction_stiffness(eps_s: Array, packing: tuple[float, float, Array]) -> Arr
     return np.where(eps_s > first, eps_s * (p[number + 1] - p[number]) / (middle * spacing), 0.0)
 
 
-KINDS = ("wall_drag", "wall_pressure", "wall_viscosity")
-"""Kinds of the closures, which are their keys in [two_fluid] as well."""
+KINDS = {"wall_drag": "drag", "wall_pressure": "granular_pressure", "wall_viscosity": "granular_viscosity"}
+"""Kinds of the closures, which are their keys in [closures] as well, and what each multiplies."""

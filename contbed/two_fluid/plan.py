@@ -17,6 +17,7 @@ from contbed.solvers.memory import MemoryPerUnknown
 from contbed.two_fluid import boundary, closure_kernels, filters, near_walls, probes, warnings
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, bound, dissipative_restitution
+from contbed.two_fluid.conditions import Initial, Inlet, Layer, Outlet, Periodic, Wall
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.model import Materials, Options, build_model
 from contbed.two_fluid.place import ONE_PROCESS, Place
@@ -54,13 +55,13 @@ class TwoFluidPlan:
         scene = self.scene
         gravity = np.zeros(self.grid.dimension)
         gravity[-1] = -scene.two_fluid.gravity
-        solid = scene.solid
+        fluid, solid = scene.fluid, scene.solid
         materials = Materials(
-            scene.gas.density,
-            scene.gas.viscosity,
+            fluid.density,
+            fluid.viscosity,
             solid.density,
-            solid.particle_diameter,
-            solid.packing,
+            solid.diameter,
+            solid.packing_limit,
             tuple(gravity),
         )
         particles = _particles(scene)
@@ -98,17 +99,22 @@ def plan(scene: t.TwoFluidScene, place: Place = ONE_PROCESS) -> TwoFluidPlan:
         if name not in known:
             where = scene.origin.at(("boundary",))
             raise SceneError(f"{where}: boundary.{name}: missing; every side needs a condition")
-    table = scene.two_fluid
+    table, chosen = scene.two_fluid, scene.closures
     cost = (STEP_COST_IN_ROWS if cells.rectangular else STEP_COST)[cells.dimension - 1] * len(cells.cells)
     built = [("cells", f"{len(cells.cells)}, about {cost * 1e3:.2g} ms a step")]
     built += place.described(cells)
     skipped: list[tuple[str, str]] = []
     for there, what, how, why in (
-        (table.drag != ABSENT, "drag", str(table.drag), 'drag = "none"'),
+        (chosen.drag != ABSENT, "drag", str(chosen.drag), 'drag = "none"'),
         (table.granular_temperature != "frozen", "granular temperature", table.granular_temperature, "frozen"),
-        (table.viscosity != ABSENT, "stress of the particles", str(table.viscosity), 'viscosity = "none"'),
-        (table.friction != ABSENT, "friction", table.friction, 'friction = "none"'),
-        (table.wall_drag != ABSENT, "drag near walls", table.wall_drag, 'wall_drag = "none"'),
+        (
+            chosen.granular_viscosity != ABSENT,
+            "stress of the particles",
+            str(chosen.granular_viscosity),
+            'granular_viscosity = "none"',
+        ),
+        (chosen.friction_pressure != ABSENT, "friction", chosen.friction_pressure, 'friction_pressure = "none"'),
+        (chosen.wall_drag != ABSENT, "drag near walls", chosen.wall_drag, 'wall_drag = "none"'),
         (table.guards, "guards of dilute flow", "drag and free path", "guards = false"),
         (scene.time.average_from is not None, "averages", "in time", "no time.average_from"),
     ):
@@ -119,9 +125,9 @@ def plan(scene: t.TwoFluidScene, place: Place = ONE_PROCESS) -> TwoFluidPlan:
     else:
         from contbed.two_fluid.heat import plan as heat_planning
 
-        built.append(("heat", heat_planning.described(scene.heat)))
+        built.append(("heat", heat_planning.described(scene)))
     if scene.output.window is not None and cells.dimension > 1:
-        skipped.append(("fully developed flow", "[fully_developed] gives profiles far from the inlet in a second"))
+        skipped.append(("fully developed flow", "[developed_flow] gives profiles far from the inlet in a second"))
     points = probes.cells(mesh, cells, scene.output.probes)
     seldom_meant = warnings.of_the_mesh(scene, mesh, cells)
     return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points, seldom_meant, place=place)
@@ -129,7 +135,7 @@ def plan(scene: t.TwoFluidScene, place: Place = ONE_PROCESS) -> TwoFluidPlan:
 
 def _pairs(scene: t.TwoFluidScene) -> list[tuple[str, str]]:
     """Return the pairs of periodic boundaries."""
-    return [(name, part.partner) for name, part in scene.boundary.items() if isinstance(part, t.Periodic)]
+    return [(name, part.partner) for name, part in scene.boundary.items() if isinstance(part, Periodic)]
 
 
 def _require_resolved(scene: t.TwoFluidScene, mesh: Mesh, cells: grid.Grid) -> None:
@@ -143,8 +149,9 @@ def _require_resolved(scene: t.TwoFluidScene, mesh: Mesh, cells: grid.Grid) -> N
     problems: list[tuple[tuple[str | int, ...], str]] = []
     if len(height) == 1:
         problems.append((("mesh",), "one cell has no neighbour to exchange anything with"))
-    if (width := float(np.ptp(points, axis=1).min())) <= scene.solid.particle_diameter:
-        problems.append((("solid", "particle_diameter"), f"no smaller than the vessel, which is {width:.4g} m wide"))
+    if (width := float(np.ptp(points, axis=1).min())) <= scene.solid.diameter:
+        (name,) = scene.solids
+        problems.append((("solids", name, "diameter"), f"no smaller than the vessel, which is {width:.4g} m wide"))
     slices: list[tuple[tuple[str | int, ...], Any]] = [
         (("initial", "layer", k), layer) for k, layer in enumerate(scene.initial.layer)
     ]
@@ -164,7 +171,7 @@ def parts(scene: t.TwoFluidScene, time: float = 0.0) -> dict[str, Any]:
     return {
         name: scene.boundary[part.on or name] if 0.0 < (getattr(part, "until", None) or 0.0) <= time else part
         for name, part in scene.boundary.items()
-        if not isinstance(part, t.Periodic)
+        if not isinstance(part, Periodic)
     }
 
 
@@ -177,12 +184,12 @@ def conditions(scene: t.TwoFluidScene, cells: grid.Grid, time: float = 0.0) -> d
 def initial(scene: t.TwoFluidScene, cells: grid.Grid) -> dict[str, np.ndarray]:
     """Fields at the start; the pressure carries the weight above."""
     start, height = scene.initial, cells.centres[:, -1]
-    scalars = {name: np.full(len(height), getattr(start, name)) for name in ("eps_s", "theta", "u_gas", "u_solid")}
+    scalars = {name: np.full(len(height), value) for name, value in _flow_at_start(start).items()}
     for layer in start.layer:
         inside = (height >= layer.start) & (height < layer.end)
-        for name, field in scalars.items():
-            if (value := getattr(layer, name)) is not None:
-                field[inside] = value
+        for name, value in _flow_at_start(layer).items():
+            if value is not None:
+                scalars[name][inside] = value
     if start.noise:
         random = np.random.default_rng(start.seed).uniform(-1.0, 1.0, len(height))
         scalars["eps_s"] = scalars["eps_s"] * (1.0 + start.noise * random)
@@ -197,6 +204,17 @@ def initial(scene: t.TwoFluidScene, cells: grid.Grid) -> dict[str, np.ndarray]:
 
         fields |= heat_planning.initial(scene, height)
     return fields
+
+
+def _flow_at_start(part: Initial | Layer) -> dict[str, float | None]:
+    """Return the values of the fields of the flow that a table of the start gives."""
+    solid = part.solid
+    return {
+        "eps_s": solid.volume_fraction,
+        "theta": solid.granular_temperature,
+        "u_gas": part.gas.velocity,
+        "u_solid": solid.velocity,
+    }
 
 
 def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
@@ -228,18 +246,26 @@ def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
 
 
 def _condition(part: Any) -> boundary.Condition:
-    if isinstance(part, t.Wall):
+    if isinstance(part, Wall):
+        solid = part.solid
         return boundary.Wall(
-            part.gas,
-            part.solid,
-            part.specularity or 0.0,
-            1.0 if part.restitution is None else part.restitution,
+            part.gas.wall,
+            solid.wall,
+            solid.specularity or 0.0,
+            1.0 if solid.restitution is None else solid.restitution,
             part.velocity,
-            part.friction,
+            solid.friction,
         )
-    if isinstance(part, t.Inlet):
-        return boundary.Inlet(part.velocity, part.eps_s, part.solid_flux or 0.0, part.solid_velocity or 0.0, part.theta)
-    return boundary.Outlet(part.pressure) if isinstance(part, t.Outlet) else boundary.symmetry()
+    if isinstance(part, Inlet):
+        entering = part.solid
+        return boundary.Inlet(
+            part.gas.velocity,
+            entering.volume_fraction,
+            entering.mass_flux or 0.0,
+            entering.velocity or 0.0,
+            entering.granular_temperature,
+        )
+    return boundary.Outlet(part.gas.pressure) if isinstance(part, Outlet) else boundary.symmetry()
 
 
 def _particles(scene: t.TwoFluidScene) -> closure_kernels.ParticleProperties:

@@ -10,6 +10,7 @@ import numpy as np
 from contbed.errors import ConvergenceError
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.boundary import GIVEN, OUTLET
+from contbed.two_fluid.conditions import Inlet, Outlet, SolidAtInlet, Wall
 
 if TYPE_CHECKING:
     from contbed.two_fluid.simulation import Simulation
@@ -28,40 +29,45 @@ def largest_speed(scene: t.TwoFluidScene, bed: Simulation) -> float:
     """
     grid, edge, start = bed.model.grid, bed.model.edge, scene.initial
     parts = scene.boundary.values()
-    inlets = [part for part in parts if isinstance(part, t.Inlet)]
+    inlets = [part for part in parts if isinstance(part, Inlet)]
     height = float(np.ptp(grid.centres[:, -1]))
-    blown = max((part.velocity for part in inlets), default=0.0) / (1.0 - scene.solid.packing)
+    blown = max((part.gas.velocity for part in inlets), default=0.0) / (1.0 - scene.solid.packing_limit)
     area = grid.geometry.area[grid.interior :]
     entered, left = (float(area[edge.gas.kind == kind].sum()) for kind in (GIVEN, OUTLET))
     narrowing = max(1.0, entered / left) if left > 0.0 else 1.0
-    fed = max((part.solid_velocity or _fed(part, scene.solid.density) for part in inlets), default=0.0)
-    layers: tuple[t.Initial | t.Layer, ...] = (start, *start.layer)
-    begun = max(abs(value) for part in layers for value in (part.u_gas or 0.0, part.u_solid or 0.0))
-    walls = max((abs(v) for part in parts if isinstance(part, t.Wall) for v in part.velocity), default=0.0)
-    theta = max(*(part.theta or 0.0 for part in layers), *(part.theta for part in inlets), 0.0)
-    outside = [part.pressure for part in parts if isinstance(part, t.Outlet)]
-    driven = (2.0 * (max(outside) - min(outside)) / scene.gas.density) ** 0.5 if outside else 0.0
+    entering = [part.solid for part in inlets]
+    fed = max((solid.velocity or _fed(solid, scene.solid.density) for solid in entering), default=0.0)
+    begun = max(abs(value) for part in start.parts for value in (part.gas.velocity or 0.0, part.solid.velocity or 0.0))
+    walls = max((abs(v) for part in parts if isinstance(part, Wall) for v in part.velocity), default=0.0)
+    at_start = (part.solid.granular_temperature or 0.0 for part in start.parts)
+    theta = max(*at_start, *(solid.granular_temperature for solid in entering), 0.0)
+    outside = [part.gas.pressure for part in parts if isinstance(part, Outlet)]
+    driven = (2.0 * (max(outside) - min(outside)) / scene.fluid.density) ** 0.5 if outside else 0.0
     fall = (2.0 * scene.two_fluid.gravity * height) ** 0.5
     given = narrowing * blown * _expansion(scene) + fed + begun + walls + abs(start.shear) * height
     return float(fall + given + EXPANSION * theta**0.5 + driven)
 
 
-def _fed(part: t.Inlet, density: float) -> float:
+def _fed(solid: SolidAtInlet, density: float) -> float:
     """Speed of the particles that an inlet feeds [m/s]."""
-    return (part.solid_flux or 0.0) / (density * part.eps_s) if part.eps_s > 0.0 else 0.0
+    return (solid.mass_flux or 0.0) / (density * solid.volume_fraction) if solid.volume_fraction > 0.0 else 0.0
 
 
 def given_temperatures(scene: t.TwoFluidScene) -> list[float]:
     """Return the temperatures [K] that the scene gives to initial fields and boundaries."""
-    places = (scene.initial, *scene.initial.layer, *scene.boundary.values())
-    values = [getattr(part, key, None) for part in places for key in ("T_gas", "T_solid", "T")]
+    walls = [part.temperature for part in scene.boundary.values() if isinstance(part, Wall)]
+    streams = [part for part in scene.boundary.values() if isinstance(part, Inlet)]
+    values = list(walls)
+    for part in (*scene.initial.parts, *streams):
+        values += [part.gas.temperature, part.solid.temperature]
     return [value for value in values if value is not None]
 
 
 def _expansion(scene: t.TwoFluidScene) -> float:
     """Ratio of the highest to the lowest temperature, by which an ideal gas expands."""
     given = given_temperatures(scene)
-    return max(given) / min(given) if given and scene.heat is not None and scene.heat.density == "ideal_gas" else 1.0
+    expands = scene.heat is not None and scene.gas.density_law == "ideal_gas"
+    return max(given) / min(given) if given and expands else 1.0
 
 
 def largest_pressure_drop(scene: t.TwoFluidScene, bed: Simulation, speed: float) -> float:
@@ -75,7 +81,7 @@ def largest_pressure_drop(scene: t.TwoFluidScene, bed: Simulation, speed: float)
     weight = (solids + materials.rho_gas) * scene.two_fluid.gravity * height
     width = min((float(np.ptp(grid.middles[:, k])) for k in range(grid.dimension - 1)), default=np.inf)
     friction = 12.0 * materials.mu_gas * speed * height / width**2
-    outside = [part.pressure for part in scene.boundary.values() if isinstance(part, t.Outlet)]
+    outside = [part.gas.pressure for part in scene.boundary.values() if isinstance(part, Outlet)]
     driven = max(outside) - min(outside) if outside else 0.0
     return weight + 0.5 * (solids + materials.rho_gas) * speed**2 + friction + driven
 
@@ -108,7 +114,7 @@ def _temperature_bounds(scene: t.TwoFluidScene) -> tuple[float, float]:
     from contbed.two_fluid.checks import MAX_TEMPERATURE
 
     given = given_temperatures(scene)
-    sources = any(isinstance(part, t.Wall) and part.heat_flux for part in scene.boundary.values())
+    sources = any(isinstance(part, Wall) and part.heat_flux for part in scene.boundary.values())
     if sources or not given:
         return 0.0, MAX_TEMPERATURE
     span = max(max(given) - min(given), 0.1 * max(given))

@@ -12,6 +12,7 @@ from contbed.two_fluid import filters, momentum_budget
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.averages import Averages, along, spectrum
 from contbed.two_fluid.closures import ABSENT, MIN_REPORTED_FRACTION, dissipative_restitution
+from contbed.two_fluid.conditions import Wall
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.simulation import Simulation
 
@@ -235,7 +236,7 @@ def results(
     section = bed.model.grid.geometry.volume.sum() / np.ptp(plan.mesh.skfem.p[-1])
     found["weight_of_solids"] = float(scene.two_fluid.gravity * last[2] / section)
     found |= filters.results(scene)
-    if scene.two_fluid.effective_restitution != ABSENT:
+    if scene.closures.effective_restitution != ABSENT:
         found["effective_restitution"] = dissipative_restitution(scene)
     shear = _shear(scene, plan)
     if shear:
@@ -266,7 +267,7 @@ def _slip(bed: Simulation) -> float:
 
 def _shear(scene: t.TwoFluidScene, plan: Any) -> float:
     """Rate of shear between two walls that move [1/s], or of the start."""
-    moving = [part.velocity[0] for part in scene.boundary.values() if isinstance(part, t.Wall) and part.velocity]
+    moving = [part.velocity[0] for part in scene.boundary.values() if isinstance(part, Wall) and part.velocity]
     if len(moving) == 2:
         return abs(moving[0] - moving[1]) / float(np.ptp(plan.mesh.skfem.p[-1]))
     return abs(scene.initial.shear)
@@ -278,15 +279,15 @@ def _fronts(scene: t.TwoFluidScene, bed: Simulation) -> dict[str, Any]:
         return {}
     order = np.argsort(bed.model.grid.centres[:, 0])
     x, s = bed.model.grid.centres[order, 0], bed.state.eps_s[order]
-    start = scene.initial
-    if not start.layer and start.eps_s > 0 and scene.two_fluid.gravity > 0:
-        densest = 0.5 * (start.eps_s + scene.solid.packing)
+    start, solid = scene.initial, scene.initial.solid
+    if not start.layer and solid.volume_fraction > 0 and scene.two_fluid.gravity > 0:
+        densest = 0.5 * (solid.volume_fraction + scene.solid.packing_limit)
         return {
-            "front_position_m": _crossing(x, s, 0.5 * start.eps_s, -1),
+            "front_position_m": _crossing(x, s, 0.5 * solid.volume_fraction, -1),
             "lower_front_position_m": _crossing(x, s, densest, 0),
         }
-    if scene.two_fluid.granular_temperature == "frozen" and len(start.layer) == 1 and start.theta > 0:
-        jump, c = start.layer[0].end, start.theta**0.5
+    if scene.two_fluid.granular_temperature == "frozen" and len(start.layer) == 1 and solid.granular_temperature > 0:
+        jump, c = start.layer[0].end, solid.granular_temperature**0.5
         right = s[-1]
         way = c * bed.state.time
         # between the tail of the fan and the shock the state is uniform; its middle third is read

@@ -1,12 +1,13 @@
-"""The vocabulary of a scene with a [two_fluid] table: gas and particles as two fluids, transient, in SI.
+"""The tables of a scene of two fluids: gas and particles as two continua, transient, in SI.
 
     [mesh]                    gravity points against its last axis, on a line against x
-    [two_fluid]               gravity, closures by name, guards
-    [gas], [solid]            their properties
-    [initial]                 fields at the start, with [[initial.layer]] along the last axis
+    [gas], [solids.NAME]      their properties; two fluids have one solid phase
+    [closures]                by name
+    [heat]                    temperatures are solved; absent: isothermal
     [boundary.NAME]           wall, symmetry, periodic, inlet, outlet
-    [heat]                    temperatures; absent: isothermal
+    [initial]                 fields at the start, with [[initial.layer]] along the last axis
     [time]                    how long, steps by the Courant number, averages
+    [two_fluid]               gravity, granular temperature, guards
 
 A closure that is "none" is absent and costs nothing.
 """
@@ -14,67 +15,120 @@ A closure that is "none" is absent and costs nothing.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field
 
+from contbed.scene import gas as gases
 from contbed.scene import tables
 from contbed.scene.mesh import Mesh
 from contbed.scene.quantities import (
+    Conductivity,
     Density,
+    HeatCapacity,
     Instant,
     Length,
     Number,
     Position,
     Positive,
+    Pressure,
     Seconds,
     Switch,
     Table,
-    Viscosity,
-    Whole,
+    Temperature,
     form,
+    takes,
     unit,
 )
-from contbed.scene.tables import OfMaterial, SceneBase
-from contbed.two_fluid.heat.scene import Heat, HeatOfWall, Temperatures
+from contbed.scene.solids import SolidPhase
+from contbed.scene.tables import NonNegativeOrClosure, SceneBase
+from contbed.two_fluid.conditions import Boundary, Initial, Inlet
+from contbed.two_fluid.renames import RENAMED
 
-Speed = Annotated[float, *unit("m/s")]
-Share = Annotated[Number, Field(ge=0, lt=1)]
-Theta = Annotated[float, *unit("m**2/s**2"), Field(ge=0)]
+if TYPE_CHECKING:
+    from contbed.materials.constants import Constants
+
 Angle = Annotated[float, *unit("rad"), Field(gt=0, lt=1.5)]
-Flux = Annotated[float, *unit("kg/m**2/s"), Field(ge=0)]
 Named = Annotated[tables.Named, Discriminator(form)]
 
 
 class TwoFluid(Table):
-    """The model and its closures."""
+    """What only two fluids have."""
 
     gravity: Annotated[float, *unit("m/s**2"), Field(ge=0)] = 9.81
     granular_temperature: Literal["pde", "algebraic", "frozen"] = "pde"
+    guards: Switch = Field(True, description="limit the kinetic stress of dilute flow by drag and free path")
+    free_path: Length = Field(0.01, description="largest mean free path that the guards allow")
+    conductivity_gas: Conductivity = Field(0.0, description="of the gas phase; its volume fraction of it conducts")
+    conductivity_solids: Conductivity = Field(0.0, description="of the solid phase; its volume fraction of it conducts")
+
+
+class Closures(Table):
+    """Closures by name; "none": absent."""
+
     drag: Named = "drag_gidaspow"
     radial_distribution: str = "g0_sinclair_jackson"
-    pressure: Named = Field("granular_pressure_lun", description='"granular_pressure_dilute": without collisions')
-    viscosity: Named = Field("granular_viscosity_gidaspow", description='"none": particles without stress but pressure')
-    bulk_viscosity: str = "granular_bulk_lun"
-    conductivity: str = "granular_conductivity_syamlal"
-    dissipation: str = "granular_dissipation_lun"
+    granular_pressure: Named = Field(
+        "granular_pressure_lun", description='"granular_pressure_dilute": without collisions'
+    )
+    granular_viscosity: Named = Field(
+        "granular_viscosity_gidaspow", description='"none": particles without stress but pressure'
+    )
+    granular_bulk_viscosity: str = "granular_bulk_lun"
+    granular_conductivity: str = "granular_conductivity_syamlal"
+    granular_dissipation: str = "granular_dissipation_lun"
     effective_restitution: Named = Field(
         "none", description="friction of particles in the dissipation, from its coefficient"
     )
-    friction: str = Field("friction_johnson_jackson", description='"none": no friction near packing')
+    friction_pressure: str = Field("friction_johnson_jackson", description='"none": no friction near packing')
     friction_viscosity: str = Field("friction_viscosity_newtonian", description='"none": friction pushes only')
     wall_drag: str = Field("none", description='"igci": factor of filtered drag near slip walls')
     wall_pressure: str = Field("none", description="the same of the filtered pressure of the particles")
     wall_viscosity: str = Field("none", description="the same of their filtered viscosity")
-    guards: Switch = Field(True, description="limit the kinetic stress of dilute flow by drag and free path")
-    free_path: Length = Field(0.01, description="largest mean free path that the guards allow")
+    nusselt: NonNegativeOrClosure = Field("nusselt_gunn", description="exchange, Nu = h diameter/gas.conductivity")
+    conductivity_bed: Named | None = Field(
+        None,
+        description="of the bed at rest; the gas has (1 - sqrt(eps_s)) of gas.conductivity of it, particles the rest",
+        json_schema_extra=takes("conductivity"),
+    )
 
 
-class Gas(Table):
-    """Incompressible gas or liquid."""
+class ConstantsAt(Table):
+    """Temperature at which the properties of a gas that vary are taken as constants."""
 
-    density: Density
-    viscosity: Viscosity
+    reference_temperature: Temperature | None = Field(
+        None, description="of the properties of the gas; absent: that at the start, or at the inlet"
+    )
+
+
+class GasLaw(ConstantsAt):
+    """Density of a gas that is heated."""
+
+    density_law: Literal["constant", "ideal_gas"] = Field(
+        "constant", description='"ideal_gas": density is that at reference_temperature and pressure'
+    )
+
+
+class GasConstant(GasLaw, gases.GasConstant):
+    """A gas or liquid with constant properties, given or those of a material at a temperature."""
+
+    pressure: Pressure = Field(101325.0, description="outside of the outlet, or in a closed bed at the start")
+
+
+class GasCantera(GasLaw, gases.GasCantera):
+    """An ideal-gas mixture of a Cantera mechanism; its properties at one temperature."""
+
+
+class GasCoolProp(GasLaw, gases.GasCoolProp):
+    """A real fluid from CoolProp; its properties at one temperature."""
+
+
+Gas = Annotated[
+    GasConstant | GasCantera | GasCoolProp,
+    Field(discriminator="model"),
+    BeforeValidator(gases.constant_by_default),
+]
 
 
 class Friction(Table):
@@ -87,98 +141,36 @@ class Friction(Table):
     angle: Angle = 0.49742
 
 
-class Solid(OfMaterial):
+class Solid(SolidPhase):
     """Equal spheres."""
 
-    particle_diameter: Length
+    diameter: Length
     density: Density
+    heat_capacity: HeatCapacity | None = Field(None, description="needed with a [heat] table")
+    conductivity: Conductivity | None = Field(None, description="of a particle; for closures.conductivity_bed")
     restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
     sliding_friction: Annotated[Number, Field(ge=0)] | None = Field(
-        None, description="Coulomb's coefficient of two particles, for two_fluid.effective_restitution"
+        None, description="Coulomb's coefficient of two particles, for closures.effective_restitution"
     )
-    packing: Annotated[Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
+    packing_limit: Annotated[Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
     friction: Friction = Friction()
 
 
-class Layer(Temperatures):
-    """Fields between two positions along the last axis; what is not given stays as it was."""
+def one_solid(solids: dict[str, Any]) -> dict[str, Any]:
+    """Return the table of solids of a model that has one solid phase.
 
-    start: Position = -1e30
-    end: Position = 1e30
-    eps_s: Share | None = None
-    theta: Theta | None = None
-    u_gas: Speed | None = Field(None, description="along the last axis")
-    u_solid: Speed | None = None
-
-
-class Initial(Temperatures):
-    """Fields at the start."""
-
-    eps_s: Share = 0.0
-    theta: Theta = 1e-4
-    u_gas: Speed = Field(0.0, description="intrinsic, along the last axis")
-    u_solid: Speed = 0.0
-    shear: Annotated[float, *unit("1/s")] = Field(0.0, description="of the particles: u_x grows with the last axis")
-    noise: Annotated[Number, Field(ge=0, lt=1)] = Field(0.0, description="relative, of eps_s, to break symmetry")
-    seed: Annotated[Whole, Field(ge=0)] = 0
-    layer: tuple[Layer, ...] = ()
+    Raises
+    ------
+    ValueError : it has none, or several
+    """
+    if len(solids) != 1:
+        found = ", ".join(solids) or "none"
+        raise ValueError(f"this model has one solid phase, [solids.NAME]; found {found}")
+    return solids
 
 
-class Part(Table):
-    """A boundary, or a piece of one along the last axis; along the first, of one that is level."""
-
-    on: str | None = Field(None, description="boundary of the mesh that this is a piece of, from start to end")
-    start: Position | None = None
-    end: Position | None = None
-
-
-class Wall(Part, HeatOfWall):
-    """Nothing passes."""
-
-    type: Literal["wall"]
-    gas: Literal["no_slip", "slip"] = "no_slip"
-    solid: Literal["no_slip", "slip", "johnson_jackson"] = "no_slip"
-    specularity: Annotated[Number, Field(gt=0, le=1)] | None = None
-    restitution: Annotated[Number, Field(gt=0, le=1)] | None = None
-    friction: Annotated[Number, Field(ge=0, le=2)] = Field(
-        0.0, description="Coulomb's coefficient of particles that rub along the wall under their frictional pressure"
-    )
-    velocity: tuple[Speed, ...] = Field((), description="of the wall in its own plane")
-
-
-class Symmetry(Part):
-    """A plane of symmetry, or the axis."""
-
-    type: Literal["symmetry"]
-
-
-class Periodic(Table):
-    """One and the same as another boundary."""
-
-    type: Literal["periodic"]
-    partner: str = Field(description="the boundary opposite, which is not named again")
-
-
-class Inlet(Part, Temperatures):
-    """Gas, with or without particles."""
-
-    type: Literal["inlet"]
-    until: Seconds | None = Field(None, description="then it is as the inlet that it is a piece of")
-    velocity: Annotated[Speed, Field(ge=0)] = Field(0.0, description="superficial, of the gas")
-    eps_s: Share = 0.0
-    solid_flux: Flux | None = Field(None, description="mass flux of the particles through this boundary")
-    solid_velocity: Annotated[Speed, Field(gt=0)] | None = None
-    theta: Theta = 0.0
-
-
-class Outlet(Part):
-    """Free outflow against a pressure; particles do not come back."""
-
-    type: Literal["outlet"]
-    pressure: Annotated[float, *unit("Pa")] = 0.0
-
-
-Boundary = Annotated[Wall | Symmetry | Periodic | Inlet | Outlet, Field(discriminator="type")]
+class Heat(Table):
+    """Temperatures of gas and particles are solved; without this table they stay and nothing is computed."""
 
 
 class Window(Table):
@@ -224,19 +216,48 @@ class TwoFluidScene(SceneBase):
     """Gas and particles as two fluids."""
 
     kind: ClassVar[str] = "two_fluid"
-    renamed: ClassVar[Mapping[str, str]] = {"solid.diameter": "particle_diameter"}
+    renamed: ClassVar[Mapping[str, str]] = RENAMED
     refused: ClassVar[Mapping[str, str]] = {
         "radiation": "two fluids exchange heat by convection and conduction alone, as radiation between particles that "
         "move would be solved anew in each time step; use [bubbling_bed] or a packed bed of the mean porosity with it"
     }
 
     mesh: Mesh
-    two_fluid: TwoFluid
+    two_fluid: TwoFluid = TwoFluid()
     gas: Gas
-    solid: Solid
+    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)]
+    closures: Closures = Closures()
     initial: Initial = Initial()
     boundary: dict[str, Boundary] = Field(default_factory=dict)
     heat: Heat | None = None
     time: Time
     output: Output = Output()
     solver: Solver = Solver()
+
+    @property
+    def solid(self) -> Solid:
+        """The only solid phase."""
+        return next(iter(self.solids.values()))
+
+    @property
+    def fluid(self) -> Constants:
+        """Constant properties of the gas."""
+        return fluid_of(self.gas, self.initial, self.boundary, self.origin.base)
+
+
+def fluid_of(gas: Gas, initial: Initial, boundary: Mapping[str, Boundary], base: Path) -> Constants:
+    """Return the constant properties of the gas.
+
+    Those that vary are taken at gas.reference_temperature, else at the temperature at the start, else at that of the
+    first inlet. `base` is the folder of the scene.
+
+    Raises
+    ------
+    SceneError : no temperature is given, or it is out of the range of the properties
+    """
+    from contbed.materials.constants import constants_of
+
+    entering = [part.gas.temperature for part in boundary.values() if isinstance(part, Inlet)]
+    given = (gas.reference_temperature, initial.gas.temperature, *entering)
+    T = next((T for T in given if T is not None), None)
+    return constants_of(gas, T, base)

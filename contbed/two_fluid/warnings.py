@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contbed.scene.checking import Mistakes
-from contbed.scene.toml_lines import KeyPath, dotted
+from contbed.scene.toml_lines import KeyPath, Origin, dotted
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, KINDS
+from contbed.two_fluid.conditions import Boundary, Initial, Inlet, Layer, Periodic, Wall
 from contbed.two_fluid.filters import unlike_the_cells
 
 if TYPE_CHECKING:
@@ -24,43 +25,51 @@ MOST_OF_A_LAYER = 0.04
 AXIS = 1e-9  # share of the extent from which a mesh counts as off the axis
 
 
-def times_are_within_the_run(time: t.Time, boundary: Mapping[str, t.Boundary]) -> Mistakes:
+def times_are_within_the_run(time: t.Time, boundary: Mapping[str, Boundary]) -> Mistakes:
     """Look for what is written or switched after the end of the run."""
     for key in ("sample", "fields"):
         if (value := getattr(time, key)) is not None and value > time.end:
             yield ("time", key), f"longer than the run of {time.end:g} s: written at its end"
     for name, part in boundary.items():
-        if isinstance(part, t.Inlet) and part.until is not None and part.until >= time.end:
+        if isinstance(part, Inlet) and part.until is not None and part.until >= time.end:
             yield ("boundary", name, "until"), f"not before the end, {time.end:g} s: nothing changes"
 
 
-def there_are_particles(initial: t.Initial, boundary: Mapping[str, t.Boundary], gas: t.Gas, solid: t.Solid) -> Mistakes:
+def there_are_particles(
+    initial: Initial, boundary: Mapping[str, Boundary], gas: t.Gas, solids: Mapping[str, t.Solid], origin: Origin
+) -> Mistakes:
     """Look for particles, and for a gas that is heavier than they are."""
+    ((name, solid),) = solids.items()
     if not _has_particles(initial, boundary):
-        yield ("initial", "eps_s"), "no particles at the start, and none enter: a flow of gas alone"
-    if gas.density >= solid.density:
+        text = "no particles at the start, and none enter: a flow of gas alone"
+        yield ("initial", "solids", name, "volume_fraction"), text
+    fluid = t.fluid_of(gas, initial, boundary, origin.base)
+    if fluid.density >= solid.density:
         yield ("gas", "density"), f"the gas is not lighter than the particles, {solid.density:g} kg/m3"
 
 
-def gas_enters_and_carries(initial: t.Initial, boundary: Mapping[str, t.Boundary], two_fluid: t.TwoFluid) -> Mistakes:
+def gas_enters_and_carries(
+    initial: Initial, boundary: Mapping[str, Boundary], two_fluid: t.TwoFluid, closures: t.Closures
+) -> Mistakes:
     """Look for inlets without flow, and gas that does not move the particles."""
-    inlets = {name: part for name, part in boundary.items() if isinstance(part, t.Inlet)}
+    inlets = {name: part for name, part in boundary.items() if isinstance(part, Inlet)}
     for name, part in inlets.items():
-        if part.velocity == 0.0 and part.eps_s == 0.0:
-            yield ("boundary", name, "velocity"), "nothing enters; a closed boundary is a wall"
-    blows = any(part.velocity > 0 for part in inlets.values())
-    if two_fluid.drag == ABSENT and blows and two_fluid.gravity > 0 and _has_particles(initial, boundary):
-        yield ("two_fluid", "drag"), "without drag the gas that enters does not carry the particles"
+        if part.gas.velocity == 0.0 and part.solid.volume_fraction == 0.0:
+            yield ("boundary", name, "gas", "velocity"), "nothing enters; a closed boundary is a wall"
+    blows = any(part.gas.velocity > 0 for part in inlets.values())
+    if closures.drag == ABSENT and blows and two_fluid.gravity > 0 and _has_particles(initial, boundary):
+        yield ("closures", "drag"), "without drag the gas that enters does not carry the particles"
 
 
-def walls_slip(two_fluid: t.TwoFluid, boundary: Mapping[str, t.Boundary]) -> Mistakes:
+def walls_slip(closures: t.Closures, boundary: Mapping[str, Boundary]) -> Mistakes:
     """Look for walls that hold gas or particles back where closures have factors near walls that do not."""
-    chosen = [key for key in KINDS if key.startswith("wall_") and getattr(two_fluid, key) != ABSENT]
-    rough = [n for n, w in boundary.items() if isinstance(w, t.Wall) and (w.gas != "slip" or w.solid != "slip")]
+    chosen = [key for key in KINDS if key.startswith("wall_") and getattr(closures, key) != ABSENT]
+    walls = {name: part for name, part in boundary.items() if isinstance(part, Wall)}
+    rough = [name for name, wall in walls.items() if wall.gas.wall != "slip" or wall.solid.wall != "slip"]
     if rough:
         for key in chosen:
             yield (
-                ("two_fluid", key),
+                ("closures", key),
                 f"holds where gas and particles slip along walls, not along {', '.join(rough)}",
             )
 
@@ -72,9 +81,10 @@ def of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> tuple[str, ..
 
 def _of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> Iterator[tuple[KeyPath, str]]:
     smallest = min(float(np.ptp(x[mesh.skfem.t], axis=0).min()) for x in mesh.skfem.p)
-    if smallest < scene.solid.particle_diameter:
+    if smallest < scene.solid.diameter:
+        (name,) = scene.solids
         text = f"larger than the smallest cell, {smallest:.3g} m; averages over a cell need many particles in it"
-        yield ("solid", "particle_diameter"), text
+        yield ("solids", name, "diameter"), text
     low, high = float(mesh.skfem.p[-1].min()), float(mesh.skfem.p[-1].max())
     for k, layer in enumerate(scene.initial.layer):
         for key in sorted(layer.model_fields_set & {"start", "end"}):
@@ -87,7 +97,7 @@ def _of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> Iterator[tup
     if grid.rectangular:
         yield from _layers_end_within_cells(scene, np.unique(mesh.skfem.p[-1]))
     yield from unlike_the_cells(scene, grid)
-    if scene.heat is not None and scene.heat.density == "ideal_gas":
+    if scene.heat is not None and scene.gas.density_law == "ideal_gas":
         yield from _gas_expands_at_once(scene, low, high)
 
 
@@ -95,7 +105,7 @@ def _pieces_end_between_faces(scene: t.TwoFluidScene, mesh: Mesh) -> Iterator[tu
     """Look for pieces of boundaries whose faces, each of which is taken as a whole, have another area."""
     grid = mesh.skfem
     for name, part in scene.boundary.items():
-        if isinstance(part, t.Periodic) or part.on is None or part.start is None or part.end is None:
+        if isinstance(part, Periodic) or part.on is None or part.start is None or part.end is None:
             continue
         corners = grid.p[:, grid.facets[:, grid.boundaries[name]]]  # (dim, corners, faces)
         axis = 0 if np.ptp(corners[-1]) <= AXIS * np.ptp(grid.p[-1]) else -1
@@ -114,7 +124,7 @@ def _layers_end_within_cells(scene: t.TwoFluidScene, faces: np.ndarray) -> Itera
     """
     height = 0.5 * (faces[1:] + faces[:-1])
     for k, layer in enumerate(scene.initial.layer):
-        if not layer.eps_s:
+        if not layer.solid.volume_fraction:
             continue
         inside = (height >= layer.start) & (height < layer.end)
         covered = float(faces[:-1][inside].min()), float(faces[1:][inside].max())
@@ -133,30 +143,31 @@ def _gas_expands_at_once(scene: t.TwoFluidScene, low: float, high: float) -> Ite
     """Look for gas between hotter or colder particles at the start, whose change of volume drives the first flow."""
     from contbed.two_fluid.heat.plan import initial
 
-    heat, start, d_p = scene.heat, scene.initial, scene.solid.particle_diameter
-    assert heat is not None
-    inlets = [part.velocity for part in scene.boundary.values() if isinstance(part, t.Inlet)]
+    fluid, start, d_p = scene.fluid, scene.initial, scene.solid.diameter
+    assert fluid.heat_capacity is not None and fluid.conductivity is not None
+    inlets = [part.gas.velocity for part in scene.boundary.values() if isinstance(part, Inlet)]
     usual = max(inlets, default=0.0) + (2.0 * scene.two_fluid.gravity * (high - low)) ** 0.5
-    parts: list[tuple[KeyPath, t.Initial | t.Layer, float, float]] = [(("initial",), start, -np.inf, np.inf)]
+    parts: list[tuple[KeyPath, Initial | Layer, float, float]] = [(("initial",), start, -np.inf, np.inf)]
     parts += [(("initial", "layer", k), part, part.start, part.end) for k, part in enumerate(start.layer)]
     for key, part, bottom, top in parts:
-        eps_s = start.eps_s if part.eps_s is None else part.eps_s
+        eps_s = start.solid.volume_fraction if part.solid.volume_fraction is None else part.solid.volume_fraction
         T_gas, T_solid = (float(T[0]) for T in initial(scene, np.array([bottom])).values())
         if eps_s == 0.0 or T_gas == T_solid:
             continue
-        content = scene.gas.density * heat.heat_capacity_gas * (1.0 - eps_s)
-        time = content * d_p**2 / (6.0 * eps_s * BED_NUSSELT * heat.conductivity_gas)
+        content = fluid.density * fluid.heat_capacity * (1.0 - eps_s)
+        time = content * d_p**2 / (6.0 * eps_s * BED_NUSSELT * fluid.conductivity)
         speed = abs(T_solid / T_gas - 1.0) * (min(top, high) - max(bottom, low)) / time
         if speed > usual:
             text = f"gas of {T_gas:g} K between particles of {T_solid:g} K takes their temperature in {time:.2g} s and "
             text += f"its new volume flows at {speed:.2g} m/s; give both one temperature where particles are"
-            yield (*key, "T_gas"), text
+            yield (*key, "gas", "temperature"), text
 
 
-def _has_particles(initial: t.Initial, boundary: Mapping[str, t.Boundary]) -> bool:
+def _has_particles(initial: Initial, boundary: Mapping[str, Boundary]) -> bool:
     """Whether there are particles at the start, or some enter."""
-    start = initial.eps_s, *(layer.eps_s or 0.0 for layer in initial.layer)
-    return any(start) or any(isinstance(part, t.Inlet) and part.eps_s > 0 for part in boundary.values())
+    start = initial.solid.volume_fraction, *(layer.solid.volume_fraction or 0.0 for layer in initial.layer)
+    entering = (part.solid.volume_fraction for part in boundary.values() if isinstance(part, Inlet))
+    return any(start) or any(entering)
 
 
 WARNINGS = (times_are_within_the_run, there_are_particles, gas_enters_and_carries, walls_slip)

@@ -13,15 +13,15 @@ from studies._gallery import Table, Tables
 HERE = Path(__file__).parent
 TERMINAL_SQUARED = 0.065191  # m2/s2, square of Stokes' terminal velocity, over which the filtered stress is given
 STRESS = {
-    "two_fluid.pressure": "igci",
-    "two_fluid.viscosity": "igci",
-    "two_fluid.bulk_viscosity": "none",
+    "closures.granular_pressure": "igci",
+    "closures.granular_viscosity": "igci",
+    "closures.granular_bulk_viscosity": "none",
     "two_fluid.granular_temperature": "frozen",
-    "initial.theta": TERMINAL_SQUARED,
+    "initial.solids.catalyst.granular_temperature": TERMINAL_SQUARED,
 }
 LESS = ", less near walls"  # ending of the names of models with factors near walls
-NEAR_WALLS = {"two_fluid.wall_drag": "igci"}
-STRESS_NEAR_WALLS = {"two_fluid.wall_pressure": "igci", "two_fluid.wall_viscosity": "igci"}
+NEAR_WALLS = {"closures.wall_drag": "igci"}
+STRESS_NEAR_WALLS = {"closures.wall_pressure": "igci", "closures.wall_viscosity": "igci"}
 NOT_COMPARED = ("CPU [s]",)
 COLUMNS = dict.fromkeys(("model", "cells"), "") | {
     "pressure drop [Pa]": ".4g", "holdup [1]": ".4g", "halves [1]": ".2g", "steps": "d", "CPU [s]": ".3g",
@@ -40,13 +40,13 @@ MODELS = {
     "cells twice as wide": Model((24, 320), {}),
     "four times": Model((12, 160), {}),
     "eight times": Model((6, 80), {}),
-    "drag of Igci et al.": Model((6, 80), {"two_fluid.drag": "igci"}),
-    "drag and stress of Igci et al.": Model((6, 80), {"two_fluid.drag": "igci"} | STRESS),
-    "drag of Milioli et al.": Model((6, 80), {"two_fluid.drag": "milioli"}),
-    "drag of Milioli et al., stress of Igci et al.": Model((6, 80), {"two_fluid.drag": "milioli"} | STRESS),
-    f"drag of Igci et al.{LESS}": Model((6, 80), {"two_fluid.drag": "igci"} | NEAR_WALLS),
+    "drag of Igci et al.": Model((6, 80), {"closures.drag": "igci"}),
+    "drag and stress of Igci et al.": Model((6, 80), {"closures.drag": "igci"} | STRESS),
+    "drag of Milioli et al.": Model((6, 80), {"closures.drag": "milioli"}),
+    "drag of Milioli et al., stress of Igci et al.": Model((6, 80), {"closures.drag": "milioli"} | STRESS),
+    f"drag of Igci et al.{LESS}": Model((6, 80), {"closures.drag": "igci"} | NEAR_WALLS),
     f"drag and stress of Igci et al.{LESS}": Model(
-        (6, 80), {"two_fluid.drag": "igci"} | STRESS | NEAR_WALLS | STRESS_NEAR_WALLS
+        (6, 80), {"closures.drag": "igci"} | STRESS | NEAR_WALLS | STRESS_NEAR_WALLS
     ),
 }
 COLOURS = dict(zip((name for name in MODELS if not name.endswith(LESS)), (

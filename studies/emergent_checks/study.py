@@ -50,7 +50,7 @@ def carried_at(share: Callable[[float], float], velocities: Iterable[float]) -> 
 def carrying_velocity(drag: str, eps: float, scene: cb.Scene) -> float:
     """Find the superficial velocity [m/s] at which a drag law carries a uniform bed of porosity eps."""
     gas, solid, law = scene.gas, scene.solid, closures.get(f"drag_{drag}", "drag")
-    d, mu = solid.particle_diameter, gas.viscosity
+    d, mu = solid.diameter, gas.viscosity
 
     def missing(u: float) -> float:
         beta = law(gas.density * u * d / mu, eps, d, mu)
@@ -69,10 +69,10 @@ def minimum() -> list[Row]:
 
             def share(u: float, drag: str = drag, start: float = start) -> float:
                 changes = {
-                    "two_fluid.drag": f"drag_{drag}",
-                    "solid.friction.start": start,
-                    "boundary.left.velocity": u,
-                    "initial.u_gas": u,
+                    "closures.drag": f"drag_{drag}",
+                    "solids.beads.friction.start": start,
+                    "boundary.left.gas.velocity": u,
+                    "initial.gas.velocity": u,
                 }
                 return carried_share(cb.load(HERE / "minimum.toml", changes))
 
@@ -84,7 +84,7 @@ def minimum() -> list[Row]:
             )
     base = cb.load(HERE / "minimum.toml")
     gas, solid = base.gas, base.solid
-    d = solid.particle_diameter
+    d = solid.diameter
     Ar = gas.density * (solid.density - gas.density) * GRAVITY * d**3 / gas.viscosity**2
     wen_yu = float(closures.minimum_fluidization_wen_yu(Ar)) * gas.viscosity / (gas.density * d)
     timed = gallery.cpu(lambda: carried_at(_particles, (0.9, 1.05, 1.2, 1.35)), samples=1)
@@ -123,7 +123,9 @@ def settling() -> list[Row]:
         def fronts(drag: str = drag) -> list[float]:
             found = []
             for s in FRACTIONS:
-                scene = cb.load(HERE / "settling.toml", {"two_fluid.drag": f"drag_{drag}", "initial.eps_s": s})
+                scene = cb.load(
+                    HERE / "settling.toml", {"closures.drag": f"drag_{drag}", "initial.solids.beads.volume_fraction": s}
+                )
                 front = cb.run(scene).qoi["front_position_m"]
                 found.append((scene.mesh.length - front) / scene.time.end)
             return found
@@ -131,7 +133,7 @@ def settling() -> list[Row]:
         timed = gallery.cpu(fronts, samples=1)
         n, logarithm = np.polyfit(np.log(1.0 - np.array(FRACTIONS)), np.log(timed.result), 1)
         scene = cb.load(HERE / "settling.toml")
-        Re = scene.gas.density * np.exp(logarithm) * scene.solid.particle_diameter / scene.gas.viscosity
+        Re = scene.gas.density * np.exp(logarithm) * scene.solid.diameter / scene.gas.viscosity
         known = richardson_zaki(float(Re))
         rows.append(
             (
@@ -180,7 +182,7 @@ def rise() -> tuple[Array, Array, Array]:
     """Times [s], height [m] of the middle of the void and diameter [m] of a circle as large."""
     scene = cb.load(HERE / "bubble.toml")
     u = _uniform_flow(scene)
-    scene = cb.load(HERE / "bubble.toml", {"boundary.bottom.velocity": u, "solid.friction.start": 0.57})
+    scene = cb.load(HERE / "bubble.toml", {"boundary.bottom.gas.velocity": u, "solids.beads.friction.start": 0.57})
     bed, _ = plan(scene).bed()
     x, volume = bed.model.grid.centres, bed.model.grid.geometry.volume
     dense = x[:, 1] < scene.initial.layer[0].end
@@ -222,14 +224,14 @@ def jet() -> list[Row]:
 def penetration(speed: float) -> float:
     """Height [m] at which the mean fraction on the axis of a jet of `speed` [m/s] comes to OPEN."""
     scene = cb.load(HERE / "bubble.toml")
-    inlet = {"type": "inlet", "on": "bottom", "start": 0.0, "end": 0.5 * NOZZLE, "velocity": speed}
+    inlet = {"type": "inlet", "on": "bottom", "start": 0.0, "end": 0.5 * NOZZLE, "gas": {"velocity": speed}}
     u = _uniform_flow(scene)
     scene = cb.load(
         HERE / "bubble.toml",
         {
             "boundary.jet": inlet,
-            "boundary.bottom.velocity": u,
-            "solid.friction.start": 0.57,
+            "boundary.bottom.gas.velocity": u,
+            "solids.beads.friction.start": 0.57,
             "time.end": 1.2,
             "time.average_from": LATE,
             "output.levels": [0.005 + 0.01 * k for k in range(25)],
@@ -246,7 +248,9 @@ def janssen() -> list[Row]:
     """Share of the weight that walls carry which are drawn up, against Janssen with the pressure alike on all sides."""
     rows: list[Row] = []
     for depth in DEPTHS:
-        scene = cb.load(HERE / "janssen.toml", {"initial.layer": [{"end": depth, "eps_s": 0.58}]})
+        scene = cb.load(
+            HERE / "janssen.toml", {"initial.layer": [{"end": depth, "solids": {"beads": {"volume_fraction": 0.58}}}]}
+        )
         timed = gallery.cpu(lambda scene=scene: cb.run(scene).qoi["weight_walls"], samples=1)
         for K, what in ((1.0, "Janssen, K = 1"), (1.0 - np.sin(ANGLE), "Janssen, K = 1 - sin(angle)")):
             known = wall_share(depth, K)

@@ -13,23 +13,26 @@ from studies._gallery.raw import raw
 from studies.patil_hot_bubble_two_fluid import study
 
 HERE, HALF, WHOLE = study.HERE, "half_3mm_900", "3mm_900"
-BY_CHIALVO = {"solid.sliding_friction": 0.1, "two_fluid.effective_restitution": "chialvo_sundaresan"}
-BY_JENKINS = BY_CHIALVO | {"two_fluid.effective_restitution": "jenkins_zhang"}
+BY_CHIALVO = {"solids.beads.sliding_friction": 0.1, "closures.effective_restitution": "chialvo_sundaresan"}
+BY_JENKINS = BY_CHIALVO | {"closures.effective_restitution": "jenkins_zhang"}
 RUNS: dict[str, dict[str, Any]] = {
     "as the study": {},
-    "no friction": {"two_fluid.friction": "none", "two_fluid.friction_viscosity": "none"},
-    "friction from 0.62": {"solid.friction.start": 0.62},
-    "no friction viscosity": {"two_fluid.friction_viscosity": "none"},
-    "drag by Syamlal and O'Brien": {"two_fluid.drag": "drag_syamlal_obrien"},
-    "drag by Di Felice": {"two_fluid.drag": "drag_di_felice"},
-    "drag by Beetstra": {"two_fluid.drag": "drag_beetstra"},
-    "restitution 0.9": {"solid.restitution": 0.9},
-    "restitution 0.8": {"solid.restitution": 0.8},
+    "no friction": {"closures.friction_pressure": "none", "closures.friction_viscosity": "none"},
+    "friction from 0.62": {"solids.beads.friction.start": 0.62},
+    "no friction viscosity": {"closures.friction_viscosity": "none"},
+    "drag by Syamlal and O'Brien": {"closures.drag": "drag_syamlal_obrien"},
+    "drag by Di Felice": {"closures.drag": "drag_di_felice"},
+    "drag by Beetstra": {"closures.drag": "drag_beetstra"},
+    "restitution 0.9": {"solids.beads.restitution": 0.9},
+    "restitution 0.8": {"solids.beads.restitution": 0.8},
     "friction of particles (Chialvo, Sundaresan)": BY_CHIALVO,
     "friction of particles (Jenkins, Zhang)": BY_JENKINS,
-    "restitution 0.859 in all": {"solid.restitution": 0.859},
-    "granular temperature frozen at 1e-5 m2/s2": {"two_fluid.granular_temperature": "frozen", "initial.theta": 1e-5},
-    "no stress of the particles": {"two_fluid.viscosity": "none", "two_fluid.friction_viscosity": "none"},
+    "restitution 0.859 in all": {"solids.beads.restitution": 0.859},
+    "granular temperature frozen at 1e-5 m2/s2": {
+        "two_fluid.granular_temperature": "frozen",
+        "initial.solids.beads.granular_temperature": 1e-5,
+    },
+    "no stress of the particles": {"closures.granular_viscosity": "none", "closures.friction_viscosity": "none"},
     "paper's width": {},
     "paper's width, friction of particles (Chialvo, Sundaresan)": BY_CHIALVO,
 }

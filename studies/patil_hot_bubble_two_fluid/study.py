@@ -39,13 +39,17 @@ def scene(case: str, others: Mapping[str, Any] | None = None) -> cb.Scene:
     d, T = int(size.removesuffix("mm")), float(given)
     background = BACKGROUND[d]
     changes = {
-        "solid.particle_diameter": 1e-3 * d,
-        "boundary.bottom.velocity": background,
-        "initial.u_gas": background,
-        "boundary.jet.T_gas": T,
-        "boundary.jet.velocity": FLUX / DENSITY * T / T_BED,
+        "solids.beads.diameter": 1e-3 * d,
+        "boundary.bottom.gas.velocity": background,
+        "initial.gas.velocity": background,
+        "boundary.jet.gas.temperature": T,
+        "boundary.jet.gas.velocity": FLUX / DENSITY * T / T_BED,
     }
-    layer = {"end": scale(case) * DEPTH, "eps_s": 1.0 - EMULSION, "u_gas": background / EMULSION}
+    layer = {
+        "end": scale(case) * DEPTH,
+        "solids": {"beads": {"volume_fraction": 1.0 - EMULSION}},
+        "gas": {"velocity": background / EMULSION},
+    }
     changes["initial.layer"] = [layer]
     if is_whole(case):
         changes |= {"time.end": END, "time.sample": EVERY, "time.fields": EVERY}

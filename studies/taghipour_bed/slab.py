@@ -16,7 +16,7 @@ from studies._gallery.raw import raw, resumed
 from studies.taghipour_bed.study import SHARES, heights
 
 HERE = Path(__file__).parent
-SOLID = {side: f"boundary.{side}.solid" for side in ("left", "right", "front", "back")}
+SOLID = {side: f"boundary.{side}.solids.beads.wall" for side in ("left", "right", "front", "back")}
 TIMES = {"time.end": 30.0, "time.average_from": 3.0}
 NOT_COMPARED = ("walls_over_weight", "missing", "halves")
 RESULTS = {

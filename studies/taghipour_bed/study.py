@@ -51,7 +51,7 @@ def own(name: str) -> list[Any]:
         "contbed",
         name,
         cells,
-        scene.boundary["left"].solid,
+        scene.boundary["left"].solid.wall,
         *shares,
         *heights(axial["height [m]"], axial["eps_s [1]"]),
         result.qoi["mass_drift_relative"],

@@ -26,7 +26,7 @@ POINTS = 100  # at which the exact profile of a cell is averaged
 OWN, PEER = (0.1, 0.25, 0.5, 0.9, 1.0), (0.2, 0.5, 1.0, 2.0, 5.0)  # Courant numbers
 ENOUGH = 2.0  # CPU [s] after which a run is not repeated
 REPEATS = 3
-CLOSED = {"type": "wall", "solid": "slip", "gas": "slip"}
+CLOSED = {"type": "wall", "solids": {"beads": {"wall": "slip"}}, "gas": {"wall": "slip"}}
 OURS = "contbed"
 COLUMNS = ("case", "program", "cells", "courant", "steps", "cpu_s", "error_L1", "lower_position", "upper_position",
            "lower_exact", "upper_exact")  # fmt: skip

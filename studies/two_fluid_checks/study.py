@@ -25,13 +25,13 @@ NOT_COMPARED = ("computed", "deviation", "CPU s")  # `passed` says whether compu
 def cooled(scene: cb.Scene) -> float:
     """Granular temperature after collisions and drag have acted, closed form."""
     solid, start, gas = scene.solid, scene.initial, scene.gas
-    s, t = start.eps_s, scene.time.end
-    g0 = closures.g0_sinclair_jackson(s, solid.packing)
-    b = closures.granular_dissipation_lun(s, g0, solid.restitution) / (1.5 * s * solid.particle_diameter)
-    root = start.theta**0.5
-    if scene.two_fluid.drag == "none":
-        return start.theta / (1 + b * root * t / 2) ** 2
-    beta = closures.drag_wen_yu(0.0, 1 - s, solid.particle_diameter, gas.viscosity)
+    s, t, theta = start.solid.volume_fraction, scene.time.end, start.solid.granular_temperature
+    g0 = closures.g0_sinclair_jackson(s, solid.packing_limit)
+    b = closures.granular_dissipation_lun(s, g0, solid.restitution) / (1.5 * s * solid.diameter)
+    root = theta**0.5
+    if scene.closures.drag == "none":
+        return theta / (1 + b * root * t / 2) ** 2
+    beta = closures.drag_wen_yu(0.0, 1 - s, solid.diameter, gas.viscosity)
     a = 2 * beta / (s * solid.density)
     fallen = math.exp(-a * t / 2)
     return (root * fallen / (1 + b * root / a * (1 - fallen))) ** 2 if b else (root * fallen) ** 2
@@ -39,13 +39,11 @@ def cooled(scene: cb.Scene) -> float:
 
 def slip(scene: cb.Scene) -> float:
     """Velocity of the gas past particles whose weight in the suspension it carries."""
-    eps, gas, solid = 1 - scene.initial.eps_s, scene.gas, scene.solid
-    law = closures.get(str(scene.two_fluid.drag), "drag")
+    eps, gas, solid = 1 - scene.initial.solid.volume_fraction, scene.gas, scene.solid
+    law = closures.get(str(scene.closures.drag), "drag")
 
     def missing(u: float) -> float:
-        beta = law(
-            eps * gas.density * u * solid.particle_diameter / gas.viscosity, eps, solid.particle_diameter, gas.viscosity
-        )
+        beta = law(eps * gas.density * u * solid.diameter / gas.viscosity, eps, solid.diameter, gas.viscosity)
         return beta * u - eps * (1 - eps) * (solid.density - gas.density) * scene.two_fluid.gravity
 
     return float(brentq(missing, 1e-6, 10.0, xtol=1e-14))
@@ -53,12 +51,12 @@ def slip(scene: cb.Scene) -> float:
 
 def heated(scene: cb.Scene) -> float:
     """Temperature of the gas that hot particles have warmed in a closed suspension."""
-    gas, solid, start, heat = scene.gas, scene.solid, scene.initial, scene.heat
-    s = start.eps_s
-    exchange = 6 * s * heat.nusselt * heat.conductivity_gas / solid.particle_diameter**2
-    warm, cool = (1 - s) * gas.density * heat.heat_capacity_gas, s * solid.density * heat.heat_capacity_solid
+    gas, solid, start = scene.gas, scene.solid, scene.initial
+    s, T_gas = start.solid.volume_fraction, start.gas.temperature
+    exchange = 6 * s * scene.closures.nusselt * gas.conductivity / solid.diameter**2
+    warm, cool = (1 - s) * gas.density * gas.heat_capacity, s * solid.density * solid.heat_capacity
     gap = math.exp(-exchange * (1 / warm + 1 / cool) * scene.time.end)
-    return start.T_gas + (start.T_solid - start.T_gas) * cool / (warm + cool) * (1 - gap)
+    return T_gas + (start.solid.temperature - T_gas) * cool / (warm + cool) * (1 - gap)
 
 
 def upper(scene: cb.Scene) -> float:

@@ -20,7 +20,12 @@ from studies._gallery import Table, Tables, openfoam
 
 HERE = Path(__file__).parent
 STUDIES = HERE.parent
-EMPTY = {"initial.eps_s": 0.0, "initial.u_gas": 0.0, "initial.u_solid": 0.0, "initial.noise": 0.0}
+EMPTY = {
+    "initial.solids.beads.volume_fraction": 0.0,
+    "initial.gas.velocity": 0.0,
+    "initial.solids.beads.velocity": 0.0,
+    "initial.noise": 0.0,
+}
 COURANT = 0.5
 OWN = "contbed"
 NOT_COMPARED = ("cpu_s", "steps", "ms_per_step", "cpu_per_s", "mass_drift")
@@ -34,7 +39,10 @@ CASES: dict[str, tuple[openfoam.Case, Path, dict[str, Any]]] = {
     "bed 56x200": (
         openfoam.Case("bed", 56, 200, 3.0, 0.46, drag="SyamlalOBrien", walls="noslip"),
         STUDIES / "taghipour_bed" / "bed_0.46_fine.toml",
-        {"initial.noise": 0.0, "initial.layer": [{"end": 0.4, "eps_s": 0.6, "u_gas": 1.15}]},
+        {
+            "initial.noise": 0.0,
+            "initial.layer": [{"end": 0.4, "solids": {"beads": {"volume_fraction": 0.6}}, "gas": {"velocity": 1.15}}],
+        },
     ),
 }
 

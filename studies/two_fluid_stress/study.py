@@ -30,10 +30,10 @@ BASE = {
     "mesh": {"type": "rectangle", "length": 0.1, "height": 0.3, "cells": [12, 36]},
     "two_fluid": {},
     "gas": {"density": 1.2, "viscosity": 1.8e-5},
-    "solid": {"particle_diameter": 275e-6, "density": 2500.0},
-    "initial": {"theta": 1e-4},
+    "solids": {"beads": {"diameter": 275e-6, "density": 2500.0}},
+    "initial": {"solids": {"beads": {"granular_temperature": 1e-4}}},
     "boundary": {
-        "bottom": {"type": "inlet", "velocity": 0.4},
+        "bottom": {"type": "inlet", "gas": {"velocity": 0.4}},
         "top": {"type": "outlet"},
         "left": {"type": "wall"},
         "right": {"type": "wall"},
@@ -41,13 +41,13 @@ BASE = {
     "time": {},
 }
 WALL = {"type": "wall"}
-ROUGH = WALL | {"solid": "johnson_jackson", "specularity": 0.05, "restitution": 0.9}
+ROUGH = WALL | {"solids": {"beads": {"wall": "johnson_jackson", "specularity": 0.05, "restitution": 0.9}}}
 WALLS = {
     "no-slip": WALL,
-    "slip": WALL | {"gas": "slip", "solid": "slip"},
+    "slip": WALL | {"gas": {"wall": "slip"}, "solids": {"beads": {"wall": "slip"}}},
     "Johnson-Jackson": ROUGH,
-    "mirror-smooth": ROUGH | {"specularity": 1e-4, "restitution": 1.0},
-    "rough": ROUGH | {"specularity": 1.0, "restitution": 0.1},
+    "mirror-smooth": merged(ROUGH, {"solids": {"beads": {"specularity": 1e-4, "restitution": 1.0}}}),
+    "rough": merged(ROUGH, {"solids": {"beads": {"specularity": 1.0, "restitution": 0.1}}}),
 }
 SIZES = {"50 um": 0.03, "150 um": 0.15, "500 um": 0.6, "3 mm": 2.0}  # velocity of the gas [m/s]
 PAIRS = {  # density of particles and fluid, viscosity, velocity
@@ -75,9 +75,11 @@ class Case:
     then: dict | None = None
 
 
-def layer(start, end, eps_s, **more):
-    """Particles between two heights."""
-    return {"initial": {"layer": [{"start": start, "end": end, "eps_s": eps_s, **more}]}}
+def layer(start, end, eps_s, velocity=0.0):
+    """Particles between two heights, which move with the gas."""
+    beads = {"volume_fraction": eps_s, "velocity": velocity}
+    one = {"start": start, "end": end, "gas": {"velocity": velocity}, "solids": {"beads": beads}}
+    return {"initial": {"layer": [one]}}
 
 
 def sides(wall):
@@ -88,8 +90,8 @@ def sides(wall):
 BED = layer(-1.0, 0.12, 0.58)
 CLOSED = {"boundary": {"bottom": WALL}}
 BOX = {"boundary": {"bottom": WALL, "top": WALL}}
-RANDOM = {"boundary": {"bottom": {"type": "inlet", "velocity": 0.3}}}
-SCHAEFFER = {"two_fluid": {"friction_viscosity": "friction_viscosity_schaeffer"}}
+RANDOM = {"boundary": {"bottom": {"type": "inlet", "gas": {"velocity": 0.3}}}}
+SCHAEFFER = {"closures": {"friction_viscosity": "friction_viscosity_schaeffer"}}
 TRIANGLES = {"mesh": {"shape": "triangle", "cells": [9, 27]}}
 ALGEBRAIC = {"two_fluid": {"granular_temperature": "algebraic"}}
 UNGUARDED = {"two_fluid": {"guards": False}}
@@ -103,19 +105,19 @@ VARIANTS = {
     "second order in time": SECOND,
     "second order, triangles": merged(SECOND, TRIANGLES),
     "algebraic theta": ALGEBRAIC,
-    "theta = 0": {"initial": {"theta": 0.0}},
+    "theta = 0": {"initial": {"solids": {"beads": {"granular_temperature": 0.0}}}},
     "theta frozen": FROZEN,
     "no guards": UNGUARDED,
-    "no friction": {"two_fluid": {"friction": "none", "friction_viscosity": "none"}},
-    "Syamlal": {"two_fluid": {"drag": "drag_syamlal_obrien", "viscosity": "granular_viscosity_syamlal"}},
-    "Carnahan-Starling": {"two_fluid": {"radial_distribution": "g0_carnahan_starling"}},
+    "no friction": {"closures": {"friction_pressure": "none", "friction_viscosity": "none"}},
+    "Syamlal": {"closures": {"drag": "drag_syamlal_obrien", "granular_viscosity": "granular_viscosity_syamlal"}},
+    "Carnahan-Starling": {"closures": {"radial_distribution": "g0_carnahan_starling"}},
 }
 
 
 def all_cases() -> Iterator[Case]:
     """The whole table."""
     for speed in (1.0, 2.0, 5.0):
-        thrown = layer(0.1, 0.2, 0.55, u_solid=-speed, u_gas=-speed)
+        thrown = layer(0.1, 0.2, 0.55, velocity=-speed)
         for courant in COURANT:
             step = {"time": {"courant": courant}}
             yield Case("shock", f"slug at {speed:g} m/s, Courant {courant}", 0.3, merged(merged(thrown, CLOSED), step))
@@ -127,26 +129,38 @@ def all_cases() -> Iterator[Case]:
     for name in ("triangles", "Schaeffer", "second order in time"):
         yield Case("fall", f"column in a box, {name}", 0.6, merged(fall, VARIANTS[name]))
     yield Case(
-        "fall", "3 mm, restitution 1", 0.6, merged(fall, {"solid": {"particle_diameter": 3e-3, "restitution": 1.0}})
+        "fall", "3 mm, restitution 1", 0.6, merged(fall, {"solids": {"beads": {"diameter": 3e-3, "restitution": 1.0}}})
     )
 
     for name in ("quadrilaterals", "triangles", "no guards", "second order in time"):
         yield Case("inlet", f"gas into an empty box, {name}", 0.5, merged(VARIANTS[name], {}))
         for eps_s in (1e-9, 1e-4, 0.3, 0.6):
-            inlet = {"bottom": {"type": "inlet", "velocity": 5.0, "eps_s": eps_s, "solid_velocity": 2.0, "theta": 0.1}}
+            inlet = {
+                "bottom": {
+                    "type": "inlet",
+                    "gas": {"velocity": 5.0},
+                    "solids": {"beads": {"volume_fraction": eps_s, "velocity": 2.0, "granular_temperature": 0.1}},
+                }
+            }
             yield Case(
                 "inlet",
                 f"particles into nothing, eps_s {eps_s:g}, {name}",
                 0.4,
                 merged(VARIANTS[name], {"boundary": inlet}),
             )
-    inlet = {"bottom": {"type": "inlet", "velocity": 5.0, "eps_s": 0.6, "solid_velocity": 2.0, "theta": 0.1}}
+    inlet = {
+        "bottom": {
+            "type": "inlet",
+            "gas": {"velocity": 5.0},
+            "solids": {"beads": {"volume_fraction": 0.6, "velocity": 2.0, "granular_temperature": 0.1}},
+        }
+    }
     yield Case(
         "inlet", "particles into nothing, eps_s 0.6, slip walls", 0.4, merged({"boundary": inlet}, sides(WALLS["slip"]))
     )
     inlet = {
         "boundary": {
-            "bottom": {"type": "inlet", "eps_s": 0.3, "solid_velocity": 1.0},
+            "bottom": {"type": "inlet", "solids": {"beads": {"volume_fraction": 0.3, "velocity": 1.0}}},
             "top": WALL,
             "right": {"type": "outlet"},
         }
@@ -156,17 +170,19 @@ def all_cases() -> Iterator[Case]:
         yield Case("inlet", f"particles thrown up to a wall, {name} side", 0.5, sideways)
 
     for e in (0.5, 0.8, 0.9, 0.99, 1.0):
-        yield Case("restitution", f"bed, e {e}", 1.0, merged(BED, {"solid": {"restitution": e}}))
-        yield Case("restitution", f"random, e {e}", 0.3, merged(RANDOM, {"solid": {"restitution": e}}), random=True)
+        yield Case("restitution", f"bed, e {e}", 1.0, merged(BED, {"solids": {"beads": {"restitution": e}}}))
+        yield Case(
+            "restitution", f"random, e {e}", 0.3, merged(RANDOM, {"solids": {"beads": {"restitution": e}}}), random=True
+        )
     for name, speed in SIZES.items():
-        changes = {"solid": {"particle_diameter": name}, "boundary": {"bottom": {"velocity": speed}}}
+        changes = {"solids": {"beads": {"diameter": name}}, "boundary": {"bottom": {"gas": {"velocity": speed}}}}
         yield Case("size", f"bed of {name}", 1.0, merged(BED, changes))
         yield Case("size", f"random, {name}", 0.3, changes, random=True)
     for ratio, (rho_s, rho, mu, speed) in PAIRS.items():
         changes = {
-            "solid": {"density": rho_s, "particle_diameter": 500e-6},
+            "solids": {"beads": {"density": rho_s, "diameter": 500e-6}},
             "gas": {"density": rho, "viscosity": mu},
-            "boundary": {"bottom": {"velocity": speed}},
+            "boundary": {"bottom": {"gas": {"velocity": speed}}},
         }
         yield Case("density", f"bed, {ratio:g}", 1.0, merged(BED, changes))
         yield Case("density", f"random, {ratio:g}", 0.3, changes, random=True)
@@ -183,9 +199,9 @@ def all_cases() -> Iterator[Case]:
 
     for name in ("quadrilaterals", "triangles", "Schaeffer"):
         changes = merged(merged(BED, VARIANTS[name]), sides(ROUGH))
-        off = merged(changes, {"boundary": {"bottom": {"velocity": 0.0}}})
+        off = merged(changes, {"boundary": {"bottom": {"gas": {"velocity": 0.0}}}})
         yield Case("shut-off", f"bubbling bed, {name}", 2.0, changes, then=off)
-        level = merged(off, {"two_fluid": {"drag": "drag_gidaspow"}})
+        level = merged(off, {"closures": {"drag": "drag_gidaspow"}})
         yield Case("rest", f"level bed, {name}", 10.0, level)
 
 

@@ -46,7 +46,7 @@ def numbers(cells: str) -> list[int]:
 
 def scene(cells: str, courant: float) -> cb.Scene:
     fraction, begin, end = STARTS[OWN]
-    chosen = {"mesh.cells": numbers(cells), "initial.eps_s": fraction}
+    chosen = {"mesh.cells": numbers(cells), "initial.solids.beads.volume_fraction": fraction}
     return cb.load(SCENE, {**chosen, "time.courant": courant, "time.end": end, "time.average_from": begin})
 
 
@@ -93,7 +93,7 @@ def reference(cells: str, courant: float) -> Iterator[Block]:
         walls="jj",
         largest_dt=0.05,
         average_from=begin,
-        start=(fraction, chosen.initial.u_gas, chosen.initial.u_solid),
+        start=(fraction, chosen.initial.gas.velocity, chosen.initial.solid.velocity),
         write_every=BLOCK,
     )
     with tempfile.TemporaryDirectory() as name:

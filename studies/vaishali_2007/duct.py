@@ -44,7 +44,7 @@ class Model(NamedTuple):
 MODELS = {
     "duct": Model((16, 16, 350), {}),
     "duct, cells twice as wide": Model((8, 8, 175), {}),
-    "duct, cells twice as wide, drag of Igci et al.": Model((8, 8, 175), {"two_fluid.drag": "igci"}),
+    "duct, cells twice as wide, drag of Igci et al.": Model((8, 8, 175), {"closures.drag": "igci"}),
 }
 COLOURS = dict(zip((PLANE, *MODELS), (gallery.GREY, gallery.BLACK, gallery.BLUE, gallery.VERMILION), strict=True))
 

@@ -28,8 +28,8 @@ COLOURS = {
 }
 TWO_FLUID: dict[str, dict[str, str]] = {  # keys of two_fluid.toml that each of these models changes
     "two fluids": {},
-    "two fluids, newtonian friction": {"two_fluid.friction_viscosity": "friction_viscosity_newtonian"},
-    "two fluids, drag of Beetstra": {"two_fluid.drag": "drag_beetstra"},
+    "two fluids, newtonian friction": {"closures.friction_viscosity": "friction_viscosity_newtonian"},
+    "two fluids, drag of Beetstra": {"closures.drag": "drag_beetstra"},
 }
 PARTICLES: dict[str, dict[str, str]] = {  # and of the scene of the case
     "particles": {},

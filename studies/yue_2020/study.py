@@ -41,12 +41,12 @@ def scene_of(model: str) -> cb.Scene:
     if model == "box":
         return cb.load(HERE / "box.toml")
     if model.startswith("box, walls that rub"):
-        rub: dict[str, Any] = {f"boundary.{wall}.friction": FRICTION for wall in WALLS}
-        return cb.load(HERE / "box.toml", rub | ({"two_fluid.drag": "drag_beetstra"} if "Beetstra" in model else {}))
+        rub: dict[str, Any] = {f"boundary.{wall}.solids.beads.friction": FRICTION for wall in WALLS}
+        return cb.load(HERE / "box.toml", rub | ({"closures.drag": "drag_beetstra"} if "Beetstra" in model else {}))
     if model == "box, walls that stick":
-        stuck = {"type": "wall", "gas": "slip", "solid": "no_slip"}
+        stuck = {"type": "wall", "gas": {"wall": "slip"}, "solids": {"beads": {"wall": "no_slip"}}}
         return cb.load(HERE / "box.toml", {f"boundary.{wall}": stuck for wall in WALLS})
-    return read_case(BED).scene(**{"two_fluid.friction_viscosity": "friction_viscosity_newtonian"})
+    return read_case(BED).scene(**{"closures.friction_viscosity": "friction_viscosity_newtonian"})
 
 
 def reference() -> Case:

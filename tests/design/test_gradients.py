@@ -108,10 +108,10 @@ def test_scatter_of_common_seeds_cancels():
 
         def __call__(self, scene):
             random = np.random.default_rng(scene.initial.seed)
-            return np.array([3.0 * scene.initial.eps_s * (1 + 0.01 * random.normal())])
+            return np.array([3.0 * scene.initial.solid.volume_fraction * (1 + 0.01 * random.normal())])
 
     scene = loads(MODELS["two_fluid"].template.read_text(encoding="utf-8"))
-    one = key(scene, "initial.eps_s")
+    one = key(scene, "initial.solids.beads.volume_fraction")
     noise = Noise()
     found = differences.noisy_slope(scene, one, noise, noise(scene))
     # with seeds of their own the scatter would be 0.01 * 3 * 0.6/0.03

@@ -66,12 +66,12 @@ def test_ordinates_take_differences_of_runs():
 def test_laminar_gas_between_plates():
     """Without particles: dp/dx = 3 mu u/R^2 + rho g."""
     values = {
-        "fully_developed": {"section": "channel", "radius": 0.01, "velocity": 0.5, "solid_flux": 0.0},
+        "developed_flow": {"section": "channel", "radius": 0.01, "gas_velocity": 0.5, "solids_mass_flux": 0.0},
         "gas": {"density": 1.2, "viscosity": 1.8e-5},
-        "solid": {"particle_diameter": 1e-3, "density": 2500.0, "restitution": 0.95, "packing": 0.6},
-        "wall": {"specularity": 0.05, "restitution": 0.9},
+        "solids": {"beads": {"diameter": 1e-3, "density": 2500.0, "restitution": 0.95, "packing_limit": 0.6}},
+        "boundary": {"wall": {"type": "wall", "solids": {"beads": {"specularity": 0.05, "restitution": 0.9}}}},
     }
-    names = ["gas.viscosity", "gas.density", "fully_developed.radius", "fully_developed.velocity"]
+    names = ["gas.viscosity", "gas.density", "developed_flow.radius", "developed_flow.gas_velocity"]
     made = gradient(from_dict(values), ["pressure_gradient_Pa_m"], names)
     drag = 3.0 * 1.8e-5 * 0.5 / 0.01**2
     exact = np.array([drag / 1.8e-5, 9.81, -2.0 * drag / 0.01, drag / 0.5])
@@ -80,10 +80,10 @@ def test_laminar_gas_between_plates():
 
 
 def test_developed_flow_against_solutions_on_one_mesh():
-    scene = loads(MODELS["fully_developed"].template.read_text(encoding="utf-8"))
+    scene = loads(MODELS["developed_flow"].template.read_text(encoding="utf-8"))
     result = cb.run(scene)
     qoi = ["pressure_gradient_Pa_m", "eps_solid_centre", "theta_wall", "u_gas_centre"]
-    names = ["fully_developed.velocity", "solid.restitution", "fully_developed.radius"]
+    names = ["developed_flow.gas_velocity", "solids.beads.restitution", "developed_flow.radius"]
     made, base = gradient(scene, qoi, names), DevelopedTangent(result)
 
     def solve(changed):

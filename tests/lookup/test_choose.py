@@ -85,8 +85,8 @@ def test_a_ratio_of_spans_is_as_wide_as_it_can_be():
 def test_kind_of_a_place():
     assert kind_for("species.sand.gas_coefficient") == "nusselt"
     assert kind_for("drag") == "drag"
-    with pytest.raises(SceneError, match=r"two_fluid\.drag"):
-        kind_for("two_fluid.darg")
+    with pytest.raises(SceneError, match=r"closures\.drag"):
+        kind_for("closures.darg")
 
 
 def test_kinds_of_places_are_those_that_a_reacting_bed_binds():
@@ -97,7 +97,7 @@ def test_kinds_of_places_are_those_that_a_reacting_bed_binds():
 
 
 def test_the_command(capsys):
-    assert cli.main(["closures", "--for", "two_fluid.drag", "--at", "d_p=300 um, rho_s=2600, T=850 degC"]) == 0
+    assert cli.main(["closures", "--for", "closures.drag", "--at", "d_p=300 um, rho_s=2600, T=850 degC"]) == 0
     out = capsys.readouterr().out
     assert "Re = 0.07556 to 4.215" in out
     assert out.index("drag_gidaspow") < out.index("drag_beetstra") and "range 0.35 to 0.95" in out

@@ -13,7 +13,7 @@ from contbed.scene.identity import resolved
 from contbed.scene.library import MATERIALS, data_sheet
 
 STUDIES = Path(__file__).parents[2] / "studies"
-INERT, SOLID = ("species", "inert"), ("solid",)
+INERT, BEADS = ("species", "inert"), ("solids", "beads")
 BED = {
     "mesh": {"type": "line", "length": 0.5},
     "fluid": {"material": "solar_salt", "temperature": "340 degC"},
@@ -135,7 +135,7 @@ def test_particles_of_other_scenes_are_of_a_material():
     assert found.heat_capacity == pytest.approx(exact["heat_capacity"], rel=1e-14)
     assert found.thermal_conductivity == pytest.approx(exact["conductivity"], rel=1e-14)
     assert found.conductivity == 2e4  # that of mixing is not the material's
-    riser = scene_with("two_fluid_checks/cooling.toml", SOLID, {"material": "FCC"}, ["density"])
+    riser = scene_with("two_fluid_checks/cooling.toml", BEADS, {"material": "FCC"}, ["density"])
     assert riser.solid.density == 1400.0
 
 

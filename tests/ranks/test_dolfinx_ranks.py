@@ -106,7 +106,7 @@ def test_what_the_engine_lacks_is_named(tmp_path: Path, ranks: int) -> None:
         ("lattices/sc.toml", "kind particles gains nothing from ranks"),
         ("reformer_tube/tube_U300.toml", "kind reacting_bed gains nothing from ranks"),
         ("bubbling_bed_case1/p1.toml", "kind bubbling_bed gains nothing from ranks"),
-        ("two_fluid_checks/developed.toml", "kind fully_developed gains nothing from ranks"),
+        ("two_fluid_checks/developed.toml", "kind developed_flow gains nothing from ranks"),
     ],
 )
 def test_other_models_are_refused_by_name(study: str, what: str) -> None:

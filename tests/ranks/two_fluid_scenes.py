@@ -22,14 +22,22 @@ CHECK_CASES = (
     "uniform_wenyu",
 )
 JET = {
-    "two_fluid": {"drag": "drag_gidaspow", "friction_viscosity": "friction_viscosity_schaeffer"},
+    "model": "two_fluid",
+    "closures": {"drag": "drag_gidaspow", "friction_viscosity": "friction_viscosity_schaeffer"},
     "gas": {"density": 1.2, "viscosity": 1.8e-5},
-    "solid": {"particle_diameter": 5e-4, "density": 2500.0, "restitution": 0.9, "packing": 0.63},
-    "initial": {"theta": 1e-3, "noise": 0.02, "layer": [{"end": 0.06, "eps_s": 0.58, "u_solid": 0.1}]},
+    "solids": {"beads": {"diameter": 5e-4, "density": 2500.0, "restitution": 0.9, "packing_limit": 0.63}},
+    "initial": {
+        "solids": {"beads": {"granular_temperature": 1e-3}},
+        "noise": 0.02,
+        "layer": [{"end": 0.06, "solids": {"beads": {"volume_fraction": 0.58, "velocity": 0.1}}}],
+    },
     "boundary": {
-        "bottom": {"type": "inlet", "velocity": 0.8},
+        "bottom": {"type": "inlet", "gas": {"velocity": 0.8}},
         "top": {"type": "outlet"},
-        "left": {"type": "wall", "solid": "johnson_jackson", "specularity": 0.05, "restitution": 0.9},
+        "left": {
+            "type": "wall",
+            "solids": {"beads": {"wall": "johnson_jackson", "specularity": 0.05, "restitution": 0.9}},
+        },
         "right": {"type": "wall"},
     },
     "time": {"end": 0.05, "sample": 0.01, "first": 5e-4, "longest": 1e-3},
@@ -37,14 +45,17 @@ JET = {
 }
 # the gas conducts so well that its conduction is implicit
 HEAT = {
-    "heat_capacity_gas": 1005.0,
-    "heat_capacity_solid": 800.0,
-    "conductivity_gas": 0.03,
-    "effective_gas": 2.0,
-    "effective_solid": 1.0,
-    "density": "ideal_gas",
+    "gas.heat_capacity": 1005.0,
+    "gas.conductivity": 0.03,
+    "gas.density_law": "ideal_gas",
+    "solids.beads.heat_capacity": 800.0,
+    "two_fluid.conductivity_gas": 2.0,
+    "two_fluid.conductivity_solids": 1.0,
+    "initial.gas.temperature": 300.0,
+    "initial.solids.beads.temperature": 310.0,
+    "boundary.left.temperature": 500.0,
+    "boundary.right.heat_flux": 2e4,
 }
-WARM = {"T_gas": 300.0, "T_solid": 310.0}
 PLANE = {"type": "rectangle", "length": 0.04, "height": 0.1, "cells": [10, 25]}
 
 
@@ -56,14 +67,18 @@ def bed(mesh: dict[str, Any], **more: dict[str, Any]) -> dict[str, Any]:
     return scene
 
 
-def heated(scene: dict[str, Any], **heat: Any) -> dict[str, Any]:
+def heated(scene: dict[str, Any], changes: dict[str, Any] | None = None) -> dict[str, Any]:
     """A bed with [heat]: hot gas comes in, the left wall is hot, and the right one is heated; both where there are."""
-    sides = deepcopy(scene["boundary"])
-    if sides["bottom"]["type"] == "inlet":
-        sides["bottom"] |= {"T_gas": 600.0}
-    sides["left"] |= {"T": 500.0}
-    sides["right"] |= {"heat_flux": 2e4}
-    return scene | {"heat": HEAT | heat, "boundary": sides, "initial": scene["initial"] | WARM}
+    enters = scene["boundary"]["bottom"]["type"] == "inlet"
+    hot_gas = {"boundary.bottom.gas.temperature": 600.0} if enters else {}
+    made = deepcopy(scene) | {"heat": {}}
+    for path, value in (HEAT | hot_gas | (changes or {})).items():
+        *way, last = path.split(".")
+        table = made
+        for name in way:
+            table = table.setdefault(name, {})
+        table[last] = value
+    return made
 
 
 def _without(scene: dict[str, Any], side: str, **more: dict[str, Any]) -> dict[str, Any]:
@@ -105,14 +120,23 @@ BEDS = {
         {"type": "box", "length": 0.03, "width": 0.02, "height": 0.08, "cells": [3, 2, 8]},
         boundary={"front": {"type": "wall"}, "back": {"type": "wall"}},
     ),
-    "factors_near_walls": bed(PLANE, two_fluid={"drag": "igci", "wall_drag": "igci"}),
+    "factors_near_walls": bed(PLANE, closures={"drag": "igci", "wall_drag": "igci"}),
     "closed": _without(bed(PLANE | {"shape": "triangle"}), "top", bottom={"type": "wall"}, top={"type": "wall"}),
 }
 BEDS |= {
     "heated": heated(BEDS["triangles"]),
     "heated_closed": heated(BEDS["closed"]),
-    "heated_rectangles": heated(BEDS["rectangles"], density="constant", effective_gas=0.05),
+    "heated_rectangles": heated(
+        BEDS["rectangles"], {"gas.density_law": "constant", "two_fluid.conductivity_gas": 0.05}
+    ),
 }
-PULSE = {"type": "inlet", "on": "bottom", "start": 0.012, "end": 0.028, "velocity": 2.0, "T_gas": 900.0, "until": 0.02}
+PULSE = {
+    "type": "inlet",
+    "on": "bottom",
+    "start": 0.012,
+    "end": 0.028,
+    "gas": {"velocity": 2.0, "temperature": 900.0},
+    "until": 0.02,
+}
 BEDS["pulse"] = BEDS["heated"] | {"boundary": BEDS["heated"]["boundary"] | {"pulse": PULSE}}
 BEDS["averaged"] = bed(PLANE | {"shape": "triangle"}, time={"average_from": 0.012, "fields": 0.02})

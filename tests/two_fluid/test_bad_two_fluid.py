@@ -13,19 +13,22 @@ GOOD = {
     "mesh": {"type": "rectangle", "length": 0.1, "height": 0.4, "cells": [4, 16]},
     "two_fluid": {},
     "gas": {"density": 1.2, "viscosity": 1.8e-5},
-    "solid": {"particle_diameter": 275e-6, "density": 2500.0, "packing": 0.63},
-    "initial": {"eps_s": 0.5},
+    "solids": {"beads": {"diameter": 275e-6, "density": 2500.0, "packing_limit": 0.63}},
+    "initial": {"solids": {"beads": {"volume_fraction": 0.5}}},
     "boundary": {
-        "left": {"type": "wall", "solid": "johnson_jackson", "specularity": 0.1, "restitution": 0.9},
+        "left": {
+            "type": "wall",
+            "solids": {"beads": {"wall": "johnson_jackson", "specularity": 0.1, "restitution": 0.9}},
+        },
         "right": {"type": "wall"},
-        "bottom": {"type": "inlet", "velocity": 0.4},
+        "bottom": {"type": "inlet", "gas": {"velocity": 0.4}},
         "top": {"type": "outlet"},
     },
     "time": {"end": 0.1},
 }
 
 RUBBING = "effective_restitution_chialvo_sundaresan"
-RUBS = {"two_fluid.effective_restitution": RUBBING, "solid.sliding_friction": 0.1}
+RUBS = {"closures.effective_restitution": RUBBING, "solids.beads.sliding_friction": 0.1}
 
 
 def scene(changes, without=()):
@@ -39,31 +42,43 @@ def test_the_good_scene_is_good():
 @pytest.mark.parametrize(
     ("changes", "without", "told"),
     [
-        ({"two_fluid.drag": "drag_wenyu"}, (), "drag_wen_yu"),
-        ({"two_fluid.viscosity": "granular_viscosity_gidaspov"}, (), "granular_viscosity_gidaspow"),
-        ({"two_fluid.drag": "g0_lun_savage"}, (), "wanted kind 'drag'"),
-        ({"two_fluid.drag": {"name": "drag_syamlal_obrien", "cc": 0.8}}, (), "no parameter 'cc'"),
-        ({"two_fluid.radial_distribution": "none"}, (), "two_fluid.radial_distribution"),
+        ({"closures.drag": "drag_wenyu"}, (), "drag_wen_yu"),
+        ({"closures.granular_viscosity": "granular_viscosity_gidaspov"}, (), "granular_viscosity_gidaspow"),
+        ({"closures.drag": "g0_lun_savage"}, (), "wanted kind 'drag'"),
+        ({"closures.drag": {"name": "drag_syamlal_obrien", "cc": 0.8}}, (), "no parameter 'cc'"),
+        ({"closures.radial_distribution": "none"}, (), "closures.radial_distribution"),
         ({"two_fluid.granular_temperature": "pdf"}, (), "granular_temperature"),
         ({"two_fluid.gravity": -9.81}, (), "gravity"),
-        ({"initial.eps_s": 0.64}, (), "denser than the densest packing"),
-        ({"initial.eps_s": 0.6, "initial.noise": 0.1}, (), "with its noise"),
-        ({"initial.layer": [{"start": 0.1, "end": 0.2, "eps_s": 0.7}]}, (), "initial.layer"),
-        ({"initial.layer": [{"start": 0.3, "end": 0.2}]}, (), "is not above start"),
-        ({"initial.theta": -1.0}, (), "initial.theta"),
-        ({"boundary.bottom.eps_s": 0.64, "boundary.bottom.solid_flux": 10.0}, (), "denser than the densest packing"),
-        ({"boundary.bottom.eps_s": 0.2}, (), "particles need eps_s and either"),
-        ({"boundary.bottom.solid_flux": 10.0}, (), "particles need eps_s and either"),
+        ({"initial.solids.beads.volume_fraction": 0.64}, (), "denser than the densest packing"),
+        ({"initial.solids.beads.volume_fraction": 0.6, "initial.noise": 0.1}, (), "with its noise"),
         (
-            {"boundary.bottom.eps_s": 0.2, "boundary.bottom.solid_flux": 9.0, "boundary.bottom.solid_velocity": 0.1},
+            {"initial.layer": [{"start": 0.1, "end": 0.2, "solids": {"beads": {"volume_fraction": 0.7}}}]},
             (),
-            "give either solid_flux or solid_velocity",
+            "initial.layer",
         ),
-        ({"boundary.bottom.velocity": -0.4}, (), "boundary.bottom"),
-        ({}, ("boundary.left.specularity",), "specularity"),
-        ({"boundary.right.specularity": 0.1}, (), "belongs to solid = 'johnson_jackson'"),
-        ({"boundary.left.specularity": 1.5}, (), "specularity"),
-        ({"boundary.left.solid": "partial"}, (), "johnson_jackson"),
+        ({"initial.layer": [{"start": 0.3, "end": 0.2}]}, (), "is not above start"),
+        ({"initial.solids.beads.granular_temperature": -1.0}, (), "initial.solids.beads.granular_temperature"),
+        (
+            {"boundary.bottom.solids.beads.volume_fraction": 0.64, "boundary.bottom.solids.beads.mass_flux": 10.0},
+            (),
+            "denser than the densest packing",
+        ),
+        ({"boundary.bottom.solids.beads.volume_fraction": 0.2}, (), "need volume_fraction and either"),
+        ({"boundary.bottom.solids.beads.mass_flux": 10.0}, (), "need volume_fraction and either"),
+        (
+            {
+                "boundary.bottom.solids.beads.volume_fraction": 0.2,
+                "boundary.bottom.solids.beads.mass_flux": 9.0,
+                "boundary.bottom.solids.beads.velocity": 0.1,
+            },
+            (),
+            "give either mass_flux or velocity",
+        ),
+        ({"boundary.bottom.gas.velocity": -0.4}, (), "boundary.bottom"),
+        ({}, ("boundary.left.solids.beads.specularity",), "specularity"),
+        ({"boundary.right.solids.beads.specularity": 0.1}, (), "belongs to wall = 'johnson_jackson'"),
+        ({"boundary.left.solids.beads.specularity": 1.5}, (), "specularity"),
+        ({"boundary.left.solids.beads.wall": "partial"}, (), "johnson_jackson"),
         ({"boundary.top": {"type": "wall"}}, (), "nothing leaves"),
         ({}, ("boundary.right",), "boundary.right"),
         ({"boundary.lid": {"type": "wall"}}, (), "no boundary 'lid'"),
@@ -72,23 +87,23 @@ def test_the_good_scene_is_good():
         ({"boundary.left": {"type": "periodic", "partner": "right"}}, (), "cannot be given twice"),
         ({"boundary.feed": {"type": "wall", "on": "left", "start": 0.2, "end": 0.1}}, (), "start below end"),
         ({"boundary.feed": {"type": "wall", "on": "left", "start": 0.101, "end": 0.102}}, (), "refine the mesh"),
-        ({"solid.restitution": -0.1}, (), "solid.restitution"),
-        ({"solid.restitution": 1.1}, (), "solid.restitution"),
-        ({"solid.particle_diameter": 0.0}, (), "solid.particle_diameter"),
-        ({"solid.packing": 0.8}, (), "solid.packing"),
-        ({"solid.sliding_friction": 0.1}, (), "does nothing without two_fluid.effective_restitution"),
-        ({"two_fluid.effective_restitution": RUBBING}, (), "needs solid.sliding_friction"),
-        ({"two_fluid.effective_restitution": "chialvo", "solid.sliding_friction": 0.1}, (), "chialvo_sundaresan"),
-        ({**RUBS, "solid.restitution": 0.1}, (), "gives -0.01112, no restitution between 0 and 1"),
-        ({**RUBS, "two_fluid.dissipation": "none"}, (), "stands in the dissipation, which is absent"),
-        ({"solid.friction": {"start": 0.64}}, (), "is not below the densest packing"),
+        ({"solids.beads.restitution": -0.1}, (), "solids.beads.restitution"),
+        ({"solids.beads.restitution": 1.1}, (), "solids.beads.restitution"),
+        ({"solids.beads.diameter": 0.0}, (), "solids.beads.diameter"),
+        ({"solids.beads.packing_limit": 0.8}, (), "solids.beads.packing_limit"),
+        ({"solids.beads.sliding_friction": 0.1}, (), "does nothing without closures.effective_restitution"),
+        ({"closures.effective_restitution": RUBBING}, (), "needs solids.beads.sliding_friction"),
+        ({"closures.effective_restitution": "chialvo", "solids.beads.sliding_friction": 0.1}, (), "chialvo_sundaresan"),
+        ({**RUBS, "solids.beads.restitution": 0.1}, (), "gives -0.01112, no restitution between 0 and 1"),
+        ({**RUBS, "closures.granular_dissipation": "none"}, (), "stands in the dissipation, which is absent"),
+        ({"solids.beads.friction": {"start": 0.64}}, (), "is not below the densest packing"),
         ({}, ("mesh.cells",), "mesh.cells"),
         ({"mesh.cells": [0, 4]}, (), "mesh.cells"),
         ({"time.courant": 1.5}, (), "time.courant"),
         ({"time.average_from": 0.2}, (), "is not before the end"),
         ({"time.first": 1.0}, (), "longer than the longest step"),
-        ({}, ("solid.density",), "solid.density"),
-        ({"gas.pressure": 1e5}, (), "pressure"),
+        ({}, ("solids.beads.density",), "solids.beads.density"),
+        ({"gas.presure": 1e5}, (), "pressure"),
     ],
 )
 def test_a_mistake_is_named(changes, without, told):
@@ -99,7 +114,15 @@ def test_a_mistake_is_named(changes, without, told):
 
 def test_all_mistakes_are_told_at_once():
     with pytest.raises(SceneError) as caught:
-        from_dict(scene({"two_fluid.drag": "drag_wenyu", "initial.eps_s": 0.64, "boundary.lid": {"type": "wall"}}))
+        from_dict(
+            scene(
+                {
+                    "closures.drag": "drag_wenyu",
+                    "initial.solids.beads.volume_fraction": 0.64,
+                    "boundary.lid": {"type": "wall"},
+                }
+            )
+        )
     text = str(caught.value)
     assert all(part in text for part in ("drag_wen_yu", "densest packing", "lid"))
 
@@ -124,10 +147,21 @@ BOX = {
     "mesh": {"type": "box", "length": 0.1, "width": 0.1, "height": 0.4, "cells": [2, 2, 16]},
     **{f"boundary.{name}": {"type": "wall"} for name in ("left", "right", "front", "back")},
 }
-JET = {"type": "inlet", "velocity": 1.0}
-FEED = {"type": "inlet", "on": "left", "start": 0.1, "end": 0.2, "eps_s": 0.2, "solid_flux": 9.0}
-HEAT = {"heat_capacity_gas": 1000.0, "heat_capacity_solid": 800.0, "conductivity_gas": 0.025}
-HOT = {"initial.T_gas": 300.0, "boundary.bottom.T_gas": 300.0}
+JET = {"type": "inlet", "gas": {"velocity": 1.0}}
+FEED = {
+    "type": "inlet",
+    "on": "left",
+    "start": 0.1,
+    "end": 0.2,
+    "solids": {"beads": {"volume_fraction": 0.2, "mass_flux": 9.0}},
+}
+HEAT = {
+    "heat": {},
+    "gas.heat_capacity": 1000.0,
+    "gas.conductivity": 0.025,
+    "solids.beads.heat_capacity": 800.0,
+}
+HOT = {"initial.gas.temperature": 300.0, "boundary.bottom.gas.temperature": 300.0}
 POWER = {"name": "power", "a": 1.2}
 
 
@@ -136,16 +170,25 @@ POWER = {"name": "power", "a": 1.2}
     [
         ({"initial.layer": [{"start": 0.5, "end": 0.6}]}, (), "the vessel ends at 0.4 m"),
         ({"initial.layer": [{"end": -0.1}]}, (), "the vessel begins at 0 m"),
-        ({"initial.layer": [{"end": 0.2, "eps_s": 0.5}, {"start": 0.1, "eps_s": 0.1}]}, (), "overlaps layer 1"),
+        (
+            {
+                "initial.layer": [
+                    {"end": 0.2, "solids": {"beads": {"volume_fraction": 0.5}}},
+                    {"start": 0.1, "solids": {"beads": {"volume_fraction": 0.1}}},
+                ]
+            },
+            (),
+            "overlaps layer 1",
+        ),
         ({"initial.layer": [{"start": 0.101, "end": 0.102}]}, (), "holds no cell of the mesh"),
         ({"boundary.a": FEED, "boundary.b": FEED | {"start": 0.15, "end": 0.3}}, (), "overlaps boundary.a"),
         ({"time.step": 0.2}, (), "is longer than the run"),
-        ({"solid.particle_diameter": 0.1}, (), "no smaller than the vessel"),
-        ({}, ("boundary.bottom.velocity",), "nothing enters"),
-        ({"heat": HEAT | {"density": "ideal_gas", "pressure": 500.0}, **HOT}, (), "absolute; below 1000 Pa"),
-        ({"heat": HEAT, **HOT, "initial.T_gas": 1e6}, (), "initial.T_gas = 1000000.0: above 6000 K"),
-        ({"heat": HEAT | {"nusselt": POWER}, **HOT}, (), "heat.nusselt: closure 'power' needs b"),
-        ({"heat": HEAT | {"nusselt": POWER | {"b": 0.5, "c": 1.0}}, **HOT}, (), "has no parameter 'c'"),
+        ({"solids.beads.diameter": 0.1}, (), "no smaller than the vessel"),
+        ({}, ("boundary.bottom.gas.velocity",), "nothing enters"),
+        ({**HEAT, **HOT, "gas.density_law": "ideal_gas", "gas.pressure": 500.0}, (), "absolute; below 1000 Pa"),
+        ({**HEAT, **HOT, "initial.gas.temperature": 1e6}, (), "initial.gas.temperature = 1000000.0: above 6000 K"),
+        ({**HEAT, **HOT, "closures.nusselt": POWER}, (), "closures.nusselt: closure 'power' needs b"),
+        ({**HEAT, **HOT, "closures.nusselt": POWER | {"b": 0.5, "c": 1.0}}, (), "has no parameter 'c'"),
         ({"mesh.cells": [1, 1]}, (), "one cell has no neighbour"),
         ({"output.window": {"start": 0.2, "end": 0.1}}, (), "is not above start"),
         ({"output.window": {"start": 0.5, "end": 0.6}}, (), "outside of the vessel, which reaches from 0 to 0.4 m"),
@@ -163,22 +206,23 @@ def test_what_cannot_be_meant_is_an_error(changes, without, told):
     [
         ({"time.sample": 0.2}, "time.sample = 0.2: longer than the run of 0.1 s"),
         ({"time.fields": 0.2}, "time.fields = 0.2: longer than the run of 0.1 s"),
-        ({"boundary.jet": {"type": "inlet", "on": "bottom", "start": 0.0, "end": 0.05, "velocity": 1.0, "until": 0.2}},
+        ({"boundary.jet": JET | {"on": "bottom", "start": 0.0, "end": 0.05, "until": 0.2}},
          "boundary.jet.until = 0.2: not before the end"),
         ({"boundary.jet": JET | {"on": "bottom", "start": 0.034, "end": 0.067}},
          "boundary.jet: reaches from 0.025 to 0.075 m on this mesh: 52 % more area, and of what crosses it"),
         ({"boundary.jet": JET | {"on": "left", "start": 0.15, "end": 0.21}},
          "boundary.jet: reaches from 0.15 to 0.2 m on this mesh: 17 % less area, and of what crosses it"),
-        ({"initial.layer": [{"end": 0.11, "eps_s": 0.55}]},
+        ({"initial.layer": [{"end": 0.11, "solids": {"beads": {"volume_fraction": 0.55}}}]},
          "initial.layer[0]: reaches from 0 to 0.1 m on this mesh: 9.1 % less of the particles"),
-        ({"initial.layer": [{"end": 0.115, "eps_s": 0.55}], **BOX},
+        ({"initial.layer": [{"end": 0.115, "solids": {"beads": {"volume_fraction": 0.55}}}], **BOX},
          "initial.layer[0]: reaches from 0 to 0.125 m on this mesh: 8.7 % more of the particles"),
-        ({"solid.particle_diameter": 0.03}, "larger than the smallest cell, 0.025 m"),
-        ({"initial.eps_s": 0.0}, "a flow of gas alone"),
-        ({"boundary.bottom.velocity": 0.0}, "boundary.bottom.velocity = 0.0: nothing enters"),
+        ({"solids.beads.diameter": 0.03}, "larger than the smallest cell, 0.025 m"),
+        ({"initial.solids.beads.volume_fraction": 0.0}, "a flow of gas alone"),
+        ({"boundary.bottom.gas.velocity": 0.0}, "boundary.bottom.gas.velocity = 0.0: nothing enters"),
         ({"gas.density": 3000.0}, "the gas is not lighter than the particles"),
-        ({"two_fluid.drag": "none"}, "does not carry the particles"),
-        ({"initial.layer": [{"start": 0.3, "end": 0.5, "eps_s": 0.1}]}, "initial.layer[0].end: 0.5 m is outside"),
+        ({"closures.drag": "none"}, "does not carry the particles"),
+        ({"initial.layer": [{"start": 0.3, "end": 0.5, "solids": {"beads": {"volume_fraction": 0.1}}}]},
+         "initial.layer[0].end: 0.5 m is outside"),
     ],
 )  # fmt: skip
 def test_what_may_be_meant_is_a_warning(changes, told):

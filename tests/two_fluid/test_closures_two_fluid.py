@@ -282,22 +282,22 @@ def test_filtered_stress_has_the_values_of_its_formulas():
 
 
 FILTERED_STRESS = {
-    "pressure": "granular_pressure_igci",
-    "viscosity": "igci",
-    "bulk_viscosity": "none",
-    "granular_temperature": "frozen",
+    "granular_pressure": "granular_pressure_igci",
+    "granular_viscosity": "igci",
+    "granular_bulk_viscosity": "none",
 }
 
 
-def filtered_scene(theta, **two_fluid):
+def filtered_scene(theta, two_fluid=None, **closures):
     sides = ["left", "right", "bottom", "top"]
     return {
         "mesh": PLANE,
-        "two_fluid": {"drag": "milioli", **FILTERED_STRESS, **two_fluid},
+        "two_fluid": {"granular_temperature": "frozen"} | (two_fluid or {}),
+        "closures": {"drag": "milioli", **FILTERED_STRESS, **closures},
         "gas": {"density": 1.2, "viscosity": 1.8e-5},
-        "solid": {"particle_diameter": 75e-6, "density": 1500.0, "restitution": 0.9, "packing": 0.6},
-        "initial": {"eps_s": 0.05, "theta": theta},
-        "boundary": {side: {"type": "wall", "solid": "slip"} for side in sides},
+        "solids": {"beads": {"diameter": 75e-6, "density": 1500.0, "restitution": 0.9, "packing_limit": 0.6}},
+        "initial": {"solids": {"beads": {"volume_fraction": 0.05, "granular_temperature": theta}}},
+        "boundary": {side: {"type": "wall", "solids": {"beads": {"wall": "slip"}}} for side in sides},
         "time": {"end": 0.1},
     }
 
@@ -318,9 +318,9 @@ def test_filtered_stress_comes_with_its_granular_temperature():
     with pytest.raises(SceneError, match=r"must be 0\.0651\d+ m2/s2, the square of the terminal velocity"):
         from_dict(filtered_scene(1e-3))
     with pytest.raises(SceneError, match=r'granular_temperature.*must be "frozen"'):
-        from_dict(filtered_scene(settling**2, granular_temperature="pde"))
+        from_dict(filtered_scene(settling**2, {"granular_temperature": "pde"}))
     with pytest.raises(SceneError, match="needs particles that settle"):
-        from_dict(filtered_scene(settling**2, gravity=0.0))
+        from_dict(filtered_scene(settling**2, {"gravity": 0.0}))
 
 
 @pytest.mark.parametrize(
@@ -335,18 +335,19 @@ def test_filter_is_two_cells_wide(mesh, size):
     """F = 2 size g/v_t^2 with Stokes' velocity v_t = g d^2 (rho_s - rho)/(18 mu)."""
     sides = ["left", "right", "bottom", "top"] + (["front", "back"] if mesh["type"] == "box" else [])
     scene = {
+        "model": "two_fluid",
         "mesh": mesh,
-        "two_fluid": {"drag": "igci"},
+        "closures": {"drag": "igci"},
         "gas": {"density": 1.2, "viscosity": 1.8e-5},
-        "solid": {"particle_diameter": 75e-6, "density": 1500.0, "restitution": 0.9, "packing": 0.6},
-        "initial": {"eps_s": 0.05},
-        "boundary": {side: {"type": "wall", "solid": "slip"} for side in sides},
+        "solids": {"beads": {"diameter": 75e-6, "density": 1500.0, "restitution": 0.9, "packing_limit": 0.6}},
+        "initial": {"solids": {"beads": {"volume_fraction": 0.05}}},
+        "boundary": {side: {"type": "wall", "solids": {"beads": {"wall": "slip"}}} for side in sides},
         "time": {"end": 0.1},
     }
     settling = GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)
     found = bound(from_dict(scene))["drag"].parameters["filter_froude"]
     assert found == pytest.approx(2.0 * size * GRAVITY / settling**2, rel=1e-12)
-    scene["two_fluid"]["drag"] = {"name": "drag_igci", "filter_froude": 3.0}
+    scene["closures"]["drag"] = {"name": "drag_igci", "filter_froude": 3.0}
     assert bound(from_dict(scene))["drag"].parameters["filter_froude"] == 3.0
 
 
@@ -384,14 +385,14 @@ def test_plan_tells_the_fits_that_the_filtered_drag_lies_between(F, says):
 def test_filter_unlike_the_cells_is_warned_of():
     mesh, _ = TANK["plane"]
     (text,) = plan(from_dict(tank(mesh, drag={"name": "igci", "filter_froude": 0.5}))).warnings
-    assert "two_fluid.drag: its filter is 0.166 cells wide; 2 are meant, filter_froude = 6.022" in text
-    with pytest.raises(SceneError, match=r"two_fluid\.drag: needs particles that settle"):
-        from_dict(tank(mesh, drag={"name": "igci", "filter_froude": 3.0}, gravity=0.0))
+    assert "closures.drag: its filter is 0.166 cells wide; 2 are meant, filter_froude = 6.022" in text
+    with pytest.raises(SceneError, match=r"closures\.drag: needs particles that settle"):
+        from_dict(tank(mesh, drag={"name": "igci", "filter_froude": 3.0}, two_fluid={"gravity": 0.0}))
 
 
 def test_plan_without_filtered_closures_tells_no_filter():
     mesh, _ = TANK["plane"]
-    plain = {"drag": "wen_yu", "pressure": "granular_pressure_dilute", "viscosity": "none"}
+    plain = {"drag": "wen_yu", "granular_pressure": "granular_pressure_dilute", "granular_viscosity": "none"}
     found = plan(from_dict(tank(mesh, **plain)))
     assert not any(what.startswith("filter") for what, _ in found.built)
     assert filters.results(found.scene) == {}
@@ -408,11 +409,11 @@ TANK = {
 }
 
 
-def tank(mesh, **two_fluid):
+def tank(mesh, two_fluid=None, **closures):
     ends = ["bottom", "top"]
     sides = {"rectangle": ["left", "right"], "axisymmetric": ["wall"], "box": ["left", "right", "front", "back"]}
-    walls = {"type": "wall", "solid": "slip", "gas": "slip"}
-    scene = filtered_scene((GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)) ** 2, **two_fluid)
+    walls = {"type": "wall", "solids": {"beads": {"wall": "slip"}}, "gas": {"wall": "slip"}}
+    scene = filtered_scene((GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)) ** 2, two_fluid, **closures)
     return scene | {"mesh": mesh, "boundary": dict.fromkeys((*sides[mesh["type"]], *ends), walls)}
 
 
@@ -422,8 +423,9 @@ def test_pressure_that_falls_with_the_fraction_leaves_compaction_solvable(shape)
     """Igci's pressure falls between 0.3 and 0.59: a dense bed keeps its particles below the packing limit."""
     mesh = {"type": "rectangle", "length": 0.1, "height": 0.2, "cells": [10, 20], "shape": shape}
     scene = tank(mesh, drag="igci", **dict.fromkeys(NEAR_WALLS, "igci"))
-    scene["initial"] = {"theta": scene["initial"]["theta"], "layer": [{"end": 0.1, "eps_s": 0.45}]}
-    scene["boundary"] |= {"bottom": {"type": "inlet", "velocity": 0.5}, "top": {"type": "outlet"}}
+    del scene["initial"]["solids"]["beads"]["volume_fraction"]
+    scene["initial"]["layer"] = [{"end": 0.1, "solids": {"beads": {"volume_fraction": 0.45}}}]
+    scene["boundary"] |= {"bottom": {"type": "inlet", "gas": {"velocity": 0.5}}, "top": {"type": "outlet"}}
     result = run(from_dict(scene | {"time": {"end": 0.1}, "output": {"plots": False, "fields": False}}))
     assert result.qoi["eps_s_max"] < 0.6
     assert abs(result.qoi["mass_drift_relative"]) < 1e-13  # of 300 steps, each to rounding
@@ -485,9 +487,9 @@ def test_closures_of_a_step_are_as_they_were_without_factors_near_walls():
 @pytest.mark.parametrize(
     ("keys", "told"),
     [
-        ({"drag": "wen_yu", "wall_drag": "igci"}, 'two_fluid.wall_drag = "igci": multiplies a filtered drag'),
+        ({"drag": "wen_yu", "wall_drag": "igci"}, 'closures.wall_drag = "igci": multiplies a filtered drag'),
         ({"wall_drag": "igcy"}, "unknown wall_drag closure 'wall_drag_igcy'"),
-        ({"wall_viscosity": "igci", "viscosity": "none"}, "multiplies a filtered viscosity"),
+        ({"wall_viscosity": "igci", "granular_viscosity": "none"}, "multiplies a filtered granular_viscosity"),
     ],
 )
 def test_factors_near_walls_without_what_they_multiply(keys, told):
@@ -498,6 +500,6 @@ def test_factors_near_walls_without_what_they_multiply(keys, told):
 
 def test_factors_near_walls_that_do_not_slip_are_told():
     scene = tank(PLANE, wall_drag="igci")
-    scene["boundary"]["left"] = {"type": "wall", "solid": "slip"}
-    text = 'two_fluid.wall_drag = "igci": holds where gas and particles slip along walls, not along left'
+    scene["boundary"]["left"] = {"type": "wall", "solids": {"beads": {"wall": "slip"}}}
+    text = 'closures.wall_drag = "igci": holds where gas and particles slip along walls, not along left'
     assert any(text in warning for warning in from_dict(scene).warnings)

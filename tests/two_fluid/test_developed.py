@@ -67,7 +67,9 @@ def test_shear_carries_the_weight_from_the_wall_inward(channel):
 
 @pytest.mark.parametrize(("section", "peak"), [("channel", 1.5), ("pipe", 2.0)])
 def test_gas_alone_is_parabolic(section, peak):
-    result = run(fully_developed__section=section, fully_developed__solid_flux=0.0, fully_developed__velocity=0.1)
+    result = run(
+        developed_flow__section=section, developed_flow__solids_mass_flux=0.0, developed_flow__gas_velocity=0.1
+    )
     r, u = result.profiles["r [m]"], result.profiles["u_gas [m/s]"]
     np.testing.assert_allclose(u, 0.1 * peak * (1 - (r / r[-1]) ** 2), atol=1e-10)
     shear = 2 * peak * 0.1 * 1.8e-5 / r[-1] ** 2 * (2 if section == "pipe" else 1)
@@ -83,7 +85,7 @@ def test_refinement_of_quadratic_elements():
 
 
 def test_pipe_holds_the_same_conditions():
-    result = run(fully_developed__section="pipe")
+    result = run(developed_flow__section="pipe")
     c = result.profiles
     r, s = c["r [m]"], c["eps_s [1]"]
     for carried, given in (((1 - s) * c["u_gas [m/s]"], 9.0), (DENSITY * s * c["u_solid [m/s]"], 100.0)):
@@ -93,5 +95,5 @@ def test_pipe_holds_the_same_conditions():
 
 
 def test_guesses_lead_to_the_branch_that_is_told():
-    found = [run(fully_developed__theta_centre=guess).qoi["theta_centre"] for guess in (0.005, 0.3)]
+    found = [run(developed_flow__granular_temperature_centre=guess).qoi["theta_centre"] for guess in (0.005, 0.3)]
     assert found == pytest.approx([0.027872205] * 2, rel=1e-6)

@@ -14,7 +14,7 @@ from contbed.developed_flow.plan import coefficients
 from contbed.errors import ConvergenceError, SceneError
 
 SCENE = Path(__file__).parents[2] / "studies" / "two_fluid_checks" / "developed.toml"
-THIN = {"fully_developed.velocity": 8.335, "fully_developed.solid_flux": 2.0, "solver.branches": True}
+THIN = {"developed_flow.gas_velocity": 8.335, "developed_flow.solids_mass_flux": 2.0, "solver.branches": True}
 
 
 def load(**overrides):
@@ -24,7 +24,7 @@ def load(**overrides):
 @pytest.mark.slow
 def test_branch_with_folds_has_three_solutions_and_gives_the_one_that_is_meant():
     """A dilute flow folds between 8.3271 and 8.3419 m/s. The middle one of its solutions is no end of a relaxation."""
-    result = cb.run(load(**THIN, **{"fully_developed.theta_centre": 0.0158}))
+    result = cb.run(load(**THIN, **{"developed_flow.granular_temperature_centre": 0.0158}))
     theta = result.tables["branches"]["theta_centre [m2/s2]"]
     drop = result.tables["branches"]["pressure_gradient [Pa/m]"]
     assert result.qoi["solutions_found"] == len(theta) == 3
@@ -37,14 +37,14 @@ def test_branch_with_folds_has_three_solutions_and_gives_the_one_that_is_meant()
 
 
 def test_one_solution_says_when_another_was_meant():
-    result = cb.run(load(**{"fully_developed.theta_centre": 0.3}))
+    result = cb.run(load(**{"developed_flow.granular_temperature_centre": 0.3}))
     assert result.qoi["theta_centre"] == pytest.approx(0.027872205, rel=1e-6)
     assert any("not near 0.3; solver.branches = true" in text for text in result.warnings)
 
 
 def test_rough_wall_holds_particles_back():
     """Specularity 1 is reached through smoother walls. Particles are slower at the wall and the drop is larger."""
-    smooth, rough = (cb.run(load(**{"wall.specularity": value})) for value in (0.05, 1.0))
+    smooth, rough = (cb.run(load(**{"boundary.wall.solids.beads.specularity": value})) for value in (0.05, 1.0))
     assert rough.qoi["u_solid_wall"] < 0.2 * smooth.qoi["u_solid_wall"]
     assert rough.qoi["pressure_gradient_Pa_m"] > 2 * smooth.qoi["pressure_gradient_Pa_m"]
     assert abs(rough.balances["momentum"]["relative_residual"]) < 1e-10
@@ -54,7 +54,7 @@ def test_pipe_holds_its_momentum_and_granular_energy_up_to_every_radius():
     """Both stresses carry weight less push; what is sheared dissipates or is conducted to the wall: by trapezoids and
     differences between nodes, 2e-3 and 1e-2 of the largest.
     """
-    result = cb.run(load(**{"fully_developed.section": "pipe", "solver.cells": 120}))
+    result = cb.run(load(**{"developed_flow.section": "pipe", "solver.cells": 120}))
     c = result.profiles
     r, eps_s, theta, mu, beta = (
         c[name] for name in ("r [m]", "eps_s [1]", "theta [m2/s2]", "mu_solid [Pa s]", "beta [kg/m3/s]")
@@ -74,29 +74,29 @@ def test_pipe_holds_its_momentum_and_granular_energy_up_to_every_radius():
 
 @pytest.mark.parametrize("name", ["sinclair_jackson", "lun_savage", "ma_ahmadi"])
 def test_fraction_inverts_the_pressure(name):
-    c: Coefficients = coefficients(load(**{"fully_developed.radial_distribution": f"g0_{name}"}))
+    c: Coefficients = coefficients(load(**{"closures.radial_distribution": f"g0_{name}"}))
     eps_s = c.eps_max * np.array([1e-9, 1e-3, 0.1, 0.5, 0.9, 0.999])
     np.testing.assert_allclose(c.fraction(c.relative_pressure(eps_s)), eps_s, rtol=1e-11)
 
 
 def test_no_fraction_below_packing_is_no_number():
-    c = coefficients(load(**{"fully_developed.radial_distribution": "g0_carnahan_starling"}))
+    c = coefficients(load(**{"closures.radial_distribution": "g0_carnahan_starling"}))
     assert np.isnan(c.fraction(2.0 * c.relative_pressure(c.eps_max)))
 
 
 @pytest.mark.parametrize(
     ("key", "value", "said"),
     [
-        ("fully_developed.radius", 0.002, "only 2 particles from centre to wall"),
-        ("fully_developed.section", "square", "channel, pipe"),
-        ("fully_developed.velocity", -1.0, "> 0"),
-        ("fully_developed.solid_flux", -1.0, ">= 0"),
-        ("fully_developed.drag", "drag_wen_you", "drag_wen_yu"),
-        ("fully_developed.theta_center", 0.1, "theta_centre"),
-        ("wall.specularity", 1.5, "<= 1"),
-        ("solid.packing", 0.9, "< 0.75"),
+        ("developed_flow.radius", 0.002, "only 2 particles from centre to wall"),
+        ("developed_flow.section", "square", "channel, pipe"),
+        ("developed_flow.gas_velocity", -1.0, "> 0"),
+        ("developed_flow.solids_mass_flux", -1.0, ">= 0"),
+        ("closures.drag", "drag_wen_you", "drag_wen_yu"),
+        ("developed_flow.granular_temperature_center", 0.1, "granular_temperature_centre"),
+        ("boundary.wall.solids.beads.specularity", 1.5, "<= 1"),
+        ("solids.beads.packing_limit", 0.9, "< 0.75"),
         ("solver.cells", 2, ">= 4"),
-        ("mesh.type", "line", "unknown"),
+        ("solver.mesh", "line", "unknown"),
     ],
 )
 def test_bad_scenes_say_what_is_wrong(key, value, said):
@@ -108,13 +108,15 @@ def test_bad_scenes_say_what_is_wrong(key, value, said):
 def test_gas_that_would_be_turbulent_is_told():
     """9 m/s of air between plates 30.4 mm apart: Re = 18 240."""
     planned = cb.plan(load())
-    said = "fully_developed.velocity = 9.0: the gas alone would be turbulent, Re = 1.82e+04"
+    said = "developed_flow.gas_velocity = 9.0: the gas alone would be turbulent, Re = 1.82e+04"
     assert any(said in text for text in planned.scene.warnings)
     assert "WARNING" in str(planned)
-    slow = load(**{"fully_developed.solid_flux": 0.0, "fully_developed.velocity": 0.1})
+    slow = load(**{"developed_flow.solids_mass_flux": 0.0, "developed_flow.gas_velocity": 0.1})
     assert slow.warnings == () == tuple(cb.run(slow).warnings)
 
 
 def test_a_search_that_fails_ends_with_advice():
-    with pytest.raises(ConvergenceError, match=r"no solution found(.|\n)*try theta_centre = .*a solid_flux below"):
+    with pytest.raises(
+        ConvergenceError, match=r"no solution found(.|\n)*try granular_temperature_centre = .*a solids_mass_flux below"
+    ):
         cb.run(load(**{"solver.newton_iterations": 1}))

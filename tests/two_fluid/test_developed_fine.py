@@ -13,15 +13,16 @@ from contbed.errors import ConvergenceError, SceneError
 from contbed.loading import from_dict
 
 
-def fcc(cells=60, **table):
+def fcc(cells=60, **closures):
     """FCC of 75 um in a pipe of 100 mm; 5 m/s, 50 kg/m2/s."""
-    flow = {"section": "pipe", "radius": 0.05, "velocity": 5.0, "solid_flux": 50.0} | table
+    flow = {"section": "pipe", "radius": 0.05, "gas_velocity": 5.0, "solids_mass_flux": 50.0}
     return from_dict(
         {
-            "fully_developed": flow,
+            "developed_flow": flow,
+            "closures": closures,
             "gas": {"density": 1.2, "viscosity": 1.8e-5},
-            "solid": {"particle_diameter": 75e-6, "density": 1500.0},
-            "wall": {"specularity": 0.1},
+            "solids": {"beads": {"diameter": 75e-6, "density": 1500.0}},
+            "boundary": {"wall": {"type": "wall", "solids": {"beads": {"specularity": 0.1}}}},
             "solver": {"cells": cells},
             "output": {"plots": False, "fields": False},
         }
@@ -30,7 +31,7 @@ def fcc(cells=60, **table):
 
 @pytest.mark.slow
 def test_fine_particles_have_a_solution_with_production_by_the_slip():
-    result = cb.run(fcc(production="granular_production_koch"))
+    result = cb.run(fcc(granular_production="granular_production_koch"))
     for name in ("momentum", "gas flow", "solids flow"):
         assert abs(result.balances[name]["relative_residual"]) < 1e-10
     assert any(use["name"] == "granular_production_koch" for use in result.closures)
@@ -58,7 +59,7 @@ def test_fine_particles_without_it_end_with_advice():
 
 @pytest.mark.slow
 def test_cells_that_are_too_coarse_are_halved_and_told():
-    result = cb.run(fcc(40, production="granular_production_koch"))
+    result = cb.run(fcc(40, granular_production="granular_production_koch"))
     assert any("no solution with 40 cells; 80 are used" in text for text in result.warnings)
     assert abs(result.balances["momentum"]["relative_residual"]) < 1e-10
 
@@ -68,9 +69,9 @@ def test_coarse_particles_that_fail_are_not_told_of_production():
     scene = Path(__file__).parents[2] / "studies" / "two_fluid_checks" / "developed.toml"
     with pytest.raises(ConvergenceError) as error:
         cb.run(cb.load(scene, {"solver.newton_iterations": 1}))
-    assert "try theta_centre" in str(error.value) and "production" not in str(error.value)
+    assert "try granular_temperature_centre" in str(error.value) and "production" not in str(error.value)
 
 
 def test_a_name_that_does_not_exist_is_refused():
-    with pytest.raises(SceneError, match=r"fully_developed\.production"):
-        fcc(production="granular_production_kock")
+    with pytest.raises(SceneError, match=r"closures\.granular_production"):
+        fcc(granular_production="granular_production_kock")

@@ -12,14 +12,15 @@ from contbed.loading import from_dict
 R, NU = 0.05, 1.8e-5 / 1.2
 
 
-def pipe(Re, flux=0.0, **table):
-    flow = {"section": "pipe", "radius": R, "velocity": Re * NU / (2 * R), "solid_flux": flux}
+def pipe(Re, flux=0.0, turbulence="eddy_viscosity_nikuradse"):
+    flow = {"section": "pipe", "radius": R, "gas_velocity": Re * NU / (2 * R), "solids_mass_flux": flux}
     return from_dict(
         {
-            "fully_developed": flow | {"turbulence": "eddy_viscosity_nikuradse"} | table,
+            "developed_flow": flow,
+            "closures": {"turbulence": turbulence},
             "gas": {"density": 1.2, "viscosity": 1.8e-5},
-            "solid": {"particle_diameter": 200e-6, "density": 2500.0},
-            "wall": {"specularity": 0.1},
+            "solids": {"beads": {"diameter": 200e-6, "density": 2500.0}},
+            "boundary": {"wall": {"type": "wall", "solids": {"beads": {"specularity": 0.1}}}},
             "output": {"plots": False, "fields": False},
         }
     )
@@ -33,7 +34,7 @@ def test_friction_and_profile_of_smooth_pipes(Re):
     """
     scene = pipe(Re)
     result = cb.run(scene)
-    U = scene.fully_developed.velocity
+    U = scene.developed_flow.gas_velocity
     f = (result.qoi["pressure_gradient_Pa_m"] - 1.2 * 9.81) * 2 * R / (0.5 * 1.2 * U**2)
     assert f == pytest.approx(prandtl_friction(Re), rel=0.035)
     u_friction = U * (f / 8) ** 0.5

@@ -11,7 +11,7 @@ from contbed import closures
 
 COOLING = Path(__file__).parents[2] / "studies" / "two_fluid_checks" / "cooling.toml"
 NAMES = ("chialvo_sundaresan", "jenkins_zhang")
-FRICTION = {"solid.sliding_friction": 0.1, "two_fluid.effective_restitution": "chialvo_sundaresan"}
+FRICTION = {"solids.beads.sliding_friction": 0.1, "closures.effective_restitution": "chialvo_sundaresan"}
 FAST = {"time.step": 2e-4, "time.order": 2, "time.end": 0.02, "time.sample": 0.02, "mesh.cells": [2, 2]}
 
 
@@ -101,14 +101,15 @@ def test_only_the_dissipation_takes_it():
 
 def test_no_friction_changes_no_bit():
     plain, smooth = (
-        cb.run(cb.load(COOLING, changes | FAST)).qoi for changes in ({}, FRICTION | {"solid.sliding_friction": 0.0})
+        cb.run(cb.load(COOLING, changes | FAST)).qoi
+        for changes in ({}, FRICTION | {"solids.beads.sliding_friction": 0.0})
     )
     assert smooth["theta_final"] == plain["theta_final"]
     assert "effective_restitution" not in plain
 
 
 def test_friction_out_of_range_is_told():
-    result = cb.run(cb.load(COOLING, FRICTION | FAST | {"solid.sliding_friction": 1.2}))
+    result = cb.run(cb.load(COOLING, FRICTION | FAST | {"solids.beads.sliding_friction": 1.2}))
     used = next(use for use in result.closures if use["kind"] == "effective_restitution")
     assert used["ranges"]["sliding_friction"] == {"declared": [0.0, 1.0], "used": [1.2, 1.2], "share_outside": 1.0}
     assert used["ranges"]["e"]["share_outside"] == 0.0

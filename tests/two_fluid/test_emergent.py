@@ -8,7 +8,7 @@ from studies.emergent_checks import study
 
 
 def front_velocity(fraction):
-    scene = cb.load(study.HERE / "settling.toml", {"initial.eps_s": fraction, "time.end": 3.0})
+    scene = cb.load(study.HERE / "settling.toml", {"initial.solids.beads.volume_fraction": fraction, "time.end": 3.0})
     return (scene.mesh.length - cb.run(scene).qoi["front_position_m"]) / scene.time.end
 
 
@@ -23,7 +23,7 @@ def test_hindered_settling_has_the_exponent_of_richardson_and_zaki():
 @pytest.mark.parametrize("friction", [0.15, 0.3])
 def test_walls_drawn_up_carry_what_janssen_says_of_an_isotropic_pressure(friction):
     depth = 0.15
-    sides = {f"boundary.{side}.friction": friction for side in ("left", "right")}
+    sides = {f"boundary.{side}.solids.beads.friction": friction for side in ("left", "right")}
     found = cb.run(cb.load(study.HERE / "janssen.toml", sides)).qoi["weight_walls"]
     share = study.wall_share(depth, 1.0, friction)
     # 9 % below at 0.3: the bed creeps, and its pressure is not the same across the slot
@@ -33,7 +33,11 @@ def test_walls_drawn_up_carry_what_janssen_says_of_an_isotropic_pressure(frictio
 @pytest.mark.slow
 def test_gas_of_a_bed_that_rubs_late_carries_it_near_wen_and_yu():
     def share(velocity, start):
-        changes = {"solid.friction.start": start, "boundary.left.velocity": velocity, "initial.u_gas": velocity}
+        changes = {
+            "solids.beads.friction.start": start,
+            "boundary.left.gas.velocity": velocity,
+            "initial.gas.velocity": velocity,
+        }
         return study.carried_share(cb.load(study.HERE / "minimum.toml", changes))
 
     # 1.06 m/s by Wen and Yu: a bed that rubs from 0.5 on loosens and carries itself until 1.34 m/s

@@ -143,7 +143,6 @@ def test_isothermal_beds_know_nothing_of_heat():
         check=True,
     )
     assert "contbed.two_fluid.step" in done.stdout
-    assert "contbed.two_fluid.heat.scene" in done.stdout
     assert not {"contbed.two_fluid.heat.equations", "contbed.two_fluid.heat.plan"} & set(done.stdout.split())
 
 
@@ -292,22 +291,39 @@ def test_gas_that_expands_in_one_step_leaves_in_the_time_of_that_step():
 PULSE = {
     "mesh": {"type": "rectangle", "length": 0.06, "height": 0.12, "cells": [10, 20]},
     "two_fluid": {},
-    "gas": {"density": 1.18, "viscosity": 1.8e-5},
-    "solid": {"particle_diameter": 3e-3, "density": 2526.0},
-    "initial": {"T_gas": 300.0, "u_gas": 1.5, "layer": [{"end": 0.06, "eps_s": 0.55, "u_gas": 3.0}]},
+    "gas": {
+        "density": 1.18,
+        "viscosity": 1.8e-5,
+        "heat_capacity": 1010.0,
+        "conductivity": 0.026,
+        "density_law": "ideal_gas",
+    },
+    "solids": {
+        "beads": {"diameter": 3e-3, "density": 2526.0, "heat_capacity": 840.0, "conductivity": 1.0},
+    },
+    "closures": {"conductivity_bed": "zehner_schluender"},
+    "heat": {},
     "boundary": {
-        "left": {"type": "wall", "solid": "slip", "T": 310.0},
-        "right": {"type": "wall", "solid": "slip", "heat_flux": 100.0},
-        "bottom": {"type": "inlet", "velocity": 1.5, "T_gas": 300.0},
-        "jet": {"type": "inlet", "on": "bottom", "start": 0.024, "end": 0.036, "velocity": 30.0, "T_gas": 700.0,
-                "until": 0.011},
+        "left": {"type": "wall", "solids": {"beads": {"wall": "slip"}}, "temperature": 310.0},
+        "right": {"type": "wall", "solids": {"beads": {"wall": "slip"}}, "heat_flux": 100.0},
+        "bottom": {"type": "inlet", "gas": {"velocity": 1.5, "temperature": 300.0}},
+        "jet": {
+            "type": "inlet",
+            "on": "bottom",
+            "start": 0.024,
+            "end": 0.036,
+            "gas": {"velocity": 30.0, "temperature": 700.0},
+            "until": 0.011,
+        },
         "top": {"type": "outlet"},
     },
-    "heat": {"heat_capacity_gas": 1010.0, "heat_capacity_solid": 840.0, "conductivity_gas": 0.026,
-             "conductivity_solid": 1.0, "conductivity_bed": "zehner_schluender", "density": "ideal_gas"},
+    "initial": {
+        "gas": {"temperature": 300.0, "velocity": 1.5},
+        "layer": [{"end": 0.06, "solids": {"beads": {"volume_fraction": 0.55}}, "gas": {"velocity": 3.0}}],
+    },
     "time": {"end": 0.03, "sample": 0.005, "average_from": 0.01},
     "output": {"plots": False, "fields": False},
-}  # fmt: skip
+}
 
 
 def scene(changes=None, without=()):
@@ -325,12 +341,12 @@ def scene(changes=None, without=()):
 )
 def test_cold_ideal_gas_between_hot_particles_is_told(T_solid, d_p, density, told):
     """The gas follows in rho_g c_g eps_g d_p^2/(6 eps_s 10 k) = 5.6e-5 s: the 0.06 m of it double at 1070 m/s."""
-    layer = {"end": 0.06, "eps_s": 0.55, "T_solid": T_solid}
-    changes = {"initial.layer": [layer], "solid.particle_diameter": d_p, "heat.density": density}
+    layer = {"end": 0.06, "solids": {"beads": {"volume_fraction": 0.55, "temperature": T_solid}}}
+    changes = {"initial.layer": [layer], "solids.beads.diameter": d_p, "gas.density_law": density}
     found = [text for text in plan(from_dict(scene(changes))).warnings if "its new volume" in text]
     assert len(found) == told
     if told:
-        assert "initial.layer[0].T_gas: gas of 300 K between particles of 600 K takes" in found[0]
+        assert "initial.layer[0].gas.temperature: gas of 300 K between particles of 600 K takes" in found[0]
         assert "in 5.6e-05 s and its new volume flows at 1.1e+03 m/s" in found[0]
 
 
@@ -378,7 +394,7 @@ def test_coefficient_of_a_closure_file_and_of_a_number():
     s, slip, T = np.array([0.5]), np.array([1.5]), np.array([300.0])
     found = {}
     for key, nusselt in (("file", {"file": "nusselt.toml"}), ("number", 7.0), ("name", "gunn")):
-        chosen = from_dict(scene({"heat.nusselt": nusselt}), base=folder)
+        chosen = from_dict(scene({"closures.nusselt": nusselt}), base=folder)
         made = heat_planning.physics(chosen, bound(chosen))
         found[key] = made.coefficient(s, slip, 0.5, T)[0] * 3e-3 / 0.026
     Re, Pr = 0.5 * 1.18 * 0.5 * 1.5 * 3e-3 / 1.8e-5, 1010.0 * 1.8e-5 / 0.026
@@ -389,10 +405,12 @@ def test_coefficient_of_a_closure_file_and_of_a_number():
 
 def test_a_closure_with_parameters_of_its_own():
     power = {"name": "power", "a": 1.2, "b": 0.5}
-    found = cb.run(from_dict(scene({"heat.nusselt": power, "time.end": 0.002, "time.average_from": 0.001}))).closures
+    found = cb.run(
+        from_dict(scene({"closures.nusselt": power, "time.end": 0.002, "time.average_from": 0.001}))
+    ).closures
     assert "nusselt_power" in {use["name"] for use in found}
-    with pytest.raises(SceneError, match=r"heat\.nusselt: parameter 'a' of closure 'power' is in \[0, inf\)"):
-        from_dict(scene({"heat.nusselt": {"name": "power", "a": -1.2, "b": 0.5}}))
+    with pytest.raises(SceneError, match=r"closures\.nusselt: parameter 'a' of closure 'power' is in \[0, inf\)"):
+        from_dict(scene({"closures.nusselt": {"name": "power", "a": -1.2, "b": 0.5}}))
 
 
 def test_a_pulse_brings_what_was_given_and_ends():
@@ -408,24 +426,24 @@ def test_a_pulse_brings_what_was_given_and_ends():
 @pytest.mark.parametrize(
     ("changes", "without", "told"),
     [
-        ({}, ("initial.T_gas",), "initial.T_gas"),
-        ({}, ("boundary.jet.T_gas",), "boundary.jet.T_gas"),
-        ({}, ("heat",), "boundary.jet.T_gas = 700.0: has no meaning without [heat]"),
-        ({}, ("heat",), "initial.T_gas = 300.0: has no meaning without [heat]"),
+        ({}, ("initial.gas.temperature",), "initial.gas.temperature"),
+        ({}, ("boundary.jet.gas.temperature",), "boundary.jet.gas.temperature"),
+        ({}, ("heat",), "boundary.jet.gas.temperature = 700.0: has no meaning without [heat]"),
+        ({}, ("heat",), "initial.gas.temperature = 300.0: has no meaning without [heat]"),
         ({}, ("heat",), "boundary.right.heat_flux = 100.0: has no meaning without [heat]"),
-        ({"heat.nusselt": "nusselt_gun"}, (), "nusselt_gunn"),
-        ({"heat.nusselt": -1.0}, (), "heat.nusselt"),
-        ({"heat.nusselt": {"file": "absent.toml"}}, (), "absent.toml"),
-        ({"heat.conductivity_bed": "nusselt_gunn"}, (), "conductivity"),
-        ({"heat.effective_gas": 0.1}, (), "give either conductivity_bed"),
-        ({}, ("heat.conductivity_solid",), "heat.conductivity_solid: missing"),
-        ({}, ("heat.conductivity_bed",), "boundary.left.T = 310.0: heats nothing"),
-        ({}, ("heat.heat_capacity_gas",), "heat.heat_capacity_gas"),
-        ({"heat.effective_solid": -1.0}, ("heat.conductivity_bed",), "heat.effective_solid"),
-        ({"heat.density": "constant", "heat.T_reference": 300.0}, (), "heat.T_reference"),
-        ({"heat.density": "ideal"}, (), "ideal_gas"),
-        ({"initial.T_gas": -3.0}, (), "initial.T_gas"),
-        ({"boundary.left.heat_flux": 1.0}, (), "either T or heat_flux"),
+        ({"closures.nusselt": "nusselt_gun"}, (), "nusselt_gunn"),
+        ({"closures.nusselt": -1.0}, (), "closures.nusselt"),
+        ({"closures.nusselt": {"file": "absent.toml"}}, (), "absent.toml"),
+        ({"closures.conductivity_bed": "nusselt_gunn"}, (), "conductivity"),
+        ({"two_fluid.conductivity_gas": 0.1}, (), "give either conductivity_bed"),
+        ({}, ("solids.beads.conductivity",), "solids.beads.conductivity: missing"),
+        ({}, ("closures.conductivity_bed",), "boundary.left.temperature = 310.0: heats nothing"),
+        ({}, ("gas.heat_capacity",), "gas.heat_capacity"),
+        ({"two_fluid.conductivity_solids": -1.0}, ("closures.conductivity_bed",), "two_fluid.conductivity_solids"),
+        ({"gas.density_law": "constant", "gas.reference_temperature": 300.0}, (), "gas.reference_temperature"),
+        ({"gas.density_law": "ideal"}, (), "ideal_gas"),
+        ({"initial.gas.temperature": -3.0}, (), "initial.gas.temperature"),
+        ({"boundary.left.heat_flux": 1.0}, (), "either temperature or heat_flux"),
         ({"time.order": 2}, (), "time.order"),
         ({}, ("boundary.jet.on", "boundary.jet.start", "boundary.jet.end"), "boundary.jet.until"),
         ({"boundary.jet.on": "top"}, (), "boundary.jet.until"),

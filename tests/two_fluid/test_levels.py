@@ -11,17 +11,20 @@ SCENE = """
 mesh = { type = "rectangle", length = 0.02, height = 0.04, cells = [5, 8] }
 two_fluid = {}
 gas = { density = 1.2, viscosity = 1.8e-5 }
-solid = { particle_diameter = 275e-6, density = 2500.0 }
+solids.beads = { diameter = 275e-6, density = 2500.0 }
 time = { end = 4e-3, sample = 1e-3, average_from = 1e-3 }
 output = { plots = false, fields = false, levels = [0.0111, 0.032], window = { start = 0.0101, end = 0.0149 } }
 [initial]
 noise = 0.2
 seed = 3
-layer = [{ end = 0.02, eps_s = 0.4 }, { start = 0.02, eps_s = 0.1 }]
+layer = [
+    { end = 0.02, solids.beads.volume_fraction = 0.4 },
+    { start = 0.02, solids.beads.volume_fraction = 0.1 },
+]
 [boundary]
 left = { type = "wall" }
 right = { type = "wall" }
-bottom = { type = "inlet", velocity = 0.3 }
+bottom = { type = "inlet", gas.velocity = 0.3 }
 top = { type = "outlet" }
 """
 

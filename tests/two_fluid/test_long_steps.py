@@ -148,20 +148,26 @@ def test_few_heated_particles_stay_below_the_gas():
     dilute flow. Beside it eps_s is 1e-6 to 1e-4, heated by shear; none is faster than the gas. With steps bound by
     the Courant number alone they come to 20 m/s within 0.02 s.
     """
-    scene = from_dict({
-        "mesh": {"type": "rectangle", "length": 0.1, "height": 0.3, "cells": [12, 36]},
-        "two_fluid": {"guards": False},
-        "gas": {"density": 1.2, "viscosity": 1.8e-5},
-        "solid": {"particle_diameter": 275e-6, "density": 2500.0},
-        "initial": {"theta": 1e-4},
-        "boundary": {
-            "bottom": {"type": "inlet", "velocity": 5.0, "eps_s": 0.3, "solid_velocity": 2.0, "theta": 0.1},
-            "top": {"type": "outlet"},
-            "left": {"type": "wall"},
-            "right": {"type": "wall"},
-        },
-        "time": {"end": 0.1},
-    })  # fmt: skip
+    scene = from_dict(
+        {
+            "mesh": {"type": "rectangle", "length": 0.1, "height": 0.3, "cells": [12, 36]},
+            "two_fluid": {"guards": False},
+            "gas": {"density": 1.2, "viscosity": 1.8e-5},
+            "solids": {"beads": {"diameter": 275e-6, "density": 2500.0}},
+            "initial": {"solids": {"beads": {"granular_temperature": 1e-4}}},
+            "boundary": {
+                "bottom": {
+                    "type": "inlet",
+                    "gas": {"velocity": 5.0},
+                    "solids": {"beads": {"volume_fraction": 0.3, "velocity": 2.0, "granular_temperature": 0.1}},
+                },
+                "top": {"type": "outlet"},
+                "left": {"type": "wall"},
+                "right": {"type": "wall"},
+            },
+            "time": {"end": 0.1},
+        }
+    )
     b, _ = planning.plan(scene).bed()
     fastest = 0.0
     while b.clock.time < 0.1:

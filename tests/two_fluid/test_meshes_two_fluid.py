@@ -227,27 +227,29 @@ SCENE = """
 {mesh}
 
 [two_fluid]
-drag = "drag_gidaspow"
 
 [gas]
 density = 1.225
 viscosity = 1.7894e-5
 
-[solid]
-particle_diameter = "275 um"
+[solids.beads]
+diameter = "275 um"
 density = 2500.0
 
+[closures]
+drag = "drag_gidaspow"
+
 [initial]
-u_gas = 0.46
+gas.velocity = 0.46
 
 [[initial.layer]]
 end = 0.06
-eps_s = 0.55
-u_gas = 1.0
+gas.velocity = 1.0
+solids.beads.volume_fraction = 0.55
 
 [boundary.bottom]
 type = "inlet"
-velocity = 0.46
+gas.velocity = 0.46
 
 [boundary.top]
 type = "outlet"
@@ -264,9 +266,7 @@ plots = false
 WALL = """
 [boundary.{}]
 type = "wall"
-solid = "johnson_jackson"
-specularity = 0.01
-restitution = 0.9
+solids.beads = {{ wall = "johnson_jackson", specularity = 0.01, restitution = 0.9 }}
 """
 CYLINDER = """
 SetFactory("OpenCASCADE");
@@ -319,7 +319,10 @@ def test_scene_from_gmsh(kind, tmp_path):
 
 
 def test_periodic_pair_and_piece_of_a_side(tmp_path):
-    feed = '[boundary.feed]\non = "left"\nstart = 0.07\nend = 0.1\ntype = "inlet"\neps_s = 0.2\nsolid_flux = 20.0\n'
+    feed = (
+        '[boundary.feed]\non = "left"\nstart = 0.07\nend = 0.1\ntype = "inlet"\n'
+        "solids.beads = { volume_fraction = 0.2, mass_flux = 20.0 }\n"
+    )
     walls = WALL.format("left") + WALL.format("right")
     result = cb.run(scene(tmp_path, geometry("triangles", LENGTH, HEIGHT, 0.012), 2, walls + feed))
     # two faces of 12 mm have their middles between 0.07 and 0.1 m

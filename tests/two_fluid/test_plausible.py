@@ -19,12 +19,16 @@ BED = {
     "mesh": {"type": "rectangle", "length": 0.1, "height": 0.4, "cells": [4, 16]},
     "two_fluid": {},
     "gas": {"density": 1.2, "viscosity": 1.8e-5},
-    "solid": {"particle_diameter": 275e-6, "density": 2500.0},
-    "initial": {"layer": [{"end": 0.2, "eps_s": 0.58}]},
-    "boundary": WALLS | {"bottom": {"type": "inlet", "velocity": 0.3}, "top": {"type": "outlet"}},
+    "solids": {"beads": {"diameter": 275e-6, "density": 2500.0}},
+    "initial": {"layer": [{"end": 0.2, "solids": {"beads": {"volume_fraction": 0.58}}}]},
+    "boundary": WALLS | {"bottom": {"type": "inlet", "gas": {"velocity": 0.3}}, "top": {"type": "outlet"}},
     "time": {"end": 0.02},
 }
-HEAT = {"heat_capacity_gas": 1000.0, "heat_capacity_solid": 800.0, "conductivity_gas": 0.025}
+HEAT = {
+    "heat": {},
+    "gas": BED["gas"] | {"heat_capacity": 1000.0, "conductivity": 0.025},
+    "solids": {"beads": BED["solids"]["beads"] | {"heat_capacity": 800.0}},
+}
 
 
 def test_a_fixed_step_that_is_too_long_is_cut():
@@ -47,13 +51,16 @@ def test_a_run_without_guards_that_overheats_says_so(tmp_path, monkeypatch):
     """Particles between no-slip walls, few of them above many; what was computed before is kept."""
     # theta overflows after 0.1 to 0.2 s and some 300 steps where their heat does not bind these, with guards never
     monkeypatch.setattr("contbed.two_fluid.simulation.HEATING_LIMIT", 1e6)
-    walls = BED["boundary"] | {"bottom": {"type": "inlet", "velocity": 0.4}}
+    walls = BED["boundary"] | {"bottom": {"type": "inlet", "gas": {"velocity": 0.4}}}
     table = {
         "mesh": BED["mesh"] | {"length": 0.05, "cells": [10, 40]},
         "boundary": walls,
         "time": {"end": 0.5, "sample": 0.1},
     }
-    table["initial"] = {"layer": [{"end": 0.15, "eps_s": 0.58}], "theta": 1e-4}
+    table["initial"] = {
+        "layer": [{"end": 0.15, "solids": {"beads": {"volume_fraction": 0.58}}}],
+        "solids": {"beads": {"granular_temperature": 1e-4}},
+    }
     with pytest.raises(ConvergenceError, match=r"two_fluid\.guards = false: .*; set guards = true"):
         cb.run(from_dict(BED | table | {"two_fluid": {"guards": False}}), tmp_path)
     assert (tmp_path / "checkpoint.npz").is_file()
@@ -77,16 +84,16 @@ def test_impossible_speeds_and_pressures_end_the_run(monkeypatch):
 def test_temperatures_beyond_those_given_end_the_run():
     """A wall that gives far too much heat."""
     hot = {"type": "wall", "heat_flux": 1e6}
-    warm = BED["boundary"] | {"left": hot, "bottom": {"type": "inlet", "velocity": 0.3, "T_gas": 300.0}}
-    scene = BED | {"heat": HEAT, "initial": BED["initial"] | {"T_gas": 300.0}, "boundary": warm}
+    warm = BED["boundary"] | {"left": hot, "bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 300.0}}}
+    scene = BED | HEAT | {"initial": BED["initial"] | {"gas": {"temperature": 300.0}}, "boundary": warm}
     with pytest.raises(ConvergenceError, match=r"T_(gas|solid) from .* K, possible are 0 to 6000 K"):
         cb.run(from_dict(scene | {"time": {"end": 2.0}}))
 
 
 def test_particles_that_are_not_there_have_no_temperature():
-    inlet = {"bottom": {"type": "inlet", "velocity": 0.3, "T_gas": 400.0}}
-    start = {"eps_s": 0.0, "T_gas": 300.0}
-    result = cb.run(from_dict(BED | {"heat": HEAT, "initial": start, "boundary": BED["boundary"] | inlet}))
+    inlet = {"bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 400.0}}}
+    start = {"solids": {"beads": {"volume_fraction": 0.0}}, "gas": {"temperature": 300.0}}
+    result = cb.run(from_dict(BED | HEAT | {"initial": start, "boundary": BED["boundary"] | inlet}))
     assert np.isnan(result.qoi["T_solid_mean [K]"]) and np.isnan(result.qoi["T_solid_max [K]"])
     assert np.isnan(result.profiles["T_solid_mean [K]"]).all()
     assert np.isnan(result.tables["axial"]["T_solid [K]"]).all()
@@ -96,17 +103,17 @@ def test_particles_that_are_not_there_have_no_temperature():
 def test_a_temperature_below_zero_names_the_remedy():
     """Negative heat flux of a wall, in one step so long that the plausibility check does not see it coming."""
     cold = BED["boundary"] | {"left": {"type": "wall", "heat_flux": -1e9}}
-    cold |= {"bottom": {"type": "inlet", "velocity": 0.3, "T_gas": 300.0}}
-    scene = BED | {"heat": HEAT, "initial": BED["initial"] | {"T_gas": 300.0}, "boundary": cold}
+    cold |= {"bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 300.0}}}
+    scene = BED | HEAT | {"initial": BED["initial"] | {"gas": {"temperature": 300.0}}, "boundary": cold}
     with pytest.raises(ConvergenceError, match=r"T_(gas|solid) falls to -\S+ K, not above 0 K: a wall with a negative"):
         cb.run(from_dict(scene))
 
 
 def test_closures_with_parameters_of_heat_run_to_the_end():
     nusselt = {"name": "power", "a": 1.2, "b": 0.5}
-    inlet = {"bottom": {"type": "inlet", "velocity": 0.3, "T_gas": 400.0}}
-    start = BED["initial"] | {"T_gas": 300.0}
-    heat = {"heat": HEAT | {"nusselt": nusselt}, "initial": start, "boundary": BED["boundary"] | inlet}
+    inlet = {"bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 400.0}}}
+    start = BED["initial"] | {"gas": {"temperature": 300.0}}
+    heat = HEAT | {"closures": {"nusselt": nusselt}, "initial": start, "boundary": BED["boundary"] | inlet}
     result = cb.run(from_dict(BED | heat))
     assert any("power" in closure["name"] for closure in result.closures)
 
@@ -145,7 +152,11 @@ def test_a_table_that_fails_does_not_lose_the_others(tmp_path, monkeypatch):
 @pytest.mark.parametrize("gravity", [0.0, 9.81])
 def test_gas_between_no_slip_walls(speed, eps_s, gravity):
     lid = {"top": {"type": "wall", "velocity": [speed, 0.0]}}
-    scene = BED | {"boundary": WALLS | lid, "initial": {"eps_s": eps_s}, "two_fluid": {"gravity": gravity}}
+    scene = BED | {
+        "boundary": WALLS | lid,
+        "initial": {"solids": {"beads": {"volume_fraction": eps_s}}},
+        "two_fluid": {"gravity": gravity},
+    }
     result = cb.run(from_dict(scene))
     assert result.status == "ok"
     assert np.isfinite(result.profiles["u_solid_max [m/s]"]).all()

@@ -22,22 +22,31 @@ from contbed.two_fluid.simulation import Simulation
 from contbed.two_fluid.state import flatten, rebuild
 
 HOT_BUBBLE = Path(__file__).parents[2] / "studies" / "patil_hot_bubble_two_fluid" / "half_3mm_900.toml"
-WALL = {"type": "wall", "solid": "johnson_jackson", "specularity": 0.01, "restitution": 0.9}
+WALL = {"type": "wall", "solids": {"beads": {"wall": "johnson_jackson", "specularity": 0.01, "restitution": 0.9}}}
 BED = {
     "mesh": {"type": "rectangle", "length": 0.06, "height": 0.12, "cells": (9, 20)},
-    "two_fluid": {"drag": "drag_gidaspow"},
+    "model": "two_fluid",
+    "closures": {"drag": "drag_gidaspow"},
     "gas": {"density": 1.225, "viscosity": 1.7894e-5},
-    "solid": {"particle_diameter": 275e-6, "density": 2500.0},
-    "initial": {"u_gas": 0.46, "noise": 0.02, "layer": [{"end": 0.06, "eps_s": 0.55, "u_gas": 1.0}]},
+    "solids": {"beads": {"diameter": 275e-6, "density": 2500.0}},
+    "initial": {
+        "gas": {"velocity": 0.46},
+        "noise": 0.02,
+        "layer": [{"end": 0.06, "solids": {"beads": {"volume_fraction": 0.55}}, "gas": {"velocity": 1.0}}],
+    },
     "boundary": {
-        "bottom": {"type": "inlet", "velocity": 0.46},
+        "bottom": {"type": "inlet", "gas": {"velocity": 0.46}},
         "top": {"type": "outlet"},
         "left": WALL,
         "right": WALL,
     },
     "time": {"end": 1.0},
 }
-SOLID_INLET = {"type": "inlet", "velocity": 1.2, "eps_s": 0.1, "solid_flux": 100.0, "theta": 0.01}
+SOLID_INLET = {
+    "type": "inlet",
+    "gas": {"velocity": 1.2},
+    "solids": {"beads": {"volume_fraction": 0.1, "mass_flux": 100.0, "granular_temperature": 0.01}},
+}
 SCENES = {
     "bed": BED,
     "solids enter": changed(BED, {"boundary.bottom": SOLID_INLET}),

@@ -22,11 +22,11 @@ def found(name, **overrides):
 
 def slip(law, scene):
     """Velocity of the gas past particles that drag holds against their weight in their own suspension."""
-    eps, gas, solid = 1.0 - scene.initial.eps_s, scene.gas, scene.solid
+    eps, gas, solid = 1.0 - scene.initial.solid.volume_fraction, scene.gas, scene.solid
 
     def missing(u):
-        Re = eps * gas.density * u * solid.particle_diameter / gas.viscosity
-        beta = law(Re, eps, solid.particle_diameter, gas.viscosity)
+        Re = eps * gas.density * u * solid.diameter / gas.viscosity
+        beta = law(Re, eps, solid.diameter, gas.viscosity)
         return beta * u - eps * (1.0 - eps) * (solid.density - gas.density) * 9.81
 
     return brentq(missing, 1e-6, 10.0, xtol=1e-14)
@@ -158,7 +158,10 @@ def test_a_bed_at_rest_stays_in_a_closed_box():
         MODELS["two_fluid"].template,
         {
             "mesh": {"type": "rectangle", "length": 0.02, "height": 0.06, "cells": [4, 12]},
-            "initial": {"theta": 1e-4, "layer": [{"end": 0.024, "eps_s": 0.58}]},
+            "initial": {
+                "solids": {"beads": {"granular_temperature": 1e-4}},
+                "layer": [{"end": 0.024, "solids": {"beads": {"volume_fraction": 0.58}}}],
+            },
             "boundary": {name: {"type": "wall"} for name in ("left", "right", "bottom", "top")},
             "time": {"end": 0.2, "sample": 0.05},
             "output": {"plots": False, "fields": False},

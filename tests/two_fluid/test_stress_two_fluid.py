@@ -9,12 +9,22 @@ from contbed.two_fluid import plan as planning
 from contbed.two_fluid.packing import FrictionTable, frictional_pressure
 
 WALL = {"type": "wall"}
-THROWN = {"layer": [{"start": 0.1, "end": 0.2, "eps_s": 0.55, "u_solid": -1.0, "u_gas": -1.0}]}
+THROWN = {
+    "layer": [
+        {
+            "start": 0.1,
+            "end": 0.2,
+            "solids": {"beads": {"volume_fraction": 0.55, "velocity": -1.0}},
+            "gas": {"velocity": -1.0},
+        }
+    ]
+}
 
 
 def build(
     two_fluid=None,
-    solid=None,
+    solids=None,
+    closures=None,
     gas=None,
     initial=None,
     bottom=None,
@@ -28,7 +38,8 @@ def build(
         "mesh": mesh or {"type": "rectangle", "length": 0.1, "height": 0.3, "cells": cells, "shape": shape},
         "two_fluid": two_fluid or {},
         "gas": gas or {"density": 1.2, "viscosity": 1.8e-5},
-        "solid": {"particle_diameter": 275e-6, "density": 2500.0} | (solid or {}),
+        "closures": closures or {},
+        "solids": {"beads": {"diameter": 275e-6, "density": 2500.0} | (solids or {}).get("beads", {})},
         "initial": initial or {},
         "boundary": {"bottom": bottom or WALL, "top": {"type": "outlet"}, "left": WALL, "right": WALL},
         "time": {"end": 1.0} | time,
@@ -72,14 +83,14 @@ def test_slug_thrown_on_a_wall_packs_and_stays(courant, order):
         {},
         {"shape": "triangle"},
         {"two_fluid": {"granular_temperature": "algebraic"}},
-        {"two_fluid": {"friction_viscosity": "friction_viscosity_schaeffer"}, "courant": 1.0},
-        {"solid": {"particle_diameter": 3e-3, "restitution": 1.0}},
-        {"solid": {"particle_diameter": 50e-6, "restitution": 0.5}, "order": 2},
-        {"solid": {"density": 1100.0}, "gas": {"density": 1000.0, "viscosity": 1e-3}},
+        {"closures": {"friction_viscosity": "friction_viscosity_schaeffer"}, "courant": 1.0},
+        {"solids": {"beads": {"diameter": 3e-3, "restitution": 1.0}}},
+        {"solids": {"beads": {"diameter": 50e-6, "restitution": 0.5}}, "order": 2},
+        {"solids": {"beads": {"density": 1100.0}}, "gas": {"density": 1000.0, "viscosity": 1e-3}},
     ],
 )
 def test_random_fields_calm_down(changes):
-    bed = build(bottom={"type": "inlet", "velocity": 0.2}, **changes)
+    bed = build(bottom={"type": "inlet", "gas": {"velocity": 0.2}}, **changes)
     random, cells = np.random.default_rng(1), len(bed.state.eps_s)
     bed.start(
         eps_s=random.uniform(0.0, 0.6, cells),
@@ -104,7 +115,10 @@ def test_level_bed_on_triangles_calms_down(size, most, tmp_path):
     if size is not None:
         (tmp_path / "bed.geo").write_text(geometry("triangles", 0.1, 0.3, size))
         mesh = {"type": "file", "file": str(tmp_path / "bed.geo")}
-    layer = {"layer": [{"end": 0.12, "eps_s": 0.58}], "theta": 1e-4}
+    layer = {
+        "layer": [{"end": 0.12, "solids": {"beads": {"volume_fraction": 0.58}}}],
+        "solids": {"beads": {"granular_temperature": 1e-4}},
+    }
     bed = build(initial=layer, cells=(9, 27), shape="triangle", mesh=mesh)
     bed.advance(1.0)
     bed.advance(4.0, look)
@@ -117,14 +131,15 @@ def test_glass_settles_in_water(kind, size, tmp_path):
     (tmp_path / "bed.geo").write_text(geometry(kind, 0.02, 0.1, size))
     scene = {
         "mesh": {"type": "file", "file": str(tmp_path / "bed.geo"), "dimension": 3 if kind in IN_3D else 2},
-        "two_fluid": {"drag": "drag_wen_yu", "guards": False},
+        "closures": {"drag": "drag_wen_yu"},
+        "two_fluid": {"guards": False},
         "gas": {"density": 998.0, "viscosity": 1e-3},
-        "solid": {"particle_diameter": 1e-4, "density": 2500.0, "packing": 0.6},
-        "initial": {"eps_s": 0.1},
+        "solids": {"beads": {"diameter": 1e-4, "density": 2500.0, "packing_limit": 0.6}},
+        "initial": {"solids": {"beads": {"volume_fraction": 0.1}}},
         "time": {"end": 6.0},
     }
     names = ("bottom", "top", "left", "right") + (("front", "back") if kind in IN_3D else ())
-    scene["boundary"] = dict.fromkeys(names, WALL | {"gas": "slip", "solid": "slip"})
+    scene["boundary"] = dict.fromkeys(names, WALL | {"gas": {"wall": "slip"}, "solids": {"beads": {"wall": "slip"}}})
     bed = planning.plan(from_dict(scene, trust=True)).bed()[0]
     watched(bed, 6.0)
     volume, upper = bed.model.grid.geometry.volume, bed.model.grid.centres[:, -1] > 0.05

@@ -205,7 +205,7 @@ def test_version_and_help(capsys):
         ("heat_left_W", "an entry heat_NAME_W, [W]"),
         ("reactions.CO_oxidation.law", "the first is the default\n    howard: CO + 0.5 O2 -> CO2"),
         ("xu_froment_shift", "CO + H2O <-> CO2 + H2"),
-        ("drag", "named by two_fluid.drag"),
+        ("drag", "named by closures.drag"),
         ("eps_mf", "voidage at minimum fluidization"),
         ("geldart", "spoutable"),
         ("alumina", "doi:10.1111/j.1151-2916.1997.tb03074.x"),

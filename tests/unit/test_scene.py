@@ -255,6 +255,9 @@ def test_former_keys_name_the_present_ones():
     assert line.endswith("boundary.left.flow = \"inlet\": this key is called 'type' now")
     text = (Path(__file__).parents[2] / "studies/two_fluid_checks/slip.toml").read_text(encoding="utf-8")
     with pytest.raises(SceneError) as caught:
-        loads(text.replace("particle_diameter", "diameter"))
-    (line,) = caught.value.problems
-    assert "solid.diameter" in line and "is called 'particle_diameter' now" in line
+        loads(
+            text.replace('model = "two_fluid"', "").replace("solids.beads]", "solid]").replace("diam", "particle_diam")
+        )
+    whole, line = caught.value.problems
+    assert "solid: this key is called 'solids.NAME' now" in whole
+    assert "solid.particle_diameter" in line and "is called 'solids.NAME.diameter' now" in line

@@ -1,0 +1,56 @@
+"""The gas of a scene with constant properties: those given, or those of a material at one temperature."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from contbed.errors import SceneError
+from contbed.scene.gas import GasCantera, GasConstant, GasCoolProp
+
+
+class Constants(NamedTuple):
+    """Density [kg/m3], viscosity [Pa s], heat capacity [J/kg/K] and conductivity [W/m/K]; None where not given."""
+
+    density: float
+    viscosity: float
+    heat_capacity: float | None
+    conductivity: float | None
+
+
+def constants_of(gas: GasConstant | GasCantera | GasCoolProp, T: float | None, base: Path) -> Constants:
+    """Return the properties of the gas of a scene in the folder `base` at the temperature T [K].
+
+    Raises
+    ------
+    SceneError : the properties vary, and T is not given or out of their range
+    """
+    if isinstance(gas, GasConstant):
+        return Constants(gas.density, gas.viscosity, gas.heat_capacity, gas.conductivity)
+    if T is None:
+        raise SceneError("properties are taken at one temperature: give gas.reference_temperature")
+    return _at(gas, T, base)
+
+
+@lru_cache(maxsize=16)
+def _at(gas: GasCantera | GasCoolProp, T: float, base: Path) -> Constants:
+    """Return the properties of a gas that varies with temperature."""
+    fluid = _fluid(gas, base)
+    low, high = fluid.T_range
+    if not low <= T <= high:
+        raise SceneError(f"properties of {fluid.name} are known from {low:g} to {high:g} K, not at {T:g} K")
+    properties = fluid.density(T), fluid.viscosity(T), fluid.heat_capacity(T), fluid.conductivity(T)
+    return Constants(*(float(value) for value in properties))
+
+
+def _fluid(gas: GasCantera | GasCoolProp, base: Path) -> Any:
+    """Return a fluid of Cantera or CoolProp, which are imported only here."""
+    if isinstance(gas, GasCoolProp):
+        from contbed.materials.coolprop import real_fluid
+
+        return real_fluid(gas.name, gas.pressure, gas.T_range)
+    from contbed.materials.gas import gas_mixture
+    from contbed.scene.mechanism import find_mechanism
+
+    return gas_mixture(gas.composition, gas.pressure, find_mechanism(gas.mechanism, base))

@@ -1,0 +1,184 @@
+"""Tables of a scene of two fluids that say what is given: [initial] and [boundary.NAME]."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from contbed.scene.quantities import HeatFlux, Number, Position, Seconds, Table, Temperature, Whole, unit
+
+Speed = Annotated[float, *unit("m/s")]
+Share = Annotated[Number, Field(ge=0, lt=1)]
+Theta = Annotated[float, *unit("m**2/s**2"), Field(ge=0)]
+Flux = Annotated[float, *unit("kg/m**2/s"), Field(ge=0)]
+
+
+class GasInLayer(Table):
+    """Gas at the start."""
+
+    velocity: Speed | None = Field(None, description="intrinsic, along the last axis")
+    temperature: Temperature | None = None
+
+
+class SolidInLayer(Table):
+    """Particles at the start."""
+
+    volume_fraction: Share | None = None
+    granular_temperature: Theta | None = None
+    velocity: Speed | None = Field(None, description="along the last axis")
+    temperature: Temperature | None = Field(None, description="absent: as the gas")
+
+
+class GasAtStart(GasInLayer):
+    """Gas at the start."""
+
+    velocity: Speed = Field(0.0, description="intrinsic, along the last axis")
+
+
+class SolidAtStart(SolidInLayer):
+    """Particles at the start."""
+
+    volume_fraction: Share = 0.0
+    granular_temperature: Theta = 1e-4
+    velocity: Speed = Field(0.0, description="along the last axis")
+
+
+class Layer(Table):
+    """Fields between two positions along the last axis; what is not given stays as it was."""
+
+    start: Position = -1e30
+    end: Position = 1e30
+    gas: GasInLayer = GasInLayer()
+    solids: dict[str, SolidInLayer] = Field(default_factory=dict)
+
+    @property
+    def solid(self) -> SolidInLayer:
+        """The particles."""
+        return next(iter(self.solids.values()), SolidInLayer())
+
+
+class Initial(Table):
+    """Fields at the start."""
+
+    gas: GasAtStart = GasAtStart()
+    solids: dict[str, SolidAtStart] = Field(default_factory=dict)
+    shear: Annotated[float, *unit("1/s")] = Field(0.0, description="of the particles: u_x grows with the last axis")
+    noise: Annotated[Number, Field(ge=0, lt=1)] = Field(
+        0.0, description="relative, of the volume fraction, to break symmetry"
+    )
+    seed: Annotated[Whole, Field(ge=0)] = 0
+    layer: tuple[Layer, ...] = ()
+
+    @property
+    def parts(self) -> tuple[Initial | Layer, ...]:
+        """The whole bed, then its layers, which replace what they give."""
+        return (self, *self.layer)
+
+    @property
+    def solid(self) -> SolidAtStart:
+        """The particles."""
+        return next(iter(self.solids.values()), SolidAtStart())
+
+
+class Part(Table):
+    """A boundary, or a piece of one along the last axis; along the first, of one that is level."""
+
+    on: str | None = Field(None, description="boundary of the mesh that this is a piece of, from start to end")
+    start: Position | None = None
+    end: Position | None = None
+
+
+class GasAtWall(Table):
+    """Gas at a wall."""
+
+    wall: Literal["no_slip", "slip"] = "no_slip"
+
+
+class SolidAtWall(Table):
+    """Particles at a wall."""
+
+    wall: Literal["no_slip", "slip", "johnson_jackson"] = "no_slip"
+    specularity: Annotated[Number, Field(gt=0, le=1)] | None = None
+    restitution: Annotated[Number, Field(gt=0, le=1)] | None = None
+    friction: Annotated[Number, Field(ge=0, le=2)] = Field(
+        0.0, description="Coulomb's coefficient of particles that rub along the wall under their frictional pressure"
+    )
+
+
+class Wall(Part):
+    """Nothing passes."""
+
+    type: Literal["wall"]
+    gas: GasAtWall = GasAtWall()
+    solids: dict[str, SolidAtWall] = Field(default_factory=dict)
+    velocity: tuple[Speed, ...] = Field((), description="of the wall in its own plane")
+    temperature: Temperature | None = Field(
+        None, description="with [heat]: heat is conducted to the wall at this temperature; absent: adiabatic"
+    )
+    heat_flux: HeatFlux | None = Field(None, description="into the bed; the phases share it by their fractions")
+
+    @property
+    def solid(self) -> SolidAtWall:
+        """The particles."""
+        return next(iter(self.solids.values()), SolidAtWall())
+
+
+class Symmetry(Part):
+    """A plane of symmetry, or the axis."""
+
+    type: Literal["symmetry"]
+
+
+class Periodic(Table):
+    """One and the same as another boundary."""
+
+    type: Literal["periodic"]
+    partner: str = Field(description="the boundary opposite, which is not named again")
+
+
+class GasAtInlet(Table):
+    """Gas that enters."""
+
+    velocity: Annotated[Speed, Field(ge=0)] = Field(0.0, description="superficial")
+    temperature: Temperature | None = None
+
+
+class SolidAtInlet(Table):
+    """Particles that enter."""
+
+    volume_fraction: Share = 0.0
+    mass_flux: Flux | None = Field(None, description="through this boundary")
+    velocity: Annotated[Speed, Field(gt=0)] | None = None
+    granular_temperature: Theta = 0.0
+    temperature: Temperature | None = Field(None, description="absent: as the gas")
+
+
+class Inlet(Part):
+    """Gas, with or without particles."""
+
+    type: Literal["inlet"]
+    until: Seconds | None = Field(None, description="then it is as the inlet that it is a piece of")
+    gas: GasAtInlet = GasAtInlet()
+    solids: dict[str, SolidAtInlet] = Field(default_factory=dict)
+
+    @property
+    def solid(self) -> SolidAtInlet:
+        """The particles."""
+        return next(iter(self.solids.values()), SolidAtInlet())
+
+
+class GasOutside(Table):
+    """Gas beyond an outlet."""
+
+    pressure: Annotated[float, *unit("Pa")] = 0.0
+
+
+class Outlet(Part):
+    """Free outflow against a pressure; particles do not come back."""
+
+    type: Literal["outlet"]
+    gas: GasOutside = GasOutside()
+
+
+Boundary = Annotated[Wall | Symmetry | Periodic | Inlet | Outlet, Field(discriminator="type")]

@@ -1,0 +1,102 @@
+"""Two fluids and developed flow whose gas is a material, a mixture of Cantera or a fluid of CoolProp."""
+
+import subprocess
+import sys
+
+import pytest
+from changed_scenes import changed
+
+from contbed.errors import SceneError
+from contbed.loading import from_dict
+from contbed.materials import gas_mixture
+
+BED = {
+    "model": "two_fluid",
+    "mesh": {"type": "rectangle", "length": 0.1, "height": 0.4, "cells": [4, 16]},
+    "gas": {"model": "cantera", "composition": "N2:0.79, O2:0.21"},
+    "solids": {"beads": {"diameter": 275e-6, "density": 2500.0, "heat_capacity": 800.0}},
+    "heat": {},
+    "boundary": {
+        "left": {"type": "wall"},
+        "right": {"type": "wall"},
+        "bottom": {"type": "inlet", "gas": {"velocity": 0.4, "temperature": 500.0}},
+        "top": {"type": "outlet"},
+    },
+    "initial": {"gas": {"temperature": 600.0}, "solids": {"beads": {"volume_fraction": 0.5}}},
+    "time": {"end": 0.1},
+}
+RISER = {
+    "model": "developed_flow",
+    "gas": {"model": "cantera", "composition": "N2:0.79, O2:0.21", "reference_temperature": 400.0},
+    "solids": {"beads": {"diameter": 1e-3, "density": 2500.0}},
+    "boundary": {"wall": {"solids": {"beads": {"specularity": 0.05}}}},
+    "developed_flow": {"section": "channel", "radius": 0.0152, "gas_velocity": 9.0, "solids_mass_flux": 100.0},
+}
+COOLPROP = {"model": "coolprop", "name": "Air", "T_range": [300.0, 900.0]}
+AIR = gas_mixture("N2:0.79, O2:0.21", 101325.0)
+
+
+def properties(gas, T):
+    """Density, viscosity, heat capacity and conductivity of a gas at a temperature."""
+    return tuple(float(part(T)) for part in (gas.density, gas.viscosity, gas.heat_capacity, gas.conductivity))
+
+
+def cold():
+    """The bed without [heat]."""
+    return changed(BED, {}, ("heat",))
+
+
+@pytest.mark.parametrize(
+    ("changes", "without", "T"),
+    [
+        ({}, (), 600.0),  # at the start
+        ({"gas.reference_temperature": 700.0}, (), 700.0),
+        ({}, ("initial.gas.temperature", "heat"), 500.0),  # of the inlet
+    ],
+)
+def test_properties_are_those_at_one_temperature(changes, without, T):
+    assert from_dict(changed(BED, changes, without)).fluid == pytest.approx(properties(AIR, T), rel=1e-12)
+
+
+def test_the_two_libraries_agree_on_air():
+    """CoolProp's air has argon: within 2 %."""
+    found = from_dict(changed(BED, {"gas": COOLPROP})).fluid
+    assert found == pytest.approx(properties(AIR, 600.0), rel=0.02)
+
+
+def test_a_liquid_of_the_library():
+    salt = {"material": "solar_salt", "material_temperature": "340 degC"}
+    assert from_dict(changed(BED, {"gas": salt})).fluid.density == pytest.approx(2263.7234 - 0.636 * 613.15)
+
+
+def test_developed_flow_takes_them_at_the_reference_temperature():
+    assert from_dict(RISER).fluid == pytest.approx(properties(AIR, 400.0), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("scene", "changes", "without", "said"),
+    [
+        (cold(), {}, ("initial.gas.temperature", "boundary.bottom.gas.temperature"), "give gas.reference_temperature"),
+        (BED, {"gas": COOLPROP | {"reference_temperature": 1000.0}}, (), "known from 300 to 900 K, not at 1000 K"),
+        (BED, {"gas": {"density": 1.2, "viscosity": 1.8e-5}}, (), "gas.heat_capacity: missing; [heat] needs it"),
+        (cold(), {"gas.density_law": "ideal_gas"}, (), "gas.density_law = \"ideal_gas\": has no meaning without"),
+        (RISER, {}, ("gas.reference_temperature",), "give gas.reference_temperature"),
+        (BED, {"solids.sand": {"diameter": 1e-3, "density": 2500.0}}, (), "one solid phase, [solids.NAME]; found"),
+        (BED, {"initial.solids.beds.volume_fraction": 0.1}, (), "initial.solids.beds: no such solid; allowed: beads"),
+        (RISER, {"boundary.wall.solids": {"sand": {"specularity": 0.1}}}, (), "boundary.wall.solids.sand: no such"),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_named(scene, changes, without, said):
+    with pytest.raises(SceneError) as caught:
+        from_dict(changed(scene, changes, without))
+    assert said in str(caught.value)
+
+
+def test_a_gas_of_constants_imports_no_library():
+    code = (
+        "import sys; from contbed.loading import load; from contbed.models import MODELS, plan\n"
+        "plan(load(MODELS['two_fluid'].template)); print(*sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "contbed.two_fluid.plan" in done.stdout
+    assert not {"cantera", "CoolProp"} & set(done.stdout.split())
