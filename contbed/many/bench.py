@@ -20,8 +20,6 @@ whose module in `needs` is missing are skipped by name; `{out}` in a command is 
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import os
 import platform
@@ -40,6 +38,7 @@ from pydantic import Field
 
 from contbed.errors import ContbedError, SceneError
 from contbed.many.study_file import StudyFile
+from contbed.many.tables import write_rows
 from contbed.output.files import atomic
 from contbed.scene.quantities import Positive, Table, Whole
 
@@ -131,10 +130,7 @@ def bench(study: str | Path, out: str | Path, trust: bool = False) -> Bench:
     found = Bench(tuple(rows), tuple(skipped), machine())
     with atomic(out / "bench.txt") as temporary:
         temporary.write_text(f"{found}\n", encoding="utf-8")
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([HEADERS, *rows])
-    with atomic(out / "bench.csv") as temporary:
-        temporary.write_text(text.getvalue(), encoding="utf-8")
+    write_rows(out / "bench.csv", HEADERS, rows)
     return found
 
 

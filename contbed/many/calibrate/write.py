@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import math
-import os
 from collections.abc import Iterable, Sequence
-from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -14,25 +11,24 @@ import numpy as np
 
 from contbed.many.calibrate.fit import COVERAGE
 from contbed.many.calibrate.found import Calibrated
+from contbed.many.calibrate.settings import experiment_names
+from contbed.many.tables import Row, aligned, scene_text, write_rows
 from contbed.output.files import atomic
 from contbed.output.summary import write_json
 from contbed.output.tables import write_table
-from contbed.output.toml_text import toml_text
 from contbed.output.versions import versions
-from contbed.scene.toml_lines import parse_key, read
-
-Row = Sequence[Any]
 
 
 def write(found: Calibrated, out: Path) -> None:
     """Write all files but the plots."""
-    _csv(out / "keys.csv", ("key", "unit", "prior", "fitted", "standard error", *_ENDS), key_rows(found))
-    _csv(out / "points.csv", POINTS, point_rows(found))
+    write_rows(out / "keys.csv", ("key", "unit", "prior", "fitted", "standard error", *_ENDS), key_rows(found), _cell)
+    write_rows(out / "points.csv", POINTS, point_rows(found), _cell)
     names = [key.name for key in found.keys]
-    _csv(
+    write_rows(
         out / "combinations.csv",
         ("singular value", "seen", "combination", *names),
         ([each.singular, each.seen, each.named(names), *each.weights] for each in found.combinations),
+        _cell,
     )
     for key in found.keys:
         if key.name in found.intervals:
@@ -147,38 +143,13 @@ def summary(found: Calibrated) -> dict[str, Any]:
 
 def scenes(found: Calibrated, out: Path) -> dict[str, str]:
     """Return the text of the scene of each experiment with its fitted keys, by the name of its file."""
-    one = len({job.experiment for job in found.jobs}) == 1
+    first = {job.experiment: job for job in reversed(found.jobs)}
     texts = {}
-    for job, settings in zip(_first_jobs(found), found.file.settings.experiment, strict=True):
-        values, origin = read(job.scene)
-        values = _moved(values, origin.base, out)
-        for key, value in {**settings.set, **found.values}.items():
-            table: Any = values
-            *steps, last = map(str, parse_key(key))
-            for step in steps:
-                table = table.setdefault(step, {})
-            table[last] = value
-        texts["calibrated.toml" if one else f"calibrated_{job.experiment}.toml"] = toml_text(values)
+    for name, settings in zip(experiment_names(found.file.settings), found.file.settings.experiment, strict=True):
+        job = first[name]
+        file = "calibrated.toml" if len(first) == 1 else f"calibrated_{name}.toml"
+        texts[file] = scene_text(job.scene, job.load(found.values), {**settings.set, **found.values}, out)
     return texts
-
-
-def _first_jobs(found: Calibrated) -> list[Any]:
-    first: dict[str, Any] = {}
-    for job in found.jobs:
-        first.setdefault(job.experiment, job)
-    return list(first.values())
-
-
-def _moved(values: Any, base: Path, out: Path) -> Any:
-    """Return the values of a scene whose files are named from another folder."""
-    if isinstance(values, dict):
-        return {
-            key: os.path.relpath(base / value, out)
-            if key in ("file", "mechanism") and isinstance(value, str) and (base / value).is_file()
-            else _moved(value, base, out)
-            for key, value in values.items()
-        }
-    return [_moved(value, base, out) for value in values] if isinstance(values, list) else deepcopy(values)
 
 
 def table(found: Calibrated) -> str:
@@ -188,12 +159,7 @@ def table(found: Calibrated) -> str:
     for name, unit, prior, value, error, low, high, *_ in key_rows(found):
         label = name if unit == "1" else f"{name} [{unit}]"
         rows.append((label, *(f"{number:.5g}" for number in (value, error, low, high)), prior))
-    widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
-    lines = [
-        "  ".join(cell.ljust(width) if k in (0, 5) else cell.rjust(width) for k, (cell, width) in
-                  enumerate(zip(row, widths, strict=True))).rstrip()
-        for row in rows
-    ]  # fmt: skip
+    lines = aligned(rows, left=(0, 5))
     names = [key.name for key in found.keys]
     fit = found.fit
     lines += [
@@ -208,14 +174,6 @@ def table(found: Calibrated) -> str:
         share = f"{kept['kept back inside of the band']} of {kept['kept back']}"
         lines.append(f"{share} values that were not fitted are in the 90 % band of a measurement")
     return "\n".join(lines)
-
-
-def _csv(path: Path, head: Row, rows: Iterable[Row]) -> None:
-    with atomic(path) as temporary, open(temporary, "w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(head)
-        for row in rows:
-            writer.writerow([_cell(value) for value in row])
 
 
 def _cell(value: Any) -> Any:

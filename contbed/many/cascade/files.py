@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +14,8 @@ from contbed.many.cascade.band import BAND, PACKING
 from contbed.many.cascade.measured import Held
 from contbed.many.cascade.outcome import Outcome
 from contbed.many.sweep.table import parameter, result
+from contbed.many.tables import write_rows
 from contbed.many.validate.case import Case
-from contbed.output.files import atomic
 from contbed.output.plots import styled_figure
 from contbed.output.summary import write_json
 from contbed.output.tables import write_table
@@ -35,7 +33,7 @@ def write(found: Outcome, fits: Mapping[str, Fit]) -> None:
     names = list(found.base)
     at_points = {} if found.held is None else {"share at the measured points": found.held.shares}
     shares = {f"share in {name}": found.shares(name) for name in names} | at_points
-    _table(
+    write_rows(
         folder / "table.csv",
         ["part", *(f"deviation of {result(name).header}" for name in names), *shares],
         (
@@ -43,7 +41,7 @@ def write(found: Outcome, fits: Mapping[str, Fit]) -> None:
             for part in found.parts
         ),
     )
-    _table(
+    write_rows(
         folder / "samples.csv",
         [
             *(parameter(name, values).header if name != PACKING else name for name, values in found.drawn.items()),
@@ -61,15 +59,6 @@ def write(found: Outcome, fits: Mapping[str, Fit]) -> None:
         write_table(folder / "measured.csv", columns)
     write_json(folder / "summary.json", _summary(found))
     _plot(folder / "band.png", found)
-
-
-def _table(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(head)
-    writer.writerows([[repr(v) if isinstance(v, float) else v for v in row] for row in rows])
-    with atomic(path) as temporary:
-        temporary.write_text(text.getvalue(), encoding="utf-8")
 
 
 def _summary(found: Outcome) -> dict[str, Any]:

@@ -6,8 +6,6 @@ the change of the result in percent for one percent of the key; rows are in the 
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -18,7 +16,7 @@ from contbed.errors import SceneError
 from contbed.fields import unit_of
 from contbed.many.derivatives.gradients import Gradient, gradient, require_known
 from contbed.many.derivatives.keys import continuous, key
-from contbed.output.files import atomic
+from contbed.many.tables import aligned, write_rows
 from contbed.output.plots import styled_figure
 from contbed.output.summary import write_json
 from contbed.output.versions import versions
@@ -90,12 +88,8 @@ def table(found: Gradient, about: dict[str, Any]) -> str:
         unit = about["qoi"][name]["unit"]
         rows = [_row(found, about, i, j) for j in order(found, i)]
         head = ("key", "value", f"d {name}/d key", "relative", *(["standard error"] if _scatters(found) else []))
-        widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
         lines.append(f"{name} = {found.values[i]:.{DIGITS}g} {'' if unit == '1' else unit}".rstrip())
-        lines += [
-            "  " + "  ".join(f"{item:{width}}" for item, width in zip(row, widths, strict=True)).rstrip()
-            for row in (head, *rows)
-        ]
+        lines += [f"  {line}" for line in aligned([head, *rows], left=range(len(head)))]
         lines.append("")
     lines.append(f"derivatives {HOW[found.method]}; relative: percent of the result for one percent of the key")
     return "\n".join([*lines, *(f"note: {note}" for note in found.notes)])
@@ -136,26 +130,20 @@ def quotient(above: str, below: str) -> str:
 def write(found: Gradient, about: dict[str, Any], out: Path, title: str) -> None:
     """Write sensitivities.csv, sensitivities.json and sensitivities.png."""
     write_json(out / f"{FILE}.json", about)
-    with atomic(out / f"{FILE}.csv") as temporary:
-        temporary.write_text(_csv(found, about), encoding="utf-8")
+    head = ("result", "key", "value", "unit", "derivative", "unit of derivative", "relative", "standard error")
+    write_rows(out / f"{FILE}.csv", head, _rows(found, about))
     tornado(out / f"{FILE}.png", found, title)
 
 
-def _csv(found: Gradient, about: dict[str, Any]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(
-        ["result", "key", "value", "unit", "derivative", "unit of derivative", "relative", "standard error"]
-    )
+def _rows(found: Gradient, about: dict[str, Any]) -> Iterator[list[Any]]:
     for i, name in enumerate(found.qoi):
         for j in order(found, i):
             unit = about["keys"][found.keys[j]]["unit"]
             own = quotient(about["qoi"][name]["unit"], unit)
             relative = float(found.logarithmic[i, j])
-            error = "" if found.standard_errors is None else repr(float(found.standard_errors[i, j]))
-            row = [name, found.keys[j], repr(float(found.at[j])), unit, repr(float(found.derivatives[i, j])), own]
-            writer.writerow([*row, repr(relative) if np.isfinite(relative) else "", error])
-    return text.getvalue()
+            error = None if found.standard_errors is None else found.standard_errors[i, j]
+            row = [name, found.keys[j], found.at[j], unit, found.derivatives[i, j], own]
+            yield [*row, relative if np.isfinite(relative) else None, error]
 
 
 def tornado(path: Path, found: Gradient, title: str) -> None:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -16,12 +13,10 @@ from contbed.many.optimise.evaluations import Evaluation, Evaluations, named_val
 from contbed.many.optimise.found import Found, costs
 from contbed.many.optimise.problem import Constraint, Design
 from contbed.many.sweep.table import parameter, result
+from contbed.many.tables import scene_text, write_rows
 from contbed.output.files import atomic
 from contbed.output.summary import write_json
-from contbed.output.toml_text import toml_text
 from contbed.output.versions import versions
-from contbed.scene.inputs import named_files
-from contbed.scene.toml_lines import KeyPath, parse_key, read
 
 
 def write(folder: Path, design: Design, found: Found, evaluations: Evaluations) -> None:
@@ -30,20 +25,25 @@ def write(folder: Path, design: Design, found: Found, evaluations: Evaluations) 
 
     write_table(folder, design, evaluations.rows)
     write_json(folder / "summary.json", summary(design, found, evaluations))
+    about = f"# {found.status} of {design.file.name}: {'maximise' if design.maximise else 'minimise'} "
+    values = {
+        key.name: int(value) if key.whole else float(f"{value:.14g}")
+        for key, value in zip(design.keys, found.evaluation.point, strict=True)
+    }
+    scene = scene_text(design.scene_file, design.scene_at(found.evaluation.point), values, folder)
     with atomic(folder / "optimum.toml") as temporary:
-        temporary.write_text(optimum_text(design, found, folder), encoding="utf-8")
+        temporary.write_text(f"{about}{design.objective.text}\n{scene}", encoding="utf-8")
     plot(folder / "convergence.png", design, found, evaluations.rows)
 
 
 def write_table(folder: Path, design: Design, rows: Sequence[Evaluation]) -> None:
     """Write table.csv, one line for each evaluation."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
     keys = [parameter(key.name, ()).header for key in design.keys]
     results = [result(name).header for name in design.results]
     excess = [f"{one.text}: missed by [{_unit(one.left.unit)}]" for one in design.constraints]
     objective = f"{design.objective.text}: objective [{_unit(design.objective.unit)}]"
-    writer.writerow(["number", *keys, *results, objective, *excess, "gradient", "run", "exit code", "problem"])
+    head = ["number", *keys, *results, objective, *excess, "gradient", "run", "exit code", "problem"]
+    cells = []
     for number, row in enumerate(rows, 1):
         values = [""] * (1 + len(excess))
         if row.functions is not None:
@@ -51,9 +51,8 @@ def write_table(folder: Path, design: Design, rows: Sequence[Evaluation]) -> Non
         point = [key.shown(v) if key.whole else repr(float(v)) for key, v in zip(design.keys, row.point, strict=True)]
         named = [repr(row.qoi[name]) if name in row.qoi else "" for name in design.results]
         state = ["yes" if row.differentiated else "", row.run, row.exit_code, row.problem]
-        writer.writerow([number, *point, *named, *values, *state])
-    with atomic(folder / "table.csv") as temporary:
-        temporary.write_text(text.getvalue(), encoding="utf-8")
+        cells.append([number, *point, *named, *values, *state])
+    write_rows(folder / "table.csv", head, cells)
 
 
 def _signs(design: Design) -> Any:
@@ -136,25 +135,3 @@ def _constraint(design: Design, found: Found, k: int, values: dict[str, float]) 
         "price_unit": f"{design.objective.unit} per {one.left.unit}",
         "gradient": None if slopes is None else dict(zip(names, slopes.tolist(), strict=True)),
     }
-
-
-def optimum_text(design: Design, found: Found, folder: Path) -> str:
-    """Return the scene at the point that was found, as TOML; files that it names are found from `folder`."""
-    values, _ = read(design.scene_file)
-    scene = design.scene_at(found.evaluation.point)
-    base = design.scene_file.absolute().parent
-    for path, name in named_files(scene):
-        if (base / name).is_file() and not Path(name).is_absolute():
-            _put(values, path, os.path.relpath(base / name, folder))
-    for key, value in zip(design.keys, found.evaluation.point, strict=True):
-        _put(values, parse_key(key.name), int(value) if key.whole else float(f"{value:.14g}"))
-    about = f"# {found.status} of {design.file.name}: {'maximise' if design.maximise else 'minimise'} "
-    return f"{about}{design.objective.text}\n{toml_text(values)}"
-
-
-def _put(values: Any, path: KeyPath, value: Any) -> None:
-    """Put a value into nested tables and lists, making tables on the way."""
-    table: Any = values
-    for step in path[:-1]:
-        table = table[step] if isinstance(step, int) else table.setdefault(step, {})
-    table[path[-1]] = value

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -14,7 +11,7 @@ from typing import Any
 from contbed.explain import sheets
 from contbed.fields import FIELDS, name_of, unit_of
 from contbed.many.sweep.study import Study
-from contbed.output.files import atomic
+from contbed.many.tables import write_rows
 from contbed.output.summary import write_json
 from contbed.scene.toml_lines import parse_key
 
@@ -75,8 +72,8 @@ def result(key: str) -> Quantity:
 def write(out: Path, study: Study, rows: list[Row]) -> None:
     """Write table.csv and table.json."""
     parameters, results = columns(study, rows)
-    with atomic(out / "table.csv") as temporary:
-        temporary.write_text(_csv(parameters, results, rows), encoding="utf-8")
+    head = [*(q.header for q in parameters), *(q.header for q in results), "run", "exit code", "problem"]
+    write_rows(out / "table.csv", head, (_cells(parameters, results, row) for row in rows))
     described = {
         "parameters": {q.key: {"unit": q.unit} for q in parameters},
         "qoi": {q.key: {"unit": q.unit} for q in results},
@@ -104,17 +101,6 @@ def columns(study: Study, rows: list[Row]) -> tuple[list[Quantity], list[Quantit
     return parameters, [result(key) for key in keys]
 
 
-def _csv(parameters: list[Quantity], results: list[Quantity], rows: list[Row]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*(q.header for q in parameters), *(q.header for q in results), "run", "exit code", "problem"])
-    for row in rows:
-        values = [_cell(row.parameters[q.key]) for q in parameters] + [_cell(row.qoi.get(q.key)) for q in results]
-        writer.writerow([*values, row.name, row.exit_code, row.problem])
-    return text.getvalue()
-
-
-def _cell(value: Any) -> Any:
-    if isinstance(value, float):
-        return repr(value)
-    return json.dumps(value) if isinstance(value, list | dict) else value
+def _cells(parameters: list[Quantity], results: list[Quantity], row: Row) -> list[Any]:
+    values = [row.parameters[q.key] for q in parameters] + [row.qoi.get(q.key) for q in results]
+    return [*values, row.name, row.exit_code, row.problem]

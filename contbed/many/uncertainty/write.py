@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -16,11 +15,11 @@ from contbed.many.derivatives.gradients import gradient
 from contbed.many.store import Store, key_of
 from contbed.many.sweep.study import Sample, Study
 from contbed.many.sweep.table import Quantity, Row, columns
+from contbed.many.tables import write_rows
 from contbed.many.uncertainty.indices import VARIES, Indices, indices
 from contbed.many.uncertainty.polynomial_chaos import chaos_indices, chaos_spread, expansion
 from contbed.many.uncertainty.propagate import Spread, contributions, first_order, independent, of_sample, of_size_one
 from contbed.many.value_sets import BY_THEMSELVES
-from contbed.output.files import atomic
 from contbed.output.plots import styled_figure
 from contbed.output.summary import write_json
 from contbed.scene.identity import scene_hash
@@ -134,7 +133,7 @@ def _gradient(scene: SceneBase, results: list[str], keys: list[str]) -> dict[str
 
 def _write(report: Report, out: Path) -> None:
     names = list(report.sample.distributions)
-    _csv(
+    write_rows(
         out / "uncertainty.csv",
         ("result", "unit", "estimator", "runs", "mean", "standard error of the mean", "standard deviation", "low",
          "high"),
@@ -143,9 +142,10 @@ def _write(report: Report, out: Path) -> None:
             for one in report.results
             for s in one.spreads
         ),
+        _nine_digits,
     )  # fmt: skip
     head = next((list(one.indices.columns) for one in report.results if one.indices is not None), [])
-    _csv(
+    write_rows(
         out / "indices.csv",
         ("result", "unit", "parameter", "share by gradients", *head),
         (
@@ -156,6 +156,7 @@ def _write(report: Report, out: Path) -> None:
             for one in report.results
             for k, name in enumerate(names)
         ),
+        _nine_digits,
     )  # fmt: skip
     content = {
         one.result.key: {
@@ -181,12 +182,8 @@ def _write(report: Report, out: Path) -> None:
     _plot(report, out / "uncertainty.png")
 
 
-def _csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-    with atomic(path) as temporary, open(temporary, "w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(head)
-        for row in rows:
-            writer.writerow([f"{value:.9g}" if isinstance(value, float) else value for value in row])
+def _nine_digits(value: Any) -> Any:
+    return f"{value:.9g}" if isinstance(value, float) else value
 
 
 _ROW = 1.2  # height of a panel besides its bars [inches]

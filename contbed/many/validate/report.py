@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from contbed.fields import FIELDS
+from contbed.many.tables import aligned
 from contbed.many.validate.deviations import COVERAGE
 from contbed.many.validate.score import Validated
 from contbed.many.validate.signal import resampled, spectrum, trace
@@ -32,15 +33,7 @@ def table(done: Sequence[Validated]) -> str:
             verdict = "within uncertainty" if score.within else "beyond uncertainty"
             first = (one.case.name, f"{one.cpu:.1f} s") if k == 0 else ("", "")
             rows.append((first[0], score.group, str(score.points), *numbers, verdict, first[1]))
-    widths = [max(len(row[k]) for row in rows) for k in range(len(_HEAD))]
-    left = (0, 1, 7)
-    return "\n".join(
-        "  ".join(
-            cell.ljust(width) if k in left else cell.rjust(width)
-            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    )
+    return "\n".join(aligned(rows, left=(0, 1, 7)))
 
 
 def summary(done: Sequence[Validated]) -> dict[str, Any]:
