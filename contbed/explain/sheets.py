@@ -223,10 +223,13 @@ def _argument_sheets(name: str) -> Iterator[str]:
 
 def _by_pattern(name: str) -> Iterator[str]:
     """Yield results whose name has a part that the scene chooses: "heat_left_W" is a "heat_NAME_W"."""
-    for what, found in (("column or field", fields.field(name)), ("named result", fields.result(name))):
-        # a name without a part of the entry's own, such as T_NAME's, would fit anything
-        if found is not None and ("_" in name or " " in name):
-            yield _quantity(what, name, found)
+    if "_" not in name and " " not in name:  # without a part of the entry's own it would fit anything
+        return
+    candidates = (("column or field", fields.field(name)), ("named result", fields.result(name)))
+    entries = [(what, entry) for what, entry in candidates if entry is not None]
+    if entries:
+        what, closest = max(entries, key=lambda found: len(found[1].name))
+        yield _quantity(what, name, closest)
 
 
 def _quantity(what: str, name: str, entry: fields.Field) -> str:

@@ -96,3 +96,9 @@ def test_words_that_users_have(capsys, words, part):
 def test_the_nearest_names_are_told(capsys, name, near):
     assert cli.main(["explain", name]) == 2
     assert near in capsys.readouterr().err.partition("nearest: ")[2].replace(",", "").split()
+
+
+def test_a_result_of_a_pattern_is_explained_once():
+    """Of the patterns T_NAME and T_PHASE_out_K the closer one."""
+    assert explain("T_fluid_out_K").count("T_fluid_out_K") == 1
+    assert "mean outlet temperature of a stream" in explain("T_fluid_out_K")
