@@ -151,7 +151,7 @@ class Gas(Table):
     capacity_flow: CapacityFlow | None = Field(None, description="of the emulsion's gas; coefficients are numbers")
     mass_flow: MassFlow | None = Field(None, description="of all gas; coefficients may be closures")
     composition: str | None = Field(None, description='with mass_flow: mole fractions, "N2:0.79, O2:0.21"')
-    pressure: Pressure = 101325.0
+    pressure: Pressure = Field(101325.0, description="absolute pressure of the gas")
     mechanism: str = Field("gri30.yaml", description="a Cantera file with the species of the gas")
     temperature: Temperature = Field(description="below the distributor")
     release: Release | None = Field(None, description="heat released in the gas of the emulsion")
@@ -170,16 +170,20 @@ class Feed(Table):
 
     capacity_flow: CapacityFlow | None = Field(None, description="with gas.capacity_flow")
     mass_flow: Annotated[float, *unit("kg/s"), Field(ge=0)] | None = Field(None, description="with gas.mass_flow")
-    temperature: Temperature
-    height: Annotated[Position, Field(ge=0)]
+    temperature: Temperature = Field(description="temperature of the solids that enter")
+    height: Annotated[Position, Field(ge=0)] = Field(
+        description="height above the distributor at which the solids enter"
+    )
     width: Length = Field(description="standard deviation; what it puts beyond the ends enters inside")
-    drain: Literal["top", "bottom"] = "top"
+    drain: Literal["top", "bottom"] = Field("top", description="end of the bed where the solids leave")
 
 
 class Sizes(Table):
     """Sizes of one kind of particle: those fed, or those in the bed. The first need [freeboard] with a height."""
 
-    diameters: Annotated[tuple[Length, ...], Field(min_length=2)]
+    diameters: Annotated[tuple[Length, ...], Field(min_length=2)] = Field(
+        description="diameters of the particles, ascending"
+    )
     feed: tuple[NonNegative, ...] | None = Field(None, description="mass fractions, which sum to one")
     bed: tuple[NonNegative, ...] | None = Field(None, description="instead of `feed`")
 
@@ -241,11 +245,11 @@ class Species(OfMaterial):
 class Steam(Table):
     """Water, boiling water or steam inside of a surface."""
 
-    pressure: Pressure
+    pressure: Pressure = Field(description="pressure of water or steam in the tubes")
     temperature: Temperature = Field(description="of what enters; it does not boil there")
-    mass_flow: MassFlow
+    mass_flow: MassFlow = Field(description="mass flow of water or steam in the tubes")
     coefficient: Annotated[WallCoefficient, Field(gt=0)] = Field(description="inside, on the outer surface")
-    direction: Literal["up", "down"] = "up"
+    direction: Literal["up", "down"] = Field("up", description="direction of the water or steam in the tubes")
 
 
 class Surface(Table):
@@ -255,7 +259,7 @@ class Surface(Table):
     coefficient: WallCoefficientOrClosure = Field(
         description="convective, split over the species by their surface", json_schema_extra=takes("bed_tube")
     )
-    temperature: Temperature | None = None
+    temperature: Temperature | None = Field(None, description="surface temperature; absent: by `steam`")
     emissivity: Emissivity | None = Field(None, description="absent: a mirror")
     steam: Steam | None = Field(None, description="instead of `temperature`")
 
@@ -279,7 +283,7 @@ class FreeboardSurface(Table):
 
     perimeter: Length = Field(description="surface per height")
     coefficient: WallCoefficient = Field(description="to the gas")
-    temperature: Temperature
+    temperature: Temperature = Field(description="surface temperature")
     emissivity: Emissivity | None = Field(None, description="absent: a mirror")
 
 
@@ -289,9 +293,9 @@ class Freeboard(Table):
     Gas, particles and radiation of a freeboard with a height are solved for, which needs gas.mass_flow.
     """
 
-    radiosity: Irradiance | None = None
-    temperature: Temperature | None = None
-    height: Length | None = None
+    radiosity: Irradiance | None = Field(None, description="radiosity of the surroundings above the bed")
+    temperature: Temperature | None = Field(None, description="temperature of the surroundings above the bed")
+    height: Length | None = Field(None, description="height of the freeboard above the bed")
     temperature_above: Temperature | None = Field(None, description="black, above `height`; absent: a mirror")
     tubes: FreeboardSurface | None = None
     walls: FreeboardSurface | None = None
@@ -348,9 +352,12 @@ class Solver(Table):
     degree: Order = Field(3, description="polynomial degree of all fields")
     tolerance: Fraction = Field(1e-6, description="target error of automatic meshes, relative to the temperatures")
     guess: Temperature = Field(1100.0, ge=200, description="uniform temperature that Newton's method starts from")
-    newton_tolerance: Fraction = 1e-10
-    newton_iterations: Whole = Field(60, ge=1, le=1000)
-    balance_tolerance: Positive = 1e-10
+    newton_tolerance: Fraction = Field(
+        1e-10,
+        description="residual norm, relative to the scale of the equations, at which Newton's method has converged",
+    )
+    newton_iterations: Whole = Field(60, ge=1, le=1000, description="most iterations of Newton's method")
+    balance_tolerance: Positive = Field(1e-10, description="largest relative residual of a balance that a run accepts")
     strict: Switch = Field(False, description="a closure out of its range is an error")
     memory_GB: Positive | None = Field(None, description="refuse a factorisation predicted above this")
 
@@ -364,7 +371,7 @@ class BubblingScene(SceneBase):
     bubbling_bed: BubblingBed
     gas: Gas
     bubbles: Bubbles | None = None
-    species: dict[str, Species]
+    species: dict[str, Species] = Field(description="solid phases by name")
     tubes: Surface | None = None
     walls: Surface | None = None
     distributor: Distributor | None = None

@@ -56,12 +56,14 @@ class GasParticles(OfMaterial):
     )
     width: Width
     periodic: Switch = Field(False, description="sides")
-    seed: Annotated[Whole, Field(ge=0)] = 0
+    seed: Annotated[Whole, Field(ge=0)] = Field(0, description="seed of the random start of the packing")
     fixed: Switch = Field(False, description="a packed bed that does not move")
-    density: Density
-    heat_capacity: HeatCapacity = 840.0
-    conductivity: Above
-    emissivity: Annotated[Number, Field(ge=0, le=1)] = 0.0
+    density: Density = Field(description="density of the particles")
+    heat_capacity: HeatCapacity = Field(840.0, description="specific heat capacity of the particles")
+    conductivity: Above = Field(description="thermal conductivity of the particles")
+    emissivity: Annotated[Number, Field(ge=0, le=1)] = Field(
+        0.0, description="emissivity of the particles; 0: no radiation between neighbours"
+    )
     modulus: Pressure = Field(1e7, description="Young's modulus of the simulation")
     modulus_real: Pressure | None = Field(None, description="of the material, for which contacts are corrected")
     exponents: tuple[Positive, Positive] = Field(
@@ -71,8 +73,8 @@ class GasParticles(OfMaterial):
     poisson_ratio: Annotated[Number, Field(ge=-0.7, le=0.5)] = Field(
         0.3, description="0.1 to 0.5 of solids; only foams made for it are negative, down to -0.7"
     )
-    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
-    sliding_friction: NonNegative = 0.3
+    restitution: Annotated[Number, Field(gt=0, le=1)] = Field(0.9, description="coefficient of restitution of contacts")
+    sliding_friction: NonNegative = Field(0.3, description="coefficient of sliding friction of contacts")
     rolling_friction: NonNegative = Field(0.0, description="arm over the effective radius")
 
 
@@ -80,8 +82,8 @@ class Jet(Table):
     """A slot in the floor across the whole depth."""
 
     slot: tuple[Position, Position] = Field(description="from x0 to x1")
-    mass_flux: Flux
-    T: Temperature
+    mass_flux: Flux = Field(description="mass flux of the jet")
+    T: Temperature = Field(description="temperature of the jet")
     end: Instant | None = Field(None, description="when it stops; absent: never")
 
 
@@ -89,23 +91,25 @@ class GasFlow(Table):
     """Gas from below."""
 
     velocity: Speed = Field(description="superficial, at the inlet")
-    T: Temperature = 300.0
+    T: Temperature = Field(300.0, description="temperature of the gas that enters")
     height: Length = Field(description="of the box, with room above the bed")
-    drag: Annotated[Named, Discriminator(form)] = "di_felice"
-    nusselt: Annotated[NamedOrFile, Discriminator(form)]
+    drag: Annotated[Named, Discriminator(form)] = Field("di_felice", description="drag of the gas on a particle")
+    nusselt: Annotated[NamedOrFile, Discriminator(form)] = Field(
+        description="Nusselt number of the exchange between gas and particles"
+    )
     cell: tuple[Positive, Positive] = Field(
         (3.0, 1.0), description="width and height of cells in diameters; high cells smear the surface, U_mf grows"
     )
     no_slip: Switch = Field(False, description="the gas sticks to the sides")
     step: Seconds = Field(2e-4, description="longest step of the gas")
-    gravity: Switch = True
+    gravity: Switch = Field(True, description="whether gravity acts on the particles")
     jet: Jet | None = None
 
 
 class GasTube(Table):
     """A horizontal tube along y, through the whole depth of the bed; h by angle and mechanism in tube_NAME.csv."""
 
-    diameter: Length
+    diameter: Length = Field(description="outer diameter of the tube")
     centre: tuple[Position, Position] = Field(description="of its axis, in x and z")
     nusselt: Annotated[Named, Discriminator(form)] = Field(
         "churchill_bernstein",
@@ -127,8 +131,8 @@ class GasHeat(Table):
 class GasTime(Table):
     """The run."""
 
-    end: Seconds
-    average_from: Instant = 0.0
+    end: Seconds = Field(description="time at which the run ends")
+    average_from: Instant = Field(0.0, description="time from which averages are taken")
     sample: Seconds = Field(0.02, description="interval of samples and rows of profiles.csv")
     fields: Seconds | None = Field(None, description="interval of particle files; absent: the end only")
     checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
@@ -137,15 +141,17 @@ class GasTime(Table):
 class NusseltClosure(Table):
     """Nu = 2 + a Re^b Pr^(1/3) fitted to bed averages of a bed at rest, written as closure.toml."""
 
-    velocities: Annotated[tuple[Annotated[float, *unit("m/s"), Field(gt=0)], ...], Field(min_length=4)]
+    velocities: Annotated[tuple[Annotated[float, *unit("m/s"), Field(gt=0)], ...], Field(min_length=4)] = Field(
+        description="superficial velocities at which the exchange is computed"
+    )
     of: Literal["convection", "total"] = Field("convection", description="total: conduction to neighbours as well")
 
 
 class GasOutput(Table):
     """What a run writes besides summary.json and profiles.csv."""
 
-    plots: Switch = True
-    fields: Switch = True
+    plots: Switch = Field(True, description="draw plots (.png)")
+    fields: Switch = Field(True, description="write fields for ParaView (.vtu)")
     probes: dict[str, tuple[Position, Position, Position]] = Field(
         default_factory=dict, description="points in x, y and z, for profiles.csv"
     )
@@ -155,8 +161,10 @@ class GasOutput(Table):
 class GasSolver(Table):
     """Tolerances."""
 
-    balance_tolerance: Positive = 1e-10
-    pressure_tolerance: Annotated[Number, Field(gt=0, lt=1e-2)] = 1e-7
+    balance_tolerance: Positive = Field(1e-10, description="largest relative residual of a balance that a run accepts")
+    pressure_tolerance: Annotated[Number, Field(gt=0, lt=1e-2)] = Field(
+        1e-7, description="relative residual of the pressure equation"
+    )
     strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
@@ -168,7 +176,7 @@ class GasScene(SceneBase):
     particles: GasParticles
     fluid: FluidConstant | FluidCantera = Field(discriminator="model")
     gas: GasFlow
-    tubes: dict[str, GasTube] = Field(default_factory=dict)
+    tubes: dict[str, GasTube] = Field(default_factory=dict, description="horizontal tubes by name")
     heat: GasHeat | None = None
     time: GasTime
     closure: NusseltClosure | None = None

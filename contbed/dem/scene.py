@@ -45,9 +45,9 @@ SOLID_SHARE = 0.59  # of a settled bed, which turns a height into a number of sp
 class Lattice(Table):
     """Equal spheres that touch, with contacts of a given size, in a periodic cell."""
 
-    type: Literal["sc", "bcc", "fcc"]
-    radius: Length
-    contact_radius: Length
+    type: Literal["sc", "bcc", "fcc"] = Field(description="simple, body-centred or face-centred cubic lattice")
+    radius: Length = Field(description="radius of the spheres")
+    contact_radius: Length = Field(description="radius of the contact circle of neighbours")
     cells: Annotated[Whole, Field(ge=1, le=20)] = Field(1, description="unit cells along each axis")
 
 
@@ -71,12 +71,12 @@ class Packing(Table):
     width: tuple[Length, Length] | None = Field(None, description="of the bed in x and y")
     cylinder: Length | None = Field(None, description="in place of width: radius of a round bed")
     periodic: Switch = Field(False, description="sides of a box")
-    seed: Annotated[Whole, Field(ge=0)] = 0
-    density: Density = 2500.0
+    seed: Annotated[Whole, Field(ge=0)] = Field(0, description="seed of the random start")
+    density: Density = Field(2500.0, description="density of the spheres")
     modulus: Pressure = Field(1e7, description="Young's modulus of the simulation")
-    poisson_ratio: Annotated[Number, Field(ge=-0.7, le=0.5)] = 0.3
-    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
-    sliding_friction: NonNegative = 0.3
+    poisson_ratio: Annotated[Number, Field(ge=-0.7, le=0.5)] = Field(0.3, description="Poisson's ratio of the spheres")
+    restitution: Annotated[Number, Field(gt=0, le=1)] = Field(0.9, description="coefficient of restitution of contacts")
+    sliding_friction: NonNegative = Field(0.3, description="coefficient of sliding friction of contacts")
     rolling_friction: NonNegative = Field(0.0, description="arm over the effective radius")
 
     @property
@@ -107,7 +107,7 @@ class Correction(Table):
     """Contacts of a softer simulation reduced to those of the material: radius times (simulated/real)^exponent."""
 
     simulated: Pressure = Field(description="modulus of the simulation")
-    real: Pressure
+    real: Pressure = Field(description="Young's modulus of the real material")
     exponent: Positive = Field(1 / 3, description="1/3 at a given load; the paper takes 1/5, an impact's")
 
 
@@ -128,9 +128,9 @@ class Surface(Table):
 
     roughness: Length = Field(description="root mean square")
     slope: Positive = Field(description="mean slope of the asperities")
-    microhardness: Pressure
+    microhardness: Pressure = Field(description="microhardness of the softer surface")
     youngs_modulus: Pressure = Field(description="of the material, not of a softer simulation")
-    poisson_ratio: Annotated[Number, Field(gt=-1, le=0.5)] = 0.3
+    poisson_ratio: Annotated[Number, Field(gt=-1, le=0.5)] = Field(0.3, description="Poisson's ratio of the spheres")
     mean_free_path: Length = Field(description="of the gas")
     accommodation: Annotated[Number, Field(gt=0, le=1)] = Field(0.9, description="thermal, of the gas on the surface")
     heat_capacity_ratio: Annotated[Number, Field(gt=1, lt=2)] = Field(1.4, description="of the gas")
@@ -143,15 +143,15 @@ class Layers(Table):
     bottom: Position = Field(description="particles with a lower centre are hot")
     top: Position = Field(description="particles with a higher centre are cold")
     area: Area | None = Field(None, description="cross-section of the bed; that of a packing is known")
-    T_hot: Temperature = 398.15
-    T_cold: Temperature = 298.15
+    T_hot: Temperature = Field(398.15, description="temperature of the hot layer")
+    T_cold: Temperature = Field(298.15, description="temperature of the cold layer")
 
 
 class Radiation(Table):
     """Exchange with the neighbours within 1.5 diameters, linear about a temperature."""
 
-    emissivity: Emissivity
-    temperature: Temperature
+    emissivity: Emissivity = Field(description="emissivity of the particles")
+    temperature: Temperature = Field(description="mean temperature, about which radiation is linearised")
 
 
 class Closure(Table):
@@ -164,7 +164,7 @@ class Closure(Table):
 class Solver(Table):
     """Tolerances."""
 
-    balance_tolerance: Positive = 1e-10
+    balance_tolerance: Positive = Field(1e-10, description="largest relative residual of a balance that a run accepts")
     strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
@@ -173,7 +173,7 @@ class Output(Table):
 
     fields: ClassVar[bool] = False
 
-    plots: Switch = True
+    plots: Switch = Field(True, description="draw plots (.png)")
 
 
 class ParticleScene(SceneBase):

@@ -51,7 +51,7 @@ POINT = ("unknowns", "error", "seconds")  # what a program of a curve prints of 
 class Case(Table):
     """One program."""
 
-    name: str
+    name: str = Field(description="name of the case in tables and plots")
     command: tuple[str, ...] = Field(min_length=1, description="arguments of this Python, run in the study's folder")
     needs: str | None = Field(None, description="module without which the case is skipped")
 
@@ -59,16 +59,16 @@ class Case(Table):
 class Curves(Table):
     """Points of run time against error, one program a curve."""
 
-    title: str
+    title: str = Field(description="title of the plot")
     error: Positive = Field(description="where the curves are compared")
-    case: tuple[Case, ...] = Field(min_length=1)
+    case: tuple[Case, ...] = Field(min_length=1, description="cases of the curve of error against time")
 
 
 class Race(Table):
     """Whole processes with the same result, in turn."""
 
-    title: str
-    case: tuple[Case, ...] = Field(min_length=1)
+    title: str = Field(description="title of the plot")
+    case: tuple[Case, ...] = Field(min_length=1, description="cases that are timed against each other")
 
 
 class Settings(Table):
@@ -76,10 +76,10 @@ class Settings(Table):
 
     kind: ClassVar[str] = "bench"
 
-    title: str = ""
+    title: str = Field("", description="title of the study, shown in plots and reports")
     repeats: Whole = Field(3, ge=1, description="runs of each case of a race")
-    curves: Curves | None = None
-    race: tuple[Race, ...] = ()
+    curves: Curves | None = Field(None, description="error against time of several cases")
+    race: tuple[Race, ...] = Field((), description="cases that are timed against each other")
 
 
 @dataclass(frozen=True)

@@ -49,28 +49,30 @@ class Ends(Table):
 
     kind: ClassVar[str] = "values"
 
-    low: Any = Field(None, alias="from")
-    high: Any = Field(None, alias="to")
+    low: Any = Field(None, alias="from", description="lowest value")
+    high: Any = Field(None, alias="to", description="highest value")
 
 
 class Range(Ends):
     """Values from one end to the other."""
 
-    count: Annotated[Whole, Field(ge=2, le=MOST_RUNS)]
-    spacing: Literal["linear", "log"] = "linear"
+    count: Annotated[Whole, Field(ge=2, le=MOST_RUNS)] = Field(description="number of values")
+    spacing: Literal["linear", "log"] = Field("linear", description="even differences or even ratios")
 
 
 class Even(Ends):
     """An even distribution, of the value or of its logarithm."""
 
-    distribution: Literal["uniform", "log_uniform"] = "uniform"
+    distribution: Literal["uniform", "log_uniform"] = Field(
+        "uniform", description="even in the value or in its logarithm"
+    )
 
 
 class EvenIntegers(Ends):
     """An even distribution, of integers if so asked."""
 
-    distribution: Literal["uniform"] = "uniform"
-    integer: Switch = False
+    distribution: Literal["uniform"] = Field("uniform", description="integers, each as likely as the others")
+    integer: Switch = Field(False, description="whether the values are integers")
 
 
 class Normal(Table):
@@ -78,9 +80,9 @@ class Normal(Table):
 
     kind: ClassVar[str] = "values"
 
-    distribution: Literal["normal"] = "normal"
-    mean: Any = None
-    deviation: Any = None
+    distribution: Literal["normal"] = Field("normal", description="normal distribution")
+    mean: Any = Field(None, description="mean")
+    deviation: Any = Field(None, description="standard deviation")
 
 
 class LogNormal(Table):
@@ -88,9 +90,9 @@ class LogNormal(Table):
 
     kind: ClassVar[str] = "values"
 
-    distribution: Literal["log_normal"] = "log_normal"
-    median: Any = None
-    factor: Any = None
+    distribution: Literal["log_normal"] = Field("log_normal", description="log-normal distribution")
+    median: Any = Field(None, description="median")
+    factor: Any = Field(None, description="ratio to the median at one standard deviation of the logarithm")
 
 
 DISTRIBUTIONS: dict[str, type[Table]] = {

@@ -60,7 +60,7 @@ def dispersion_form(value: Any) -> str:
 class Bed(Packing):
     """The packing and its resistance to flow."""
 
-    permeability: PermeabilityOrClosure = "permeability_ergun"
+    permeability: PermeabilityOrClosure = Field("permeability_ergun", description="permeability of the bed")
     forchheimer: NonNegativeOrClosure = Field("forchheimer_ergun", description="inertial drag coefficient c_F")
 
 
@@ -68,14 +68,14 @@ class Flow(Table):
     """Superficial velocities; a number is along the bed axis (x, or z when axisymmetric), a list is a vector."""
 
     velocity: VelocityOrSeries = Field(description="fluid, mean over the inlet")
-    velocity_solid: VelocityOrSeries = 0.0
+    velocity_solid: VelocityOrSeries = Field(0.0, description="superficial velocity of the solid; 0 for a bed at rest")
 
 
 class Dispersion(Table):
     """Constant dispersion conductivities, along and across the flow."""
 
-    axial: Conductivity
-    transverse: Conductivity = 0.0
+    axial: Conductivity = Field(description="thermal dispersion along the flow")
+    transverse: Conductivity = Field(0.0, description="thermal dispersion across the flow")
 
 
 DispersionOrClosure = Annotated[Annotated[Dispersion, Tag("table")] | Named, Discriminator(dispersion_form)]
@@ -84,7 +84,7 @@ DispersionOrClosure = Annotated[Annotated[Dispersion, Tag("table")] | Named, Dis
 class Heat(Table):
     """Two energy equations, one for each phase."""
 
-    nusselt: NonNegativeOrClosure
+    nusselt: NonNegativeOrClosure = Field(description="Nusselt number of the exchange between fluid and particles")
     reynolds: NonNegative | None = Field(
         None, description="fixed Reynolds number for the closures instead of the one from velocities and properties"
     )
@@ -102,7 +102,10 @@ class Heat(Table):
     tortuosity: NumberOrClosure | None = Field(
         None, description="tortuosity parameter G of the cross conduction between the phases; absent means none"
     )
-    dispersion: DispersionOrClosure | None = None
+    dispersion: DispersionOrClosure | None = Field(
+        None,
+        description="thermal dispersion of the fluid: a closure, or axial and transverse values; absent: none",
+    )
 
 
 class Particle(Table):
@@ -131,7 +134,7 @@ class PhaseCondition(Table):
         None, description="Robin: wall coefficient to `ambient`", json_schema_extra=takes("wall")
     )
     emissivity: Emissivity | None = Field(None, description="of a surface that radiates to surroundings at `ambient`")
-    ambient: TemperatureOrSeries | None = None
+    ambient: TemperatureOrSeries | None = Field(None, description="temperature of the surroundings")
 
     @model_validator(mode="after")
     def _exactly_one(self) -> PhaseCondition:
@@ -158,25 +161,29 @@ class Boundary(Table):
     type: Literal["inlet", "outlet", "no_slip", "slip"] | None = Field(
         None, description="absent: inlet or outlet by the sign of the velocity, slip on walls"
     )
-    fluid: PhaseCondition | None = None
-    solid: PhaseCondition | None = None
+    fluid: PhaseCondition | None = Field(None, description="thermal condition of the fluid")
+    solid: PhaseCondition | None = Field(None, description="thermal condition of the solid")
     radiation: RadiationCondition | None = Field(None, description="absent: a mirror")
 
 
 class Region(Table):
     """Heat sources in one named region of the mesh, per bed volume, and tubes."""
 
-    source_fluid: HeatSource = 0.0
-    source_solid: HeatSource = 0.0
+    source_fluid: HeatSource = Field(0.0, description="heat source in the fluid, per bed volume")
+    source_solid: HeatSource = Field(0.0, description="heat source in the solid, per bed volume")
     tubes: Tubes | None = Field(None, description="absorb and emit radiation; with [heat] and [radiation]")
 
 
 class Time(Table):
     """A transient run; absent means steady."""
 
-    end: Seconds
-    initial_fluid: TemperatureOrProfile
-    initial_solid: TemperatureOrProfile
+    end: Seconds = Field(description="time at which the run ends")
+    initial_fluid: TemperatureOrProfile = Field(
+        description="initial temperature of the fluid: a number, or a profile from a file"
+    )
+    initial_solid: TemperatureOrProfile = Field(
+        description="initial temperature of the solid: a number, or a profile from a file"
+    )
     times: tuple[Instant, ...] = Field((), description="output times; the end is always one")
     step: Seconds | None = Field(None, description="fixed step; error-controlled if absent")
     tolerance: Fraction = Field(1e-4, description="local error over the span of temperatures")
@@ -205,8 +212,13 @@ class Scene(SceneBase):
     heat: Heat | None = None
     particle: Particle | None = None
     radiation: Radiation | None = None
-    boundary: dict[str, Boundary] = Field(default_factory=dict)
-    region: dict[str, Region] = Field(default_factory=dict)
+    boundary: dict[str, Boundary] = Field(
+        default_factory=dict,
+        description="conditions by name of the boundary; an absent boundary is adiabatic and without friction",
+    )
+    region: dict[str, Region] = Field(
+        default_factory=dict, description="heat sources and tubes by name of the region of the mesh"
+    )
     time: Time | None = None
     solver: Solver = Solver()
     output: Output = Output()

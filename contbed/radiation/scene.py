@@ -31,17 +31,21 @@ MOST_CONDUCTING = 16  # in a medium that conducts, where each point answers to a
 class Sieves(Table):
     """A sieve analysis: apertures from fine to coarse and the mass between neighbours."""
 
-    apertures: Annotated[tuple[Length, ...], Field(min_length=2)]
-    mass_fractions: Annotated[tuple[NonNegative, ...], Field(min_length=1)]
+    apertures: Annotated[tuple[Length, ...], Field(min_length=2)] = Field(
+        description="apertures of the sieves, ascending"
+    )
+    mass_fractions: Annotated[tuple[NonNegative, ...], Field(min_length=1)] = Field(
+        description="mass fractions between neighbouring sieves"
+    )
 
 
 class RadiatingSpecies(Table):
     """Particles of one material and their share in the optics of the bed."""
 
-    volume_fraction: Fraction
+    volume_fraction: Fraction = Field(description="share of the particles in the volume of the medium")
     diameter: Length | None = Field(None, description="Sauter mean, or of equal spheres")
     sieves: Sieves | None = Field(None, description="instead of `diameter`")
-    emissivity: Emissivity
+    emissivity: Emissivity = Field(description="emissivity of the particles")
     temperature: Temperature | None = Field(
         None, description="prescribed; absent: that of the medium, given or solved for"
     )
@@ -69,7 +73,7 @@ class Radiation(Table):
     emissivity: Emissivity | None = Field(None, description="of the particles of the [bed]")
     species: dict[str, RadiatingSpecies] = Field(default_factory=dict, description="instead of `emissivity`")
     absorption: Extinction | None = Field(None, description="given directly instead of by particles")
-    scattering: Extinction | None = None
+    scattering: Extinction | None = Field(None, description="scattering coefficient of the medium")
     correction: Literal["close_packed", "independent"] = Field(
         "close_packed", description="extinction over the voidage, or the limit of points far apart"
     )
@@ -89,9 +93,9 @@ class Radiation(Table):
 class RadiationCondition(Table):
     """A gray wall at a temperature, or an opening through which a radiosity enters."""
 
-    emissivity: Emissivity = 1.0
-    temperature: Temperature | None = None
-    radiosity: Irradiance | None = None
+    emissivity: Emissivity = Field(1.0, description="emissivity of the wall")
+    temperature: Temperature | None = Field(None, description="temperature of the wall")
+    radiosity: Irradiance | None = Field(None, description="radiation that enters through an opening")
 
     @model_validator(mode="after")
     def _one(self) -> RadiationCondition:
@@ -106,8 +110,8 @@ class Tubes(Table):
     """Tubes immersed in a region, as the radiation sees them."""
 
     area: Extinction = Field(description="tube surface per bed volume")
-    emissivity: Emissivity
-    temperature: Temperature
+    emissivity: Emissivity = Field(description="emissivity of the tubes")
+    temperature: Temperature = Field(description="surface temperature of the tubes")
 
 
 class Radiating(Protocol):
@@ -160,6 +164,8 @@ class RadiationScene(SceneBase):
     mesh: Mesh
     radiation: Radiation
     bed: Packing | None = Field(None, description="needed where the optics follow from particles")
-    boundary: dict[str, RadiatingBoundary] = Field(default_factory=dict)
+    boundary: dict[str, RadiatingBoundary] = Field(
+        default_factory=dict, description="radiative conditions by name of the boundary"
+    )
     solver: Solver = Solver()
     output: Output = Output()

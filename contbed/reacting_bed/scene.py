@@ -79,21 +79,23 @@ class Gas(Table):
     diffusivity: DiffusivityOrName | None = Field(
         None, description='of every species; "fuller" by its equation, "cantera" by the mechanism'
     )
-    viscosity_rule: Literal["wilke", "herning_zipperer"] = "wilke"
+    viscosity_rule: Literal["wilke", "herning_zipperer"] = Field(
+        "wilke", description="mixing rule for the viscosity of the gas"
+    )
     species: dict[str, Substance] = Field(default_factory=dict, description="data of species by name")
 
 
 class GasCantera(Gas):
     """Species with the thermodynamics and transport data of a Cantera mechanism."""
 
-    model: Literal["cantera"]
-    mechanism: str = "gri30.yaml"
+    model: Literal["cantera"] = Field(description="ideal gas mixture with properties by Cantera")
+    mechanism: str = Field("gri30.yaml", description="Cantera mechanism with the species: a name or a YAML file")
 
 
 class GasIdeal(Gas):
     """Species whose data stand in [fluid.species.NAME]."""
 
-    model: Literal["ideal_gas"]
+    model: Literal["ideal_gas"] = Field(description="ideal gas whose species have the data of the scene")
 
 
 Fluid = Annotated[GasCantera | GasIdeal, Field(discriminator="model")]
@@ -106,8 +108,8 @@ class Bed(Packing):
         None,
         description="of one kind; absent with [solids.NAME], which have theirs: their Sauter mean resists the flow",
     )
-    permeability: PermeabilityOrClosure = "permeability_ergun"
-    forchheimer: NonNegativeOrClosure = "forchheimer_ergun"
+    permeability: PermeabilityOrClosure = Field("permeability_ergun", description="permeability of the bed")
+    forchheimer: NonNegativeOrClosure = Field("forchheimer_ergun", description="Forchheimer coefficient of the bed")
 
     @property
     def diameter(self) -> float:
@@ -166,7 +168,7 @@ class Wall(Table):
     coefficient: WallCoefficientOrClosure | None = Field(
         None, description="on the inner area, to `ambient`; by name with [section]", json_schema_extra=takes("wall")
     )
-    ambient: TemperatureOrSeries | None = None
+    ambient: TemperatureOrSeries | None = Field(None, description="temperature of the surroundings")
     flux: HeatFluxOrSeries | None = Field(None, description="into the bed, on the inner area")
 
     @model_validator(mode="after")
@@ -223,8 +225,8 @@ class Inlet(Table):
 class Boundary(Table):
     """What enters at one end of the bed."""
 
-    fluid: Inlet | None = None
-    solid: Inlet | None = None
+    fluid: Inlet | None = Field(None, description="what the gas enters with")
+    solid: Inlet | None = Field(None, description="what the solids enter with")
 
 
 def text_or_number(value: Any) -> str:
@@ -249,7 +251,7 @@ class Reaction(Table):
     unit: str | None = Field(None, description="of the formula, such as kmol/kg/h; absent: SI of the basis")
     parameters: dict[str, Parameter] = Field(default_factory=dict, description='of the formula, {E = "49 kJ/mol"}')
     A: Annotated[Number, Field(ge=0)] | None = Field(None, description="of k = A T^b exp(-E/(R T)), in mol, m and s")
-    b: Number = 0.0
+    b: Number = Field(0.0, description="exponent of the temperature in k = A T^b exp(-E/(R T))")
     E: ActivationEnergy | None = Field(None, description="activation energy")
     orders: dict[str, Number] | None = Field(None, description="in concentrations; absent: 1 for each reactant gas")
     solid: KindOrKinds | None = Field(
@@ -262,7 +264,7 @@ class Reaction(Table):
     equilibrium_factor: Positive = Field(
         1.0, description="multiplies K of a reversible reaction, which comes from the thermodynamics of its species"
     )
-    grain_radius: Length | None = None
+    grain_radius: Length | None = Field(None, description="radius of the grains in the particles")
     molar_density: Positive | None = Field(None, description="of the reacting solid in a grain [mol/m3]")
     active_share: Positive = Field(1.0, description="share of the surface of grains that reacts")
     diffusivity: PositiveDiffusivity | None = Field(None, description="effective, in the product layer or particle")
@@ -320,7 +322,7 @@ class InitialState(Table):
 class Time(Table):
     """A transient run; absent means steady."""
 
-    end: Seconds
+    end: Seconds = Field(description="time at which the run ends")
     times: tuple[Instant, ...] = Field((), description="output times; the end is always one")
     initial: InitialState | None = Field(
         None, description="profiles at the start; absent, and what they do not say: one state along the bed"
@@ -358,9 +360,12 @@ class Solver(Table):
         description="rounds of new cells, absent: 10; in time of each step, so that cells follow its fronts, absent: "
         "cells stay as they are",
     )
-    newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = 1e-10
-    newton_iterations: Whole = Field(40, ge=1, le=1000)
-    balance_tolerance: Positive = 1e-10
+    newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = Field(
+        1e-10,
+        description="residual norm, relative to the scale of the equations, at which Newton's method has converged",
+    )
+    newton_iterations: Whole = Field(40, ge=1, le=1000, description="most iterations of Newton's method")
+    balance_tolerance: Positive = Field(1e-10, description="largest relative residual of a balance that a run accepts")
     strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
@@ -384,8 +389,8 @@ class ReactingScene(SceneBase):
     adsorption: dict[str, Adsorption] = Field(
         default_factory=dict, description="of gases by name; of several solid phases each has its own"
     )
-    reactions: dict[str, Reaction] = Field(default_factory=dict)
-    boundary: dict[str, Boundary] = Field(default_factory=dict)
+    reactions: dict[str, Reaction] = Field(default_factory=dict, description="reactions by name")
+    boundary: dict[str, Boundary] = Field(default_factory=dict, description="inlets by name of the boundary")
     guess: Guess = Guess()
     continuation: Continuation | None = None
     time: Time | None = None

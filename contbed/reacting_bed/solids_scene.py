@@ -99,7 +99,7 @@ class SolidKind(Solids):
     volume_share: Annotated[Number, Field(gt=0, le=1)] = Field(
         description="of the volume of all particles where they enter, or at rest; those of all kinds sum to 1"
     )
-    particle_diameter: Length
+    particle_diameter: Length = Field(description="diameter of the particles of this solid phase")
     velocity_solid: Speed | None = Field(
         None, description="superficial, as if the kind filled the bed; absent: flow.velocity_solid"
     )

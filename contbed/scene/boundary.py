@@ -29,7 +29,7 @@ class ThermalCondition(Table):
         None, description="Robin: wall coefficient to `ambient`", json_schema_extra=takes("wall")
     )
     emissivity: Emissivity | None = Field(None, description="of a surface that radiates to surroundings at `ambient`")
-    ambient: TemperatureOrSeries | None = None
+    ambient: TemperatureOrSeries | None = Field(None, description="temperature of the surroundings")
 
     @model_validator(mode="after")
     def _at_most_one(self) -> ThermalCondition:

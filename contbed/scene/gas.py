@@ -21,13 +21,13 @@ from contbed.scene.tables import from_library, names_material
 class GasConstant(Table):
     """A gas or liquid with constant properties, given or those of a material at a temperature."""
 
-    model: Literal["constant"] = "constant"
+    model: Literal["constant"] = Field("constant", description="gas or liquid with constant properties")
     material: str | None = Field(None, description="liquid of the library; keys that are given replace its properties")
     material_temperature: Temperature | None = Field(
         None, description="at which the properties of the material are taken"
     )
-    density: Density
-    viscosity: Viscosity
+    density: Density = Field(description="density of the fluid")
+    viscosity: Viscosity = Field(description="dynamic viscosity of the fluid")
     heat_capacity: HeatCapacity | None = Field(None, description="needed with a [heat] table")
     conductivity: Conductivity | None = Field(None, description="needed with a [heat] table")
 
@@ -44,18 +44,18 @@ class GasConstant(Table):
 class GasCantera(Table):
     """An ideal-gas mixture with the polynomials of a Cantera mechanism."""
 
-    model: Literal["cantera"]
+    model: Literal["cantera"] = Field(description="ideal gas mixture with properties by Cantera")
     composition: str = Field(description='mole fractions, "N2:0.79, O2:0.21"')
-    pressure: Pressure = 101325.0
-    mechanism: str = "gri30.yaml"
+    pressure: Pressure = Field(101325.0, description="absolute pressure of the gas")
+    mechanism: str = Field("gri30.yaml", description="Cantera mechanism with the species: a name or a YAML file")
 
 
 class GasCoolProp(Table):
     """A real fluid at constant pressure from CoolProp."""
 
-    model: Literal["coolprop"]
-    name: str
-    pressure: Pressure = 101325.0
+    model: Literal["coolprop"] = Field(description="pure real fluid with properties by CoolProp")
+    name: str = Field(description="name of the fluid in CoolProp")
+    pressure: Pressure = Field(101325.0, description="absolute pressure of the fluid")
     T_range: tuple[Temperature, Temperature] = Field(description="temperatures to tabulate, one phase only")
 
 

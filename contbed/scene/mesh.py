@@ -18,8 +18,8 @@ class MeshLine(Table):
 
     dimension: ClassVar[int] = 1
     sides: ClassVar = (("left", "right"),)
-    type: Literal["line"]
-    length: Length
+    type: Literal["line"] = Field(description="built-in mesh of a line, along the flow")
+    length: Length = Field(description="length of the domain along x, for axisymmetric meshes along the axis")
     cells: Cells | None = Field(None, description="number of cells; automatic grading to the layer widths if absent")
     graded: Switch = Field(False, description=GRADED)
     refine: Whole = Field(0, ge=0, le=12, description="uniform refinements after construction")
@@ -35,13 +35,15 @@ class MeshRectangle(Table):
 
     dimension: ClassVar[int] = 2
     sides: ClassVar = (("left", "right"), ("bottom", "top"))
-    type: Literal["rectangle"]
-    length: Length
-    height: Length
-    cells: tuple[Cells, Cells] | None = None
+    type: Literal["rectangle"] = Field(description="built-in mesh of a rectangle")
+    length: Length = Field(description="length of the domain along x, for axisymmetric meshes along the axis")
+    height: Length = Field(description="height of the domain along y")
+    cells: tuple[Cells, Cells] | None = Field(
+        None, description="number of cells along x and y; absent: chosen by the plan"
+    )
     graded: Switch = Field(False, description=GRADED)
-    shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
-    refine: Whole = Field(0, ge=0, le=8)
+    shape: Literal["triangle", "quadrilateral"] = Field("quadrilateral", description="shape of the cells")
+    refine: Whole = Field(0, ge=0, le=8, description="number of uniform refinements, each halves all cells")
 
     @property
     def extents(self) -> tuple[float, ...]:
@@ -54,13 +56,13 @@ class MeshAxisymmetric(Table):
 
     dimension: ClassVar[int] = 2
     sides: ClassVar = (("axis", "wall"), ("bottom", "top"))
-    type: Literal["axisymmetric"]
-    length: Length
-    radius: Length
+    type: Literal["axisymmetric"] = Field(description="built-in mesh of a cylinder with axial symmetry")
+    length: Length = Field(description="length of the domain along x, for axisymmetric meshes along the axis")
+    radius: Length = Field(description="radius of the domain")
     cells: tuple[Cells, Cells] | None = Field(None, description="cells along r and along z")
     graded: Switch = Field(False, description=GRADED)
-    shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
-    refine: Whole = Field(0, ge=0, le=8)
+    shape: Literal["triangle", "quadrilateral"] = Field("quadrilateral", description="shape of the cells")
+    refine: Whole = Field(0, ge=0, le=8, description="number of uniform refinements, each halves all cells")
 
     @property
     def extents(self) -> tuple[float, ...]:
@@ -73,14 +75,16 @@ class MeshBox(Table):
 
     dimension: ClassVar[int] = 3
     sides: ClassVar = (("left", "right"), ("front", "back"), ("bottom", "top"))
-    type: Literal["box"]
-    length: Length
-    width: Length
-    height: Length
-    cells: tuple[Cells, Cells, Cells] | None = None
+    type: Literal["box"] = Field(description="built-in mesh of a box")
+    length: Length = Field(description="length of the domain along x, for axisymmetric meshes along the axis")
+    width: Length = Field(description="width of the domain along y")
+    height: Length = Field(description="height of the domain along z")
+    cells: tuple[Cells, Cells, Cells] | None = Field(
+        None, description="number of cells along x, y and z; absent: chosen by the plan"
+    )
     graded: Switch = Field(False, description=GRADED)
-    shape: Literal["tetrahedron", "hexahedron"] = "hexahedron"
-    refine: Whole = Field(0, ge=0, le=6)
+    shape: Literal["tetrahedron", "hexahedron"] = Field("hexahedron", description="shape of the cells")
+    refine: Whole = Field(0, ge=0, le=6, description="number of uniform refinements, each halves all cells")
 
     @property
     def extents(self) -> tuple[float, ...]:
@@ -91,13 +95,13 @@ class MeshBox(Table):
 class MeshFile(Table):
     """A gmsh geometry (.geo, meshed by gmsh) or a mesh (.msh); physical groups name regions and boundaries."""
 
-    type: Literal["file"]
+    type: Literal["file"] = Field(description="mesh or geometry from a file")
     file: str = Field(description="path relative to the scene")
-    dimension: Order = 2
+    dimension: Order = Field(2, description="dimension of the mesh")
     axisymmetric: Switch = Field(False, description="coordinates are (r, z)")
     scale: Positive = Field(1.0, description="factor from the file's length unit to metres")
     size: Length | None = Field(None, description="target cell size for a .geo; its own sizes if absent")
-    refine: Whole = Field(0, ge=0, le=8)
+    refine: Whole = Field(0, ge=0, le=8, description="number of uniform refinements, each halves all cells")
 
 
 def power_units(names: Iterable[str], mesh: Mesh) -> dict[str, str]:

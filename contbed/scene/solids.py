@@ -28,8 +28,8 @@ class SolidPhase(Table):
     material_temperature: Temperature | None = Field(
         None, description="at which properties of the material that vary are taken as constants"
     )
-    diameter: Length | None = None
-    density: Density | None = None
+    diameter: Length | None = Field(None, description="diameter of the particles")
+    density: Density | None = Field(None, description="density of the solid material")
 
     @model_validator(mode="before")
     @classmethod

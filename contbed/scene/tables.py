@@ -100,11 +100,11 @@ class OfMaterial(Table):
 class FluidConstant(Table):
     """A fluid with constant properties, given or those of a material at a temperature."""
 
-    model: Literal["constant"]
+    model: Literal["constant"] = Field(description="gas or liquid with constant properties")
     material: str | None = Field(None, description="liquid of the library; keys that are given replace its properties")
     temperature: Temperature | None = Field(None, description="of the material, at which its properties are taken")
-    density: Density
-    viscosity: Viscosity
+    density: Density = Field(description="density of the fluid")
+    viscosity: Viscosity = Field(description="dynamic viscosity of the fluid")
     heat_capacity: HeatCapacity | None = Field(None, description="needed with a [heat] table")
     conductivity: Conductivity | None = Field(None, description="needed with a [heat] table")
 
@@ -119,18 +119,18 @@ class FluidConstant(Table):
 class FluidCantera(Table):
     """An ideal-gas mixture with the polynomials of a Cantera mechanism."""
 
-    model: Literal["cantera"]
+    model: Literal["cantera"] = Field(description="ideal gas mixture with properties by Cantera")
     composition: str = Field(description='mole fractions, "N2:0.79, O2:0.21"')
-    pressure: Pressure = 101325.0
-    mechanism: str = "gri30.yaml"
+    pressure: Pressure = Field(101325.0, description="absolute pressure of the gas")
+    mechanism: str = Field("gri30.yaml", description="Cantera mechanism with the species: a name or a YAML file")
 
 
 class FluidCoolProp(Table):
     """A real fluid at constant pressure from CoolProp."""
 
-    model: Literal["coolprop"]
-    name: str
-    pressure: Pressure = 101325.0
+    model: Literal["coolprop"] = Field(description="pure real fluid with properties by CoolProp")
+    name: str = Field(description="name of the fluid in CoolProp")
+    pressure: Pressure = Field(101325.0, description="absolute pressure of the fluid")
     T_range: tuple[Temperature, Temperature] = Field(description="temperatures to tabulate, one phase only")
 
 
@@ -150,9 +150,13 @@ class Solid(Table):
     temperature: Temperature | None = Field(
         None, description="of the material, at which its properties are taken as constants; absent: they vary"
     )
-    density: Density
-    heat_capacity: Annotated[Annotated[HeatCapacity, Tag("number")] | Polynomial, Discriminator(form)]
-    conductivity: Annotated[Annotated[Conductivity, Tag("number")] | Polynomial, Discriminator(form)]
+    density: Density = Field(description="density of the solid material")
+    heat_capacity: Annotated[Annotated[HeatCapacity, Tag("number")] | Polynomial, Discriminator(form)] = Field(
+        description="specific heat capacity of the solid: a number, or coefficients of a polynomial in T"
+    )
+    conductivity: Annotated[Annotated[Conductivity, Tag("number")] | Polynomial, Discriminator(form)] = Field(
+        description="thermal conductivity of the solid: a number, or coefficients of a polynomial in T"
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -166,7 +170,7 @@ class Closure(Table):
     """A closure by name; further keys are the closure's own parameters."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
-    name: str
+    name: str = Field(description="name of the closure, with or without its kind")
 
 
 Named = Annotated[str, Tag("name")] | Annotated[Closure, Tag("parameters")]
@@ -181,8 +185,8 @@ WallCoefficientOrClosure = Annotated[Annotated[WallCoefficient, Tag("number")] |
 class Packing(Table):
     """Particles that fill a bed."""
 
-    porosity: Fraction
-    particle_diameter: Length
+    porosity: Fraction = Field(description="share of the bed volume between the particles")
+    particle_diameter: Length = Field(description="diameter of the particles")
     shape: Literal["spheres", "rods"] = Field(
         "spheres", description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods"
     )
@@ -204,9 +208,12 @@ class Solver(Table):
         None, description="refinements where the error estimate of a steady run exceeds `tolerance`; absent: automatic"
     )
     reduce: Switch = Field(True, description="solve a plug-flow scene with adiabatic walls in one dimension")
-    newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = 1e-10
-    newton_iterations: Whole = Field(30, ge=1, le=1000)
-    balance_tolerance: Positive = 1e-10
+    newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = Field(
+        1e-10,
+        description="residual norm, relative to the scale of the equations, at which Newton's method has converged",
+    )
+    newton_iterations: Whole = Field(30, ge=1, le=1000, description="most iterations of Newton's method")
+    balance_tolerance: Positive = Field(1e-10, description="largest relative residual of a balance that a run accepts")
     strict: Switch = Field(False, description="a closure out of its range is an error")
     memory_GB: Positive | None = Field(
         None, description="refuse a factorisation predicted above this; 60 % of the free memory if absent"
@@ -232,8 +239,8 @@ class Output(Table):
         description="other coordinates of the line of profiles; absent: the middle, or a line inside of the mesh",
     )
     profiles: Switch = Field(True, description="profiles.csv, which sweeps of many scenes may not need")
-    fields: Switch = True
-    plots: Switch = True
+    fields: Switch = Field(True, description="write fields for ParaView (.vtu)")
+    plots: Switch = Field(True, description="draw plots (.png)")
 
 
 class SceneBase(Table):
@@ -245,7 +252,7 @@ class SceneBase(Table):
     # tables of other kinds that this one does not take: why, and what to do
     refused: ClassVar[Mapping[str, str]] = {}
 
-    title: str = ""
+    title: str = Field("", description="title of the scene, shown in plots, reports and summary.json")
     model: str | None = Field(None, description="name of the model; absent: derived from the tables")
 
     _origin: Origin = PrivateAttr(default_factory=Origin)

@@ -40,7 +40,7 @@ from contbed.scene.tables import SceneBase
 class Particle(Table):
     """A sphere of constant size."""
 
-    diameter: Length
+    diameter: Length = Field(description="diameter of the particle")
     density: Density = Field(description="fresh")
     temperature: Temperature = Field(description="at the start")
     conductivity: Conductivity = Field(description="fresh")
@@ -57,13 +57,13 @@ class Constituent(Table):
     """A solid of which the particle consists, or that reactions make."""
 
     mass_fraction: Annotated[NonNegative, Field(le=1)] = Field(0.0, description="of the fresh particle")
-    heat_capacity: HeatCapacity
+    heat_capacity: HeatCapacity = Field(description="specific heat capacity of the constituent")
 
 
 class Reaction(Table):
     """A first-order reaction of a constituent; what does not become a constituent leaves as gas."""
 
-    of: str
+    of: str = Field(description="constituent that decomposes")
     A: Annotated[float, *unit("1/s"), Field(gt=0)] = Field(description="rate is A exp(-E/T) per mass")
     activation_temperature: Temperature = Field(description="E over the gas constant")
     heat: Annotated[float, *unit("J/kg")] = Field(0.0, description="taken up per mass that reacts, at its temperature")
@@ -94,7 +94,7 @@ class Surroundings(Table):
 class Time(Table):
     """End and output times."""
 
-    end: Seconds
+    end: Seconds = Field(description="time at which the run ends")
     times: tuple[Instant, ...] = Field((), description="output times; absent: 100 equal steps; the end is always one")
     tolerance: Fraction = Field(1e-4, description="local error of temperatures over their span, and of masses")
 
@@ -102,16 +102,19 @@ class Time(Table):
 class Output(Table):
     """What a run writes besides summary.json and profiles.csv."""
 
-    plots: Switch = True
+    plots: Switch = Field(True, description="draw plots (.png)")
     fields: ClassVar[bool] = False
 
 
 class Solver(Table):
     """Numerics."""
 
-    newton_tolerance: Fraction = 1e-10
-    newton_iterations: Whole = Field(30, ge=1, le=1000)
-    balance_tolerance: Positive = 1e-9
+    newton_tolerance: Fraction = Field(
+        1e-10,
+        description="residual norm, relative to the scale of the equations, at which Newton's method has converged",
+    )
+    newton_iterations: Whole = Field(30, ge=1, le=1000, description="most iterations of Newton's method")
+    balance_tolerance: Positive = Field(1e-9, description="largest relative residual of a balance that a run accepts")
     strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
@@ -121,8 +124,8 @@ class SingleParticleScene(SceneBase):
     kind: ClassVar[str] = "single_particle"
 
     particle: Particle
-    constituent: dict[str, Constituent] = Field(min_length=1)
-    reactions: dict[str, Reaction] = Field(default_factory=dict)
+    constituent: dict[str, Constituent] = Field(min_length=1, description="constituents of the particle by name")
+    reactions: dict[str, Reaction] = Field(default_factory=dict, description="reactions of constituents by name")
     surroundings: Surroundings
     time: Time
     output: Output = Output()

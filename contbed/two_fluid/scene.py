@@ -56,8 +56,10 @@ Named = Annotated[tables.Named, Discriminator(form)]
 class TwoFluid(Table):
     """What only two fluids have."""
 
-    gravity: Annotated[float, *unit("m/s**2"), Field(ge=0)] = 9.81
-    granular_temperature: Literal["pde", "algebraic", "frozen"] = "pde"
+    gravity: Annotated[float, *unit("m/s**2"), Field(ge=0)] = Field(9.81, description="gravitational acceleration")
+    granular_temperature: Literal["pde", "algebraic", "frozen"] = Field(
+        "pde", description="transport equation, local balance, or the initial value kept"
+    )
     guards: Switch = Field(True, description="limit the kinetic stress of dilute flow by drag and free path")
     free_path: Length = Field(0.01, description="largest mean free path that the guards allow")
     conductivity_gas: Conductivity = Field(0.0, description="of the gas phase; its volume fraction of it conducts")
@@ -67,17 +69,21 @@ class TwoFluid(Table):
 class Closures(Table):
     """Closures by name; "none": absent."""
 
-    drag: Named = "drag_gidaspow"
-    radial_distribution: str = "g0_sinclair_jackson"
+    drag: Named = Field("drag_gidaspow", description="drag of the gas on the particles")
+    radial_distribution: str = Field("g0_sinclair_jackson", description="radial distribution function at contact")
     granular_pressure: Named = Field(
         "granular_pressure_lun", description='"granular_pressure_dilute": without collisions'
     )
     granular_viscosity: Named = Field(
         "granular_viscosity_gidaspow", description='"none": particles without stress but pressure'
     )
-    granular_bulk_viscosity: str = "granular_bulk_lun"
-    granular_conductivity: str = "granular_conductivity_syamlal"
-    granular_dissipation: str = "granular_dissipation_lun"
+    granular_bulk_viscosity: str = Field("granular_bulk_lun", description="granular bulk viscosity")
+    granular_conductivity: str = Field(
+        "granular_conductivity_syamlal", description="granular conductivity, of fluctuation energy"
+    )
+    granular_dissipation: str = Field(
+        "granular_dissipation_lun", description="dissipation of fluctuation energy by collisions"
+    )
     effective_restitution: Named = Field(
         "none", description="friction of particles in the dissipation, from its coefficient"
     )
@@ -137,23 +143,25 @@ class Friction(Table):
     start: Annotated[Number, Field(gt=0, lt=1)] = Field(
         0.5, description="fraction above which particles rub; a bed fluidizes near the porosity 1 - start"
     )
-    strength: Annotated[float, *unit("Pa"), Field(gt=0)] = 0.05
-    angle: Angle = 0.49742
+    strength: Annotated[float, *unit("Pa"), Field(gt=0)] = Field(0.05, description="scale of the frictional pressure")
+    angle: Angle = Field(0.49742, description="angle of internal friction")
 
 
 class Solid(SolidPhase):
     """Equal spheres."""
 
-    diameter: Length
-    density: Density
+    diameter: Length = Field(description="diameter of the particles")
+    density: Density = Field(description="density of the solid material")
     heat_capacity: HeatCapacity | None = Field(None, description="needed with a [heat] table")
     conductivity: Conductivity | None = Field(None, description="of a particle; for closures.conductivity_bed")
-    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    restitution: Annotated[Number, Field(gt=0, le=1)] = Field(
+        0.9, description="coefficient of restitution between particles"
+    )
     sliding_friction: Annotated[Number, Field(ge=0)] | None = Field(
         None, description="Coulomb's coefficient of two particles, for closures.effective_restitution"
     )
     packing_limit: Annotated[Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
-    friction: Friction = Friction()
+    friction: Friction = Field(Friction(), description="frictional stress near packing")
 
 
 def one_solid(solids: dict[str, Any]) -> dict[str, Any]:
@@ -176,19 +184,19 @@ class Heat(Table):
 class Window(Table):
     """Where lateral profiles are averaged, along the last axis."""
 
-    start: Position
-    end: Position
+    start: Position = Field(description="lower end of the window")
+    end: Position = Field(description="upper end of the window")
 
 
 class Time(Table):
     """The run and its averages."""
 
-    end: Seconds
-    courant: Annotated[Number, Field(gt=0, le=1)] = 0.5
+    end: Seconds = Field(description="time at which the run ends")
+    courant: Annotated[Number, Field(gt=0, le=1)] = Field(0.5, description="largest solids Courant number of a step")
     step: Seconds | None = Field(None, description="fixed, in place of the Courant number")
-    longest: Seconds = 1e-2
-    first: Seconds = 1e-5
-    order: Literal[1, 2] = 1
+    longest: Seconds = Field(1e-2, description="longest time step")
+    first: Seconds = Field(1e-5, description="first time step")
+    order: Literal[1, 2] = Field(1, description="order of the time integration")
     average_from: Instant | None = Field(None, description="absent: no averages")
     sample: Seconds | None = Field(None, description="interval of rows in profiles.csv; absent: 1/200 of the run")
     fields: Seconds | None = Field(None, description="interval of fields; absent: the end only")
@@ -198,8 +206,8 @@ class Time(Table):
 class Output(Table):
     """What a run writes besides summary.json and profiles.csv."""
 
-    plots: Switch = True
-    fields: Switch = True
+    plots: Switch = Field(True, description="draw plots (.png)")
+    fields: Switch = Field(True, description="write fields for ParaView (.vtu)")
     window: Window | None = Field(None, description="for lateral.csv; absent: the whole height")
     levels: tuple[Position, ...] = Field((), description="along the last axis, lateral profiles for levels.csv")
     probes: dict[str, tuple[Position, ...]] = Field(default_factory=dict, description="points, for profiles.csv")
@@ -208,7 +216,7 @@ class Output(Table):
 class Solver(Table):
     """Tolerances."""
 
-    balance_tolerance: Positive = 1e-10
+    balance_tolerance: Positive = Field(1e-10, description="largest relative residual of a balance that a run accepts")
     strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
@@ -225,10 +233,10 @@ class TwoFluidScene(SceneBase):
     mesh: Mesh
     two_fluid: TwoFluid = TwoFluid()
     gas: Gas
-    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)]
+    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)] = Field(description="the solid phase, by its name")
     closures: Closures = Closures()
     initial: Initial = Initial()
-    boundary: dict[str, Boundary] = Field(default_factory=dict)
+    boundary: dict[str, Boundary] = Field(default_factory=dict, description="conditions by name of the boundary")
     heat: Heat | None = None
     time: Time
     output: Output = Output()

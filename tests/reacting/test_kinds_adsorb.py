@@ -245,7 +245,10 @@ def test_the_plan_chooses_for_each_kind():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda s: s.update(adsorption=s["solids"]["fine"]["adsorption"]), r"adsorption\.A: does not say which solid phase"),
+        (
+            lambda s: s.update(adsorption=s["solids"]["fine"]["adsorption"]),
+            r"adsorption\.A: does not say which solid phase",
+        ),
         (
             lambda s: s["solids"]["fine"]["adsorption"].update(B=s["solids"]["fine"]["adsorption"]["A"]),
             r"solids\.fine\.adsorption\.B: no gas of this name",

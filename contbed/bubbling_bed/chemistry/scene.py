@@ -25,19 +25,21 @@ class SolidsFeed(Table):
     """Particles that enter around a height, Gaussian."""
 
     mass_flow: Mass = Field(description="as received")
-    temperature: Temperature
-    height: Annotated[Position, Field(ge=0)]
+    temperature: Temperature = Field(description="temperature of the solids that enter")
+    height: Annotated[Position, Field(ge=0)] = Field(
+        description="height above the distributor at which the solids enter"
+    )
     width: Length = Field(description="standard deviation; what it puts beyond the ends enters inside")
 
 
 class Ultimate(Table):
     """Mass fractions of the dry fuel; with ash they sum to one."""
 
-    C: MassFraction
-    H: MassFraction
-    O: MassFraction  # noqa: E741
-    N: MassFraction = 0.0
-    S: MassFraction = 0.0
+    C: MassFraction = Field(description="mass fraction of carbon in the dry, ash-free fuel")
+    H: MassFraction = Field(description="mass fraction of hydrogen in the dry, ash-free fuel")
+    O: MassFraction = Field(description="mass fraction of oxygen in the dry, ash-free fuel")  # noqa: E741
+    N: MassFraction = Field(0.0, description="mass fraction of nitrogen in the dry, ash-free fuel")
+    S: MassFraction = Field(0.0, description="mass fraction of sulphur in the dry, ash-free fuel")
 
 
 class Fuel(Table):
@@ -72,7 +74,7 @@ class Drain(Table):
     """Bed material that leaves at one end with what char and limestone it holds."""
 
     time: Seconds = Field(description="residence time of the bed, its solids over what is drained")
-    end: Literal["top", "bottom"] = "top"
+    end: Literal["top", "bottom"] = Field("top", description="end of the bed where the solids leave")
 
 
 class Timed(Table):
@@ -99,13 +101,13 @@ class CharCombustion(Reaction):
 class Calcination(Table):
     """CaCO3 to CaO and back."""
 
-    factor: Factor = 1.0
+    factor: Factor = Field(1.0, description="factor on the rate")
 
 
 class Sulphation(Table):
     """CaO with SO2 and O2 to CaSO4."""
 
-    factor: Factor = 1.0
+    factor: Factor = Field(1.0, description="factor on the rate")
     maximum_conversion: Annotated[Number, Field(gt=0, le=1)] = Field(0.4, description="of CaO, when its pores are full")
 
 

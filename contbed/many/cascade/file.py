@@ -59,7 +59,7 @@ Scatter = Annotated[Number, Field(ge=0, lt=1)]
 class Packings(Table):
     """Random packings of spheres with periodic sides or between walls, settled by their weight."""
 
-    count: Annotated[Whole, Field(ge=2, le=32)] = 4
+    count: Annotated[Whole, Field(ge=2, le=32)] = Field(4, description="number of random packings")
     particles: Annotated[Whole, Field(ge=300, le=50_000)] = Field(1000, description="in each")
     width: Annotated[Number, Field(ge=5)] = Field(10.0, description="of the box, in diameters")
     walls: Switch = Field(False, description="square box with walls, whose porosity counts whole; else periodic sides")
@@ -93,13 +93,13 @@ class Settings(Table):
 
     kind: ClassVar[str] = "cascade"
 
-    title: str = ""
-    scene: str
+    title: str = Field("", description="title of the study, shown in plots and reports")
+    scene: str = Field(description="scene file, path relative to this file")
     qoi: tuple[str, ...] = Field((), description="named results that get a band; needed without `measured`")
     samples: Annotated[Whole, Field(ge=8, le=10_000)] = Field(64, description="runs for the band")
     measured: str | None = Field(None, description="case of `contbed validate`, or its folder, to compare with")
-    packings: Packings = Packings()
-    laws: Laws
+    packings: Packings = Field(Packings(), description="random packings that are settled")
+    laws: Laws = Field(description="closures that the packings replace")
     uncertain: dict[str, Any] = Field(default_factory=dict, description="standard uncertainty by key of the scene")
 
 

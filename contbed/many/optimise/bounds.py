@@ -12,6 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from pydantic import Field
+
 from contbed.many.study_file import Say, checked
 from contbed.many.value_sets import Ends, number
 from contbed.scene import schema
@@ -25,8 +27,8 @@ from contbed.scene.values import value_at
 class Bounds(Ends):
     """Bounds of a key, and where a search begins."""
 
-    start: Any = None
-    integer: Switch | None = None
+    start: Any = Field(None, description="value at which the search begins; absent: that of the scene")
+    integer: Switch | None = Field(None, description="whether the key takes integers only")
 
 
 @dataclass(frozen=True)

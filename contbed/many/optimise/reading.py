@@ -36,7 +36,7 @@ Method = Literal["gradient", "surrogate"]
 class Formula(Table):
     """A formula whose numbers have units of their own, such as prices."""
 
-    formula: str
+    formula: str = Field(description="formula of results and keys")
     unit: str | None = Field(None, description="of the value; that of the parts if absent")
 
 
@@ -52,14 +52,18 @@ class DesignTable(Table):
 
     kind: ClassVar[str] = "design"
 
-    title: str = ""
-    scene: str = ""
-    minimise: Objective | None = None
-    maximise: Objective | None = None
-    constraints: tuple[str, ...] = ()
-    keys: dict[str, Any] = Field(default_factory=dict)
+    title: str = Field("", description="title of the study, shown in plots and reports")
+    scene: str = Field("", description="scene file, path relative to this file")
+    minimise: Objective | None = Field(None, description="result or formula that is minimised")
+    maximise: Objective | None = Field(None, description="result or formula that is maximised")
+    constraints: tuple[str, ...] = Field((), description="inequalities between results, keys and numbers")
+    keys: dict[str, Any] = Field(
+        default_factory=dict, description="keys of the scene that are varied, each with its bounds"
+    )
     runs: Annotated[Whole, Field(ge=1, le=MOST_RUNS)] = Field(200, description="most points that are computed")
-    method: Method | None = None
+    method: Method | None = Field(
+        None, description="how the optimum is searched; absent: by gradients unless results scatter"
+    )
     repeats: Annotated[Whole, Field(ge=1, le=100)] | None = Field(None, description="seeds at a point")
 
 

@@ -54,11 +54,13 @@ _DISTRIBUTIONS = (value_sets.is_distribution, partial(value_sets.distribution, c
 class SampleTable(Table):
     """[sample]."""
 
-    method: value_sets.Method
-    count: Annotated[Whole, Field(ge=1, le=value_sets.MOST_RUNS)]
-    seed: Annotated[Whole, Field(ge=0, lt=2**63)] = 0
+    method: value_sets.Method = Field(description="how the points of the sample are drawn")
+    count: Annotated[Whole, Field(ge=1, le=value_sets.MOST_RUNS)] = Field(description="number of points")
+    seed: Annotated[Whole, Field(ge=0, lt=2**63)] = Field(0, description="seed of the random numbers")
     gradients: Switch = Field(False, description="uncertainty by derivatives at the means as well")
-    parameters: dict[str, Any] = Field(default_factory=dict)
+    parameters: dict[str, Any] = Field(
+        default_factory=dict, description="keys of the scene, each with its distribution"
+    )
 
 
 class StudyTable(Table):
@@ -66,12 +68,14 @@ class StudyTable(Table):
 
     kind: ClassVar[str] = "sweep"
 
-    title: str = ""
-    scene: str = ""
+    title: str = Field("", description="title of the study, shown in plots and reports")
+    scene: str = Field("", description="scene file, path relative to this file")
     qoi: tuple[str, ...] = Field((), min_length=1, description="results to plot")
-    parameters: dict[str, Any] = Field(default_factory=dict)
-    zipped: tuple[dict[str, Any], ...] = ()
-    sample: SampleTable | None = None
+    parameters: dict[str, Any] = Field(
+        default_factory=dict, description="keys of the scene, each with its values; all combinations are computed"
+    )
+    zipped: tuple[dict[str, Any], ...] = Field((), description="keys whose values change together")
+    sample: SampleTable | None = Field(None, description="random or quasi-random sample of keys")
 
 
 @dataclass(frozen=True)
