@@ -72,7 +72,7 @@ class StudyFile(Generic[_Table]):
 
 
 def checked(model: type[_Table], entry: Mapping[str, Any], say: Say) -> _Table | None:
-    """Return an entry as its table `model`; None after its mistakes were told to `say`."""
+    """Return an entry as its table `model`; None after its mistakes were reported to `say`."""
     found = mistakes_of(model, dict(entry))
     for path, text in found:
         say(path, text)
@@ -83,7 +83,7 @@ def unit_of(name: str) -> str | None:
     """Return the SI unit of a dotted key; None if it has none or is not known."""
     try:
         return unit(parse_key(name))
-    except ValueError:  # the scene tells what is wrong with the key
+    except ValueError:  # the scene reports what is wrong with the key
         return None
 
 
