@@ -200,7 +200,7 @@ def _override(
 def _validate(
     model: Any, values: dict[str, Any], problems: list[tuple[KeyPath, str]]
 ) -> tuple[dict[str, Any], set[str], tuple[KeyPath, ...]]:
-    """Validate each table by itself, so that one mistake does not hide others.
+    """Validate each table separately, so that one mistake does not hide others.
 
     Returns
     -------

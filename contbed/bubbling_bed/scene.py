@@ -336,7 +336,7 @@ class Continuation(Table):
     to: Number = Field(description="in SI")
     back_to: Number | None = Field(None, description="end of the other side; absent: the value in this scene")
     points: Annotated[Whole, Field(ge=3, le=10_000)] = Field(200, description="at most")
-    first_fold: Switch = Field(False, description="end at the first fold, of which only the distance is wanted")
+    first_fold: Switch = Field(False, description="end at the first fold, where only its distance is wanted")
 
 
 class Mesh(Table):

@@ -30,7 +30,7 @@ from contbed.scene.toml_lines import Origin
 from contbed.solvers.memory import MemoryPerUnknown
 
 SKIN = 0.4  # of the radius; fluidized beds need new lists a third as often as at the 0.1 of packings, 30 % less time
-IMPACT_SPEED = 0.3  # m/s, of which the time step of the particles resolves impacts
+IMPACT_SPEED = 0.3  # m/s, impacts at this speed are resolved by the time step of the particles
 # bytes for each unknown; six of a particle, with its neighbours: 300 in a bed of 175 800
 MEMORY = MemoryPerUnknown(400.0)
 MOST_HALVINGS = 2  # of that step, where a stray particle is too fast for it: four times the speed, and the work

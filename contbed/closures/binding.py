@@ -67,7 +67,7 @@ class BoundClosure:
         return self.sheet.name
 
     def __call__(self, **known: Any) -> Any:
-        """Return the value at a state of which `known` holds at least what the closure takes."""
+        """Return the value at a state; `known` holds at least the arguments of the closure."""
         self._last = {key: known[key] for key in self.takes} | self.parameters
         value = self.function(**self._last)
         return value if self._factor == 1.0 else self._factor * value

@@ -36,7 +36,7 @@ _yield_core = types.ExternalFunction("sched_yield", types.int32())
 
 
 class Crew(NamedTuple):
-    """One thread of a team: its number, how many there are, the shared counters, and what it has counted by itself.
+    """One thread of a team: its number, how many there are, the shared counters, and its own count.
 
     counters : (SIZE,) shared by all threads
     own : (2,) tickets that all earlier phases have taken, and phases finished

@@ -1,4 +1,4 @@
-"""Where numba keeps compiled code: beside the modules or in the home folder, as it does by itself, else elsewhere.
+"""Where numba keeps compiled code: beside the modules or in the home folder, which are its defaults, or elsewhere.
 
 An installation that cannot be written and a home folder that cannot either, as in many containers, would stop numba.
 """

@@ -44,7 +44,7 @@ class Frame:
     line_box: int
 
     def require_usable(self, path: Path | str) -> None:
-        """Refuse a frame of which no assembly can be made.
+        """Refuse a frame that gives no assembly.
 
         Raises
         ------

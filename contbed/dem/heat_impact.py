@@ -71,7 +71,7 @@ def impact_factor(fourier: ArrayLike, capacity_ratio: ArrayLike) -> Array:
     Parameters
     ----------
     fourier : Fo = k_i t_c/((rho c)_i r_c^2) of the particle of smaller rho c
-    capacity_ratio : s; s > 1 is taken as 1/s: the fit is not symmetric by itself
+    capacity_ratio : s; s > 1 is taken as 1/s: the fit itself is not symmetric
     """
     s = np.asarray(capacity_ratio, dtype=float)
     factor: Array = _factor(np.asarray(fourier, dtype=float), np.minimum(s, 1.0 / s))

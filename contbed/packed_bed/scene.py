@@ -188,7 +188,7 @@ class Time(Table):
     step: Seconds | None = Field(None, description="fixed step; error-controlled if absent")
     tolerance: Fraction = Field(1e-4, description="local error over the span of temperatures")
     cycle: CycleSettings | None = Field(
-        None, description="the cyclic steady state of which the run is one period; initial temperatures are a guess"
+        None, description="the run is one period of a cyclic steady state; initial temperatures are a guess"
     )
     checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
 

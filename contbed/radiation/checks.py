@@ -159,7 +159,7 @@ def walls_without_solid_temperature(heat: Any, boundary: Mapping[str, Any]) -> l
 def a_medium_radiates(
     radiation: Radiation, bed: Packing | None, boundary: Mapping[str, Any], mesh: Mesh, see: See
 ) -> Mistakes:
-    """Check the optics of a medium by itself."""
+    """Check the optics of a stand-alone medium."""
     yield from radiation_is_complete(None, radiation, bed, boundary, mesh, see)
 
 

@@ -1,4 +1,4 @@
-"""A plane medium that radiates by itself, by discrete ordinates: radiative equilibrium, given temperature, conduction.
+"""A plane stand-alone medium by discrete ordinates: radiative equilibrium, given temperature, conduction.
 
 Species that neither conduct nor have a temperature emit what they absorb, which is isotropic scattering to the
 ordinates. A conducting medium solves, with the elements of the ordinates and their response G = R e + G0,

@@ -1,4 +1,4 @@
-"""Plan of a medium that radiates by itself: mesh, level of the radiation, what is left out."""
+"""Plan of a stand-alone radiating medium: mesh, level of the radiation, what is left out."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The radiation of one scene: optics from its particles, coupling to the two-energy model, and a medium by itself."""
+"""The radiation of one scene: optics from its particles, coupling to the two-energy model, and a stand-alone medium."""
 
 from __future__ import annotations
 

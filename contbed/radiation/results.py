@@ -1,4 +1,4 @@
-"""Profiles and named results of a medium that radiates by itself."""
+"""Profiles and named results of a stand-alone radiating medium."""
 
 from __future__ import annotations
 

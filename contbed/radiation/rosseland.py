@@ -1,4 +1,4 @@
-"""Radiation in thick beds as heat conduction: when to choose it, and a conducting medium that radiates by itself.
+"""Radiation in thick beds as heat conduction: when to choose it, and a conducting stand-alone medium.
 
     -div((k + 16 sigma T^3 D) grad T) = 0,   T = T_w on walls        (all particles have the temperature T)
 

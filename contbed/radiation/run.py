@@ -1,4 +1,4 @@
-"""Run of a medium that radiates by itself: solution, heat through the boundaries, balance, profiles."""
+"""Run of a stand-alone radiating medium: solution, heat through the boundaries, balance, profiles."""
 
 from __future__ import annotations
 

@@ -131,7 +131,7 @@ class Radiating(Protocol):
 
     @property
     def heat(self) -> Any:
-        """The [heat] table, or None for a medium by itself."""
+        """The [heat] table, or None for a stand-alone medium."""
 
     @property
     def boundary(self) -> Any:
@@ -153,7 +153,7 @@ class RadiatingBoundary(Table):
 
 
 class RadiationScene(SceneBase):
-    """A medium that radiates by itself, without flow and without phases."""
+    """A stand-alone radiating medium, without flow and without phases."""
 
     kind: ClassVar[str] = "radiation"
     # what only a bed with two phases has

@@ -1,4 +1,4 @@
-"""Linear response of a medium that radiates by itself to small changes of its scene; see `solvers.tangent`.
+"""Linear response of a stand-alone radiating medium to small changes of its scene; see `solvers.tangent`.
 
 By P1, two-flux and Rosseland; discrete ordinates, whose number follows their errors, take differences of runs.
 """

@@ -159,7 +159,7 @@ def _wholes(at: Local) -> tuple[Any, Any]:
 
 
 def _powers(at: Local, orders: Mapping[str, float]) -> Any:
-    """Return the product of amounts to their orders, of which at most one factor may be negative."""
+    """Return the product of amounts to their orders, at most one of the factors may be negative."""
     small = {}
     if at.small.amounts:
         gas, solids = _wholes(at)

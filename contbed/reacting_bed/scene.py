@@ -340,7 +340,7 @@ class Time(Table):
     )
     tolerance: Fraction = Field(1e-4, description="local error over typical sizes of the fields, of an order below")
     cycle: CycleSettings | None = Field(
-        None, description="the cyclic steady state of which the run is one period; the state at the start is a guess"
+        None, description="the run is one period of a cyclic steady state; the state at the start is a guess"
     )
     checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
 

@@ -100,7 +100,7 @@ def _of_streams_that_enter(boundary: Boundaries, flow: s.Flow) -> Boundaries:
 def a_cycle_changes_something(
     fluid: Any, flow: s.Flow, wall: s.Wall | None, boundary: Boundaries, time: s.Time | None, see: See
 ) -> Mistakes:
-    """Check that a cycle has series, of which it is an integer number of periods."""
+    """Check that a cycle has series and is an integer number of their periods."""
     tables = {"fluid": fluid, "flow": flow, "boundary": boundary, "wall": wall}
     what = "a composition, a flow, or a temperature of what enters or of the wall"
     yield from a_cycle_fits_its_series(series_of(tables), time, what, see)

@@ -37,7 +37,7 @@ class Origin:
     lines: Mapping[KeyPath, int] = field(default_factory=dict, compare=False)
     overrides: tuple[KeyPath, ...] = field(default=(), compare=False)
     trust: bool = field(default=False, compare=False)  # files of the scene may run programs
-    allow_large: bool = field(default=False, compare=False)  # a size beyond what contbed takes by itself is meant
+    allow_large: bool = field(default=False, compare=False)  # a size above the default limit is intended
 
     def line(self, path: KeyPath) -> int:
         """Return the line of a key, or of the nearest table around it; 0 where an override has set it."""

@@ -54,7 +54,7 @@ class Particle(Table):
 
 
 class Constituent(Table):
-    """A solid of which the particle consists, or that reactions make."""
+    """A solid constituent of the particle, initial or formed by reactions."""
 
     mass_fraction: Annotated[NonNegative, Field(le=1)] = Field(0.0, description="of the fresh particle")
     heat_capacity: HeatCapacity = Field(description="specific heat capacity of the constituent")

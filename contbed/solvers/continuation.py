@@ -81,5 +81,5 @@ def relax(
             return state
         watch(np.log(max(dt / first, 1.0)) / np.log(last / first), f"step {dt:.2g} s")
         dt *= growth
-    message = f"no steady state by steps in time, of which the longest that converged is {longest:.3g} s"
+    message = f"no steady state by steps in time; the longest step that converged is {longest:.3g} s"
     raise ConvergenceError(message, history, state)

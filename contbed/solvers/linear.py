@@ -104,7 +104,7 @@ class Solver:
         self.matrix, self.policy = matrix, policy
         policy.check_memory(matrix.shape[0])
         self._apply: Callable[[Any], Any]
-        if not sp.issparse(matrix):  # of an engine that solves by itself
+        if not sp.issparse(matrix):  # of an engine with a solver of its own
             self._apply = matrix.inverse(policy)
             return
         if not np.isfinite(matrix.data).all():

@@ -28,6 +28,7 @@ INSTEAD = {
     r"of those of": "name the thing",
     r"whole numbers?": "integers",
     r"as such": "itself, unchanged",
+    r"by itself": "alone, separately, stand-alone",
     r"what is not there": "absent",
     r"what there is": "amount",
     r"to and fro": "in both directions",

@@ -16,4 +16,4 @@ def test_the_package_shows_what_users_need():
     """`dir(contbed)` has the functions and classes of the README, and nothing of how they are found."""
     import contbed
 
-    assert set(dir(contbed)) == {"Plan", "Result", "Scene", "load", "plan", "run", "__version__"}
+    assert set(dir(contbed)) == {"Plan", "Result", "Scene", "gradient", "load", "plan", "run", "__version__"}

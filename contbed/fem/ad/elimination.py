@@ -70,7 +70,7 @@ class Elimination:
     ----------
     edges : (operand, node, row) of all derivatives that are computed from values, by the number of their row
     leaves : nodes to which derivatives are wanted
-    results : nodes of which they are wanted; one node may be several results
+    results : nodes whose derivatives are wanted; one node may be several results
     one : row that holds the number 1
     start : first row that is free
 

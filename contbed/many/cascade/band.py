@@ -280,7 +280,7 @@ def sampled(runs: Runs, fits: Fits) -> tuple[dict[str, Array], dict[str, list[An
     cascade, laws = runs.cascade, fits.choices
     there = []
     for number in range(cascade.settings.samples):
-        random = np.random.default_rng([cascade.settings.packings.seed, number])  # each by itself: more can be added
+        random = np.random.default_rng([cascade.settings.packings.seed, number])  # each of its own: more can be added
         bed = int(random.integers(len(fits.ensemble.beds)))
         chosen = [int(random.integers(count)) for count in laws]
         one = drawn(fits.of([bed], *chosen), 1, seed=int(random.integers(2**31)))[0]

@@ -2,7 +2,7 @@
 
     least excess  =  g(x_0) + sum_k min(dg/dx_k (low_k - x_k), dg/dx_k (high_k - x_k))
 
-It is exact where a constraint is linear in the keys. Each constraint is taken by itself, so that constraints that
+It is exact where a constraint is linear in the keys. Each constraint is taken alone, so that constraints that
 exclude each other are not seen here.
 """
 

@@ -189,7 +189,7 @@ class _Reader:
             say(("sample", "parameters"), "missing; give distributions, bed.porosity = { from = 0.36, to = 0.44 }")
         others = sorted({"parameters", "zipped"} & self.file.values.keys())
         if table.method in value_sets.BY_THEMSELVES and others:
-            say(("sample", "method"), f'"{table.method}" stands by itself; leave out {" and ".join(others)}')
+            say(("sample", "method"), f'"{table.method}" stands alone; leave out {" and ".join(others)}')
         if self.file.problems:
             return
         self._warn_of_count(table)

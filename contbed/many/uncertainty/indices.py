@@ -1,6 +1,6 @@
 """Sensitivity indices of results from the runs of a design, by SALib.
 
-Sobol indices: the share of the variance of a result that a parameter causes by itself (first order), and with all its
+Sobol indices: the share of the variance of a result that a parameter causes alone (first order), and with all its
 interactions (total) (Saltelli et al. 2010, doi:10.1016/j.cpc.2009.09.018). Morris screening: the mean of the magnitude
 of elementary effects shows how much a parameter matters, their scatter how far its effect depends on the others
 (Campolongo et al. 2007, doi:10.1016/j.envsoft.2006.10.004). Points of groups with a failed run are left out.

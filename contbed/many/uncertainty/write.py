@@ -50,7 +50,7 @@ class Report:
 
 
 def write(study: Study, rows: Sequence[Row], out: Path) -> Report | None:
-    """Write the uncertainty of the results of a sweep; None if it has no sample that stands by itself.
+    """Write the uncertainty of the results of a sweep; None if it has no sample that stands alone.
 
     Parameters
     ----------
