@@ -15,6 +15,7 @@ import numpy as np
 from contbed.closures.reactions import R_GAS
 from contbed.particle.interior import SURFACE_OVER_VOLUME, interior
 from contbed.particle.uptake import Level, breakthrough_error, moving_bed_error
+from contbed.plan_text import percent
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.inside import Inside, Isotherm, adsorbed
@@ -49,12 +50,12 @@ class Choice:
             "linear_driving_force": "one concentration per particle, film in series with diffusion inside",
             "interior": "intraparticle points",
         }[self.level]
-        stay = "" if self.fourier is None else f", Fo = {self.fourier:.3g}"
-        reacts = "; gases that are adsorbed react, for which points are resolved" if self.reacts else ""
-        errors = ", ".join(f"{name} {self.error[name]:.1e}" for name in self.error)
+        residence = "" if self.fourier is None else f", Fo = {self.fourier:.3g}"
+        reacts = ". Points are resolved, as adsorbed gases react" if self.reacts else ""
+        errors = ", ".join(f"{name} {percent(error)}" for name, error in self.error.items())
         return (
-            f"{which}: for {self.gas} Bi = {self.biot:.3g}{stay}, {self.units:.3g} transfer units; error of what "
-            f"leaves over its step, isotherms taken as straight: {errors}{reacts}"
+            f"{which} ({self.gas}: Bi = {self.biot:.3g}{residence}, {self.units:.3g} transfer units). Predicted outlet "
+            f"error, with linear isotherms: {errors}{reacts}"
         )
 
 

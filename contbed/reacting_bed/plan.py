@@ -220,11 +220,11 @@ def _place(text: str) -> KeyPath:
 
 
 def _followed(problem: Problem) -> str:
-    """Return what cells of a run in time that follow errors aim at."""
+    """Return the aim of adaptive cells of a run in time."""
     if not follows(problem.scene):
         return ""
     shortest = SHORTEST * problem.scene.mesh.length
-    return f"; they follow errors of the fields, {aim(problem):.1e} of their sizes, down to {shortest:.2g} m"
+    return f"; adaptive, to errors of {aim(problem):.1e} of the sizes of the fields, down to {shortest:.2g} m"
 
 
 def _lists(
@@ -234,7 +234,7 @@ def _lists(
     built = [
         (
             "cells",
-            f"{problem.line.cells} to begin with, polynomials of degree {scene.solver.degree}{_followed(problem)}",
+            f"{problem.line.cells} initially, polynomials of degree {scene.solver.degree}{_followed(problem)}",
         ),
         ("gas", f"{', '.join(layout.gases)}: mole fluxes"),
     ]
@@ -243,7 +243,7 @@ def _lists(
         built.append(("solids", f"{', '.join(layout.solids)}: moles per volume"))
     inert = [name for name in species.solids if name not in layout.solids]
     if inert:
-        skipped.append((f"unknowns of {', '.join(inert)}", "no reaction takes or makes it"))
+        skipped.append((f"unknowns of {', '.join(inert)}", "inert: no reaction consumes or forms it"))
     several = len(scene.phases) > 1
     if several:
         built.append(("solid phases", described_phases(scene.phases)))

@@ -143,7 +143,7 @@ def test_the_plan_chooses_the_cheapest_level(biot, units, level):
     scene["time"]["end"] = units * unit
     chosen = plan(from_dict(scene))
     assert chosen.problem.choices["particles"].level == level
-    assert "error of what leaves over its step" in dict(chosen.built)["adsorption of A"]
+    assert "Predicted outlet error" in dict(chosen.built)["adsorption of A"]
 
 
 @pytest.mark.parametrize(

@@ -203,10 +203,10 @@ def test_temperatures_at_a_front_of_heat_keep_their_bounds():
     assert max(closed.values()) < 0.1 * CLOSED
 
 
-def test_a_plan_tells_that_cells_follow():
+def test_a_plan_says_that_cells_are_adaptive():
     told = dict(plan(from_dict(following(thermal()))).built)["cells"]
-    assert told.startswith(f"{FEWEST} to begin with") and "follow errors" in told
-    assert "follow" not in dict(plan(from_dict(thermal(cells=10))).built)["cells"]
+    assert told.startswith(f"{FEWEST} initially") and "adaptive" in told
+    assert "adaptive" not in dict(plan(from_dict(thermal(cells=10))).built)["cells"]
 
 
 @pytest.mark.parametrize(
