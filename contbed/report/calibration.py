@@ -12,18 +12,17 @@ from typing import Any
 from pydantic import Field
 
 from contbed.errors import ContbedError
-from contbed.output.folder import SUMMARY, read_summary
-from contbed.output.shapes import Number, Shape, fitting, read_json
+from contbed.output.shapes import Number, Shape
 from contbed.report import page
 from contbed.report.charts import COLOURS
 from contbed.report.linked import Column, Linked, linked, read_columns
+from contbed.report.study import Content, Found, Study, has
 
 PICTURES = {"fit": "Measured and predicted", "residuals": "Residuals", "keys": "Keys"}
 ENDS = ("low", "high", "low of profile", "high of profile", "low of posterior", "high of posterior")
 MOST_SAMPLES = 2000  # of a posterior in linked plots, which more make slow
 NUMBERS = ("t", "x", "measured", "predicted", "low", "high", "deviation over error")  # columns of points.csv
 TEXTS = ("experiment", "line", "quantity", "unit", "fitted")
-REMEDY = "run contbed calibrate again"
 
 
 class Key(Shape):
@@ -83,38 +82,17 @@ class CalibrationSummary(Shape):
     runs: Runs
 
 
-def is_calibration(folder: Path) -> bool:
-    """Return whether a folder holds a calibration."""
-    return "calibration" in read_summary(folder)
-
-
-def of_calibration(folder: Path) -> str:
-    """Return the report of a calibration.
-
-    Raises
-    ------
-    ContbedError : a file of it is missing
-    """
-    what = "the summary of a calibration"
-    found = read_json(folder / SUMMARY, CalibrationSummary, what, REMEDY)
+def _content(folder: Path, found: Found, made: page.Charts) -> Content:
     points = read_columns(folder / "points.csv", TEXTS, NUMBERS)
-    with fitting(folder / SUMMARY, what, REMEDY):
-        return _page(folder, found, points)
-
-
-def _page(folder: Path, found: Mapping[str, Any], points: Mapping[str, Column]) -> str:
-    title = str(found["title"] or f"Calibration {Path(found['calibration']).stem}")
     data = found["data"]
-    text = (
+    about = (
         f"{data['fitted']} fitted values, chi-square {page.number(data['chi_square'])} of "
         f"{page.number(data['degrees of freedom'])} degrees of freedom; {found['runs']['kept']} runs, "
-        f"{found['runs']['failed']} failed; contbed {found['versions'].get('contbed', '?')}"
+        f"{found['runs']['failed']} failed"
     )
     if data["kept back"]:
-        text += f"; {data['kept back inside of the band']} of {data['kept back']} values kept back are in the band"
-    made = page.Charts()
-    parts = [
-        page.header(title, text),
+        about += f"; {data['kept back inside of the band']} of {data['kept back']} values kept back are in the band"
+    sections = [
         page.warnings(found["warnings"]),
         page.section("Fitted keys, intervals of 90 %", _keys(found["keys"]), "keys"),
         page.section("Covariance of the keys, and correlation", _covariance(found), "covariance"),
@@ -125,10 +103,11 @@ def _page(folder: Path, found: Mapping[str, Any], points: Mapping[str, Column]) 
         *_posterior(folder / "posterior.csv", found, made),
         page.section("All predicted values, in SI, bands of 90 %", _table(points), "points"),
     ]
-    return page.page(title, parts, made)
+    title = found["title"] or f"Calibration {Path(found['calibration']).stem}"
+    return Content(str(title), about, sections)
 
 
-def _covariance(found: Mapping[str, Any]) -> str:
+def _covariance(found: Found) -> str:
     """Return covariance in the units of the keys, and correlation, as two tables."""
     names, units = found["covariance"]["keys"], {name: about["unit"] for name, about in found["keys"].items()}
     labels = [Column(name, units[name], ()).label for name in names]
@@ -174,8 +153,7 @@ def _parity(points: Mapping[str, Column]) -> list[dict[str, Any]]:
                     {"type": "scatter", "mode": "lines", "name": "equal", "x": ends, "y": ends,
                      "line": {"color": COLOURS[6], "dash": "dash"}},
                 ],
-                "layout": {"xaxis": {"title": {"text": f"measured{label}"}},
-                           "yaxis": {"title": {"text": f"predicted{label}"}}},
+                "layout": page.axes(f"measured{label}", f"predicted{label}"),
             }
         )  # fmt: skip
     return charts
@@ -196,7 +174,7 @@ def _compared(points: Mapping[str, Column]) -> Linked:
     return linked(columns, [names[k] for k in there])
 
 
-def _posterior(file: Path, found: Mapping[str, Any], made: page.Charts) -> list[str]:
+def _posterior(file: Path, found: Found, made: page.Charts) -> list[str]:
     """Return the section of the samples of the keys where there is a posterior."""
     if found["posterior"] is None:
         return []
@@ -224,7 +202,7 @@ def _keys(keys: Mapping[str, Any]) -> str:
     return page.table(head, rows, range(3, len(head)))
 
 
-def _combinations(found: Mapping[str, Any]) -> str:
+def _combinations(found: Found) -> str:
     rows = [
         [escape(one["combination"]), page.number(one["singular value"]), "yes" if one["seen"] else "no"]
         for one in found["combinations"]
@@ -238,3 +216,13 @@ def _picture(file: Path) -> str:
     except OSError as error:
         raise ContbedError(f"{file}: cannot be read: {error.strerror}; run the calibration again") from error
     return f'<img style="max-width:100%" alt="{escape(file.stem)}" src="data:image/png;base64,{data}">'
+
+
+CALIBRATION = Study(
+    "calibration",
+    "calibrate",
+    CalibrationSummary,
+    _content,
+    "the summary of a calibration",
+    has("calibration"),
+)

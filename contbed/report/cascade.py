@@ -12,13 +12,12 @@ from pydantic import Field
 from contbed.fields import unit_of
 from contbed.many.cascade.band import BAND
 from contbed.many.sweep.table import result
-from contbed.output.folder import SUMMARY, read_summary
-from contbed.output.shapes import Number, Pair, Shape, fitting, read_json
+from contbed.output.shapes import Number, Pair, Shape
 from contbed.report import page
 from contbed.report.charts import COLOURS
 from contbed.report.linked import Column, linked, read_columns
+from contbed.report.study import Content, Found, Study, has
 
-REMEDY = "run contbed cascade again"
 POINTS = ("t", "position", "measured", "best", "low", "high")  # columns of measured.csv
 
 
@@ -75,38 +74,16 @@ class CascadeSummary(Shape):
     warnings: list[str]
 
 
-def is_cascade(folder: Path) -> bool:
-    """Return whether a folder holds a cascade."""
-    return "cascade" in read_summary(folder)
-
-
-def of_cascade(folder: Path) -> str:
-    """Return the report of a cascade.
-
-    Raises
-    ------
-    ContbedError : a file of it is missing or damaged
-    """
-    what = "the summary of a cascade"
-    found = read_json(folder / SUMMARY, CascadeSummary, what, REMEDY)
-    names = [result(name).name for name in found["qoi"]]
-    samples = read_columns(folder / "samples.csv", numbers=names)
-    with fitting(folder / SUMMARY, what, REMEDY):
-        return _page(folder, found, samples)
-
-
-def _page(folder: Path, found: Mapping[str, Any], samples: Mapping[str, Column]) -> str:
-    title = str(found.get("title") or f"Cascade of {found['cascade']}")
+def _content(folder: Path, found: Found, made: page.Charts) -> Content:
+    samples = read_columns(folder / "samples.csv", numbers=[result(name).name for name in found["qoi"]])
     count = len(next(iter(samples.values())).values)
-    text = (
+    about = (
         f"{len(found['porosities'])} packings, {count} runs with everything uncertain at once; "
-        f"{found['runs']['asked']} runs in all; contbed {found['versions'].get('contbed', '?')}"
+        f"{found['runs']['asked']} runs in all"
     )
-    made, names = page.Charts(), list(found["qoi"])
-    charts = [chart for name in names for chart in (_samples(found, samples, name), _bars(found, name))]
+    charts = [chart for name in found["qoi"] for chart in (_samples(found, samples, name), _bars(found, name))]
     rows = [f"run {k + 1}" for k in range(count)]
-    parts = [
-        page.header(title, text),
+    sections = [
         page.section("What was found", _answer(found), "results"),
         page.warnings(found["warnings"]),
         page.section("What the bands come from", _parts(found), "parts"),
@@ -115,10 +92,10 @@ def _page(folder: Path, found: Mapping[str, Any], samples: Mapping[str, Column])
         linked(list(samples.values()), rows).section("Linked plots of the runs with everything uncertain", made.place),
         page.section("What the bed visits and the packings have", _visited(found), "visited"),
     ]
-    return page.page(title, parts, made)
+    return Content(str(found.get("title") or f"Cascade of {found['cascade']}"), about, sections)
 
 
-def _answer(found: Mapping[str, Any]) -> str:
+def _answer(found: Found) -> str:
     """Return each result at the best values, its band, and mean and standard deviation of the runs."""
     if not found["qoi"]:
         return ""
@@ -126,14 +103,13 @@ def _answer(found: Mapping[str, Any]) -> str:
     for name, value in found["qoi"].items():
         band, unit = found["band"][name], unit_of(name)
         cells = (value, band["low"], band["high"], band["mean"], band["standard_deviation"])
-        shown = "" if unit in (None, "1", "-") else escape(str(unit))
-        rows.append([f"<code>{escape(name)}</code>", *map(page.number, cells), shown])
+        rows.append([page.code(name), *map(page.number, cells), page.unit(unit)])
     share = next(iter(found["band"].values()))["probability"]
     head = ["result", "at the best values", f"{share:.0%} from", "to", "mean", "standard deviation", "unit"]
     return page.table(head, rows, range(1, 6))
 
 
-def _shares(found: Mapping[str, Any], name: str) -> dict[str, tuple[float, float]]:
+def _shares(found: Found, name: str) -> dict[str, tuple[float, float]]:
     """Return standard deviation and share in the sum of the variances of each part, the largest first."""
     deviations = {part["name"]: float(part["standard_deviation"][name]) for part in found["parts"]}
     total = sum(value**2 for value in deviations.values()) or 1.0
@@ -141,10 +117,10 @@ def _shares(found: Mapping[str, Any], name: str) -> dict[str, tuple[float, float
     return {part: (deviations[part], deviations[part] ** 2 / total) for part in order}
 
 
-def _parts(found: Mapping[str, Any]) -> str:
+def _parts(found: Found) -> str:
     rows = [
         [
-            f"<code>{escape(name)}</code>",
+            page.code(name),
             escape(part),
             page.number(deviation),
             escape(unit_of(name) or ""),
@@ -159,7 +135,7 @@ def _parts(found: Mapping[str, Any]) -> str:
     return page.table(head, rows, (2, 4)) + f"<p class=quiet>Laws of one particle: {escape(found['laws'])}.</p>"
 
 
-def _measured(found: Mapping[str, Any]) -> str:
+def _measured(found: Found) -> str:
     """Return how many of the measured points the bands hold, and the shares of the parts at them."""
     about = found.get("measured")
     if not about:
@@ -174,7 +150,7 @@ def _measured(found: Mapping[str, Any]) -> str:
     return f"<p>{escape(text)}.</p>" + page.table(["part", "share of the variances at all points"], rows, (1,))
 
 
-def _points(folder: Path, found: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _points(folder: Path, found: Found) -> list[dict[str, Any]]:
     """Return measured and predicted values over time with the band, a chart for each position."""
     about = found.get("measured")
     if not about:
@@ -194,15 +170,12 @@ def _points(folder: Path, found: Mapping[str, Any]) -> list[dict[str, Any]]:
             line | {"mode": "lines", "name": "best values", "y": take["best"], "line": {"color": COLOURS[1]}},
             line | {"mode": "markers", "name": "measured", "y": take["measured"], "marker": {"color": COLOURS[6]}},
         ]  # fmt: skip
-        layout = {
-            "xaxis": {"title": {"text": "t [s]"}},
-            "yaxis": {"title": {"text": f"{about['quantity']} [{about['unit']}]"}},
-        }
+        layout = page.axes("t [s]", f"{about['quantity']} [{about['unit']}]")
         charts.append({"kind": "curves", "title": f"at {place:g} m", "data": traces, "layout": layout})
     return charts
 
 
-def _samples(found: Mapping[str, Any], samples: Mapping[str, Column], name: str) -> dict[str, Any]:
+def _samples(found: Found, samples: Mapping[str, Column], name: str) -> dict[str, Any]:
     """Return the histogram of a result with its band and the result at the best values."""
     about = result(name)
     band, column = found["band"][name], samples[about.name]
@@ -213,30 +186,23 @@ def _samples(found: Mapping[str, Any], samples: Mapping[str, Column], name: str)
          "line": {"color": COLOURS[1]}},
     ]  # fmt: skip
     bars = {"type": "histogram", "x": list(column.values), "marker": {"color": COLOURS[0]}, "name": "runs"}
-    layout = {"xaxis": {"title": {"text": column.label}}, "yaxis": {"title": {"text": "runs"}}, "shapes": shapes}
+    layout = page.axes(column.label, "runs", shapes=shapes)
     title = f"{about.name}: runs, band of {band['probability']:.0%} (blue) and best values (line)"
     return {"kind": "bars", "title": title, "data": [bars], "layout": layout}
 
 
-def _bars(found: Mapping[str, Any], name: str) -> dict[str, Any]:
-    shares = _shares(found, name)
-    bars = {
-        "type": "bar",
-        "orientation": "h",
-        "y": list(shares),
-        "x": [100.0 * share for _, share in shares.values()],
-        "marker": {"color": COLOURS[0]},
-    }
-    layout = {
-        "xaxis": {"title": {"text": "share of the variance [%]"}, "range": [0, 100]},
-        "yaxis": {"autorange": "reversed", "automargin": True},
-    }
-    return {"kind": "bars", "title": f"{result(name).name}: what the band comes from", "data": [bars], "layout": layout}
+def _bars(found: Found, name: str) -> dict[str, Any]:
+    shares = {part: 100.0 * share for part, (_, share) in _shares(found, name).items()}
+    title = f"{result(name).name}: what the band comes from"
+    return page.bars(title, shares, "share of the variance [%]", range=[0, 100])
 
 
-def _visited(found: Mapping[str, Any]) -> str:
+def _visited(found: Found) -> str:
     rows = [[escape(name), page.number(low), page.number(high)] for name, (low, high) in found["visited"].items()]
     rows.append(
         ["porosity of the packings", page.number(min(found["porosities"])), page.number(max(found["porosities"]))]
     )
     return page.table(["", "from", "to"], rows, (1, 2))
+
+
+CASCADE = Study("cascade", "cascade", CascadeSummary, _content, "the summary of a cascade", has("cascade"))

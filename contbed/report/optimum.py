@@ -10,15 +10,14 @@ from typing import Any
 from pydantic import Field
 
 from contbed.many.optimise.constrained_search import FEASIBLE
-from contbed.output.folder import SUMMARY, read_summary
-from contbed.output.shapes import Number, Shape, fitting, read_json
+from contbed.output.shapes import Number, Shape
 from contbed.report import page
 from contbed.report.charts import COLOURS
 from contbed.report.linked import Column, linked, read_columns, require_numbers
+from contbed.report.study import Content, Found, Study, has
 
 OBJECTIVE, MISSED = ": objective", ": missed by"  # endings of headers of table.csv
 TEXTS = ("run", "problem", "gradient")  # columns of table.csv
-REMEDY = "run contbed optimise again"
 
 
 class Objective(Shape):
@@ -81,42 +80,19 @@ class OptimumSummary(Shape):
     warnings: list[str]
 
 
-def is_optimum(folder: Path) -> bool:
-    """Return whether a folder holds a search for an optimum."""
-    return "design" in read_summary(folder)
-
-
-def of_optimum(folder: Path) -> str:
-    """Return the report of a search.
-
-    Raises
-    ------
-    ContbedError : a file of it is missing or damaged
-    """
-    what = "the summary of a search for an optimum"
-    found = read_json(folder / SUMMARY, OptimumSummary, what, REMEDY)
+def _content(folder: Path, found: Found, made: page.Charts) -> Content:
     file = folder / "table.csv"
     columns = read_columns(file, ("number", "exit code", *TEXTS))
     require_numbers(file, columns, [name for name in columns if name not in TEXTS])
-    with fitting(folder / SUMMARY, what, REMEDY):
-        return _page(found, columns)
-
-
-def _page(found: Mapping[str, Any], columns: Mapping[str, Column]) -> str:
-    runs, made = found["runs"], page.Charts()
-    title = str(found.get("title") or f"Optimum of {found['design']}")
-    text = (
-        f"{runs['evaluated']} evaluations, {runs['failed']} of them failed; derivatives: {found['gradients']}; "
-        f"contbed {found['versions'].get('contbed', '?')}"
-    )
+    runs = found["runs"]
+    about = f"{runs['evaluated']} evaluations, {runs['failed']} of them failed; derivatives: {found['gradients']}"
     names = list(columns.values())
     numbers = [c for c in names if c.name not in ("number", "run", "exit code", "problem", "gradient")]
     ended = [k for k, code in enumerate(columns["exit code"].values) if not code]
     here = [Column(c.name, c.unit, tuple(c.values[k] for k in ended)) for c in numbers]
     run_names = [str(columns["run"].values[k]) for k in ended]
     rows = [[page.number(column.values[k]) for column in names] for k in range(len(columns["number"].values))]
-    parts = [
-        page.header(title, text),
+    sections = [
         page.section("What was found", _answer(found), "results"),
         page.warnings(found["warnings"]),
         page.section("What the constraints cost", _constraints(found), "constraints"),
@@ -126,19 +102,15 @@ def _page(found: Mapping[str, Any], columns: Mapping[str, Column]) -> str:
         linked(here, run_names, f"{found['objective']['formula']}{OBJECTIVE}").section("Linked plots", made.place),
         page.section("All evaluations", page.table([c.label for c in names], rows, range(len(names))), "runs"),
     ]
-    return page.page(title, parts, made)
+    return Content(str(found.get("title") or f"Optimum of {found['design']}"), about, sections)
 
 
-def _unit(unit: str) -> str:
-    return "" if unit == "1" else escape(unit)
-
-
-def _answer(found: Mapping[str, Any]) -> str:
+def _answer(found: Found) -> str:
     """Return verdict, objective, and the keys with their bounds."""
     aim = found["objective"]
     good = "good" if found["status"] in ("optimum", "settled") else "bad"
     lines = [f'<span class="{good}">{escape(found["status"])}</span> {escape(found["verdict"])}']
-    answer = f"{aim['aim']} <code>{escape(aim['formula'])}</code>: {page.number(aim['value'])} {_unit(aim['unit'])}"
+    answer = f"{aim['aim']} {page.code(aim['formula'])}: {page.number(aim['value'])} {page.unit(aim['unit'])}"
     active = [one["constraint"] for one in found["constraints"] if one["active"]]
     held = f"active constraints: {escape(', '.join(active))}" if active else "no constraint is active"
     rows = []
@@ -146,7 +118,7 @@ def _answer(found: Mapping[str, Any]) -> str:
         price = key["price_of_bound"]
         per = escape(f"{aim['unit']} per {key['unit']}") if price else ""
         ends = (page.number(key[end]) for end in ("value", "from", "to"))
-        rows.append([f"<code>{escape(name)}</code>", *ends, _unit(key["unit"]),
+        rows.append([page.code(name), *ends, page.unit(key["unit"]),
                      page.number(price) if price else "inside of its bounds", per])  # fmt: skip
     keys = page.table(
         ["key", "value", "from", "to", "unit", "price of its bound", "unit of the price"], rows, (1, 2, 3, 5)
@@ -161,10 +133,10 @@ def _answer(found: Mapping[str, Any]) -> str:
     return f'<p class="verdict">{"".join(lines)}</p><p>{answer}; {held}</p>{keys}{surrogate}'
 
 
-def _constraints(found: Mapping[str, Any]) -> str:
+def _constraints(found: Found) -> str:
     rows = [
-        [f"<code>{escape(one['constraint'])}</code>", page.number(one["value"]), page.number(one["bound"]),
-         _unit(one["unit"]), page.number(one["missed_by"]), page.number(one["active"]), page.number(one["price"]),
+        [page.code(one["constraint"]), page.number(one["value"]), page.number(one["bound"]),
+         page.unit(one["unit"]), page.number(one["missed_by"]), page.number(one["active"]), page.number(one["price"]),
          escape(one["price_unit"])]
         for one in found["constraints"]
     ]  # fmt: skip
@@ -174,7 +146,7 @@ def _constraints(found: Mapping[str, Any]) -> str:
     return body + (f"<ul>{costs}</ul>" if costs else "")
 
 
-def _gradient(found: Mapping[str, Any]) -> str:
+def _gradient(found: Found) -> str:
     """Return the derivatives of objective and constraints by each key, in the units of both."""
     aim = found["objective"]
     functions = [(aim["formula"], aim["unit"], aim["gradient"])]
@@ -182,7 +154,7 @@ def _gradient(found: Mapping[str, Any]) -> str:
     rows = [
         [
             escape(name),
-            f"<code>{escape(key)}</code>",
+            page.code(key),
             page.number(slope),
             escape(f"{unit} per {found['keys'][key]['unit']}"),
         ]
@@ -192,7 +164,7 @@ def _gradient(found: Mapping[str, Any]) -> str:
     return page.table(["of", "by", "derivative", "unit"], rows, (2,)) if rows else ""
 
 
-def _way(found: Mapping[str, Any], columns: Mapping[str, Column]) -> list[dict[str, Any]]:
+def _way(found: Found, columns: Mapping[str, Column]) -> list[dict[str, Any]]:
     """Return the objective over the evaluations with the best so far, and by how much constraints were missed."""
     aim = found["objective"]
     objective = next((c for name, c in columns.items() if name.endswith(OBJECTIVE)), None)
@@ -234,8 +206,16 @@ def _is_held(missed: float | None, most: float) -> bool:
 
 
 def _chart(title: str, traces: Sequence[dict[str, Any]], column: Column) -> dict[str, Any]:
-    layout = {
-        "xaxis": {"title": {"text": "evaluation"}},
-        "yaxis": {"title": {"text": Column(column.name.partition(": ")[0], column.unit, ()).label}},
-    }
+    label = Column(column.name.partition(": ")[0], column.unit, ()).label
+    layout = page.axes("evaluation", label)
     return {"kind": "curves", "title": title, "data": list(traces), "layout": layout}
+
+
+OPTIMUM = Study(
+    "search for an optimum",
+    "optimise",
+    OptimumSummary,
+    _content,
+    "the summary of a search for an optimum",
+    has("design"),
+)

@@ -71,6 +71,31 @@ def header(title: str, text: str) -> str:
     return f"<header><h1>{escape(title)}</h1><p class=quiet>{escape(text)}</p></header>"
 
 
+def code(text: str) -> str:
+    """Return a name of contbed in a cell or sentence."""
+    return f"<code>{escape(text)}</code>"
+
+
+def unit(text: str | None) -> str:
+    """Return a unit in a cell; nothing for a plain number."""
+    return "" if text in (None, "1", "-") else escape(str(text))
+
+
+def axes(x: str, y: str, **more: Any) -> dict[str, Any]:
+    """Return the layout of a chart with the titles of its axes."""
+    return {"xaxis": {"title": {"text": x}}, "yaxis": {"title": {"text": y}}, **more}
+
+
+def bars(title: str, values: Mapping[str, Any], x: str, **more: Any) -> dict[str, Any]:
+    """Return a chart of bars to the right, the first on top; `more` describes the axis of the values."""
+    trace = {"type": "bar", "orientation": "h", "y": list(values), "x": list(values.values())}
+    layout = {
+        "xaxis": {"title": {"text": x}, **more},
+        "yaxis": {"autorange": "reversed", "automargin": True},
+    }
+    return {"kind": "bars", "title": title, "data": [trace], "layout": layout}
+
+
 def warnings(texts: Iterable[str]) -> str:
     """Return the section of warnings; nothing where there are none."""
     items = "".join(f"<li>{escape(text)}</li>" for text in texts)
@@ -125,10 +150,10 @@ def found(values: Mapping[str, Any]) -> str:
     """Return named results with their units and meanings as a table."""
     rows = []
     for name, value in values.items():
-        entry, unit = quantities.result(name), quantities.unit_of(name)
+        entry = quantities.result(name)
         meaning = escape(entry.description) if entry else ""
-        shown = "" if unit in (None, "1", "-") else escape(str(unit))
-        rows.append([f"<code>{escape(quantities.name_of(name))}</code>", number(value), shown, meaning])
+        shown = unit(quantities.unit_of(name))
+        rows.append([code(quantities.name_of(name)), number(value), shown, meaning])
     return table(["result", "value", "unit", "meaning"], rows, [1]) if rows else ""
 
 
@@ -138,15 +163,13 @@ def results(runs: Sequence[Run]) -> str:
     rows = []
     for name in names:
         entry = quantities.result(name)
-        unit = next((run.summary["units"][name] for run in runs if name in run.summary.get("units", {})), "1")
+        own_unit = next((run.summary["units"][name] for run in runs if name in run.summary.get("units", {})), "1")
         values = [run.summary.get("qoi", {}).get(name) for run in runs]
         cells = [number(values[0])]
         for value in values[1:]:
             cells += [f"{number(value)}{_difference(value, values[0])}"]
         meaning = escape(entry.description) if entry else ""
-        rows.append(
-            [f"<code>{escape(quantities.name_of(name))}</code>", *cells, "" if unit == "1" else escape(unit), meaning]
-        )
+        rows.append([code(quantities.name_of(name)), *cells, unit(own_unit), meaning])
     if not rows:
         return ""
     head = ["result", *((run.name for run in runs) if len(runs) > 1 else ["value"]), "unit", "meaning"]
@@ -203,7 +226,7 @@ def closures(run: Run) -> str:
             declared = "" if use is None else _span(use["declared"])
             share = use["share_outside"] if use is not None else 0.0
             outside = f'<span class="bad">{100 * share:.3g} %</span>' if share else "none"
-            rows.append([f"<code>{escape(closure['name'])}</code>", escape(argument), used, declared, outside,
+            rows.append([code(closure["name"]), escape(argument), used, declared, outside,
                          escape(str(closure.get("source", "")))])  # fmt: skip
     return table(["closure", "argument", "used", "range", "outside", "source"], rows) if rows else ""
 
@@ -217,10 +240,8 @@ def _span(ends: Sequence[float | None]) -> str:
 
 def scene(keys: Sequence[Key]) -> str:
     """Return what a scene gives as a table, and what was left at its defaults below it."""
-    given = [
-        [f"<code>{escape(key.name)}</code>", number(key.value), escape(key.unit)] for key in keys if not key.default
-    ]
-    left = [[f"<code>{escape(key.name)}</code>", number(key.value), escape(key.unit)] for key in keys if key.default]
+    given = [[code(key.name), number(key.value), escape(key.unit)] for key in keys if not key.default]
+    left = [[code(key.name), number(key.value), escape(key.unit)] for key in keys if key.default]
     head = ["key", "value in SI", "unit"]
     text = table(head, given)
     if left:
@@ -236,9 +257,9 @@ def differences(runs: Sequence[Run]) -> str:
     for name in names:
         found = [keys.get(name) for keys in every]
         if len({json.dumps(key.value if key else None, sort_keys=True) for key in found}) > 1:
-            unit = next((key.unit for key in found if key and key.unit), "")
+            own_unit = next((key.unit for key in found if key and key.unit), "")
             cells = [number(key.value) if key else "–" for key in found]
-            rows.append([f"<code>{escape(name)}</code>", *cells, escape(unit)])
+            rows.append([code(name), *cells, escape(own_unit)])
     return table(["key", *(run.name for run in runs), "unit"], rows, range(1, len(runs) + 1)) if rows else ""
 
 

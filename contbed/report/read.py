@@ -9,45 +9,17 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from contbed.errors import ContbedError
 from contbed.models import MODELS, kind_of
 from contbed.output.folder import SUMMARY
-from contbed.output.shapes import RunSummary, Shape, read_json
+from contbed.output.shapes import RunSummary, read_json
 from contbed.output.stored import read_series
 from contbed.output.tables import read_table
 from contbed.scene import schema
 
 Array = NDArray[np.float64]
 AGAIN = "run the scene again"
-
-
-class Unit(Shape):
-    """About a parameter or result of a sweep."""
-
-    unit: str | None = None
-
-
-class SweptRun(Shape):
-    """A run of a sweep."""
-
-    run: str
-    exit_code: int
-    problem: str
-    parameters: dict[str, Any]
-    qoi: dict[str, Any]
-
-
-class SweepTable(Shape):
-    """table.json of a sweep."""
-
-    cases: int
-    ended: int
-    warnings: list[str] = Field(default_factory=list)
-    parameters: dict[str, Unit]
-    qoi: dict[str, Unit]
-    runs: list[SweptRun]
 
 
 @dataclass(frozen=True)
@@ -90,11 +62,6 @@ class Run:
         return list(_keys(schema.of(MODELS[kind].scene), scene, ()))
 
 
-def is_sweep(folder: Path) -> bool:
-    """Return whether a folder holds the table of a sweep."""
-    return (folder / "table.json").is_file()
-
-
 def read_run(folder: Path, name: str) -> Run:
     """Read the folder of a run.
 
@@ -112,16 +79,6 @@ def read_run(folder: Path, name: str) -> Run:
         if file.name in summary.get("files", [file.name]):
             tables[file.stem] = read_table(file)
     return Run(name, folder, summary, tables, tuple(_snapshots(folder)))
-
-
-def read_sweep(folder: Path) -> dict[str, Any]:
-    """Read the table of a sweep.
-
-    Raises
-    ------
-    ContbedError : it cannot be read
-    """
-    return read_json(folder / "table.json", SweepTable, "the table of a sweep", "run the sweep again")
 
 
 def _keys(root: schema.Node, values: Any, path: tuple[str, ...]) -> list[Key]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -12,14 +12,13 @@ from contbed.output.files import atomic
 from contbed.output.folder import SUMMARY, read_summary
 from contbed.output.summary import write_json
 from contbed.report import charts, page
-from contbed.report.calibration import is_calibration, of_calibration
-from contbed.report.cascade import is_cascade, of_cascade
+from contbed.report.calibration import CALIBRATION
+from contbed.report.cascade import CASCADE
 from contbed.report.fields import pictures
-from contbed.report.indices import uncertainty
-from contbed.report.linked import Column, linked, text_of
-from contbed.report.optimum import is_optimum, of_optimum
-from contbed.report.read import Run, is_sweep, read_run, read_sweep
-from contbed.report.sensitivities import is_sensitivities, of_sensitivities
+from contbed.report.optimum import OPTIMUM
+from contbed.report.read import Run, read_run
+from contbed.report.sensitivities import DERIVATIVES
+from contbed.report.sweep import SWEEP
 
 FILE = "report.html"
 
@@ -37,11 +36,12 @@ def write(folders: Sequence[Path], file: Path | None = None) -> Path:
     ContbedError : a folder holds no run, plotly is not installed, or the file cannot be written
     """
     target = file or folders[0] / FILE
-    for what, is_one, of in WHOLE:
-        if any(map(is_one, folders)):
+    for study in STUDIES:
+        if any(map(study.is_in, folders)):
             if len(folders) > 1:
+                what = study.name
                 raise ContbedError(f"{folders[0]}: a report shows one {what}, or runs; give one folder of a {what}")
-            text = of(folders[0])
+            text = study.report(folders[0])
             break
     else:
         text = of_runs([read_run(folder, name) for folder, name in zip(folders, _names(folders), strict=True)])
@@ -93,53 +93,7 @@ def of_runs(runs: Sequence[Run]) -> str:
     return page.page(title, parts, made)
 
 
-def of_sweep(folder: Path) -> str:
-    """Return the report of a sweep: its table and linked charts."""
-    found = read_sweep(folder)
-    made = page.Charts()
-    names = {**found["parameters"], **found["qoi"]}
-    head = ["run", *(Column(name, about.get("unit") or "", ()).label for name, about in names.items())]
-    rows = []
-    for run in found["runs"]:
-        values = {**run["parameters"], **run["qoi"]}
-        if run["exit_code"]:
-            values = {
-                **run["parameters"],
-                next(iter(found["qoi"]), "problem"): f"exit code {run['exit_code']}: {run['problem']}",
-            }
-        rows.append([f"<code>{escape(run['run'][:8])}</code>", *(_cell(values.get(name)) for name in names)])
-    failed = sum(bool(run["exit_code"]) for run in found["runs"])
-    text = f"{found['ended']} of {found['cases']} runs have ended, {failed} of them failed"
-    title = f"Sweep {Path(str(found.get('study', folder.name))).stem}"
-    good = [run for run in found["runs"] if not run["exit_code"]]
-    columns = [
-        Column(name, about.get("unit") or "", tuple(run[group].get(name) for run in good))
-        for group in ("parameters", "qoi")
-        for name, about in found[group].items()
-    ]
-    parts = [
-        page.header(title, text),
-        page.warnings(found.get("warnings", [])),
-        page.section("Uncertainty", uncertainty(folder), "uncertainty"),
-        linked(columns, [run["run"] for run in good]).section("Linked plots", made.place),
-        page.section("All runs", page.table(head, rows, range(1, len(head))), "runs"),
-    ]
-    return page.page(title, parts, made)
-
-
-def _cell(value: Any) -> str:
-    """Return a value of a table; a closure by its name and parameters."""
-    return escape(text_of(value)) if isinstance(value, dict) else page.number(value)
-
-
-WHOLE: tuple[tuple[str, Callable[[Path], bool], Callable[[Path], str]], ...] = (
-    ("calibration", is_calibration, of_calibration),
-    ("search for an optimum", is_optimum, of_optimum),
-    ("cascade", is_cascade, of_cascade),
-    ("sweep", is_sweep, of_sweep),
-    ("table of derivatives", is_sensitivities, of_sensitivities),
-)
-"""What has a report of its own: its name, whether a folder holds it, and the report of the folder."""
+STUDIES = (CALIBRATION, OPTIMUM, CASCADE, SWEEP, DERIVATIVES)
 
 
 def _version(runs: Sequence[Run]) -> str:

@@ -1,0 +1,85 @@
+"""The report of a sweep: its table, linked charts, and the uncertainty of a sample."""
+
+from __future__ import annotations
+
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field
+
+from contbed.output.shapes import Shape
+from contbed.report import page
+from contbed.report.indices import uncertainty
+from contbed.report.linked import Column, linked, text_of
+from contbed.report.study import Content, Found, Study
+
+TABLE = "table.json"
+
+
+class Unit(Shape):
+    """About a parameter or result of a sweep."""
+
+    unit: str | None = None
+
+
+class SweptRun(Shape):
+    """A run of a sweep."""
+
+    run: str
+    exit_code: int
+    problem: str
+    parameters: dict[str, Any]
+    qoi: dict[str, Any]
+
+
+class SweepTable(Shape):
+    """table.json of a sweep."""
+
+    cases: int
+    ended: int
+    warnings: list[str] = Field(default_factory=list)
+    parameters: dict[str, Unit]
+    qoi: dict[str, Unit]
+    runs: list[SweptRun]
+
+
+def _content(folder: Path, found: Found, made: page.Charts) -> Content:
+    units = {name: about.get("unit") or "" for group in ("parameters", "qoi") for name, about in found[group].items()}
+    head = ["run", *(Column(name, unit, ()).label for name, unit in units.items())]
+    good = [run for run in found["runs"] if not run["exit_code"]]
+    columns = [
+        Column(name, units[name], tuple(run[group].get(name) for run in good))
+        for group in ("parameters", "qoi")
+        for name in found[group]
+    ]
+    rows = [_row(found, run, units) for run in found["runs"]]
+    about = f"{found['ended']} of {found['cases']} runs have ended, {len(found['runs']) - len(good)} of them failed"
+    sections = [
+        page.warnings(found.get("warnings", [])),
+        page.section("Uncertainty", uncertainty(folder), "uncertainty"),
+        linked(columns, [run["run"] for run in good]).section("Linked plots", made.place),
+        page.section("All runs", page.table(head, rows, range(1, len(head))), "runs"),
+    ]
+    return Content(f"Sweep {Path(str(found.get('study', folder.name))).stem}", about, sections)
+
+
+def _row(found: Found, run: dict[str, Any], names: dict[str, str]) -> list[str]:
+    """Return the cells of a run; of one that failed the problem stands under the first result."""
+    values = {**run["parameters"], **run["qoi"]}
+    if run["exit_code"]:
+        problem = f"exit code {run['exit_code']}: {run['problem']}"
+        values = {**run["parameters"], next(iter(found["qoi"]), "problem"): problem}
+    return [page.code(run["run"][:8]), *(_cell(values.get(name)) for name in names)]
+
+
+def _cell(value: Any) -> str:
+    """Return a value of a table; a closure by its name and parameters."""
+    return escape(text_of(value)) if isinstance(value, dict) else page.number(value)
+
+
+def _is_in(folder: Path) -> bool:
+    return (folder / TABLE).is_file()
+
+
+SWEEP = Study("sweep", "sweep", SweepTable, _content, "the table of a sweep", _is_in, TABLE)
