@@ -234,7 +234,7 @@ def test_the_plan_chooses_for_each_kind():
     scene["mesh"]["length"] = 1.0
     chosen = plan(from_dict(scene))
     told = dict(chosen.built)
-    assert "for A Bi = 10" in told["adsorption of A by fine"] and "for A Bi = 4" in told["adsorption of A by coarse"]
+    assert "A: Bi = 10" in told["adsorption of A by fine"] and "A: Bi = 4" in told["adsorption of A by coarse"]
     errors = {kind: choice.error["linear_driving_force"] for kind, choice in chosen.problem.choices.items()}
     scene["solver"] = {"accuracy": 1.9 * max(errors.values())}
     assert plan(from_dict(scene)).problem.choices[max(errors, key=errors.get)].level == "interior"
