@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import combinations
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from contbed.closures import names, sheet
-from contbed.closures.binding import bind, named
+from contbed.closures.binding import bind
 from contbed.errors import SceneError
 from contbed.scene import mesh as meshes
 from contbed.scene.checking import Mistakes, See
@@ -20,23 +19,20 @@ from contbed.two_fluid.closures import (
     ABSENT,
     FROM_CELLS,
     GIVES,
-    HEAT_KINDS,
     KINDS,
-    conducts,
     full_name,
     is_filtered_stress,
     takes,
     terminal_velocity,
 )
-from contbed.two_fluid.conditions import Boundary, Initial, Inlet, Layer, Outlet, Periodic, Symmetry, Wall
+from contbed.two_fluid.conditions import Boundary, Initial, Inlet, Layer, Outlet, Periodic, Wall, places
+from contbed.two_fluid.heat.checks import HEAT_CHECKS
 from contbed.two_fluid.warnings import WARNINGS as WARNINGS
 
 if TYPE_CHECKING:
-    from contbed.materials.constants import Constants
+    pass
 
-MIN_PRESSURE = 1e3  # [Pa] of an ideal gas; below, its mean free path is no longer small beside the particles
 SAME_THETA = 1e-3  # share by which a granular temperature may be rounded in a scene
-MAX_TEMPERATURE = 6000.0  # [K]; above, gases dissociate and no particle is solid
 
 
 def mesh_has_cells(mesh: meshes.Mesh, origin: Origin) -> Mistakes:
@@ -75,7 +71,7 @@ def _given_fields(layer: Layer) -> set[str]:
 
 def solids_exist(solids: dict[str, t.Solid], initial: Initial, boundary: dict[str, Boundary]) -> Mistakes:
     """Check that the start and the boundaries name solids that the scene has."""
-    for where, part in _places(initial, boundary):
+    for where, part in places(initial, boundary):
         for name in getattr(part, "solids", {}):
             if name not in solids:
                 yield (*where, "solids", name), f"no such solid; {nearest(name, list(solids))}"
@@ -87,21 +83,6 @@ def gas_has_properties(gas: t.Gas, initial: Initial, boundary: dict[str, Boundar
         t.fluid_of(gas, initial, boundary, origin.base)
     except SceneError as error:
         yield ("gas",), str(error)
-
-
-def _fluid(gas: t.Gas, initial: Initial, boundary: dict[str, Boundary], origin: Origin) -> Constants | None:
-    """Return the properties of the gas; None where `gas_has_properties` reports that there are none."""
-    try:
-        return t.fluid_of(gas, initial, boundary, origin.base)
-    except SceneError:
-        return None
-
-
-def _places(initial: Initial, boundary: dict[str, Boundary]) -> list[tuple[KeyPath, Any]]:
-    """Return the tables of the start and of boundaries with their paths."""
-    layers = [(("initial", "layer", k), layer) for k, layer in enumerate(initial.layer)]
-    sides = [(("boundary", name), part) for name, part in boundary.items()]
-    return [(("initial",), initial), *layers, *sides]
 
 
 def pieces_do_not_overlap(boundary: dict[str, Boundary]) -> Mistakes:
@@ -201,7 +182,7 @@ def filtered_closures_have_their_velocity(
 ) -> Mistakes:
     """Check that particles settle, and that the filtered stress has the granular temperature that it is given over."""
     ((name, solid),) = solids.items()
-    if (fluid := _fluid(gas, initial, boundary, origin)) is None:
+    if (fluid := t.known_fluid(gas, initial, boundary, origin.base)) is None:
         return
     settling = terminal_velocity(two_fluid.gravity, fluid, solid)
     keys = [key for key, kind in KINDS.items() if kind in FROM_CELLS and takes(getattr(closures, key), kind)]
@@ -232,7 +213,7 @@ def factors_near_walls_have_what_they_multiply(
 ) -> Mistakes:
     """Check that factors near walls multiply filtered closures, of particles that settle."""
     (solid,) = solids.values()
-    if (fluid := _fluid(gas, initial, boundary, origin)) is None:
+    if (fluid := t.known_fluid(gas, initial, boundary, origin.base)) is None:
         return
     for key, of in near_walls.KINDS.items():
         if getattr(closures, key) == ABSENT:
@@ -335,115 +316,6 @@ def pulses_end_in_an_inlet(boundary: dict[str, Boundary]) -> Mistakes:
                 yield ("boundary", name, "until"), "belongs to a piece `on` an inlet that does not end itself"
 
 
-def heat_is_complete(
-    heat: t.Heat | None,
-    closures: t.Closures,
-    two_fluid: t.TwoFluid,
-    initial: Initial,
-    boundary: dict[str, Boundary],
-    time: t.Time,
-    see: See,
-) -> Mistakes:
-    """Check that temperatures are given where there is heat."""
-    if heat is None:
-        return
-    if initial.gas.temperature is None:
-        yield ("initial", "gas", "temperature"), "missing; [heat] needs it"
-    for name, part in boundary.items():
-        if isinstance(part, Inlet) and part.gas.temperature is None:
-            gas_enters = part.gas.velocity > 0
-            if gas_enters or part.solid.temperature is None:
-                yield ("boundary", name, "gas", "temperature"), "missing; [heat] needs it"
-        if isinstance(part, Wall) and part.temperature is not None:
-            if part.heat_flux is not None:
-                yield ("boundary", name, "heat_flux"), "give either temperature or heat_flux"
-            if not conducts(closures, two_fluid):
-                text = "heats nothing without closures.conductivity_bed, or two_fluid.conductivity_gas or _solids"
-                yield ("boundary", name, "temperature"), text
-    if time.order == 2:
-        yield ("time", "order"), f"heat is of first order in time; see {see('heat')}"
-
-
-def nothing_is_heated_without_heat(
-    heat: t.Heat | None, gas: t.Gas, initial: Initial, boundary: dict[str, Boundary]
-) -> Mistakes:
-    """Check that temperatures are given only where they are solved, or fix the properties of the gas."""
-    if heat is not None:
-        return
-    given = [path for path, T in _temperatures(initial, boundary) if T is not None]
-    given += [("boundary", name, "heat_flux") for name in boundary if getattr(boundary[name], "heat_flux", None)]
-    for path in given:
-        if "gas" not in path or gas.model == "constant":
-            yield path, "has no meaning without [heat]"
-    if gas.density_law != "constant":
-        yield ("gas", "density_law"), "has no meaning without [heat]"
-
-
-def properties_of_heat_are_given(
-    heat: t.Heat | None,
-    closures: t.Closures,
-    gas: t.Gas,
-    solids: dict[str, t.Solid],
-    initial: Initial,
-    boundary: dict[str, Boundary],
-    origin: Origin,
-) -> Mistakes:
-    """Check that gas and particles have the properties that their temperatures need."""
-    ((name, solid),) = solids.items()
-    fluid = _fluid(gas, initial, boundary, origin)
-    if heat is None or fluid is None:
-        return
-    for key in ("heat_capacity", "conductivity"):
-        if getattr(fluid, key) is None:
-            yield ("gas", key), "missing; [heat] needs it"
-    if solid.heat_capacity is None:
-        yield ("solids", name, "heat_capacity"), "missing; [heat] needs it"
-    if closures.conductivity_bed is not None and solid.conductivity is None:
-        yield ("solids", name, "conductivity"), "missing; closures.conductivity_bed needs it"
-    if gas.density_law == "ideal_gas" and gas.pressure < MIN_PRESSURE:
-        yield ("gas", "pressure"), f"absolute; below {MIN_PRESSURE:g} Pa a gas among particles is no continuum"
-
-
-def closures_of_heat_exist(
-    heat: t.Heat | None, closures: t.Closures, two_fluid: t.TwoFluid, origin: Origin
-) -> Mistakes:
-    """Check that the closures of heat exist and can be called."""
-    if heat is None:
-        return
-    for key, kind in HEAT_KINDS.items():
-        chosen = getattr(closures, key)
-        if not named(chosen):
-            continue
-        try:
-            bind(chosen, kind, GIVES[kind], origin.base)
-        except SceneError as error:
-            yield ("closures", key), str(error)
-    if closures.conductivity_bed is not None and two_fluid.conductivity_gas + two_fluid.conductivity_solids > 0:
-        text = "give either conductivity_bed, or two_fluid.conductivity_gas and conductivity_solids"
-        yield ("closures", "conductivity_bed"), text
-
-
-def temperatures_are_possible(gas: t.Gas, initial: Initial, boundary: dict[str, Boundary]) -> Mistakes:
-    """Check that no temperature is beyond what gas and particles bear."""
-    reference: tuple[KeyPath, float | None] = (("gas", "reference_temperature"), gas.reference_temperature)
-    for path, T in (reference, *_temperatures(initial, boundary)):
-        if T is not None and T > MAX_TEMPERATURE:
-            yield path, f"above {MAX_TEMPERATURE:g} K gases dissociate and no particle is solid"
-    if gas.reference_temperature is not None and gas.model == "constant" and gas.density_law == "constant":
-        yield ("gas", "reference_temperature"), 'belongs to density_law = "ideal_gas"'
-
-
-def _temperatures(initial: Initial, boundary: dict[str, Boundary]) -> Iterator[tuple[KeyPath, float | None]]:
-    """Yield the temperatures at the start and at boundaries with their paths."""
-    for where, part in _places(initial, boundary):
-        if isinstance(part, Wall):
-            yield (*where, "temperature"), part.temperature
-        elif not isinstance(part, Periodic | Outlet | Symmetry):
-            yield (*where, "gas", "temperature"), part.gas.temperature
-            for name, solid in part.solids.items():
-                yield (*where, "solids", name, "temperature"), solid.temperature
-
-
 def times_are_in_order(time: t.Time, see: See) -> Mistakes:
     """Check that times of averages and steps are in order."""
     if time.average_from is not None and time.average_from >= time.end:
@@ -455,6 +327,7 @@ def times_are_in_order(time: t.Time, see: See) -> Mistakes:
 
 
 CHECKS = (
+    *HEAT_CHECKS,
     mesh_has_cells,
     solids_exist,
     gas_has_properties,
@@ -472,10 +345,5 @@ CHECKS = (
     what_enters_can_leave,
     inlets_blow,
     pulses_end_in_an_inlet,
-    heat_is_complete,
-    nothing_is_heated_without_heat,
-    properties_of_heat_are_given,
-    closures_of_heat_exist,
-    temperatures_are_possible,
     times_are_in_order,
 )

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from contbed.scene.quantities import HeatFlux, Number, Position, Seconds, Table, Temperature, Whole, unit
+from contbed.scene.toml_lines import KeyPath
 
 Speed = Annotated[float, *unit("m/s")]
 Share = Annotated[Number, Field(ge=0, lt=1)]
@@ -188,3 +190,10 @@ class Outlet(Part):
 
 
 Boundary = Annotated[Wall | Symmetry | Periodic | Inlet | Outlet, Field(discriminator="type")]
+
+
+def places(initial: Initial, boundary: Mapping[str, Boundary]) -> list[tuple[KeyPath, Any]]:
+    """Return the tables of the start and of boundaries with their paths."""
+    layers = [(("initial", "layer", k), layer) for k, layer in enumerate(initial.layer)]
+    sides = [(("boundary", name), part) for name, part in boundary.items()]
+    return [(("initial",), initial), *layers, *sides]

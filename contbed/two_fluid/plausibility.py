@@ -11,6 +11,7 @@ from contbed.errors import ConvergenceError
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.boundary import GIVEN, OUTLET
 from contbed.two_fluid.conditions import Inlet, Outlet, SolidAtInlet, Wall
+from contbed.two_fluid.heat.checks import MAX_TEMPERATURE
 
 if TYPE_CHECKING:
     from contbed.two_fluid.simulation import Simulation
@@ -111,8 +112,6 @@ def require_possible(scene: t.TwoFluidScene, bed: Simulation, speed: float) -> N
 
 def _temperature_bounds(scene: t.TwoFluidScene) -> tuple[float, float]:
     """Temperatures [K] that nothing in the scene can pass: those given and their span; with sources any above 0 K."""
-    from contbed.two_fluid.checks import MAX_TEMPERATURE
-
     given = given_temperatures(scene)
     sources = any(isinstance(part, Wall) and part.heat_flux for part in scene.boundary.values())
     if sources or not given:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field
 
+from contbed.errors import SceneError
 from contbed.scene import gas as gases
 from contbed.scene import tables
 from contbed.scene.mesh import Mesh
@@ -269,3 +270,11 @@ def fluid_of(gas: Gas, initial: Initial, boundary: Mapping[str, Boundary], base:
     given = (gas.reference_temperature, initial.gas.temperature, *entering)
     T = next((T for T in given if T is not None), None)
     return constants_of(gas, T, base)
+
+
+def known_fluid(gas: Gas, initial: Initial, boundary: Mapping[str, Boundary], base: Path) -> Constants | None:
+    """Return what `fluid_of` does; None where the properties are not known, which a check reports."""
+    try:
+        return fluid_of(gas, initial, boundary, base)
+    except SceneError:
+        return None

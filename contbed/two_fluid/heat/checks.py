@@ -1,0 +1,135 @@
+"""What is wrong with the temperatures of a scene of two fluids although every single value is right."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from contbed.closures.binding import bind, named
+from contbed.errors import SceneError
+from contbed.scene.checking import Mistakes, See
+from contbed.scene.toml_lines import KeyPath, Origin
+from contbed.two_fluid import scene as t
+from contbed.two_fluid.closures import GIVES, HEAT_KINDS, conducts
+from contbed.two_fluid.conditions import Boundary, Initial, Inlet, Outlet, Periodic, Symmetry, Wall, places
+
+MIN_PRESSURE = 1e3  # [Pa] of an ideal gas; below, its mean free path is no longer small beside the particles
+MAX_TEMPERATURE = 6000.0  # [K]; above, gases dissociate and no particle is solid
+
+
+def heat_is_complete(
+    heat: t.Heat | None,
+    closures: t.Closures,
+    two_fluid: t.TwoFluid,
+    initial: Initial,
+    boundary: dict[str, Boundary],
+    time: t.Time,
+    see: See,
+) -> Mistakes:
+    """Check that temperatures are given where there is heat."""
+    if heat is None:
+        return
+    if initial.gas.temperature is None:
+        yield ("initial", "gas", "temperature"), "missing; [heat] needs it"
+    for name, part in boundary.items():
+        if isinstance(part, Inlet) and part.gas.temperature is None:
+            gas_enters = part.gas.velocity > 0
+            if gas_enters or part.solid.temperature is None:
+                yield ("boundary", name, "gas", "temperature"), "missing; [heat] needs it"
+        if isinstance(part, Wall) and part.temperature is not None:
+            if part.heat_flux is not None:
+                yield ("boundary", name, "heat_flux"), "give either temperature or heat_flux"
+            if not conducts(closures, two_fluid):
+                text = "heats nothing without closures.conductivity_bed, or two_fluid.conductivity_gas or _solids"
+                yield ("boundary", name, "temperature"), text
+    if time.order == 2:
+        yield ("time", "order"), f"heat is of first order in time; see {see('heat')}"
+
+
+def nothing_is_heated_without_heat(
+    heat: t.Heat | None, gas: t.Gas, initial: Initial, boundary: dict[str, Boundary]
+) -> Mistakes:
+    """Check that temperatures are given only where they are solved, or fix the properties of the gas."""
+    if heat is not None:
+        return
+    given = [path for path, T in _temperatures(initial, boundary) if T is not None]
+    given += [("boundary", name, "heat_flux") for name in boundary if getattr(boundary[name], "heat_flux", None)]
+    for path in given:
+        if "gas" not in path or gas.model == "constant":
+            yield path, "has no meaning without [heat]"
+    if gas.density_law != "constant":
+        yield ("gas", "density_law"), "has no meaning without [heat]"
+
+
+def properties_of_heat_are_given(
+    heat: t.Heat | None,
+    closures: t.Closures,
+    gas: t.Gas,
+    solids: dict[str, t.Solid],
+    initial: Initial,
+    boundary: dict[str, Boundary],
+    origin: Origin,
+) -> Mistakes:
+    """Check that gas and particles have the properties that their temperatures need."""
+    ((name, solid),) = solids.items()
+    fluid = t.known_fluid(gas, initial, boundary, origin.base)
+    if heat is None or fluid is None:
+        return
+    for key in ("heat_capacity", "conductivity"):
+        if getattr(fluid, key) is None:
+            yield ("gas", key), "missing; [heat] needs it"
+    if solid.heat_capacity is None:
+        yield ("solids", name, "heat_capacity"), "missing; [heat] needs it"
+    if closures.conductivity_bed is not None and solid.conductivity is None:
+        yield ("solids", name, "conductivity"), "missing; closures.conductivity_bed needs it"
+    if gas.density_law == "ideal_gas" and gas.pressure < MIN_PRESSURE:
+        yield ("gas", "pressure"), f"absolute; below {MIN_PRESSURE:g} Pa a gas among particles is no continuum"
+
+
+def closures_of_heat_exist(
+    heat: t.Heat | None, closures: t.Closures, two_fluid: t.TwoFluid, origin: Origin
+) -> Mistakes:
+    """Check that the closures of heat exist and can be called."""
+    if heat is None:
+        return
+    for key, kind in HEAT_KINDS.items():
+        chosen = getattr(closures, key)
+        if not named(chosen):
+            continue
+        try:
+            bind(chosen, kind, GIVES[kind], origin.base)
+        except SceneError as error:
+            yield ("closures", key), str(error)
+    if closures.conductivity_bed is not None and two_fluid.conductivity_gas + two_fluid.conductivity_solids > 0:
+        text = "give either conductivity_bed, or two_fluid.conductivity_gas and conductivity_solids"
+        yield ("closures", "conductivity_bed"), text
+
+
+def temperatures_are_possible(gas: t.Gas, initial: Initial, boundary: dict[str, Boundary]) -> Mistakes:
+    """Check that no temperature is beyond what gas and particles bear."""
+    reference: tuple[KeyPath, float | None] = (("gas", "reference_temperature"), gas.reference_temperature)
+    for path, T in (reference, *_temperatures(initial, boundary)):
+        if T is not None and T > MAX_TEMPERATURE:
+            yield path, f"above {MAX_TEMPERATURE:g} K gases dissociate and no particle is solid"
+    if gas.reference_temperature is not None and gas.model == "constant" and gas.density_law == "constant":
+        yield ("gas", "reference_temperature"), 'belongs to density_law = "ideal_gas"'
+
+
+def _temperatures(initial: Initial, boundary: dict[str, Boundary]) -> Iterator[tuple[KeyPath, float | None]]:
+    """Yield the temperatures at the start and at boundaries with their paths."""
+    for where, part in places(initial, boundary):
+        if isinstance(part, Wall):
+            yield (*where, "temperature"), part.temperature
+        elif not isinstance(part, Periodic | Outlet | Symmetry):
+            yield (*where, "gas", "temperature"), part.gas.temperature
+            for name, solid in part.solids.items():
+                yield (*where, "solids", name, "temperature"), solid.temperature
+
+
+HEAT_CHECKS = (
+    heat_is_complete,
+    nothing_is_heated_without_heat,
+    properties_of_heat_are_given,
+    closures_of_heat_exist,
+    temperatures_are_possible,
+)
+"""Checks of temperatures, also where there is no [heat]."""
