@@ -1,7 +1,7 @@
 """Every quantity that a run writes: fields, columns of tables, and named results, each with unit and meaning.
 
 Output, plots, sweeps and the manual read names, symbols and units here and nowhere else. A part in capitals is chosen
-by the scene: NAME is a boundary, a species, a gas or a surface; PHASE is fluid, solid, emulsion or bubble.
+by the scene: NAME is a boundary, a solid phase, a gas or a surface; PHASE is fluid, solid, emulsion or bubble.
 Headers of columns are "name [unit]", "T_fluid [K]"; a dimensionless quantity has the unit 1.
 """
 
@@ -121,7 +121,7 @@ _FIELDS = (
     Field("flow_bubble", r"\dot m_\mathrm{b}", "kg/s", "mass flow of the gas in bubbles"),
     Field("flow_up", r"\dot m_\mathrm{up}", "kg/m2/s", "flux of particles that rise in the freeboard"),
     Field("G_freeboard", r"G_\mathrm{fb}", "W/m2", "incident radiation in the freeboard"),
-    Field("T_NAME", r"T_\mathrm{NAME}", "K", "temperature of a species, a gas or a surface", lower=0.0),
+    Field("T_NAME", r"T_\mathrm{NAME}", "K", "temperature of a solid phase, a gas or a surface", lower=0.0),
     Field("h_NAME_water", r"h_\mathrm{NAME}", "kJ/kg", "enthalpy of water inside of a surface"),
     Field("x_NAME", r"x_\mathrm{NAME}", "1", "mole fraction of a gas"),
     Field("q_NAME", r"q_\mathrm{NAME}", "mol/kg", "moles of a gas in the particles, adsorbed and in pores, per mass"),
@@ -203,7 +203,7 @@ _RESULTS = (
     Field("flux_over_emissive_power", r"q/\sigma T^4", "1", "heat flux over the larger emissive power of two walls"),
     # bubbling beds
     Field("T_distributor_K", r"T_\mathrm{d}", "K", "temperature of the distributor"),
-    Field("T_NAME_mid_K", r"T_\mathrm{NAME}", "K", "temperature of a species at half of the height"),
+    Field("T_NAME_mid_K", r"T_\mathrm{NAME}", "K", "temperature of a solid phase at half of the height"),
     Field("T_NAME_top_K", r"T_\mathrm{NAME}", "K", "temperature of a gas at the top of the bed"),
     Field("NAME_convection_W", "Q", "W", "heat that leaves the particles to a surface by convection"),
     Field("NAME_radiation_W", "Q", "W", "heat that leaves the particles to a surface by radiation"),
@@ -217,9 +217,9 @@ _RESULTS = (
     Field("bed_height_m", "H", "m", "height of the bed that its particles settle at"),
     Field("ejected_kg_m2s", r"F_0", "kg/m2/s", "particles thrown into the freeboard"),
     Field("carryover_kg_s", r"\dot m", "kg/s", "particles that the gas carries away"),
-    Field("NAME_diameter_m", "d", "m", "mean diameter of a species that attrition and carryover leave"),
-    Field("NAME_drain_kg_s", r"\dot m", "kg/s", "particles of a species that are drained"),
-    Field("NAME_carryover_kg_s", r"\dot m", "kg/s", "particles of a species that the gas carries away"),
+    Field("NAME_diameter_m", "d", "m", "mean diameter of a solid phase that attrition and carryover leave"),
+    Field("NAME_drain_kg_s", r"\dot m", "kg/s", "particles of a solid phase that are drained"),
+    Field("NAME_carryover_kg_s", r"\dot m", "kg/s", "particles of a solid phase that the gas carries away"),
     Field("steady_states_found", "n", "1", "number of steady states found"),
     Field("fold_NAME", "p", "1", "value of the continuation's key at a fold, in the unit of the key"),
     Field("fold_distance", r"|p_1/p - 1|", "1", "distance to the first fold, or to the end, if none"),

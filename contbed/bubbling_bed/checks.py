@@ -2,240 +2,356 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from difflib import get_close_matches
 from types import SimpleNamespace
 
 from contbed.bubbling_bed import scene as b
 from contbed.bubbling_bed.chemistry import checks as chemistry_checks
-from contbed.bubbling_bed.closures import gives, is_bubbling, uses
+from contbed.bubbling_bed.closures import (
+    BUBBLES,
+    CONDUCTIVITY,
+    EXPANSION,
+    FREEBOARD,
+    MINIMUM_FLUIDIZATION,
+    Use,
+    gives,
+    uses,
+)
 from contbed.bubbling_bed.coefficients import mixture
+from contbed.bubbling_bed.solids import Solid
+from contbed.bubbling_bed.tables import BubblingBed, FreeboardSurface, Surface
 from contbed.closures.binding import bind, named
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
+from contbed.scene.gas import GasCantera
 from contbed.scene.mechanism import find_mechanism
+from contbed.scene.quantities import Table
 from contbed.scene.tables import Output
 from contbed.scene.toml_lines import KeyPath, Origin
 
-RESERVED = ("emulsion", "bubble", "distributor", "freeboard", "tubes", "walls", "up", "down")
+RESERVED = (
+    "emulsion",
+    "bubble",
+    "distributor",
+    "freeboard",
+    "tubes",
+    "walls",
+    "up",
+    "down",
+)
 SUM = 1e-9  # by which shares may miss one
 SHARES = 1e-6  # by which mole fractions may, which people round
 LEAST_TUBE = 0.0127  # [m] outside, half an inch: smaller ones are not used in beds
 DENSEST = 0.9069  # share of a section that circles fill, pi/(2 sqrt 3)
-Kinds = Mapping[str, b.Species]
+BOTTOM: KeyPath = ("boundary", "bottom", "gas")
+CAPACITY_FLOW = "boundary.bottom.gas.capacity_flow"
+MASS_FLOW = "boundary.bottom.gas.mass_flow"
+Solids = Mapping[str, Solid]
 
 
-def shares_sum_to_one(species: Kinds) -> Mistakes:
-    """Check that there are particles and that their volume fractions sum to one."""
-    if not species:
-        yield ("species",), "a bed needs particles; give [species.NAME]"
+def shares_sum_to_one(solids: Solids) -> Mistakes:
+    """Check that there are particles and that their volume shares sum to one."""
+    if not solids:
+        yield ("solids",), "a bed needs particles; give [solids.NAME]"
         return
-    total = sum(item.volume_fraction for item in species.values())
+    total = sum(item.volume_share for item in solids.values())
     if abs(total - 1.0) > SUM:
-        yield ("species",), f"the shares volume_fraction of the solids sum to {total:.10g}, not to 1"
+        yield ("solids",), f"the shares volume_share sum to {total:.10g}, not to 1"
 
 
-def names_are_free(species: Kinds) -> Mistakes:
-    """Check that the names of species are valid and not used by the model."""
-    for name in species:
+def names_are_free(solids: Solids) -> Mistakes:
+    """Check that the names of solid phases are valid and not used by the model."""
+    for name in solids:
         if name in RESERVED:
-            yield ("species", name), f"is a name of the model; others than {', '.join(RESERVED)} are free"
+            text = f"is a name of the model; others than {', '.join(RESERVED)} are free"
+            yield ("solids", name), text
         elif not name.isascii() or not name.isidentifier():
-            yield ("species", name), "a name of a species has ASCII letters, digits and _ only"
+            text = "the name of a solid phase has ASCII letters, digits and _ only"
+            yield ("solids", name), text
 
 
-def pairs_are_given_once(species: Kinds) -> Mistakes:
-    """Check that exchange is given once for each pair of existing species."""
-    for name, item in species.items():
+def pairs_are_given_once(solids: Solids) -> Mistakes:
+    """Check that exchange is given once for each pair of existing solid phases."""
+    for name, item in solids.items():
         for other in item.exchange:
-            path = ("species", name, "exchange", other)
+            path = ("solids", name, "exchange", other)
             if other == name:
-                yield path, "a species does not exchange heat with itself"
-            elif other not in species:
-                near = get_close_matches(other, species, n=1)
-                hint = f"; did you mean '{near[0]}'?" if near else f"; there are {', '.join(species)}"
-                yield path, f"no such species{hint}"
-            elif name in species[other].exchange and name > other:
-                yield path, f"this pair stands also at species.{other}.exchange; give it once"
+                yield path, "a solid phase does not exchange heat with itself"
+            elif other not in solids:
+                near = get_close_matches(other, solids, n=1)
+                known = f"there are {', '.join(solids)}"
+                hint = f"did you mean '{near[0]}'?" if near else known
+                yield path, f"no such solid phase; {hint}"
+            elif name in solids[other].exchange and name > other:
+                text = f"this pair stands also at solids.{other}.exchange; give it once"
+                yield path, text
 
 
-def feeds_lie_in_the_bed(bubbling_bed: b.BubblingBed, species: Kinds, see: See) -> Mistakes:
+def feeds_lie_in_the_bed(bubbling_bed: BubblingBed, solids: Solids, see: See) -> Mistakes:
     """Check that particles are fed below the surface of the bed."""
-    for name, item in species.items():
+    for name, item in solids.items():
         if item.feed is not None and item.feed.height > bubbling_bed.height:
-            text = f"above the bed, {bubbling_bed.height:g} m; see {see('bubbling_bed.height')}"
-            yield ("species", name, "feed", "height"), text
+            height = see("bubbling_bed.height")
+            text = f"above the bed, {bubbling_bed.height:g} m; see {height}"
+            yield ("solids", name, "feed", "height"), text
 
 
-def absent_species_do_nothing(species: Kinds, see: See) -> Mistakes:
-    """Check that a species without volume has neither feed nor heat release."""
-    for name, item in species.items():
-        if item.volume_fraction == 0:
-            for key in ("feed", "release"):
-                if getattr(item, key) is not None:
-                    text = f"there is none of this species; see {see(f'species.{name}.volume_fraction')}"
-                    yield ("species", name, key), text
+def absent_phases_do_nothing(solids: Solids, see: See) -> Mistakes:
+    """Check that a solid phase without volume has neither feed nor heat release."""
+    for name, item in solids.items():
+        if item.volume_share > 0:
+            continue
+        for key in ("feed", "release", "fuel", "limestone"):
+            if getattr(item, key) is not None:
+                share = see(f"solids.{name}.volume_share")
+                text = f"there are no particles of this solid phase; see {share}"
+                yield ("solids", name, key), text
 
 
-def bubbles_carry_their_gas(bubbles: b.Bubbles | None, see: See) -> Mistakes:
+def bubbles_carry_their_gas(bubbling_bed: BubblingBed, see: See) -> Mistakes:
     """Check that bubbles with gas have a volume, and that their temperature is determined."""
+    bubbles = bubbling_bed.bubbles
     if bubbles is None or (not bubbles.capacity_flow and bubbles.fraction == 0):
         return
     if bubbles.fraction == 0:
-        yield ("bubbles", "capacity_flow"), f"there are no bubbles to carry it; see {see('bubbles.fraction')}"
+        fraction = see("bubbling_bed.bubbles.fraction")
+        text = f"there are no bubbles to carry it; see {fraction}"
+        yield (*BUBBLES, "capacity_flow"), text
     elif bubbles.capacity_flow == 0 and bubbles.exchange == 0:
-        yield ("bubbles", "exchange"), "bubbles that neither flow nor exchange heat have no temperature"
+        text = "bubbles that neither flow nor exchange heat have no temperature"
+        yield (*BUBBLES, "exchange"), text
+
+
+def the_gas_fits_its_flow(gas: GasCantera | None, boundary: b.Boundary, see: See) -> Mistakes:
+    """Check that a mass flow has a [gas], and a capacity flow none."""
+    computed = boundary.bottom.gas.mass_flow is not None
+    if computed and gas is None:
+        text = "this table is missing; its composition gives the properties of the gas"
+        yield ("gas",), f"{text}; see {see(MASS_FLOW)}"
+    if not computed and gas is not None:
+        text = "has no use where coefficients are frozen"
+        yield ("gas",), f"{text}; see {see(CAPACITY_FLOW)}"
 
 
 def coefficients_fit_the_gas(
-    gas: b.Gas,
-    bubbling_bed: b.BubblingBed,
-    bubbles: b.Bubbles | None,
-    species: Kinds,
-    tubes: b.Surface | None,
-    walls: b.Surface | None,
-    freeboard: b.Freeboard | None,
+    boundary: b.Boundary,
+    bubbling_bed: BubblingBed,
+    solids: Solids,
+    closures: b.Closures,
     origin: Origin,
     see: See,
 ) -> Mistakes:
     """Check that coefficients suit the way in which the gas is given.
 
-    With a capacity flow all are numbers. With a mass flow closures exist and have the properties that they need.
+    With a capacity flow all are numbers. With a mass flow closures exist and have the
+    properties that they need.
     """
-    computed = gas.mass_flow is not None
-    which = f"see {see('gas.mass_flow' if computed else 'gas.capacity_flow')}"
-    tables = SimpleNamespace(
-        bubbling_bed=bubbling_bed, bubbles=bubbles, species=species, tubes=tubes, walls=walls, freeboard=freeboard
-    )
+    computed = boundary.bottom.gas.mass_flow is not None
+    freeboard = bubbling_bed.freeboard
     if not computed and freeboard is not None and freeboard.height is not None:
-        yield ("freeboard", "height"), f"a freeboard needs the properties of the gas: give gas.mass_flow; {which}"
+        text = f"a freeboard needs the properties of the gas: give {MASS_FLOW}"
+        yield (*FREEBOARD, "height"), f"{text}; see {see(CAPACITY_FLOW)}"
         return
-    for path, spec, kind in uses(tables):
-        table = {"bubbles": bubbles, "bubbling_bed": bubbling_bed}.get(str(path[0]))
-        idle = table is not None and path[-1] not in ("fraction", "exchange", "expansion")
-        if not computed and idle:
-            if path[-1] in table.model_fields_set:  # type: ignore[union-attr]
+    tables = SimpleNamespace(bubbling_bed=bubbling_bed, solids=solids, closures=closures)
+    if computed:
+        yield from _closures_can_be_bound(uses(tables), bubbling_bed.bubbling, origin)
+    else:
+        yield from _coefficients_are_numbers(uses(tables), bubbling_bed, closures, see)
+    yield from _flows_fit_the_gas(computed, bubbling_bed, solids, see)
+
+
+def _closures_can_be_bound(places: Iterable[Use], bubbling: bool, origin: Origin) -> Mistakes:
+    """Check that closures exist and have the properties that they need."""
+    for path, spec, kind in places:
+        if not named(spec):
+            continue
+        try:
+            bind(spec, kind, gives(path, kind, bubbling), origin.base)
+        except SceneError as error:
+            yield path, str(error)
+
+
+def _coefficients_are_numbers(
+    places: Iterable[Use], bubbling_bed: BubblingBed, closures: b.Closures, see: See
+) -> Mistakes:
+    """Check that frozen coefficients are numbers, and that none is given without use."""
+    which = f"see {see(CAPACITY_FLOW)}"
+    for path, spec, _ in places:
+        table: Table | None = bubbling_bed
+        if path == MINIMUM_FLUIDIZATION:
+            unused, table = True, closures
+        elif path[:-1] == BUBBLES:
+            unused = path[-1] not in ("fraction", "exchange")
+            table = bubbling_bed.bubbles
+        else:
+            unused = path == CONDUCTIVITY
+        if unused:
+            if table is not None and path[-1] in table.model_fields_set:
                 yield path, f"has no use where coefficients are frozen; {which}"
-        elif not computed and named(spec):
-            yield path, f"a closure needs the properties of the gas: give a number, or gas.mass_flow; {which}"
         elif named(spec):
-            try:
-                bind(spec, kind, gives(path, kind, is_bubbling(bubbles)), origin.base)
-            except SceneError as error:
-                yield path, str(error)
+            yield (
+                path,
+                f"a closure needs the properties of the gas: give a number, or {MASS_FLOW}; {which}",
+            )
+
+
+def _flows_fit_the_gas(computed: bool, bubbling_bed: BubblingBed, solids: Solids, see: See) -> Mistakes:
+    """Check that streams are mass flows or capacity flows as that of the gas is."""
+    bubbles = bubbling_bed.bubbles
+    which = f"see {see(MASS_FLOW if computed else CAPACITY_FLOW)}"
     if bubbles is not None and computed == (bubbles.capacity_flow is not None):
-        wanted = "follows from the closures; leave it out" if computed else "missing; allowed: a number >= 0 W/K"
-        yield ("bubbles", "capacity_flow"), f"{wanted}; {which}"
-    for name, item in species.items():
-        for key in ("density", "heat_capacity") if computed and item.volume_fraction > 0 else ():
-            if getattr(item, key) is None:
-                yield ("species", name, key), f"missing; gas.mass_flow needs it; {which}"
-        right, wrong = ("mass_flow", "capacity_flow") if computed else ("capacity_flow", "mass_flow")
-        if item.feed is not None and (getattr(item.feed, right) is None or getattr(item.feed, wrong) is not None):
-            yield ("species", name, "feed"), f"give {right}, not {wrong}; {which}"
+        wanted = "missing; allowed: a number >= 0 W/K"
+        if computed:
+            wanted = "follows from the closures; leave it out"
+        yield (*BUBBLES, "capacity_flow"), f"{wanted}; {which}"
+    right, wrong = "capacity_flow", "mass_flow"
+    if computed:
+        right, wrong = wrong, right
+    for name, item in solids.items():
+        for key in ("density", "heat_capacity"):
+            if computed and item.volume_share > 0 and getattr(item, key) is None:
+                text = f"missing; {MASS_FLOW} needs it; {which}"
+                yield ("solids", name, key), text
+        if item.feed is None:
+            continue
+        missing = getattr(item.feed, right) is None
+        if missing or getattr(item.feed, wrong) is not None:
+            yield ("solids", name, "feed"), f"give {right}, not {wrong}; {which}"
+
+
+def particles_exchange_heat_with_the_gas(solids: Solids, closures: b.Closures) -> Mistakes:
+    """Check that each solid phase has a coefficient of heat transfer to the gas."""
+    for name, item in solids.items():
+        known = (item.nusselt, item.gas_coefficient, closures.nusselt)
+        if all(value is None for value in known):
+            yield (
+                ("solids", name),
+                "gives no heat transfer to the gas: give nusselt, gas_coefficient, or closures.nusselt",
+            )
 
 
 def settling_has_what_it_needs(
-    gas: b.Gas, bubbling_bed: b.BubblingBed, species: Kinds, freeboard: b.Freeboard | None, see: See
+    boundary: b.Boundary,
+    bubbling_bed: BubblingBed,
+    closures: b.Closures,
+    solids: Solids,
+    see: See,
 ) -> Mistakes:
     """Check the keys from which the height of the bed and the sizes of its particles follow."""
-    if gas.mass_flow is None and bubbling_bed.settled_height is not None:
-        yield ("bubbling_bed", "settled_height"), f"needs the properties of the gas; see {see('gas.capacity_flow')}"
-    if bubbling_bed.expansion is not None and bubbling_bed.settled_height is None:
-        yield ("bubbling_bed", "expansion"), f"has no use where the height is given; see {see('bubbling_bed.height')}"
-    for name, item in species.items():
+    settles = bubbling_bed.settled_height is not None
+    if boundary.bottom.gas.mass_flow is None and settles:
+        text = f"needs the properties of the gas; see {see(CAPACITY_FLOW)}"
+        yield ("bubbling_bed", "settled_height"), text
+    if closures.expansion is not None and not settles:
+        height = see("bubbling_bed.height")
+        yield EXPANSION, f"has no use where the height is given; see {height}"
+    freeboard = bubbling_bed.freeboard
+    for name, item in solids.items():
         if item.sizes is None or item.sizes.feed is None:
             continue
+        path = ("solids", name, "sizes")
         if freeboard is None or freeboard.height is None:
-            yield ("species", name, "sizes"), "what is carried away needs [freeboard] with a height; or give bed"
-        if item.feed is None or not item.feed.mass_flow:
-            yield ("species", name, "sizes"), f"needs species.{name}.feed with a mass_flow; or give bed"
+            table = "[bubbling_bed.freeboard]"
+            yield path, f"what is carried away needs {table} with a height; or give bed"
+        feed = item.inert_feed
+        if feed is None or not feed.mass_flow:
+            yield path, f"needs solids.{name}.feed with a mass_flow; or give bed"
 
 
-def the_gas_is_known(gas: b.Gas, species: Kinds, origin: Origin) -> Mistakes:
+def the_gas_is_known(gas: GasCantera | None, boundary: b.Boundary, solids: Solids, origin: Origin) -> Mistakes:
     """Check that the composition of the gas is valid and that its species are known."""
-    if gas.composition is None:
+    if gas is None:
         return
     from contbed.materials.composition import _pairs
 
     try:
         amounts = [float(amount) for _, amount in _pairs(gas.composition)]
-        known = mixture(gas.composition, gas.pressure, find_mechanism(gas.mechanism, origin.base))
+        mechanism = find_mechanism(gas.mechanism, origin.base)
+        known = mixture(gas.composition, gas.pressure, mechanism)
     except (SceneError, ValueError) as error:
         yield ("gas", "composition"), str(error)
         return
     if abs(sum(amounts) - 1.0) > SHARES:
-        yield ("gas", "composition"), f"mole fractions sum to {sum(amounts):.8g}, not to 1"
+        text = f"mole fractions sum to {sum(amounts):.8g}, not to 1"
+        yield ("gas", "composition"), text
     hottest = known.T_range[1]
-    entering: list[tuple[KeyPath, float]] = [(("gas", "temperature"), gas.temperature)]
-    entering += [
-        (("species", name, "feed", "temperature"), item.feed.temperature)
-        for name, item in species.items()
-        if item.feed is not None
-    ]
+    entering: list[tuple[KeyPath, float]] = [((*BOTTOM, "temperature"), boundary.bottom.gas.temperature)]
+    for name, item in solids.items():
+        feed = item.inert_feed
+        if feed is not None:
+            entering.append((("solids", name, "feed", "temperature"), feed.temperature))
     for path, T in entering:
         if hottest < T:
-            yield path, f"hotter than the properties of the gas hold, {hottest:g} K by {gas.mechanism}"
+            yield (
+                path,
+                f"hotter than the properties of the gas hold, {hottest:g} K by {gas.mechanism}",
+            )
 
 
-def radiation_has_its_emissivities(
-    radiation: b.Radiation, species: Kinds, freeboard: b.Freeboard | None, see: See
-) -> Mistakes:
+def radiation_has_its_emissivities(radiation: b.Radiation, solids: Solids, see: See) -> Mistakes:
     """Check that radiating particles have an emissivity, and the keys of the level."""
     level = radiation.level
     if level == "none":
         return
-    for name, item in species.items():
-        if item.volume_fraction > 0 and item.emissivity is None:
-            yield ("species", name, "emissivity"), f"missing; radiation needs it; see {see('radiation')}"
+    for name, item in solids.items():
+        if item.volume_share > 0 and item.emissivity is None:
+            text = f"missing; radiation needs it; see {see('radiation')}"
+            yield ("solids", name, "emissivity"), text
     if level in ("paper", "pairwise") and radiation.correction == "close_packed":
-        yield ("radiation", "correction"), "exchange at one place is that of the surfaces: independent, or leave it out"
+        text = "exchange at one place is that of the surfaces: independent, or leave it out"
+        yield ("radiation", "correction"), text
     if level == "two_flux" and radiation.anisotropy:
-        yield ("radiation", "anisotropy"), f"the two-flux method ignores it; see {see('radiation.level')}"
+        text = f"the two-flux method ignores it; see {see('radiation.level')}"
+        yield ("radiation", "anisotropy"), text
 
 
-def something_fixes_the_plate(
-    distributor: b.Distributor | None, gas: b.Gas, bubbles: b.Bubbles | None, radiation: b.Radiation
-) -> Mistakes:
+def something_fixes_the_plate(bubbling_bed: BubblingBed, boundary: b.Boundary, radiation: b.Radiation) -> Mistakes:
     """Check that the temperature of the distributor is determined."""
-    if distributor is None:
+    plate, bubbles = bubbling_bed.distributor, bubbling_bed.bubbles
+    if plate is None:
         return
-    flow = gas.mass_flow or gas.capacity_flow or (bubbles is not None and bubbles.capacity_flow) or 0.0
-    radiates = radiation.level in ("p1", "two_flux") and distributor.emissivity is not None
-    if not distributor.coefficient and not distributor.preheat_NTU * flow and not radiates:
+    gas = boundary.bottom.gas
+    flow = gas.mass_flow or gas.capacity_flow
+    if not flow and bubbles is not None:
+        flow = bubbles.capacity_flow
+    radiates = radiation.level in ("p1", "two_flux") and plate.emissivity is not None
+    if not plate.coefficient and not plate.preheat_NTU * (flow or 0.0) and not radiates:
         text = "nothing exchanges heat with it: give coefficient or preheat_NTU, or leave out the table"
-        yield ("distributor", "coefficient"), text
+        yield ("bubbling_bed", "distributor", "coefficient"), text
 
 
-def something_fixes_the_temperatures(
-    gas: b.Gas, bubbles: b.Bubbles | None, species: Kinds, tubes: b.Surface | None, walls: b.Surface | None
-) -> Mistakes:
+def something_fixes_the_temperatures(boundary: b.Boundary, bubbling_bed: BubblingBed, solids: Solids) -> Mistakes:
     """Check that a stream or a surface carries heat away."""
-    flows = [item.feed.capacity_flow or item.feed.mass_flow for item in species.values() if item.feed is not None]
-    flows += [gas.capacity_flow, gas.mass_flow, bubbles.capacity_flow if bubbles is not None else 0.0]
-    surfaces = [item.coefficient for item in (tubes, walls) if item is not None]
+    gas, bubbles = boundary.bottom.gas, bubbling_bed.bubbles
+    feeds = [item.inert_feed for item in solids.values()]
+    flows = [feed.capacity_flow or feed.mass_flow for feed in feeds if feed is not None]
+    flows += [gas.capacity_flow, gas.mass_flow]
+    flows += [bubbles.capacity_flow] if bubbles is not None else []
+    surfaces = [item.coefficient for item in bubbling_bed.surfaces.values()]
     if not any(flows) and not any(surfaces):
-        yield ("gas", "capacity_flow"), "no stream and no surface carries heat away: no steady state is determined"
+        yield (
+            (*BOTTOM, "capacity_flow"),
+            "no stream and no surface carries heat away: no steady state is determined",
+        )
 
 
-def positions_lie_in_the_bed(bubbling_bed: b.BubblingBed, output: Output, see: See) -> Mistakes:
+def positions_lie_in_the_bed(bubbling_bed: BubblingBed, output: Output, see: See) -> Mistakes:
     """Check that the output positions lie in the bed."""
+    height = bubbling_bed.height
     for index, position in enumerate(output.positions):
-        if not 0 <= position <= bubbling_bed.height:
-            text = f"outside of the bed, 0 to {bubbling_bed.height:g} m; see {see('bubbling_bed.height')}"
+        if not 0 <= position <= height:
+            where = see("bubbling_bed.height")
+            text = f"outside of the bed, 0 to {height:g} m; see {where}"
             yield ("output", "positions", index), text
 
 
 def the_parameter_is_a_number(
     continuation: b.Continuation | None,
-    bubbling_bed: b.BubblingBed,
-    gas: b.Gas,
-    bubbles: b.Bubbles | None,
-    species: Kinds,
-    tubes: b.Surface | None,
-    walls: b.Surface | None,
-    distributor: b.Distributor | None,
-    freeboard: b.Freeboard | None,
+    bubbling_bed: BubblingBed,
+    boundary: b.Boundary,
+    gas: GasCantera | None,
+    solids: Solids,
 ) -> Mistakes:
     """Check that the parameter of the continuation is a number of the scene that may vary."""
     if continuation is None:
@@ -244,36 +360,43 @@ def the_parameter_is_a_number(
 
     tables = {
         "bubbling_bed": bubbling_bed,
+        "boundary": boundary,
         "gas": gas,
-        "bubbles": bubbles,
-        "species": species,
-        "tubes": tubes,
-        "walls": walls,
-        "distributor": distributor,
-        "freeboard": freeboard,
+        "solids": solids,
     }
-    found = value_at(tables, continuation.parameter)
-    fixed = continuation.parameter.startswith("bubbling_bed.height") or "diameter" in continuation.parameter
+    key = continuation.parameter
+    found = value_at(tables, key)
+    fixed = key.startswith("bubbling_bed.height") or "diameter" in key
     if not isinstance(found, float) or fixed:
-        text = "no number of this scene can be varied under this key; allowed: keys such as gas.temperature, "
-        yield ("continuation", "parameter"), text + "gas.mass_flow, walls.coefficient, species.NAME.feed.temperature"
+        yield (
+            ("continuation", "parameter"),
+            "no number of this scene can be varied under this key; allowed: keys such "
+            f"as boundary.bottom.gas.temperature, {MASS_FLOW}, "
+            "bubbling_bed.walls.coefficient, solids.NAME.feed.temperature",
+        )
     elif found == continuation.to:
         yield ("continuation", "to"), "is the value that the scene has"
     elif continuation.back_to is not None and (continuation.back_to - found) * (continuation.to - found) > 0:
-        yield ("continuation", "back_to"), f"lies on the same side of the value in the scene, {found:g}, as `to`"
-
-
-def particles_pass_between_the_tubes(
-    bubbling_bed: b.BubblingBed, species: Kinds, tubes: b.Surface | None, see: See
-) -> Mistakes:
-    """Check that particles are smaller than 2 A/p, the width of slits whose walls have the surface of the tubes."""
-    largest = max((item.diameter for item in species.values() if item.volume_fraction > 0), default=0.0)
-    if tubes is not None and 2.0 * bubbling_bed.section < largest * tubes.perimeter:
         yield (
-            ("tubes", "perimeter"),
-            f"leaves {2.0 * bubbling_bed.section / tubes.perimeter:.3g} m between surfaces, less than particles of "
-            f"{largest:.3g} m; allowed: below {2.0 * bubbling_bed.section / largest:.4g} m, see "
-            f"{see('bubbling_bed.section')}",
+            ("continuation", "back_to"),
+            f"lies on the same side of the value in the scene, {found:g}, as `to`",
+        )
+
+
+def particles_pass_between_the_tubes(bubbling_bed: BubblingBed, solids: Solids, see: See) -> Mistakes:
+    """Check that particles are smaller than 2 A/p.
+
+    That is the width of slits whose walls have the surface of the tubes.
+    """
+    tubes, section = bubbling_bed.tubes, bubbling_bed.section
+    diameters = [item.diameter for item in solids.values() if item.volume_share > 0]
+    largest = max(diameters, default=0.0)
+    if tubes is not None and 2.0 * section < largest * tubes.perimeter:
+        yield (
+            ("bubbling_bed", "tubes", "perimeter"),
+            f"leaves {2.0 * section / tubes.perimeter:.3g} m between surfaces, less "
+            f"than particles of {largest:.3g} m; allowed: below "
+            f"{2.0 * section / largest:.4g} m, see {see('bubbling_bed.section')}",
         )
 
 
@@ -282,9 +405,11 @@ CHECKS: tuple[Callable[..., Mistakes], ...] = (
     names_are_free,
     pairs_are_given_once,
     feeds_lie_in_the_bed,
-    absent_species_do_nothing,
+    absent_phases_do_nothing,
     bubbles_carry_their_gas,
+    the_gas_fits_its_flow,
     coefficients_fit_the_gas,
+    particles_exchange_heat_with_the_gas,
     the_gas_is_known,
     settling_has_what_it_needs,
     radiation_has_its_emissivities,
@@ -297,19 +422,21 @@ CHECKS: tuple[Callable[..., Mistakes], ...] = (
 )
 
 
-def tubes_fit_in_the_section(
-    bubbling_bed: b.BubblingBed, tubes: b.Surface | None, freeboard: b.Freeboard | None, see: See
-) -> Mistakes:
+def tubes_fit_in_the_section(bubbling_bed: BubblingBed, see: See) -> Mistakes:
     """Look for more surface than tubes have that touch each other, even those of the least diameter."""
-    most = 4.0 * DENSEST / LEAST_TUBE * bubbling_bed.section
-    above = None if freeboard is None else freeboard.tubes
-    given: list[tuple[KeyPath, b.Surface | b.FreeboardSurface | None]] = [(("tubes",), tubes)]
-    for path, table in [*given, (("freeboard", "tubes"), above)]:
+    section, above = bubbling_bed.section, bubbling_bed.freeboard
+    most = 4.0 * DENSEST / LEAST_TUBE * section
+    given: list[tuple[KeyPath, Surface | FreeboardSurface | None]] = [
+        (("bubbling_bed", "tubes"), bubbling_bed.tubes),
+        ((*FREEBOARD, "tubes"), None if above is None else above.tubes),
+    ]
+    for path, table in given:
         if table is not None and table.perimeter > most:
             yield (
                 (*path, "perimeter"),
-                f"tubes of {1e3 * LEAST_TUBE:g} mm that touch each other have {most:.4g} m in "
-                f"{bubbling_bed.section:g} m2; give less, or see {see('bubbling_bed.section')}",
+                f"tubes of {1e3 * LEAST_TUBE:g} mm that touch each other have "
+                f"{most:.4g} m in {section:g} m2; give less, or see "
+                f"{see('bubbling_bed.section')}",
             )
 
 

@@ -11,6 +11,12 @@ from contbed.scene.toml_lines import KeyPath, dotted
 
 Use = tuple[KeyPath, Any, str]
 
+MINIMUM_FLUIDIZATION: KeyPath = ("closures", "minimum_fluidization")
+EXPANSION: KeyPath = ("closures", "expansion")
+CONDUCTIVITY: KeyPath = ("bubbling_bed", "conductivity")
+BUBBLES: KeyPath = ("bubbling_bed", "bubbles")
+FREEBOARD: KeyPath = ("bubbling_bed", "freeboard")
+
 _GAS = frozenset({"T", "rho_gas", "mu", "cp_gas", "k_gas", "k_fluid", "Pr", "eps", "D_bed"})
 _PARTICLES = frozenset({"d_p", "sphericity", "rho_solid", "Ar"})
 _BED = _GAS | _PARTICLES | {"p", "molar_mass", "eps_mf", "cp_solid", "k_solid"}
@@ -30,64 +36,82 @@ _ABOVE = {
     "terminal_velocity": _GAS | _PARTICLES | {"u_gas"},
     "elutriation": _GAS | _PARTICLES | {"u_gas", "u_t"},
 }
+_OF_BUBBLES = {
+    "fraction": "bubble_fraction",
+    "exchange": "bubble_heat",
+    "gas_exchange": "gas_exchange",
+    "size": "bubble_growth",
+    "start": "bubble_start",
+    "rise": "bubble_rise",
+    "emulsion_gas": "emulsion_gas",
+}
+_OF_FREEBOARD = {
+    "ejection": "ejection",
+    "decay": "decay",
+    "terminal_velocity": "terminal_velocity",
+    "elutriation": "elutriation",
+    "gas_coefficient": "nusselt",
+}
 _MORE = {"nusselt": frozenset({"Re"}), "solid_exchange": _PAIR}
 
 
 def uses(scene: Any) -> Iterator[Use]:
-    """Yield (key, value, kind) of each place where the scene may name a closure."""
-    bed, bubbles = scene.bubbling_bed, scene.bubbles
-    yield ("bubbling_bed", "minimum_fluidization"), bed.minimum_fluidization, "minimum_fluidization"
-    if bed.expansion is not None:
-        yield ("bubbling_bed", "expansion"), bed.expansion, "expansion"
+    """Yield (key, value, kind) of each place where the scene may name a closure.
+
+    `scene` needs its bubbling_bed, solids and closures. A solid phase without a
+    nusselt of its own takes that of [closures].
+    """
+    bed, closures = scene.bubbling_bed, scene.closures
+    yield MINIMUM_FLUIDIZATION, closures.minimum_fluidization, "minimum_fluidization"
+    if closures.expansion is not None:
+        yield EXPANSION, closures.expansion, "expansion"
     if bed.conductivity is not None:
-        yield ("bubbling_bed", "conductivity"), bed.conductivity, "conductivity"
-    if bubbles is not None:
-        for key, kind in (
-            ("fraction", "bubble_fraction"),
-            ("exchange", "bubble_heat"),
-            ("gas_exchange", "gas_exchange"),
-            ("size", "bubble_growth"),
-            ("start", "bubble_start"),
-            ("rise", "bubble_rise"),
-            ("emulsion_gas", "emulsion_gas"),
-        ):
-            yield ("bubbles", key), getattr(bubbles, key), kind
-    for name, item in scene.species.items():
-        yield ("species", name, "gas_coefficient"), item.gas_coefficient, "nusselt"
-        yield ("species", name, "conductivity"), item.conductivity, "solids_mixing"
-        for other, value in item.exchange.items():
-            yield ("species", name, "exchange", other), value, "solid_exchange"
-    for key, table in (("tubes", scene.tubes), ("walls", scene.walls)):
-        if table is not None:
-            yield (key, "coefficient"), table.coefficient, "bed_tube"
-    if scene.freeboard is not None and scene.freeboard.height is not None:
-        for key, kind in (
-            ("ejection", "ejection"),
-            ("decay", "decay"),
-            ("terminal_velocity", "terminal_velocity"),
-            ("elutriation", "elutriation"),
-            ("gas_coefficient", "nusselt"),
-        ):
-            yield ("freeboard", key), getattr(scene.freeboard, key), kind
+        yield CONDUCTIVITY, bed.conductivity, "conductivity"
+    if bed.bubbles is not None:
+        for key, kind in _OF_BUBBLES.items():
+            yield (*BUBBLES, key), getattr(bed.bubbles, key), kind
+    for name, item in scene.solids.items():
+        yield from _uses_of_solid(name, item, closures)
+    for key, table in bed.surfaces.items():
+        yield (*surface_key(key), "coefficient"), table.coefficient, "bed_tube"
+    if bed.freeboard is not None and bed.freeboard.height is not None:
+        for key, kind in _OF_FREEBOARD.items():
+            yield (*FREEBOARD, key), getattr(bed.freeboard, key), kind
+
+
+def _uses_of_solid(name: str, item: Any, closures: Any) -> Iterator[Use]:
+    """Yield the places of one solid phase."""
+    nusselt = item.nusselt
+    if item.gas_coefficient is not None:
+        yield ("solids", name, "gas_coefficient"), item.gas_coefficient, "nusselt"
+    elif nusselt is not None or closures.nusselt is not None:
+        yield ("solids", name, "nusselt"), nusselt or closures.nusselt, "nusselt"
+    mixing = item.mixing_conductivity
+    yield ("solids", name, "mixing_conductivity"), mixing, "solids_mixing"
+    for other, value in item.exchange.items():
+        yield ("solids", name, "exchange", other), value, "solid_exchange"
+
+
+def surface_key(name: str) -> KeyPath:
+    """Return the key of a surface in the bed, "tubes" or "walls"."""
+    return ("bubbling_bed", name)
 
 
 def gives(path: KeyPath, kind: str, bubbling: bool) -> frozenset[str]:
-    """Return the arguments that a closure at a place of the scene can have, with bubbles or without."""
-    table, key = path[0], str(path[-1])
-    if key == "minimum_fluidization":
+    """Return the arguments that a closure at a place of the scene can have.
+
+    `bubbling` says whether there are bubbles.
+    """
+    key = str(path[-1])
+    if path == MINIMUM_FLUIDIZATION:
         return _BED
-    if table == "freeboard":
+    if path[:-1] == FREEBOARD:
         above = _ABOVE[key]
         if above is not None:
             return above
-    if table == "bubbles":
+    if path[:-1] == BUBBLES:
         return _IN_TURN.get(key, _BUBBLES)
     return (_BUBBLES if bubbling else _FLOW) | _MORE.get(kind, frozenset())
-
-
-def is_bubbling(bubbles: Any) -> bool:
-    """Return whether a scene with this table has bubbles."""
-    return bubbles is not None and bubbles.fraction != 0
 
 
 class Coefficient:

@@ -15,7 +15,15 @@ from typing import Any
 import numpy as np
 
 from contbed.bubbling_bed import scene as b
-from contbed.bubbling_bed.closures import Coefficient, is_bubbling, uses
+from contbed.bubbling_bed.closures import (
+    BUBBLES,
+    CONDUCTIVITY,
+    EXPANSION,
+    MINIMUM_FLUIDIZATION,
+    Coefficient,
+    surface_key,
+    uses,
+)
 from contbed.bubbling_bed.equations import coefficients as model
 from contbed.bubbling_bed.equations import flow as bubbling_flow
 from contbed.closures.bubbles import GRAVITY
@@ -44,10 +52,11 @@ class Computed:
         self.ranges: list[Any] | None = None
         self.smoothed = SMOOTHED
         self.mixtures: Callable[[Any], dict[str, Any]] = lambda u: {"emulsion": gas, "bubble": gas}
-        self.flow = 0.0 if scene.gas.mass_flow is None else scene.gas.mass_flow
+        flow = scene.inlet.mass_flow
+        self.flow = 0.0 if flow is None else flow
         bed, present = scene.bubbling_bed, scene.present
         base = scene.origin.base
-        self.bubbling = is_bubbling(scene.bubbles)
+        self.bubbling = bed.bubbling
         self.coefficients = {
             path: Coefficient(path, spec, kind, self.bubbling, base) for path, spec, kind in uses(scene)
         }
@@ -55,24 +64,24 @@ class Computed:
         self.eps = 1.0 - bed.solids_fraction
         self.D_bed = float(np.sqrt(4.0 * bed.section / np.pi))
         self.names = list(present)
-        self.share = {name: item.volume_fraction for name, item in present.items()}
+        self.share = {name: item.volume_share for name, item in present.items()}
         self.density = {name: float(item.density or 0.0) for name, item in present.items()}
         self.capacity = {name: _coefficients(item.heat_capacity) for name, item in present.items()}
         self.surface = {
-            name: 6.0 * self.solids * item.volume_fraction / (item.sphericity * item.diameter)
+            name: 6.0 * self.solids * item.volume_share / (item.sphericity * item.diameter)
             for name, item in present.items()
         }
-        total = sum(item.volume_fraction / item.diameter for item in present.values())
+        total = sum(item.volume_share / item.diameter for item in present.values())
         self.d_p = 1.0 / total
         self.sphericity = total / sum(
-            item.volume_fraction / (item.sphericity * item.diameter) for item in present.values()
+            item.volume_share / (item.sphericity * item.diameter) for item in present.values()
         )
         self.rho_solid = sum(self.share[name] * self.density[name] for name in self.names)
-        self.k_solid = self._by_surface({name: item.thermal_conductivity for name, item in present.items()})
-        self.grows = self.bubbling and self.coefficients["bubbles", "size"].value is None
+        self.k_solid = self._by_surface({name: item.conductivity for name, item in present.items()})
+        self.grows = self.bubbling and self.coefficients[*BUBBLES, "size"].value is None
         self.chemistry = self._chemistry() if scene.reactions is not None else None
         self.above = None
-        if scene.freeboard is not None and scene.freeboard.height is not None:
+        if bed.freeboard is not None and bed.freeboard.height is not None:
             from contbed.bubbling_bed.freeboard import FreeboardProblem
 
             self.above = FreeboardProblem(scene, self)
@@ -87,7 +96,7 @@ class Computed:
         return found
 
     def _dispersion(self, name: str, local: model.Local) -> Any:
-        """Axial mixing of a species [m2/s]: its conductivity over its heat capacity per height."""
+        """Axial mixing of a solid phase [m2/s]: its conductivity over its heat capacity per height."""
         emulsion = self.section * (1.0 - local.delta) * self.solids * self.share[name]
         content = emulsion * self.density[name] * self.heat_capacity(name, local.state["T"])
         return local.state["conduction"][name] / content
@@ -95,7 +104,7 @@ class Computed:
     def _gas_exchange(self, local: model.Local, state: Any) -> Any:
         """Gas between bubbles and emulsion per volume of bubbles [1/s]."""
         D = diffusion_in_nitrogen("O2", 0.031998, local.state["T"], self.gas.pressure)
-        return self._call(("bubbles", "gas_exchange"), local.state | {"D_gas": D})
+        return self._call((*BUBBLES, "gas_exchange"), local.state | {"D_gas": D})
 
     @property
     def fields(self) -> tuple[str, ...]:
@@ -107,11 +116,11 @@ class Computed:
         return sum(self.surface[name] * value for name, value in values.items()) / sum(self.surface.values())
 
     def heat_capacity(self, name: str, T: Any) -> Any:
-        """[J/kg/K] of a species."""
+        """[J/kg/K] of a solid phase."""
         return polynomial(self.capacity[name], T)
 
     def enthalpy(self, name: str, T: Any) -> Any:
-        """[J/kg] of a species, 0 at 0 K."""
+        """[J/kg] of a solid phase, 0 at 0 K."""
         return polynomial(integrated(self.capacity[name]), T)
 
     def temperature(self, u: Any) -> Any:
@@ -144,8 +153,8 @@ class Computed:
             "k_solid": self.k_solid,
             "Ar": self.d_p**3 * rho * (self.rho_solid - rho) * GRAVITY / mu**2,
         }
-        found = self._call(("bubbling_bed", "minimum_fluidization"), state)
-        given = self.coefficients["bubbling_bed", "minimum_fluidization"].value is not None
+        found = self._call(MINIMUM_FLUIDIZATION, state)
+        given = self.coefficients[MINIMUM_FLUIDIZATION].value is not None
         state["u_mf"] = found if given else found * mu / (rho * self.d_p)
         if not self.bubbling:
             state["u"] = state["u_e"] = flow / (rho * self.section)
@@ -166,9 +175,9 @@ class Computed:
         state["u_excess"] = state["slip"] = _positive(state["u"] - state["u_mf"], bend)
         state["u"] = state["u_mf"] + state["u_excess"]
         state["d_b"] = d_b
-        state["u_b"] = self._call(("bubbles", "rise"), state)
-        state["delta"] = self._call(("bubbles", "fraction"), state)
-        state["u_emulsion_closure"] = self._call(("bubbles", "emulsion_gas"), state)
+        state["u_b"] = self._call((*BUBBLES, "rise"), state)
+        state["delta"] = self._call((*BUBBLES, "fraction"), state)
+        state["u_emulsion_closure"] = self._call((*BUBBLES, "emulsion_gas"), state)
         least, all_gas = LEAST * state["u_mf"], flow / (rho * A * (1.0 - state["delta"]))
         rising = least + _bent(state["u_emulsion_closure"] - least, bend)
         bubbles = least + _bent(all_gas - rising - least, bend)
@@ -187,12 +196,12 @@ class Computed:
             flow = sum(part.mass(u, phase) for phase in part.phases)
         state, gases = self.state(u, flow)
         flows, slopes, crossing, unknown = {"T_emulsion": flow}, {"T_emulsion": 0.0}, None, None
-        heat = 1e3 * gases["emulsion"].heat_capacity(scene.solver.guess)  # a kg of gas heated by 1000 K
+        heat = 1e3 * gases["emulsion"].heat_capacity(scene.initial.temperature)  # a kg of gas heated by 1000 K
         if self.bubbling:
-            d_b = u.d_bubble if self.grows else self.coefficients["bubbles", "size"].value
+            d_b = u.d_bubble if self.grows else self.coefficients[*BUBBLES, "size"].value
             target = self.bubbles(state, gases["bubble"].density(u.T_bubble), flow, u.flow_bubble, d_b)
-            growth = self._call(("bubbles", "size"), state) if self.grows else None
-            start = self._call(("bubbles", "start"), state) if self.grows else None
+            growth = self._call((*BUBBLES, "size"), state) if self.grows else None
+            start = self._call((*BUBBLES, "start"), state) if self.grows else None
             flows = {"T_emulsion": flow - u.flow_bubble, "T_bubble": u.flow_bubble}
             crossing = o.grad(u.flow_bubble)[0]
             slopes = {"T_emulsion": -crossing, "T_bubble": crossing}
@@ -213,8 +222,8 @@ class Computed:
             {name: self._to_gas(name, state) for name in self.names},
             {name: self._mixing(name, state) for name in self.names},
             self._pairs(state),
-            self._call(("bubbles", "exchange"), state) if self.bubbling else 0.0,
-            {key: self._contact(key, state) for key in ("tubes", "walls") if getattr(scene, key) is not None},
+            self._call((*BUBBLES, "exchange"), state) if self.bubbling else 0.0,
+            {key: self._contact(key, state) for key in scene.bubbling_bed.surfaces},
             flows,
             slopes,
             crossing,
@@ -229,7 +238,7 @@ class Computed:
         return local
 
     def _inventory(self, u: Any, local: model.Local) -> None:
-        """Scale what goes by the surface of the fuel from its volume_fraction to what the bed holds."""
+        """Scale what goes by the surface of the fuel from its volume_share to what the bed holds."""
         state = local.state
         assert self.chemistry is not None
         state["conduction"] = dict(local.conduction)
@@ -249,18 +258,21 @@ class Computed:
 
     def expansion(self, u: Any, o: Any) -> Any:
         """Height of the bed over that at minimum fluidization."""
-        return self._call(("bubbling_bed", "expansion"), self(u, o).state)
+        return self._call(EXPANSION, self(u, o).state)
 
     def _to_gas(self, name: str, state: dict[str, Any]) -> Any:
-        d_p = self.scene.species[name].diameter
+        d_p = self.scene.solids[name].diameter
         Re = state["rho_gas"] * state["u_e"] * d_p / state["mu"]
-        coefficient = self.coefficients["species", name, "gas_coefficient"]
-        found = coefficient(state | {"Re": Re, "d_p": d_p}, self.ranges)
-        return self.surface[name] * (found if coefficient.value is not None else found * state["k_gas"] / d_p)
+        number = self.scene.solids[name].gas_coefficient
+        if number is not None:
+            return self.surface[name] * number
+        nusselt = self.coefficients["solids", name, "nusselt"]
+        found = nusselt(state | {"Re": Re, "d_p": d_p}, self.ranges)
+        return self.surface[name] * (found * state["k_gas"] / d_p)
 
     def _mixing(self, name: str, state: dict[str, Any]) -> Any:
-        """Section times conductivity of a species [W m/K]."""
-        coefficient = self.coefficients["species", name, "conductivity"]
+        """Section times conductivity of a solid phase [W m/K]."""
+        coefficient = self.coefficients["solids", name, "mixing_conductivity"]
         found = coefficient(state, self.ranges)
         emulsion = self.section * (1.0 - state.get("delta", 0.0)) * self.share[name]
         if coefficient.value is None:
@@ -270,30 +282,30 @@ class Computed:
             mixing = self.section * found
         if self.scene.bubbling_bed.conductivity is None:
             return mixing
-        return mixing + emulsion * self._call(("bubbling_bed", "conductivity"), state)
+        return mixing + emulsion * self._call(CONDUCTIVITY, state)
 
     def _pairs(self, state: dict[str, Any]) -> dict[tuple[str, str], Any]:
         out = {}
         for name in self.names:
-            for other in self.scene.species[name].exchange:
+            for other in self.scene.solids[name].exchange:
                 if other not in self.names:
                     continue
                 pair = state | self._of_pair(name, 1, state) | self._of_pair(other, 2, state)
-                out[name, other] = self.coefficients["species", name, "exchange", other](pair, self.ranges)
+                out[name, other] = self.coefficients["solids", name, "exchange", other](pair, self.ranges)
         return out
 
     def _of_pair(self, name: str, k: int, state: dict[str, Any]) -> dict[str, Any]:
-        item = self.scene.species[name]
+        item = self.scene.solids[name]
         return {
             f"f_{k}": self.solids * self.share[name],
             f"d_{k}": item.diameter,
             f"rho_{k}": self.density[name],
             f"cp_{k}": self.heat_capacity(name, state["T"]),
-            f"k_{k}": item.thermal_conductivity,
+            f"k_{k}": item.conductivity,
         }
 
     def _contact(self, key: str, state: dict[str, Any]) -> Any:
-        return self.coefficients[key, "coefficient"](state | {"eps": state["eps_bed"]}, self.ranges)
+        return self.coefficients[*surface_key(key), "coefficient"](state | {"eps": state["eps_bed"]}, self.ranges)
 
     def surface_state(self, T: float) -> dict[str, Any]:
         """Return what closures see at the surface of a bed of one temperature."""
@@ -310,7 +322,7 @@ class Computed:
         flow = self.flow
         heights = np.linspace(0.0, float(np.max(z)), STEPS + 1)
         steps, sizes, bubbles = np.diff(heights), [], []
-        d_b: Any = 0.01 * self.D_bed if self.grows else self.coefficients["bubbles", "size"].value
+        d_b: Any = 0.01 * self.D_bed if self.grows else self.coefficients[*BUBBLES, "size"].value
         flow_bubble: Any = 0.5 * flow
         state, gases = self.state(u, flow)
         rho_bubble = gases["bubble"].density(T)
@@ -319,11 +331,11 @@ class Computed:
                 wanted = self.bubbles(state, rho_bubble, flow, flow_bubble, d_b)
                 flow_bubble = 0.5 * flow_bubble + 0.5 * np.clip(wanted, 0.02 * flow, 0.98 * flow)
                 if k == 0 and self.grows:
-                    d_b = self._call(("bubbles", "start"), state)
+                    d_b = self._call((*BUBBLES, "start"), state)
             sizes.append(float(np.squeeze(d_b)))
             bubbles.append(float(np.squeeze(flow_bubble)))
             if self.grows and k < STEPS:
-                d_b = np.maximum(d_b + steps[k] * self._call(("bubbles", "size"), state), 1e-3 * self.D_bed)
+                d_b = np.maximum(d_b + steps[k] * self._call((*BUBBLES, "size"), state), 1e-3 * self.D_bed)
         return np.interp(z, heights, bubbles), np.interp(z, heights, sizes)
 
     @property

@@ -6,6 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from contbed.bubbling_bed.closures import BUBBLES
+from contbed.scene.toml_lines import dotted
+
 BARELY = 0.05  # excess gas over u_mf below which a place counts as barely fluidized
 WIDE = 2.0  # diameter of bubbles over that of the bed beyond which the run warns
 SHOWN = 20.0  # temperatures are looked at this many kelvin beyond the properties of the gas
@@ -63,9 +66,10 @@ def fluidization(problem: Any, x: Any) -> str | None:
     k = int(np.argmin(np.where(np.isfinite(excess), excess, np.inf)))
     T = float(np.broadcast_to(found["T"], z.shape)[k])
     return (
-        f"gas.mass_flow barely fluidizes the bed or not at all between {z[bare].min():.3g} and {z[bare].max():.3g} m: "
-        f"at {z[k]:.3g} m u_mf is {u_mf[k]:.3g} m/s in particles of {T:.4g} K, and mixing by bubbles vanishes; give "
-        "more gas.mass_flow, hotter gas, a smaller distributor.coefficient, or a bubbling_bed.conductivity of the "
+        "boundary.bottom.gas.mass_flow barely fluidizes the bed or not at all between "
+        f"{z[bare].min():.3g} and {z[bare].max():.3g} m: at {z[k]:.3g} m u_mf is {u_mf[k]:.3g} m/s in particles "
+        f"of {T:.4g} K, and mixing by bubbles vanishes; give "
+        "more gas, hotter gas, a smaller bubbling_bed.distributor.coefficient, or a bubbling_bed.conductivity of the "
         "resting emulsion"
     )
 
@@ -74,11 +78,11 @@ def flows_down(scene: Any, u_e: Any, z: Any) -> str | None:
     """Say where a closure lets gas flow down, by `u_e` [m/s] in the emulsion at heights `z` [m]; None where nowhere."""
     if not np.any(u_e <= 0):
         return None
-    k = int(np.nanargmin(u_e))
+    k, key = int(np.nanargmin(u_e)), (*BUBBLES, "emulsion_gas")
     return (
-        f"{scene.origin.at(('bubbles', 'emulsion_gas'))}: bubbles.emulsion_gas: the gas would flow down through the "
-        f"emulsion between {z[u_e <= 0].min():.3g} and {z[u_e <= 0].max():.3g} m, {u_e[k]:.3g} m/s at {z[k]:.3g} m, "
-        "which the model does not hold for; take another closure, a smaller wake, a number, or less gas.mass_flow"
+        f"{scene.origin.at(key)}: {dotted(key)}: the gas would flow down through the emulsion "
+        f"between {z[u_e <= 0].min():.3g} and {z[u_e <= 0].max():.3g} m, {u_e[k]:.3g} m/s at {z[k]:.3g} m, "
+        "which the model does not hold for; take another closure, a smaller wake, a number, or less gas"
     )
 
 
@@ -95,6 +99,6 @@ def _residual(problem: Any, x: Any) -> str:
     worst = max(share, key=lambda name: float(np.nanmax(share[name], initial=0.0)))
     k = int(np.nanargmax(np.nan_to_num(share[worst])))
     return (
-        f"the balance of {worst} is missed most, at {z[k]:.3g} m; start from another solver.guess, or refine the mesh "
-        "by mesh.refine = 1"
+        f"the balance of {worst} is missed most, at {z[k]:.3g} m; start from another "
+        "initial.temperature, or refine the mesh by mesh.refine = 1"
     )

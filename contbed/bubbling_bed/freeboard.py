@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from contbed.bubbling_bed.closures import FREEBOARD
 from contbed.bubbling_bed.equations import freeboard as model
 from contbed.bubbling_bed.equations.coefficients import Local
 from contbed.closures.bubbles import GRAVITY
@@ -17,14 +18,14 @@ class FreeboardProblem:
     """The freeboard above a bed: the `part` of the model, typical values of its unknowns and a first guess."""
 
     def __init__(self, scene: Any, computed: Any):
-        self.scene, self.computed, self.table = scene, computed, scene.freeboard
+        self.scene, self.computed, self.table = scene, computed, scene.bubbling_bed.freeboard
         self.coefficients = computed.coefficients
         names = computed.names
         total = sum(computed.share[name] * computed.density[name] for name in names)
         self.shares = {name: computed.share[name] * computed.density[name] / total for name in names}
         surface = sum(computed.surface.values()) / computed.solids
         radiates = scene.radiation.level in ("p1", "two_flux")
-        emissivity = sum(computed.surface[name] * (scene.species[name].emissivity or 0.0) for name in names)
+        emissivity = sum(computed.surface[name] * (scene.solids[name].emissivity or 0.0) for name in names)
         surfaces = {
             name: model.Surface(item.perimeter, item.coefficient, item.temperature, item.emissivity or 0.0)
             for name, item in (("freeboard_tubes", self.table.tubes), ("freeboard_walls", self.table.walls))
@@ -93,17 +94,17 @@ class FreeboardProblem:
         return state, flow, gas
 
     def _of(self, state: dict[str, Any], name: str, diameter: float) -> dict[str, Any]:
-        """Return the state with particles of one species and size."""
-        item, rho = self.scene.species[name], self.computed.density[name]
+        """Return the state with particles of one solid phase and size."""
+        item, rho = self.scene.solids[name], self.computed.density[name]
         Ar = diameter**3 * state["rho_gas"] * (rho - state["rho_gas"]) * GRAVITY / state["mu"] ** 2
         return state | {"d_p": diameter, "sphericity": item.sphericity, "rho_solid": rho, "Ar": Ar}
 
     def rates(self, u: Any, name: str) -> list[Any]:
-        """Return the elutriation rate constants of the sizes of a species [kg/m2/s]."""
+        """Return the elutriation rate constants of the sizes of a solid phase [kg/m2/s]."""
         return self._rates(self.state(u)[0], name)
 
     def _rates(self, state: dict[str, Any], name: str) -> list[Any]:
-        item, out = self.scene.species[name], []
+        item, out = self.scene.solids[name], []
         for diameter in (item.diameter,) if item.sizes is None else item.sizes.diameters:
             own = self._of(state, name, diameter)
             own["u_t"] = self._call("terminal_velocity", own)
@@ -111,19 +112,19 @@ class FreeboardProblem:
         return out
 
     def _call(self, key: str, state: dict[str, Any]) -> Any:
-        return self.coefficients["freeboard", key](state, self.computed.ranges)
+        return self.coefficients[*FREEBOARD, key](state, self.computed.ranges)
 
     def local_coefficients(self, u: Any, o: Any) -> model.LocalCoefficients:
         """Return the coefficients at the points of a domain."""
         state, flow, gas = self.state(u)
         computed, carried = self.computed, 0.0
         for name, share in self.shares.items():
-            item = self.scene.species[name]
+            item = self.scene.solids[name]
             shares = (1.0,) if item.sizes is None else item.sizes.bed or item.sizes.feed
             for part, rate in zip(shares, self._rates(state, name), strict=True):
                 carried = carried + share * part * rate
         mixed = state | {"d_p": computed.d_p, "Re": state["rho_gas"] * state["u_gas"] * computed.d_p / state["mu"]}
-        nusselt = self.coefficients["freeboard", "gas_coefficient"]
+        nusselt = self.coefficients[*FREEBOARD, "gas_coefficient"]
         exchange = nusselt(mixed, computed.ranges)
         if nusselt.value is None:
             exchange = exchange * state["k_gas"] / computed.d_p

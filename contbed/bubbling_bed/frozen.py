@@ -15,7 +15,7 @@ COEFFICIENTS = {
     "delta": "the volume of the bubbles",
     "gas": "heat transfer to the gas",
     "conduction": "axial mixing",
-    "pairs": "heat exchange between species",
+    "pairs": "heat exchange between solid phases",
     "exchange": "heat exchange of the bubbles",
     "contact": "heat transfer to surfaces",
     "flows": "the flow",
@@ -62,6 +62,6 @@ def _refuse(computed: Computed, T: float, key: str, name: Any, state: dict[str, 
     of = f" of {' and '.join(name) if isinstance(name, tuple) else name}" if name else ""
     known = ", ".join(f"{k} = {state[k]:.3g} {unit}" for k, unit in QUOTED.items() if k in state)
     raise SceneError(
-        f"{computed.scene.origin.at(('species',))}: {COEFFICIENTS[key]}{of} has no value in a bed of {T:g} K, where "
-        f"{known}; choose other closures, or change gas.mass_flow"
+        f"{computed.scene.origin.at(('solids',))}: {COEFFICIENTS[key]}{of} has no value in a bed of {T:g} K, where "
+        f"{known}; choose other closures, or change boundary.bottom.gas.mass_flow"
     )

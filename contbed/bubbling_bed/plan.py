@@ -12,6 +12,8 @@ import skfem
 
 from contbed.bubbling_bed import scene as b
 from contbed.bubbling_bed.equations import coefficients as model
+from contbed.bubbling_bed.solids import Solid
+from contbed.bubbling_bed.tables import Freeboard, Release
 from contbed.closures import optics
 from contbed.errors import SceneError
 from contbed.mesh.grading import equidistributed, graded
@@ -19,12 +21,14 @@ from contbed.mesh.mesh import Mesh, refine
 from contbed.plan_text import plan_text
 from contbed.scene.mechanism import find_mechanism
 from contbed.scene.mesh import REGION
+from contbed.scene.toml_lines import dotted
 from contbed.solvers.linear import Policy
 
 COARSE = 16  # cells of an automatic mesh away from layers
 ERROR = {1: 3e-3, 2: 1e-4, 3: 1e-5}  # relative error of temperatures on a mesh of grading scale 1, by degree
 HOT = 1000.0  # temperature at which layers are predicted where the scene gives lower ones [K]
 THIN = 1e-9  # share of the height below which a layer is not resolved
+FLOW = ("boundary", "bottom", "gas", "mass_flow")  # key of the gas that enters
 CONTINUUM = 1e-2  # share of the least diameter of particles to which thinner layers are resolved: no continuum is finer
 
 
@@ -56,7 +60,7 @@ class BubblingPlan:
     @property
     def guesses(self) -> int:
         """Number of guesses that are solved from: a cold and a hot one as well where several states are possible."""
-        items: tuple[Any, ...] = (self.scene.gas, *self.scene.present.values())
+        items: tuple[Any, ...] = (self.scene.bubbling_bed, *self.scene.present.values())
         return 3 if any(item.release is not None and item.release.activation for item in items) else 1
 
     def unknowns(self) -> dict[str, int]:
@@ -78,23 +82,28 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
     layers = predicted_layers(c, scene.bubbling_bed.height, _hot(scene), finest)
     mesh = _mesh(scene, layers)
     built = [("mesh, 1-D", f"{mesh.skfem.nelements} cells, graded to {len(layers)} layers")]
-    built += [(f"species {name}", f"degree {scene.solver.degree}") for name in c.species]
-    skipped = [(f"species {name}", "volume_fraction is 0") for name in scene.species if name not in c.species]
+    built += [(f"solids {name}", f"degree {scene.solver.degree}") for name in c.species]
+    skipped = [(f"solids {name}", "volume_share is 0") for name in scene.solids if name not in c.species]
     levels = {
-        "paper": "among the species at one height, algebraic",
-        "pairwise": "between pairs of species at one height",
+        "paper": "among the solid phases at one height, algebraic",
+        "pairwise": "between pairs of solid phases at one height",
         "field": f"{'two-flux' if scene.radiation.level == 'two_flux' else 'P1'}, one field",
     }
     for there, what, how, why in (
         (c.computed is not None, "closures", "coefficients by the local state", "coefficients are numbers"),
         (c.bubbles is not None, "bubble gas", "exchange with the emulsion gas", "no bubbles"),
-        (c.plate is not None, "distributor", "one temperature", "no [distributor] table"),
-        (bool(c.surfaces), "immersed surfaces", ", ".join(c.surfaces), "no [tubes], no [walls]"),
+        (c.plate is not None, "distributor", "one temperature", "no [bubbling_bed.distributor] table"),
+        (
+            bool(c.surfaces),
+            "immersed surfaces",
+            ", ".join(c.surfaces),
+            "no [bubbling_bed.tubes], no [bubbling_bed.walls]",
+        ),
         (
             c.computed is not None and c.computed.above is not None,
             "freeboard",
             "gas, particles, radiation",
-            "no [freeboard] with a height",
+            "no [bubbling_bed.freeboard] with a height",
         ),
         (c.level != "none", "radiation", levels.get(c.level, ""), "level none"),
     ):
@@ -116,7 +125,7 @@ def coefficients(
     """
     bed, present, level = scene.bubbling_bed, scene.present, scene.radiation.level
     names = list(present)
-    fractions = np.array([bed.solids_fraction * item.volume_fraction for item in present.values()])
+    fractions = np.array([bed.solids_fraction * item.volume_share for item in present.values()])
     surface = 6.0 * fractions / np.array([item.sphericity * item.diameter for item in present.values()])  # a_m
     absorption, diffusion, albedo, eps_bed = np.zeros(len(names)), 0.0, None, 0.0
     if level != "none":
@@ -152,17 +161,17 @@ def coefficients(
             float(optics.emissivity_immersed(eps_bed, item.emissivity)) if eps_bed and item.emissivity else 0.0,
             None if item.steam is None else f"T_{name}",
         )
-        for name, item in _surfaces(scene).items()
+        for name, item in bed.surfaces.items()
     }
     plate = None
-    if (table := scene.distributor) is not None:
+    if (table := bed.distributor) is not None:
         plate = model.Plate(table.coefficient, float(-np.expm1(-table.preheat_NTU)), table.emissivity or 0.0)
     gases = {name: model.Stream(constant(flow)) for name, flow in number["flows"].items()}
-    emulsion = replace(gases["T_emulsion"], release=_release(scene.gas.release, section))
+    emulsion = replace(gases["T_emulsion"], release=_release(bed.release, section))
     return model.Coefficients(
         section,
         number["delta"],
-        scene.gas.temperature,
+        scene.inlet.temperature,
         species,
         number["pairs"],
         emulsion,
@@ -172,7 +181,7 @@ def coefficients(
         plate,
         level if level not in ("p1", "two_flux") else "field",
         diffusion,
-        _radiosity(scene.freeboard),
+        _radiosity(bed.freeboard),
         scene.solver.degree,
         computed,
         computed.fields if computed is not None else (),
@@ -190,16 +199,19 @@ def typical_numbers(scene: b.BubblingScene, computed: Any) -> dict[str, Any]:
 
 def _water(scene: b.BubblingScene) -> tuple[Any, ...]:
     """Return the water sides of surfaces."""
-    wanted = {name: item.steam for name, item in _surfaces(scene).items() if item.steam is not None}
-    if not wanted:
+    surfaces = scene.bubbling_bed.surfaces
+    if all(item.steam is None for item in surfaces.values()):
         return ()
     from contbed.bubbling_bed.equations.steam import Steam
     from contbed.materials.steam import steam
 
     out = []
-    for name, table in wanted.items():
+    for name, item in surfaces.items():
+        table = item.steam
+        if table is None:
+            continue
         water = steam(table.pressure)
-        conductance = _surfaces(scene)[name].perimeter * table.coefficient
+        conductance = item.perimeter * table.coefficient
         out.append(
             Steam(
                 name,
@@ -213,37 +225,34 @@ def _water(scene: b.BubblingScene) -> tuple[Any, ...]:
     return tuple(out)
 
 
-def _surfaces(scene: b.BubblingScene) -> dict[str, b.Surface]:
-    return {name: item for name, item in (("tubes", scene.tubes), ("walls", scene.walls)) if item is not None}
-
-
 def _computed(scene: b.BubblingScene) -> Any:
     """Return the coefficients as functions of the state; None where the scene gives frozen ones."""
     if not scene.computed:
         return None
     from contbed.bubbling_bed.coefficients import Computed, mixture
 
-    assert scene.gas.composition is not None
-    mechanism = find_mechanism(scene.gas.mechanism, scene.origin.base)
-    return Computed(scene, mixture(scene.gas.composition, scene.gas.pressure, mechanism))
+    gas = scene.mixture
+    mechanism = find_mechanism(gas.mechanism, scene.origin.base)
+    return Computed(scene, mixture(gas.composition, gas.pressure, mechanism))
 
 
 def _fluidized(scene: b.BubblingScene, computed: Any) -> None:
     """Raise SceneError if the gas does not fluidize the bed at the temperature where Newton's method starts."""
-    T, flow = scene.solver.guess, computed.flow
+    T, flow = scene.initial.temperature, computed.flow
     state, _ = computed.state(SimpleNamespace(**{f"T_{name}": T for name in scene.present}), flow)
     needed = float(state["rho_gas"] * state["u_mf"]) * scene.bubbling_bed.section
-    if scene.bubbles is not None and flow <= needed:
+    if scene.bubbling_bed.bubbles is not None and flow <= needed:
         raise SceneError(
-            f"{scene.origin.at(('gas', 'mass_flow'))}: gas.mass_flow = {flow:g}: below minimum fluidization, "
-            f"{needed:.4g} kg/s at {T:g} K (solver.guess); allowed: more, or no [bubbles]"
+            f"{scene.origin.at(FLOW)}: {dotted(FLOW)} = {flow:g}: below minimum fluidization, "
+            f"{needed:.4g} kg/s at {T:g} K (initial.temperature); allowed: more, or no "
+            "[bubbling_bed.bubbles]"
         )
 
 
 def _frozen(scene: b.BubblingScene, surface: Any) -> dict[str, Any]:
     """Return the coefficients of a scene that gives them all as numbers."""
     present: dict[str, Any] = scene.present
-    bubbles: Any = scene.bubbles
+    bed, bubbles = scene.bubbling_bed, scene.bubbling_bed.bubbles
     if bubbles is not None and bubbles.fraction == 0:
         bubbles = None
     return {
@@ -251,7 +260,7 @@ def _frozen(scene: b.BubblingScene, surface: Any) -> dict[str, Any]:
         "gas": {
             name: float(a * item.gas_coefficient) for a, (name, item) in zip(surface, present.items(), strict=True)
         },
-        "conduction": {name: scene.bubbling_bed.section * item.conductivity for name, item in present.items()},
+        "conduction": {name: bed.section * item.mixing_conductivity for name, item in present.items()},
         "pairs": {
             (name, other): value
             for name, item in present.items()
@@ -259,8 +268,8 @@ def _frozen(scene: b.BubblingScene, surface: Any) -> dict[str, Any]:
             if other in present
         },
         "exchange": bubbles.exchange if bubbles else 0.0,
-        "contact": {name: item.coefficient for name, item in _surfaces(scene).items()},
-        "flows": {"T_emulsion": scene.gas.capacity_flow} | ({"T_bubble": bubbles.capacity_flow} if bubbles else {}),
+        "contact": {name: item.coefficient for name, item in bed.surfaces.items()},
+        "flows": {"T_emulsion": scene.inlet.capacity_flow} | ({"T_bubble": bubbles.capacity_flow} if bubbles else {}),
     }
 
 
@@ -278,13 +287,11 @@ def constant(value: float) -> Any:
     return lambda z: value + 0.0 * z
 
 
-def _solids(
-    name: str, item: b.Species, height: float, section: float, conduction: float, computed: Any
-) -> model.Stream:
+def _solids(name: str, item: Solid, height: float, section: float, conduction: float, computed: Any) -> model.Stream:
     heat: dict[str, Any] = {"conduction": conduction, "release": _release(item.release, section)}
     if computed is not None:
         heat |= {"enthalpy": partial(computed.enthalpy, name), "heat_capacity": partial(computed.heat_capacity, name)}
-    feed = item.feed
+    feed = item.inert_feed
     flow = 0.0 if feed is None else feed.capacity_flow or feed.mass_flow
     if feed is None or not flow:
         return model.Stream(constant(0.0), **heat)
@@ -301,7 +308,7 @@ def _solids(
     )
 
 
-def _release(table: b.Release | None, section: float) -> Any:
+def _release(table: Release | None, section: float) -> Any:
     if table is None or not table.rate:
         return None
 
@@ -314,7 +321,7 @@ def _release(table: b.Release | None, section: float) -> Any:
     return release
 
 
-def _radiosity(table: b.Freeboard | None) -> float | None:
+def _radiosity(table: Freeboard | None) -> float | None:
     if table is None or table.height is not None:
         return None
     return table.radiosity if table.temperature is None else optics.SIGMA * table.temperature**4
@@ -322,8 +329,10 @@ def _radiosity(table: b.Freeboard | None) -> float | None:
 
 def _hot(scene: b.BubblingScene) -> float:
     """Return the highest temperature that the scene gives [K]."""
-    given = [item.temperature or 0.0 for item in (scene.gas, scene.tubes, scene.walls) if item is not None]
-    given += [item.feed.temperature for item in scene.present.values() if item.feed is not None]
+    given = [scene.inlet.temperature]
+    given += [item.temperature or 0.0 for item in scene.bubbling_bed.surfaces.values()]
+    feeds = [item.inert_feed for item in scene.present.values()]
+    given += [feed.temperature for feed in feeds if feed is not None]
     return max(*given, HOT)
 
 

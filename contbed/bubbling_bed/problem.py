@@ -142,7 +142,7 @@ class BubblingProblem:
         Instead of G at a node the unknown is the temperature of its equilibrium, (G/(4 sigma))^(1/4): emission and
         absorption of the species are then curved alike, and far from the solution a step leaves their difference small.
         """
-        x = self._start(self.plan.scene.solver.guess if guess is None else guess)
+        x = self._start(self.plan.scene.initial.temperature if guess is None else guess)
         if self.chemistry is not None:  # heat and char take hours to settle, gas a second: no guess serves both
             self._record_from = 1  # steps in time need twenty Jacobians
             try:

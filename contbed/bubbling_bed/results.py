@@ -57,8 +57,8 @@ def fill(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: Resul
         result.qoi["T_distributor_K"] = float(problem.system.part(state, "T_distributor")[0])
     result.qoi |= {f"T_{name}_mid_K": float(middle(space, nodal[f"T_{name}"])[0]) for name in c.species}
     result.qoi |= {f"{name}_top_K": float(top(space, nodal[name])[0]) for name in c.gases}
-    for name, item in (("tubes", scene.tubes), ("walls", scene.walls)):
-        if item is not None and item.steam is not None:
+    for name, item in scene.bubbling_bed.surfaces.items():
+        if item.steam is not None:
             _water(problem, name, state, result, {key: probe(space, nodal[f"{key}_{name}"]) for key in ("h", "T")})
     duties, releases = problem.duties(state), problem.releases(state)
     result.qoi |= duties | {f"release_{name}_W": value for name, value in releases.items()}
@@ -77,7 +77,8 @@ def _water(problem: BubblingProblem, name: str, state: Any, result: Result, valu
     """Fill in the results of water inside a surface: profiles, outlet, and its own balance."""
     from contbed.materials.steam import steam
 
-    table = getattr(problem.plan.scene, name).steam
+    table = problem.plan.scene.bubbling_bed.surfaces[name].steam
+    assert table is not None
     water = steam(table.pressure)
     padded = np.full(len(result.profiles["z [m]"]), np.nan)
     for header, column in (
@@ -174,15 +175,18 @@ def _freeboard(above: Any, values: dict[str, Any], local: Any, z: Any, result: R
     used: list[Any] = computed.ranges
     computed.ranges = None
     result.qoi |= {"ejected_kg_m2s": ejected, "carryover_kg_s": part.section * values["carryover"]}
-    fed = sum(item.feed.mass_flow or 0.0 for item in computed.scene.present.values() if item.feed is not None)
+    feeds = [item.inert_feed for item in computed.scene.present.values()]
+    fed = sum(feed.mass_flow or 0.0 for feed in feeds if feed is not None)
     sized = any(item.sizes is not None for item in computed.scene.present.values())
     if not sized and computed.chemistry is None and part.section * values["carryover"] > fed:
         result.warnings.append(
             f"gas carries away {part.section * values['carryover']:.3g} kg/s of particles, "
-            f"{fed:.3g} kg/s are fed: give species.NAME.sizes"
+            f"{fed:.3g} kg/s are fed: give solids.NAME.sizes"
         )
     if values["carryover"] > ejected:
-        result.warnings.append("gas carries away more particles than bubbles throw up: freeboard.elutriation")
+        result.warnings.append(
+            "gas carries away more particles than bubbles throw up: bubbling_bed.freeboard.elutriation"
+        )
     above_bed = part.bed + (part.bed - z[::-1]) * part.stretch
     nothing = np.full(len(z) - 1, np.nan)
     for header, column in result.profiles.items():

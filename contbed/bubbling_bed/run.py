@@ -85,8 +85,8 @@ def _steady_states(problem: BubblingProblem, state: Any, result: Result) -> int:
             )
             result.warnings.append(
                 f"this is the {'ignited' if here > there else 'extinguished'} one of several steady states: its "
-                f"particles are at {here:.6g} K on average, those of another at {there:.6g} K; solver.guess = {guess:g}"
-                " leads there"
+                f"particles are at {here:.6g} K on average, those of another at {there:.6g} K; initial.temperature = "
+                f"{guess:g} leads there"
             )
             found.append(other)
     return len(found)

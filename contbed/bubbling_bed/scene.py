@@ -1,318 +1,104 @@
-"""Tables of a scene with [bubbling_bed]: a fluidized bed along its height, in SI.
+"""Tables of a scene of a bubbling bed: a fluidized bed along its height, in SI.
 
     [bubbling_bed]            height, section and packing of the emulsion
-    [bubbles]                 absent: all gas flows through the emulsion
-    [gas]                     what enters; its properties, or the capacity flow of the emulsion alone
-    [species.NAME]            one kind of particle, with its feed, heat release and exchange with other kinds
-    [tubes], [walls]          immersed surfaces        [distributor], [freeboard]    what bounds the bed
+    [bubbling_bed.bubbles]    absent: all gas flows through the emulsion
+    [bubbling_bed.tubes], [bubbling_bed.walls]               immersed surfaces
+    [bubbling_bed.distributor], [bubbling_bed.freeboard]     what bounds the bed
+    [bubbling_bed.drain]      what leaves with the bed material
+    [gas]                     properties of the gas, by its composition
+    [boundary.bottom]         what enters below the distributor
+    [solids.NAME]             one solid phase, with its feed, heat release, exchange
+                              with other phases, and what it is made of
+    [reactions.NAME]          see `chemistry.scene`
+    [closures]                closures that other models have as well
     [radiation]               level by name; absent: none
     [continuation]            steady states over one value of the scene
-    [fuel], [limestone], [drain], [reactions]     see `chemistry.scene`; they need gas.mass_flow
 
-Physics whose table is absent is left out. There are two ways to write a scene. With gas.capacity_flow every coefficient
-is a number, frozen, and flows of streams are capacity flows, mass flow times heat capacity. With gas.mass_flow and
-gas.composition a coefficient may be a closure by name, a file, or a number, and flows are mass flows.
+Physics whose table is absent is left out. There are two ways to write a scene. With
+boundary.bottom.gas.capacity_flow every coefficient is a number, frozen, and flows of
+streams are capacity flows, mass flow times heat capacity. With
+boundary.bottom.gas.mass_flow and [gas] a coefficient may be a closure by name, a file,
+or a number, and flows are mass flows.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, model_validator
 
-from contbed.bubbling_bed.chemistry import scene as chemistry
-from contbed.scene import quantities as q
+from contbed.bubbling_bed.chemistry.scene import Reactions
+from contbed.bubbling_bed.renamed import RENAMED
+from contbed.bubbling_bed.solids import Solid
+from contbed.bubbling_bed.tables import (
+    BubblingBed,
+    CapacityFlow,
+    MassFlow,
+    SpeedOrClosure,
+)
+from contbed.scene.gas import GasCantera, GasOfComposition
 from contbed.scene.quantities import (
     Cells,
-    Conductivity,
-    Density,
-    Emissivity,
-    Extinction,
     Fraction,
-    HeatSource,
-    Irradiance,
-    Length,
-    NonNegative,
     Number,
     Order,
-    Position,
     Positive,
-    Pressure,
     Switch,
     Table,
     Temperature,
-    WallCoefficient,
     Whole,
     form,
-    takes,
-    unit,
 )
-from contbed.scene.tables import (
-    ConductivityOrClosure,
-    NamedOrFile,
-    OfMaterial,
-    Output,
-    Polynomial,
-    SceneBase,
-    WallCoefficientOrClosure,
-)
+from contbed.scene.tables import NamedOrFile, Output, SceneBase
 
-Area = Annotated[float, *unit("m**2"), Field(gt=0)]
-CapacityFlow = Annotated[float, *unit("W/K"), Field(ge=0)]
-Exchange = Annotated[float, *unit("W/m**3/K"), Field(ge=0)]
-GasCoefficient = Annotated[float, *unit("W/m**2/K"), Field(gt=0)]
-Kelvin = Annotated[float, *unit("K")]
-HeatCapacity = Annotated[Annotated[q.HeatCapacity, Tag("number")] | Polynomial, Discriminator(form)]
-Share = Annotated[Number, Field(ge=0, le=1)]
-MassFlow = Annotated[float, *unit("kg/s"), Field(gt=0)]
-Frequency = Annotated[float, *unit("1/s"), Field(ge=0)]
-Speed = Annotated[float, *unit("m/s"), Field(gt=0)]
-
-BubbleFraction = Annotated[Annotated[Number, Field(ge=0, lt=1), Tag("number")] | NamedOrFile, Discriminator(form)]
-ExchangeOrClosure = Annotated[Annotated[Exchange, Tag("number")] | NamedOrFile, Discriminator(form)]
-RateOrClosure = Annotated[Annotated[Frequency, Tag("number")] | NamedOrFile, Discriminator(form)]
-NamedExpansion = Annotated[NamedOrFile, Discriminator(form)]
-EjectionOrClosure = Annotated[
-    Annotated[float, *unit("kg/m**2/s"), Field(ge=0), Tag("number")] | NamedOrFile, Discriminator(form)
-]
-RateOfDecayOrClosure = Annotated[Annotated[Extinction, Tag("number")] | NamedOrFile, Discriminator(form)]
-SpeedOrClosure = Annotated[Annotated[Speed, Tag("number")] | NamedOrFile, Discriminator(form)]
-LengthOrClosure = Annotated[Annotated[Length, Tag("number")] | NamedOrFile, Discriminator(form)]
-GasCoefficientOrClosure = Annotated[Annotated[GasCoefficient, Tag("number")] | NamedOrFile, Discriminator(form)]
+NamedClosure = Annotated[NamedOrFile, Discriminator(form)]
 
 
-class BubblingBed(Table):
-    """The bed between distributor and freeboard; z is the height above the distributor."""
-
-    height: Length = Field(description="of the bubbling bed; or settled_height")
-    settled_height: Length | None = Field(None, description="at minimum fluidization, from which the height follows")
-    expansion: NamedExpansion | None = Field(
-        None, description="ratio of both heights by a closure; absent: by the volume of the bubbles"
-    )
-    section: Area = Field(description="cross-section of the bed")
-    solids_fraction: Fraction = Field(description="share of the emulsion's volume, one minus its voidage")
-    minimum_fluidization: SpeedOrClosure = Field("minimum_fluidization_grace", description="superficial velocity")
-    conductivity: ConductivityOrClosure | None = Field(
-        None,
-        description="of the resting emulsion, added to the mixing and split by volume; absent: none",
-        json_schema_extra=takes("conductivity"),
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _guess(cls, values: Any) -> Any:
-        """Return the table with an initial height where it follows from that of the settled bed."""
-        given = values.get("settled_height") if isinstance(values, dict) else None
-        if given is None or "height" in values:
-            return values
-        from contbed.scene.units import to_si
-
-        number = to_si(given, "m") if isinstance(given, str) else given
-        return values | {"height": 1.3 * number if isinstance(number, float | int) else given}
-
-
-class Bubbles(Table):
-    """Gas that passes as bubbles free of particles."""
-
-    fraction: BubbleFraction = Field("bubble_fraction_kunii_levenspiel", description="share of the bed's volume")
-    capacity_flow: CapacityFlow | None = Field(None, description="with gas.capacity_flow only")
-    exchange: ExchangeOrClosure = Field(
-        "bubble_heat_kunii_levenspiel", description="with the gas of the emulsion, per volume of bubbles"
-    )
-    gas_exchange: RateOrClosure = Field(
-        "gas_exchange_sit_grace", description="of gas with the emulsion, where it reacts"
-    )
-    size: LengthOrClosure = Field("bubble_growth_mori_wen", description="diameter, or how it grows")
-    start: LengthOrClosure = Field("bubble_start_porous_plate", description="diameter at the distributor")
-    rise: SpeedOrClosure = Field("bubble_rise_davidson_harrison", description="velocity of the bubbles")
-    emulsion_gas: SpeedOrClosure = Field(
-        "emulsion_gas_two_phase", description="gas through the emulsion per its section; the rest is bubbles"
-    )
-
-
-class Release(Table):
-    """Heat released per volume of bed, rate exp(-z/length) exp(-activation (1/T - 1/reference)); T of what releases."""
-
-    rate: HeatSource = Field(description="negative where heat is consumed")
-    length: Length | None = Field(None, description="decay along the height; absent: uniform")
-    activation: Annotated[Kelvin, Field(ge=0)] | None = Field(None, description="E/R; absent: none")
-    reference: Temperature | None = Field(None, description="temperature at which the rate holds")
-
-    @model_validator(mode="after")
-    def _both(self) -> Release:
-        if (self.activation is None) != (self.reference is None):
-            raise ValueError("activation and reference belong together")
-        return self
-
-
-class Gas(Table):
+class EnteringGas(Table):
     """What enters below the distributor, all at one temperature."""
 
     capacity_flow: CapacityFlow | None = Field(None, description="of the emulsion's gas; coefficients are numbers")
-    mass_flow: MassFlow | None = Field(None, description="of all gas; coefficients may be closures")
-    composition: str | None = Field(None, description='with mass_flow: mole fractions, "N2:0.79, O2:0.21"')
-    pressure: Pressure = Field(101325.0, description="absolute pressure of the gas")
-    mechanism: str = Field("gri30.yaml", description="a Cantera file with the species of the gas")
-    temperature: Temperature = Field(description="below the distributor")
-    release: Release | None = Field(None, description="heat released in the gas of the emulsion")
+    mass_flow: MassFlow | None = Field(None, description="of all gas, with [gas]; coefficients may be closures")
+    temperature: Temperature = Field(description="of the gas that enters")
 
     @model_validator(mode="after")
-    def _one(self) -> Gas:
+    def _one(self) -> EnteringGas:
         if (self.capacity_flow is None) == (self.mass_flow is None):
             raise ValueError("give one of capacity_flow, mass_flow")
-        if (self.mass_flow is None) != (self.composition is None):
-            raise ValueError("mass_flow and composition belong together")
         return self
 
 
-class Feed(Table):
-    """Particles that enter around a height, Gaussian, and leave the bed at one end."""
+class Bottom(Table):
+    """The distributor as a boundary."""
 
-    capacity_flow: CapacityFlow | None = Field(None, description="with gas.capacity_flow")
-    mass_flow: Annotated[float, *unit("kg/s"), Field(ge=0)] | None = Field(None, description="with gas.mass_flow")
-    temperature: Temperature = Field(description="temperature of the solids that enter")
-    height: Annotated[Position, Field(ge=0)] = Field(
-        description="height above the distributor at which the solids enter"
+    gas: EnteringGas
+
+
+class Boundary(Table):
+    """Boundaries of the bed."""
+
+    bottom: Bottom
+
+
+class Closures(Table):
+    """Closures by name, which other models have under the same keys."""
+
+    minimum_fluidization: SpeedOrClosure = Field("minimum_fluidization_grace", description="superficial velocity")
+    expansion: NamedClosure | None = Field(
+        None,
+        description="height over settled_height; absent: by the volume of the bubbles",
     )
-    width: Length = Field(description="standard deviation; what it puts beyond the ends enters inside")
-    drain: Literal["top", "bottom"] = Field("top", description="end of the bed where the solids leave")
-
-
-class Sizes(Table):
-    """Sizes of one kind of particle: those fed, or those in the bed. The first need [freeboard] with a height."""
-
-    diameters: Annotated[tuple[Length, ...], Field(min_length=2)] = Field(
-        description="diameters of the particles, ascending"
+    nusselt: NamedClosure | None = Field(
+        None,
+        description="particles to the gas of the emulsion, of all solid phases that give none",
     )
-    feed: tuple[NonNegative, ...] | None = Field(None, description="mass fractions, which sum to one")
-    bed: tuple[NonNegative, ...] | None = Field(None, description="instead of `feed`")
-
-    @model_validator(mode="after")
-    def _sums(self) -> Sizes:
-        given = [shares for shares in (self.feed, self.bed) if shares is not None]
-        if not given:
-            raise ValueError("give one of feed, bed")
-        for shares in given:
-            if len(shares) != len(self.diameters) or abs(sum(shares) - 1.0) > 1e-6:
-                raise ValueError(f"{len(self.diameters)} mass fractions that sum to 1; found {sum(shares):.8g}")
-        return self
 
 
-class Species(OfMaterial):
-    """One kind of particle."""
+class Initial(Table):
+    """Where Newton's method starts."""
 
-    of_material: ClassVar[dict[str, str]] = {
-        "density": "density",
-        "heat_capacity": "heat_capacity",
-        "conductivity": "thermal_conductivity",
-    }
-
-    volume_fraction: Share = Field(description="share of the solids; 0: this kind is left out")
-    diameter: Length = Field(description="Sauter mean, of spheres of the particles' volumes; or sizes")
-    sizes: Sizes | None = None
-    sphericity: Annotated[Number, Field(gt=0, le=1)] = Field(1.0, description="surface of such spheres over the true")
-    density: Density | None = Field(None, description="needed with gas.mass_flow")
-    heat_capacity: HeatCapacity | None = Field(None, description="needed with gas.mass_flow")
-    thermal_conductivity: Conductivity = Field(1.0, description="of the material")
-    emissivity: Emissivity | None = Field(None, description="needed with [radiation]")
-    gas_coefficient: GasCoefficientOrClosure = Field(
-        description="particle to emulsion gas, or a nusselt closure", json_schema_extra=takes("nusselt")
-    )
-    conductivity: ConductivityOrClosure = Field(
-        description="of axial mixing, on the whole section, or a closure of the solids' dispersion",
-        json_schema_extra=takes("solids_mixing"),
-    )
-    exchange: dict[str, ExchangeOrClosure] = Field(
-        default_factory=dict,
-        description="with other species by name, per emulsion volume; each pair once",
-        json_schema_extra=takes("solid_exchange"),
-    )
-    feed: Feed | None = None
-    release: Release | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _mean(cls, values: Any) -> Any:
-        """Return the table with the mean diameter of its sizes."""
-        sizes = values.get("sizes") if isinstance(values, dict) else None
-        if sizes is None or "diameter" in values:
-            return values
-        table = Sizes.model_validate(sizes)
-        shares = table.bed or table.feed or ()
-        return values | {"diameter": 1.0 / sum(x / d for x, d in zip(shares, table.diameters, strict=True))}
-
-
-class Steam(Table):
-    """Water, boiling water or steam inside of a surface."""
-
-    pressure: Pressure = Field(description="pressure of water or steam in the tubes")
-    temperature: Temperature = Field(description="of what enters; it does not boil there")
-    mass_flow: MassFlow = Field(description="mass flow of water or steam in the tubes")
-    coefficient: Annotated[WallCoefficient, Field(gt=0)] = Field(description="inside, on the outer surface")
-    direction: Literal["up", "down"] = Field("up", description="direction of the water or steam in the tubes")
-
-
-class Surface(Table):
-    """Tubes or walls along the whole height, at a temperature or with water inside."""
-
-    perimeter: Length = Field(description="surface per height of bed")
-    coefficient: WallCoefficientOrClosure = Field(
-        description="convective, split over the species by their surface", json_schema_extra=takes("bed_tube")
-    )
-    temperature: Temperature | None = Field(None, description="surface temperature; absent: by `steam`")
-    emissivity: Emissivity | None = Field(None, description="absent: a mirror")
-    steam: Steam | None = Field(None, description="instead of `temperature`")
-
-    @model_validator(mode="after")
-    def _one(self) -> Surface:
-        if (self.temperature is None) == (self.steam is None):
-            raise ValueError("give one of temperature, steam")
-        return self
-
-
-class Distributor(Table):
-    """A plate of one temperature that the gas cools and the bed heats; absent: the bed ends at a mirror."""
-
-    coefficient: WallCoefficient = Field(description="to the particles, split over the species by their surface")
-    preheat_NTU: NonNegative = Field(description="transfer units of the gas inside of the plate")
-    emissivity: Emissivity | None = Field(None, description="absent: a mirror")
-
-
-class FreeboardSurface(Table):
-    """Tubes or walls along the whole freeboard."""
-
-    perimeter: Length = Field(description="surface per height")
-    coefficient: WallCoefficient = Field(description="to the gas")
-    temperature: Temperature = Field(description="surface temperature")
-    emissivity: Emissivity | None = Field(None, description="absent: a mirror")
-
-
-class Freeboard(Table):
-    """What is above the bed: a radiosity, a black space at a temperature, or a freeboard with a height.
-
-    Gas, particles and radiation of a freeboard with a height are solved for, which needs gas.mass_flow.
-    """
-
-    radiosity: Irradiance | None = Field(None, description="radiosity of the surroundings above the bed")
-    temperature: Temperature | None = Field(None, description="temperature of the surroundings above the bed")
-    height: Length | None = Field(None, description="height of the freeboard above the bed")
-    temperature_above: Temperature | None = Field(None, description="black, above `height`; absent: a mirror")
-    tubes: FreeboardSurface | None = None
-    walls: FreeboardSurface | None = None
-    ejection: EjectionOrClosure = Field("ejection_pemberton_davidson", description="flow of particles thrown up")
-    decay: RateOfDecayOrClosure = Field("decay_kunii_levenspiel", description="of that flow over the height")
-    terminal_velocity: SpeedOrClosure = Field("terminal_velocity_haider_levenspiel", description="of each species")
-    elutriation: EjectionOrClosure = Field("elutriation_geldart", description="rate constant of each species")
-    gas_coefficient: GasCoefficientOrClosure = Field("nusselt_ranz_marshall", description="particles to gas")
-
-    @model_validator(mode="after")
-    def _one(self) -> Freeboard:
-        given = [name for name in ("radiosity", "temperature", "height") if getattr(self, name) is not None]
-        if len(given) != 1:
-            raise ValueError("give one of radiosity, temperature, height")
-        if self.height is None and (idle := sorted(self.model_fields_set - set(given))):
-            raise ValueError(f"{', '.join(idle)}: has no use without height")
-        return self
+    temperature: Annotated[Temperature, Field(ge=200)] = Field(1100.0, description="of everything")
 
 
 class Radiation(Table):
@@ -320,7 +106,8 @@ class Radiation(Table):
 
     level: Literal["none", "pairwise", "paper", "two_flux", "p1"] = Field(
         "p1",
-        description="pairwise, paper: among the species at one height only, eqs. 2-11 and 34 of Rabi & de Souza-Santos",
+        description="pairwise, paper: among the solid phases at one height only, "
+        "eqs. 2-11 and 34 of Rabi & de Souza-Santos",
     )
     correction: Literal["close_packed", "independent"] | None = Field(
         None,
@@ -330,9 +117,15 @@ class Radiation(Table):
 
 
 class Continuation(Table):
-    """The branch of steady states from the value in this scene to another, through the folds between them."""
+    """The branch of steady states from the value in this scene to another.
 
-    parameter: str = Field(description='key of a number in this scene, "gas.temperature" or "walls.coefficient"')
+    It passes the folds between them.
+    """
+
+    parameter: str = Field(
+        description="key of a number in this scene, "
+        '"boundary.bottom.gas.temperature" or "bubbling_bed.walls.coefficient"'
+    )
     to: Number = Field(description="in SI")
     back_to: Number | None = Field(None, description="end of the other side; absent: the value in this scene")
     points: Annotated[Whole, Field(ge=3, le=10_000)] = Field(200, description="at most")
@@ -350,8 +143,10 @@ class Solver(Table):
     """Numerics; the defaults suit nearly all scenes."""
 
     degree: Order = Field(3, description="polynomial degree of all fields")
-    tolerance: Fraction = Field(1e-6, description="target error of automatic meshes, relative to the temperatures")
-    guess: Temperature = Field(1100.0, ge=200, description="uniform temperature that Newton's method starts from")
+    tolerance: Fraction = Field(
+        1e-6,
+        description="target error of automatic meshes, relative to the temperatures",
+    )
     newton_tolerance: Fraction = Field(
         1e-10,
         description="residual norm, relative to the scale of the equations, at which Newton's method has converged",
@@ -367,31 +162,48 @@ class BubblingScene(SceneBase):
 
     kind: ClassVar[str] = "bubbling_bed"
     time: ClassVar[None] = None
+    renamed: ClassVar[Mapping[str, str]] = RENAMED
 
     bubbling_bed: BubblingBed
-    gas: Gas
-    bubbles: Bubbles | None = None
-    species: dict[str, Species] = Field(description="solid phases by name")
-    tubes: Surface | None = None
-    walls: Surface | None = None
-    distributor: Distributor | None = None
-    freeboard: Freeboard | None = Field(None, description="absent: no radiation leaves upward")
+    gas: GasOfComposition | None = Field(None, description="absent: coefficients are numbers")
+    boundary: Boundary
+    solids: dict[str, Solid] = Field(description="solid phases by name")
+    reactions: Reactions | None = Field(None, description="absent: an inert gas")
+    closures: Closures = Closures()
+    initial: Initial = Initial()
     radiation: Radiation = Radiation(level="none")
-    fuel: chemistry.Fuel | None = None
-    limestone: chemistry.Limestone | None = None
-    drain: chemistry.Drain | None = Field(None, description="absent: char and limestone leave by reaction alone")
-    reactions: chemistry.Reactions | None = Field(None, description="absent: an inert gas")
     continuation: Continuation | None = None
     mesh: Mesh = Mesh()
     solver: Solver = Solver()
     output: Output = Output()
 
     @property
-    def computed(self) -> bool:
-        """Whether coefficients follow from the properties of gas and particles."""
-        return self.gas.mass_flow is not None
+    def inlet(self) -> EnteringGas:
+        """What enters below the distributor."""
+        return self.boundary.bottom.gas
 
     @property
-    def present(self) -> dict[str, Species]:
-        """The species with a volume fraction above zero."""
-        return {name: item for name, item in self.species.items() if item.volume_fraction > 0}
+    def mixture(self) -> GasCantera:
+        """The [gas] of a scene whose coefficients follow from it."""
+        assert self.gas is not None
+        return self.gas
+
+    @property
+    def computed(self) -> bool:
+        """Whether coefficients follow from the properties of gas and particles."""
+        return self.inlet.mass_flow is not None
+
+    @property
+    def present(self) -> dict[str, Solid]:
+        """The solid phases with a volume share above zero."""
+        return {name: item for name, item in self.solids.items() if item.volume_share > 0}
+
+    @property
+    def fuel(self) -> str | None:
+        """Name of the solid phase that is the fuel; None without one."""
+        return next((name for name, item in self.solids.items() if item.fuel), None)
+
+    @property
+    def limestone(self) -> str | None:
+        """Name of the solid phase that is the limestone; None without one."""
+        return next((name for name, item in self.solids.items() if item.limestone), None)

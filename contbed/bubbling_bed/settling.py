@@ -1,13 +1,13 @@
 """Sizes of the particles of a bed by feed, drain and carry-over, and height of the bed, which follow from its state.
 
-    F x_f,i = F_d x_i + A w K_i x_i,   sum_i x_i = 1          mass of size i of one species
+    F x_f,i = F_d x_i + A w K_i x_i,   sum_i x_i = 1          mass of size i of one solid phase
     int (1 - delta) dz = H_mf,  or  H = H_mf R                height by its bubbles, or by a closure's mean ratio R
 
 F, F_d   feed and drain [kg/s]            x_f,i, x_i   share of size i in the feed and in the bed
-A        section [m2]                     w            share of the species in the mass of the bed
+A        section [m2]                     w            share of the phase in the mass of the bed
 K_i      elutriation rate constant at the end of the freeboard [kg/m2/s]
 
-The drain keeps the inventory, whose share `volume_fraction` the scene gives; particles neither shrink nor
+The drain keeps the inventory, whose share `volume_share` the scene gives; particles neither shrink nor
 break. Both follow from the state and change its coefficients: bed and settling are solved in turn on one stretched
 mesh until neither changes.
 """
@@ -62,7 +62,7 @@ def stretched(plan: BubblingPlan, scene: Any, typical: dict[str, Any] | None = N
 def settled(problem: BubblingProblem, state: Any, result: Result) -> tuple[Any, float]:
     """Return the scene with sizes and height by a state, and the largest relative change."""
     scene: Any = problem.plan.scene
-    changes, species = [0.0], dict(scene.species)
+    changes, solids = [0.0], dict(scene.solids)
     for name, item in scene.present.items():
         if item.sizes is None or item.sizes.feed is None:
             continue
@@ -70,7 +70,7 @@ def settled(problem: BubblingProblem, state: Any, result: Result) -> tuple[Any, 
         diameter = 1.0 / float(np.sum(shares / np.array(item.sizes.diameters)))
         changes.append(abs(diameter / item.diameter - 1.0))
         sizes = item.sizes.model_copy(update={"bed": tuple(shares)})
-        species[name] = item.model_copy(update={"diameter": diameter, "sizes": sizes})
+        solids[name] = item.model_copy(update={"diameter": diameter, "sizes": sizes})
         result.qoi |= {
             f"{name}_diameter_m": diameter,
             f"{name}_drain_kg_s": drain,
@@ -82,14 +82,14 @@ def settled(problem: BubblingProblem, state: Any, result: Result) -> tuple[Any, 
         changes.append(abs(height / bed.height - 1.0))
         bed = bed.model_copy(update={"height": height})
         result.qoi["bed_height_m"] = height
-    changed = scene.model_copy(update={"species": species, "bubbling_bed": bed})
+    changed = scene.model_copy(update={"solids": solids, "bubbling_bed": bed})
     changed._origin = scene.origin
     return changed, max(changes)
 
 
 def sizes_in_bed(problem: BubblingProblem, state: Any, name: str) -> tuple[Any, float]:
     """Return the mass shares of the sizes in the bed, and the drain [kg/s]."""
-    item: Any = problem.plan.scene.species[name]
+    item: Any = problem.plan.scene.solids[name]
     above = problem.above
     # the first node is the end of the freeboard
     end = {key: problem.system.part(state, key)[:1] for key in ("T_freeboard", *problem.c.scalars)}
@@ -103,7 +103,7 @@ def sizes_in_bed(problem: BubblingProblem, state: Any, name: str) -> tuple[Any, 
     least = 1e-12 * feed
     if excess(least) < 0:
         raise ConvergenceError(
-            f"species {name}: gas carries away {feed:.3g} kg/s and more at the given inventory; feed more or coarser "
+            f"solids {name}: gas carries away {feed:.3g} kg/s and more at the given inventory; feed more or coarser "
             "particles",
             [],
             state,
@@ -116,7 +116,7 @@ def height_of(problem: BubblingProblem, state: Any) -> float:
     """Return the height [m] of the bed that holds the particles of `settled_height`."""
     bed: Any = problem.plan.scene.bubbling_bed
     c = problem.c
-    if bed.expansion is not None:
+    if problem.plan.scene.closures.expansion is not None:
         ratio = problem.total(lambda u, o: c.computed.expansion(u, o), state) / bed.height
         return float(bed.settled_height * ratio)
     filled = problem.total(lambda u, o: 1.0 - c.at(u, o).delta, state)

@@ -97,21 +97,21 @@ class Tangent:
         if not self.settles:
             return scene
         solved: Any = self.problem.plan.scene
-        species = {
+        solids = {
             name: item
             if item.sizes is None or item.sizes.feed is None or name not in solved.present
             else item.model_copy(
                 update={
-                    "diameter": solved.species[name].diameter,
-                    "sizes": item.sizes.model_copy(update={"bed": solved.species[name].sizes.bed}),
+                    "diameter": solved.solids[name].diameter,
+                    "sizes": item.sizes.model_copy(update={"bed": solved.solids[name].sizes.bed}),
                 }
             )
-            for name, item in scene.species.items()
+            for name, item in scene.solids.items()
         }
         bed = scene.bubbling_bed
         if bed.settled_height is not None:
             bed = bed.model_copy(update={"height": solved.bubbling_bed.height})
-        return scene.model_copy(update={"species": species, "bubbling_bed": bed})
+        return scene.model_copy(update={"solids": solids, "bubbling_bed": bed})
 
     def _problem(self, scene: Any) -> BubblingProblem:
         plan = self.problem.plan
@@ -135,7 +135,7 @@ def _apart(scenes: list[Any]) -> float:
     """Return how far sizes and heights of two scenes are from each other, relative to their values."""
     low, high = scenes
     far = [abs(high.bubbling_bed.height / low.bubbling_bed.height - 1.0)]
-    far += [abs(item.diameter / low.species[name].diameter - 1.0) for name, item in high.present.items()]
+    far += [abs(item.diameter / low.solids[name].diameter - 1.0) for name, item in high.present.items()]
     return float(max(far))
 
 

@@ -136,7 +136,7 @@ def kind_for(place: str) -> str:
     if place in kinds:
         return place
     known = closure_keys()
-    pattern = re.sub(r"^(species|solids|boundary|region)\.[^.]+", r"\1.NAME", place)
+    pattern = re.sub(r"^(solids|boundary|region)\.[^.]+", r"\1.NAME", place)
     if pattern in known:
         return known[pattern]
     raise SceneError(f"--for: no place {place!r} takes a closure; {nearest(place, [*known, *kinds])}")

@@ -93,7 +93,7 @@ class GasCoolProp(ConstantsAt, gases.GasCoolProp):
 Gas = Annotated[
     GasConstant | GasCantera | GasCoolProp,
     Field(discriminator="model"),
-    BeforeValidator(gases.constant_by_default),
+    BeforeValidator(gases.with_its_model),
 ]
 
 

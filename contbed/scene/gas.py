@@ -44,7 +44,7 @@ class GasConstant(Table):
 class GasCantera(Table):
     """An ideal-gas mixture with the polynomials of a Cantera mechanism."""
 
-    model: Literal["cantera"] = Field(description="ideal gas mixture with properties by Cantera")
+    model: Literal["cantera"] = Field("cantera", description="ideal gas mixture with properties by Cantera")
     composition: str = Field(description='mole fractions, "N2:0.79, O2:0.21"')
     pressure: Pressure = Field(101325.0, description="absolute pressure of the gas")
     mechanism: str = Field("gri30.yaml", description="Cantera mechanism with the species: a name or a YAML file")
@@ -59,11 +59,18 @@ class GasCoolProp(Table):
     T_range: tuple[Temperature, Temperature] = Field(description="temperatures to tabulate, one phase only")
 
 
-def constant_by_default(values: Any) -> Any:
-    """Return a [gas] table with its model, "constant" where none is given."""
+def with_its_model(values: Any) -> Any:
+    """Return a [gas] table with its model: "cantera" with a composition, else "constant"."""
+    if isinstance(values, dict) and "composition" in values:
+        return _of_composition(values)
     return {"model": "constant"} | values if isinstance(values, dict) else values
 
 
-Gas = Annotated[
-    GasConstant | GasCantera | GasCoolProp, Field(discriminator="model"), BeforeValidator(constant_by_default)
-]
+def _of_composition(values: Any) -> Any:
+    """Return a [gas] table of a model that takes mixtures only."""
+    return {"model": "cantera"} | values if isinstance(values, dict) else values
+
+
+GasOfComposition = Annotated[GasCantera, BeforeValidator(_of_composition)]
+
+Gas = Annotated[GasConstant | GasCantera | GasCoolProp, Field(discriminator="model"), BeforeValidator(with_its_model)]

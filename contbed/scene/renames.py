@@ -93,11 +93,16 @@ def _substituted(pattern: str, new: str, path: KeyPath) -> str:
 
 
 def _remove(values: Any, path: KeyPath) -> None:
-    """Remove a key, and tables that become empty by it; an item of a list stays, so that others keep their places."""
+    """Remove a key, and tables that become empty by it; an item of a list stays, so that others keep their places.
+
+    A table that is already gone, as it had become empty, is not missed.
+    """
     table = values
     for key in path[:-1]:
+        if isinstance(table, dict) and key not in table:
+            return
         table = table[key]
-    del table[path[-1]]
+    table.pop(path[-1], None)
     above = path[:-1]
     if above and not table and isinstance(above[-1], str):
         _remove(values, above)

@@ -134,7 +134,7 @@ class GasCoolProp(GasLaw, gases.GasCoolProp):
 Gas = Annotated[
     GasConstant | GasCantera | GasCoolProp,
     Field(discriminator="model"),
-    BeforeValidator(gases.constant_by_default),
+    BeforeValidator(gases.with_its_model),
 ]
 
 

@@ -229,8 +229,7 @@ def correlations(folder: Path, figures: Path) -> None:
     page(
         folder / "materials.md",
         "Materials",
-        "For `material` in `[solid]`, `[solids.NAME]`, `[fluid]` and `[gas]`, in `[species.NAME]` of bubbling beds "
-        "and `[particles]` with gas.",
+        "For `material` in `[solid]`, `[solids.NAME]`, `[fluid]` and `[gas]`, and in `[particles]` with gas.",
         *(f"## `{name}`\n\n```text\n{data_sheet(name)}\n```" for name in MATERIALS),
     )
 

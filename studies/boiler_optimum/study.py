@@ -15,10 +15,10 @@ HERE = Path(__file__).parent
 DESIGN = HERE / "design" / "boiler.toml"
 DISTANCES = (0.25, 0.20)  # share of tubes more that put the bed out
 STARTS = {
-    "tubes.perimeter": "tubes_m",
-    "gas.mass_flow": "air_kg_s",
-    "species.stone.diameter": "stone_m",
-    "limestone.feed.mass_flow": "limestone_kg_s",
+    "bubbling_bed.tubes.perimeter": "tubes_m",
+    "boundary.bottom.gas.mass_flow": "air_kg_s",
+    "solids.stone.diameter": "stone_m",
+    "solids.stone.feed.mass_flow": "limestone_kg_s",
 }
 NOT_COMPARED = ("evaluations",)
 
@@ -58,7 +58,7 @@ def optimum(distance: float, before: dict[str, Any] | None, folder: Path) -> dic
     return {
         "distance": distance,
         **point,
-        "earned_EUR_h": done.design.objective({**qoi, "limestone.feed.mass_flow": point["limestone_kg_s"]}),
+        "earned_EUR_h": done.design.objective({**qoi, "solids.stone.feed.mass_flow": point["limestone_kg_s"]}),
         "tubes_MW": 1e-6 * (qoi["tubes_convection_W"] + qoi["tubes_radiation_W"]),
         "T_bed_C": qoi["T_ash_mid_K"] - 273.15,
         "capture": qoi["sulphur_capture"],

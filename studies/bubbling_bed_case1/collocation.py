@@ -47,21 +47,22 @@ class Collocation:
         for k in range(self.count):
             part = slice(k * (n + 1), (k + 1) * (n + 1))
             self.D[part, part] = D / half[k]
-        kinds = list(scene.species.values())
+        kinds = list(scene.solids.values())
         solids = scene.bubbling_bed.solids_fraction
-        self.kappa = np.array([1.5 * solids * s.volume_fraction / s.diameter for s in kinds])
+        self.kappa = np.array([1.5 * solids * s.volume_share / s.diameter for s in kinds])
         emissivity = np.array([s.emissivity for s in kinds])
         self.Ka, self.beta = emissivity * self.kappa, self.kappa.sum()
         s = np.sqrt(self.Ka.sum() / self.beta)
         bed = 2 * s / (1 + s)
-        self.h_tube, self.h_wall = (1 / (1 / bed + 1 / each.emissivity - 1) / 4 for each in (scene.tubes, scene.walls))
+        surfaces = scene.bubbling_bed.surfaces.values()
+        self.h_tube, self.h_wall = (1 / (1 / bed + 1 / each.emissivity - 1) / 4 for each in surfaces)
         self.level = scene.radiation.level
         self.m = len(kinds)
         self.fields = self.m + 2 + (self.level in ("p1", "two_flux"))
 
     def flow(self, z):
         """Share of the feed that entered below z, and its derivative."""
-        feed, H = self.scene.species["char"].feed, self.scene.bubbling_bed.height
+        feed, H = self.scene.solids["char"].feed, self.scene.bubbling_bed.height
         low, high = (erf((end - feed.height) / feed.width / np.sqrt(2)) for end in (0.0, H))
         share = (erf((z - feed.height) / feed.width / np.sqrt(2)) - low) / (high - low)
         peak = np.exp(-((z - feed.height) ** 2) / (2 * feed.width**2)) / feed.width * np.sqrt(2 / np.pi) / (high - low)
@@ -70,9 +71,9 @@ class Collocation:
     def sources(self, u):
         """What each balance holds besides derivatives, [W/m], from all fields at all points."""
         sc, z, m = self.scene, self.z, self.m
-        A, delta = sc.bubbling_bed.section, sc.bubbles.fraction
+        A, delta = sc.bubbling_bed.section, sc.bubbling_bed.bubbles.fraction
         V, T, Te, Tb = A * (1 - delta), u[:m], u[m], u[m + 1]
-        kinds, names = list(sc.species.values()), list(sc.species)
+        kinds, names = list(sc.solids.values()), list(sc.solids)
         _, peak = self.flow(z)
         out = 0.0 * u
         share = self.kappa / self.kappa.sum()
@@ -84,7 +85,7 @@ class Collocation:
                 j = names.index(name)
                 out[i] -= V * value * (T[i] - T[j])
                 out[j] -= V * value * (T[j] - T[i])
-            for x in (sc.tubes, sc.walls):
+            for x in sc.bubbling_bed.surfaces.values():
                 out[i] -= x.perimeter * x.coefficient * share[i] * (T[i] - x.temperature)
             if s.feed is not None:
                 out[i] -= s.feed.capacity_flow * peak * (T[i] - s.feed.temperature)
@@ -92,15 +93,15 @@ class Collocation:
                 r = s.release
                 rate = A * r.rate * (np.exp(-z / r.length) if r.length else 1.0)
                 out[i] += rate * (np.exp(-r.activation * (1 / T[i] - 1 / r.reference)) if r.activation else 1.0)
-        mixed = A * delta * sc.bubbles.exchange * (Tb - Te)
-        out[m] += mixed + A * sc.gas.release.rate * np.exp(-z / sc.gas.release.length)
+        mixed = A * delta * sc.bubbling_bed.bubbles.exchange * (Tb - Te)
+        out[m] += mixed + A * sc.bubbling_bed.release.rate * np.exp(-z / sc.bubbling_bed.release.length)
         out[m + 1] -= mixed
         if self.level == "none":
             return out
         E4 = 4 * SIGMA * T**4
         surfaces = [
             (x.perimeter * h, 4 * SIGMA * x.temperature**4)
-            for x, h in ((sc.tubes, self.h_tube), (sc.walls, self.h_wall))
+            for x, h in zip(sc.bubbling_bed.surfaces.values(), (self.h_tube, self.h_wall), strict=True)
         ]
         if self.level == "paper":
             G = (self.Ka[:, None] * E4).sum(axis=0) / self.Ka.sum()
@@ -120,17 +121,18 @@ class Collocation:
         flow, _ = self.flow(self.z)
         R = self.sources(u)
         first, last = np.arange(self.count) * (n + 1), np.arange(self.count) * (n + 1) + n
-        Tg = sc.gas.temperature + (1 - np.exp(-sc.distributor.preheat_NTU)) * (Td - sc.gas.temperature)
-        capacity = [sc.gas.capacity_flow, sc.bubbles.capacity_flow]
-        mixing = [A * s.conductivity for s in sc.species.values()]
+        distributor, T_in = sc.bubbling_bed.distributor, sc.inlet.temperature
+        Tg = T_in + (1 - np.exp(-distributor.preheat_NTU)) * (Td - T_in)
+        capacity = [sc.inlet.capacity_flow, sc.bubbling_bed.bubbles.capacity_flow]
+        mixing = [A * s.mixing_conductivity for s in sc.solids.values()]
         if self.fields > m + 2:
             mixing += [0.0, 0.0, A / ((3 if self.level == "p1" else 4) * self.beta)]
-        h_d, eps = sc.distributor.coefficient, sc.distributor.emissivity
-        plate = A * h_d * (share * (u[:m, 0] - Td)).sum() - sum(capacity) * (Tg - sc.gas.temperature)
+        h_d, eps = distributor.coefficient, distributor.emissivity
+        plate = A * h_d * (share * (u[:m, 0] - Td)).sum() - sum(capacity) * (Tg - T_in)
         for i in [*range(m), *range(m + 2, self.fields)]:
             R[i] += mixing[i] * (up[i] @ D.T)
-            if i < m and list(sc.species.values())[i].feed is not None:
-                R[i] -= list(sc.species.values())[i].feed.capacity_flow * flow * up[i]
+            if i < m and list(sc.solids.values())[i].feed is not None:
+                R[i] -= list(sc.solids.values())[i].feed.capacity_flow * flow * up[i]
             R[i, last[:-1]] = (u[i, first[1:]] - u[i, last[:-1]]) * mixing[i] * 1e3
             R[i, first[1:]] = mixing[i] * (up[i, first[1:]] - up[i, last[:-1]])
             if i < m:
@@ -139,7 +141,7 @@ class Collocation:
             else:
                 into = A * eps / (2 * (2 - eps)) * (4 * SIGMA * Td**4 - u[i, 0])
                 R[i, 0] = mixing[i] * up[i, 0] + into
-                R[i, -1] = -mixing[i] * up[i, -1] + A / 2 * (4 * sc.freeboard.radiosity - u[i, -1])
+                R[i, -1] = -mixing[i] * up[i, -1] + A / 2 * (4 * sc.bubbling_bed.freeboard.radiosity - u[i, -1])
                 plate = plate - into
         for i, W in zip((m, m + 1), capacity, strict=True):
             R[i] -= W * up[i]
@@ -221,18 +223,18 @@ class Collocation:
         panel = int(np.searchsorted(self.edges, middle, side="right") - 1)
         share = self.kappa / self.kappa.sum()
         out = {"T_distributor_K": Td}
-        out |= {f"T_{name}_mid_K": float(at(u[i], panel, middle)) for i, name in enumerate(sc.species)}
+        out |= {f"T_{name}_mid_K": float(at(u[i], panel, middle)) for i, name in enumerate(sc.solids)}
         out |= {"T_emulsion_top_K": u[m, -1], "T_bubble_top_K": u[m + 1, -1]}
         T4 = 4 * SIGMA * u[:m] ** 4
         G = u[-1] if self.fields > m + 2 else (self.Ka[:, None] * T4).sum(axis=0) / self.Ka.sum()
-        for name, x_, h in (("tubes", sc.tubes, self.h_tube), ("walls", sc.walls, self.h_wall)):
+        for (name, x_), h in zip(sc.bubbling_bed.surfaces.items(), (self.h_tube, self.h_wall), strict=True):
             mean = (share[:, None] * u[:m]).sum(axis=0)
             out[f"{name}_convection_W"] = total(x_.perimeter * x_.coefficient * (mean - x_.temperature))
             cold = 4 * SIGMA * x_.temperature**4
             out[f"{name}_radiation_W"] = 0.0 if self.level == "none" else total(x_.perimeter * h * (G - cold))
         leaves = self.fields > m + 2
         out["top_radiation_W"] = (
-            sc.bubbling_bed.section / 2 * (u[-1, -1] - 4 * sc.freeboard.radiosity) if leaves else 0.0
+            sc.bubbling_bed.section / 2 * (u[-1, -1] - 4 * sc.bubbling_bed.freeboard.radiosity) if leaves else 0.0
         )
         return {name: float(value) for name, value in out.items()}
 

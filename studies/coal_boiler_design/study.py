@@ -14,7 +14,7 @@ from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
 HEIGHT = 1.2  # of the bed [m]
-OUT = {"tubes.perimeter": 60.0, "gas.mass_flow": 9.5}  # too many tubes for little air
+OUT = {"bubbling_bed.tubes.perimeter": 60.0, "boundary.bottom.gas.mass_flow": 9.5}  # too many tubes for little air
 TUBES = (54.0, 50.0, 46.0, 42.0, 38.0, 34.0)  # perimeters [m], of beds from 815 to 975 degC
 RATE = {
     "reactions.sulphate_reduction.rate_constant": 4e-7
@@ -41,7 +41,8 @@ def compute() -> Tables:
     out, summaries = [], gallery.swept(HERE / "sweep" / "tubes_and_air.toml")[1]
     for summary in summaries:
         scene = summary["scene"]
-        row = {"tube_area_m2": scene["tubes"]["perimeter"] * HEIGHT, "air_kg_s": scene["gas"]["mass_flow"]}
+        tubes, gas = scene["bubbling_bed"]["tubes"], scene["boundary"]["bottom"]["gas"]
+        row = {"tube_area_m2": tubes["perimeter"] * HEIGHT, "air_kg_s": gas["mass_flow"]}
         row |= {name: summary["qoi"][name] for name in KEPT}
         out.append(row | {"open": max(abs(item["relative_residual"]) for item in summary["balances"].values())})
     out.append(_out(out))
@@ -54,7 +55,7 @@ def captured() -> Table:
     rows = []
     for perimeter in TUBES:
         found = [
-            cb.run(cb.load(HERE / "boiler.toml", {"tubes.perimeter": perimeter} | more), quiet=True).qoi
+            cb.run(cb.load(HERE / "boiler.toml", {"bubbling_bed.tubes.perimeter": perimeter} | more), quiet=True).qoi
             for more in ({}, RATE)
         ]
         names = ("sulphur_capture", "sulphur_capture_with_reduction")
@@ -69,9 +70,9 @@ def _out(burning: list[dict[str, Any]]) -> dict[str, Any]:
     try:
         cb.run(scene)
     except ConvergenceError:
-        air = scene.gas.mass_flow
+        air = scene.inlet.mass_flow
         ratio = next(row["oxygen_ratio"] for row in burning if row["air_kg_s"] == air)
-        area = scene.tubes.perimeter * HEIGHT
+        area = scene.bubbling_bed.tubes.perimeter * HEIGHT
         return {"tube_area_m2": area, "air_kg_s": air, "oxygen_ratio": ratio, "ignited": 0}
     raise AssertionError("a bed with too many tubes for its air burns")
 

@@ -64,51 +64,54 @@ def scene(row: dict[str, str], height: float, char: float, hold: float, loss: fl
     carbon = number["feed_kg_h"] / 3600.0 * (1.0 - number["moisture_wt"] / 100.0) * (1.0 - number["ash_dry"] / whole)
     carbon *= 1.0 - number["VM_daf"] / 100.0
     drain = hold * section * height * 0.55 * 0.5 * DENSITY / carbon  # half of the bed are bubbles
+    flow = 0.031998 * moles["O2"] + 0.028014 * moles["N2"] + 0.018015 * moles["H2O"]
     return {
         "title": f"{row['case']}, {row['plant']}, {row['fuel']}",
-        "bubbling_bed": {"height": height, "section": section, "solids_fraction": 0.55},
+        "bubbling_bed": {
+            "height": height,
+            "section": section,
+            "solids_fraction": 0.55,
+            "bubbles": {"gas_exchange": "gas_exchange_sit_grace"},
+            "walls": {"perimeter": 3.14159265 * D, "coefficient": loss, "temperature": 300.0},
+            "drain": {"time": drain},
+        },
         "gas": {
-            "mass_flow": 0.031998 * moles["O2"] + 0.028014 * moles["N2"] + 0.018015 * moles["H2O"],
             "composition": ", ".join(f"{name}:{n / total:.9f}" for name, n in moles.items() if n > 0),
             "pressure": 1e6 * number["p_MPa"],
-            "temperature": 550.0,
         },
-        "bubbles": {"gas_exchange": "gas_exchange_sit_grace"},
-        "species": {
+        "boundary": {"bottom": {"gas": {"mass_flow": flow, "temperature": 550.0}}},
+        "solids": {
             "char": {
-                "volume_fraction": 0.05,
+                "volume_share": 0.05,
                 "diameter": char,
                 "density": 600.0,
                 "heat_capacity": 1500.0,
                 "gas_coefficient": 200.0,
-                "conductivity": 2e3,
+                "mixing_conductivity": 2e3,
                 "exchange": {"sand": 5e4},
+                "feed": {
+                    "mass_flow": number["feed_kg_h"] / 3600.0,
+                    "temperature": 300.0,
+                    "height": 0.3 * height,
+                    "width": 0.1 * height,
+                },
+                "fuel": {
+                    "moisture": number["moisture_wt"] / 100.0,
+                    "ash": number["ash_dry"] / whole,
+                    "volatile_matter": number["VM_daf"] / 100.0,
+                    "char_density": DENSITY,
+                    "ultimate": {name: share / whole for name, share in dry.items()},
+                },
             },
             "sand": {
-                "volume_fraction": 0.95,
+                "volume_share": 0.95,
                 "diameter": 4e-4,
                 "density": 2600.0,
                 "heat_capacity": 1000.0,
                 "gas_coefficient": 400.0,
-                "conductivity": 3e4,
+                "mixing_conductivity": 3e4,
             },
         },
-        "walls": {"perimeter": 3.14159265 * D, "coefficient": loss, "temperature": 300.0},
-        "fuel": {
-            "species": "char",
-            "moisture": number["moisture_wt"] / 100.0,
-            "ash": number["ash_dry"] / whole,
-            "volatile_matter": number["VM_daf"] / 100.0,
-            "char_density": DENSITY,
-            "ultimate": {name: share / whole for name, share in dry.items()},
-            "feed": {
-                "mass_flow": number["feed_kg_h"] / 3600.0,
-                "temperature": 300.0,
-                "height": 0.3 * height,
-                "width": 0.1 * height,
-            },
-        },
-        "drain": {"time": drain},
         "reactions": {
             "drying": {"time": 10.0},
             "devolatilisation": {"time": 20.0},
@@ -124,7 +127,8 @@ def scene(row: dict[str, str], height: float, char: float, hold: float, loss: fl
             "water_gas_shift": {},
         },
         "mesh": {"cells": 12},
-        "solver": {"degree": 2, "guess": 1150.0},
+        "solver": {"degree": 2},
+        "initial": {"temperature": 1150.0},
         "output": {"plots": False, "fields": False},
     }
 

@@ -22,11 +22,11 @@ NOT_COMPARED = ("CPU [s]",)
 INPUTS = {
     "solid.conductivity": "conductivity",
     "bed.particle_diameter": "diameter",
-    "species.char.diameter": "diameter",
-    "species.sand.diameter": "diameter",
+    "solids.char.diameter": "diameter",
+    "solids.sand.diameter": "diameter",
     "flow.velocity": "velocity or mass flow",
-    "gas.mass_flow": "velocity or mass flow",
-    "tubes.coefficient": "coefficient of the tubes",
+    "boundary.bottom.gas.mass_flow": "velocity or mass flow",
+    "bubbling_bed.tubes.coefficient": "coefficient of the tubes",
 }
 COLOURS = {
     "packing": gallery.BLUE,

@@ -8,6 +8,36 @@ from contbed.loading import from_dict
 
 STUDY = Path(__file__).parents[2] / "studies" / "bubbling_bed_case1"
 QUIET = {"plots": False, "fields": False}
+# short names of tables within others
+INLET = {"inlet": ("boundary", "bottom", "gas")}
+OF_THE_BED = ("bubbles", "tubes", "walls", "distributor", "freeboard", "drain", "release")
+PLACES = INLET | {name: ("bubbling_bed", name) for name in OF_THE_BED}
+
+
+def put(tables, path, value):
+    """Replace a value of nested tables under a path, whose first step may be a short name; None removes it.
+
+    A new [bubbling_bed] keeps the tables within the former one.
+    """
+    *steps, last = (*PLACES.get(path[0], path[:1]), *path[1:])
+    if (*steps, last) == ("bubbling_bed",):
+        former = tables["bubbling_bed"]
+        value = {name: former[name] for name in OF_THE_BED if name in former} | value
+    table = tables
+    for step in steps:
+        table = table.setdefault(step, {})
+    if value is None:
+        table.pop(last, None)
+    else:
+        table[last] = value
+
+
+def changed(tables, changes):
+    """Tables with values replaced under paths, or under names of tables."""
+    found = deepcopy(tables)
+    for path, value in changes.items():
+        put(found, (path,) if isinstance(path, str) else path, value)
+    return found
 
 
 def values(name="p1"):
@@ -17,13 +47,12 @@ def values(name="p1"):
 
 def case1(name="p1", **tables):
     """A scene of case1 with tables replaced; None removes one."""
-    found = values(name) | tables
-    return from_dict({key: value for key, value in found.items() if value is not None})
+    return from_dict(changed(values(name), tables))
 
 
-def species(**changes):
-    """The species of case1 with keys replaced; None removes a key."""
-    found = deepcopy(values()["species"])
+def solids(**changes):
+    """The solid phases of case1 with keys replaced; None removes a key."""
+    found = deepcopy(values()["solids"])
     for name, keys in changes.items():
         found[name] = {key: value for key, value in {**found[name], **keys}.items() if value is not None}
     return found
@@ -31,11 +60,11 @@ def species(**changes):
 
 def one(**changes):
     """A bed of inert particles between mirrors, without bubbles, radiation and surfaces."""
-    inert = {"volume_fraction": 1.0, "diameter": 1e-3, "gas_coefficient": 100.0, "conductivity": 5.0}
+    inert = {"volume_share": 1.0, "diameter": 1e-3, "gas_coefficient": 100.0, "mixing_conductivity": 5.0}
     tables = {
         "bubbling_bed": {"height": 0.6, "section": 1.3, "solids_fraction": 0.5},
-        "gas": {"capacity_flow": 300.0, "temperature": 300.0},
-        "species": {"inert": inert | changes.pop("inert", {})},
+        "boundary": {"bottom": {"gas": {"capacity_flow": 300.0, "temperature": 300.0}}},
+        "solids": {"inert": inert | changes.pop("inert", {})},
         "output": dict(QUIET),
     }
-    return from_dict(tables | changes)
+    return from_dict(changed(tables, changes))

@@ -2,60 +2,71 @@
 
 from copy import deepcopy
 
+from bubbling_scenes import changed
+
 from contbed.loading import from_dict
 
 COAL = {
-    "species": "char",
     "moisture": 0.08,
     "ash": 0.10,
     "volatile_matter": 0.38,
     "ultimate": {"C": 0.70, "H": 0.047, "O": 0.12, "N": 0.013, "S": 0.02},
-    "feed": {"mass_flow": 0.035, "temperature": 300.0, "height": 0.2, "width": 0.1},
 }
 BURNING = {
     name: {}
     for name in ("char_combustion", "CO_oxidation", "H2_oxidation", "CH4_oxidation", "tar_oxidation", "H2S_oxidation")
 }
 BURNING |= {"drying": {"time": 10.0}, "devolatilisation": {"time": 20.0}}
-STONE = {
-    "species": "stone",
-    "purity": 0.95,
-    "feed": {"mass_flow": 0.005, "temperature": 300.0, "height": 0.2, "width": 0.1},
-}
 
 
 def particles(share, diameter, density, **keys):
-    """One kind of particles with its own numbers."""
+    """One solid phase with its own numbers."""
     return {
-        "volume_fraction": share,
+        "volume_share": share,
         "diameter": diameter,
         "density": density,
         "heat_capacity": 1000.0,
         "gas_coefficient": 150.0,
-        "conductivity": 4e4 * share + 200.0,
+        "mixing_conductivity": 4e4 * share + 200.0,
     } | keys
+
+
+def fed(mass_flow):
+    """A cold feed of the lower half."""
+    return {"mass_flow": mass_flow, "temperature": 300.0, "height": 0.2, "width": 0.1}
 
 
 def tables(stone=False, **changes):
     """A combustor of 1 m2 with 1 MW of coal; None removes a table."""
     inert = 0.98 - (0.1 if stone else 0.0)
+    coal = {"fuel": deepcopy(COAL), "feed": fed(0.035)}
     found = {
-        "bubbling_bed": {"height": 1.0, "section": 1.0, "solids_fraction": 0.55},
-        "gas": {"mass_flow": 0.45, "composition": "O2:0.21, N2:0.78, H2O:0.01", "temperature": 400.0},
-        "bubbles": {"size": 0.1},
-        "species": {
-            "char": particles(0.02, 2e-3, 900.0, exchange={"inert": 2e4}),
+        "bubbling_bed": {
+            "height": 1.0, "section": 1.0, "solids_fraction": 0.55, "bubbles": {"size": 0.1}, "drain": {"time": 7200.0},
+            "tubes": {"perimeter": 2.0, "coefficient": 250.0, "temperature": 550.0},
+        },
+        "gas": {"composition": "O2:0.21, N2:0.78, H2O:0.01"},
+        "boundary": {"bottom": {"gas": {"mass_flow": 0.45, "temperature": 400.0}}},
+        "solids": {
+            "char": particles(0.02, 2e-3, 900.0, exchange={"inert": 2e4}, **coal),
             "inert": particles(inert, 8e-4, 2600.0),
         },
-        "tubes": {"perimeter": 2.0, "coefficient": 250.0, "temperature": 550.0},
-        "fuel": deepcopy(COAL), "drain": {"time": 7200.0}, "reactions": deepcopy(BURNING),
+        "reactions": deepcopy(BURNING),
         "mesh": {"cells": 12}, "solver": {"degree": 2}, "output": {"plots": False, "fields": False},
     }  # fmt: skip
     if stone:
-        found["species"]["stone"] = particles(0.1, 6e-4, 2600.0, exchange={"inert": 1e5})
-        found["limestone"] = deepcopy(STONE)
+        lime = {"limestone": {"purity": 0.95}, "feed": fed(0.005)}
+        found["solids"]["stone"] = particles(0.1, 6e-4, 2600.0, exchange={"inert": 1e5}, **lime)
         found["reactions"] |= {"calcination": {}, "sulphation": {}}
-    return {key: value for key, value in (found | changes).items() if value is not None}
+    return changed(found, changes)
+
+
+def without_fuel(**changes):
+    """The tables of a combustor of coal without the coal, whose particles stay."""
+    found = tables(**changes)
+    for key in ("fuel", "feed"):
+        found["solids"]["char"].pop(key)
+    return found
 
 
 def combustor(stone=False, **changes):
@@ -66,11 +77,14 @@ def combustor(stone=False, **changes):
 def tube(composition, reactions, **changes):
     """Gas alone through a bed without bubbles that its walls hold at 1200 K."""
     found = {
-        "bubbling_bed": {"height": 0.5, "section": 0.1, "solids_fraction": 0.55},
-        "gas": {"mass_flow": 0.02, "composition": composition, "temperature": 1200.0},
-        "species": {"inert": particles(1.0, 2e-3, 2600.0, gas_coefficient=1e4)},
-        "walls": {"perimeter": 1.0, "coefficient": 1e6, "temperature": 1200.0},
-        "reactions": reactions, "mesh": {"cells": 20}, "solver": {"degree": 3, "guess": 1200.0},
+        "bubbling_bed": {
+            "height": 0.5, "section": 0.1, "solids_fraction": 0.55,
+            "walls": {"perimeter": 1.0, "coefficient": 1e6, "temperature": 1200.0},
+        },
+        "gas": {"composition": composition},
+        "boundary": {"bottom": {"gas": {"mass_flow": 0.02, "temperature": 1200.0}}},
+        "solids": {"inert": particles(1.0, 2e-3, 2600.0, gas_coefficient=1e4)},
+        "reactions": reactions, "mesh": {"cells": 20}, "solver": {"degree": 3}, "initial": {"temperature": 1200.0},
         "output": {"plots": False, "fields": False},
     }  # fmt: skip
-    return from_dict({key: value for key, value in (found | changes).items() if value is not None})
+    return from_dict(changed(found, changes))

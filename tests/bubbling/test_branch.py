@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bubbling_scenes import case1, one, species, values
+from bubbling_scenes import case1, one, solids, values
 from scipy.optimize import brentq
 
 import contbed as cb
@@ -18,12 +18,12 @@ def stirred(guess, start, to, mixing=1e7):
     """One temperature: W (T - T_in) = W RISE exp(-E/T)."""
     flow, height, section = 300.0, 0.6, 1.3
     release = {"rate": RISE * np.exp(-E / 1000.0) * flow / height / section, "activation": E, "reference": 1000.0}
-    inert = {"gas_coefficient": 1e5, "conductivity": mixing, "release": release}
+    inert = {"gas_coefficient": 1e5, "mixing_conductivity": mixing, "release": release}
     return one(
         inert=inert,
-        gas={"capacity_flow": flow, "temperature": start},
-        solver={"guess": guess},
-        continuation={"parameter": "gas.temperature", "to": to},
+        inlet={"capacity_flow": flow, "temperature": start},
+        initial={"temperature": guess},
+        continuation={"parameter": "boundary.bottom.gas.temperature", "to": to},
         mesh={"cells": 6},
     )
 
@@ -38,7 +38,7 @@ def test_folds_of_a_stirred_bed():
     # mixing of 1e7 W/m/K leaves differences of W RISE exp(-E/T) H/(A k), 3e-3 to 2e-2 K, along the height
     assert found == pytest.approx(exact, abs=1e-2)
     table = result.tables["continuation"]
-    p, T = table["gas.temperature [K]"], table["T_inert [K]"]
+    p, T = table["boundary.bottom.gas.temperature [K]"], table["T_inert [K]"]
     assert p[0] == 600 and p[-1] == 760
     assert T - RISE * np.exp(-E / T) == pytest.approx(p, abs=2e-2)
     assert set(table["turns [1]"]) == {0.0, 1.0, 2.0}
@@ -52,29 +52,28 @@ def test_back_from_the_ignited_side():
 @pytest.mark.slow
 def test_a_bed_with_radiation_ignites_at_a_fold():
     """Cold and hot guesses lead to two states; between them the branch over the heat of the gas finds a third."""
-    release = {**values()["species"]["char"]["release"], "activation": 8000.0}
-    gas = {**values()["gas"], "release": {"rate": 1.0e6, "length": 0.3}}
+    release = {**values()["solids"]["char"]["release"], "activation": 8000.0}
     found = []
     for cells in (16, 24):
         result = cb.run(
             case1(
-                species=species(char={"release": release}),
-                gas=gas,
-                solver={"guess": 400.0},
+                solids=solids(char={"release": release}),
+                release={"rate": 1.0e6, "length": 0.3},
+                initial={"temperature": 400.0},
                 mesh={"cells": cells},
-                continuation={"parameter": "gas.release.rate", "to": 3e6},
+                continuation={"parameter": "bubbling_bed.release.rate", "to": 3e6},
             )
         )
         found.append(result.qoi["fold_1"])
         table = result.tables["continuation"]
-        p, T = table["gas.release.rate [W/m**3]"], table["T_inert [K]"]
+        p, T = table["bubbling_bed.release.rate [W/m**3]"], table["T_inert [K]"]
         assert p[-1] == p[0] == 1e6 and list(table["turns [1]"][[0, -1]]) == [0.0, 1.0]
         assert T[0] == pytest.approx(result.qoi["T_inert_mid_K"], abs=20)
         assert T[0] + 300 < T[-1] < 1230  # below the state that a hot guess leads to, 1234.9 K
     assert found[0] == pytest.approx(found[1], rel=1e-4)  # of the meshes
 
 
-@pytest.mark.parametrize("parameter", ["gas.temprature", "bubbling_bed.height", "species.inert", "title"])
+@pytest.mark.parametrize("parameter", ["bubbling_bed.sction", "bubbling_bed.height", "solids.inert", "title"])
 def test_what_cannot_be_varied_is_refused(parameter):
     with pytest.raises(SceneError, match="can be varied"):
         case1(continuation={"parameter": parameter, "to": 3.0})
@@ -84,7 +83,7 @@ def test_distance_to_the_first_fold():
     """The ignited bed goes out where the gas is colder by 1 - 661.4/760."""
     scene = stirred(2500.0, 760.0, 600.0)
     whole = cb.run(scene)
-    table = {"parameter": "gas.temperature", "to": 600.0, "first_fold": True}
+    table = {"parameter": "boundary.bottom.gas.temperature", "to": 600.0, "first_fold": True}
     first = cb.run(with_value(scene, ("continuation",), scene.continuation.model_copy(update=table)))
     assert first.qoi["fold_1"] == whole.qoi["fold_1"] and "fold_2" not in first.qoi
     assert first.qoi["fold_distance"] == pytest.approx(1.0 - first.qoi["fold_1"] / 760.0, rel=1e-12)
@@ -107,7 +106,7 @@ def test_a_branch_that_is_given_up_has_no_distance():
 def test_how_folds_move_with_a_key():
     """d(p_1/p - 1)/dq by the null vector of the fold against differences of whole branches."""
     scene = stirred(2500.0, 760.0, 600.0, mixing=1e4)  # little: rounding of a strong one hides small changes
-    names = ["species.inert.release.rate", "gas.temperature"]
+    names = ["solids.inert.release.rate", "boundary.bottom.gas.temperature"]
     made = gradient(scene, ["fold_1", "fold_2", "fold_distance", "T_inert_mid_K"], names)
     assert made.method == "tangent" and made.notes == ()
     for k, changed in enumerate(key(scene, name) for name in names):

@@ -3,11 +3,13 @@
 import cantera
 import numpy as np
 import pytest
+from reacting_scenes import particles
 
 from contbed.bubbling_bed.chemistry import reactions as cr
 from contbed.bubbling_bed.chemistry import scene as t
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.chemistry.problem import fuel_data
+from contbed.bubbling_bed.solids import Solid
 from contbed.closures import devolatilisation as dv
 from contbed.closures import reactions as r
 from contbed.closures import reactions_solid as rs
@@ -226,15 +228,14 @@ def test_a_guess_that_holds_the_elements_is_kept():
 
 def fuel(**changes):
     table = {
-        "species": "char",
         "moisture": 0.1,
         "ash": 0.08,
         "volatile_matter": 0.38,
         "heating_value": 30e6,
         "ultimate": {"C": 0.7636, "H": 0.0506, "O": 0.0736, "N": 0.0138, "S": 0.0184},
-        "feed": {"mass_flow": 0.02, "temperature": 300.0, "height": 0.2, "width": 0.05},
     }
-    return t.Fuel.model_validate(table | changes)
+    feed = {"mass_flow": 0.02, "temperature": 300.0, "height": 0.2, "width": 0.05}
+    return Solid.model_validate(particles(0.02, 2e-3, 900.0, fuel=table | changes, feed=feed))
 
 
 def test_heat_of_formation_gives_the_heating_value_back():

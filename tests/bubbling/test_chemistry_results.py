@@ -14,14 +14,15 @@ from contbed.result import Result
 def test_char_beyond_the_volume_of_the_solids_is_no_result():
     result = Result(cb.plan(combustor()))
     _fits(combustor(), 0.9, result)
-    with pytest.raises(ConvergenceError, match=r"scene:1: fuel: .* 171 % of the volume.*drain\.time") as error:
+    with pytest.raises(ConvergenceError, match=r"scene:1: solids.char.fuel: .* 171 %.*drain\.time") as error:
         _fits(combustor(), 1.71, result)
     assert error.value.exit_code == 3
 
 
 def test_a_law_out_of_its_range_is_a_warning_and_fractions_have_no_unit():
-    found = cb.run(tube("CH4:0.01, O2:0.2, N2:0.79", {"CH4_oxidation": {}}, walls=None, solver={"guess": 900.0},
-                        gas={"mass_flow": 0.02, "composition": "CH4:0.001, O2:0.2, N2:0.799", "temperature": 900.0},
+    found = cb.run(tube("CH4:0.01, O2:0.2, N2:0.79", {"CH4_oxidation": {}}, walls=None, initial={"temperature": 900.0},
+                        solver={}, gas={"composition": "CH4:0.001, O2:0.2, N2:0.799"},
+                        inlet={"mass_flow": 0.02, "temperature": 900.0},
                         tubes={"perimeter": 1.0, "coefficient": 1e6, "temperature": 900.0}))  # fmt: skip
     assert any(
         text.startswith("reactions.CH4_oxidation: dryer_glassman is used out of its range on 100 % of the height, 900")
@@ -40,7 +41,7 @@ def test_rounding_is_zero_and_undershoots_stay():
 def test_a_fraction_below_zero_is_told_with_its_place():
     """On few cells of degree 2 gas in bubbles undershoots above the distributor; a mesh that is chosen holds 1e-6."""
     coarse, chosen = (
-        cb.run(combustor(mesh=mesh, solver={"degree": degree, "guess": 1150.0}))
+        cb.run(combustor(mesh=mesh, solver={"degree": degree}, initial={"temperature": 1150.0}))
         for mesh, degree in (({"cells": 6}, 2), ({}, 3))
     )
     (text,) = (text for text in coarse.warnings if "below zero" in text)

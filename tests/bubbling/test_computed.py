@@ -35,7 +35,7 @@ def test_jacobian_is_the_derivative():
 
 @pytest.mark.slow
 def test_six_guesses_lead_to_one_state():
-    found = [solved(hot(solver={"guess": guess})) for guess in (400.0, 700.0, 1000.0, 1150.0, 1500.0, 2000.0)]
+    found = [solved(hot(initial={"temperature": guess})) for guess in (400.0, 700.0, 1000.0, 1150.0, 1500.0, 2000.0)]
     assert max(len(result.history) for result in found) <= 12
     for result in found[1:]:
         assert result.qoi == pytest.approx(found[0].qoi, rel=1e-9)
@@ -71,10 +71,10 @@ def test_a_number_is_a_closure_that_returns_it():
     result = solved(
         hot(
             tubes__coefficient=250.0,
-            species__char__conductivity=100.0,
-            species__char__exchange={"inert": 40.0},
+            solids__char__mixing_conductivity=100.0,
+            solids__char__exchange={"inert": 40.0},
             bubbles__size=0.1,
-            species__char__heat_capacity=still["heat_capacity"],
+            solids__char__heat_capacity=still["heat_capacity"],
         )
     )
     assert result.qoi["tubes_coefficient_W_m2K"] == pytest.approx(250.0, rel=1e-12)
@@ -85,9 +85,10 @@ def test_a_number_is_a_closure_that_returns_it():
 def test_ranges_are_reported_with_where_they_are_used():
     result = solved(hot())
     used = {use["used_by"]: use for use in result.closures if "used_by" in use}
-    assert used["species.char.gas_coefficient"]["name"] == "nusselt_ranz_marshall"
-    assert used["bubbles.size"]["share_outside"] > 0
-    assert any(text.startswith("bubbles.size: bubble_growth_mori_wen is used out of") for text in result.warnings)
+    assert used["solids.char.nusselt"]["name"] == "nusselt_ranz_marshall"
+    assert used["bubbling_bed.bubbles.size"]["share_outside"] > 0
+    told = "bubbling_bed.bubbles.size: bubble_growth_mori_wen is used out of"
+    assert any(text.startswith(told) for text in result.warnings)
     with pytest.raises(cb.errors.ClosureRangeError, match="u_excess"):
         cb.run(hot(solver={"strict": True}))
 
@@ -95,7 +96,12 @@ def test_ranges_are_reported_with_where_they_are_used():
 def test_gas_that_passes_into_the_bubbles_brings_its_heat():
     """Without exchange bubbles are heated by that alone: W_b h_b' = X (h_e - h_b) where X = W_b' > 0."""
     result = solved(
-        hot(bubbles={"exchange": 0.0}, gas__mass_flow=0.5, solver={"guess": 900.0}, species__inert__conductivity=20.0)
+        hot(
+            bubbles={"exchange": 0.0},
+            inlet__mass_flow=0.5,
+            initial={"temperature": 900.0},
+            solids__inert__mixing_conductivity=20.0,
+        )
     )
     column = {header.split(" [")[0]: values for header, values in result.profiles.items()}
     flow = column["flow_bubble"]
@@ -112,7 +118,7 @@ def test_gas_that_passes_into_the_bubbles_brings_its_heat():
 
 def test_species_are_told_apart():
     """Closures of a pair see each species with its own numbers, and mixing counts each one's own heat."""
-    computed = plan(hot(species__inert__conductivity="kunii_levenspiel")).coefficients.computed
+    computed = plan(hot(solids__inert__mixing_conductivity="kunii_levenspiel")).coefficients.computed
     T, flow, d_b = np.full(1, 1100.0), np.full(1, 0.3), np.full(1, 0.08)
     local, _ = computed.recorded(
         {"T_inert": T, "T_char": T, "T_emulsion": T, "T_bubble": T, "flow_bubble": flow, "d_bubble": d_b},

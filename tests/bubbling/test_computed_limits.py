@@ -16,7 +16,7 @@ from contbed.solvers.linear import Policy
 from contbed.solvers.newton import newton
 from studies._exact.manufactured import Manufactured, observed_order
 
-ALONE = {"volume_fraction": 1.0, "exchange": {}}
+ALONE = {"volume_share": 1.0, "exchange": {}}
 EXACT = {
     "T_inert": lambda z: 620.0 + 60.0 * np.sin(3.0 * z),
     "T_char": lambda z: 700.0 + 80.0 * np.exp(-z),
@@ -69,11 +69,9 @@ def test_order_of_a_manufactured_solution(degree):
 
 def test_without_bubbles_the_bed_is_a_packed_bed_of_its_closures():
     """One species, no bubbles: W (h - h_in) = release, and the coefficient of gas is that of the closure."""
-    given = tables(radiation=None, distributor=None, freeboard=None, bubbles=None, tubes=None)
-    given["species"] = {"inert": {**given["species"]["inert"], **ALONE}}
-    given["gas"]["release"] = None
-    given["gas"].pop("release")
-    given["species"]["inert"]["release"] = {"rate": 5e5}
+    given = tables(radiation=None, distributor=None, freeboard=None, bubbles=None, tubes=None, release=None)
+    given["solids"] = {"inert": {**given["solids"]["inert"], **ALONE}}
+    given["solids"]["inert"]["release"] = {"rate": 5e5}
     result = solved(from_dict(given))
     gas = gas_mixture("N2:0.79, O2:0.21", 101325.0)
     out = gas.enthalpy(result.qoi["T_emulsion_top_K"]) - gas.enthalpy(300.0)
@@ -86,13 +84,13 @@ def test_without_bubbles_the_bed_is_a_packed_bed_of_its_closures():
 def test_tiny_and_absent_parts():
     """1e-6 of a species and of a feed are as none."""
     traces = tables()
-    traces["species"]["char"]["feed"]["mass_flow"] = 1e-8
-    traces["species"]["char"]["volume_fraction"], traces["species"]["inert"]["volume_fraction"] = 1e-6, 1 - 1e-6
-    traces["species"]["char"]["exchange"] = {}
+    traces["solids"]["char"]["feed"]["mass_flow"] = 1e-8
+    traces["solids"]["char"]["volume_share"], traces["solids"]["inert"]["volume_share"] = 1e-6, 1 - 1e-6
+    traces["solids"]["char"]["exchange"] = {}
     absent = tables()
-    absent["species"]["char"] = {**absent["species"]["char"], "volume_fraction": 0.0, "feed": None, "exchange": {}}
-    absent["species"]["char"].pop("feed")
-    absent["species"]["inert"]["volume_fraction"] = 1.0
+    absent["solids"]["char"] = {**absent["solids"]["char"], "volume_share": 0.0, "feed": None, "exchange": {}}
+    absent["solids"]["char"].pop("feed")
+    absent["solids"]["inert"]["volume_share"] = 1.0
     found, none = solved(from_dict(traces)), solved(from_dict(absent))
     for key in ("T_inert_mid_K", "tubes_convection_W", "T_bubble_top_K", "T_distributor_K"):
         assert found.qoi[key] == pytest.approx(none.qoi[key], rel=2e-5)
@@ -102,18 +100,18 @@ def test_tiny_and_absent_parts():
 def test_ten_species():
     ten = {
         f"s{k}": {
-            "volume_fraction": 0.1,
+            "volume_share": 0.1,
             "diameter": 2e-4 * 1.4**k,
             "density": 1000.0 + 200.0 * k,
             "heat_capacity": 1000.0,
             "emissivity": 0.3 + 0.06 * k,
-            "gas_coefficient": "gunn",
-            "conductivity": "kunii_levenspiel",
+            "nusselt": "gunn",
+            "mixing_conductivity": "kunii_levenspiel",
             "exchange": {f"s{other}": "agu" for other in range(k)},
         }
         for k in range(10)
     }
-    result = solved(hot(species=ten))
+    result = solved(hot(solids=ten))
     assert len(result.history) <= 15
     assert sum(header.startswith("T_s") for header in result.profiles) == 10
 
@@ -132,10 +130,10 @@ def test_conductivity_of_the_emulsion_and_nusselt_from_files(tmp_path):
         "[provenance]\nscene = 'this test'\n"
     )
     written = tables()
-    written["species"]["inert"]["gas_coefficient"] = {"file": "nusselt.toml"}
+    written["solids"]["inert"]["nusselt"] = {"file": "nusselt.toml"}
     written["bubbling_bed"]["conductivity"] = {"file": "conductivity.toml"}
     named = tables()
-    named["species"]["inert"]["gas_coefficient"] = "ranz_marshall"
+    named["solids"]["inert"]["nusselt"] = "ranz_marshall"
     found, other = solved(from_dict(written, base=tmp_path)), solved(from_dict(named))
     # a conductivity of 0.4 W/m/K adds nothing to a mixing of 2e4
     assert found.qoi["T_inert_mid_K"] == pytest.approx(other.qoi["T_inert_mid_K"], rel=1e-6)
@@ -145,14 +143,16 @@ def test_conductivity_of_the_emulsion_and_nusselt_from_files(tmp_path):
 BAD = {
     "mole fractions sum to 0.9, not to 1": {"gas__composition": "N2:0.69, O2:0.21"},
     "no species 'N3'": {"gas__composition": "N3:1.0"},
-    "hotter than the properties of the gas hold, 3000 K": {"gas__temperature": 3500.0},
+    "hotter than the properties of the gas hold, 3000 K": {"inlet__temperature": 3500.0},
     "'bubble_growth_mory_wen'; nearest: bubble_growth_mori_wen": {"bubbles__size": "mory_wen"},
-    "missing; gas.mass_flow needs it": {"species__char__density": None},
+    "missing; boundary.bottom.gas.mass_flow needs it": {"solids__char__density": None},
     "follows from the closures; leave it out": {"bubbles__capacity_flow": 3.0},
-    "give mass_flow, not capacity_flow": {"species__char__feed": {
+    "give mass_flow, not capacity_flow": {"solids__char__feed": {
         "capacity_flow": 1.0, "temperature": 300.0, "height": 0.1, "width": 0.1}},
     "needs area": {"bubbles__start": "darton"},
-    "mass_flow and composition belong together": {"gas__composition": None},
+    "gas.composition: missing": {"gas__composition": None},
+    "gas: this table is missing; its composition gives": {"gas": None},
+    "give nusselt, gas_coefficient, or closures.nusselt": {"solids__char__nusselt": None},
 }  # fmt: skip
 
 
@@ -164,15 +164,15 @@ def test_bad_scenes_are_explained(text):
 
 def test_gas_below_minimum_fluidization_is_refused():
     with pytest.raises(SceneError, match=r"gas.mass_flow = 0.05: below minimum fluidization, 0\.0\d+ kg/s at 1100 K"):
-        cb.run(hot(gas__mass_flow=0.05))
+        cb.run(hot(inlet__mass_flow=0.05))
     with pytest.raises(SceneError, match="below minimum fluidization"):  # `contbed check`
-        require_buildable(hot(gas__mass_flow=0.05))
+        require_buildable(hot(inlet__mass_flow=0.05))
 
 
 def test_gas_that_flows_down_through_the_emulsion_is_refused_where_it_does():
     """The state says whether a closure lets gas flow down: the particles are not as hot as the guess."""
     with pytest.raises(ConvergenceError, match=r"bubbles\.emulsion_gas: the gas would flow down .* m/s at .* m, which"):
-        cb.run(hot(bubbles__emulsion_gas="kunii_levenspiel", gas__mass_flow=1.0))
+        cb.run(hot(bubbles__emulsion_gas="kunii_levenspiel", inlet__mass_flow=1.0))
     solved(hot(bubbles__emulsion_gas="kunii_levenspiel"))  # at 1100 K, where layers are predicted, it would flow down
 
 
@@ -227,7 +227,7 @@ def test_bubble_fraction_joins_its_limits():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"bubbles": None}, r"species\.char\.conductivity.*needs delta, u_b, d_b.*given here: .*u_mf"),
+        ({"bubbles": None}, r"solids\.char\.mixing_conductivity.*needs delta, u_b, d_b.*given here: .*u_mf"),
         ({"bubbles__start": {"name": "darton", "area": -1.0}}, r"bubbles\.start: parameter 'area'.*\(0, inf\)"),
     ],
 )

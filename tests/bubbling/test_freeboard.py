@@ -90,7 +90,7 @@ def test_many_particles_bring_the_gas_to_the_temperature_of_the_bed():
         hot(
             freeboard=above,
             radiation=None,
-            solver={"guess": 700.0},
+            initial={"temperature": 700.0},
             distributor={"coefficient": 80.0, "preheat_NTU": 2.5},
         )
     )

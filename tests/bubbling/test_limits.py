@@ -2,18 +2,18 @@
 
 import numpy as np
 import pytest
-from bubbling_scenes import QUIET, case1, one, species
+from bubbling_scenes import QUIET, case1, one, solids
 
 import contbed as cb
 from contbed.loading import from_dict
 
-INERT = {"volume_fraction": 1.0, "diameter": 1e-3, "gas_coefficient": 100.0, "conductivity": 5.0}
+INERT = {"volume_share": 1.0, "diameter": 1e-3, "gas_coefficient": 100.0, "mixing_conductivity": 5.0}
 
 
 def test_inert_heater_is_an_exponential():
     """Without mixing the particles follow the gas, and the tubes heat it through both resistances in series."""
     tubes = {"perimeter": 2.0, "coefficient": 300.0, "temperature": 800.0}
-    result = cb.run(one(inert={"conductivity": 0.0, "gas_coefficient": 1.0}, tubes=tubes))
+    result = cb.run(one(inert={"mixing_conductivity": 0.0, "gas_coefficient": 1.0}, tubes=tubes))
     z, gas, inert = (result.profiles[name] for name in ("z [m]", "T_emulsion [K]", "T_inert [K]"))
     inside, outside = 1.3 * 6 * 0.5 / 1e-3 * 1.0, 2.0 * 300.0
     exact = 800.0 - 500.0 * np.exp(-z / 300.0 / (1 / inside + 1 / outside))
@@ -52,14 +52,14 @@ def test_infinite_exchange_is_one_temperature():
     """-K T'' + W T' + P (T - T_t) = Q with the Danckwerts inlet that a gas in equilibrium with the particles makes."""
     conductivity, flow, contact, source = 200.0, 300.0, 600.0, 1e5
     two = {
-        "a": INERT | {"volume_fraction": 0.4, "gas_coefficient": 1e10, "conductivity": 50.0, "exchange": {"b": 1e13}},
-        "b": INERT | {"volume_fraction": 0.6, "gas_coefficient": 1e10, "conductivity": 150.0},
+        "a": INERT | {"volume_share": 0.4, "gas_coefficient": 1e10, "mixing_conductivity": 50.0},
+        "b": INERT | {"volume_share": 0.6, "gas_coefficient": 1e10, "mixing_conductivity": 150.0},
     }
-    two["a"]["release"] = {"rate": source}
+    two["a"] |= {"release": {"rate": source}, "exchange": {"b": 1e13}}
     result = cb.run(
         one(
-            species=two,
-            gas={"capacity_flow": 0.25 * flow, "temperature": 300.0},
+            solids=two,
+            inlet={"capacity_flow": 0.25 * flow, "temperature": 300.0},
             bubbles={"fraction": 0.2, "capacity_flow": 0.75 * flow, "exchange": 1e13},
             tubes={"perimeter": 2.0, "coefficient": 300.0, "temperature": 800.0},
         )
@@ -86,12 +86,16 @@ def test_everything_at_one_temperature_stays_there():
         name: {"perimeter": 4.0, "coefficient": 50.0, "temperature": T, "emissivity": 0.5}
         for name in ("tubes", "walls")
     }
-    particles = species(**{name: {"release": None} for name in ("char", "limestone")})
+    particles = solids(**{name: {"release": None} for name in ("char", "limestone")})
     for name in ("char", "limestone"):
         particles[name]["feed"]["temperature"] = T
     result = cb.run(
         case1(
-            gas={"capacity_flow": 230.0, "temperature": T}, species=particles, freeboard={"temperature": T}, **surfaces
+            inlet={"capacity_flow": 230.0, "temperature": T},
+            release=None,
+            solids=particles,
+            freeboard={"temperature": T},
+            **surfaces,
         )
     )
     for header, column in result.profiles.items():
@@ -107,7 +111,7 @@ def test_thick_bed_between_mirrors_is_the_papers_closure():
     differences = []
     for factor in (1.0, 0.1):
         fine = {name: {"diameter": factor * d} for name, d in (("char", 3e-3), ("limestone", 1e-3), ("inert", 7e-4))}
-        p1, paper = (cb.run(case1(name, species=species(**fine), **closed)) for name in ("p1", "paper_closure"))
+        p1, paper = (cb.run(case1(name, solids=solids(**fine), **closed)) for name in ("p1", "paper_closure"))
         differences.append(abs(p1.qoi["T_char_mid_K"] - paper.qoi["T_char_mid_K"]))
     # surfaces take from the field p eps/4 of K_a A (1 - delta) = 400 m, which it lags behind: as the diameter
     assert differences[0] < 1.0
@@ -121,7 +125,7 @@ def test_equal_bubbles_and_emulsion_gas():
         case1(
             "none",
             bubbles={"fraction": 0.3, "capacity_flow": 0.0, "exchange": 1e12},
-            gas={"capacity_flow": 690.0, "temperature": 300.0, "release": {"rate": 3.4e6, "length": 0.3}},
+            inlet={"capacity_flow": 690.0, "temperature": 300.0},
         )
     )
     for name, value in joined.qoi.items():

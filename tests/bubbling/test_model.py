@@ -130,7 +130,7 @@ def test_predicted_layers_of_two_streams():
     """Particles and gas at rest: K r^2 = p h, for a mode that decays upward and one that decays downward."""
     made = plan(
         one(
-            gas={"capacity_flow": 0.0, "temperature": 300.0},
+            inlet={"capacity_flow": 0.0, "temperature": 300.0},
             tubes={"perimeter": 1.0, "coefficient": 800.0, "temperature": 500.0},
         )
     )
@@ -143,7 +143,7 @@ def test_a_run_writes_what_other_runs_write(tmp_path):
     assert main(["run", str(STUDY / "p1.toml"), "--out", str(tmp_path), "--quiet"]) == 0
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["status"] == "ok" and summary["balances"]["energy"]["unit"] == "W"
-    assert summary["scene"]["species"]["char"]["diameter"] == 3e-3
+    assert summary["scene"]["solids"]["char"]["diameter"] == 3e-3
     profiles = read_table(tmp_path / "profiles.csv")
     z = profiles["z [m]"]
     assert z[0] == 0.0 and z[-1] == 0.6 and np.all(np.diff(z) > 0)

@@ -27,7 +27,7 @@ def problem_of(scene: Any) -> BubblingProblem:
 
 
 def random_state(problem: BubblingProblem, seed: int) -> Any:
-    x = problem._start(problem.plan.scene.solver.guess)
+    x = problem._start(problem.plan.scene.initial.temperature)
     rng = np.random.default_rng(seed)
     return problem._state(x * (1.0 + SPREAD * rng.uniform(-1.0, 1.0, len(x))))
 

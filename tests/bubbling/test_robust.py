@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bubbling_scenes import case1, species, values
+from bubbling_scenes import case1, solids, values
 
 import contbed as cb
 from contbed.errors import SceneError
@@ -18,7 +18,7 @@ def solved(scene, closed=1e-12):
 
 @pytest.mark.parametrize("name", ["p1", "two_flux", "paper_closure", "none"])
 def test_six_uniform_guesses_lead_to_one_state(name):
-    found = [solved(case1(name, solver={"guess": guess})) for guess in GUESSES]
+    found = [solved(case1(name, initial={"temperature": guess})) for guess in GUESSES]
     assert max(len(result.history) for result in found) <= 12
     for result in found[1:]:
         assert result.qoi == pytest.approx(found[0].qoi, rel=1e-9)
@@ -27,9 +27,9 @@ def test_six_uniform_guesses_lead_to_one_state(name):
 
 def ignitable(guess):
     """Char that needs heat to burn, in a bed with less heat from the gas."""
-    release = {**values()["species"]["char"]["release"], "activation": 8000.0}
-    gas = {**values()["gas"], "release": {"rate": 1.0e6, "length": 0.3}}
-    return case1(species=species(char={"release": release}), gas=gas, solver={"guess": guess})
+    release = {**values()["solids"]["char"]["release"], "activation": 8000.0}
+    gas = {"rate": 1.0e6, "length": 0.3}
+    return case1(solids=solids(char={"release": release}), release=gas, initial={"temperature": guess})
 
 
 def test_ignited_and_extinguished_states_are_told_apart():
@@ -44,26 +44,26 @@ def test_ignited_and_extinguished_states_are_told_apart():
 def test_tiny_feeds_are_no_feeds():
     found = []
     for flow in (2e-5, 0.0):
-        particles = species()
+        particles = solids()
         for name in ("char", "limestone"):
             particles[name]["feed"]["capacity_flow"] = flow
-        found.append(solved(case1(species=particles)).qoi)
+        found.append(solved(case1(solids=particles)).qoi)
     assert found[0] == pytest.approx(found[1], rel=1e-6)
 
 
 @pytest.mark.parametrize("name", ["char", "limestone"])
 def test_a_species_that_vanishes_is_left_out(name):
-    rest = {"inert": {"volume_fraction": 0.98 if name == "limestone" else 0.82}}
-    absent = species(**{name: {"volume_fraction": 0.0, "feed": None, "release": None}}, **rest)
-    without = solved(case1(species=absent))
+    rest = {"inert": {"volume_share": 0.98 if name == "limestone" else 0.82}}
+    absent = solids(**{name: {"volume_share": 0.0, "feed": None, "release": None}}, **rest)
+    without = solved(case1(solids=absent))
     assert f"T_{name}_mid_K" not in without.qoi and f"T_{name} [K]" not in without.profiles
-    assert (f"species {name}", "volume_fraction is 0") in without.plan.skipped
-    rest["inert"]["volume_fraction"] -= 1e-7
-    trace = species(**{name: {"volume_fraction": 1e-7, "feed": None, "release": None}}, **rest)
+    assert (f"solids {name}", "volume_share is 0") in without.plan.skipped
+    rest["inert"]["volume_share"] -= 1e-7
+    trace = solids(**{name: {"volume_share": 1e-7, "feed": None, "release": None}}, **rest)
     for other in trace.values():  # heat that a trace passes on is not proportional to what there is of it
         other.get("exchange", {}).pop(name, None)
     trace[name].pop("exchange", None)
-    present = solved(case1(species=trace))
+    present = solved(case1(solids=trace))
     for key, value in without.qoi.items():
         assert present.qoi[key] == pytest.approx(value, rel=1e-5), key
 
@@ -77,8 +77,8 @@ def test_no_bubbles():
 
 
 def test_one_species():
-    alone = {"inert": {**species()["inert"], "volume_fraction": 1.0}}
-    p1, paper = solved(case1(species=alone)), solved(case1("paper_closure", species=alone))
+    alone = {"inert": {**solids()["inert"], "volume_share": 1.0}}
+    p1, paper = solved(case1(solids=alone)), solved(case1("paper_closure", solids=alone))
     assert set(p1.qoi) >= {"T_inert_mid_K"}
     assert abs(p1.qoi["T_inert_mid_K"] - paper.qoi["T_inert_mid_K"]) < 100
 
@@ -86,11 +86,11 @@ def test_one_species():
 def test_ten_species_of_all_sizes():
     ten = {
         f"s{k}": {
-            "volume_fraction": 0.1,
+            "volume_share": 0.1,
             "diameter": 1e-4 * 2.0**k,
             "emissivity": 0.1 + 0.08 * k,
             "gas_coefficient": 40.0 + 20.0 * k,
-            "conductivity": 10.0 ** (k - 4),
+            "mixing_conductivity": 10.0 ** (k - 4),
             "exchange": {f"s{other}": 10.0 ** (other - 2) for other in range(k)},
             "feed": {
                 "capacity_flow": 10.0 ** (k - 8),
@@ -103,37 +103,37 @@ def test_ten_species_of_all_sizes():
         }
         for k in range(10)
     }
-    result = solved(case1(species=ten))
+    result = solved(case1(solids=ten))
     columns = [values for header, values in result.profiles.items() if header.startswith("T_s")]
     assert len(columns) == 10 and np.min(columns) > 300 and np.max(columns) < 2500
 
 
 @pytest.mark.parametrize("factor", [0.0, 1e-9, 1e6])
 def test_mixing_from_none_to_perfect(factor):
-    mixing = {name: {"conductivity": factor * item["conductivity"]} for name, item in species().items()}
+    mixing = {name: {"mixing_conductivity": factor * item["mixing_conductivity"]} for name, item in solids().items()}
     # conduction of 2e10 W/m/K over 0.1 mm rounds temperatures of 1e3 K to 1e-10 of the heat
-    result = solved(case1(species=species(**mixing)), 1e-10 if factor > 1 else 1e-12)
+    result = solved(case1(solids=solids(**mixing)), 1e-10 if factor > 1 else 1e-12)
     spread = np.ptp(result.profiles["T_inert [K]"])
     assert spread < 1e-2 if factor > 1 else spread > 100
 
 
 def test_hopeless_newton_is_marched_to_its_state():
     """All the heat of the char released by a millionth of it: far beyond any bed, and Newton's method alone fails."""
-    result = solved(case1(species=species(char={"volume_fraction": 1e-6}, inert={"volume_fraction": 0.82 - 1e-6})))
+    result = solved(case1(solids=solids(char={"volume_share": 1e-6}, inert={"volume_share": 0.82 - 1e-6})))
     assert 5000 < result.qoi["T_char_mid_K"] < 7000
 
 
 BAD = {
-    "sum to 0.9": {"species": species(inert={"volume_fraction": 0.7})},
-    "did you mean 'inert'": {"species": species(limestone={"exchange": {"inrt": 1.0}})},
-    "give it once": {"species": species(inert={"exchange": {"limestone": 1.0}})},
+    "sum to 0.9": {"solids": solids(inert={"volume_share": 0.7})},
+    "did you mean 'inert'": {"solids": solids(limestone={"exchange": {"inrt": 1.0}})},
+    "give it once": {"solids": solids(inert={"exchange": {"limestone": 1.0}})},
     "above the bed": {"bubbling_bed": {"height": 0.1, "section": 1.0, "solids_fraction": 0.5}},
     "no bubbles to carry it": {"bubbles": {"fraction": 0.0, "capacity_flow": 1.0, "exchange": 1.0}},
-    "radiation needs it": {"species": species(char={"emissivity": None})},
+    "radiation needs it": {"solids": solids(char={"emissivity": None})},
     "nothing exchanges heat": {"distributor": {"coefficient": 0.0, "preheat_NTU": 0.0}},
-    "there is none of this species": {"species": species(char={"volume_fraction": 0.0},
-                                                         inert={"volume_fraction": 0.82})},
-    "belong together": {"gas": {**values()["gas"], "release": {"rate": 1.0, "activation": 100.0}}},
+    "there are no particles of this solid phase": {"solids": solids(char={"volume_share": 0.0},
+                                                         inert={"volume_share": 0.82})},
+    "belong together": {"release": {"rate": 1.0, "activation": 100.0}},
     "unknown choice; allowed: none, pairwise, paper, two_flux, p1": {"radiation": {"level": "p3"}},
     "bubbling_bed.solids_fraction": {"bubbling_bed": {"height": 1.0, "section": 1.0, "solids_fraction": 1.0}},
     "outside of the bed": {"output": {"positions": [0.7]}},
@@ -149,9 +149,41 @@ def test_bad_scenes_are_explained(text):
 def test_all_mistakes_at_once_with_their_lines():
     from contbed.loading import loads
 
-    text = "[bubling_bed]\nheight = 1.0\n\n[gas]\ncapacity_flow = -1.0\ntemperature = '20 degC'\n[species]\n"
+    text = "[bubling_bed]\nheight = 1.0\n\n[boundary.bottom]\ngas.capacity_flow = -1.0\ngas.temperature = '20 degC'\n"
     with pytest.raises(SceneError) as error:
         loads(text, "bed.toml")
     lines = str(error.value).splitlines()
     assert any(line.startswith("bed.toml:1: bubling_bed: unknown key") and "'bubbling_bed'" in line for line in lines)
-    assert any(line.startswith("bed.toml:5: gas.capacity_flow = -1.0: out of range") for line in lines)
+    assert any(line.startswith("bed.toml:5: boundary.bottom.gas.capacity_flow = -1.0: out of range") for line in lines)
+
+
+def test_former_keys_name_the_present_ones():
+    from contbed.loading import loads
+
+    text = """
+[bubbling_bed]
+height = 0.6
+section = 1.0
+solids_fraction = 0.5
+[gas]
+mass_flow = 0.6
+composition = "N2:0.79, O2:0.21"
+[species.coal]
+volume_fraction = 1.0
+[walls]
+perimeter = 4.0
+[fuel]
+species = "coal"
+[solver]
+guess = 900.0
+"""
+    with pytest.raises(SceneError) as error:
+        loads(text, "bed.toml")
+    for told in (
+        "bed.toml:7: gas.mass_flow = 0.6: this key is called 'boundary.bottom.gas.mass_flow' now",
+        "bed.toml:10: species.coal.volume_fraction = 1.0: this key is called 'solids.coal.volume_share' now",
+        "bed.toml:11: walls: this key is called 'bubbling_bed.walls' now",
+        "bed.toml:13: fuel: this table is [solids.NAME.fuel] now",
+        "bed.toml:16: solver.guess = 900.0: this key is called 'initial.temperature' now",
+    ):
+        assert told in str(error.value)

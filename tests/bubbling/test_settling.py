@@ -13,12 +13,11 @@ SAND = {"diameters": [1e-4, 2e-4, 5e-4, 1e-3], "feed": [0.1, 0.2, 0.4, 0.3]}
 
 def sized(**changes):
     """The hot bed with sand of four sizes, fed and drained, below a freeboard."""
-    found = tables(**changes)
-    sand = found["species"]["inert"]
+    found = tables(**{"freeboard": {"height": 3.0, "elutriation": "geldart"}} | changes)
+    sand = found["solids"]["inert"]
     sand.pop("diameter")
     sand["sizes"] = dict(SAND)
     sand["feed"] = {"mass_flow": 0.2, "temperature": 300.0, "height": 0.2, "width": 0.05}
-    found["freeboard"] = {"height": 3.0, "elutriation": "geldart"}
     found["mesh"] = {"cells": 16}
     return found
 
@@ -26,7 +25,7 @@ def sized(**changes):
 def test_mass_of_every_size_is_balanced():
     result = cb.run(from_dict(sized()))
     assert abs(result.balances["energy"]["relative_residual"]) < 1e-12
-    problem_sizes = result.plan.scene.species["inert"].sizes
+    problem_sizes = result.plan.scene.solids["inert"].sizes
     x, feed = np.array(problem_sizes.bed), 0.2 * np.array(SAND["feed"])
     assert x.sum() == pytest.approx(1.0, rel=1e-12)
     drain = result.qoi["inert_drain_kg_s"]
@@ -36,20 +35,19 @@ def test_mass_of_every_size_is_balanced():
     assert carried.sum() == pytest.approx(result.qoi["inert_carryover_kg_s"], rel=1e-10)
     diameter = 1.0 / np.sum(x / np.array(SAND["diameters"]))
     assert result.qoi["inert_diameter_m"] == pytest.approx(diameter, rel=1e-8)
-    assert result.plan.scene.species["inert"].diameter == pytest.approx(diameter, rel=1e-8)
+    assert result.plan.scene.solids["inert"].diameter == pytest.approx(diameter, rel=1e-8)
 
 
 def test_nothing_carried_away_leaves_the_feed():
-    scene = from_dict(sized() | {"freeboard": {"height": 3.0, "elutriation": 0.0}})
+    scene = from_dict(sized(freeboard={"height": 3.0, "elutriation": 0.0}))
     result = cb.run(scene)
-    assert result.plan.scene.species["inert"].sizes.bed == pytest.approx(SAND["feed"], rel=1e-10)
+    assert result.plan.scene.solids["inert"].sizes.bed == pytest.approx(SAND["feed"], rel=1e-10)
     assert result.qoi["inert_drain_kg_s"] == pytest.approx(0.2, rel=1e-10)
 
 
 def test_a_feed_too_small_for_what_is_carried_away_is_told():
-    scene = sized()
-    scene["species"]["inert"]["feed"]["mass_flow"] = 1e-3
-    scene["freeboard"] = {"height": 3.0, "elutriation": 5.0}
+    scene = sized(freeboard={"height": 3.0, "elutriation": 5.0})
+    scene["solids"]["inert"]["feed"]["mass_flow"] = 1e-3
     with pytest.raises(ConvergenceError, match="feed more or coarser"):
         cb.run(from_dict(scene))
 
@@ -57,8 +55,8 @@ def test_a_feed_too_small_for_what_is_carried_away_is_told():
 @pytest.mark.parametrize("expansion", [None, "souza_santos"])
 def test_height_of_the_bubbling_bed(expansion):
     bed = {"settled_height": 0.4, "section": 1.0, "solids_fraction": 0.5}
-    bed |= {"expansion": expansion} if expansion else {}
-    result = cb.run(hot(bubbling_bed=bed, mesh={"cells": 24}))
+    closures = {"expansion": expansion} if expansion else {}
+    result = cb.run(hot(bubbling_bed=bed, closures=closures, mesh={"cells": 24}))
     height = result.qoi["bed_height_m"]
     assert result.profiles["z [m]"][-1] == pytest.approx(height, rel=1e-12)
     if expansion is None:
@@ -72,10 +70,10 @@ def test_height_of_the_bubbling_bed(expansion):
 
 
 def test_sizes_that_cannot_be_balanced_are_refused():
-    with pytest.raises(SceneError, match=r"needs \[freeboard\] with a height"):
-        from_dict({**sized(), "freeboard": {"temperature": 900.0}})
+    with pytest.raises(SceneError, match=r"needs \[bubbling_bed.freeboard\] with a height"):
+        from_dict(sized(freeboard={"temperature": 900.0}))
     wrong = sized()
-    wrong["species"]["inert"]["sizes"] = {"diameters": [1e-4, 1e-3], "feed": [0.5, 0.4]}
+    wrong["solids"]["inert"]["sizes"] = {"diameters": [1e-4, 1e-3], "feed": [0.5, 0.4]}
     with pytest.raises(SceneError, match=r"sum to 1; found 0\.9"):
         from_dict(wrong)
 

@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import cantera
 import numpy as np
 import pytest
-from reacting_scenes import BURNING, COAL, combustor, tables, tube
+from bubbling_scenes import changed
+from reacting_scenes import BURNING, COAL, combustor, tables, tube, without_fuel
 from scipy.integrate import solve_ivp
 
 import contbed as cb
@@ -80,7 +81,7 @@ def test_profiles_are_fractions(burning):
 
 def test_nothing_reacts_as_nothing_is_computed():
     """Tables of no reaction give the inert bed of the same gas, but for two sets of polynomials of its heat."""
-    inert = tables(fuel=None, drain=None, reactions={}, gas={**tables()["gas"], "temperature": 700.0})
+    inert = without_fuel(drain=None, reactions={}, inlet={"mass_flow": 0.45, "temperature": 700.0})
     result = solved(from_dict(inert))
     plain = cb.run(from_dict({key: value for key, value in inert.items() if key != "reactions"}))
     for name in ("T_inert_mid_K", "T_emulsion_top_K"):
@@ -92,9 +93,9 @@ def test_nothing_reacts_as_nothing_is_computed():
 @pytest.mark.slow
 def test_a_millionth_of_fuel_is_no_fuel():
     little = tables()
-    little["fuel"]["feed"]["mass_flow"] = 1e-8
+    little["solids"]["char"]["feed"]["mass_flow"] = 1e-8
     result = solved(from_dict(little))
-    none = solved(from_dict(tables(fuel=None, drain=None, reactions={})))
+    none = solved(from_dict(without_fuel(drain=None, reactions={})))
     # without fuel the bed holds 2 % of its particles less, whose surface the gas then lacks
     assert result.qoi["T_inert_mid_K"] == pytest.approx(none.qoi["T_inert_mid_K"], rel=1e-3)
     assert result.qoi["x_O2_wet"] == pytest.approx(none.qoi["x_O2_wet"], rel=1e-5)
@@ -102,7 +103,7 @@ def test_a_millionth_of_fuel_is_no_fuel():
 
 def test_shift_by_an_integrator_of_ordinary_equations():
     """N_CO' = -V r at 1200 K, walls and particles hold it there."""
-    scene = tube("CO:0.3, H2O:0.4, N2:0.3", {"water_gas_shift": {"factor": 3.0}}, solver={"degree": 3, "guess": 1200.0})
+    scene = tube("CO:0.3, H2O:0.4, N2:0.3", {"water_gas_shift": {"factor": 3.0}})
     result = solved(scene)
     law = r.LAWS["water_gas_shift"]["biba"]
     item = cr.Homogeneous("water_gas_shift", law, 3.0, 1e-3)
@@ -187,8 +188,8 @@ def test_infinite_rate_is_equilibrium():
 def test_adiabatic_flame_by_cantera():
     """Without walls the gas leaves at the temperature and composition of equilibrium at constant enthalpy."""
     mixture = "CO:0.04, H2:0.03, O2:0.15, H2O:0.03, N2:0.75"
-    gas = {"mass_flow": 0.02, "composition": mixture, "temperature": 900.0}
-    q = solved(tube(mixture, {"CO_oxidation": {}, "H2_oxidation": {}}, gas=gas, walls=None)).qoi
+    inlet = {"mass_flow": 0.02, "temperature": 900.0}
+    q = solved(tube(mixture, {"CO_oxidation": {}, "H2_oxidation": {}}, inlet=inlet, walls=None)).qoi
     names = ("CO", "H2", "O2", "H2O", "N2", "CO2")
     burnt = cantera.Solution(
         thermo="ideal-gas",
@@ -216,7 +217,7 @@ def test_exhausted_fuel_and_exhausted_oxygen():
 @pytest.mark.slow
 def test_no_char():
     none = tables()
-    none["fuel"] |= {"volatile_matter": 1.0 - 1e-9, "ultimate": {"C": 0.46, "H": 0.055, "O": 0.385}}
+    none["solids"]["char"]["fuel"] |= {"volatile_matter": 1.0 - 1e-9, "ultimate": {"C": 0.46, "H": 0.055, "O": 0.385}}
     gas = solved(from_dict(none))
     assert gas.qoi["ignited"] == 1 and gas.qoi["held_char_mol"] < 1e-3
 
@@ -224,8 +225,9 @@ def test_no_char():
 @pytest.mark.slow
 def test_only_char():
     coke = tables(reactions={"char_combustion": {"products": "arthur"}, "CO_oxidation": {}})
-    coke["fuel"] |= {"volatile_matter": 0.0, "moisture": 0.0, "ultimate": {"C": 0.9, "H": 0.0, "O": 0.0}}
-    coke["solver"]["guess"] = 1200.0
+    dry = {"volatile_matter": 0.0, "moisture": 0.0, "ultimate": {"C": 0.9, "H": 0.0, "O": 0.0}}
+    coke["solids"]["char"]["fuel"] |= dry
+    coke["initial"] = {"temperature": 1200.0}
     char = solved(from_dict(coke))
     assert char.qoi["carbon_conversion"] > 0.9
     assert "x_H2S_wet" not in char.qoi and "volatiles [kg/m]" not in char.profiles
@@ -234,7 +236,7 @@ def test_only_char():
 @pytest.mark.slow
 def test_six_guesses_lead_to_two_states():
     found = {
-        guess: solved(combustor(solver={"degree": 2, "guess": guess})).qoi
+        guess: solved(combustor(initial={"temperature": guess})).qoi
         for guess in (400.0, 700.0, 1000.0, 1150.0, 1500.0, 2000.0)
     }
     hot = [q["T_inert_mid_K"] for q in found.values() if q["ignited"]]
@@ -247,41 +249,32 @@ def test_six_guesses_lead_to_two_states():
 def test_energy_follows_the_heating_value():
     """More heat per kg of the same elements makes the bed hotter."""
     low, high = tables(), tables()
-    low["fuel"]["heating_value"], high["fuel"]["heating_value"] = 27e6, 29e6
+    low["solids"]["char"]["fuel"]["heating_value"] = 27e6
+    high["solids"]["char"]["fuel"]["heating_value"] = 29e6
     a, b = (solved(from_dict(each)).qoi for each in (low, high))
     assert b["fuel_power_W"] - a["fuel_power_W"] == pytest.approx(2e6 * 0.035 * 0.92, rel=1e-9)
     assert b["T_inert_mid_K"] > a["T_inert_mid_K"] + 20
 
 
-def changed(path, value, **changes):
-    found = tables(**changes)
-    place = found
-    for key in path[:-1]:
-        place = place[key]
-    if value is None:
-        place.pop(path[-1])
-    else:
-        place[path[-1]] = value
-    return found
-
-
+FUEL = ("solids", "char", "fuel")
 BAD = {
-    "sum to 1.1, not to 1": changed(("fuel", "ultimate", "O"), 0.22),
-    "less than the fixed carbon": changed(("fuel", "volatile_matter"), 0.1),
+    "sum to 1.1, not to 1": changed(tables(), {(*FUEL, "ultimate", "O"): 0.22}),
+    "less than the fixed carbon": changed(tables(), {(*FUEL, "volatile_matter"): 0.1}),
     "no amounts of CO": changed(
-        ("fuel",), {**COAL, "ultimate": {"C": 0.15, "H": 0.01, "O": 0.74}, "volatile_matter": 0.9}
+        tables(), {FUEL: {**COAL, "ultimate": {"C": 0.15, "H": 0.01, "O": 0.74}, "volatile_matter": 0.9}}
     ),
-    "far from the": changed(("fuel", "heating_value"), 3e6),
-    "did you mean 'char'": changed(("fuel", "species"), "chr"),
+    "far from the": changed(tables(), {(*FUEL, "heating_value"): 3e6}),
+    "char.fuel.*needs solids.char.feed with a mass_flow": changed(tables(), {(*FUEL[:-1], "feed"): None}),
+    "there is one already": changed(tables(), {("solids", "inert", "fuel"): COAL}),
     "char never leaves": tables(drain=None, reactions={"drying": {"time": 1.0}, "devolatilisation": {"time": 1.0}}),
     "moisture never leaves": tables(drain=None, reactions={k: v for k, v in BURNING.items() if k != "drying"}),
     "never leaves the bed: give": tables(stone=True, drain=None),
-    "there is no .fuel.": tables(fuel=None),
-    "did you mean 'howard'": changed(("reactions", "CO_oxidation"), {"law": "howrd"}),
-    "above the bed": changed(("fuel", "feed", "height"), 2.0),
-    "reactions know no AR": changed(("gas", "composition"), "O2:0.21, N2:0.78, AR:0.01"),
+    "there is no .solids.NAME.fuel.": without_fuel(),
+    "did you mean 'howard'": tables(reactions=BURNING | {"CO_oxidation": {"law": "howrd"}}),
+    "above the bed": changed(tables(), {(*FUEL[:-1], "feed", "height"): 2.0}),
+    "reactions know no AR": tables(gas={"composition": "O2:0.21, N2:0.78, AR:0.01"}),
     "has no use without": tables(reactions=None),
-    "unknown key": changed(("reactions", "CO_oxydation"), {}),
+    "unknown key": tables(reactions={"CO_oxydation": {}}),
 }  # fmt: skip
 
 

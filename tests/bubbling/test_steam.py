@@ -34,8 +34,8 @@ def test_boiling_water_has_one_temperature_and_a_quality():
 def inert(direction, coefficient):
     """Particles of one temperature, far hotter than the water of a small flow."""
     return one(
-        inert={"conductivity": 1e7, "gas_coefficient": 1e4},
-        gas={"capacity_flow": 3e4, "temperature": 700.0},
+        inert={"mixing_conductivity": 1e7, "gas_coefficient": 1e4},
+        inlet={"capacity_flow": 3e4, "temperature": 700.0},
         tubes={
             "perimeter": 2.0,
             "coefficient": 100.0,

@@ -304,9 +304,9 @@ def test_scene_without_closures_to_give(tmp_path):
 
 
 def test_bubbling_bed_whose_coefficients_are_numbers(tmp_path):
-    scene = BUBBLING.replace('mass_flow = 0.1, composition = "N2:0.79, O2:0.21"', "capacity_flow = 100.0")
-    scene = scene.replace('"gunn"', "100.0")
-    with pytest.raises(SceneError, match=r"toml:2: scene: coefficients of a bed with gas\.capacity_flow are numbers"):
+    scene = BUBBLING.replace("mass_flow = 0.1", "capacity_flow = 100.0")
+    scene = scene.replace('nusselt = "gunn"', "gas_coefficient = 100.0").replace(GAS, "")
+    with pytest.raises(SceneError, match=r"toml:2: scene: coefficients of a bed with .*capacity_flow are numbers"):
         cascade(written(tmp_path, scene=scene), tmp_path / "out")
 
 
@@ -317,43 +317,48 @@ def test_result_that_the_run_does_not_have(tmp_path):
     assert not (tmp_path / "out/particles").exists()  # the first run shows it, before any packing
 
 
-BUBBLING = """
-bubbling_bed = { height = 0.5, section = 1.0, solids_fraction = 0.55 }
-gas = { mass_flow = 0.1, composition = "N2:0.79, O2:0.21", temperature = 900 }
-tubes = { perimeter = 1.0, coefficient = 200.0, temperature = 600 }
-[species.char]
-volume_fraction = 0.01
+GAS = 'gas.composition = "N2:0.79, O2:0.21"\n'
+BUBBLING = f"""
+boundary.bottom.gas = {{ mass_flow = 0.1, temperature = 900 }}
+{GAS}
+[bubbling_bed]
+height = 0.5
+section = 1.0
+solids_fraction = 0.55
+tubes = {{ perimeter = 1.0, coefficient = 200.0, temperature = 600 }}
+[solids.char]
+volume_share = 0.01
 diameter = "2 mm"
 density = 1200
 heat_capacity = 1200
-gas_coefficient = "gunn"
-conductivity = 1e-6
-release = { rate = 2e5 }
-[species.sand]
-volume_fraction = 0.99
+nusselt = "gunn"
+mixing_conductivity = 1e-6
+release = {{ rate = 2e5 }}
+[solids.sand]
+volume_share = 0.99
 diameter = "0.5 mm"
 density = 2600
 heat_capacity = 1000
-gas_coefficient = "gunn"
-conductivity = 2e4
+nusselt = "gunn"
+mixing_conductivity = 2e4
 """
 
 
 def test_bubbling_bed_takes_packings_as_its_emulsion(tmp_path):
     """Char without mixing is warmer than the gas by the heat that it releases over its surface and coefficient."""
-    text = FILE.replace(NAME, "T_char_mid_K").replace("solid.conductivity", "species.char.diameter")
+    text = FILE.replace(NAME, "T_char_mid_K").replace("solid.conductivity", "solids.char.diameter")
     text = text.replace(', "columns"', "").replace(', "gunn"', "")
     done = cascade(written(tmp_path, text, BUBBLING), tmp_path / "out")
     eps = float(done.porosities.mean())
     nusselt, conductivity = ({"file": str(tmp_path / f"out/{kind}.toml")} for kind in ("nusselt", "conductivity"))
-    closures = {f"species.{name}.gas_coefficient": nusselt for name in ("char", "sand")}
+    closures = {f"solids.{name}.nusselt": nusselt for name in ("char", "sand")}
     closures["bubbling_bed.conductivity"] = conductivity
     result = run(load(tmp_path / "bed.toml", closures | {"bubbling_bed.solids_fraction": 1.0 - eps}))
     assert result.qoi["T_char_mid_K"] == done.base["T_char_mid_K"]
     used = {closure["used_by"]: closure for closure in result.closures}
     for key in closures:
         assert used[key]["name"].endswith(".toml") and used[key]["share_outside"] == 0.0
-    (low, high), (slow, fast) = used["species.sand.gas_coefficient"]["ranges"]["Re"]["used"], done.ranges["Re"]
+    (low, high), (slow, fast) = used["solids.sand.nusselt"]["ranges"]["Re"]["used"], done.ranges["Re"]
     assert slow < 1.01 * low and fast > 3.0 * high  # the range is that of both species: char is four times as large
     z = result.profiles["z [m]"]
     char, sand, gas_there = (

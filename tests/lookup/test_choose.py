@@ -83,7 +83,7 @@ def test_a_ratio_of_spans_is_as_wide_as_it_can_be():
 
 
 def test_kind_of_a_place():
-    assert kind_for("species.sand.gas_coefficient") == "nusselt"
+    assert kind_for("solids.sand.nusselt") == "nusselt"
     assert kind_for("drag") == "drag"
     with pytest.raises(SceneError, match=r"closures\.drag"):
         kind_for("closures.darg")

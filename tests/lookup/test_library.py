@@ -13,7 +13,7 @@ from contbed.scene.identity import resolved
 from contbed.scene.library import MATERIALS, data_sheet
 
 STUDIES = Path(__file__).parents[2] / "studies"
-INERT, BEADS = ("species", "inert"), ("solids", "beads")
+INERT, BEADS = ("solids", "inert"), ("solids", "beads")
 BED = {
     "mesh": {"type": "line", "length": 0.5},
     "fluid": {"material": "solar_salt", "temperature": "340 degC"},
@@ -129,12 +129,12 @@ def scene_with(path, table, added, removed=()):
 
 def test_particles_of_other_scenes_are_of_a_material():
     hot = {"material": "alumina", "material_temperature": "850 degC", "density": 3600.0}
-    found = scene_with("bubbling_bed_case1/p1.toml", INERT, hot).species["inert"]
+    found = scene_with("bubbling_bed_case1/p1.toml", INERT, hot).solids["inert"]
     exact = MATERIALS["alumina"].at(1123.15)
     assert found.density == 3600.0  # what is given replaces what the library has
     assert found.heat_capacity == pytest.approx(exact["heat_capacity"], rel=1e-14)
-    assert found.thermal_conductivity == pytest.approx(exact["conductivity"], rel=1e-14)
-    assert found.conductivity == 2e4  # that of mixing is not the material's
+    assert found.conductivity == pytest.approx(exact["conductivity"], rel=1e-14)
+    assert found.mixing_conductivity == 2e4  # that of mixing is not the material's
     riser = scene_with("two_fluid_checks/cooling.toml", BEADS, {"material": "FCC"}, ["density"])
     assert riser.solid.density == 1400.0
 
@@ -148,6 +148,6 @@ def test_particles_of_other_scenes_are_of_a_material():
         ({"material": "sandd", "material_temperature": 300.0}, "did you mean 'sand'"),
     ],
 )
-def test_mistakes_of_species(added, part):
+def test_mistakes_of_solids(added, part):
     with pytest.raises(SceneError, match=part):
         scene_with("bubbling_bed_case1/p1.toml", INERT, added)

@@ -200,7 +200,7 @@ def test_version_and_help(capsys):
         ("boundary.wall.fluid", "Thermal condition"),
         ("radiation", "in scenes of kind bubbling_bed:\n[radiation] Radiation between the particles"),
         ("bubbling_bed", "[bubbling_bed] The bed between distributor and freeboard"),
-        ("freeboard", "[freeboard] What is above the bed"),
+        ("bubbling_bed.freeboard", "What is above the bed"),
         ("duty_W", "named result, [W]: heat that the fluid takes up"),
         ("heat_left_W", "an entry heat_NAME_W, [W]"),
         ("reactions.CO_oxidation.law", "the first is the default\n    howard: CO + 0.5 O2 -> CO2"),

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from contbed.bubbling_bed.chemistry import reactions as cr
-from contbed.bubbling_bed.chemistry import scene as t
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.equations import species as model
+from contbed.bubbling_bed.solids import Feed, Solid
 from contbed.closures import devolatilisation as dv
 from contbed.closures.reactions import R_GAS
 from contbed.materials.composition import mole_fractions
@@ -36,10 +36,12 @@ class FuelData:
     elements: dict[str, float]  # dry, ash-free [mol/s]
 
 
-def fuel_data(fuel: t.Fuel) -> FuelData:
+def fuel_data(solid: Solid) -> FuelData:
     """Return the amounts fed, the products of the volatile matter and its heat of formation."""
+    fuel, feed = solid.fuel, solid.feed
+    assert fuel is not None and feed is not None and feed.mass_flow is not None
     dry = fuel.ultimate.model_dump()
-    received = fuel.feed.mass_flow
+    received = feed.mass_flow
     rate = received * (1.0 - fuel.moisture) * (1.0 - fuel.ash)
     daf = {name: share / (1.0 - fuel.ash) for name, share in dry.items()}
     total = sum(daf.values())
@@ -65,7 +67,7 @@ def fuel_data(fuel: t.Fuel) -> FuelData:
     )
 
 
-def gaussian(feed: t.SolidsFeed, height: float) -> Callable[[Any], Any]:
+def gaussian(feed: Feed, height: float) -> Callable[[Any], Any]:
     """Return the share of a feed per height [1/m] as a function of height; it integrates to one over the bed."""
     from scipy.special import ndtr
 
@@ -78,24 +80,25 @@ def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
     """Return all reactions that the scene switches on."""
     table = scene.reactions
     out: list[Any] = [
-        cr.Homogeneous(name, cr.law_of(name, item), item.factor, table.mixing_time)
+        cr.Homogeneous(name, cr.law_of(name, item), item.factor, scene.bubbling_bed.mixing_time)
         for name, item in table.homogeneous.items()
     ]
-    if (fuel := scene.fuel) is not None and data is not None:
+    if (name := scene.fuel) is not None and data is not None:
+        fuel = scene.solids[name].fuel
         if table.drying is not None and data.moisture:
-            out.append(cr.Drying(fuel.species, table.drying.time))
+            out.append(cr.Drying(name, table.drying.time))
         if table.devolatilisation is not None and data.volatiles is not None:
-            out.append(cr.Devolatilisation(fuel.species, table.devolatilisation.time, data.volatiles.yields))
+            out.append(cr.Devolatilisation(name, table.devolatilisation.time, data.volatiles.yields))
         if table.of_char:
-            diameter = fuel.char_diameter or scene.species[fuel.species].diameter
-            laws = {name: (cr.law_of(name, item), item) for name, item in table.of_char.items()}
-            out.append(cr.Char(fuel.species, diameter, fuel.char_density, fuel.char_model, fuel.sherwood, laws))
+            diameter = fuel.char_diameter or scene.solids[name].diameter
+            laws = {key: (cr.law_of(key, item), item) for key, item in table.of_char.items()}
+            out.append(cr.Char(name, diameter, fuel.char_density, fuel.char_model, fuel.sherwood, laws))
     if (stone := scene.limestone) is not None:
-        item = scene.species[stone.species]
+        item = scene.solids[stone]
         taking, giving = table.sulphation, table.sulphate_reduction
         out.append(
             cr.Lime(
-                stone.species,
+                stone,
                 item.diameter,
                 item.density,
                 table.calcination and table.calcination.factor,
@@ -241,8 +244,8 @@ class Chemistry:
 
 def chemistry(scene: Any, mixing: dict[str, Any], exchange: Any) -> Chemistry:
     """Build the reacting part of a scene; `mixing` and `exchange` are functions of the bed's local coefficients."""
-    inlet = mole_fractions(scene.gas.composition)
-    data = fuel_data(scene.fuel) if scene.fuel is not None else None
+    inlet = mole_fractions(scene.mixture.composition)
+    data = fuel_data(scene.solids[scene.fuel]) if scene.fuel is not None else None
     wanted = reactions_of(scene, data)
     names, running = gases_of(wanted, inlet)
     idle = tuple(item.name for item in wanted if isinstance(item, cr.Homogeneous) and item not in running)
@@ -251,16 +254,16 @@ def chemistry(scene: Any, mixing: dict[str, Any], exchange: Any) -> Chemistry:
         name: model.Gas(species[name].molar_mass, species[name].enthalpy, species[name].heat_capacity) for name in names
     }
     bed = scene.bubbling_bed
-    drain = scene.drain
+    drain = bed.drain
     velocity = 0.0 if drain is None else bed.height / drain.time * (1.0 if drain.end == "top" else -1.0)
     mean = sum(species[name].molar_mass * x for name, x in inlet.items())
-    moles = scene.gas.mass_flow / mean
+    moles = scene.inlet.mass_flow / mean
     solids, ash = _solids(scene, data, running, inlet, moles)
     part = model.Species(
         gases,
-        ("emulsion", "bubble") if scene.bubbles is not None and scene.bubbles.fraction != 0 else ("emulsion",),
+        ("emulsion", "bubble") if bed.bubbling else ("emulsion",),
         inlet,
-        scene.gas.pressure,
+        scene.mixture.pressure,
         bed.section,
         1.0 - bed.solids_fraction,
         solids,
@@ -277,20 +280,22 @@ def chemistry(scene: Any, mixing: dict[str, Any], exchange: Any) -> Chemistry:
 def _solids(
     scene: Any, data: FuelData | None, running: tuple[Any, ...], inlet: dict[str, float], moles: float
 ) -> tuple[dict[str, model.Solid], tuple[model.Ash, ...]]:
-    species, height = thermo.table(), scene.bubbling_bed.height
-    kept = np.inf if scene.drain is None else scene.drain.time
+    bed = scene.bubbling_bed
+    species, height = thermo.table(), bed.height
+    kept = np.inf if bed.drain is None else bed.drain.time
     solids: dict[str, model.Solid] = {}
     ash = []
     if (fuel := scene.fuel) is not None and data is not None:
-        share = gaussian(fuel.feed, height)
+        fed = scene.solids[fuel].feed
+        share = gaussian(fed, height)
 
         def add(name: str, enthalpy: Any, rate: float, stays: float, scale: float = 1.0) -> None:
             if rate:
                 solids[name] = model.Solid(
-                    fuel.species,
+                    fuel,
                     enthalpy,
                     lambda z: rate * share(z),
-                    fuel.feed.temperature,
+                    fed.temperature,
                     scale,
                     rate * stays / height,
                 )
@@ -301,22 +306,19 @@ def _solids(
         add("volatiles", matter, data.volatile, times.get(cr.Devolatilisation, kept), 40.0)
         add("char", species["C"].enthalpy, data.carbon, min(_burnout(scene, running, inlet), kept))
         if data.ash:
-            ash.append(
-                model.Ash(fuel.species, lambda z: data.ash * share(z), fuel.feed.temperature, _linear(0.0, CP_ASH))
-            )
+            ash.append(model.Ash(fuel, lambda z: data.ash * share(z), fed.temperature, _linear(0.0, CP_ASH)))
     if (stone := scene.limestone) is not None:
-        place = gaussian(stone.feed, height)
-        rate = stone.feed.mass_flow * stone.purity / species["CaCO3"].molar_mass
-        rest = stone.feed.mass_flow * (1.0 - stone.purity)
+        feed, purity = scene.solids[stone].feed, scene.solids[stone].limestone.purity
+        place = gaussian(feed, height)
+        rate = feed.mass_flow * purity / species["CaCO3"].molar_mass
+        rest = feed.mass_flow * (1.0 - purity)
         for name, part in (("CaCO3", 0.1), ("CaO", 0.7), ("CaSO4", 0.2)):
-            fed = (lambda z: rate * place(z)) if name == "CaCO3" else None
+            enters = (lambda z: rate * place(z)) if name == "CaCO3" else None
             solids[name] = model.Solid(
-                stone.species, species[name].enthalpy, fed, stone.feed.temperature, 1.0, part * rate * kept / height
+                stone, species[name].enthalpy, enters, feed.temperature, 1.0, part * rate * kept / height
             )
         if rest:
-            ash.append(
-                model.Ash(stone.species, lambda z: rest * place(z), stone.feed.temperature, _linear(0.0, CP_ASH))
-            )
+            ash.append(model.Ash(stone, lambda z: rest * place(z), feed.temperature, _linear(0.0, CP_ASH)))
     return solids, tuple(ash)
 
 
@@ -329,7 +331,7 @@ def _burnout(scene: Any, running: tuple[Any, ...], inlet: dict[str, float]) -> f
 
     It is only used for the first guess of the inventory.
     """
-    T, p = scene.solver.guess, scene.gas.pressure
+    T, p = scene.initial.temperature, scene.mixture.pressure
     for item in running:
         if isinstance(item, cr.Char):
             rate = 0.0

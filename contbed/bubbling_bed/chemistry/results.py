@@ -16,6 +16,7 @@ from contbed.closures.reactions import LAWS
 from contbed.errors import ConvergenceError
 from contbed.materials.common import share_outside
 from contbed.result import Result
+from contbed.scene.toml_lines import dotted
 
 ELEMENTS = ("C", "H", "O", "N", "S", "Ca")
 SOLIDS = {"moisture": "H2O(l)", "char": "C", "CaCO3": "CaCO3", "CaO": "CaO", "CaSO4": "CaSO4"}
@@ -185,10 +186,12 @@ def _fuel(chemistry: Chemistry, entering: Any, leaving: Any, drained: Any, qoi: 
 def _fits(scene: Any, share: float, result: Result) -> None:
     """Raise ConvergenceError where the char that the balances leave does not fit between the particles of the bed."""
     if share > 1.0:
+        key = ("solids", scene.fuel, "fuel")
         raise ConvergenceError(
-            f"{scene.origin.at(('fuel',))}: fuel: the bed cannot hold its char, which would fill {100 * share:.3g} % "
-            "of the volume of the solids (char_volume_fraction): feed less fuel, more oxygen or steam, drain faster by "
-            "drain.time, or enlarge bubbling_bed.section",
+            f"{scene.origin.at(key)}: {dotted(key)}: the bed cannot hold its char, which "
+            f"would fill {100 * share:.3g} % of the volume of the "
+            "solids (char_volume_fraction): feed less fuel, more oxygen or steam, drain faster by "
+            "bubbling_bed.drain.time, or enlarge bubbling_bed.section",
             result.history,
         )
 
@@ -218,8 +221,9 @@ def _warnings(problem: Any, chemistry: Chemistry, state: Any, held: dict[str, fl
     below = _below_zero(part, result.profiles, scene.solver.tolerance)
     if below is not None:
         result.warnings.append(below)
-    if data_fuel := scene.fuel:
-        volume = held.get("char", 0.0) * dv.ATOMIC["C"] / data_fuel.char_density
+    if scene.fuel is not None:
+        fuel = scene.solids[scene.fuel].fuel
+        volume = held.get("char", 0.0) * dv.ATOMIC["C"] / fuel.char_density
         delta = problem.total(lambda u, o: problem.c.at(u, o).delta, state) / chemistry.height
         solids = part.section * chemistry.height * (1.0 - delta) * (1.0 - part.voidage)
         result.qoi["char_volume_fraction"] = volume / solids

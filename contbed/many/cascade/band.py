@@ -169,7 +169,7 @@ def visited(runs: Runs) -> dict[str, Range]:
     found: dict[str, Range] = {}
     for closure in summary["closures"]:
         for name, use in closure["ranges"].items() if closure["name"].endswith(".toml") else ():
-            low, high = found.get(name, (np.inf, -np.inf))  # species of a bubbling bed have a range each
+            low, high = found.get(name, (np.inf, -np.inf))  # solid phases of a bubbling bed have a range each
             found[name] = min(low, float(use["used"][0])), max(high, float(use["used"][1]))
     return found
 

@@ -21,7 +21,7 @@
     solid.conductivity = "10 %"
 
 `laws.conduction` gives heat.conductivity_solid, `laws.exchange` gives heat.nusselt; of a bubbling bed they give
-bubbling_bed.conductivity and the gas_coefficient of each species. What is absent stays as the scene has it, and the
+bubbling_bed.conductivity and the nusselt of each solid phase. What is absent stays as the scene has it, and the
 particles are not asked for it. The scene gets the porosity of the packings.
 """
 

@@ -2,8 +2,8 @@
 
 A packed or moving bed is the packing. Of a bubbling bed the emulsion is: gas passes its particles at about the voidage
 of minimum fluidization, which is that of a loose packing, so that the solids fraction of the emulsion, its conductivity
-at rest and the exchange of each species with the gas around it are those of packings. What particles do when they move,
-their mixing, stays as the scene has it.
+at rest and the exchange of each solid phase with the gas around it are those of packings. What particles do when they
+move, their mixing, stays as the scene has it.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Reactor:
 
 
 def reactor(scene: Scene | BubblingScene) -> Reactor:
-    """Return what packings give a scene; of a bubbling bed each species has the mean diameter of all."""
+    """Return what packings give a scene; of a bubbling bed each solid phase has the mean diameter of all."""
     places: dict[str, tuple[str, ...]]
     if isinstance(scene, Scene):
         assert scene.solid is not None
@@ -51,17 +51,20 @@ def reactor(scene: Scene | BubblingScene) -> Reactor:
     present = scene.present
     places = {
         CONDUCTIVITY: ("bubbling_bed.conductivity",),
-        NUSSELT: tuple(f"species.{name}.gas_coefficient" for name in present),
+        NUSSELT: tuple(f"solids.{name}.nusselt" for name in present),
     }
-    surface = sum(item.volume_fraction / item.diameter for item in present.values())
-    density = sum(item.volume_fraction * float(item.density or 0.0) for item in present.values())
+    surface = sum(item.volume_share / item.diameter for item in present.values())
+    density = sum(item.volume_share * float(item.density or 0.0) for item in present.values())
     return Reactor(places, 1.0 / surface, density, 1.0 - scene.bubbling_bed.solids_fraction, True)
 
 
 def why_not(scene: Any) -> str:
     """Return why packings can give a scene nothing; empty if they can."""
     if isinstance(scene, BubblingScene):
-        return "" if scene.computed else "coefficients of a bed with gas.capacity_flow are numbers; give gas.mass_flow"
+        if scene.computed:
+            return ""
+        inlet = "boundary.bottom.gas"
+        return f"coefficients of a bed with {inlet}.capacity_flow are numbers; give {inlet}.mass_flow"
     if not isinstance(scene, Scene) or scene.heat is None:
         return "a cascade ends in a packed or moving bed with [heat], or in a bubbling bed"
     if scene.bed.shape != "spheres":
