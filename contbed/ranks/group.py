@@ -1,12 +1,12 @@
-"""Control of MPI ranks: the program runs on the root rank, distributed functions run on all ranks.
+"""Control of MPI ranks: the program runs on rank 0, distributed functions run on all ranks.
 
-The root rank runs a scene as it would without MPI. For distributed work it calls `RankGroup.run_on_all(function, ...)`:
+Rank 0 runs a scene as it would without MPI. For distributed work it calls `RankGroup.run_on_all(function, ...)`:
 all ranks then run that function, which belongs to a module and is known to all ranks by its name. Between calls the
 other ranks wait in `RankGroup.serve`. No rank has to guess what another one decides, so none waits for a message that
-never comes. An error that the root rank meets outside a distributed function ends all ranks with its exit code; an
+never comes. An error that rank 0 meets outside a distributed function ends all ranks with its exit code; an
 error inside a distributed function aborts all ranks with a message.
 
-The root rank holds vectors in the numbering of the mesh as built, so results, checkpoints and restarts do not depend on
+Rank 0 holds vectors in the numbering of the mesh as built, so results, checkpoints and restarts do not depend on
 the number of ranks. Matrices, their factors and preconditioners are distributed only.
 """
 
@@ -43,11 +43,11 @@ class RankGroup:
         self.partition: Any = None  # the last `system.Partition`
         self.iterations: list[int] = []
         self.count = 0
-        self.served = False  # whether the other ranks wait for what the root rank asks for
+        self.served = False  # whether the other ranks wait for what rank 0 asks for
 
     @property
     def alone(self) -> bool:
-        """Whether the root rank can compute now: it is the only one, or the others serve it."""
+        """Whether rank 0 can compute now: it is the only one, or the others serve it."""
         return self.comm.size == 1 or self.served
 
     def new_key(self) -> int:
@@ -56,7 +56,7 @@ class RankGroup:
         return self.count
 
     def run_on_all(self, function: Callable[..., Any], *arguments: Any, root: Any = None) -> Any:
-        """Run `function(ranks, root, *arguments)` on all ranks; only the root rank calls this and has `root`."""
+        """Run `function(ranks, root, *arguments)` on all ranks; only rank 0 calls this and has `root`."""
         with _uninterrupted():
             released = self.released[:]
             del self.released[: len(released)]
@@ -67,7 +67,7 @@ class RankGroup:
             return self._do(function, root, arguments)
 
     def serve(self) -> tuple[int, str]:
-        """Run the functions that the root rank asks for until it ends; return its exit code and last message."""
+        """Run the functions that rank 0 asks for until it ends; return its exit code and last message."""
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         while True:
             self._wake()
@@ -116,7 +116,7 @@ class RankGroup:
         self.comm.Abort(error.exit_code if isinstance(error, ContbedError) else ABORT_EXIT_CODE)
 
     def scatter(self, values: Any, counts: Any, width: int, dtype: Any) -> Any:
-        """Distribute rows (sum of counts, width) of the root rank; only the root rank knows `values` and `counts`."""
+        """Distribute rows (sum of counts, width) of rank 0; only rank 0 knows `values` and `counts`."""
         mine = np.empty((self.comm.scatter(counts), width), dtype=dtype)
         shares = None if counts is None else [np.ascontiguousarray(values, dtype), np.asarray(counts) * width]
         self.comm.Scatterv(shares, mine)
@@ -127,14 +127,14 @@ class RankGroup:
         return np.arange(*self._ends(size)[self.comm.rank :][:2])
 
     def spread(self, values: Any, width: int, dtype: Any) -> Any:
-        """Distribute rows (n, width) of the root rank in equal ranges; only the root rank knows `values`."""
+        """Distribute rows (n, width) of rank 0 in equal ranges; only rank 0 knows `values`."""
         return self.scatter(values, None if values is None else np.diff(self._ends(len(values))), width, dtype)
 
     def _ends(self, size: int) -> Any:
         return np.linspace(0, size, self.comm.size + 1).astype(int)
 
     def gather(self, mine: Any, counts: Any) -> Any:
-        """Return the entries of all ranks in rank order on the root rank; None elsewhere."""
+        """Return the entries of all ranks in rank order on rank 0; None elsewhere."""
         if not self.is_root:
             self.comm.Gatherv(np.ascontiguousarray(mine), None)
             return None
@@ -143,7 +143,7 @@ class RankGroup:
         return out
 
     def take(self, whole: Any, places: Any) -> Any:
-        """Return rows (n, ...) at `places` (n,) of an array that only the root rank has."""
+        """Return rows (n, ...) at `places` (n,) of an array that only rank 0 has."""
         counts, everywhere = self.comm.gather(len(places)), None
         asked = self.gather(places, counts)
         shape = self.comm.bcast(None if whole is None else whole.shape[1:])
@@ -152,7 +152,7 @@ class RankGroup:
         return self.scatter(everywhere, counts, int(np.prod(shape)), float).reshape(-1, *shape)
 
     def put(self, mine: Any, places: Any) -> Any:
-        """Return on the root rank an array whose rows (n, ...) at `places` (n,) each rank has; None elsewhere."""
+        """Return on rank 0 an array whose rows (n, ...) at `places` (n,) each rank has; None elsewhere."""
         counts = self.comm.gather(len(places))
         there = self.gather(places, counts)
         width = int(np.prod(mine.shape[1:]))
@@ -179,7 +179,7 @@ def rank_group() -> RankGroup:
 
 
 def run_on_root(main: Callable[[], Any]) -> Any:
-    """Run `main` on the root rank while the others serve it; they return None, or raise what ended the root rank.
+    """Run `main` on rank 0 while the others serve it; they return None, or raise what ended rank 0.
 
     Within `main` of another call, as of the runs of a derivative, the others serve already.
     """
@@ -206,7 +206,7 @@ def run_on_root(main: Callable[[], Any]) -> Any:
 
 
 class RootRankError(ContbedError):
-    """The error that ended the root rank, as raised on the other ranks with the same `exit_code`."""
+    """The error that ended rank 0, as raised on the other ranks with the same `exit_code`."""
 
     def __init__(self, message: str, exit_code: int):
         super().__init__(message)

@@ -1,7 +1,7 @@
 """What every rank does on its part of the mesh: spaces, forms as UFL from a recording, assembly with DOLFINx.
 
-Each function of `run_on_all` takes the ranks and what the root rank gives (`root`, None on the others), and keeps
-results as objects under a key. `ranks.system` has the side of the root rank.
+Each function of `run_on_all` takes the ranks and what rank 0 gives (`root`, None on the others), and keeps
+results as objects under a key. `ranks.system` has the side of rank 0.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def make_mesh(
 ) -> Any:
     """Distribute a mesh; return the cells of each rank in turn and their number.
 
-    Each rank begins with an equal range of cells and nodes: its own of a `tensor`, or what the root rank sends of
+    Each rank begins with an equal range of cells and nodes: its own of a `tensor`, or what rank 0 sends of
     `root`, (ncells, nv) and (n, dim). Then DOLFINx moves cells to where their neighbours are. `corners` is the order
     of the nodes of a cell of the `tensor` in DOLFINx.
     """

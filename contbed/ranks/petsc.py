@@ -1,6 +1,6 @@
 """Distributed PETSc matrices, and their solution by policy: MUMPS where its factors fit, else multigrid.
 
-On the root rank a `Matrix` holds the number of an object that all ranks have. It offers what Newton's method, time
+On rank 0 a `Matrix` holds the number of an object that all ranks have. It offers what Newton's method, time
 steps and `solvers.linear.Solver` do with a SciPy matrix. Vectors are passed as a whole, in the numbering of the root
 rank.
 """
@@ -68,13 +68,13 @@ class Layout:
 
     @staticmethod
     def scatter(all_ranks: RankGroup, layout: Layout | None, values: Any) -> Any:
-        """Return the part of the root rank's vector that belongs to the calling rank."""
+        """Return the part of rank 0's vector that belongs to the calling rank."""
         if layout is None:
             return all_ranks.scatter(None, None, 1, float)[:, 0]
         return all_ranks.scatter(values[layout.order], layout.counts, 1, float)[:, 0]
 
     def from_parts(self, parts: Any) -> Any:
-        """Return the vector (size,) in the root rank's numbering from the gathered parts."""
+        """Return the vector (size,) in rank 0's numbering from the gathered parts."""
         out = np.empty(self.size)
         out[self.order] = parts
         return out
@@ -106,7 +106,7 @@ class LocalMatrix:
 
 
 class Matrix:
-    """A distributed matrix as seen from the root rank."""
+    """A distributed matrix as seen from rank 0."""
 
     __array_ufunc__ = None  # numbers of NumPy leave products to us
 
@@ -160,7 +160,7 @@ class _Absolute:
 
 
 class _Inverse:
-    """A factorisation, or a preconditioned Krylov method, as seen from the root rank."""
+    """A factorisation, or a preconditioned Krylov method, as seen from rank 0."""
 
     def __init__(self, matrix: Matrix, policy: Policy):
         self.matrix, self.ranks, self.key = matrix, matrix.ranks, matrix.ranks.new_key()

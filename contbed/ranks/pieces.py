@@ -19,7 +19,7 @@ WHOLE = 100_000  # cells up to which rank 0 writes one file
 
 
 def write(path: Path, mesh: Any, nodal: Mapping[str, tuple[Space, Any]]) -> str:
-    """Write fields of the root rank's mesh, see `output.vtu.write_fields`; returns the name of the file to open."""
+    """Write fields of rank 0's mesh, see `output.vtu.write_fields`; returns the name of the file to open."""
     all_ranks = rank_group()
     if all_ranks.comm.size == 1 or mesh.nelements <= WHOLE:
         return write_fields(path, mesh, nodal)

@@ -1,11 +1,11 @@
 """Engine for MPI: forms compiled by FFCx, assembled by DOLFINx and solved by PETSc.
 
 `System` has the interface of `fem.skfem.System`, so problems do not know which engine they use. It records each
-form once (`ad.graph`); every rank turns the recording into UFL on its part of the mesh and compiles it. The root rank
+form once (`ad.graph`); every rank turns the recording into UFL on its part of the mesh and compiles it. Rank 0
 keeps vectors and known values in the numbering of its mesh; the other ranks get their part of a state and return their
 part of a residual (`ranks.parts`). Jacobians stay distributed (`ranks.petsc`).
 
-Integrals over boundaries are assembled by the root rank with `fem.skfem` and added. Their share of the work vanishes as
+Integrals over boundaries are assembled by rank 0 with `fem.skfem` and added. Their share of the work vanishes as
 meshes grow, and property tables need quadrature points on facets, for which DOLFINx has no elements.
 """
 

@@ -13,7 +13,7 @@ from math import ceil
 
 from contbed.solvers.linear import Policy, free_memory_GB
 
-ROOT_BYTES = 900.0  # bytes per unknown on the root rank
+ROOT_BYTES = 900.0  # bytes per unknown on rank 0
 LONG_RUN = 1800.0  # [s] a run that takes longer is advised to use MPI
 START_UP = 1.2  # [s] of any run
 

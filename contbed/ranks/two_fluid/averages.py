@@ -1,4 +1,4 @@
-"""Averages of a bed on ranks: each takes those of its own cells, which the root rank puts together to read them."""
+"""Averages of a bed on ranks: each takes those of its own cells, which rank 0 puts together to read them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from contbed.two_fluid.simulation import Simulation
 
 
 class SharedAverages(Averages):
-    """Averages on the root rank, which has those of the whole bed after `whole`."""
+    """Averages on rank 0, which has those of the whole bed after `whole`."""
 
     def __init__(self, bed: SharedSimulation, start: float, end: float):
         super().__init__(start, end)
@@ -75,7 +75,7 @@ def add(all_ranks: RankGroup, root: Any, key: int) -> None:
 
 
 def own_arrays(all_ranks: RankGroup, root: Any, key: int) -> Any:
-    """Return on the root rank the averages of the own cells of each rank."""
+    """Return on rank 0 the averages of the own cells of each rank."""
     return all_ranks.comm.gather(all_ranks.objects[key].averages.arrays())
 
 

@@ -1,6 +1,6 @@
-"""A two-fluid bed that ranks share, as the root rank sees it: a `Simulation` whose steps run on all ranks.
+"""A two-fluid bed that ranks share, as rank 0 sees it: a `Simulation` whose steps run on all ranks.
 
-The root rank has the outline of the grid and, whenever it asks for it, the state as a whole, in the numbering of the
+Rank 0 has the outline of the grid and, whenever it asks for it, the state as a whole, in the numbering of the
 mesh as built: so rows, averages, fields and checkpoints do not depend on the number of ranks.
 """
 

@@ -55,7 +55,7 @@ class Surroundings:
 
 @dataclass(frozen=True, eq=False)
 class Outline(Grid):
-    """What the root rank has of a grid that ranks share; it takes no steps, which would need rows.
+    """What rank 0 has of a grid that ranks share; it takes no steps, which would need rows.
 
     It has places and volumes of all cells, the boundary faces, and those beside and behind boundary cells, from which
     the pressure reaches floor and roof; for each axis the outermost faces, so that the bed has its extent.

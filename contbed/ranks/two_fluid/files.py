@@ -1,4 +1,4 @@
-"""Fields of a bed on ranks: of a small mesh one file by the root rank, of a large one a piece by each rank."""
+"""Fields of a bed on ranks: of a small mesh one file by rank 0, of a large one a piece by each rank."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The grid of a bed that ranks share: each has its part, the root rank an outline of the whole."""
+"""The grid of a bed that ranks share: each has its part, rank 0 an outline of the whole."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class SharedGrid:
 
     Attributes
     ----------
-    outline : the root rank's grid from now on
+    outline : rank 0's grid from now on
     edges : boundary faces of each rank
     """
 
@@ -66,7 +66,7 @@ class SharedGrid:
 def take_part(all_ranks: RankGroup, root: Any, key: int) -> Any:
     """Make the part of this rank from its share as object `key`; root yields those of all ranks, one after the other.
 
-    The root rank gets the boundary faces of each.
+    Rank 0 gets the boundary faces of each.
     """
     if not all_ranks.is_root:
         return _kept(all_ranks, key, all_ranks.comm.recv(source=0).part())
@@ -77,7 +77,7 @@ def take_part(all_ranks: RankGroup, root: Any, key: int) -> Any:
 
 
 def make_part(all_ranks: RankGroup, root: Any, key: int, bricks: Bricks) -> Any:
-    """Make the part of this rank as object `key`; the root rank gets the boundary faces of each."""
+    """Make the part of this rank as object `key`; rank 0 gets the boundary faces of each."""
     return _kept(all_ranks, key, bricks.part(all_ranks.comm.rank))
 
 

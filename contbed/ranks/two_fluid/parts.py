@@ -1,8 +1,8 @@
-"""What every rank does with its part of a two-fluid bed; `bed` has the side of the root rank.
+"""What every rank does with its part of a two-fluid bed; `bed` has the side of rank 0.
 
-Each function of `run_on_all` takes the ranks and what the root rank gives (`root`, None on the others). Where steps do
+Each function of `run_on_all` takes the ranks and what rank 0 gives (`root`, None on the others). Where steps do
 not converge all ranks meet the same error at the same place, as all that decides is reduced over them; it is returned
-to the root rank, which raises it.
+to rank 0, which raises it.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def taken_heat(heat: HeatModel, faces: Any) -> tuple[Array, ...]:
 def make(all_ranks: RankGroup, root: Any, key: int, shared_grid: int, about: About) -> None:
     """Build the bed of each rank from its part of the grid, object `shared_grid`, as object `key`.
 
-    The root rank has conditions and those of heat for each rank, distances from walls of all cells, and a timer.
+    Rank 0 has conditions and those of heat for each rank, distances from walls of all cells, and a timer.
     """
     given, walls, timer = root or (None, None, Timer())
     part: Part = all_ranks.objects[shared_grid]
@@ -186,7 +186,7 @@ def impose_heat(all_ranks: RankGroup, root: Any, key: int) -> None:
 
 
 def own_cells(all_ranks: RankGroup, root: Any, key: int) -> Any:
-    """Return on the root rank the own cells of each rank."""
+    """Return on rank 0 the own cells of each rank."""
     part = all_ranks.objects[key].part
     return all_ranks.comm.gather(part.cells[: part.owned])
 
@@ -205,14 +205,14 @@ def set_state(all_ranks: RankGroup, root: Any, key: int) -> None:
 
 
 def own_shear_rate(all_ranks: RankGroup, root: Any, key: int) -> Any:
-    """Return on the root rank the shear rates of the own cells of each rank."""
+    """Return on rank 0 the shear rates of the own cells of each rank."""
     here = all_ranks.objects[key]
     with np.errstate(all="ignore"):
         return all_ranks.comm.gather(here.simulation.shear_rate()[: here.part.owned])
 
 
 def own_state(all_ranks: RankGroup, root: Any, key: int) -> Any:
-    """Return on the root rank the flattened state of the bed, put together array by array, and the counts of ranks."""
+    """Return on rank 0 the flattened state of the bed, put together array by array, and the counts of ranks."""
     here = all_ranks.objects[key]
     flat, part = flatten(here.simulation.state), here.part
     for name, value in flat.items():
@@ -227,5 +227,5 @@ def own_state(all_ranks: RankGroup, root: Any, key: int) -> Any:
 
 
 def traffic(all_ranks: RankGroup, root: Any, key: int) -> Any:
-    """Return on the root rank the messages, bytes and reductions of each rank since the start."""
+    """Return on rank 0 the messages, bytes and reductions of each rank since the start."""
     return all_ranks.comm.gather(astuple(all_ranks.objects[key].halo.traffic))
