@@ -13,6 +13,7 @@ from test_pellets import D_A, D_B, REFORMER, R, left, pellets
 from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.particle.effectiveness import sphere
+from contbed.plan_text import percent
 from contbed.reacting_bed.plan import plan
 
 ROUNDING = 1e-9  # of two solutions of the same equations, whose Newton's methods end at 1e-10
@@ -85,7 +86,7 @@ def test_auto_judges_all_kinds(phi, level):
     assert planned.scene.particle.mass == level
     error = 1.0 - SHARES["coarse"] * sphere(2.0 * phi) - SHARES["fine"] * sphere(phi)
     told = dict(planned.built if level == "interior" else planned.skipped)["intrapellet diffusion"]
-    assert f"would differ by {error:.2g} of itself" in told
+    assert f"changes the reacted amounts by {percent(error)}" in told
     found = solved(scene).qoi["x_A_out"]
     scene["particle"]["mass"] = level
     if level == "none":

@@ -13,6 +13,7 @@ from test_pellets import D_A, REFORMER, R, left, pellets
 from contbed.loading import from_dict
 from contbed.many.derivatives.gradients import gradient_of
 from contbed.particle.effectiveness import sphere
+from contbed.plan_text import percent
 from contbed.reacting_bed.plan import plan
 
 SHELLS = 1e-5  # of what leaves: points inside err by 3e-6 of the effectiveness
@@ -114,7 +115,7 @@ def test_auto_weighs_the_rings_by_their_area(factor, level):
         for f in (rate, rate * (1.0 - sphere(R * np.sqrt(k / D_A))))
     )
     told = dict(planned.built if level == "interior" else planned.skipped)["intrapellet diffusion"]
-    assert f"would differ by {part / whole:.2g} of itself" in told
+    assert f"changes the reacted amounts by {percent(part / whole)}" in told
     assert solved(cooled(3, "auto", factor)).qoi == solved(cooled(3, level, factor)).qoi
 
 
