@@ -121,5 +121,5 @@ def test_pressure_that_cannot_be_found(monkeypatch):
     on = rectangle(0.28, 1.0, (14, 50))
     coef, rhs = system(on)
     coef[3] = np.nan
-    with pytest.raises(ConvergenceError, match="does not converge"):
+    with pytest.raises(ConvergenceError, match="did not converge"):
         pressure_solver.PressureSolver(on, False).solve(coef, rhs, np.zeros_like(rhs))
