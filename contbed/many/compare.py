@@ -8,7 +8,6 @@ their differences to the first model, the time of each run and what each leaves 
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,9 +15,9 @@ from typing import Any
 
 from contbed.errors import ContbedError, SceneError
 from contbed.loading import load
+from contbed.many.tables import write_rows
 from contbed.models import names
 from contbed.output.common_results import Value, common_results
-from contbed.output.files import atomic
 from contbed.output.summary import write_json
 from contbed.result import Result
 from contbed.runner import run
@@ -107,16 +106,12 @@ class Comparison:
 
     def write(self, out: Path) -> None:
         """Write the table as comparison.csv and all of it as comparison.json into a folder."""
-        with (
-            atomic(out / TABLE) as temporary,
-            open(temporary, "w", encoding="utf-8", newline="") as file,
-        ):
-            csv.writer(file, lineterminator="\n").writerows(self._rows())
+        head = ["quantity", *(outcome.model for outcome in self.outcomes)]
+        write_rows(out / TABLE, head, self._rows())
         write_json(out / FILE, {"outcomes": [_as_data(each) for each in self.outcomes]})
 
     def _rows(self) -> Iterator[list[Any]]:
         """Yield the rows of comparison.csv: a quantity each, a column for each model."""
-        yield ["quantity", *(outcome.model for outcome in self.outcomes)]
         for name, first in self.shared.items():
             values = [outcome.results.get(name) for outcome in self.outcomes]
             cells = ["" if value is None else f"{value.value:.12g}" for value in values]

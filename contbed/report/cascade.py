@@ -11,7 +11,7 @@ from pydantic import Field
 
 from contbed.fields import unit_of
 from contbed.many.cascade.band import BAND
-from contbed.many.sweep.table import result
+from contbed.many.quantities import result
 from contbed.output.shapes import Number, Pair, Shape
 from contbed.report import page
 from contbed.report.charts import COLOURS

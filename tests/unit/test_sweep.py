@@ -15,8 +15,7 @@ from scipy.special import ndtr
 
 from contbed import cli
 from contbed.errors import ContbedError, ConvergenceError
-from contbed.many import value_sets
-from contbed.many.sweep import table
+from contbed.many import quantities, value_sets
 from contbed.many.sweep.plots import _Axis, _is_plane, _means
 from contbed.many.sweep.study import read_study
 
@@ -475,7 +474,7 @@ def test_a_contradiction_in_the_scene_names_the_values_that_make_it(folder, runn
 
 
 def test_quantities_have_names_units_and_labels():
-    found = [table.result(name) for name in ("T_fluid_out_K", "heat_wall_W", "k_eff [W/m/K]", "u_max", "porosity")]
+    found = [quantities.result(name) for name in ("T_fluid_out_K", "heat_wall_W", "k_eff [W/m/K]", "u_max", "porosity")]
     assert [q.header for q in found] == [
         "T_fluid_out [K]",
         "heat_wall [W]",
@@ -490,9 +489,9 @@ def test_quantities_have_names_units_and_labels():
         "$u$ max [m/s]",
         "porosity",
     ]
-    assert table.parameter("bed.particle_diameter", [0.1]).label == "bed.particle_diameter [m]"
-    assert table.parameter("heat.nusselt", [2.0, "nusselt_gunn"]).header == "heat.nusselt"
-    assert table.parameter("heat.nusselt", [2.0, 4.0]).header == "heat.nusselt [-]"
+    assert quantities.parameter("bed.particle_diameter", [0.1]).label == "bed.particle_diameter [m]"
+    assert quantities.parameter("heat.nusselt", [2.0, "nusselt_gunn"]).header == "heat.nusselt"
+    assert quantities.parameter("heat.nusselt", [2.0, 4.0]).header == "heat.nusselt [-]"
 
 
 @pytest.mark.parametrize(
@@ -527,10 +526,10 @@ def test_no_picture_where_nothing_varies(folder, runner):
 def test_main_effects_of_a_sum_are_its_terms():
     """A product design of y = a + b: the mean over b at each a is a + mean(b), to round-off."""
     a, b = (grid.ravel() for grid in np.meshgrid([1.0, 2.0, 5.0], [0.0, 10.0, 40.0, 50.0]))
-    levels, means = _means(_Axis(table.parameter("flow.velocity", a), a), a + b)
+    levels, means = _means(_Axis(quantities.parameter("flow.velocity", a), a), a + b)
     np.testing.assert_allclose(levels, [1.0, 2.0, 5.0])
     np.testing.assert_allclose(means, [26.0, 27.0, 30.0], rtol=1e-14)
-    axes = [_Axis(table.parameter("flow.velocity", a), values) for values in (a, b, 3.0 * a + 1.0)]
+    axes = [_Axis(quantities.parameter("flow.velocity", a), values) for values in (a, b, 3.0 * a + 1.0)]
     assert _is_plane([axes[0], axes[1]]) and not _is_plane([axes[0], axes[2]])
 
 

@@ -15,7 +15,7 @@ from contbed.errors import SceneError
 from contbed.fields import FIELDS, RESULTS, result
 from contbed.loading import load
 from contbed.many.calibrate.settings import CalibrationFile, ExperimentSettings, Value, experiment_names
-from contbed.many.sweep.table import result as named_result
+from contbed.many.quantities import result as named_result
 from contbed.many.value_sets import MAGNITUDE, tidy
 from contbed.scene.data_table import DataTable, read_table
 from contbed.scene.names import near_names

@@ -13,7 +13,7 @@ from contbed.fields import header
 from contbed.many.cascade.band import BAND, PACKING
 from contbed.many.cascade.measured import Held
 from contbed.many.cascade.outcome import Outcome
-from contbed.many.sweep.table import parameter, result
+from contbed.many.quantities import parameter, result
 from contbed.many.tables import write_rows
 from contbed.many.validate.case import Case
 from contbed.output.plots import styled_figure

@@ -12,7 +12,7 @@ from contbed.many.optimise.constrained_search import FIRST_ORDER
 from contbed.many.optimise.evaluations import Evaluation, Evaluations, named_values
 from contbed.many.optimise.found import Found, costs
 from contbed.many.optimise.problem import Constraint, Design
-from contbed.many.sweep.table import parameter, result
+from contbed.many.quantities import parameter, result
 from contbed.many.tables import scene_text, write_rows
 from contbed.output.files import atomic
 from contbed.output.summary import write_json

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.many.quantities import Quantity, parameter
 from contbed.many.sweep.study import Study
-from contbed.many.sweep.table import Quantity, Row, columns, parameter
+from contbed.many.sweep.table import Row, columns
 from contbed.output.plots import styled_figure
 
 Array = NDArray[np.float64]

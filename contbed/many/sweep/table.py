@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from contbed.explain import sheets
-from contbed.fields import FIELDS, name_of, unit_of
+from contbed.many.quantities import Quantity, parameter, result
 from contbed.many.sweep.study import Study
 from contbed.many.tables import write_rows
 from contbed.output.summary import write_json
-from contbed.scene.toml_lines import parse_key
 
 
 @dataclass(frozen=True)
@@ -25,48 +22,6 @@ class Row:
     qoi: Mapping[str, Any]
     exit_code: int = 0
     problem: str = ""
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A parameter or result: its key in scene or summary, its name and its unit; None for no number."""
-
-    key: str
-    name: str
-    unit: str | None
-
-    @property
-    def header(self) -> str:
-        """Column header, "T_fluid_out [K]"; a plain number has "-"."""
-        return self.name if self.unit is None else f"{self.name} [{'-' if self.unit == '1' else self.unit}]"
-
-    @property
-    def label(self) -> str:
-        """Axis label, with the symbol of the field that a result is named after."""
-        field, rest = self.name, ""
-        while field and field not in FIELDS:
-            field, _, end = field.rpartition("_")
-            rest = f" {end}{rest}"
-        words = self.name if "." in self.name else self.name.replace("_", " ")
-        text = f"${FIELDS[field].symbol}${rest}" if field else words
-        return text if self.unit in (None, "1") else f"{text} [{self.unit}]"
-
-
-def parameter(key: str, values: Iterable[Any]) -> Quantity:
-    """Return a key of the scene; names and tables have no unit."""
-    named = any(isinstance(value, str | dict) for value in values)
-    return Quantity(key, key, None if named else sheets.unit(parse_key(key)))
-
-
-def result(key: str) -> Quantity:
-    """Return a named result; the unit is that in its key ("k_eff [W/m/K]", "T_fluid_out_K") or of its field ("u_max").
-
-    >>> [result(key).header for key in ("T_fluid_out_K", "k_eff [W/m/K]", "u_max", "porosity")]
-    ['T_fluid_out [K]', 'k_eff [W/m/K]', 'u_max [m/s]', 'porosity [-]']
-    """
-    unit = unit_of(key) or "1"
-    ending = re.sub(r"\W+", "_", unit)
-    return Quantity(key, name_of(key).removesuffix(f"_{ending}").removesuffix(f"_{unit}"), unit)
 
 
 def write(out: Path, study: Study, rows: list[Row]) -> None:

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from contbed.errors import ContbedError
 from contbed.many.derivatives.gradients import gradient
+from contbed.many.quantities import Quantity
 from contbed.many.store import Store, key_of
 from contbed.many.sweep.study import Sample, Study
-from contbed.many.sweep.table import Quantity, Row, columns
+from contbed.many.sweep.table import Row, columns
 from contbed.many.tables import write_rows
 from contbed.many.uncertainty.indices import VARIES, Indices, indices
 from contbed.many.uncertainty.polynomial_chaos import chaos_indices, chaos_spread, expansion
