@@ -4,6 +4,8 @@ from typing import Any
 
 import pytest
 
+from contbed.models import MODELS
+from contbed.scene import schema
 from contbed.scene.renames import present_key, take_former_keys
 
 RENAMED = {
@@ -47,3 +49,14 @@ def test_a_key_by_itself() -> None:
     assert present_key(("boundary", "left", "fluid", "inflow"), RENAMED) == "boundary.left.gas.temperature"
     assert present_key(("flow", "velocity"), RENAMED) is None
     assert present_key(("solids", "sand", "density"), RENAMED) is None
+
+
+@pytest.mark.parametrize("kind", ["two_fluid", "developed_flow", "bubbling_bed"])
+def test_present_names_are_keys_of_the_scene(kind: str) -> None:
+    model = MODELS[kind].scene
+    for former, now in model.renamed.items():
+        nodes = [schema.of(model)]
+        for step in () if " " in now else now.split("."):
+            items = [item for node in nodes for item in schema.children(node, 0)]
+            nodes = [below for node in (*nodes, *items) for below in schema.children(node, step)]
+        assert nodes, (former, now)
