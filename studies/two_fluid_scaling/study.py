@@ -22,8 +22,7 @@ from contbed.solvers.linear import Policy, Solver
 from contbed.solvers.ordering import nested_dissection
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.linear.elimination import Elimination
-from contbed.two_fluid.linear.multigrid import Multigrid
-from contbed.two_fluid.linear.pressure_solver import PressureSolver
+from contbed.two_fluid.linear.pressure_solver import PressureSolver, multigrid_on
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 
@@ -83,7 +82,7 @@ def measure(case: str, cells: tuple[int, ...]) -> dict[str, object]:
         solutions.append(watched.seconds)
     coef, rhs, guess = watched.last
     count, width = len(grid.cells), grid.bandwidth
-    iterative = Multigrid(grid)
+    iterative = multigrid_on(grid)
     row = {
         "case": case,
         "cells": count,

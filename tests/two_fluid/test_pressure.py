@@ -14,7 +14,7 @@ from contbed.two_fluid.linear import pressure_solver
 from contbed.two_fluid.linear.elimination import Elimination
 from contbed.two_fluid.linear.lattice import build_levels
 from contbed.two_fluid.linear.lattice_multigrid import LatticeMultigrid
-from contbed.two_fluid.linear.multigrid import Multigrid
+from contbed.two_fluid.linear.pressure_solver import multigrid_on
 
 
 def system(on, seed=1):
@@ -54,7 +54,7 @@ def of_lattice(on):
 
 
 @pytest.mark.parametrize("make", GRIDS)
-@pytest.mark.parametrize("multigrid", [Multigrid, of_lattice])
+@pytest.mark.parametrize("multigrid", [multigrid_on, of_lattice])
 @pytest.mark.parametrize("floating", [False, True])
 def test_multigrid_agrees_with_elimination(make, multigrid, floating):
     on = make()
@@ -71,7 +71,7 @@ def test_multigrid_agrees_with_elimination(make, multigrid, floating):
     np.testing.assert_allclose(found, exact, atol=1e-7 * np.ptp(exact))
 
 
-@pytest.mark.parametrize("multigrid", [Multigrid, of_lattice])
+@pytest.mark.parametrize("multigrid", [multigrid_on, of_lattice])
 def test_iterations_hardly_grow(multigrid):
     counts = []
     for cells in ((7, 25), (28, 100), (56, 200)):
@@ -81,7 +81,7 @@ def test_iterations_hardly_grow(multigrid):
     assert counts[2] < 40 and counts[2] < 1.5 * counts[0], counts
 
 
-@pytest.mark.parametrize("multigrid", [Multigrid, of_lattice])
+@pytest.mark.parametrize("multigrid", [multigrid_on, of_lattice])
 def test_exact_guess_needs_no_iteration(multigrid):
     on = rectangle(0.28, 1.0, (14, 50))
     coef, rhs = system(on)

@@ -14,9 +14,10 @@ import skfem
 
 from contbed.errors import EngineError
 from contbed.ranks.two_fluid.partition import LAYERS, REACH, Share
+from contbed.solvers.aggregation import neighbours_by_cell
 from contbed.two_fluid.compiled import Indices
 from contbed.two_fluid.files import in_order_of_vtk
-from contbed.two_fluid.fv.connections import SKEWED, Connections, Links, beside, offsets
+from contbed.two_fluid.fv.connections import SKEWED, Connections, Links, offsets
 from contbed.two_fluid.fv.grid import Grid, faces_of, geometry
 
 # fields of `Geometry` by what they list
@@ -41,7 +42,7 @@ class Surroundings:
         alone = np.append(np.flatnonzero(whole.left[:ni] == whole.right), np.arange(ni, len(whole.left)))
         alone = alone[np.argsort(whole.left[alone], kind="stable")]
         start = np.searchsorted(whole.left[alone], np.arange(count + 1))
-        return cls(*beside(whole.left[:ni], whole.right, count), start, alone)
+        return cls(*neighbours_by_cell(whole.left[:ni], whole.right, count), start, alone)
 
     def cells(self, of: Indices) -> Indices:
         """Return the neighbours of some cells, in ascending order."""

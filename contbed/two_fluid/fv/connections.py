@@ -225,15 +225,6 @@ def skewness(links: Links, apart: Offsets) -> float:
     return float(max(crossing, (np.abs(apart.skew) / way).max(initial=0)))
 
 
-def beside(left: Indices, right: Indices, count: int) -> tuple[Indices, Indices, Indices]:
-    """Start (count + 1,), cells, faces : neighbours of cell c from start[c] to start[c + 1], and the faces between."""
-    other = np.flatnonzero(left != right)  # a periodic row of one cell links with itself
-    ends = np.concatenate((left[other], right[other])), np.concatenate((right[other], left[other]))
-    order = np.argsort(ends[0], kind="stable")
-    start = np.searchsorted(ends[0][order], np.arange(count + 1))
-    return start, ends[1][order], np.concatenate((other, other))[order]
-
-
 def _measured(p: Array, corners: Indices, shape: type) -> tuple[Array, Array]:
     """Return sizes (n,) and middles (n, dim) of cells or faces with `corners` (k, n) among the nodes p (dim, np).
 

@@ -17,8 +17,9 @@ import numpy as np
 
 from contbed.compiled import threads
 from contbed.mesh.mesh import Mesh
+from contbed.solvers.aggregation import neighbours_by_cell
 from contbed.two_fluid.compiled import Flags
-from contbed.two_fluid.fv.connections import SKEWED, Links, Offsets, beside, connect, offsets, skewness
+from contbed.two_fluid.fv.connections import SKEWED, Links, Offsets, connect, offsets, skewness
 from contbed.two_fluid.fv.halo import WHOLE, Halo
 from contbed.two_fluid.fv.rows import Rows, build_rows, part_of_rows
 
@@ -265,4 +266,4 @@ def _slopes(
 def neighbours(grid: Grid) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Start (nc + 1,), beside, faces : neighbours of each cell from start[c] to start[c + 1], and the faces between."""
     g = grid.geometry
-    return beside(g.left[: grid.interior], g.right, len(grid.cells))
+    return neighbours_by_cell(g.left[: grid.interior], g.right, len(grid.cells))

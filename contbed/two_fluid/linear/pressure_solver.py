@@ -11,13 +11,13 @@ from functools import cached_property
 from typing import Protocol
 
 from contbed.errors import ConvergenceError
+from contbed.solvers.aggregation import Multigrid
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.linear.cg import System, solve
 from contbed.two_fluid.linear.elimination import Elimination
 from contbed.two_fluid.linear.lattice import build_levels
 from contbed.two_fluid.linear.lattice_multigrid import LatticeMultigrid, solve_exchange
-from contbed.two_fluid.linear.multigrid import Multigrid
 
 WIDEST_BAND_OF_LATTICE = 40  # cells, up to which elimination is faster than multigrid on the lattice, measured
 WIDEST_BAND = 250  # cells, up to which elimination is faster, measured in 2-D and 3-D: studies/two_fluid_scaling
@@ -26,6 +26,11 @@ WIDEST_BAND = 250  # cells, up to which elimination is faster, measured in 2-D a
 def uses_elimination(grid: Grid) -> bool:
     """Whether the equation is solved by elimination."""
     return grid.bandwidth <= (WIDEST_BAND if grid.places is None else WIDEST_BAND_OF_LATTICE)
+
+
+def multigrid_on(grid: Grid) -> Multigrid:
+    """Multigrid by aggregation on any grid."""
+    return Multigrid(grid.geometry.left, grid.geometry.right, len(grid.cells))
 
 
 class SolvesPressure(Protocol):
@@ -58,7 +63,7 @@ class PressureSolver:
         """Elimination or multigrid; built for the first equation, as the root of several ranks solves none."""
         if uses_elimination(self.grid):
             return Elimination(self.grid)
-        return Multigrid(self.grid) if self.lattice is None else self.lattice
+        return multigrid_on(self.grid) if self.lattice is None else self.lattice
 
     def solve(self, coef: Array, rhs: Array, guess: Array) -> Array:
         """Pressure (nc,) [Pa]; `guess` is where iterations start."""
@@ -75,6 +80,7 @@ class PressureSolver:
 
     def solve_diffusion(self, system: System, explicit: float, tolerance: float, most: int, x: Array) -> int:
         """Solve another symmetric system for `x` (nc, m), see linear/cg.py; return the iterations, -1 if too many."""
-        if self.lattice is None:
+        # on a small lattice multigrid gains nothing, and takes 7 s to compile
+        if uses_elimination(self.grid) or self.lattice is None:
             return solve(self.grid.geometry, system, explicit, tolerance, most, x)
         return solve_exchange(self.lattice, system.T, explicit, tolerance, most, x.T)

@@ -1,4 +1,4 @@
-"""Iterative solution of symmetric systems on the links of a grid, sum of coef (x - x_neighbour) = rhs.
+"""Iterative solution of symmetric systems on the links of cells of any shape, sum of coef (x - x_neighbour) = rhs.
 
 Conjugate gradients, preconditioned by aggregation: cells are joined twice in pairs along their strongest links, so that
 no aggregate reaches across a jump of the coefficients, and a coarse system has the sums of the links between aggregates
@@ -14,9 +14,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.two_fluid.compiled import Array, Indices, inner, kernel
-from contbed.two_fluid.fv.grid import Grid, neighbours
+from contbed.compiled.functions import entry, inner
 
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True}
 COARSEST = 60  # cells of a level that is solved directly
 STRONG_CONNECTION = 0.25  # share of the strongest link of a cell from which on it is joined along a link (Notay 2010)
 SECOND_STEP = 0.25  # residual after one step on a coarse level above which there is a second one (Notay 2010)
@@ -40,25 +43,45 @@ class Level(NamedTuple):
 
 
 class Multigrid:
-    """Iterations on one grid."""
+    """Iterations on one grid.
 
-    def __init__(self, grid: Grid):
-        self.start, self.beside, self.faces = neighbours(grid)
-        self.boundary_cells = grid.geometry.left[grid.interior :]
+    Parameters
+    ----------
+    left (nf,), right (ni,) : cells of the faces; the first ni faces lie between two cells, the others at a boundary
+    count : cells
+    """
 
-    def solve(self, coef: Array, floating: bool, rhs: Array, x: Array) -> int:
+    def __init__(self, left: Indices, right: Indices, count: int):
+        interior = len(right)
+        self.start, self.beside, self.faces = neighbours_by_cell(left[:interior], right, count)
+        self.boundary_cells = left[interior:]
+
+    def solve(self, coef: Array, floating: bool, rhs: Array, x: Array, tolerance: float = TOLERANCE) -> int:
         """Put the solution in `x`, which holds a guess; return the number of iterations, -1 without convergence.
 
-        The diagonal of the first cell counts twice where the system is `floating`.
+        The diagonal of the first cell counts twice where the system is `floating`. A cell without links gets its
+        right-hand side. `tolerance` is the largest residual over the largest right-hand side.
         """
         value, rest = coef[self.faces], np.zeros(len(x))
         np.add.at(rest, self.boundary_cells, coef[len(coef) - len(self.boundary_cells) :])
         if floating:
             rest[0] += rest[0] + value[self.start[0] : self.start[1]].sum()
-        return _solve(self.start, self.beside, value, rest, rhs, x) if np.isfinite(coef.sum() + rhs.sum()) else -1
+        if not np.isfinite(coef.sum() + rhs.sum()):
+            return -1
+        found: int = _solve(self.start, self.beside, value, rest, rhs, x, tolerance)
+        return found
 
 
-@inner
+def neighbours_by_cell(left: Indices, right: Indices, count: int) -> tuple[Indices, Indices, Indices]:
+    """Start (count + 1,), cells, faces : neighbours of cell c from start[c] to start[c + 1], and the faces between."""
+    other = np.flatnonzero(left != right)  # a periodic row of one cell links with itself
+    ends = np.concatenate((left[other], right[other])), np.concatenate((right[other], left[other]))
+    order = np.argsort(ends[0], kind="stable")
+    start = np.searchsorted(ends[0][order], np.arange(count + 1))
+    return start, ends[1][order], np.concatenate((other, other))[order]
+
+
+@inner(**OPTIONS)
 def _pairs(start: Indices, beside: Indices, value: Array) -> tuple[Indices, int]:
     """Return the number of the pair of each cell, and of pairs; without a strong link to a free cell it is alone."""
     count = len(start) - 1
@@ -78,7 +101,7 @@ def _pairs(start: Indices, beside: Indices, value: Array) -> tuple[Indices, int]
     return group, found
 
 
-@inner
+@inner(**OPTIONS)
 def _joined(
     start: Indices, beside: Indices, value: Array, rest: Array, group: Indices, found: int
 ) -> tuple[Indices, Indices, Array, Array]:
@@ -113,7 +136,7 @@ def _joined(
     return new_start, new_beside[:end].copy(), new_value[:end].copy(), new_rest
 
 
-@inner
+@inner(**OPTIONS)
 def _product(level: Level, x: Array, out: Array) -> None:
     """Matrix of a level times x."""
     start, beside, value, diagonal = level.start, level.beside, level.value, level.diagonal
@@ -124,7 +147,7 @@ def _product(level: Level, x: Array, out: Array) -> None:
         out[c] = total
 
 
-@inner
+@inner(**OPTIONS)
 def _sweep(level: Level, b: Array, x: Array, backwards: bool) -> None:
     """Gauss-Seidel over all cells."""
     start, beside, value, diagonal = level.start, level.beside, level.value, level.diagonal
@@ -136,7 +159,7 @@ def _sweep(level: Level, b: Array, x: Array, backwards: bool) -> None:
         x[c] = total / diagonal[c]
 
 
-@inner
+@inner(**OPTIONS)
 def _cycle(
     levels: list[Level],
     inverse: NDArray[np.floating[Any]],
@@ -192,7 +215,7 @@ def _cycle(
         _sweep(levels[at], b[at], x[at], True)
 
 
-@inner
+@inner(**OPTIONS)
 def _levels(start: Indices, beside: Indices, value: Array, rest: Array) -> list[Level]:
     """All levels, each with half or a quarter of the cells of the one before; the cells of the last are not joined."""
     levels = []
@@ -201,6 +224,8 @@ def _levels(start: Indices, beside: Indices, value: Array, rest: Array) -> list[
         for c in range(len(rest)):
             for j in range(start[c], start[c + 1]):
                 diagonal[c] += value[j]
+            if diagonal[c] == 0.0:
+                diagonal[c] = 1.0
         if len(rest) <= COARSEST:
             levels.append(Level(start, beside, value, diagonal, np.zeros(0, dtype=np.int64)))
             return levels
@@ -211,8 +236,8 @@ def _levels(start: Indices, beside: Indices, value: Array, rest: Array) -> list[
         start, beside, value, rest = _joined(middle[0], middle[1], middle[2], middle[3], pair, found)
 
 
-@kernel
-def _solve(start: Indices, beside: Indices, value: Array, rest: Array, rhs: Array, x: Array) -> int:
+@entry(**OPTIONS)
+def _solve(start: Indices, beside: Indices, value: Array, rest: Array, rhs: Array, x: Array, tolerance: float) -> int:
     """Solution in `x`; the number of iterations, -1 if too many."""
     levels = _levels(start, beside, value, rest)
     start, beside, value, diagonal = levels[-1].start, levels[-1].beside, levels[-1].value, levels[-1].diagonal
@@ -223,7 +248,7 @@ def _solve(start: Indices, beside: Indices, value: Array, rest: Array, rhs: Arra
     inverse = np.linalg.inv(matrix)
     b, z, first, along, q = [[np.empty(len(level.diagonal)) for level in levels] for _ in range(5)]
 
-    least = TOLERANCE * np.max(np.abs(rhs)) + ROUNDING * np.max(np.abs(levels[0].diagonal * x))
+    least = tolerance * np.max(np.abs(rhs)) + ROUNDING * np.max(np.abs(levels[0].diagonal * x))
     p, product, before, rho = np.zeros(len(x)), np.empty(len(x)), np.empty(len(x)), 1.0
     _product(levels[0], x, product)
     r = rhs - product
