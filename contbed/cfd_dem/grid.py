@@ -44,6 +44,23 @@ class Tables(NamedTuple):
     shape: tuple[int, int, int]
 
 
+class Box(NamedTuple):
+    """Cells of a grid as kernels count them: lower corner [m], size [m], number and periodic sides, each (3,)."""
+
+    lower: Array
+    size: Array
+    number: NDArray[np.int64]
+    periodic: NDArray[np.bool_]
+
+
+class Shares(NamedTuple):
+    """Cells (n, k) around each sphere, shares (n, k) in them, and the part (n,) of the sphere below the top."""
+
+    cells: NDArray[np.int32]
+    share: Array
+    inside: Array
+
+
 @dataclass(frozen=True)
 class Grid:
     """Cells from `lower`, of `size` [m], `count` along each axis; z points up, inlet below, outlet above.
@@ -122,25 +139,27 @@ class Grid:
         axes = [low + (np.arange(n) + 0.5) * s for low, n, s in zip(self.lower, self.count, self.size, strict=True)]
         return np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
 
-    def shares(self, x: Array, reach: Array) -> tuple[NDArray[np.int32], Array, Array]:
+    @property
+    def _box(self) -> Box:
+        return Box(self.lower, self.size, np.array(self.count), self.sides)
+
+    def shares(self, x: Array, reach: Array) -> Shares:
         """Find the cells (n, k) around spheres of radius `reach` [m], shares in them and the part below the top (n,).
 
         The shares are those of that part; a sphere above the top has shares of the uppermost cells and no such part.
         """
         width = int(np.ceil(2.0 * reach.max() / self.size.min())) + 1
-        count = np.array(self.count)
-        cells, share, inside = np.empty((len(x), width**3), np.int32), np.empty((len(x), width**3)), np.ones(len(x))
-        sides = self.lower, self.size, count, self.sides, self.open_cells
-        threads.parallel(_cell_shares, len(x), x, reach, *sides, width, cells, share, inside)
-        return cells, share, inside
+        shape = len(x), width**3
+        out = Shares(np.empty(shape, np.int32), np.empty(shape), np.ones(len(x)))
+        threads.parallel(_cell_shares, len(x), x, reach, self._box, self.open_cells, width, out)
+        return out
 
     def weights(self, x: Array, room: tuple[NDArray[np.int32], Array] | None = None) -> tuple[NDArray[np.int32], Array]:
         """Find the faces (n, 3, 8) across x, y, z around each point, and its weights on them, in `room` if given."""
-        shape, count = (len(x), 3, 8), np.array(self.count)
+        shape = len(x), 3, 8
         if room is None or room[0].shape != shape:
             room = np.empty(shape, np.int32), np.empty(shape)
-        sides = self.lower, self.size, count, self.sides, self.face_first, self.active
-        threads.parallel(_face_weights, len(x), x, *sides, *room)
+        threads.parallel(_face_weights, len(x), x, self._box, self.face_first, self.active, *room)
         return room
 
     def _connect(self) -> None:
@@ -202,20 +221,11 @@ class Grid:
 
 @entry(nogil=True, cache=True)
 def _cell_shares(
-    begin: int,
-    end: int,
-    x: Array,
-    reach: Array,
-    lower: Array,
-    size: Array,
-    count: NDArray[np.int64],
-    periodic: NDArray[np.bool_],
-    opened: NDArray[np.bool_],
-    width: int,
-    cells: NDArray[np.int32],
-    share: Array,
-    inside: Array,
+    begin: int, end: int, x: Array, reach: Array, box: Box, opened: NDArray[np.bool_], width: int, out: Shares
 ) -> None:
+    """Set the shares `out` of spheres in cells; `width` is the most cells that a sphere spans along an axis."""
+    lower, size, count, periodic = box
+    cells, share, inside = out
     at, part = np.empty((3, width), np.int64), np.empty((3, width))
     for i in range(begin, end):
         for a in range(3):
@@ -256,15 +266,14 @@ def _face_weights(
     begin: int,
     end: int,
     x: Array,
-    lower: Array,
-    size: Array,
-    count: NDArray[np.int64],
-    periodic: NDArray[np.bool_],
+    box: Box,
     first: NDArray[np.int64],
     active: NDArray[np.bool_],
     faces: NDArray[np.int32],
     weight: Array,
 ) -> None:
+    """Set the `faces` (n, 3, 8) around each point and its `weight` on them."""
+    lower, size, count, periodic = box
     # along each axis the two faces (0) and the two centres (1) around a point, as numbers along it, and its parts
     at, part = np.empty((2, 3, 2), np.int64), np.empty((2, 3, 2))
     many = np.empty((2, 3), np.int64)

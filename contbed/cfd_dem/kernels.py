@@ -102,8 +102,8 @@ def force_on_particles(places: Any, drag: Any, q: Array, slope: Array) -> Array:
     `places` and `drag` are those of `gas_quantities`.
     """
     out = np.empty((len(places.faces), 3))
-    given = drag.coefficient, drag.carried, places.volume
-    threads.parallel(_force, len(out), places.faces, places.weight, *given, q, slope, out)
+    drag_on_each, at = (drag.coefficient, drag.carried), (places.faces, places.weight, places.volume)
+    threads.parallel(_force, len(out), at, drag_on_each, q, slope, out)
     return out
 
 
@@ -111,15 +111,15 @@ def force_on_particles(places: Any, drag: Any, q: Array, slope: Array) -> Array:
 def _force(
     begin: int,
     end: int,
-    faces: Places,
-    weight: Array,
-    coefficient: Array,
-    carried: Array,
-    volume: Array,
+    at: tuple[Places, Array, Array],
+    drag: tuple[Array, Array],
     q: Array,
     slope: Array,
     out: Array,
 ) -> None:
+    """Set the force `out` (n, 3); `at` are faces, weights and volumes of the particles, `drag` its two parts."""
+    faces, weight, volume = at
+    coefficient, carried = drag
     for i in range(begin, end):
         for a in range(3):
             speed, steep = 0.0, 0.0

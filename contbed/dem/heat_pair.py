@@ -102,18 +102,9 @@ def gap_conductance(
         )
     rest = near & ~equal
     if rest.any():
-        out[rest] = _quadrature(
-            small[rest],
-            large[rest],
-            D[rest],
-            apart[rest] - D[rest],
-            cone[rest],
-            k_small[rest],
-            k_large[rest],
-            k_fluid,
-            r_contact[rest],
-            end[rest],
-        )
+        first = small[rest], D[rest], k_small[rest]
+        second = large[rest], apart[rest] - D[rest], k_large[rest]
+        out[rest] = _quadrature(first, second, cone[rest], k_fluid, r_contact[rest], end[rest])
     return out
 
 
@@ -206,26 +197,25 @@ def _equal_spheres(R: Array, D: Array, cone: Array, K: Array, k_fluid: float, lo
     G = 2.0 * np.pi * R**2 / M**2 * (A * B * arc + (B - A) * (B + A) * line)
     if poor.any():
         R, D, cone, half = R[poor], D[poor], cone[poor], 2.0 / K[poor]
-        G[poor] = _quadrature(R, R, D, D, cone, half, half, k_fluid, low[poor], high[poor])
+        G[poor] = _quadrature((R, D, half), (R, D, half), cone, k_fluid, low[poor], high[poor])
     return G
 
 
 def _quadrature(
-    R_i: Array,
-    R_j: Array,
-    D_i: Array,
-    D_j: Array,
+    first: tuple[Array, Array, Array],
+    second: tuple[Array, Array, Array],
     cone: Array,
-    k_i: Array,
-    k_j: Array,
     k_fluid: float,
     low: Array,
     high: Array,
 ) -> Array:
-    """Integrate Eq. 5 by Gauss-Legendre in s, r = low + (high - low) s^3, which resolves the gap at the contact."""
-    R_i, R_j, D_i, D_j, cone, k_i, k_j, low, span, high = (
-        item[..., None] for item in (R_i, R_j, D_i, D_j, cone, k_i, k_j, low, high - low, high)
-    )
+    """Integrate Eq. 5 by Gauss-Legendre in s, r = low + (high - low) s^3, which resolves the gap at the contact.
+
+    `first` and `second` are radius, distance to the face and conductivity of the particles of each pair.
+    """
+    R_i, D_i, k_i = (item[..., None] for item in first)
+    R_j, D_j, k_j = (item[..., None] for item in second)
+    cone, low, span, high = (item[..., None] for item in (cone, low, high - low, high))
     r = low + span * _NODES**3
     u_i, u_j = np.sqrt((R_i - r) * (R_i + r)), np.sqrt((R_j - r) * (R_j + r))
     # D - u without cancellation where the particles touch

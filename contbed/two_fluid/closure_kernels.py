@@ -130,7 +130,7 @@ def make(materials: Materials, particles: ParticleProperties, bound: Bound) -> C
     def rheology(eps_s: Array, theta: Array, K: Array) -> Rheology:
         """Kinetic theory and frictional pressure in all cells."""
         out = Rheology(*(np.empty_like(eps_s) for _ in Rheology._fields))
-        found = parallel(granular, len(eps_s), eps_s, theta, K, constants, parameters, tables, out)
+        found = parallel(granular, len(eps_s), (eps_s, theta, K), constants, parameters, tables, out)
         for number, of_parts in zip(counts, zip(*found, strict=True), strict=True):
             number += sum(of_parts)
         return out
@@ -182,15 +182,16 @@ def _granular(theory: tuple[BoundClosure | None, ...]) -> Callable[..., None]:
 
 
 def _granular_in_cells(
-    begin: int, end: int, eps_s: Any, theta: Any, K: Any, constants: Any, own: Any, tables: Any, out: Any
+    begin: int, end: int, fields: Any, constants: Any, own: Any, tables: Any, out: Any
 ) -> tuple[int, int, int]:
     """Set the `Rheology` out and return the numbers of `GuardCounts`.
 
-    `own` are the parameters of the closures in the order of KINETIC_THEORY.
+    `fields` are eps_s, theta and K; `own` are the parameters of the closures in the order of KINETIC_THEORY.
 
     The guards limit the kinetic parts of viscosity and conductivity in dilute flow; they take the dilute limits of both
     over rho_s d_p sqrt(theta). The factor of `share_drag` is 2 for viscosity and 1.2 for conductivity.
     """
+    eps_s, theta, K = fields
     rho, d_p, eps_max, e = constants.rho_solid, constants.d_p, constants.eps_max, constants.restitution
     path, first = constants.free_path, constants.friction_from
     h_table, p_table = tables.h, tables.p_friction
