@@ -3,6 +3,10 @@
 In the order of the grid the matrix of a slender bed is a band, which elimination solves faster than any iteration
 converges while it is narrow: its cost for each cell grows with the square of the band, that of multigrid does not grow.
 Where no boundary fixes the pressure, it is 0 in the first cell.
+
+CPU of a whole step, chosen solver against the next best one: elimination 2.9 against 3.5 ms (lattice, riser of 15 x 350
+cells) and 34 against 54 ms (aggregation, 21,600 triangles); lattice 11.2 against 12.8 ms (elimination, bed of 56 x 200
+cells).
 """
 
 from __future__ import annotations
@@ -80,7 +84,7 @@ class PressureSolver:
 
     def solve_diffusion(self, system: System, explicit: float, tolerance: float, most: int, x: Array) -> int:
         """Solve another symmetric system for `x` (nc, m), see linear/cg.py; return the iterations, -1 if too many."""
-        # on a small lattice multigrid gains nothing, and takes 7 s to compile
+        # on a narrow lattice plain iterations take as long or less (300 cells: 1.3 against 1.9 ms a step)
         if uses_elimination(self.grid) or self.lattice is None:
             return solve(self.grid.geometry, system, explicit, tolerance, most, x)
         return solve_exchange(self.lattice, system.T, explicit, tolerance, most, x.T)
