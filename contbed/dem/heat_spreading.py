@@ -94,7 +94,8 @@ def spreading_conductance(
     for start in range(0, distance.size, BATCH):
         part = slice(start, start + BATCH)
         r_face = np.sqrt(face[part] / np.pi)
-        gas, solid = _sheet(R, distance[part], r_face, r_contact[part], joint[part], mean, k_fluid, jump, disc)
+        edges = r_face[:, None] * disc.edges
+        gas, solid = _sheet(R, distance[part], edges, r_contact[part], joint[part], mean, k_fluid, jump)
         heat = _solve(1.0 / (gas + solid), 2.0 * mean, 0.5 * distance[part], r_face, disc)
         share = solid / (gas + solid)
         fluid[part], contact[part] = np.sum(heat * (1.0 - share), axis=1), np.sum(heat * share, axis=1)
@@ -117,16 +118,17 @@ def _disc(innermost: float) -> Disc:
 def _sheet(
     R: float,
     distance: Array,
-    r_face: Array,
+    edges: Array,
     r_contact: Array,
     joint: Array,
     mean: float,
     k_fluid: float,
     jump: float,
-    disc: Disc,
 ) -> tuple[Array, Array]:
-    """Find the conductance [W/K] of each ring of the sheet through fluid and through contact, (pairs, rings)."""
-    edges = r_face[:, None] * disc.edges
+    """Find the conductance [W/K] of each ring of the sheet through fluid and through contact, (pairs, rings).
+
+    edges : of the rings (pairs, rings + 1) [m]
+    """
     inner, outer = edges[:, :-1], edges[:, 1:]
     start, rim = np.maximum(inner, r_contact[:, None]), np.maximum(outer, r_contact[:, None])
     r2 = start[..., None] ** 2 + (rim**2 - start**2)[..., None] * _NODES
