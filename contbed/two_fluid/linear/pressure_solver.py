@@ -25,6 +25,9 @@ from contbed.two_fluid.linear.lattice_multigrid import LatticeMultigrid, solve_e
 
 WIDEST_BAND_OF_LATTICE = 40  # cells, up to which elimination is faster than multigrid on the lattice, measured
 WIDEST_BAND = 250  # cells, up to which elimination is faster, measured in 2-D and 3-D: studies/two_fluid_scaling
+# cells from which exchange is solved for on the lattice: with 300, plain iterations take 1.3 ms of a step for 1.9, with
+# 4800 both take as long, and the lattice shares them among threads
+FEWEST_ON_LATTICE = 2000
 
 
 def uses_elimination(grid: Grid) -> bool:
@@ -84,7 +87,6 @@ class PressureSolver:
 
     def solve_diffusion(self, system: System, explicit: float, tolerance: float, most: int, x: Array) -> int:
         """Solve another symmetric system for `x` (nc, m), see linear/cg.py; return the iterations, -1 if too many."""
-        # on a narrow lattice plain iterations take as long or less (300 cells: 1.3 against 1.9 ms a step)
-        if uses_elimination(self.grid) or self.lattice is None:
+        if len(self.grid.cells) < FEWEST_ON_LATTICE or self.lattice is None:
             return solve(self.grid.geometry, system, explicit, tolerance, most, x)
         return solve_exchange(self.lattice, system.T, explicit, tolerance, most, x.T)
