@@ -114,19 +114,40 @@ def _is_particles(values: Mapping[str, Any]) -> bool:
     return _has("particles", "lattice", "packing")(values) or ("mesh" not in values and "conduction" in values)
 
 
+def _is_one_particle(values: Mapping[str, Any]) -> bool:
+    boundary = values.get("boundary")
+    return _has("single_particle", "surroundings")(values) or (isinstance(boundary, dict) and "surface" in boundary)
+
+
 def _only_radiates(values: Mapping[str, Any]) -> bool:
     return "radiation" in values and not _has("heat", "fluid", "flow", "solid", "time", "region")(values)
 
 
 def _reacts(values: Mapping[str, Any]) -> bool:
-    solid, flow = values.get("solid"), values.get("flow")
-    if _has("reactions", "mass", "adsorption")(values) or any(
-        get_close_matches(name, ["reactions"], cutoff=0.8) for name in values
-    ):
+    """Return whether the tables of a packed bed speak of species, and not of heat alone."""
+    if any(get_close_matches(name, ["reactions"], cutoff=0.8) for name in values):
         return True
-    return (isinstance(solid, dict) and "composition" in solid) or (
-        isinstance(flow, dict) and not {"mass_flux", "molar_flux"}.isdisjoint(flow)
+    if _has("mass", "adsorption", "guess")(values):  # former names, which the reacting bed reports
+        return True
+    gas = _tables(values.get("gas"), values.get("fluid"))
+    solids = _tables(values.get("solid"), *_items(values.get("solids")))
+    entering = _tables(values.get("flow"), *(each.get("gas") for each in _tables(*_items(values.get("boundary")))))
+    return (
+        any(each.get("model") == "ideal_gas" or "species" in each for each in gas)
+        or any({"composition", "constituent", "adsorption"} & each.keys() for each in solids)
+        or any({"mass_flux", "molar_flux", "composition"} & each.keys() for each in entering)
+        or any({"sherwood", "dispersion_mass"} & each.keys() for each in _tables(values.get("closures")))
     )
+
+
+def _tables(*values: Any) -> list[dict[str, Any]]:
+    """Return those of some values that are tables."""
+    return [value for value in values if isinstance(value, dict)]
+
+
+def _items(values: Any) -> list[Any]:
+    """Return the values of a table of tables."""
+    return list(values.values()) if isinstance(values, dict) else []
 
 
 # the first that a scene fits; the packed bed takes all others
@@ -183,7 +204,7 @@ MODELS: dict[str, Model] = {
         "single_particle",
         "single_particle",
         "SingleParticleScene",
-        _has("surroundings"),
+        _is_one_particle,
         {"single_particle": "equations"},
     ),
     "radiation": Model(

@@ -7,24 +7,27 @@ from pathlib import Path
 
 from contbed.closures.binding import bind, is_phase, named
 from contbed.scene.checking import Mistakes
+from contbed.scene.toml_lines import KeyPath, dotted
 
 
-def fluid_conducts_twice(table: str, solid: object, fluid: object, gives: Iterable[str], base: Path) -> Mistakes:
-    """Yield the conductivity of the solid in a table of a scene where it holds that of the fluid, which is added.
+def fluid_conducts_twice(
+    solid: tuple[KeyPath, object], fluid: tuple[KeyPath, object], gives: Iterable[str], base: Path
+) -> Mistakes:
+    """Yield the key of the conductivity of the solids where it holds that of the fluid, which is added.
 
     Parameters
     ----------
-    table : its name, such as "heat"
-    solid, fluid : values of its keys `conductivity_solid` and `conductivity_fluid`
-    gives : arguments that the physics gives closures of conductivities
+    solid, fluid : key and value of the conductivity of the solids and of the fluid
+    gives : arguments that the model gives closures of conductivities
     base : folder of the scene
     """
-    if not named(solid) or is_phase(solid) or not named(fluid):
+    (key, conductivity), (other_key, other) = solid, fluid
+    if not named(conductivity) or is_phase(conductivity) or not named(other):
         return
-    if "k_fluid" in bind(solid, "conductivity", gives, base).takes:
-        what = "eps k_fluid" if is_phase(fluid) else f"{table}.conductivity_fluid"
+    if "k_fluid" in bind(conductivity, "conductivity", gives, base).takes:
+        what = "eps k_gas" if is_phase(other) else dotted(other_key)
         yield (
-            (table, "conductivity_solid"),
-            f"is that of the whole bed at rest, its fluid included, and {what} is added: the fluid conducts twice; "
-            f"give {table}.conductivity_fluid = 0",
+            key,
+            f"is that of the whole bed at rest, its gas included, and {what} is added: the gas conducts twice; "
+            f"give {dotted(other_key)} = 0",
         )

@@ -363,8 +363,9 @@ def the_balance_can_fail(solver: Solver) -> Mistakes:
 def the_fluid_conducts_once(heat: s.Heat | None, origin: Origin) -> Mistakes:
     """Look for a closure of the whole bed at rest beside the conductivity of its fluid."""
     if heat is not None:
-        conductivities = heat.conductivity_solid, heat.conductivity_fluid
-        yield from fluid_conducts_twice("heat", *conductivities, GIVES["conductivity"], origin.base)
+        solid = ("heat", "conductivity_solid"), heat.conductivity_solid
+        fluid = ("heat", "conductivity_fluid"), heat.conductivity_fluid
+        yield from fluid_conducts_twice(solid, fluid, GIVES["conductivity"], origin.base)
 
 
 WARNINGS: tuple[Check, ...] = (

@@ -49,23 +49,19 @@ def across(problem: Problem) -> Across | None:
 
     A bed in one dimension has the transverse conductivity of its closure "vdi".
     """
-    wall, bed = problem.scene.wall, problem.bed
-    if wall is None or not bed.layout.temperatures:
+    diameter, bed = problem.scene.mesh.diameter, problem.bed
+    if problem.scene.wall is None or diameter is None or not bed.layout.temperatures:
         return None
     state = bed.state(problem.first_point())
     medium = bed.medium
     if medium.scene.section is None:
-        medium = medium.of(
-            medium.scene.model_copy(update={"section": Section(dispersion="vdi")}),
-            problem.species,
-            problem.streams,
-            medium.with_pressure,
-        )
+        resolved = medium.scene.with_table("packed_bed", section=Section(dispersion="vdi"))
+        medium = medium.of(resolved, problem.species, problem.streams, medium.with_pressure)
     try:
         radial = medium.radial(state)
     except SceneError:
         return None
-    K, radius = float(radial.conductivity), 0.5 * wall.diameter
+    K, radius = float(radial.conductivity), 0.5 * diameter
     q = float(medium.through_wall(problem.streams.T_gas, medium.wall_coefficient(state), K, 0.25 * radius))
     return Across(abs(q) * radius / (2.0 * K), _limit(problem))
 

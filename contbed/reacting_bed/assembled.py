@@ -26,14 +26,14 @@ def bed_of(scene: s.ReactingScene, species: Substances, entering: Streams, mediu
     SceneError : reactions cannot be used
     """
     reactions = _reactions(scene, species)
-    layouts = [_layout(scene, name, species.phases[name], reactions) for name in scene.phases]
+    layouts = [_layout(scene, name, species.phases[name], reactions) for name in scene.solids]
     temperatures = _temperatures(scene, layouts)
     layout = Layout(tuple(species.gases), temperatures, medium.with_pressure, tuple(layouts))
     phases = {}
     for each in layouts:
         own = species.phases[each.name]
-        inert = _inert(scene.phases[each.name], own, each, entering)
-        velocity = entering.velocities[each.name] / (1.0 - scene.bed.porosity)
+        inert = _inert(scene.solids[each.name], own, each, entering)
+        velocity = entering.velocities[each.name] / (1.0 - scene.packed_bed.porosity)
         phases[each.name] = Phase(each, medium.phases[each.name], own.enthalpies, velocity, inert)
     return Bed(
         layout,
@@ -52,7 +52,7 @@ def within(bed: Bed, scene: s.ReactingScene, entering: Streams) -> Bed:
     medium = bed.medium.within(scene, entering)
     phases = {
         name: replace(
-            phase, medium=medium.phases[name], velocity=entering.velocities[name] / (1.0 - scene.bed.porosity)
+            phase, medium=medium.phases[name], velocity=entering.velocities[name] / (1.0 - scene.packed_bed.porosity)
         )
         for name, phase in bed.phases.items()
     }
@@ -63,7 +63,7 @@ def _temperatures(scene: s.ReactingScene, phases: Sequence[PhaseLayout]) -> tupl
     """Return the temperatures of gas and particles that are unknowns."""
     if scene.heat is None:
         return ()
-    return ("T",) if scene.heat.nusselt is None else ("T_fluid", *(phase.temperature for phase in phases))
+    return ("T_fluid", *(phase.temperature for phase in phases)) if scene.two_temperatures else ("T",)
 
 
 def _reactions(scene: s.ReactingScene, species: Substances) -> list[Reaction]:
@@ -74,22 +74,22 @@ def _reactions(scene: s.ReactingScene, species: Substances) -> list[Reaction]:
         if not running:
             found += reactions_of(tables, species.plain, False)
         for phase in running:
-            own = species.phases[phase]
-            for each in reactions_of(tables, own, scene.particle.mass == "effectiveness"):
+            own, with_effectiveness = species.phases[phase], scene.solids[phase].inside.mass == "effectiveness"
+            for each in reactions_of(tables, own, with_effectiveness):
                 full = own.full(each.name) if len(running) > 1 else each.name
                 found.append(replace(each, name=full, phase=phase, alone=each.name))
-    for phase in scene.phases:
+    for phase in scene.solids:
         found = _resolved(scene, phase, species, found)
     return found
 
 
 def _resolved(scene: s.ReactingScene, phase: str, species: Substances, reactions: Sequence[Reaction]) -> list[Reaction]:
     """Return reactions with those of a phase as means over its pellets, where their inside is resolved."""
-    table, share = scene.phases[phase], shares_of(scene.phases)[phase]
-    if scene.particle.mass not in ("auto", "interior") or not table.diffusivity:
+    inside, share = scene.solids[phase].inside, shares_of(scene.solids)[phase]
+    if inside.mass not in ("auto", "interior") or not inside.diffusivity:
         return list(reactions)
     own = [reaction for reaction in reactions if reaction.phase == phase]
-    resolved = in_pellets(own, species.gases, table.diffusivity, (1.0 - scene.bed.porosity) * share)
+    resolved = in_pellets(own, species.gases, inside.diffusivity, (1.0 - scene.packed_bed.porosity) * share)
     by_name = {reaction.name: reaction for reaction in resolved}
     return [by_name.get(reaction.name, reaction) for reaction in reactions]
 
@@ -113,19 +113,19 @@ def _layout(scene: s.ReactingScene, name: str, own: PhaseSpecies, reactions: Seq
 
 def _films(scene: s.ReactingScene, name: str, own: PhaseSpecies, running: Sequence[Reaction]) -> tuple[str, ...]:
     """Return the gases whose films around particles are resolved, but for those that are adsorbed, see `inside`."""
-    if scene.mass is None or scene.mass.sherwood is None:
+    if scene.closures.sherwood is None:
         return ()
     through = [reaction for reaction in running if reaction.site != "gas" and not reaction.own_film]
     wanted = {species for reaction in through for species in reaction.stoichiometry}
     for reaction in through:
         if reaction.key in scene.reactions:
             wanted |= set(scene.reactions[reaction.key].orders or {})
-    adsorbed = scene.phases[name].adsorption
+    adsorbed = scene.solids[name].adsorption
     return tuple(species for species in own.gases if species in wanted and species not in adsorbed)
 
 
 def _inert(
-    table: s.SolidKind, own: PhaseSpecies, layout: PhaseLayout, entering: Streams
+    table: s.Solid, own: PhaseSpecies, layout: PhaseLayout, entering: Streams
 ) -> tuple[tuple[float, Enthalpy], ...]:
     """Return amount per volume of bed and enthalpy of what particles hold beside the constituents that react."""
     inert: list[tuple[float, Enthalpy]] = []

@@ -2,30 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from contbed.closures.binding import is_phase, named
 from contbed.closures.fluid_conducts import fluid_conducts_twice
 from contbed.closures.formula import parse_formula, require_names
 from contbed.errors import SceneError
-from contbed.materials.composition import mole_fractions, names_in, require_sum
+from contbed.materials.composition import names_in, require_sum
 from contbed.materials.elements import elements_of
-from contbed.reacting_bed import curve_checks, kind_checks
+from contbed.reacting_bed import curve_checks, phase_checks, stream_checks
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.inlet_series import SUM, CompositionSeries, constant
+from contbed.reacting_bed.inlet_series import SUM, CompositionSeries
 from contbed.reacting_bed.inside_checks import (
     adsorbed_gases_are_there,
     adsorbed_gases_react_by_their_concentrations,
-    kinds_have_diffusivities,
     particles_can_adsorb,
     pellets_have_diffusivities,
     uptake_has_a_meaning,
 )
-from contbed.reacting_bed.kind_checks import in_each_kind, of_all_kinds, of_one_kind
 from contbed.reacting_bed.kinetics import SI_OF_BASIS
 from contbed.reacting_bed.laws import NEEDS, known_laws
 from contbed.reacting_bed.medium import GIVES, bound, places_of
+from contbed.reacting_bed.phase_checks import Boundaries, Reactions, Solids, stoichiometry
 from contbed.reacting_bed.schedule_checks import (
     a_cycle_changes_something,
     at_each_time,
@@ -35,8 +33,7 @@ from contbed.reacting_bed.schedule_checks import (
     series_are_usable,
     times_are_in_order,
 )
-from contbed.reacting_bed.streams import gas_sign
-from contbed.reacting_bed.substances import Equation, equations_of
+from contbed.reacting_bed.substances import Equation, compositions_of, constituents_of, equations_of, fed_to
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
@@ -44,29 +41,27 @@ from contbed.scene.units import base_value, factor_and_offset
 from contbed.scene.values import value_at
 
 BALANCED = 1e-6  # atoms per mole of reaction within which an equation balances
-Reactions = dict[str, s.Reaction]
-Boundaries = dict[str, s.Boundary]
 
 
-def compositions_sum_to_one(fluid: Any, solid: s.Solids | None, time: s.Time | None) -> Mistakes:
+def compositions_sum_to_one(gas: s.Mixture, solids: Solids, boundary: Boundaries, initial: s.Initial) -> Mistakes:
     """Check that fractions sum to one, where they are no amounts in moles."""
-    gas = fluid.composition
-    texts = gas.values if isinstance(gas, CompositionSeries) else [gas]
-    given: list[tuple[KeyPath, str | None]] = [(("fluid", "composition"), text) for text in texts]
-    if solid is not None:
-        given.append((("solid", "composition"), solid.composition))
-    if time is not None:
-        given.append((("time", "initial_composition"), time.initial_composition))
+    given: list[tuple[KeyPath, str | None]] = [(("gas", "composition"), gas.composition)]
+    for name, table in boundary.items():
+        entering = None if table.gas is None else table.gas.composition
+        texts = entering.values if isinstance(entering, CompositionSeries) else [entering]
+        given += [(("boundary", name, "gas", "composition"), text) for text in texts]
+    given.append((("initial", "gas", "composition"), initial.gas.composition))
+    given += [(("solids", phase, "composition"), table.composition) for phase, table in solids.items()]
     for path, text in given:
         if text is None:
             continue
         try:
-            require_sum(text, SUM, in_moles=path[0] != "solid")
+            require_sum(text, SUM, in_moles=path[0] != "solids")
         except SceneError as error:
             yield path, str(error)
 
 
-def equations_balance(reactions: Reactions, fluid: Any, solid: s.Solids | None) -> Mistakes:
+def equations_balance(reactions: Reactions, gas: s.Mixture, solids: Solids) -> Mistakes:
     """Check that every reaction has an equation whose elements balance."""
     for name, table in reactions.items():
         path: KeyPath = ("reactions", name) if table.equation is None else ("reactions", name, "equation")
@@ -78,7 +73,7 @@ def equations_balance(reactions: Reactions, fluid: Any, solid: s.Solids | None) 
             continue
         for equation in equations.values():
             try:
-                left_over = imbalance(equation, fluid, solid)
+                left_over = imbalance(equation, gas, solids)
             except SceneError as error:
                 yield path, str(error)
                 continue
@@ -87,9 +82,9 @@ def equations_balance(reactions: Reactions, fluid: Any, solid: s.Solids | None) 
                 yield path, f"{verb} {abs(atoms):.6g} atoms of {element} per mole of reaction; correct its coefficients"
 
 
-def imbalance(equation: Equation, fluid: Any, solid: s.Solids | None) -> dict[str, float]:
+def imbalance(equation: Equation, gas: s.Mixture, solids: Solids) -> dict[str, float]:
     """Return the atoms of each element that an equation makes."""
-    tables = {**fluid.species, **(solid.constituent if solid is not None else {})}
+    tables = {**gas.species, **constituents_of(solids)}
     total: dict[str, float] = {}
     for name, count in equation.stoichiometry.items():
         table = tables.get(name)
@@ -99,7 +94,7 @@ def imbalance(equation: Equation, fluid: Any, solid: s.Solids | None) -> dict[st
     return {element: atoms for element, atoms in total.items() if abs(atoms) > BALANCED}
 
 
-def laws_have_what_they_need(reactions: Reactions, solid: s.Solids | None) -> Mistakes:
+def laws_have_what_they_need(reactions: Reactions, solids: Solids) -> Mistakes:
     """Check that every reaction has one law, known and with its constants, or a formula."""
     for name, table in reactions.items():
         if table.rate is not None:
@@ -115,13 +110,13 @@ def laws_have_what_they_need(reactions: Reactions, solid: s.Solids | None) -> Mi
                 what = "the activation energy, 0 for a rate that does not depend on temperature" if key == "E" else key
                 yield ("reactions", name, key), f"missing; the law {law} needs {what}"
         of_solids = law in ("grain", "grain_remaining", "shrinking_core") or law.startswith("three_interfaces")
-        if of_solids and (solid is None or solid.composition is None):
-            yield ("reactions", name, "law"), f"{law} needs solids that react: give solid.composition"
+        if of_solids and all(table.composition is None for table in solids.values()):
+            yield ("reactions", name, "law"), f"{law} needs solids that react: give solids.NAME.composition"
         if table.basis is not None and law not in ("power",):
             yield ("reactions", name, "basis"), f"has no meaning with the law {law}, whose rate has its own"
 
 
-def formulas_can_be_read(reactions: Reactions, fluid: Any, solid: s.Solids | None) -> Mistakes:
+def formulas_can_be_read(reactions: Reactions, gas: s.Mixture, boundary: Boundaries, solids: Solids) -> Mistakes:
     """Check formulas of rates: names, units of parameters and of the rate."""
     for name, table in reactions.items():
         if table.rate is None:
@@ -136,190 +131,102 @@ def formulas_can_be_read(reactions: Reactions, fluid: Any, solid: s.Solids | Non
                     return
         try:
             formula = parse_formula(table.rate)
-            gases, solids = _species_named(fluid, solid, reactions)
+            gases, constituents = _species_named(gas, boundary, solids, reactions)
             known = {"T", "p", "R", "eps", "X", *table.parameters}
-            known |= {f"{kind}_{gas}" for gas in gases for kind in "cxp"} | {f"n_{item}" for item in solids}
+            known |= {f"{of}_{name}" for name in gases for of in "cxp"} | {f"n_{name}" for name in constituents}
             require_names(formula, sorted(known))
         except SceneError as error:
             yield path, str(error)
             continue
-        basis = table.basis or ("particle" if solids & set(_stoichiometry(name, table)) else "gas")
+        basis = table.basis or ("particle" if constituents & set(stoichiometry(name, table)) else "gas")
         if table.unit is not None and factor_and_offset(table.unit, SI_OF_BASIS[basis]) is None:
             wanted = SI_OF_BASIS[basis]
             yield ("reactions", name, "unit"), f"measures something else than {wanted}, the unit of a rate per {basis}"
 
 
-def _stoichiometry(name: str, table: s.Reaction) -> Mapping[str, float]:
+def _species_named(
+    gas: s.Mixture, boundary: Boundaries, solids: Solids, reactions: Reactions
+) -> tuple[set[str], set[str]]:
+    """Return names that may be gases, and those that may be constituents of solids."""
     try:
-        return {k: v for e in equations_of(name, table).values() for k, v in e.stoichiometry.items()}
-    except SceneError:
-        return {}
-
-
-def _species_named(fluid: Any, solid: s.Solids | None, reactions: Reactions) -> tuple[set[str], set[str]]:
-    """Return names that may be gases, and those that may be solids."""
-    try:
-        gases = set(names_in(fluid.composition)) | set(fluid.species)
-        solids = set() if solid is None else set(solid.constituent)
-        if solid is not None and solid.composition is not None:
-            solids |= set(mole_fractions(solid.composition))
+        gases = {name for text in compositions_of(gas, boundary) for name in names_in(text)} | set(gas.species)
+        constituents = set(constituents_of(solids))
+        for solid in solids.values():
+            constituents |= set(fed_to(solid))
     except SceneError:
         return set(), set()
     for name, table in reactions.items():
-        gases |= set(_stoichiometry(name, table)) - solids
-    return gases, solids
+        gases |= set(stoichiometry(name, table)) - constituents
+    return gases, constituents
 
 
-def orders_name_species(reactions: Reactions, fluid: Any, solid: s.Solids | None) -> Mistakes:
+def orders_name_species(reactions: Reactions, gas: s.Mixture, boundary: Boundaries, solids: Solids) -> Mistakes:
     """Check that orders refer to species of the scene."""
-    gases, solids = _species_named(fluid, solid, reactions)
-    if isinstance(fluid, s.GasCantera):
+    if isinstance(gas, s.GasCantera):
         return  # any species of the mechanism
+    gases, constituents = _species_named(gas, boundary, solids, reactions)
     for name, table in reactions.items():
         for species in table.orders or {}:
-            if species not in gases | solids:
-                yield (
-                    ("reactions", name, "orders"),
-                    f"there is no {species!r}; {nearest(species, sorted(gases | solids))}",
-                )
+            if species not in gases | constituents:
+                there = nearest(species, sorted(gases | constituents))
+                yield ("reactions", name, "orders"), f"there is no {species!r}; {there}"
 
 
-def steady_states_exist(
-    reactions: Reactions, flow: s.Flow, solid: s.Solids | None, time: s.Time | None, see: See
-) -> Mistakes:
-    """Check that solids that react in a steady bed are supplied."""
-    if flow.velocity_solid or solid is None or time is not None:
+def walls_pass_heat(boundary: Boundaries, heat: s.Heat | None, mesh: s.Line, packed_bed: s.PackedBed) -> Mistakes:
+    """Check that a wall has a bed with temperatures and a diameter, and by name the bed beside it."""
+    wall = boundary.get("wall")
+    if wall is None:
         return
-    fed = set() if solid.composition is None else set(_fractions(solid.composition))
-    for name, table in reactions.items():
-        used = [key for key, n in _stoichiometry(name, table).items() if n < 0 and key in fed | set(solid.constituent)]
-        if used:
-            yield (
-                ("reactions", name),
-                f"takes {', '.join(used)} of particles at rest, which are used up: no steady state exists; give "
-                f"them a velocity, {see('flow.velocity_solid')}, or add a [time] table",
-            )
+    if heat is None:
+        yield ("boundary", "wall"), "has no meaning without [heat]; add [heat], or remove it"
+    if mesh.diameter is None:
+        yield ("mesh", "diameter"), "missing; of the tube whose wall is [boundary.wall]"
+    if named(wall.coefficient) and packed_bed.section is None:
+        text = "by name it is on the jump of temperature at the wall, which one dimension does not have"
+        advice = "add [packed_bed.section], or give the coefficient to the mean temperature as a number"
+        yield ("boundary", "wall", "coefficient"), f"{text}; {advice}"
 
 
-def _fractions(text: str) -> dict[str, float]:
-    try:
-        return mole_fractions(text)
-    except SceneError:
-        return {}
-
-
-def particles_are_known(
-    solid: s.Solids | None, flow: s.Flow, heat: s.Heat | None, time: s.Time | None, reactions: Reactions
+def sections_can_be_resolved(
+    packed_bed: s.PackedBed, mesh: s.Line, heat: s.Heat | None, closures: s.Closures, boundary: Boundaries
 ) -> Mistakes:
-    """Check that there are particles where something needs them, with density and heat capacity."""
-    if flow.velocity_solid and solid is None:
-        yield ("flow", "velocity_solid"), "there is no [solid]; give it, with composition, or density and heat_capacity"
-    if solid is None:
-        if heat is not None and time is not None:
-            yield ("solid",), "missing; particles whose temperature changes hold heat: give density and heat_capacity"
-        for name, table in reactions.items():
-            if table.basis == "catalyst" or str(table.law).startswith("xu_froment"):
-                yield (
-                    ("reactions", name),
-                    "its rate is per mass of catalyst; give [solid] with the density of particles",
-                )
-        return
-    if solid.density is None:
-        if solid.composition is None:
-            yield ("solid", "density"), "missing; particles without composition need it"
-        for name in _fractions(solid.composition or ""):
-            data = solid.constituent.get(name)
-            if data is None or data.density is None:
-                yield ("solid", "density"), f"missing; or give solid.constituent.{name}.density"
-                break
-    stores = bool(flow.velocity_solid) or time is not None
-    if heat is not None and stores and solid.composition is None and solid.heat_capacity is None:
-        yield ("solid", "heat_capacity"), "missing; particles that move or whose temperature changes hold heat"
-    if solid.composition is not None and solid.heat_capacity is not None:
-        yield ("solid", "heat_capacity"), "has no meaning with a composition, whose constituents have theirs"
-
-
-def streams_have_a_temperature(
-    boundary: Boundaries, flow: s.Flow, heat: s.Heat | None, solid: s.Solids | None, see: See
-) -> Mistakes:
-    """Check that temperatures stand where streams enter, and nowhere else."""
-    gas = gas_sign(flow)
-    if gas == 0.0:
-        key = next(name for name in ("mass_flux", "molar_flux", "velocity") if getattr(flow, name) is not None)
-        yield ("flow", key), "no gas flows; give it a value other than 0"
-        return
-    entry = {"fluid": "left" if gas > 0 else "right"}
-    moves = constant(flow.velocity_solid)
-    if moves:
-        entry["solid"] = "left" if moves > 0 else "right"
-    for name, table in boundary.items():
-        if name not in ("left", "right"):
-            yield ("boundary", name), f"a line has no such end; {nearest(name, ['left', 'right'])}"
-            continue
-        for phase in ("fluid", "solid"):
-            if getattr(table, phase) is not None and entry.get(phase) != name:
-                key = "flow.velocity_solid" if phase == "solid" else "flow"
-                yield ("boundary", name, phase), f"the {phase} does not enter here; see {see(key)}"
-    for phase, name in entry.items():
-        if (phase == "fluid" or heat is not None) and (name not in boundary or getattr(boundary[name], phase) is None):
-            yield ("boundary",), f"the {phase} enters at '{name}': give boundary.{name}.{phase} = {{ inflow = ... }}"
-    if heat is not None and heat.nusselt is None and moves * gas < 0:
-        yield (
-            ("heat", "nusselt"),
-            "missing; gas and particles that move against each other have two temperatures",
-        )
-
-
-def heat_fits_the_bed(heat: s.Heat | None, wall: s.Wall | None, section: s.Section | None) -> Mistakes:
-    """Check that a wall has a bed with temperatures, and a coefficient by name the bed beside the wall."""
-    if wall is not None and heat is None:
-        yield ("wall",), "has no meaning without [heat]; add [heat], or remove it"
-    if wall is not None and named(wall.coefficient) and section is None:
-        text = "by name it is on the jump of temperature at the wall, which one dimension does not have; add [section]"
-        yield ("wall", "coefficient"), f"{text}, or give the coefficient to the mean temperature as a number"
-
-
-def sections_can_be_resolved(section: s.Section | None, wall: s.Wall | None, heat: s.Heat | None) -> Mistakes:
     """Check that a section has a size and something that passes across it."""
+    section, path = packed_bed.section, ("packed_bed", "section")
     if section is None:
         return
-    if wall is None:
-        yield ("section",), "its size is not known; give [wall] with the diameter, and coefficient and ambient, or flux"
-    across = (section.conductivity_fluid, section.conductivity_solid, section.dispersion)
-    if heat is not None and all(value in (None, 0.0) for value in across):
+    if mesh.diameter is None:
+        yield ("mesh", "diameter"), "missing; the size of the section across the flow"
+    gas = (section.conductivity_gas, section.dispersion)
+    if heat is not None and all(value in (None, 0.0) for value in (*gas, section.conductivity_solids)):
         yield (
-            ("section",),
-            "no heat passes between the rings; give conductivity_fluid, conductivity_solid or dispersion [W/m/K], such "
-            'as dispersion = "vdi"; or remove [section] for a bed without differences across it',
+            path,
+            "no heat passes between the rings; give conductivity_gas, conductivity_solids or dispersion [W/m/K], such "
+            'as dispersion = "vdi"; or remove [packed_bed.section] for a bed without differences across it',
         )
-    still = all(value in (None, 0.0) for value in (section.conductivity_fluid, section.dispersion))
-    two = heat is not None and heat.nusselt is not None
-    if two and still and section.conductivity_solid and wall is not None and wall.coefficient is not None:
+    two = heat is not None and closures.nusselt is not None
+    still = all(value in (None, 0.0) for value in gas)
+    wall = boundary.get("wall")
+    if two and still and section.conductivity_solids and wall is not None and wall.coefficient is not None:
         yield (
-            ("section",),
-            "the wall exchanges heat with the gas, which conducts none to it across the bed; give "
-            'section.conductivity_fluid or section.dispersion [W/m/K], such as dispersion = "vdi"',
+            path,
+            "the wall exchanges heat with the gas, which conducts none to it across the bed; give conductivity_gas or "
+            'dispersion [W/m/K], such as dispersion = "vdi"',
         )
 
 
 def closures_exist(
-    bed: s.Bed,
-    heat: s.Heat | None,
-    mass: s.Mass | None,
-    section: s.Section | None,
-    wall: s.Wall | None,
-    origin: Origin,
+    closures: s.Closures, packed_bed: s.PackedBed, solids: Solids, boundary: Boundaries, origin: Origin
 ) -> Mistakes:
     """Check that closures are known, with their parameters, and get their arguments."""
-    for path, spec, kind in places_of(bed, heat, mass, section, wall):
+    for path, spec, kind in places_of(closures, packed_bed, solids, boundary):
         if named(spec) and not (kind == "conductivity" and is_phase(spec)):
             try:
-                bound(spec, kind, origin.base, "transverse" if path[0] == "section" else "axial")
+                bound(spec, kind, origin.base, "transverse" if "section" in path else "axial")
             except SceneError as error:
                 yield path, str(error)
 
 
-def positions_are_inside(mesh: Any, output: Any, see: See) -> Mistakes:
+def positions_are_inside(mesh: s.Line, output: Any, see: See) -> Mistakes:
     """Check that profile positions lie in the bed."""
     for k, x in enumerate(output.positions):
         if not 0.0 <= x <= mesh.length:
@@ -328,24 +235,21 @@ def positions_are_inside(mesh: Any, output: Any, see: See) -> Mistakes:
 
 def the_parameter_is_a_number(
     continuation: s.Continuation | None,
-    fluid: Any,
-    flow: s.Flow,
-    heat: s.Heat | None,
-    mass: s.Mass | None,
-    wall: s.Wall | None,
+    gas: s.Mixture,
+    closures: s.Closures,
     reactions: Reactions,
     boundary: Boundaries,
 ) -> Mistakes:
     """Check that the parameter of the continuation is a number of the scene that may vary."""
     if continuation is None:
         return
-    tables = {"fluid": fluid, "flow": flow, "heat": heat, "mass": mass, "wall": wall, "reactions": reactions}
-    found = value_at(tables | {"boundary": boundary}, continuation.parameter)
-    if not isinstance(found, float) or continuation.parameter.startswith("fluid.species"):
+    tables = {"gas": gas, "closures": closures, "reactions": reactions, "boundary": boundary}
+    found = value_at(tables, continuation.parameter)
+    if not isinstance(found, float) or continuation.parameter.startswith("gas.species"):
         yield (
             ("continuation", "parameter"),
             "no number of this scene can be varied under this key; allowed: keys such as reactions.NAME.factor, "
-            "flow.mass_flux, boundary.left.fluid.inflow, wall.ambient",
+            "boundary.left.gas.mass_flux, boundary.left.gas.temperature, boundary.wall.ambient",
         )
     elif found == continuation.to:
         yield ("continuation", "to"), "is the value that the scene has"
@@ -353,48 +257,55 @@ def the_parameter_is_a_number(
         yield ("continuation", "back_to"), f"lies on the same side of the value in the scene, {found:g}, as `to`"
 
 
+AT_EACH_TIME: tuple[Check, ...] = (
+    the_parameter_is_a_number,
+    equations_balance,
+    laws_have_what_they_need,
+    formulas_can_be_read,
+    orders_name_species,
+    phase_checks.steady_states_exist,
+    phase_checks.particles_are_known,
+    stream_checks.streams_have_a_state,
+    curve_checks.curves_of_gases_are_positive,
+    curve_checks.curves_of_solids_are_positive,
+)
+
 CHECKS: tuple[Check, ...] = (
     series_are_usable,
     times_are_in_order,
     a_cycle_changes_something,
     cells_can_follow,
     initial_profiles_fit_the_bed,
-    in_each_kind(compositions_sum_to_one),
-    *(
-        at_each_time(check)
-        for check in (
-            the_parameter_is_a_number,
-            of_all_kinds(equations_balance),
-            of_all_kinds(laws_have_what_they_need),
-            of_all_kinds(formulas_can_be_read),
-            of_all_kinds(orders_name_species),
-            in_each_kind(steady_states_exist),
-            in_each_kind(particles_are_known),
-            of_all_kinds(streams_have_a_temperature),
-            curve_checks.curves_of_gases_are_positive,
-            in_each_kind(curve_checks.curves_of_solids_are_positive),
-        )
-    ),
-    heat_fits_the_bed,
+    compositions_sum_to_one,
+    stream_checks.boundaries_exist,
+    stream_checks.one_end_gives_each_flow,
+    *(at_each_time(check) for check in AT_EACH_TIME),
+    walls_pass_heat,
     sections_can_be_resolved,
-    in_each_kind(adsorbed_gases_are_there),
-    in_each_kind(particles_can_adsorb),
-    in_each_kind(adsorbed_gases_react_by_their_concentrations),
-    of_one_kind(pellets_have_diffusivities),
-    kinds_have_diffusivities,
-    in_each_kind(uptake_has_a_meaning),
+    adsorbed_gases_are_there,
+    particles_can_adsorb,
+    adsorbed_gases_react_by_their_concentrations,
+    pellets_have_diffusivities,
+    uptake_has_a_meaning,
     closures_exist,
-    *kind_checks.CHECKS,
+    *phase_checks.CHECKS,
     positions_are_inside,
 )
 
 
-def the_fluid_conducts_once(heat: s.Heat | None, section: s.Section | None, origin: Origin) -> Mistakes:
+def the_gas_conducts_once(
+    closures: s.Closures, packed_bed: s.PackedBed, heat: s.Heat | None, origin: Origin
+) -> Mistakes:
     """Look for a closure of the whole bed at rest beside the conductivity of its gas, along and across the bed."""
-    for name, table in (("heat", heat), ("section", section)):
-        if table is not None:
-            conductivities = table.conductivity_solid, table.conductivity_fluid
-            yield from fluid_conducts_twice(name, *conductivities, GIVES["conductivity"], origin.base)
+    if heat is None:
+        return
+    tables: list[tuple[KeyPath, Any]] = [(("closures",), closures)]
+    if packed_bed.section is not None:
+        tables.append((("packed_bed", "section"), packed_bed.section))
+    for path, table in tables:
+        solid = (*path, "conductivity_solids"), table.conductivity_solids
+        gas = (*path, "conductivity_gas"), table.conductivity_gas
+        yield from fluid_conducts_twice(solid, gas, GIVES["conductivity"], origin.base)
 
 
-WARNINGS: tuple[Check, ...] = (the_fluid_conducts_once, initial_profiles_reach_both_ends)
+WARNINGS: tuple[Check, ...] = (the_gas_conducts_once, initial_profiles_reach_both_ends)

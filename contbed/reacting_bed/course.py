@@ -76,7 +76,7 @@ class Course:
             except ConvergenceError as error:
                 raise ConvergenceError(
                     f"{scene.origin.name}: {error} at t = 0 s, where the pressures of the gas that fills the bed are "
-                    'sought; give flow.pressure_drop = "none", or time.gas = "quasi_steady"',
+                    'sought; give packed_bed.pressure_drop = "none", or packed_bed.gas_storage = "quasi_steady"',
                     error.history,
                     error.state,
                 ) from None
@@ -104,7 +104,7 @@ class Course:
     @cached_property
     def small(self) -> dict[KeyPath, float]:
         """Sizes of kinks of the series that a step may pass."""
-        return self.schedule.small(self.time)
+        return self.schedule.small(self.scene)
 
     @cached_property
     def cuts(self) -> list[float]:
@@ -129,11 +129,11 @@ class Course:
 
     def start(self) -> Array:
         """Return the state at the start (m, N, p + 1)."""
-        problem, time = self.problem, self.time
-        T = time.initial_temperature or problem.streams.T_gas
+        problem, initial = self.problem, self.scene.initial
+        T = initial.temperature or problem.streams.T_gas
         u, moles = problem.start(T), sum(problem.streams.gas.values())
-        if time.initial_composition is not None:
-            fractions = mole_fractions(time.initial_composition)
+        if initial.gas.composition is not None:
+            fractions = mole_fractions(initial.gas.composition)
             for k, name in enumerate(problem.names):
                 if name.startswith("g_"):
                     u[k] = fractions.get(name[2:], 0.0) * moles
@@ -181,7 +181,7 @@ def initial_of(scene: s.ReactingScene, problem: Problem) -> Profile | None:
     ------
     SceneError : the file cannot be used
     """
-    if scene.time is None or scene.time.initial is None:
+    if scene.time is None or scene.initial.file is None:
         return None
     from contbed.reacting_bed.initial import profile_of
 
@@ -191,9 +191,8 @@ def initial_of(scene: s.ReactingScene, problem: Problem) -> Profile | None:
 def _peaks(scene: s.ReactingScene, moments: list[Problem], initial: Profile | None) -> dict[str, float]:
     """Return the largest mole fraction of each gas that enters or fills the bed."""
     parts = [{name: g / sum(at.streams.gas.values()) for name, g in at.streams.gas.items()} for at in moments]
-    assert scene.time is not None
-    if scene.time.initial_composition is not None:
-        parts.append(mole_fractions(scene.time.initial_composition))
+    if scene.initial.gas.composition is not None:
+        parts.append(mole_fractions(scene.initial.gas.composition))
     if initial is not None:
         parts.append({name: float(x.max()) for name, x in initial.fractions.items()})
     return {name: max(part.get(name, 0.0) for part in parts) for part in parts for name in part}
@@ -210,10 +209,9 @@ def _scarcest(problem: Problem, peaks: Mapping[str, float]) -> float:
 
 def _temperatures(scene: s.ReactingScene, moments: list[Problem], initial: Profile | None) -> tuple[float, float]:
     """Return the lowest and highest temperature of what enters, of the wall and of the start [K]."""
-    assert scene.time is not None
-    found: list[Any] = [T for at in moments for T in (at.streams.T_gas, at.streams.T_solid)]
+    found: list[Any] = [T for at in moments for T in (at.streams.T_gas, *at.streams.T_solids.values())]
     found += [at.scene.wall.ambient for at in moments if at.scene.wall is not None]
-    known = [constant(T) for T in (*found, scene.time.initial_temperature) if T is not None]
+    known = [constant(T) for T in (*found, scene.initial.temperature) if T is not None]
     if initial is not None:
         known += [float(T) for each in initial.temperatures.values() for T in (each.min(), each.max())]
     return min(known), max(known)

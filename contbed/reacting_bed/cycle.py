@@ -5,7 +5,7 @@ acceleration (`solvers.anderson`). After some periods the sequence of time steps
 chosen anew where the error of a kept step is larger than allowed.
 
 y holds what the equations store, each over its typical size: temperatures over the range of the scene and of
-the bed after one period; moles of solids over those that enter, of each kind; intraparticle concentrations over
+the bed after one period; moles of solids over those that enter, of each phase; intraparticle concentrations over
 that of the gas, of traces over their largest; mole fractions of a gas in the pores over 1. What follows at once (a gas
 that is not stored, films, the pressure) is no part of y. The change of a cycle is the largest of y over a period.
 

@@ -43,8 +43,8 @@ class Properties:
         if transport is None or getattr(transport, name) is None:
             key = {"viscosities": "viscosity", "conductivities": "conductivity", "diffusivities": "diffusivity"}[name]
             raise SceneError(
-                f"{self.scene.origin.at(('fluid',))}: fluid.{key}: is needed by a closure of this scene and not given; "
-                f"give one number, or values in [fluid.species.NAME]"
+                f"{self.scene.origin.at(('gas',))}: gas.{key}: is needed by a closure of this scene and not given; "
+                f"give one number, or values in [gas.species.NAME]"
             )
         return transport
 

@@ -1,15 +1,15 @@
 """State at the start of a run from a table along the bed: profiles.csv of an earlier run, or one written by hand.
 
-    time.initial = { file = "earlier/profiles.csv", time = "300 s" }
+    initial = { file = "earlier/profiles.csv", time = "300 s" }
 
-    x [m], T_fluid [K], T_solid [K]       one of both holds for gas and particles; T_solid_KIND of several kinds
+    x [m], T_fluid [K], T_solid [K]       one of both holds for gas and particles; T_solid_PHASE of several
     x_GAS [1]                             all of them sum to 1; a gas without a column is not there
     n_SOLID [mol/m3] or w_SOLID [1]       moles per volume of bed; or mass fractions, at the mass per volume of bed with
-                                          which the particles enter; SOLID_KIND of several kinds
-    q_GAS [mol/kg]                        moles that particles hold per mass; q_GAS_KIND of several kinds
+                                          which the particles enter; SOLID_PHASE of several
+    q_GAS [mol/kg]                        moles that particles hold per mass; q_GAS_PHASE of several
 
 Between positions all is linear, beyond the first and the last it stays. What has no column is uniform, or in
-equilibrium: temperatures by `time.initial_temperature`, the gas by `time.initial_composition`, solids as they enter,
+equilibrium: temperatures by `initial.temperature`, the gas by `initial.gas.composition`, solids as they enter,
 particles in equilibrium with the gas around them. A file has means over the section and over particles: a bed with
 [section] is uniform across, and particles with points inside are uniform there. Films, the pressure and a gas that
 follows at once hold nothing and come from the equations. Solids that do not react are there as they enter.
@@ -107,7 +107,7 @@ def profile_of(scene: s.ReactingScene, problem: Problem) -> Profile:
     SceneError : the file cannot be used; the message has the file, the line and the column
     """
     try:
-        return _Reader(scene, problem, rows_of(scene.time, scene.origin.base)).profile()
+        return _Reader(scene, problem, rows_of(scene.initial, scene.origin.base)).profile()
     except SceneError as error:
         raise located(scene, error) from None
 
@@ -121,9 +121,8 @@ class _Reader:
     """Reads the rows of a file as the unknowns of a problem."""
 
     def __init__(self, scene: s.ReactingScene, problem: Problem, rows: Rows | None):
-        assert scene.time is not None and rows is not None
-        self.scene, self.problem, self.rows = scene, problem, rows
-        self.time = scene.time
+        assert rows is not None
+        self.given, self.problem, self.rows = scene.initial, problem, rows
         self.phases = problem.layout.phases
         self.solids = list(constituents_of(problem).values())
         self.loadings = {(gas, phase.name): phase.full(f"q_{gas}") for phase in self.phases for gas in phase.inside}
@@ -163,8 +162,8 @@ class _Reader:
         values = {name: self._temperature(name) for name in there}
         if not there or not wanted:
             return {}
-        if self.time.initial_temperature is not None:
-            text = f"column '{there[0]}': temperatures stand in time.initial_temperature as well; remove one of both"
+        if self.given.temperature is not None:
+            text = f"column '{there[0]}': temperatures stand in initial.temperature as well; remove one of both"
             raise self.rows.table.error(self.rows.table.header_line, text)
         found = {}
         for name in wanted:
@@ -213,8 +212,8 @@ class _Reader:
                  for name in gases if self._has(GAS + name)}  # fmt: skip
         if not given:
             return {}
-        if self.time.initial_composition is not None:
-            text = f"column '{GAS}{next(iter(given))}': the gas stands in time.initial_composition as well; remove one"
+        if self.given.gas.composition is not None:
+            text = f"column '{GAS}{next(iter(given))}': the gas stands in initial.gas.composition as well; remove one"
             raise self.rows.table.error(self.rows.table.header_line, text)
         total = self._sum_to_one("mole fractions, x_GAS [1],", given.values())
         none = np.zeros_like(total)
@@ -261,7 +260,7 @@ class _Reader:
         if wrong.max() > SUM * max(fed, ROUNDED):
             row = int(wrong.argmax())
             text = f"{values[row]:.6g}, and this solid does not react and is there as it enters, {fed:.6g}"
-            raise self.rows.error(row, f"column '{column}': {text}; remove the column, or change [solid]")
+            raise self.rows.error(row, f"column '{column}': {text}; remove the column, or change [solids]")
 
     def _inner(self, temperatures: Mapping[str, Array]) -> dict[tuple[str, str], Array]:
         """Return the concentrations in the pores of particles that hold the loadings of the file."""
@@ -279,13 +278,15 @@ class _Reader:
                 q[gas] = self._not_negative(column, values, float(np.abs(values).max()))
             T: Any = temperatures.get(phase.layout.temperature, temperatures.get("T"))
             if T is None:
-                T = self.time.initial_temperature or own.T_solid
+                T = self.given.temperature or own.T_solid
             assert phase.inside is not None
             c = phase.inside.concentrations(q, T * np.ones_like(self.rows.where))
             for gas, values in c.items():
                 if not np.isfinite(values).all():
                     row = int(np.flatnonzero(~np.isfinite(values))[0])
                     text = f"{q[gas][row]:.6g} mol/kg is no less than the capacity of the particles"
-                    raise self.rows.error(row, f"column '{columns[gas]}': {text}; see adsorption.{gas}.capacity")
+                    raise self.rows.error(
+                        row, f"column '{columns[gas]}': {text}; see solids.{name}.adsorption.{gas}.capacity"
+                    )
                 found[gas, name] = values
         return found

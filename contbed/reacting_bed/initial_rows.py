@@ -10,28 +10,28 @@ from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
 from contbed.scene.profile import Rows, rows_along
 
-KEY = ("time", "initial", "file")
+KEY = ("initial", "file")
 GAS = "x_"  # begins columns of mole fractions
 
 
-def rows_of(time: s.Time | None, base: Path) -> Rows | None:
+def rows_of(initial: s.Initial, base: Path) -> Rows | None:
     """Return the rows of the file that a run begins with; None without one.
 
     Raises
     ------
     SceneError : the file cannot be used
     """
-    return None if time is None or time.initial is None else rows_along(base / time.initial.file, time.initial.time)
+    return None if initial.file is None else rows_along(base / initial.file, initial.time)
 
 
-def gases_in(time: s.Time | None, base: Path) -> dict[str, str]:
+def gases_in(initial: s.Initial, base: Path) -> dict[str, str]:
     """Return the gases that a file names and that are somewhere, with where their columns stand.
 
     Raises
     ------
     SceneError : the file cannot be used
     """
-    rows = rows_of(time, base)
+    rows = rows_of(initial, base)
     if rows is None:
         return {}
     place = f"{rows.table.path.name}:{rows.table.header_line}"

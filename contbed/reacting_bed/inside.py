@@ -59,7 +59,7 @@ class Choice:
         )
 
 
-def isotherms_of(table: s.SolidKind) -> dict[str, Isotherm]:
+def isotherms_of(table: s.Solid) -> dict[str, Isotherm]:
     """Return the isotherms of a solid phase by gas."""
     return {
         name: Isotherm(float(given.henry or given.affinity or 0.0), given.capacity, given.enthalpy, given.temperature)
@@ -79,14 +79,14 @@ def with_inside(scene: s.ReactingScene, bed: Bed, entering: State) -> tuple[Bed,
     entering : state of the gas and the particles as they enter
     """
     films = {name: transport.films for name, transport in bed.medium.at(entering).phases.items()}
-    adsorbing = [name for name, table in scene.phases.items() if table.adsorption]
+    adsorbing = [name for name, table in scene.solids.items() if table.adsorption]
     choices: dict[str, Choice] = {}
     for name in adsorbing:
         bed, inside = _with_points(scene, bed, name)
         limit = scene.solver.accuracy / len(adsorbing)
         choices[name] = _chosen(scene, bed, name, entering.phases[name], films[name], limit)
         if choices[name].level != "interior":
-            share = 1.0 / (SURFACE_OVER_VOLUME[SHAPES[scene.bed.shape]] + 2)
+            share = 1.0 / (SURFACE_OVER_VOLUME[SHAPES[scene.solids[name].shape]] + 2)
             resistance = 0.0 if choices[name].level == "film" else share
             one = replace(inside, weights=np.ones(1), stiffness=np.zeros((1, 1)), resistance=resistance)
             bed = _with(bed, name, one)
@@ -95,8 +95,8 @@ def with_inside(scene: s.ReactingScene, bed: Bed, entering: State) -> tuple[Bed,
 
 def _with_points(scene: s.ReactingScene, bed: Bed, name: str) -> tuple[Bed, Inside]:
     """Return a bed with intraparticle points of a phase, and these particles."""
-    table, medium = scene.phases[name], bed.phases[name].medium
-    points = interior(scene.particle.points, SHAPES[scene.bed.shape])
+    table, medium = scene.solids[name], bed.phases[name].medium
+    points = interior(table.inside.points, SHAPES[table.shape])
     inside = Inside(
         tuple(table.adsorption),
         isotherms_of(table),
@@ -134,7 +134,7 @@ def _chosen(
     films : coefficients of its films [m/s]
     accuracy : largest error of a level that is taken
     """
-    shape = SHAPES[scene.bed.shape]
+    shape = SHAPES[scene.solids[phase].shape]
     inside, v = bed.phases[phase].inside, bed.phases[phase].velocity
     assert inside is not None
     T, u, length = float(entering.T_solid), float(entering.u), scene.mesh.length
@@ -158,7 +158,7 @@ def _chosen(
                 error[level] = moving_bed_error(v * inside.solids * held / u, biot, fourier, exact, shape)
             else:
                 error[level] = breakthrough_error(units, biot, exact, shape)
-        found.append(Choice(scene.particle.adsorption, name, biot, units, fourier, error))
+        found.append(Choice(scene.solids[phase].inside.adsorption, name, biot, units, fourier, error))
     worst = max(found, key=lambda each: each.error["linear_driving_force"])
     if worst.level != "auto":
         return worst

@@ -35,31 +35,33 @@ GIVES: Mapping[str, tuple[str, ...]] = {
     "sherwood": (*_PACKING, "Re", "Sc"),
     "mass_dispersion": (*_PACKING, "v", "D_gas"),
 }
-CONDUCTIVITIES = ("conductivity_fluid", "conductivity_solid")
+KIND_OF = {  # of closures whose key is not the name of their kind
+    "conductivity_gas": "conductivity",
+    "conductivity_solids": "conductivity",
+    "dispersion_mass": "mass_dispersion",
+    "coefficient": "wall",
+}
+OF_BED = ("permeability", "forchheimer", "conductivity_gas", "dispersion", "dispersion_mass")
+OF_PHASE = ("nusselt", "sherwood", "conductivity_solids")
+OF_HEAT = {"nusselt", "conductivity_gas", "conductivity_solids", "dispersion", "coefficient"}
+ACROSS = ("conductivity_gas", "conductivity_solids", "dispersion", "dispersion_mass")
 SLOW = 1e-9  # share of the speed below which |U| is rounded, so that a change of sign is smooth
 
 
 def places_of(
-    bed: s.Bed, heat: s.Heat | None, mass: s.Mass | None, section: s.Section | None, wall: s.Wall | None
+    closures: s.Closures,
+    packed_bed: s.PackedBed,
+    solids: Mapping[str, s.Solid],
+    boundary: Mapping[str, s.Boundary],
 ) -> list[tuple[tuple[str, ...], Any, str]]:
     """Return (key, value, kind) of each place where a scene may name a closure."""
-    out: list[tuple[tuple[str, ...], Any, str]] = [
-        (("bed", kind), getattr(bed, kind), kind) for kind in ("permeability", "forchheimer")
-    ]
-    if heat is not None:
-        out.append((("heat", "nusselt"), heat.nusselt, "nusselt"))
-        out += [(("heat", key), getattr(heat, key), "conductivity") for key in CONDUCTIVITIES]
-        out.append((("heat", "dispersion"), heat.dispersion, "dispersion"))
-    if mass is not None:
-        out.append((("mass", "sherwood"), mass.sherwood, "sherwood"))
-        out.append((("mass", "dispersion"), mass.dispersion, "mass_dispersion"))
-    if section is not None:
-        out += [(("section", key), getattr(section, key), "conductivity") for key in CONDUCTIVITIES]
-        out.append((("section", "dispersion"), section.dispersion, "dispersion"))
-        out.append((("section", "mass_dispersion"), section.mass_dispersion, "mass_dispersion"))
-    if wall is not None:
-        out.append((("wall", "coefficient"), wall.coefficient, "wall"))
-    return out
+    tables: list[tuple[tuple[str, ...], Any, tuple[str, ...]]] = [(("closures",), closures, (*OF_BED, *OF_PHASE))]
+    tables += [(("solids", name), table, OF_PHASE[:2]) for name, table in solids.items()]
+    if packed_bed.section is not None:
+        tables.append((("packed_bed", "section"), packed_bed.section, ACROSS))
+    if "wall" in boundary:
+        tables.append((("boundary", "wall"), boundary["wall"], ("coefficient",)))
+    return [((*path, key), getattr(table, key), KIND_OF.get(key, key)) for path, table, keys in tables for key in keys]
 
 
 def bound(spec: Any, kind: str, base: Any, direction: str = "axial") -> BoundClosure:
@@ -116,7 +118,7 @@ class Closures:
     @property
     def porosity(self) -> float:
         """Porosity of the bed."""
-        return self.scene.bed.porosity
+        return self.scene.packed_bed.porosity
 
     def value(self, key: str, properties: Properties) -> Any:
         """Return the value of a closure at a state; a number as it is."""
@@ -127,7 +129,7 @@ class Closures:
 
     def argument(self, name: str, properties: Properties) -> Any:
         """Return an argument of a closure."""
-        wall = self.scene.wall
+        width = self.scene.mesh.diameter
         values: dict[str, Callable[[], Any]] = {
             "eps": lambda: self.porosity,
             "d_p": lambda: self.diameter,
@@ -137,7 +139,7 @@ class Closures:
             "T": lambda: properties.state.T_solid,
             "k_fluid": lambda: properties.k_fluid,
             "k_solid": lambda: self.k_solid,
-            "D_bed": lambda: 1e3 * self.diameter if wall is None else wall.diameter,
+            "D_bed": lambda: 1e3 * self.diameter if width is None else width,
         }
         return values[name]()
 
@@ -166,7 +168,8 @@ class Closures:
         """
         if self.conductivity is None:
             origin = self.scene.origin
-            raise SceneError(f"{origin.at(('solid',))}: solid.conductivity: missing; a closure of [heat] needs it")
+            where = f"{origin.at(('solids',))}: solids.NAME.conductivity"
+            raise SceneError(f"{where}: missing; a closure of a conductivity needs it")
         return self.conductivity
 
     def slip(self, state: State) -> Any:
@@ -207,13 +210,13 @@ class PhaseMedium(Closures):
         exchange: Any = 0.0
         if "nusselt" in self.specs:
             exchange = self.value("nusselt", properties) * properties.k_fluid * (self.area / self.diameter)
-        K = self.share * self.conductivity_of("conductivity_solid", properties, "solid")
+        K = self.share * self.conductivity_of("conductivity_solids", properties, "solid")
         films = self._films(properties) if "sherwood" in self.specs else {}
         return PhaseTransport(exchange, K, films)
 
     def across(self, properties: Properties) -> Any:
         """Return the conductivity across the flow, by the share of the volume [W/m/K]."""
-        return self.share * self.conductivity_of("section.conductivity_solid", properties, "solid")
+        return self.share * self.conductivity_of("section.conductivity_solids", properties, "solid")
 
     def _films(self, properties: Properties) -> dict[str, Any]:
         """Return the coefficient of the film of each gas [m/s]."""
@@ -273,15 +276,15 @@ class Medium(Closures):
     def of(cls, scene: s.ReactingScene, species: Substances, entering: Streams, with_pressure: bool) -> Medium:
         """Bind the closures of a scene."""
         phases = {}
-        for name, table in scene.phases.items():
+        for name, table in scene.solids.items():
             phases[name] = PhaseMedium(
                 scene,
                 species,
                 *_closures(scene, _of_phase(scene, table)),
-                table.particle_diameter,
+                table.diameter,
                 table.conductivity,
                 entering.velocities[name],
-                scene.bed.shape,
+                table.shape,
                 entering.shares[name],
                 entering.densities[name],
             )
@@ -289,8 +292,8 @@ class Medium(Closures):
             scene,
             species,
             *_closures(scene, _of_bed(scene)),
-            sauter_mean(scene.phases),
-            mean_conductivity(scene.phases),
+            sauter_mean(scene.solids),
+            mean_conductivity(scene.solids),
             entering.mean_velocity,
             with_pressure,
             phases,
@@ -307,24 +310,26 @@ class Medium(Closures):
     def at(self, state: State) -> Transport:
         """Return the coefficients at a state."""
         properties = Properties(self.scene, self.species, state)
-        K_f = self.conductivity_of("conductivity_fluid", properties, "fluid")
+        K_f = self.conductivity_of("conductivity_gas", properties, "fluid")
         if "dispersion" in self.specs:
             K_f = K_f + self.value("dispersion", properties)
-        wall, q_wall = self.scene.wall, 0.0
+        wall, width = self.scene.wall, self.scene.mesh.diameter
+        q_wall: Any = 0.0
         if self.scene.heat is not None and wall is not None and self.scene.section is None:
-            q_wall = self.through_wall(state.T_fluid, wall.coefficient) * (4.0 / wall.diameter)
+            assert width is not None  # `checks` sees to it
+            q_wall = self.through_wall(state.T_fluid, wall.coefficient) * (4.0 / width)
         gradient = self.resistance(state, properties) if self.with_pressure else 0.0
-        dispersion = self._dispersion("mass_dispersion", properties)
+        dispersion = self._dispersion("dispersion_mass", properties)
         phases = {name: phase.at(properties.of(name)) for name, phase in self.phases.items()}
         return Transport(K_f, q_wall, gradient, dispersion, phases)
 
     def radial(self, state: State) -> Transport:
         """Return the coefficients across the flow: conductivities, of each phase by its share, and dispersion."""
         properties = Properties(self.scene, self.species, state)
-        K_f = self.conductivity_of("section.conductivity_fluid", properties, "fluid")
+        K_f = self.conductivity_of("section.conductivity_gas", properties, "fluid")
         if "section.dispersion" in self.specs:
             K_f = K_f + self.value("section.dispersion", properties)
-        dispersion = self._dispersion("section.mass_dispersion", properties)
+        dispersion = self._dispersion("section.dispersion_mass", properties)
         phases = {
             name: PhaseTransport(conductivity_solid=phase.across(properties.of(name)))
             for name, phase in self.phases.items()
@@ -337,14 +342,14 @@ class Medium(Closures):
 
     def stagnant(self, properties: Properties) -> Any:
         """Return the conductivity of gas and particles across the flow without dispersion [W/m/K]."""
-        K_f = self.conductivity_of("section.conductivity_fluid", properties, "fluid")
+        K_f = self.conductivity_of("section.conductivity_gas", properties, "fluid")
         return sum((phase.across(properties.of(name)) for name, phase in self.phases.items()), K_f)
 
     def wall_coefficient(self, state: State) -> Any:
         """Return the coefficient of the wall [W/m2/K] at a state beside it, None for a wall with a given flux."""
-        if "wall" not in self.specs:
+        if "coefficient" not in self.specs:
             return None
-        return self.value("wall", Properties(self.scene, self.species, state))
+        return self.value("coefficient", Properties(self.scene, self.species, state))
 
     def through_wall(self, T: Any, coefficient: Any, K: Any = 1.0, distance: float = 0.0) -> Any:
         """Return the heat through the wall into the bed [W/m2 of wall] from a temperature at a distance [m] from it.
@@ -352,11 +357,10 @@ class Medium(Closures):
         K is the conductivity between both [W/m/K], `coefficient` that of the wall.
         """
         wall = self.scene.wall
-        if wall is None:
+        if wall is None or (wall.heat_flux is None and wall.ambient is None):
             return 0.0
-        if wall.flux is not None:
-            return constant(wall.flux)
-        assert wall.ambient is not None
+        if wall.heat_flux is not None:
+            return constant(wall.heat_flux)
         if distance:
             coefficient = coefficient / (1.0 + (coefficient * distance) / K)
         return coefficient * (constant(wall.ambient) - T)
@@ -402,42 +406,37 @@ class Medium(Closures):
         return [use for each in (self, *self.phases.values()) for use in each.used()]
 
 
-def _of_bed(scene: s.ReactingScene) -> dict[str, tuple[Any, str]]:
-    """Return value and kind of the closures of a whole bed by key."""
-    places = places_of(scene.bed, scene.heat, scene.mass, scene.section, scene.wall)
-    found = {".".join(path): (spec, kind) for path, spec, kind in places}
-    renamed = {"wall.coefficient": "wall", "mass.dispersion": "mass_dispersion"}
-    out = {}
-    for key, value in found.items():
-        out[renamed.get(key, key.removeprefix("bed.").removeprefix("heat."))] = value
-    for key in ("nusselt", "conductivity_solid", "mass.sherwood", "section.conductivity_solid"):
-        out.pop(key, None)
-    return out
-
-
-def _of_phase(scene: s.ReactingScene, table: s.SolidKind) -> dict[str, tuple[Any, str]]:
-    """Return value and kind of the closures of a solid phase by key."""
-    heat, mass, section = scene.heat, scene.mass, scene.section
-    found: dict[str, tuple[Any, str]] = {}
-    if heat is not None:
-        found["nusselt"] = (heat.nusselt if table.nusselt is None else table.nusselt, "nusselt")
-        found["conductivity_solid"] = (heat.conductivity_solid, "conductivity")
-    if mass is not None:
-        found["sherwood"] = (mass.sherwood if table.sherwood is None else table.sherwood, "sherwood")
-    if section is not None:
-        found["section.conductivity_solid"] = (section.conductivity_solid, "conductivity")
+def _of_bed(scene: s.ReactingScene) -> dict[str, Any]:
+    """Return the closures of a whole bed by key."""
+    found = {key: getattr(scene.closures, key) for key in OF_BED}
+    if scene.section is not None:
+        found |= {f"section.{key}": getattr(scene.section, key) for key in ACROSS if key != "conductivity_solids"}
+    if scene.wall is not None:
+        found["coefficient"] = scene.wall.coefficient
     return found
 
 
-def _closures(
-    scene: s.ReactingScene, given: Mapping[str, tuple[Any, str]]
-) -> tuple[dict[str, Any], dict[str, BoundClosure]]:
-    """Return the values that are given by key, and the closures of those that name one."""
-    specs = {key: spec for key, (spec, _) in given.items() if spec is not None}
-    closures = {}
-    for key, spec in specs.items():
-        kind = given[key][1]
+def _of_phase(scene: s.ReactingScene, table: s.Solid) -> dict[str, Any]:
+    """Return the closures of a solid phase by key, its own where it has some."""
+    closures = scene.closures
+    found: dict[str, Any] = {"conductivity_solids": closures.conductivity_solids}
+    for key, own in (("nusselt", table.nusselt), ("sherwood", table.sherwood)):
+        found[key] = getattr(closures, key) if own is None else own
+    if scene.section is not None:
+        found["section.conductivity_solids"] = scene.section.conductivity_solids
+    return found
+
+
+def _closures(scene: s.ReactingScene, given: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, BoundClosure]]:
+    """Return the values that are given by key, and the closures of those that name one; of heat where it is solved."""
+    specs, closures = {}, {}
+    for full, spec in given.items():
+        key = full.removeprefix("section.")
+        if spec is None or (scene.heat is None and key in OF_HEAT):
+            continue
+        specs[full] = spec
+        kind = KIND_OF.get(key, key)
         if named(spec) and not (kind == "conductivity" and is_phase(spec)):
-            direction = "transverse" if key.startswith("section.") else "axial"
-            closures[key] = bound(spec, kind, scene.origin.base, direction)
+            direction = "axial" if full == key else "transverse"
+            closures[full] = bound(spec, kind, scene.origin.base, direction)
     return specs, closures

@@ -45,11 +45,11 @@ class PelletLevel:
 
 
 def decided(scene: s.ReactingScene, vertices: Array) -> tuple[s.ReactingScene, PelletLevel | None]:
-    """Return a scene with particle.mass = "auto" decided, and why; None where it is no question.
+    """Return a scene with solids.NAME.inside.mass = "auto" decided, and why; None where it is no question.
 
     `vertices` are the cells to judge it on. A run in time has no one state to judge it by: its pellets are resolved.
     """
-    if scene.particle.mass != "auto" or not _diffusivities(scene):
+    if not any(table.inside.mass == "auto" for table in _with_diffusivities(scene).values()):
         return scene, None
     if scene.time is not None:
         return scene, PelletLevel(True, None, "always resolved in transients")
@@ -59,16 +59,22 @@ def decided(scene: s.ReactingScene, vertices: Array) -> tuple[s.ReactingScene, P
 
 def undecided(scene: s.ReactingScene) -> s.ReactingScene:
     """Return a scene whose pellets are not resolved where that would have to be decided."""
-    return _with(scene, "none") if scene.particle.mass == "auto" else scene
+    return _with(scene, "none")
 
 
 def _with(scene: s.ReactingScene, mass: str) -> s.ReactingScene:
-    return scene.model_copy(update={"particle": scene.particle.model_copy(update={"mass": mass})})
+    """Return the scene with a level in place of "auto"."""
+    solids = dict(scene.solids)
+    for name, table in solids.items():
+        if table.inside.mass == "auto":
+            inside = table.inside.model_copy(update={"mass": mass})
+            solids[name] = table.model_copy(update={"inside": inside})
+    return scene.model_copy(update={"solids": solids})
 
 
-def _diffusivities(scene: s.ReactingScene) -> dict[str, dict[str, float]]:
-    """Return the diffusivities of gases by solid phase."""
-    return {name: table.diffusivity for name, table in scene.phases.items() if table.diffusivity}
+def _with_diffusivities(scene: s.ReactingScene) -> dict[str, s.Solid]:
+    """Return the solid phases that have diffusivities of gases."""
+    return {name: table for name, table in scene.solids.items() if table.inside.diffusivity}
 
 
 def _judged(scene: s.ReactingScene, vertices: Array) -> PelletLevel:
@@ -96,11 +102,11 @@ def missed(scene: s.ReactingScene, problem: Problem, species: Substances) -> flo
 
     free = {r.name: total(rate) for r, rate in zip(problem.reactions, bed.rates(state, values), strict=True)}
     held: dict[str, float] = {}
-    for phase, diffusivities in _diffusivities(scene).items():
+    for phase, table in _with_diffusivities(scene).items():
         gases, inside = species.gases, [r for r in problem.reactions if r.phase == phase]
         chosen = [r for r in inside if runs_in_pellets(r.site, r.own_film, r.stoichiometry, gases)]
         solids = bed.phases[phase].medium.solids
-        means = Pellets.of(chosen, diffusivities, solids)(problem.local(state, chosen[0]))
+        means = Pellets.of(chosen, table.inside.diffusivity, solids)(problem.local(state, chosen[0]))
         held |= {r.name: total(mean) for r, mean in zip(chosen, means, strict=True)}
 
     def largest(extents: dict[str, float]) -> float:

@@ -19,14 +19,15 @@ from contbed.reacting_bed.substances import (
     constituents_of,
     equations_of,
     fed_to,
+    phases_named,
     species_without_phases,
 )
 
 
-def described_phases(phases: Mapping[str, s.SolidKind]) -> str:
+def described_phases(phases: Mapping[str, s.Solid]) -> str:
     """Return shares and diameters of the solid phases, and their mean, in words."""
     each = [
-        f"{name} ({shares_of(phases)[name]:.4g} of the volume, {1e3 * table.particle_diameter:.4g} mm)"
+        f"{name} ({shares_of(phases)[name]:.4g} of the volume, {1e3 * table.diameter:.4g} mm)"
         for name, table in phases.items()
     ]
     return f"{', '.join(each)}; Sauter mean {1e3 * sauter_mean(phases):.4g} mm"
@@ -44,8 +45,8 @@ def places(scene: s.ReactingScene, species: Species) -> dict[str, tuple[str, ...
         name: any(_is_at_particles(scene.reactions[name], equation, species) for equation in found)
         for name, found in equations.items()
     }
-    if len(scene.phases) == 1:
-        only = tuple(scene.phases)
+    if len(scene.solids) == 1:
+        only = tuple(scene.solids)
         return {name: only if inside else () for name, inside in at_particles.items()}
     found = _running(scene, equations, species)
     for name, inside in at_particles.items():
@@ -53,9 +54,9 @@ def places(scene: s.ReactingScene, species: Species) -> dict[str, tuple[str, ...
             where = scene.origin.at(("reactions", name))
             raise SceneError(
                 f"{where}: reactions.{name}.solid: missing; it runs in particles, and none that enter hold what "
-                f"reacts; name their kind, of {', '.join(scene.phases)}"
+                f"reacts; name their phase, of {', '.join(scene.solids)}"
             )
-    return {name: tuple(phase for phase in scene.phases if phase in inside) for name, inside in found.items()}
+    return {name: tuple(phase for phase in scene.solids if phase in inside) for name, inside in found.items()}
 
 
 def _is_at_particles(table: s.Reaction, equation: Equation, species: Species) -> bool:
@@ -67,7 +68,7 @@ def _running(
     scene: s.ReactingScene, equations: Mapping[str, Iterable[Equation]], species: Species
 ) -> dict[str, set[str]]:
     """Return the phases of each reaction: those that it names, or that hold what reacts, also what others make."""
-    held = {phase: set(fed_to(table)) for phase, table in scene.phases.items()}
+    held = {phase: set(fed_to(table)) for phase, table in scene.solids.items()}
     found: dict[str, set[str]] = {name: set() for name in scene.reactions}
     grows = True
     while grows:
@@ -82,11 +83,6 @@ def _running(
                         found[name].add(phase)
                         grows = True
     return found
-
-
-def phases_named(table: s.Reaction) -> tuple[str, ...]:
-    """Return the solid phases that a reaction names."""
-    return (table.solid,) if isinstance(table.solid, str) else table.solid or ()
 
 
 def _starts(equation: Equation, held: set[str], solids: set[str]) -> bool:
@@ -106,10 +102,10 @@ def species_of(scene: s.ReactingScene) -> Substances:
     """
     total, transport = species_without_phases(scene)
     where = places(scene, total)
-    densities = {name: data.density for name, data in constituents_of(scene.phases).items() if data.density is not None}
-    several = len(scene.phases) > 1
+    densities = {name: data.density for name, data in constituents_of(scene.solids).items() if data.density is not None}
+    several = len(scene.solids) > 1
     phases = {}
-    for phase, table in scene.phases.items():
+    for phase, table in scene.solids.items():
         fed = fed_to(table)
         there = set(fed)
         for name, reaction in scene.reactions.items():

@@ -92,7 +92,7 @@ def plan(scene: s.ReactingScene) -> Plan:
         built = [(what, f"{text}; {level}" if what == PELLETS else text) for what, text in built]
     elif level is not None:
         skipped.append((PELLETS, str(level)))
-    if scene.time is not None and scene.time.initial is not None:
+    if scene.time is not None and scene.initial.file is not None:
         from contbed.reacting_bed.initial import profile_of
 
         initial = profile_of(scene, problem)
@@ -162,16 +162,17 @@ def _gas_storage(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -
         return False, ""
     moments = schedule.moments() or [0.0]
     delay = max(problem.within(schedule.frozen(scene, moment)).gas_residence for moment in moments)
-    shortest = schedule.shortest(time, together=SHORT_RESIDENCE * delay)
+    shortest = schedule.shortest(scene, together=SHORT_RESIDENCE * delay)
     what = (
         "the run"
-        if len(schedule.cuts(time.end, schedule.small(time))) == 2
+        if len(schedule.cuts(time.end, schedule.small(scene))) == 2
         else "the shortest time between changes of the streams"
     )
     size = f"the gas stays for {delay:.3g} s, {delay / shortest:.2g} of {what}"
-    if time.gas != "auto":
-        return time.gas == "stored", f'time.gas = "{time.gas}"; {size}'
-    fills = time.initial_composition is not None and not scene.adsorbs  # where no particles hold gas as well
+    storage = scene.packed_bed.gas_storage
+    if storage != "auto":
+        return storage == "stored", f'packed_bed.gas_storage = "{storage}"; {size}'
+    fills = scene.initial.gas.composition is not None and not scene.adsorbs  # where no particles hold gas as well
     stored = delay > SHORT_RESIDENCE * shortest or fills
     return stored, size if stored else f"what leaves is early by that: {size}"
 
@@ -180,12 +181,11 @@ def _at_start(scene: s.ReactingScene, schedule: Schedule) -> Problem:
     """Return the problem with the streams at the start; it has a pressure if one of the streams of the run needs it."""
     species, vertices = species_of(scene), first_vertices(scene)
     problem = Problem.of(schedule.frozen(scene, 0.0), vertices, species)
-    if problem.layout.pressure or scene.flow.pressure_drop == "none":
+    if problem.layout.pressure or scene.packed_bed.pressure_drop == "none":
         return problem
     for moment in schedule.moments():
         if Problem.of(schedule.frozen(scene, moment), vertices, species).layout.pressure:
-            flow = scene.flow.model_copy(update={"pressure_drop": "ergun"})
-            resisted = scene.model_copy(update={"flow": flow})
+            resisted = scene.with_table("packed_bed", pressure_drop="ergun")
             return Problem.of(schedule.frozen(resisted, 0.0), vertices, species)
     return problem
 
@@ -244,29 +244,30 @@ def _lists(
     inert = [name for name in species.solids if name not in layout.solids]
     if inert:
         skipped.append((f"unknowns of {', '.join(inert)}", "inert: no reaction consumes or forms it"))
-    several = len(scene.phases) > 1
+    several = len(scene.solids) > 1
     if several:
-        built.append(("solid phases", described_phases(scene.phases)))
+        built.append(("solid phases", described_phases(scene.solids)))
     if layout.temperatures:
         count = len(layout.temperatures)
-        each = f"{count} temperatures: of the gas, and of {', '.join(scene.phases)}"
+        each = f"{count} temperatures: of the gas, and of {', '.join(scene.solids)}"
         built.append(("energy", {1: "one temperature", 2: "two temperatures"}.get(count, each)))
     else:
         skipped.append(("energy", f"no [heat] table: isothermal at {problem.streams.T_gas:g} K"))
     if layout.pressure:
-        built.append(("pressure", "by bed.permeability and bed.forchheimer"))
-    elif scene.flow.pressure_drop == "none":
-        skipped.append(("pressure", 'flow.pressure_drop = "none"'))
+        built.append(("pressure", "by closures.permeability and closures.forchheimer"))
+    elif scene.packed_bed.pressure_drop == "none":
+        skipped.append(("pressure", 'packed_bed.pressure_drop = "none"'))
     else:
         skipped.append(("pressure", "its drop is below 0.1 %, or no viscosity is known"))
-    if scene.mass is None:
-        skipped.append(("films and dispersion of species", "no [mass] table"))
+    closures = scene.closures
+    if closures.sherwood is None and closures.dispersion_mass is None:
+        skipped.append(("films and dispersion of species", "no closures.sherwood, no closures.dispersion_mass"))
     else:
-        if scene.mass.dispersion is not None:
+        if closures.dispersion_mass is not None:
             built.append(("dispersion of species", "axial"))
         if layout.films:
             built.append(("films", f"{', '.join(layout.films)} at the particles"))
-        elif scene.mass.sherwood is not None and not (layout.inside or any(r.own_film for r in problem.reactions)):
+        elif closures.sherwood is not None and not (layout.inside or any(r.own_film for r in problem.reactions)):
             skipped.append(("films", "no reaction at particles needs them"))
     across_it = across(problem)
     if problem.rings is not None:
@@ -277,11 +278,11 @@ def _lists(
             )
         )
     elif across_it is not None:
-        advice = "" if across_it.fits else ". Add [section] to resolve it"
+        advice = "" if across_it.fits else ". Add [packed_bed.section] to resolve it"
         skipped.append(("differences across the bed", f"one dimension: {across_it}{advice}"))
     for phase, choice in problem.choices.items():
         by = f" by {phase}" if several else ""
-        built.append((f"adsorption of {', '.join(scene.phases[phase].adsorption)}{by}", str(choice)))
+        built.append((f"adsorption of {', '.join(scene.solids[phase].adsorption)}{by}", str(choice)))
     if problem.pellets:
         built.append((PELLETS, "; ".join(_effectiveness(problem, phase) for phase in problem.pellets)))
     for reaction in problem.reactions:
@@ -290,6 +291,6 @@ def _lists(
     if schedule:
         assert scene.time is not None
         keys = ", ".join(".".join(str(part) for part in path) for path in schedule.samples)
-        pieces = len(schedule.cuts(scene.time.end, schedule.small(scene.time))) - 1
+        pieces = len(schedule.cuts(scene.time.end, schedule.small(scene))) - 1
         built.append(("time series", f"{keys}, in {pieces} pieces"))
     return built, skipped

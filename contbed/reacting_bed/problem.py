@@ -25,7 +25,7 @@ from contbed.reacting_bed.local import Local, Smoothing
 from contbed.reacting_bed.medium import Medium
 from contbed.reacting_bed.pellets import Pellets
 from contbed.reacting_bed.phases import species_of
-from contbed.reacting_bed.streams import Streams, gas_sign, inlet, streams
+from contbed.reacting_bed.streams import Streams, gas_inlet, streams
 from contbed.reacting_bed.substances import Substances
 
 Array = NDArray[np.float64]
@@ -60,7 +60,7 @@ class Problem:
 
     def _with_inside(self) -> Problem:
         """Return the problem whose particles take up gas."""
-        at_inlet = self._state_entering(self.streams.T_gas, self.streams.T_solid)
+        at_inlet = self._state_entering()
         bed, choices = with_inside(self.scene, self.bed, at_inlet)
         return replace(self, bed=bed, choices=choices).with_peaks(at_inlet.x)
 
@@ -148,11 +148,11 @@ class Problem:
     @cached_property
     def rings(self) -> Parts | None:
         """Rings, layers or columns of the section; None in one dimension."""
-        section, wall = self.scene.section, self.scene.wall
+        section, diameter = self.scene.section, self.scene.mesh.diameter
         if section is None:
             return None
-        assert wall is not None
-        return Parts(section.rings, 0.5 * wall.diameter, section.shape)
+        assert diameter is not None  # `checks` sees to it
+        return Parts(section.rings, 0.5 * diameter, section.shape)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -187,11 +187,10 @@ class Problem:
 
     @property
     def _diffuses(self) -> list[bool]:
-        scene = self.scene
-        mass = scene.mass is not None and scene.mass.dispersion not in (None, 0.0)
-        heat = scene.heat
-        fluid = heat is not None and (heat.conductivity_fluid is not None or heat.dispersion is not None)
-        solid = heat is not None and heat.conductivity_solid is not None
+        closures, heat = self.scene.closures, self.scene.heat is not None
+        mass = closures.dispersion_mass not in (None, 0.0)
+        fluid = heat and (closures.conductivity_gas is not None or closures.dispersion is not None)
+        solid = heat and closures.conductivity_solids is not None
         by_name = {"T": fluid or solid, "T_fluid": fluid}
         by_name |= {name: solid for name in self.layout.temperatures if name.startswith("T_solid")}
         return [mass if name.startswith("g_") else by_name.get(name, False) for name in self.names]
@@ -200,7 +199,8 @@ class Problem:
     def entering(self) -> dict[str, float]:
         """Values of the unknowns in the streams that enter."""
         streams = self.streams
-        one = self._temperatures(streams.T_gas, streams.T_solid) | {"p": streams.pressure}
+        one = {"T": streams.T_gas, "T_fluid": streams.T_gas, "p": streams.pressure}
+        one |= {phase.temperature: streams.T_solids[phase.name] for phase in self.layout.phases}
         molar = streams.pressure / (R_GAS * streams.T_gas)
         total = sum(streams.gas.values())
         one |= {f"g_{name}": g for name, g in streams.gas.items()}
@@ -209,12 +209,11 @@ class Problem:
         clean = {name: 0.0 for name in self.layout.names if name.startswith("a_")}
         return one | clean | {f"n_{name}": n for name, n in streams.solid.items()}
 
-    def _temperatures(self, T_gas: float, T_solid: float) -> dict[str, float]:
-        names = self.layout.temperatures
-        return {name: T_solid if name.startswith("T_solid") else T_gas for name in names}
-
-    def _state_entering(self, T_gas: float, T_solid: float) -> State:
-        values = self.entering | self._temperatures(T_gas, T_solid)
+    def _state_entering(self, warmer: float = 0.0) -> State:
+        """Return the state of all that enters, with solid phases so much warmer [K]."""
+        values = self.entering
+        if warmer:
+            values = values | {phase.temperature: values[phase.temperature] + warmer for phase in self.layout.phases}
         return self.bed.state([values[name] for name in self.layout.names])
 
     def _state_entering_values(self) -> list[float]:
@@ -227,7 +226,7 @@ class Problem:
         found = {f"g_{name}": g for name, g in streams.gas.items()}
         v = self.bed.velocity_of
         found |= {f"n_{name}": v(f"n_{name}") * n for name, n in streams.solid.items()}
-        state = self._state_entering(streams.T_gas, streams.T_solid)
+        state = self._state_entering()
         h = self.bed.enthalpies
         gas = float(sum(g * h[name](streams.T_gas) for name, g in streams.gas.items()))
         pairs = self.bed.with_states(state)
@@ -244,8 +243,7 @@ class Problem:
         given = [np.zeros(m, dtype=bool), np.zeros(m, dtype=bool)]
         flux = [np.zeros(m), np.zeros(m)]
         value = [np.full(m, np.nan), np.full(m, np.nan)]
-        table = inlet(self.scene, "fluid", gas_sign(self.scene.flow))
-        fixed = table is not None and table.fixed is not None
+        fixed = gas_inlet(self.scene.boundary).fixed_temperature is not None
         for k, name in enumerate(names):
             end = 0 if ahead[k] else 1
             moves = name.startswith("g_") or name in ("p", "T_fluid", "T") or self.bed.velocity_of(name) != 0.0
@@ -262,7 +260,7 @@ class Problem:
         """Time that the gas as it enters takes through the pores of the bed [s]."""
         streams, scene = self.streams, self.scene
         u = abs(sum(streams.gas.values())) * R_GAS * streams.T_gas / streams.pressure
-        return scene.bed.porosity * scene.mesh.length / u
+        return scene.packed_bed.porosity * scene.mesh.length / u
 
     @property
     def mixing_temperature(self) -> float:
@@ -270,12 +268,13 @@ class Problem:
         streams, h = self.streams, self.bed.enthalpies
         rise = 1.0  # [K]
         gas = abs(sum(g * (h[name](streams.T_gas + rise) - h[name](streams.T_gas)) for name, g in streams.gas.items()))
-        states = [self._state_entering(streams.T_gas, streams.T_solid + more) for more in (0.0, rise)]
-        solid = 0.0
+        states = self._state_entering(), self._state_entering(rise)
+        capacity, heat = gas, gas * streams.T_gas
         for name, phase in self.bed.phases.items():
             cold, warm = (phase.enthalpy(state.phases[name]) for state in states)
-            solid += float(abs(phase.velocity * (warm - cold)))
-        return float((gas * streams.T_gas + solid * streams.T_solid) / (gas + solid))
+            solid = float(abs(phase.velocity * (warm - cold)))
+            capacity, heat = capacity + solid, heat + solid * streams.T_solids[name]
+        return float(heat / capacity)
 
     def start(self, T: float | None = None) -> Array:
         """Return the state in which everything is as it enters; `T` [K] replaces both temperatures."""
@@ -336,8 +335,8 @@ class Problem:
 
 def _pressure_drops(scene: s.ReactingScene, species: Substances, entering: Streams, medium: Medium) -> bool:
     """Return whether the pressure is an unknown."""
-    if scene.flow.pressure_drop != "auto":
-        return scene.flow.pressure_drop == "ergun"
+    if scene.packed_bed.pressure_drop != "auto":
+        return scene.packed_bed.pressure_drop == "ergun"
     return _drop(scene, species, entering, medium) > LITTLE_DROP * entering.pressure
 
 
@@ -345,7 +344,7 @@ def _drop(scene: s.ReactingScene, species: Substances, entering: Streams, medium
     """Return the pressure drop of the gas as it enters, at the hottest temperature given [Pa]."""
     if species.transport is None or species.transport.viscosities is None:
         return 0.0
-    hottest = max(entering.T_gas, entering.T_solid)
+    hottest = max(entering.T_gas, *entering.T_solids.values())
     gases = tuple(species.gases)
     bed = Bed(Layout(gases, (), False), species.molar_masses, {}, (), medium, {}, entering.pressure, hottest)
     state = bed.state([entering.gas[name] for name in gases])

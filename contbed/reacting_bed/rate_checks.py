@@ -88,18 +88,18 @@ def require_rates(problem: Problem, later: Iterable[Problem] = ()) -> None:
     ------
     SceneError : a rate or its slope is not finite there, or rates of a steady bed take a species that does not enter
     """
-    time = problem.scene.time
-    if not problem.reactions or (time is not None and time.initial is not None):
+    time, initial = problem.scene.time, problem.scene.initial
+    if not problem.reactions or (time is not None and initial.file is not None):
         return
     if time is None:
-        T = problem.scene.guess.temperature or problem.mixing_temperature
+        T = initial.temperature or problem.mixing_temperature
         _takes_what_enters(problem, _require_values(problem, problem.streams.gas, T, ENTERS))
         return
     for each in (problem, *later):
-        _require_values(each, each.streams.gas, time.initial_temperature or each.streams.T_gas, ENTERS)
-    if time.initial_composition is not None:
-        fills = mole_fractions(time.initial_composition)
-        _require_values(problem, fills, time.initial_temperature or problem.streams.T_gas, FILLS)
+        _require_values(each, each.streams.gas, initial.temperature or each.streams.T_gas, ENTERS)
+    if initial.gas.composition is not None:
+        fills = mole_fractions(initial.gas.composition)
+        _require_values(problem, fills, initial.temperature or problem.streams.T_gas, FILLS)
 
 
 def _require_values(problem: Problem, gas: Mapping[str, float], T: float, where: str) -> list[Array]:

@@ -87,11 +87,11 @@ def _sentence(problem: Problem, error: ConvergenceError) -> str:
     drop = isothermal_drop(problem)
     if problem.layout.pressure and drop is None:
         return (
-            f"{problem.scene.origin.at(('flow',))}: flow: the gas cannot pass the bed: by bed.permeability and "
-            f"bed.forchheimer its pressure of {problem.streams.pressure:.4g} Pa is used up before the other end; lower "
-            "the flow or mesh.length, or raise fluid.pressure or bed.particle_diameter"
+            f"{problem.scene.origin.at(('boundary',))}: boundary: the gas cannot pass the bed: by "
+            f"closures.permeability and closures.forchheimer its pressure of {problem.streams.pressure:.4g} Pa is used "
+            "up before the other end; lower the flow or mesh.length, or raise gas.pressure or the diameter of [solids]"
         )
     return (
-        f"{origin}: no steady state is found: {error}. Give guess.temperature near the state that is meant, slow the "
-        "fastest reaction by its factor, or add dispersion in [mass] or [heat] where a front is too steep"
+        f"{origin}: no steady state is found: {error}. Give initial.temperature near the state that is meant, slow the "
+        "fastest reaction by its factor, or add closures.dispersion or closures.dispersion_mass where a front is steep"
     )

@@ -1,7 +1,17 @@
-"""The vocabulary of a reacting bed: the tables of a packed bed, and species, constituents of solids, reactions.
+"""The vocabulary of a packed or moving bed with species along one line: every table and key.
 
-A plain number is SI, amounts in mol; a string may carry a unit. A table that is absent means that its physics is
-absent: without [heat] the bed is isothermal, without [mass] gas is neither dispersed nor held back by films.
+    [mesh]             along the bed; diameter of a tube
+    [gas]              the mixture that enters: a mechanism of Cantera, or species with data; closures need properties
+    [solids.NAME]      each solid phase: size, constituents where it reacts, adsorption, the inside of its particles
+    [reactions.NAME]   a rate law by name with its constants, or a formula
+    [packed_bed]       porosity, pressure drop, storage of gas in time, the section across the flow
+    [closures]         exchange, films, conductivities, dispersion, resistance to flow
+    [heat]             temperatures are solved; absent: the bed is isothermal
+    [boundary.NAME]    left and right: streams that enter; wall: heat through it
+    [initial], [time]  a transient run; absent: a steady state, whose first guess `initial` may give
+    [continuation]     steady states along a branch
+
+A plain number is SI, amounts in mol; a string may carry a unit.
 """
 
 from __future__ import annotations
@@ -17,12 +27,13 @@ from contbed.reacting_bed.inlet_series import (
     MolarFluxOrSeries,
     SpeedOrSeries,
 )
+from contbed.reacting_bed.renamed import RENAMED
 from contbed.reacting_bed.solids_scene import Adsorption as Adsorption
 from contbed.reacting_bed.solids_scene import Curve as Curve
+from contbed.reacting_bed.solids_scene import Inside as Inside
 from contbed.reacting_bed.solids_scene import MolarEnergy as MolarEnergy
 from contbed.reacting_bed.solids_scene import PositiveDiffusivity as PositiveDiffusivity
-from contbed.reacting_bed.solids_scene import SolidKind as SolidKind
-from contbed.reacting_bed.solids_scene import Solids as Solids
+from contbed.reacting_bed.solids_scene import Solid as Solid
 from contbed.reacting_bed.solids_scene import Substance as Substance
 from contbed.scene.mesh import MeshLine
 from contbed.scene.quantities import (
@@ -41,7 +52,6 @@ from contbed.scene.quantities import (
     Viscosity,
     Whole,
     form,
-    given_one,
     takes,
     unit,
 )
@@ -52,13 +62,10 @@ from contbed.scene.tables import (
     NamedOrFile,
     NonNegativeOrClosure,
     Output,
-    Packing,
     PermeabilityOrClosure,
     SceneBase,
     WallCoefficientOrClosure,
 )
-
-ONLY = "particles"  # name of the only solid phase
 
 ActivationEnergy = Annotated[MolarEnergy, Field(ge=0)]
 Diffusivity = Annotated[float, *unit("m**2/s"), Field(ge=0)]
@@ -68,11 +75,24 @@ DiffusivityOrName = Annotated[
 ]
 DispersionOfMass = Annotated[Annotated[Diffusivity, Tag("number")] | NamedOrFile, Discriminator(form)]
 
+MASS_DISPERSION = takes("mass_dispersion")
+CONDUCTIVITY = takes("conductivity")
 
-class Gas(Table):
-    """The gas that enters, an ideal gas, and properties of its species."""
 
-    composition: CompositionOrSeries = Field(description='mole fractions that enter, "CH4:0.975, CO2:0.025"')
+class Line(MeshLine):
+    """The bed along x; of a tube with a wall or a section also its diameter."""
+
+    diameter: Length | None = Field(
+        None, description="inner diameter of a tube, distance of two walls, or side of a duct; absent: no wall"
+    )
+
+
+class Mixture(Table):
+    """The gas, an ideal mixture, and properties of its species."""
+
+    composition: str | None = Field(
+        None, description='mole fractions that enter, "CH4:0.975, CO2:0.025", where a boundary gives no others'
+    )
     pressure: Pressure = Field(101325.0, description="where the gas enters")
     viscosity: Viscosity | None = Field(None, description="of the mixture, constant")
     conductivity: Conductivity | None = Field(None, description="of the mixture, constant")
@@ -85,148 +105,173 @@ class Gas(Table):
     species: dict[str, Substance] = Field(default_factory=dict, description="data of species by name")
 
 
-class GasCantera(Gas):
+class GasCantera(Mixture):
     """Species with the thermodynamics and transport data of a Cantera mechanism."""
 
     model: Literal["cantera"] = Field(description="ideal gas mixture with properties by Cantera")
     mechanism: str = Field("gri30.yaml", description="Cantera mechanism with the species: a name or a YAML file")
 
 
-class GasIdeal(Gas):
-    """Species whose data stand in [fluid.species.NAME]."""
+class GasIdeal(Mixture):
+    """Species whose data stand in [gas.species.NAME]."""
 
     model: Literal["ideal_gas"] = Field(description="ideal gas whose species have the data of the scene")
 
 
-Fluid = Annotated[GasCantera | GasIdeal, Field(discriminator="model")]
-
-
-class Bed(Packing):
-    """The packing and its resistance to flow."""
-
-    particle_diameter: Length | None = Field(  # type: ignore[assignment]
-        None,
-        description="of one kind; absent with [solids.NAME], which have theirs: their Sauter mean resists the flow",
-    )
-    permeability: PermeabilityOrClosure = Field("permeability_ergun", description="permeability of the bed")
-    forchheimer: NonNegativeOrClosure = Field("forchheimer_ergun", description="Forchheimer coefficient of the bed")
-
-    @property
-    def diameter(self) -> float:
-        """Diameter of the particles, of several kinds the Sauter mean [m]."""
-        assert self.particle_diameter is not None  # `checks` and `kinds` see to it
-        return self.particle_diameter
-
-
-class Flow(Table):
-    """Streams along x per area of the bed, negative from right to left; give one of the three for the gas."""
-
-    mass_flux: MassFluxOrSeries | None = Field(None, description="of the gas that enters")
-    molar_flux: MolarFluxOrSeries | None = Field(None, description="of the gas that enters")
-    velocity: SpeedOrSeries | None = Field(None, description="superficial, of the gas that enters, at its temperature")
-    velocity_solid: SpeedOrSeries = Field(0.0, description="superficial: volume of particles per area and time")
-    pressure_drop: Literal["auto", "ergun", "none"] = Field(
-        "auto", description="by bed.permeability and bed.forchheimer; auto leaves it out where it is below 0.1 %"
-    )
-
-    @model_validator(mode="after")
-    def _exactly_one(self) -> Flow:
-        given_one(self, "mass_flux", "molar_flux", "velocity")
-        return self
-
-
-class Heat(Table):
-    """Energy of the bed: two temperatures with exchange, or one where `nusselt` is absent."""
-
-    nusselt: NonNegativeOrClosure | None = Field(None, description="absent: gas and particles at one temperature")
-    conductivity_fluid: ConductivityOrClosure | None = Field(
-        None, description="effective, axial; absent: none", json_schema_extra=takes("conductivity")
-    )
-    conductivity_solid: ConductivityOrClosure | None = Field(
-        None,
-        description="effective, axial, of the particles or of the whole bed at one temperature; absent: none",
-        json_schema_extra=takes("conductivity"),
-    )
-    dispersion: ConductivityOrClosure | None = Field(None, description="axial closure, or W/m/K; absent: none")
-
-
-class Mass(Table):
-    """Film and dispersion of species."""
-
-    sherwood: NonNegativeOrClosure | None = Field(None, description="of the film around particles; absent: no film")
-    dispersion: DispersionOfMass | None = Field(
-        None,
-        description="axial, by name or in m2/s on the velocity between the particles; absent: none",
-        json_schema_extra=takes("mass_dispersion"),
-    )
-
-
-class Wall(Table):
-    """Heat through the wall of a tube, into the gas (two temperatures) or the bed (one)."""
-
-    diameter: Length = Field(description="inner diameter of the tube")
-    coefficient: WallCoefficientOrClosure | None = Field(
-        None, description="on the inner area, to `ambient`; by name with [section]", json_schema_extra=takes("wall")
-    )
-    ambient: TemperatureOrSeries | None = Field(None, description="temperature of the surroundings")
-    flux: HeatFluxOrSeries | None = Field(None, description="into the bed, on the inner area")
-
-    @model_validator(mode="after")
-    def _one_way(self) -> Wall:
-        if (self.coefficient is None) == (self.flux is None):
-            raise ValueError("give coefficient and ambient, or flux")
-        if (self.coefficient is None) != (self.ambient is None):
-            raise ValueError("coefficient and ambient belong together")
-        return self
+Gas = Annotated[GasCantera | GasIdeal, Field(discriminator="model")]
 
 
 class Section(Table):
-    """The bed resolved across the flow, from the axis to the wall at half of wall.diameter; absent: one dimension."""
+    """The bed resolved across the flow, from the axis to the wall at half of mesh.diameter; absent: one dimension."""
 
     shape: Literal["tube", "plane", "duct"] = Field(
-        "tube", description="round, between two plane walls at the distance wall.diameter, or square with it as side"
+        "tube", description="round, between two plane walls at the distance mesh.diameter, or square with it as side"
     )
     rings: Annotated[Whole, Field(ge=2, le=40)] = Field(
         8,
         description="of equal width, of a duct columns along each half of the side; the error across the flow is of "
         "second order",
     )
-    conductivity_fluid: ConductivityOrClosure | None = Field(
-        None, description="effective, radial; absent: none", json_schema_extra=takes("conductivity")
+    conductivity_gas: ConductivityOrClosure | None = Field(
+        None, description="effective, radial; absent: none", json_schema_extra=CONDUCTIVITY
     )
-    conductivity_solid: ConductivityOrClosure | None = Field(
+    conductivity_solids: ConductivityOrClosure | None = Field(
         None,
         description="effective, radial, of the particles or of the whole bed at one temperature; absent: none",
-        json_schema_extra=takes("conductivity"),
+        json_schema_extra=CONDUCTIVITY,
     )
     dispersion: ConductivityOrClosure | None = Field(None, description="transverse closure, or W/m/K; absent: none")
-    mass_dispersion: DispersionOfMass | None = Field(
+    dispersion_mass: DispersionOfMass | None = Field(
         None,
         description="of species across the flow, by name or in m2/s on the velocity between the particles; "
         '{ name = "mass_dispersion_peclet", Pe_p = 10 } is usual across beds of spheres; absent: none',
+        json_schema_extra=MASS_DISPERSION,
     )
 
 
-class Inlet(Table):
-    """Temperature of a stream that enters."""
+class PackedBed(Table):
+    """What only a packed bed has."""
 
-    inflow: TemperatureOrSeries | None = Field(
+    porosity: Fraction = Field(description="of the bed: share of the volume between the particles")
+    pressure_drop: Literal["auto", "ergun", "none"] = Field(
+        "auto", description="by closures.permeability and closures.forchheimer; auto leaves it out below 0.1 %"
+    )
+    gas_storage: Literal["auto", "quasi_steady", "stored"] = Field(
+        "auto",
+        description="in time, in the gas between particles; auto leaves it out where its residence time is below 1 % "
+        "of the times in which streams change and of the run; changes within 1 % of that time count as one",
+    )
+    section: Section | None = Field(None, description="the bed resolved across the flow")
+
+
+class Closures(Table):
+    """Closures of the bed: a name, a name with parameters, a number, or a file."""
+
+    permeability: PermeabilityOrClosure = Field("permeability_ergun", description="permeability of the bed")
+    forchheimer: NonNegativeOrClosure = Field("forchheimer_ergun", description="Forchheimer coefficient of the bed")
+    nusselt: NonNegativeOrClosure | None = Field(
+        None, description="exchange of heat between particles and gas; absent: both at one temperature"
+    )
+    sherwood: NonNegativeOrClosure | None = Field(None, description="of the film around particles; absent: no film")
+    conductivity_gas: ConductivityOrClosure | None = Field(
+        None, description="effective, axial; absent: none", json_schema_extra=CONDUCTIVITY
+    )
+    conductivity_solids: ConductivityOrClosure | None = Field(
+        None,
+        description="effective, axial, of the particles or of the whole bed at one temperature; absent: none",
+        json_schema_extra=CONDUCTIVITY,
+    )
+    dispersion: ConductivityOrClosure | None = Field(None, description="of heat, axial closure, or W/m/K; absent: none")
+    dispersion_mass: DispersionOfMass | None = Field(
+        None,
+        description="of species, axial, by name or in m2/s on the velocity between the particles; absent: none",
+        json_schema_extra=MASS_DISPERSION,
+    )
+
+
+class Heat(Table):
+    """With this table temperatures are solved: two with closures.nusselt, else one of gas and particles."""
+
+
+class GasCondition(Table):
+    """The gas that enters at one end; one boundary gives its flow, in one of three ways, positive into the bed."""
+
+    velocity: SpeedOrSeries | None = Field(None, description="superficial, at its temperature")
+    mass_flux: MassFluxOrSeries | None = Field(None, description="per area of the bed")
+    molar_flux: MolarFluxOrSeries | None = Field(None, description="per area of the bed")
+    temperature: TemperatureOrSeries | None = Field(
         None, description="Danckwerts: what enters is known, not the state inside"
     )
-    fixed: TemperatureOrSeries | None = Field(None, description="state inside of the inlet, composition included")
+    fixed_temperature: TemperatureOrSeries | None = Field(
+        None, description="state inside of the inlet, composition included"
+    )
+    composition: CompositionOrSeries | None = Field(
+        None, description="mole fractions of what enters here; absent: gas.composition"
+    )
 
     @model_validator(mode="after")
-    def _one(self) -> Inlet:
-        if (self.inflow is None) == (self.fixed is None):
-            raise ValueError("give inflow or fixed")
+    def _one(self) -> GasCondition:
+        for keys in (FLOWS, ("temperature", "fixed_temperature")):
+            if sum(getattr(self, key) is not None for key in keys) > 1:
+                raise ValueError(f"give one of {', '.join(keys)}")
         return self
 
 
-class Boundary(Table):
-    """What enters at one end of the bed."""
+FLOWS = ("velocity", "mass_flux", "molar_flux")
 
-    fluid: Inlet | None = Field(None, description="what the gas enters with")
-    solid: Inlet | None = Field(None, description="what the solids enter with")
+
+class SolidCondition(Table):
+    """A solid phase that enters at one end."""
+
+    velocity: SpeedOrSeries | None = Field(
+        None,
+        description="superficial, volume of particles per area and time as if the phase filled the bed, positive into "
+        "the bed; absent at both ends: at rest",
+    )
+    temperature: TemperatureOrSeries | None = Field(None, description="of the particles that enter; needed with [heat]")
+
+
+class Boundary(Table):
+    """What enters at `left` or `right`; heat through the `wall`, into the gas (two temperatures) or the bed (one)."""
+
+    gas: GasCondition | None = Field(None, description="the gas that enters here")
+    solids: dict[str, SolidCondition] = Field(default_factory=dict, description="by name")
+    coefficient: WallCoefficientOrClosure | None = Field(
+        None,
+        description="of the wall on its inner area, to `ambient`; by name with packed_bed.section",
+        json_schema_extra=takes("wall"),
+    )
+    ambient: TemperatureOrSeries | None = Field(None, description="temperature of the surroundings of the wall")
+    heat_flux: HeatFluxOrSeries | None = Field(None, description="of the wall into the bed, on its inner area")
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Boundary:
+        if self.coefficient is not None and self.heat_flux is not None:
+            raise ValueError("give coefficient and ambient, or heat_flux")
+        if (self.coefficient is None) != (self.ambient is None):
+            raise ValueError("coefficient and ambient belong together")
+        return self
+
+
+class InitialGas(Table):
+    """The gas in the bed at the start."""
+
+    composition: str | None = Field(None, description="where it is stored; absent: of the gas that enters")
+
+
+class Initial(Table):
+    """The state at the start of a transient run, one along the bed or from a file; the first guess of a steady one."""
+
+    temperature: Temperature | None = Field(
+        None, description="of gas and particles; absent: of the gas that enters, as a guess that of mixed streams"
+    )
+    gas: InitialGas = Field(InitialGas(), description="the gas in the bed at the start")
+    file: str | None = Field(
+        None,
+        description="CSV file with positions, x [m], and any of T_fluid, T_solid [K], x_GAS [1], n_SOLID [mol/m3] or "
+        "w_SOLID [1], q_GAS [mol/kg], relative to the scene; the rest is uniform",
+    )
+    time: Instant | None = Field(None, description="of the rows of the file, where it has several; absent: the last")
 
 
 def text_or_number(value: Any) -> str:
@@ -255,7 +300,7 @@ class Reaction(Table):
     E: ActivationEnergy | None = Field(None, description="activation energy")
     orders: dict[str, Number] | None = Field(None, description="in concentrations; absent: 1 for each reactant gas")
     solid: KindOrKinds | None = Field(
-        None, description="kind, or list of kinds, of [solids] in which it runs; absent: those that hold what reacts"
+        None, description="phase, or list of phases, of [solids] in which it runs; absent: those that hold what reacts"
     )
     basis: Literal["gas", "catalyst", "particle", "bed"] | None = Field(
         None, description="rate per m3 of gas, kg of catalyst, m3 of particles or of bed; absent: gas, or particle"
@@ -270,53 +315,16 @@ class Reaction(Table):
     diffusivity: PositiveDiffusivity | None = Field(None, description="effective, in the product layer or particle")
 
 
-class Particle(Table):
-    """What happens inside of a particle."""
-
-    mass: Literal["auto", "none", "effectiveness", "interior"] = Field(
-        "auto",
-        description="effectiveness of a sphere by the Thiele modulus of each reaction with a diffusivity; interior: "
-        "diffusion and reaction of all gases resolved in the particles, with particle.diffusivity; auto: "
-        "resolved where that changes what reacts by more than solver.accuracy",
-    )
-    diffusivity: dict[str, PositiveDiffusivity] = Field(
-        default_factory=dict,
-        description='effective, of each gas that reacts in particles, { CH4 = "2e-6 m**2/s" }; of several kinds each '
-        "has its own",
-    )
-    adsorption: Literal["auto", "film", "linear_driving_force", "interior"] = Field(
-        "auto",
-        description="resistance to the uptake of gas: external film only; in series with it diffusion inside, by one "
-        "concentration per particle; diffusion between points inside. auto: the cheapest whose error in what "
-        "leaves is within solver.accuracy",
-    )
-    points: Annotated[Whole, Field(ge=2, le=20)] = Field(3, description="inside of a particle, beside its surface")
-
-
-class Guess(Table):
-    """First guess of a steady state, where several exist or none is found from the streams that enter."""
-
-    temperature: Temperature | None = Field(None, description="of gas and particles; absent: of the stronger stream")
-
-
 class Continuation(Table):
     """The branch of steady states from the value in this scene to another, through the folds between them."""
 
-    parameter: str = Field(description='key of a number in this scene, "reactions.NAME.factor" or "flow.mass_flux"')
+    parameter: str = Field(
+        description='key of a number in this scene, "reactions.NAME.factor" or "boundary.left.gas.mass_flux"'
+    )
     to: Number = Field(description="in SI")
     back_to: Number | None = Field(None, description="end of the other side; absent: the value in this scene")
     at: Number | None = Field(None, description="value at which all steady states of the branch are listed")
     points: Annotated[Whole, Field(ge=3, le=10_000)] = Field(400, description="at most")
-
-
-class InitialState(Table):
-    """The state at the start from a CSV file, such as the profiles.csv of an earlier run."""
-
-    file: str = Field(
-        description="CSV file with positions, x [m], and any of T_fluid, T_solid [K], x_GAS [1], n_SOLID [mol/m3] or "
-        "w_SOLID [1], q_GAS [mol/kg], relative to the scene; the rest is uniform"
-    )
-    time: Instant | None = Field(None, description="of the rows, where the file has several; absent: the last")
 
 
 class Time(Table):
@@ -324,20 +332,6 @@ class Time(Table):
 
     end: Seconds = Field(description="time at which the run ends")
     times: tuple[Instant, ...] = Field((), description="output times; the end is always one")
-    initial: InitialState | None = Field(
-        None, description="profiles at the start; absent, and what they do not say: one state along the bed"
-    )
-    initial_temperature: Temperature | None = Field(
-        None, description="of gas and particles at the start; absent: that of the gas that enters"
-    )
-    initial_composition: str | None = Field(
-        None, description="of the gas in the bed at the start, where it is stored; absent: of the gas that enters"
-    )
-    gas: Literal["auto", "quasi_steady", "stored"] = Field(
-        "auto",
-        description="storage in the gas between particles; auto leaves it out where its residence time is below 1 % of "
-        "the times in which streams change and of the run; changes within 1 % of that time count as one",
-    )
     tolerance: Fraction = Field(1e-4, description="local error over typical sizes of the fields, of an order below")
     cycle: CycleSettings | None = Field(
         None, description="the run is one period of a cyclic steady state; the state at the start is a guess"
@@ -370,49 +364,45 @@ class Solver(Table):
 
 
 class ReactingScene(SceneBase):
-    """One run of a reacting packed or moving bed."""
+    """One run of a packed or moving bed with species."""
 
     kind: ClassVar[str] = "reacting_bed"
-    renamed: ClassVar[Mapping[str, str]] = {}
+    renamed: ClassVar[Mapping[str, str]] = RENAMED
 
-    mesh: MeshLine
-    fluid: Fluid
-    solid: Solids | None = Field(None, description="where one solid phase fills the bed")
-    solids: dict[str, SolidKind] = Field(default_factory=dict, description="where several do: each kind by name")
-    bed: Bed
-    flow: Flow
+    mesh: Line
+    gas: Gas
+    solids: dict[str, Solid] = Field(min_length=1, description="solid phases that fill the bed, by name")
+    packed_bed: PackedBed
+    closures: Closures = Closures()
     heat: Heat | None = None
-    mass: Mass | None = None
-    wall: Wall | None = None
-    section: Section | None = None
-    particle: Particle = Particle()
-    adsorption: dict[str, Adsorption] = Field(
-        default_factory=dict, description="of gases by name; of several solid phases each has its own"
-    )
     reactions: dict[str, Reaction] = Field(default_factory=dict, description="reactions by name")
-    boundary: dict[str, Boundary] = Field(default_factory=dict, description="inlets by name of the boundary")
-    guess: Guess = Guess()
+    boundary: dict[str, Boundary] = Field(default_factory=dict, description="`left`, `right` and `wall`")
+    initial: Initial = Initial()
     continuation: Continuation | None = None
     time: Time | None = None
     solver: Solver = Solver()
     output: Output = Output()
 
     @property
-    def phases(self) -> dict[str, SolidKind]:
-        """Solid phases by name, also where there is one."""
-        if self.solids:
-            return self.solids
-        solid = Solids() if self.solid is None else self.solid
-        only = SolidKind.model_construct(
-            **{name: getattr(solid, name) for name in Solids.model_fields},
-            volume_share=1.0,
-            particle_diameter=self.bed.diameter,
-            adsorption=self.adsorption,
-            diffusivity=self.particle.diffusivity,
-        )
-        return {ONLY: only}
+    def wall(self) -> Boundary | None:
+        """The wall of a tube; None where nothing passes it."""
+        return self.boundary.get("wall")
+
+    @property
+    def section(self) -> Section | None:
+        """The section across the flow; None in one dimension."""
+        return self.packed_bed.section
+
+    @property
+    def two_temperatures(self) -> bool:
+        """Whether gas and particles have temperatures of their own."""
+        return self.heat is not None and self.closures.nusselt is not None
 
     @property
     def adsorbs(self) -> bool:
         """Whether particles take up gas."""
-        return any(table.adsorption for table in self.phases.values())
+        return any(table.adsorption for table in self.solids.values())
+
+    def with_table(self, name: str, **update: Any) -> ReactingScene:
+        """Return the scene with keys of a table replaced."""
+        return self.model_copy(update={name: getattr(self, name).model_copy(update=update)})

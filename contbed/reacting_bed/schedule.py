@@ -23,8 +23,6 @@ from contbed.scene.series import Series
 from contbed.scene.toml_lines import KeyPath
 from contbed.scene.values import with_value
 
-TABLES = ("fluid", "flow", "boundary", "wall")  # that may hold series
-
 
 def series_of(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Series]]:
     """Yield key and series of everything in the tables of a scene that changes with time."""
@@ -40,7 +38,7 @@ def series_of(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Series]]
 
 def tables_of(scene: s.ReactingScene) -> dict[str, Any]:
     """Return the tables of a scene that may hold series."""
-    return {name: getattr(scene, name) for name in TABLES}
+    return {"boundary": scene.boundary}
 
 
 @dataclass(frozen=True)
@@ -67,20 +65,21 @@ class Schedule(SeriesByKey):
         kelvin = frozenset(path for path, item in found.items() if item.quantity == "K")
         return cls({path: item.samples(base) for path, item in found.items()}, names, kelvin)
 
-    def small(self, time: s.Time) -> dict[KeyPath, float]:
+    def small(self, scene: s.ReactingScene) -> dict[KeyPath, float]:
         """Return the sizes of kinks that a step may pass: of temperatures, mole fractions and flows.
 
         What errors refer to is here the range of all temperatures that change, with that at the start; one; the
         largest flow.
         """
+        assert scene.time is not None
         known = [self.samples[path].values for path in self.temperatures]
-        if time.initial_temperature is not None:
-            known.append(np.array([time.initial_temperature]))
+        if scene.initial.temperature is not None:
+            known.append(np.array([scene.initial.temperature]))
         sizes = {path: 1.0 if path in self.species else float(np.abs(self.samples[path].values).max())
                  for path in self.samples}  # fmt: skip
         if known:
             sizes |= dict.fromkeys(self.temperatures, float(np.ptp(np.concatenate(known))))
-        return self.passed(sizes, time.tolerance)
+        return self.passed(sizes, scene.time.tolerance)
 
     def at(self, tables: Mapping[str, Any], time: float, before: bool = False, since: float = 0.0) -> dict[str, Any]:
         """Return the tables with the values at a time, just after or `before` a jump, `since` an earlier one."""
@@ -101,10 +100,11 @@ class Schedule(SeriesByKey):
         """Return all times of the series [s]."""
         return sorted({float(t) for samples in self.samples.values() for t in samples.times})
 
-    def shortest(self, time: s.Time, together: float) -> float:
+    def shortest(self, scene: s.ReactingScene, together: float) -> float:
         """Return the shortest time between changes in a run; those that lie `together` count as one [s]."""
-        apart, end = [0.0], time.end
-        for cut in self.cuts(end, self.small(time)):
+        assert scene.time is not None
+        apart, end = [0.0], scene.time.end
+        for cut in self.cuts(end, self.small(scene)):
             if cut - apart[-1] > together:
                 apart.append(cut)
         return min((b - a for a, b in pairwise(apart)), default=end)

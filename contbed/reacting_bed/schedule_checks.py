@@ -9,40 +9,30 @@ from typing import Any
 
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.schedule import TABLES, Schedule, series_of
-from contbed.reacting_bed.streams import gas_sign
+from contbed.reacting_bed.schedule import Schedule, series_of
+from contbed.reacting_bed.streams import INWARD, gas_sign, velocity_of
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.series_checks import a_cycle_fits_its_series, series_is_usable
 from contbed.scene.toml_lines import Origin
 
 Boundaries = dict[str, s.Boundary]
-FLOWS = ("mass_flux", "molar_flux", "velocity")
-SOLID_FLOW = "velocity_solid"
+FLOWS = ("mass_flux", "molar_flux", "velocity")  # of the gas, the last also of solid phases
 LEAST_FLOW = 1e-7  # of the largest, below which fluxes of species give no composition
 
 
-def series_are_usable(
-    fluid: Any,
-    flow: s.Flow,
-    wall: s.Wall | None,
-    boundary: Boundaries,
-    time: s.Time | None,
-    see: See,
-    origin: Origin,
-) -> Mistakes:
+def series_are_usable(boundary: Boundaries, time: s.Time | None, see: See, origin: Origin) -> Mistakes:
     """Check that series can be read, begin at 0 and last as long as the run, and that the gas never stops."""
-    tables = {"fluid": fluid, "flow": flow, "boundary": boundary, "wall": wall}
-    for path, series in series_of(tables):
+    for path, series in series_of({"boundary": boundary}):
         found = list(series_is_usable(path, series, time, see, origin))
         yield from found
-        if path[0] == "flow" and not found:
+        if path[-1] in FLOWS and not found:
             yield from _flow_keeps_its_sign(path, series.samples(origin.base))
 
 
 def _flow_keeps_its_sign(path: Any, samples: Any) -> Mistakes:
     values = [float(value) for value in samples.values]
     slowest = min(values, key=abs)
-    if path[-1] in FLOWS and abs(slowest) <= LEAST_FLOW * max(map(abs, values)):
+    if path[2] == "gas" and abs(slowest) <= LEAST_FLOW * max(map(abs, values)):
         moment = samples.times[values.index(slowest)]
         flows = f"no gas flows at {moment:g} s" if slowest == 0.0 else f"next to no gas flows at {moment:g} s"
         yield (
@@ -60,61 +50,66 @@ def _flow_keeps_its_sign(path: Any, samples: Any) -> Mistakes:
 def at_each_time(check: Check) -> Check:
     """Return a check of a scene whose series are replaced by the values of each of their times, one after another."""
     signature = inspect.signature(check)
-    takes = signature.parameters
-    names = [name for name in TABLES if name in takes]
+    if "boundary" not in signature.parameters:
+        return check
 
     @wraps(check)
     def each(**given: Any) -> Mistakes:
         origin = given.pop("origin")
-        tables = {name: given[name] for name in names}
+        tables = {"boundary": given["boundary"]}
         try:
             schedule = Schedule.of(tables, origin.base)
         except SceneError:
             return  # `series_are_usable` says so
         said = set()
         for moment in schedule.moments() or [0.0]:
-            frozen = schedule.at(tables, moment)
-            if schedule and "boundary" in frozen and "flow" in frozen:
-                frozen["boundary"] = _of_streams_that_enter(frozen["boundary"], frozen["flow"])
-            for mistake in check(**given | frozen):
+            boundary = schedule.at(tables, moment)["boundary"]
+            if schedule:
+                boundary = _of_streams_that_enter(boundary)
+            for mistake in check(**given | {"boundary": boundary}):
                 if mistake not in said:
                     said.add(mistake)
                     yield mistake
 
     more = inspect.Parameter("origin", inspect.Parameter.KEYWORD_ONLY, annotation=Origin)
-    each.__signature__ = signature.replace(parameters=[*takes.values(), more])  # type: ignore[attr-defined]
+    parameters = [*signature.parameters.values(), more]
+    each.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
     return each
 
 
-def _of_streams_that_enter(boundary: Boundaries, flow: s.Flow) -> Boundaries:
-    """Return the conditions without those of streams that do not enter at the moment."""
-    signs = {"fluid": gas_sign(flow), "solid": getattr(flow, SOLID_FLOW)}
-    found = dict(boundary)
-    for end, into in (("left", 1.0), ("right", -1.0)):
-        if end in found:
-            idle = {phase: None for phase, sign in signs.items() if sign * into <= 0.0}
-            found[end] = found[end].model_copy(update=idle)
+def _of_streams_that_enter(boundary: Boundaries) -> Boundaries:
+    """Return the conditions without temperatures and compositions of streams that do not enter at the moment."""
+    gas, found = gas_sign(boundary), dict(boundary)
+    for end, into in INWARD.items():
+        if end not in found:
+            continue
+        table = found[end]
+        if table.gas is not None and gas * into <= 0.0:
+            idle = {"temperature": None, "fixed_temperature": None, "composition": None}
+            table = table.model_copy(update={"gas": table.gas.model_copy(update=idle)})
+        solids = {
+            phase: each if velocity_of(boundary, phase) * into > 0.0 else each.model_copy(update={"temperature": None})
+            for phase, each in table.solids.items()
+        }
+        found[end] = table.model_copy(update={"solids": solids})
     return found
 
 
-def a_cycle_changes_something(
-    fluid: Any, flow: s.Flow, wall: s.Wall | None, boundary: Boundaries, time: s.Time | None, see: See
-) -> Mistakes:
-    """Check that a cycle has series and is an integer number of their periods."""
-    tables = {"fluid": fluid, "flow": flow, "boundary": boundary, "wall": wall}
+def a_cycle_changes_something(boundary: Boundaries, time: s.Time | None, see: See) -> Mistakes:
+    """Check that a cycle has series, of which it is an integer number of periods."""
     what = "a composition, a flow, or a temperature of what enters or of the wall"
-    yield from a_cycle_fits_its_series(series_of(tables), time, what, see)
+    yield from a_cycle_fits_its_series(series_of({"boundary": boundary}), time, what, see)
 
 
-def initial_profiles_fit_the_bed(mesh: Any, time: s.Time | None, see: See, origin: Origin) -> Mistakes:
+def initial_profiles_fit_the_bed(mesh: s.Line, initial: s.Initial, see: See, origin: Origin) -> Mistakes:
     """Check that the file of the state at the start can be read and lies within the bed; the plan reads its columns."""
-    if time is None or time.initial is None:
+    if initial.file is None:
         return
     from contbed.reacting_bed.initial_rows import KEY, rows_of
     from contbed.scene.profile import outside_of_the_bed
 
     try:
-        rows = rows_of(time, origin.base)
+        rows = rows_of(initial, origin.base)
     except SceneError as error:
         yield KEY, str(error)
         return
@@ -122,19 +117,19 @@ def initial_profiles_fit_the_bed(mesh: Any, time: s.Time | None, see: See, origi
     yield from outside_of_the_bed(KEY, rows, mesh.length, see)
 
 
-def initial_profiles_reach_both_ends(mesh: Any, time: s.Time | None, see: See, origin: Origin) -> Mistakes:
+def initial_profiles_reach_both_ends(mesh: s.Line, initial: s.Initial, see: See, origin: Origin) -> Mistakes:
     """Look for a file of the state at the start that leaves much of the bed at its first or last row."""
-    if time is None or time.initial is None:
+    if initial.file is None:
         return
     from contbed.reacting_bed.initial_rows import KEY, rows_of
     from contbed.scene.profile import short_of_an_end
 
-    rows = rows_of(time, origin.base)
+    rows = rows_of(initial, origin.base)
     assert rows is not None
     yield from short_of_an_end(KEY, rows, mesh.length, "state", see)
 
 
-def cells_can_follow(mesh: Any, solver: s.Solver, time: s.Time | None, see: See) -> Mistakes:
+def cells_can_follow(mesh: s.Line, solver: s.Solver, time: s.Time | None, see: See) -> Mistakes:
     """Check that cells which follow errors are not refined by hand, and in time that nothing holds them."""
     if mesh.refine and mesh.cells is None:
         yield ("mesh", "refine"), "has no effect on cells that the run chooses; give mesh.cells, which it divides"
@@ -152,8 +147,9 @@ def cells_can_follow(mesh: Any, solver: s.Solver, time: s.Time | None, see: See)
 def times_are_in_order(
     time: s.Time | None,
     continuation: s.Continuation | None,
-    adsorption: dict[str, s.Adsorption],
-    solids: dict[str, s.SolidKind],
+    solids: dict[str, s.Solid],
+    packed_bed: s.PackedBed,
+    initial: s.Initial,
     see: See,
 ) -> Mistakes:
     """Check that output times lie within the run, and that a branch is one of steady states."""
@@ -162,9 +158,9 @@ def times_are_in_order(
     for index, instant in enumerate(time.times):
         if instant > time.end:
             yield ("time", "times", index), f"{instant:g} s is after the end; see {see('time.end')}"
-    follows = time.gas == "quasi_steady" and not (adsorption or any(table.adsorption for table in solids.values()))
-    if follows and time.initial_composition is not None:
-        key = ("time", "initial_composition")
-        yield key, f"has no meaning for a gas that follows at once; see {see('time.gas')}"
+    follows = packed_bed.gas_storage == "quasi_steady" and not any(table.adsorption for table in solids.values())
+    if follows and initial.gas.composition is not None:
+        text = f"has no meaning for a gas that follows at once; see {see('packed_bed.gas_storage')}"
+        yield ("initial", "gas", "composition"), text
     if continuation is not None:
         yield ("continuation",), f"follows steady states, and the scene is transient; see {see('time')}"

@@ -1,11 +1,8 @@
-"""Tables of a reacting bed on its solids: data of species and constituents, one solid phase, or several.
-
-A bed is filled with one kind, [solid] with `bed.particle_diameter`, or with several, a table [solids.NAME] for each.
-"""
+"""Tables of a reacting bed on its solid phases: data of constituents, adsorption, intraparticle diffusion."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -19,9 +16,11 @@ from contbed.scene.quantities import (
     Table,
     Temperature,
     Viscosity,
+    Whole,
     form,
     unit,
 )
+from contbed.scene.solids import SolidPhase
 from contbed.scene.tables import NonNegativeOrClosure
 
 MolarMass = Annotated[float, *unit("kg/mol"), Field(gt=0)]
@@ -30,7 +29,6 @@ MolarEntropy = Annotated[float, *unit("J/mol/K")]
 MolarHeatCapacity = Annotated[float, *unit("J/mol/K"), Field(gt=0)]
 HeatCapacityOfSolid = Annotated[float, *unit("J/kg/K"), Field(gt=0)]
 Curve = Annotated[tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1, max_length=4)]
-Speed = Annotated[float, *unit("m/s")]
 PositiveDiffusivity = Annotated[float, *unit("m**2/s"), Field(gt=0)]
 
 
@@ -55,17 +53,6 @@ class Substance(Table):
     conductivity: Annotated[Annotated[Conductivity, Tag("number")] | Curve, Discriminator(form)] | None = Field(
         None, description="of a gas, as viscosity"
     )
-
-
-class Solids(Table):
-    """The particles: their constituents where they react, porosity, and what is not known from constituents."""
-
-    composition: str | None = Field(None, description='mass fractions that enter, "Fe2O3:0.45, Al2O3:0.55"')
-    porosity: Annotated[Number, Field(ge=0, lt=1)] = Field(0.0, description="of the particles that enter")
-    density: Density | None = Field(None, description="of particles that enter; absent: from constituents and porosity")
-    heat_capacity: HeatCapacityOfSolid | None = Field(None, description="of particles without constituents")
-    conductivity: Conductivity | None = Field(None, description="of the particles")
-    constituent: dict[str, Substance] = Field(default_factory=dict, description="data of constituents by name")
 
 
 class Adsorption(Table):
@@ -93,19 +80,47 @@ class Adsorption(Table):
         return self
 
 
-class SolidKind(Solids):
-    """One of several solid phases that fill the bed together, mixed evenly where they enter."""
+class Inside(Table):
+    """What happens within the particles of a solid phase."""
 
-    volume_share: Annotated[Number, Field(gt=0, le=1)] = Field(
-        description="of the volume of all particles where they enter, or at rest; those of all kinds sum to 1"
+    mass: Literal["auto", "none", "effectiveness", "interior"] = Field(
+        "auto",
+        description="effectiveness of a sphere by the Thiele modulus of each reaction with a diffusivity; interior: "
+        "diffusion and reaction of all gases resolved in the particles, with `diffusivity`; auto: "
+        "resolved where that changes what reacts by more than solver.accuracy",
     )
-    particle_diameter: Length = Field(description="diameter of the particles of this solid phase")
-    velocity_solid: Speed | None = Field(
-        None, description="superficial, as if the kind filled the bed; absent: flow.velocity_solid"
-    )
-    nusselt: NonNegativeOrClosure | None = Field(None, description="of this kind; absent: heat.nusselt")
-    sherwood: NonNegativeOrClosure | None = Field(None, description="of this kind; absent: mass.sherwood")
-    adsorption: dict[str, Adsorption] = Field(default_factory=dict, description="of gases by name, in this kind")
     diffusivity: dict[str, PositiveDiffusivity] = Field(
-        default_factory=dict, description="effective, of each gas that reacts in this kind, see particle.mass"
+        default_factory=dict,
+        description='effective, of each gas that reacts in the particles, { CH4 = "2e-6 m**2/s" }',
     )
+    adsorption: Literal["auto", "film", "linear_driving_force", "interior"] = Field(
+        "auto",
+        description="resistance to the uptake of gas: external film only; in series with it diffusion inside, by one "
+        "concentration per particle; diffusion between points inside. auto: the cheapest whose error in what "
+        "leaves is within solver.accuracy",
+    )
+    points: Annotated[Whole, Field(ge=2, le=20)] = Field(3, description="inside of a particle, beside its surface")
+
+
+class Solid(SolidPhase):
+    """One solid phase of the bed; several are mixed evenly where they enter."""
+
+    diameter: Length = Field(description="diameter of the particles of this solid phase")
+    shape: Literal["spheres", "rods"] = Field(
+        "spheres", description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods"
+    )
+    volume_share: Annotated[Number, Field(gt=0, le=1)] = Field(
+        1.0, description="of the volume of all particles where they enter, or at rest; those of all phases sum to 1"
+    )
+    density: Density | None = Field(None, description="of particles that enter; absent: from constituents and porosity")
+    heat_capacity: HeatCapacityOfSolid | None = Field(None, description="of particles without constituents")
+    conductivity: Conductivity | None = Field(None, description="of the particles")
+    composition: str | None = Field(None, description='mass fractions that enter, "Fe2O3:0.45, Al2O3:0.55"')
+    porosity: Annotated[Number, Field(ge=0, lt=1)] = Field(0.0, description="of the particles that enter")
+    constituent: dict[str, Substance] = Field(
+        default_factory=dict, description="data of constituents by name, which hold in all phases"
+    )
+    nusselt: NonNegativeOrClosure | None = Field(None, description="of this phase; absent: closures.nusselt")
+    sherwood: NonNegativeOrClosure | None = Field(None, description="of this phase; absent: closures.sherwood")
+    adsorption: dict[str, Adsorption] = Field(default_factory=dict, description="of gases by name")
+    inside: Inside = Field(Inside(), description="what happens in the particles")

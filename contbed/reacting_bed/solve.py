@@ -193,7 +193,7 @@ def steady(problem: Problem, report: Report, guess: Array | None = None) -> tupl
     ConvergenceError : no steady state is found
     """
     scene = problem.scene
-    T = scene.guess.temperature or problem.mixing_temperature
+    T = scene.initial.temperature or problem.mixing_temperature
     problem, u = first(problem, guess if guess is not None else problem.start(T), report)
     if scene.mesh.cells is not None:
         report.rounds = 0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from contbed.closures.reactions import stoichiometry
@@ -114,22 +113,27 @@ class Substances(Species):
         return Species(self.gases, {name: item for each in self.phases.values() for name, item in each.solids.items()})
 
 
-def fed_to(table: s.Solids) -> dict[str, float]:
+def fed_to(table: s.Solid) -> dict[str, float]:
     """Return the mass fractions of a solid phase where it enters."""
     return {} if table.composition is None else mole_fractions(table.composition)
 
 
-def constituents_of(phases: Mapping[str, s.SolidKind]) -> dict[str, s.Substance]:
+def phases_named(table: s.Reaction) -> tuple[str, ...]:
+    """Return the solid phases that a reaction names."""
+    return (table.solid,) if isinstance(table.solid, str) else table.solid or ()
+
+
+def constituents_of(phases: Mapping[str, s.Solid]) -> dict[str, s.Substance]:
     """Return the data of constituents by name, which hold in all solid phases."""
     return {name: data for table in phases.values() for name, data in table.constituent.items()}
 
 
 def mechanism_of(scene: s.ReactingScene) -> Mechanism | None:
     """Return the mechanism that a scene takes its gases from."""
-    fluid = scene.fluid
-    if not isinstance(fluid, s.GasCantera):
+    gas = scene.gas
+    if not isinstance(gas, s.GasCantera):
         return None
-    return Mechanism.read(find_mechanism(fluid.mechanism, scene.origin.base))
+    return Mechanism.read(find_mechanism(gas.mechanism, scene.origin.base))
 
 
 def species_without_phases(scene: s.ReactingScene) -> tuple[Species, GasTransport | None]:
@@ -142,8 +146,8 @@ def species_without_phases(scene: s.ReactingScene) -> tuple[Species, GasTranspor
     mechanism = mechanism_of(scene)
     gas_names, solid_names = _names(scene, mechanism)
     needs_heat = scene.heat is not None
-    gases = {name: _gas(name, scene.fluid, mechanism, needs_heat) for name in gas_names}
-    data = constituents_of(scene.phases)
+    gases = {name: _gas(name, scene.gas, mechanism, needs_heat) for name in gas_names}
+    data = constituents_of(scene.solids)
     solids = {name: _constituent(name, data.get(name), needs_heat) for name in solid_names}
     return Species(gases, solids), _transport(scene, gases, mechanism)
 
@@ -155,7 +159,7 @@ def _names(scene: s.ReactingScene, mechanism: Mechanism | None) -> tuple[list[st
     ------
     SceneError : a species is neither
     """
-    fluid, phases = scene.fluid, scene.phases
+    gas, phases = scene.gas, scene.solids
     fed = dict.fromkeys(name for table in phases.values() for name in fed_to(table))
     equations = [e for name, table in scene.reactions.items() for e in equations_of(name, table).values()]
     named = {name for equation in equations for name in equation.stoichiometry}
@@ -164,19 +168,18 @@ def _names(scene: s.ReactingScene, mechanism: Mechanism | None) -> tuple[list[st
     solids = [name for name in [*fed, *sorted(named)] if name in known_solids]
     gases: list[str] = []
     tables = condensed_names() if fed else ()
-    at_start = None if scene.time is None else scene.time.initial_composition
+    at_start = None if scene.time is None else scene.initial.gas.composition
     filling = [] if at_start is None else mole_fractions(at_start)
     columns = _gases_of_file(scene)
-    entering = entering_fractions(fluid.composition, scene.origin.base)
-    for name in [*entering, *filling, *columns, *sorted(named)]:
+    for name in [*entering_gases(scene), *filling, *columns, *sorted(named)]:
         if name in solids or name in gases:
             continue
-        if name in fluid.species or (mechanism is not None and name in mechanism.names):
+        if name in gas.species or (mechanism is not None and name in mechanism.names):
             gases.append(name)
         elif name in tables:
             solids.append(name)
         else:
-            there = [*fluid.species, *known_solids, *(mechanism.names if mechanism else ())]
+            there = [*gas.species, *known_solids, *(mechanism.names if mechanism else ())]
             text = _unknown(name, there, mechanism)
             if name in columns:
                 from contbed.reacting_bed.initial_rows import located
@@ -188,36 +191,45 @@ def _names(scene: s.ReactingScene, mechanism: Mechanism | None) -> tuple[list[st
 
 def _unknown(name: str, there: list[str], mechanism: Mechanism | None) -> str:
     """Return the message for a species without data."""
-    where = "the mechanism or [fluid.species]" if mechanism else "[fluid.species]"
+    where = "the mechanism or [gas.species]" if mechanism else "[gas.species]"
     return (
-        f"{name} is neither a gas of {where} nor a constituent of the solid{nearest(name, there)}; give its "
-        f"thermodynamics in [fluid.species.{name}] or [solid.constituent.{name}]"
+        f"{name} is neither a gas of {where} nor a constituent of the solids{nearest(name, there)}; give its "
+        f"thermodynamics in [gas.species.{name}] or [solids.NAME.constituent.{name}]"
     )
 
 
 def _gases_of_file(scene: s.ReactingScene) -> dict[str, str]:
     """Return the gases of the file that a run begins with, and where it names them."""
-    if scene.time is None or scene.time.initial is None:
+    if scene.time is None or scene.initial.file is None:
         return {}
     from contbed.reacting_bed.initial_rows import gases_in, located
 
     try:
-        return gases_in(scene.time, scene.origin.base)
+        return gases_in(scene.initial, scene.origin.base)
     except SceneError as error:
         raise located(scene, error) from None
 
 
-def entering_fractions(composition: Any, base: Path) -> dict[str, float]:
-    """Return the mole fractions that enter, at the start; a series has all of its species, also those that enter later.
+def compositions_of(gas: s.Mixture, boundary: Mapping[str, s.Boundary]) -> list[Any]:
+    """Return all compositions of the gas that enters: of [gas], and of boundaries, where they may change with time."""
+    given = [table.gas.composition for table in boundary.values() if table.gas is not None]
+    return [each for each in (gas.composition, *given) if each is not None]
+
+
+def entering_gases(scene: s.ReactingScene) -> list[str]:
+    """Return the names of all gases that enter, also those that enter later.
 
     Raises
     ------
-    SceneError : the composition or its file cannot be used
+    SceneError : a composition or its file cannot be used
     """
-    if not isinstance(composition, CompositionSeries):
-        return mole_fractions(composition)
-    names, _, table, _ = composition.fractions(base)
-    return dict(zip(names, (float(x) for x in table[0]), strict=True))
+    found: list[str] = []
+    for composition in compositions_of(scene.gas, scene.boundary):
+        if isinstance(composition, CompositionSeries):
+            found += composition.fractions(scene.origin.base)[0]
+        else:
+            found += mole_fractions(composition)
+    return list(dict.fromkeys(found))
 
 
 def condensed_names() -> tuple[str, ...]:
@@ -263,8 +275,8 @@ def _from_table(name: str, table: s.Substance, needs_heat: bool) -> Thermo | Non
     return None
 
 
-def _gas(name: str, fluid: Any, mechanism: Mechanism | None, needs_heat: bool) -> Thermo:
-    table = fluid.species.get(name)
+def _gas(name: str, given: s.Mixture, mechanism: Mechanism | None, needs_heat: bool) -> Thermo:
+    table = given.species.get(name)
     if table is not None and (mechanism is None or table.shomate is not None or table.heat_capacity is not None):
         found = _from_table(name, table, needs_heat)
         if found is not None:
@@ -272,7 +284,7 @@ def _gas(name: str, fluid: Any, mechanism: Mechanism | None, needs_heat: bool) -
     if mechanism is not None and name in mechanism.names:
         return mechanism.species(name)
     raise SceneError(
-        f"{name} has no thermodynamics: give shomate, or heat_capacity and enthalpy, in [fluid.species.{name}]"
+        f"{name} has no thermodynamics: give shomate, or heat_capacity and enthalpy, in [gas.species.{name}]"
     )
 
 
@@ -286,23 +298,21 @@ def _constituent(name: str, table: s.Substance | None, needs_heat: bool) -> Ther
         elements = _elements(name, table)
         mass = (table.molar_mass if table is not None else None) or molar_mass_of(elements)
         return species_of(name, tables[name], mass, with_jumps=True)
-    raise SceneError(
-        f"{name} has no thermodynamics: give shomate, or heat_capacity and enthalpy, in [solid.constituent.{name}]"
-    )
+    table_name = f"[solids.NAME.constituent.{name}]"
+    raise SceneError(f"{name} has no thermodynamics: give shomate, or heat_capacity and enthalpy, in {table_name}")
 
 
 def _transport(scene: s.ReactingScene, gases: dict[str, Thermo], mechanism: Mechanism | None) -> GasTransport | None:
     """Return the transport properties that are given, or those of the mechanism; None where there are none."""
-    fluid: Any = scene.fluid
-    names = list(gases)
+    gas, names = scene.gas, list(gases)
 
     def of_each(key: str) -> Any:
-        constant = getattr(fluid, key)
+        constant = getattr(gas, key)
         if constant is not None:
             return float(constant)
         out = []
         for name in names:
-            table = fluid.species.get(name)
+            table = gas.species.get(name)
             given = None if table is None else getattr(table, key)
             if given is not None:
                 out.append(dippr102(given if isinstance(given, tuple) else (given, 0.0)))
@@ -313,7 +323,7 @@ def _transport(scene: s.ReactingScene, gases: dict[str, Thermo], mechanism: Mech
         return tuple(out)
 
     viscosity, conductivity = of_each("viscosity"), of_each("conductivity")
-    given = fluid.diffusivity
+    given = gas.diffusivity
     pairs: Any = None
     if isinstance(given, float):
         pairs = given
@@ -335,4 +345,4 @@ def _transport(scene: s.ReactingScene, gases: dict[str, Thermo], mechanism: Mech
         pairs = 0.0
     masses = tuple(gases[name].molar_mass for name in names)
     rule = "mathur" if mechanism is not None else "wassiljewa"
-    return GasTransport(masses, viscosity, conductivity, pairs, fluid.viscosity_rule, rule)
+    return GasTransport(masses, viscosity, conductivity, pairs, gas.viscosity_rule, rule)

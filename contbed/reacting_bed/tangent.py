@@ -63,12 +63,12 @@ class Tangent:
     def _problem(self, scene: ReactingScene) -> Problem:
         base = self.problem
         frozen = Schedule.of(tables_of(scene), scene.origin.base).frozen(scene, 0.0)
-        if base.layout.pressure != (frozen.flow.pressure_drop == "ergun"):
+        if base.layout.pressure != (frozen.packed_bed.pressure_drop == "ergun"):
             drop = "ergun" if base.layout.pressure else "none"
-            frozen = frozen.model_copy(update={"flow": frozen.flow.model_copy(update={"pressure_drop": drop})})
+            frozen = frozen.with_table("packed_bed", pressure_drop=drop)
         ratio = scene.mesh.length / base.scene.mesh.length
         # data of the species take longer to read than the equations to make
-        before, now = ((of.fluid, of.solid, of.solids) for of in (base.scene, frozen))
+        before, now = ((of.gas, of.solids) for of in (base.scene, frozen))
         same = before == now
         made = Problem.of(frozen, base.line.vertices * ratio, base.species if same else None)
         made = made.with_strength(base.bed.strength).with_small(base.bed.small)

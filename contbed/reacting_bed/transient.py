@@ -120,7 +120,7 @@ def run_transient(
         raise ConvergenceError(
             f"{origin.at(('time', 'cycle'))}: time.cycle: of {found.periods} periods the best changes the bed by "
             f"{found.change:.3g} of its typical sizes, allowed are {time.cycle.tolerance:.3g}: use more mesh.cells, "
-            "raise time.cycle.tolerance, or begin with the profiles of that period, which were written, time.initial",
+            "raise time.cycle.tolerance, or begin with the profiles of that period, which were written, initial.file",
             report.history,
             history.u,
         )
@@ -151,12 +151,13 @@ def _advice(course: Course, history: History) -> str:
     if problem.bed.gas_pressure is not None and taken >= enters:
         return (
             f"reactions take {taken:.3g} mol/m2/s of the gas that fills the bed and {enters:.3g} enter: {stops}. "
-            'Begin with time.initial_composition of gas that has reacted, or give time.gas = "quasi_steady"'
+            "Begin with initial.gas.composition of gas that has reacted, or give packed_bed.gas_storage = "
+            '"quasi_steady"'
         )
     if problem.bed.gas_pressure is not None and taken + cooled >= enters:
         return (
             f"the particles cool the gas that fills the bed, which makes room for {cooled:.3g} mol/m2/s, and "
-            f'{enters:.3g} enter: {stops}. Give time.gas = "quasi_steady"'
+            f'{enters:.3g} enter: {stops}. Give packed_bed.gas_storage = "quasi_steady"'
         )
     return f"use {finer(course.scene)}, or smooth a rate whose slope is infinite where nothing is left"
 

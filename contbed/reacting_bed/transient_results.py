@@ -46,7 +46,7 @@ def _short_fronts(problem: Problem, error: float) -> str:
     shortest = SHORTEST * problem.scene.mesh.length
     return (
         f"fronts are shorter than the shortest cells, {shortest:.2g} m: errors there are {error:.2g} of the sizes of "
-        f"the fields, {aim(problem):.2g} are aimed at; add conduction in [heat] or dispersion in [mass], or raise "
+        f"the fields, {aim(problem):.2g} are aimed at; add conduction or dispersion in [closures], or raise "
         "solver.tolerance"
     )
 

@@ -1,6 +1,6 @@
 """One sphere that conducts and reacts; the gas that it makes flows out at once and carries heat.
 
-    dm_k/dt = omega_k,    omega_k = sum_j (y_kj - [k reacts in j]) r_j,    r_j = A_j exp(-E_j/T) m_j
+    dm_k/dt = omega_k,    omega_k = sum_j (y_kj - [k reacts in j]) r_j,    r_j = A_j exp(-E_j/(R T)) m_j
     rho_0 dh/dt = div(k grad T) - div(g c_g (T - T_0)) - rho_0 sum_j q_j r_j + rho_0 sum_k c_k (T - T_0) omega_k + ...
     div g = rho_0 omega_gas,    omega_gas = -sum_k omega_k
 
@@ -44,7 +44,7 @@ class Material:
     """Numbers of the particle; constituents and reactions in the order of the scene.
 
     heat_capacity : (K,) [J/kg/K]; fresh : (K,) mass fractions at the start
-    rate, activation, heat : (J,) [1/s], [K], [J/kg]; reactant : (J,) numbers of constituents
+    rate, activation, heat : (J,) [1/s], E/R [K], [J/kg]; reactant : (J,) numbers of constituents
     change : (K, J) mass of each constituent made per mass that reacts, negative for the reactant
     conductivity : fresh and of the product [W/m/K]
     """

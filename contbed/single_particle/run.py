@@ -13,8 +13,10 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from contbed.balance import Balance
+from contbed.closures.reactions import R_GAS
 from contbed.errors import ConvergenceError
 from contbed.fields import header
+from contbed.materials.composition import mole_fractions
 from contbed.output.progress import Progress
 from contbed.result import Result, timed
 from contbed.scene.schedule import SeriesByKey
@@ -22,7 +24,7 @@ from contbed.scene.series import Series
 from contbed.scene.toml_lines import Origin
 from contbed.single_particle.equations import SCALE_HEAT, Material, Sphere, Surface
 from contbed.single_particle.plan import Plan
-from contbed.single_particle.scene import SingleParticleScene
+from contbed.single_particle.scene import SURFACE, SingleParticleScene
 from contbed.solvers.timestep import LEVELS, STAGES, WEIGHTS, Step, level_of, march
 
 ROWS = 100  # output times where none are given
@@ -31,20 +33,21 @@ LEAST_LOSS = 1e-9  # of the mass, below which none is lost, and no time in which
 
 def material_of(scene: SingleParticleScene) -> Material:
     """Return the numbers of the particle of a scene."""
-    names, table = list(scene.constituent), scene.particle
+    solid = scene.solid
+    names, fresh = list(solid.constituent), mole_fractions(solid.composition)
     reactions = list(scene.reactions.values())
     change = np.array([[r.yields.get(name, 0.0) - (r.of == name) for r in reactions] for name in names])
-    product = table.conductivity if table.conductivity_product is None else table.conductivity_product
+    product = solid.conductivity if solid.conductivity_product is None else solid.conductivity_product
     return Material(
-        0.5 * table.diameter,
-        table.density,
-        table.temperature,
-        (table.conductivity, product),
-        table.gas_heat_capacity,
-        np.array([one.heat_capacity for one in scene.constituent.values()]),
-        np.array([one.mass_fraction for one in scene.constituent.values()]),
+        0.5 * solid.diameter,
+        solid.density,
+        scene.initial.temperature,
+        (solid.conductivity, product),
+        scene.gas.heat_capacity,
+        np.array([one.heat_capacity for one in solid.constituent.values()]),
+        np.array([fresh.get(name, 0.0) for name in names]),
         np.array([r.A for r in reactions]),
-        np.array([r.activation_temperature for r in reactions]),
+        np.array([r.E / R_GAS for r in reactions]),
         np.array([r.heat for r in reactions]),
         np.array([names.index(r.of) for r in reactions], dtype=np.int64),
         change.reshape(len(names), len(reactions)),
@@ -53,27 +56,26 @@ def material_of(scene: SingleParticleScene) -> Material:
 
 def series_of(scene: SingleParticleScene) -> SeriesByKey:
     """Return the series of a scene, by key."""
-    table = scene.surroundings
-    given = {key: getattr(table, key) for key in ("surface", "temperature")}
+    given = {key: getattr(scene.surface, key) for key in ("fixed_temperature", "ambient")}
     found = {key: value.samples(scene.origin.base) for key, value in given.items() if isinstance(value, Series)}
-    return SeriesByKey({("surroundings", key): samples for key, samples in found.items()})
+    return SeriesByKey({("boundary", SURFACE, key): samples for key, samples in found.items()})
 
 
 def surface_of(scene: SingleParticleScene, series: SeriesByKey, since: float = 0.0) -> Surface:
     """Return the condition at the surface from a jump or kink of the series to the next, `since` the former [s]."""
-    table = scene.surroundings
+    table = scene.surface
 
     def function(key: str) -> Callable[[float], float]:
-        samples = series.samples.get(("surroundings", key))
+        samples = series.samples.get(("boundary", SURFACE, key))
         if samples is None:
             value = float(getattr(table, key))
             return lambda t: value
         return lambda t: float(samples.at(t, before=True, since=since))
 
-    if table.surface is not None:
-        given = function("surface")
+    if table.fixed_temperature is not None:
+        given = function("fixed_temperature")
         return Surface(given, given, 0.0, 0.0)
-    return Surface(None, function("temperature"), table.coefficient, table.emissivity or 0.0)
+    return Surface(None, function("ambient"), table.coefficient, table.emissivity or 0.0)
 
 
 def _pieces(problem: Sphere, state: Any, plan: Plan, series: SeriesByKey, span: float) -> Iterator[Step]:
@@ -117,7 +119,7 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     moments = sorted({*(scene.time.times or np.linspace(0.0, end, ROWS + 1).tolist()), end})
     values = [v for samples in series.samples.values() for v in samples.values] or [surface.furnace(0.0)]
     span = max(max(values) - material.start, material.start - min(values), 1.0)
-    problem = Sphere(material, surface, scene.particle.cells, span)
+    problem = Sphere(material, surface, scene.single_particle.cells, span)
     state = problem.initial()
     kept = [state] if moments[0] == 0.0 else []
     sums, exchanged = np.zeros(4), 0.0  # heat conducted in, carried out, released [J/kg], gas that left; heat both ways
@@ -169,7 +171,7 @@ def _told(steps: Iterator[Step], origin: Origin) -> Iterator[Step]:
             reached = step.end
     except ConvergenceError as error:
         text = f"{origin.at(('reactions',))}: {error}, at t = {reached:.4g} s"
-        advice = "no shorter step helps; a reaction may be too fast: lower its A, or raise its activation_temperature"
+        advice = "no shorter step helps; a reaction may be too fast: lower its A, or raise its E"
         raise ConvergenceError(f"{text}: {advice}", error.history, error.state) from None
 
 
@@ -184,7 +186,7 @@ def _profiles(plan: Plan, problem: Sphere, moments: list[float], kept: list[Any]
         header("T_surface"): np.array([state[-1] for state in kept]),
         header("T_mean"): np.array([state[:n] @ volume for state in kept]),
     }
-    for k, name in enumerate(plan.scene.constituent):
+    for k, name in enumerate(plan.scene.solid.constituent):
         result.profiles[f"mass_fraction.{name} [1]"] = masses[:, k]
 
 

@@ -1,16 +1,19 @@
-"""Tables of a scene with [surroundings]: one sphere that is heated, dries, decomposes or burns out, in SI.
+"""Tables of a scene of one sphere that is heated, dries, decomposes or burns out, in SI.
 
 See `single_particle.equations`.
 
-    [particle]             size, density, conductivity, heat capacity of the gas that leaves
-    [constituent.NAME]     what it consists of
+    [solids.NAME]          size, density, conductivity, constituents: the only solid
+    [gas]                  what reactions make and what leaves
     [reactions.NAME]       what turns into what, how fast, with which heat
-    [surroundings]         a measured surface temperature, or convection and radiation
+    [boundary.surface]     a measured temperature of the surface, or convection and radiation
+    [initial]              temperature at the start
     [time]                 end and output times
+    [single_particle]      numerics of this model alone
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, ClassVar
 
 from pydantic import Field, model_validator
@@ -34,61 +37,74 @@ from contbed.scene.quantities import (
     unit,
 )
 from contbed.scene.series import TemperatureOrSeries
+from contbed.scene.solids import SolidPhase
 from contbed.scene.tables import SceneBase
 
-
-class Particle(Table):
-    """A sphere of constant size."""
-
-    diameter: Length = Field(description="diameter of the particle")
-    density: Density = Field(description="fresh")
-    temperature: Temperature = Field(description="at the start")
-    conductivity: Conductivity = Field(description="fresh")
-    conductivity_product: Conductivity | None = Field(
-        None, description="where nothing fresh is left, linear between by mass; absent: as fresh"
-    )
-    gas_heat_capacity: Annotated[float, *unit("J/kg/K"), Field(ge=0)] = Field(
-        0.0, description="of the gas that is made and leaves through the surface; 0: it carries no heat"
-    )
-    cells: Annotated[Whole, Field(ge=4, le=1000)] = Field(30, description="shells of equal thickness")
+SURFACE = "surface"  # the only boundary
 
 
 class Constituent(Table):
     """A solid constituent of the particle, initial or formed by reactions."""
 
-    mass_fraction: Annotated[NonNegative, Field(le=1)] = Field(0.0, description="of the fresh particle")
     heat_capacity: HeatCapacity = Field(description="specific heat capacity of the constituent")
+
+
+class Solid(SolidPhase):
+    """A sphere of constant size."""
+
+    diameter: Length = Field(description="diameter of the particle")
+    density: Density = Field(description="fresh")
+    conductivity: Conductivity = Field(description="fresh")
+    conductivity_product: Conductivity | None = Field(
+        None, description="where nothing fresh is left, linear between by mass; absent: as fresh"
+    )
+    composition: str = Field(description='mass fractions of the fresh particle, "wood:0.93, water:0.07"')
+    constituent: dict[str, Constituent] = Field(min_length=1, description="constituents of the particle by name")
+
+
+class Gas(Table):
+    """The gas that reactions make, which leaves through the surface at once."""
+
+    heat_capacity: Annotated[float, *unit("J/kg/K"), Field(ge=0)] = Field(
+        0.0, description="specific heat capacity of the gas; 0: it carries no heat"
+    )
 
 
 class Reaction(Table):
     """A first-order reaction of a constituent; what does not become a constituent leaves as gas."""
 
     of: str = Field(description="constituent that decomposes")
-    A: Annotated[float, *unit("1/s"), Field(gt=0)] = Field(description="rate is A exp(-E/T) per mass")
-    activation_temperature: Temperature = Field(description="E over the gas constant")
+    A: Annotated[float, *unit("1/s"), Field(gt=0)] = Field(description="rate is A exp(-E/(R T)) per mass")
+    E: Annotated[float, *unit("J/mol"), Field(ge=0)] = Field(description="activation energy")
     heat: Annotated[float, *unit("J/kg")] = Field(0.0, description="taken up per mass that reacts, at its temperature")
     yields: dict[str, Annotated[NonNegative, Field(le=1)]] = Field(
         default_factory=dict, description="mass of each constituent made per mass that reacts"
     )
 
 
-class Surroundings(Table):
-    """What is around the particle: the temperature of its surface, or of a furnace."""
+class Boundary(Table):
+    """What is around the particle: the temperature of its surface, or a furnace and its gas."""
 
-    surface: TemperatureOrSeries | None = Field(None, description="measured temperature of the surface")
-    temperature: TemperatureOrSeries | None = Field(None, description="of the furnace and its gas")
-    coefficient: WallCoefficient = Field(0.0, description="of convection, with `temperature`")
-    emissivity: Emissivity | None = Field(None, description="of the particle in a large furnace, with `temperature`")
+    fixed_temperature: TemperatureOrSeries | None = Field(None, description="measured temperature of the surface")
+    ambient: TemperatureOrSeries | None = Field(None, description="temperature of the furnace and its gas")
+    coefficient: WallCoefficient = Field(0.0, description="of convection, to `ambient`")
+    emissivity: Emissivity | None = Field(None, description="of the particle in a large furnace at `ambient`")
 
     @model_validator(mode="after")
-    def _one(self) -> Surroundings:
-        if (self.surface is None) == (self.temperature is None):
-            raise ValueError("give one of surface, temperature")
-        if self.surface is not None and (self.coefficient or self.emissivity):
-            raise ValueError("coefficient and emissivity belong to temperature; the surface has the one given")
-        if self.temperature is not None and not self.coefficient and self.emissivity is None:
-            raise ValueError("temperature heats nothing without coefficient or emissivity")
+    def _one(self) -> Boundary:
+        if (self.fixed_temperature is None) == (self.ambient is None):
+            raise ValueError("give one of fixed_temperature, ambient")
+        if self.fixed_temperature is not None and (self.coefficient or self.emissivity):
+            raise ValueError("coefficient and emissivity belong to ambient; the surface has the temperature given")
+        if self.ambient is not None and not self.coefficient and self.emissivity is None:
+            raise ValueError("ambient heats nothing without coefficient or emissivity")
         return self
+
+
+class Initial(Table):
+    """The state at the start."""
+
+    temperature: Temperature = Field(description="of the whole particle")
 
 
 class Time(Table):
@@ -97,6 +113,12 @@ class Time(Table):
     end: Seconds = Field(description="time at which the run ends")
     times: tuple[Instant, ...] = Field((), description="output times; absent: 100 equal steps; the end is always one")
     tolerance: Fraction = Field(1e-4, description="local error of temperatures over their span, and of masses")
+
+
+class SingleParticle(Table):
+    """What only this model has."""
+
+    cells: Annotated[Whole, Field(ge=4, le=1000)] = Field(30, description="shells of equal thickness")
 
 
 class Output(Table):
@@ -122,11 +144,36 @@ class SingleParticleScene(SceneBase):
     """One sphere in hot surroundings that conducts and reacts."""
 
     kind: ClassVar[str] = "single_particle"
+    renamed: ClassVar[Mapping[str, str]] = {
+        "particle.cells": "single_particle.cells",
+        "particle.temperature": "initial.temperature",
+        "particle.gas_heat_capacity": "gas.heat_capacity",
+        "particle": "solids.NAME",
+        "constituent.NAME.mass_fraction": "give the mass fractions of the fresh particle as solids.NAME.composition",
+        "constituent": "solids.NAME.constituent",
+        "reactions.NAME.activation_temperature": "give E, the activation temperature times 8.31446 J/mol/K",
+        "surroundings.surface": "boundary.surface.fixed_temperature",
+        "surroundings.temperature": "boundary.surface.ambient",
+        "surroundings.coefficient": "boundary.surface.coefficient",
+        "surroundings.emissivity": "boundary.surface.emissivity",
+    }
 
-    particle: Particle
-    constituent: dict[str, Constituent] = Field(min_length=1, description="constituents of the particle by name")
+    solids: dict[str, Solid] = Field(min_length=1, max_length=1, description="the particle, by name")
+    gas: Gas = Gas()
     reactions: dict[str, Reaction] = Field(default_factory=dict, description="reactions of constituents by name")
-    surroundings: Surroundings
+    boundary: dict[str, Boundary] = Field(min_length=1, description="`surface` alone")
+    initial: Initial
     time: Time
+    single_particle: SingleParticle = SingleParticle()
     output: Output = Output()
     solver: Solver = Solver()
+
+    @property
+    def solid(self) -> Solid:
+        """The particle."""
+        return next(iter(self.solids.values()))
+
+    @property
+    def surface(self) -> Boundary:
+        """The condition at its surface."""
+        return self.boundary[SURFACE]

@@ -36,14 +36,15 @@ LATE = 1e-3  # least share of the end at which curves are compared: the contour 
 
 def numbers(scene: Any) -> dict[str, float]:
     """Transfer units and their time [s], Biot number, what particles hold over the concentration of the gas."""
-    gas, d, eps = scene.adsorption["CO2"], scene.bed.particle_diameter, scene.bed.porosity
-    T, film = scene.boundary["left"].fluid.inflow, scene.mass.sherwood * scene.fluid.diffusivity / d
-    p = 1e-6 * scene.fluid.pressure
+    solid, inlet = scene.solids["sorbent"], scene.boundary["left"].gas
+    gas, d, eps = solid.adsorption["CO2"], solid.diameter, scene.packed_bed.porosity
+    T, film = inlet.temperature, scene.closures.sherwood * scene.gas.diffusivity / d
+    p = 1e-6 * scene.gas.pressure
     q = gas.henry * p if gas.henry is not None else gas.capacity * gas.affinity * p / (1.0 + gas.affinity * p)
-    K = scene.solid.density * q / (p / (R_GAS * T))
+    K = solid.density * q / (p / (R_GAS * T))
     area = 6.0 * (1.0 - eps) / d
     return {
-        "units": film * area * scene.mesh.length / scene.flow.velocity,
+        "units": film * area * scene.mesh.length / inlet.velocity,
         "unit": (1.0 - eps) * K / (film * area),
         "biot": film * 0.5 * d / gas.diffusivity,
         "r": 1.0 / (1.0 + (gas.affinity or 0.0) * p),
@@ -71,7 +72,7 @@ def curve(result: Any) -> tuple[Any, Any]:
 
 def _spheres(rows: list[Any], curves: list[Any]) -> None:
     for level, points, cells, tolerance in RUNS:
-        changes = {"particle.adsorption": level, "particle.points": points}
+        changes = {"solids.sorbent.inside": {"adsorption": level, "points": points}}
         scene = cb.load(HERE / "rosen.toml", changes | {"mesh.cells": cells, "time.tolerance": tolerance})
         seconds, result = gallery.cpu(lambda scene=scene: cb.run(scene))
         t, share = curve(result)

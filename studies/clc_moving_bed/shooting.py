@@ -59,28 +59,29 @@ class Bed:
     @classmethod
     def of(cls, scene: Any) -> Bed:
         """Read the inputs of a scene of the package."""
-        fluid, solid, reaction = scene.fluid, scene.solid, scene.reactions["reduction"]
-        pairs = dict(part.split(":") for part in fluid.composition.replace(" ", "").split(","))
+        gas, solid, reaction = scene.gas, scene.solids["carrier"], scene.reactions["reduction"]
+        inlet, solids_inlet = scene.boundary["left"].gas, scene.boundary["right"].solids["carrier"]
+        pairs = dict(part.split(":") for part in gas.composition.replace(" ", "").split(","))
         total = sum(map(float, pairs.values()))
-        tables = {**fluid.species, **solid.constituent}
+        tables = {**gas.species, **solid.constituent}
         fractions = {k: float(v) for k, v in (p.split(":") for p in solid.composition.replace(" ", "").split(","))}
         whole = sum(fractions.values())
         return cls(
             scene.mesh.length,
-            scene.bed.porosity,
-            scene.bed.particle_diameter,
-            {name: scene.flow.molar_flux * float(pairs.get(name, 0.0)) / total for name in GASES},
-            fluid.pressure,
-            scene.boundary["left"].fluid.inflow,
-            -scene.flow.velocity_solid,
+            scene.packed_bed.porosity,
+            solid.diameter,
+            {name: inlet.molar_flux * float(pairs.get(name, 0.0)) / total for name in GASES},
+            gas.pressure,
+            inlet.temperature,
+            solids_inlet.velocity,
             {name: fractions.get(name, 0.0) / whole for name in SOLIDS},
             solid.porosity,
-            scene.boundary["right"].solid.inflow,
+            solids_inlet.temperature,
             {name: table.molar_mass for name, table in tables.items()},
             {name: table.density for name, table in solid.constituent.items()},
             {name: table.shomate for name, table in tables.items()},
-            {name: fluid.species[name].viscosity for name in GASES},
-            {name: fluid.species[name].conductivity for name in GASES},
+            {name: gas.species[name].viscosity for name in GASES},
+            {name: gas.species[name].conductivity for name in GASES},
             reaction.A,
             reaction.E,
             reaction.orders["CH4"],

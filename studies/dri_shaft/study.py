@@ -45,12 +45,12 @@ def reference(case: str) -> tuple[float, ...]:
 
 def changed(key: str, value: float) -> cb.Scene:
     """The shaft on natural gas with another temperature of the gas [K], H2/CO or diameter of the pellets [mm]."""
-    changes: dict[str, Any] = {"boundary.left.fluid.inflow": value}
+    changes: dict[str, Any] = {"boundary.left.gas.temperature": value}
     if key == "H2/CO":
         hydrogen = REDUCING * value / (1.0 + value)
-        changes = {"fluid.composition": f"H2:{hydrogen:.12g}, CO:{REDUCING - hydrogen:.12g}, {REST}"}
+        changes = {"gas.composition": f"H2:{hydrogen:.12g}, CO:{REDUCING - hydrogen:.12g}, {REST}"}
     elif key == "diameter":
-        changes = {"bed.particle_diameter": 1e-3 * value}
+        changes = {"solids.pellets.diameter": 1e-3 * value}
     return cb.load(HERE / "natural_gas.toml", changes)
 
 
@@ -68,7 +68,7 @@ def compute() -> Tables:
     """Both cases beside upwind cells, profiles, and the sweep."""
     rows, profiles = [], []
     for case, gas in CASES.items():
-        run = cb.run(cb.load(HERE / "h2_5m.toml", {"flow.molar_flux": gas}))
+        run = cb.run(cb.load(HERE / "h2_5m.toml", {"boundary.left.gas.molar_flux": gas}))
         rows.append((case, "this scene", *(run.qoi[key] for key in SHOWN)))
         rows.append((case, "upwind cells, extrapolated", *reference(case)))
         rows.append((case, "last step of extrapolation", *LAST_STEP[case]))

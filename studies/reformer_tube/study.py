@@ -32,14 +32,14 @@ RATES = ("reforming", "shift", "total")
 OWN_RATES = {f"reactions.{name}.factor": 1.0 for name in RATES}
 FIXED, RESOLVED = "effectiveness fixed", "pellets resolved"
 INSIDE = {
-    RESOLVED: OWN_RATES | {"particle.mass": "interior", "particle.diffusivity": DIFFUSIVITY},
+    RESOLVED: OWN_RATES | {"solids.catalyst.inside": {"mass": "interior", "diffusivity": DIFFUSIVITY}},
     "effectiveness by Thiele": OWN_RATES
-    | {"particle.mass": "effectiveness"}
+    | {"solids.catalyst.inside.mass": "effectiveness"}
     | {f"reactions.{name}.diffusivity": DIFFUSIVITY["CH4"] for name in RATES},
 }
 ACROSS = {
-    "section.dispersion": "vdi",
-    "section.mass_dispersion": {"name": "mass_dispersion_peclet", "Pe_p": 10.0},
+    "packed_bed.section.dispersion": "vdi",
+    "packed_bed.section.dispersion_mass": {"name": "mass_dispersion_peclet", "Pe_p": 10.0},
     "mesh.cells": 20,  # twice as many change conversions by 5e-8, differences across the tube by 0.13 K
 }
 RINGS = ((4, FIXED), (8, FIXED), (8, RESOLVED))
@@ -84,7 +84,7 @@ def _across(case: str) -> list[tuple[Any, ...]]:
     """Return the tube resolved across the flow: mean, axis and wall along it, by rings and inside of pellets."""
     rows = []
     for rings, inside in RINGS:
-        changes = ACROSS | {"section.rings": rings} | INSIDE.get(inside, {})
+        changes = ACROSS | {"packed_bed.section.rings": rings} | INSIDE.get(inside, {})
         run = cb.run(cb.load(HERE / f"{case}.toml", changes))
         x = np.linspace(0.0, run.profiles["x [m]"][-1], 61)
         found = [np.interp(x, run.profiles["x [m]"], run.profiles[name]) for name in (*SECTION[1:4], "x_CH4 [1]")]

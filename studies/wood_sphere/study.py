@@ -20,9 +20,9 @@ CALIBRATED = (638, 736, 831)  # whose measured mass loss fitted five constants, 
 STEP, END = 10.0, 1200.0  # [s] of output, and end of the measured temperatures
 # constants as published, surface held at the measured temperature
 PUBLISHED = {
-    "particle.conductivity": 0.2046,
-    "particle.conductivity_product": 0.0936,
-    "particle.gas_heat_capacity": 0.0,
+    "solids.wood.conductivity": 0.2046,
+    "solids.wood.conductivity_product": 0.0936,
+    "gas.heat_capacity": 0.0,
     "reactions.tar.heat": 1.1e5,
     "reactions.char.heat": -2.1e5,
 }
@@ -50,7 +50,7 @@ def variant(furnace: int, **changes: Any) -> cb.Scene:
     times = np.arange(0.0, END + STEP / 2, STEP).tolist()
     return cb.load(
         HERE / "wood.toml",
-        {"surroundings.temperature": float(furnace), "time.end": END, "time.times": times, **changes},
+        {"boundary.surface.ambient": float(furnace), "time.end": END, "time.times": times, **changes},
     )
 
 
@@ -59,7 +59,7 @@ def held(furnace: int) -> cb.Scene:
     t, T = reference(furnace)["surface"]
     surface = {"times": t.tolist(), "values": T.tolist()}
     tables = tomllib.loads((HERE / "wood.toml").read_text(encoding="utf-8"))
-    tables["surroundings"] = {"surface": surface}
+    tables["boundary"] = {"surface": {"fixed_temperature": surface}}
     for key, value in PUBLISHED.items():
         *path, last = key.split(".")
         table = tables

@@ -91,9 +91,9 @@ def test_kind_of_a_place():
 
 def test_kinds_of_places_are_those_that_a_reacting_bed_binds():
     """What is offered for a place is what its scene takes there."""
-    bound = {".".join(key): kind for key, _, kind in places_of(Mock(), Mock(), Mock(), Mock(), Mock())}
+    bound = {".".join(key): kind for key, _, kind in places_of(Mock(), Mock(), {"NAME": Mock()}, {"wall": Mock()})}
     assert bound == {key: kind_for(key) for key in bound}
-    assert bound["mass.dispersion"] == "mass_dispersion"
+    assert bound["closures.dispersion_mass"] == "mass_dispersion"
 
 
 def test_the_command(capsys):

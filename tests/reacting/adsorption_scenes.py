@@ -23,23 +23,25 @@ def adsorber(K: float, units: float, biot: float, capacity: float | None = None)
     """
     film = units * SPEED / AREA
     scene = isothermal(f"A:{TRACE!r}, N:{1.0 - TRACE!r}", {})
-    scene["fluid"] |= {
+    scene["gas"] |= {
         "diffusivity": GAS_DIFFUSIVITY,
         "species": {
             "A": {"elements": {"C": 1.0}, "molar_mass": 0.044},
             "N": {"elements": {"N": 2.0}, "molar_mass": 0.028},
         },
     }
-    scene["solid"] = {"density": DENSITY}
-    scene["mass"] = {"sherwood": film * DIAMETER / GAS_DIFFUSIVITY}
+    scene["solids"]["particles"] |= {"density": DENSITY}
+    scene["closures"] |= {"sherwood": film * DIAMETER / GAS_DIFFUSIVITY}
     loading = K * TRACE * MOLAR / DENSITY  # [mol/kg] in equilibrium with what enters
     gas: dict[str, Any] = {"diffusivity": film * 0.5 * DIAMETER / biot, "temperature": T}
     if capacity is None:
         gas["henry"] = loading / (TRACE * P)
     else:
         gas |= {"capacity": capacity * loading, "affinity": 1.0 / (capacity - 1.0) / (TRACE * P)}
-    scene["adsorption"] = {"A": gas}
-    scene["time"] = {"initial_composition": "N:1", "gas": "quasi_steady"}
+    scene["solids"]["particles"]["adsorption"] = {"A": gas}
+    scene["time"] = {}
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
+    scene["initial"] |= {"gas": {"composition": "N:1"}}
     scene["output"]["positions"] = [1.0]
     return scene, (1.0 - EPS) * K / (film * AREA)
 

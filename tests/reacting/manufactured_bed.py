@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from reacting_bed_scenes import R_GAS, P, isothermal
+from reacting_bed_scenes import R_GAS, P, isothermal, let_move
 
 from contbed.fem.line_dg import Ends, System
 from contbed.loading import from_dict
@@ -39,20 +39,22 @@ def scene(velocity_solid: float, cells: int, degree: int, transient: bool) -> di
         }
     made = isothermal("A:0.7, B:0.3", gases)
     made["mesh"]["cells"] = cells
-    made["fluid"] |= {"diffusivity": D_GAS, "conductivity": 0.03, "viscosity": 2e-5}
-    made["solid"] = {"density": RHO, "heat_capacity": C_S}
-    made["flow"] |= {"velocity_solid": velocity_solid * (1.0 - EPS)}
+    made["gas"] |= {"diffusivity": D_GAS, "conductivity": 0.03, "viscosity": 2e-5}
+    made["solids"]["particles"] |= {"density": RHO, "heat_capacity": C_S}
     # A -> B does not balance with unlike masses of one element: 3 A -> 2 B does
     made["reactions"] = {"r": {"equation": "3 A -> 2 B", "A": K_RATE, "E": 0.0, "orders": {"A": 1.0}}}
-    made["heat"] = {"nusselt": H_HEAT / AREA * D / 0.03, "conductivity_fluid": K_F, "conductivity_solid": K_S}
-    made["mass"] = {"dispersion": D_BED, "sherwood": SHERWOOD}
-    made["adsorption"] = {"A": {"henry": HENRY, "diffusivity": 1e-6}}
-    made["particle"] = {"adsorption": "film"}
+    made["heat"] = {}
+    made["closures"] |= {"nusselt": H_HEAT / AREA * D / 0.03, "conductivity_gas": K_F, "conductivity_solids": K_S}
+    made["closures"] |= {"dispersion_mass": D_BED, "sherwood": SHERWOOD}
+    made["solids"]["particles"]["adsorption"] = {"A": {"henry": HENRY, "diffusivity": 1e-6}}
+    made["solids"]["particles"]["inside"] = {"adsorption": "film"}
     made["solver"] = {"degree": degree}
     if velocity_solid:
-        made["boundary"]["right"] = {"solid": {"inflow": 400.0}}
+        let_move(made, velocity_solid * (1.0 - EPS), temperature=400.0)
     if transient:
-        made["time"] = {"end": 1.0, "gas": "stored", "initial_composition": "B:1"}
+        made["time"] = {"end": 1.0}
+        made["packed_bed"]["gas_storage"] = "stored"
+        made["initial"] |= {"gas": {"composition": "B:1"}}
     return made
 
 

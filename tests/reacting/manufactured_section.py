@@ -35,12 +35,13 @@ def problem_of(shape: str, rings: int, cells: int, degree: int) -> Any:
     made["mesh"]["cells"] = cells
     made["reactions"] = {"r": {"equation": "3 A -> 2 B", "A": K_RATE, "E": 0.0, "orders": {"A": 1.0}}}
     made["heat"] = {}
-    made["wall"] = {"diameter": 2.0 * RADIUS, "coefficient": H_WALL, "ambient": T_WALL}
-    made["section"] = {
+    made["mesh"]["diameter"] = 2.0 * RADIUS
+    made["boundary"]["wall"] = {"coefficient": H_WALL, "ambient": T_WALL}
+    made["packed_bed"]["section"] = {
         "shape": shape,
         "rings": rings,
-        "conductivity_solid": K_HEAT,
-        "mass_dispersion": D_MASS,
+        "conductivity_solids": K_HEAT,
+        "dispersion_mass": D_MASS,
     }
     made["solver"] = {"degree": degree}
     return plan(from_dict(made)).problem

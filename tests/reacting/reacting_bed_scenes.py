@@ -38,10 +38,12 @@ def isothermal(composition: str, gases: dict[str, Any], **more: Any) -> dict[str
     """A bed of 1 m at one temperature and pressure, gas from the left."""
     scene: dict[str, Any] = {
         "mesh": {"type": "line", "length": 1.0},
-        "fluid": {"model": "ideal_gas", "composition": composition, "pressure": P, "species": gases},
-        "bed": {"porosity": 0.4, "particle_diameter": 3e-3},
-        "flow": {"velocity": 0.5, "pressure_drop": "none"},
-        "boundary": {"left": {"fluid": {"inflow": T}}},
+        "gas": {"model": "ideal_gas", "composition": composition, "pressure": P, "species": gases},
+        "solids": {"particles": {"diameter": 3e-3}},
+        "packed_bed": {"porosity": 0.4, "pressure_drop": "none"},
+        "closures": {},
+        "boundary": {"left": {"gas": {"velocity": 0.5, "temperature": T}}},
+        "initial": {},
         "output": {"plots": False},
     }
     for key, value in more.items():
@@ -49,11 +51,30 @@ def isothermal(composition: str, gases: dict[str, Any], **more: Any) -> dict[str
     return scene
 
 
+def let_move(scene: dict[str, Any], velocity: float, **state: float) -> dict[str, Any]:
+    """Let all solid phases move along x, in place: a superficial velocity, and the temperature where they enter."""
+    side = scene["boundary"].setdefault("left" if velocity > 0.0 else "right", {})
+    side["solids"] = {phase: {"velocity": abs(velocity), **state} for phase in scene["solids"]}
+    return scene
+
+
+def put(scene: dict[str, Any], key: str, value: Any) -> dict[str, Any]:
+    """Replace the value of a dotted key, in place; None removes it."""
+    *above, last = key.split(".")
+    for step in above:
+        scene = scene.setdefault(step, {})
+    if value is None:
+        del scene[last]
+    else:
+        scene[last] = value
+    return scene
+
+
 def danckwerts(Pe: float, Da: float) -> dict[str, Any]:
     """First order with dispersion: Pe = u L/(eps D), Da = eps k L/u."""
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     eps, u = 0.4, 0.5
-    scene["mass"] = {"dispersion": u / (eps * Pe)}
+    scene["closures"] |= {"dispersion_mass": u / (eps * Pe)}
     scene["reactions"] = {"r": {"equation": "A -> B", "A": Da * u / eps, "E": 0.0}}
     return scene
 
@@ -70,10 +91,11 @@ def ergun(row: dict[str, float]) -> dict[str, Any]:
     """Isothermal gas through a bed by Ergun's equation."""
     scene = isothermal("A:1", species(A=row["M_kg_mol"]))
     scene["mesh"]["length"] = row["L_m"]
-    scene["fluid"] |= {"pressure": row["p_in_Pa"], "viscosity": row["mu_Pa_s"]}
-    scene["bed"] = {"porosity": row["eps"], "particle_diameter": row["d_m"]}
-    scene["flow"] = {"mass_flux": row["G_kg_m2_s"], "pressure_drop": "ergun"}
-    scene["boundary"] = {"left": {"fluid": {"inflow": row["T_K"]}}}
+    scene["gas"] |= {"pressure": row["p_in_Pa"], "viscosity": row["mu_Pa_s"]}
+    scene["packed_bed"]["porosity"] = row["eps"]
+    scene["solids"]["particles"]["diameter"] = row["d_m"]
+    scene["boundary"]["left"]["gas"] = {"mass_flux": row["G_kg_m2_s"], "temperature": row["T_K"]}
+    scene["packed_bed"]["pressure_drop"] = "ergun"
     return scene
 
 
@@ -94,8 +116,8 @@ def bilinear(N: float, r: float) -> dict[str, Any]:
     u, eps = 0.5, 0.4
     F = u * MOLAR
     v = r * F / N_SOLID
-    scene = isothermal("A:1", species(A=0.028, B=0.028), flow={"velocity_solid": -v * (1.0 - eps)})
-    scene["solid"] = solids()
+    scene = let_move(isothermal("A:1", species(A=0.028, B=0.028)), -v * (1.0 - eps))
+    scene["solids"]["particles"] |= solids()
     k = N * u * v / F
     orders = {"A": 1.0, "S": 1.0}
     scene["reactions"] = {"r": {"equation": "A + S -> B + P", "A": k, "E": 0.0, "orders": orders, "basis": "bed"}}
@@ -106,9 +128,9 @@ def shrinking_core(N: float, n: float, f: float, d: float, r: float) -> dict[str
     """Counter-current bed of shrinking cores; see the header of its table."""
     u, eps, tau, R = 0.5, 0.4, 1000.0, 1.5e-3
     v = n * u * MOLAR / N_SOLID
-    scene = isothermal("A:1", species(A=0.028, B=0.028), flow={"velocity_solid": -v * (1.0 - eps)})
+    scene = let_move(isothermal("A:1", species(A=0.028, B=0.028)), -v * (1.0 - eps))
     scene["mesh"]["length"] = N * tau * v / n
-    scene["solid"] = solids()
+    scene["solids"]["particles"] |= solids()
     demand = R * (N_SOLID / (1.0 - eps)) / MOLAR / tau
     scene["reactions"] = {
         "r": {
@@ -121,16 +143,16 @@ def shrinking_core(N: float, n: float, f: float, d: float, r: float) -> dict[str
     }
     if f:
         D = 1e-5
-        scene["fluid"]["diffusivity"] = D
-        scene["mass"] = {"sherwood": demand / (3.0 * f) * 2.0 * R / D}
+        scene["gas"]["diffusivity"] = D
+        scene["closures"] |= {"sherwood": demand / (3.0 * f) * 2.0 * R / D}
     return scene
 
 
 def equilibrium(composition: str, pressure: float, temperature: float, equations: dict[str, str]) -> dict[str, Any]:
     """A bed in which reversible reactions are fast."""
     scene = isothermal(composition, {})
-    scene["fluid"] = {"model": "cantera", "composition": composition, "pressure": pressure}
-    scene["boundary"] = {"left": {"fluid": {"inflow": temperature}}}
+    scene["gas"] = {"model": "cantera", "composition": composition, "pressure": pressure}
+    scene["boundary"]["left"]["gas"]["temperature"] = temperature
     molar = pressure / (R_GAS * temperature)
     scene["reactions"] = {
         name: {"equation": text, "A": 1e3 / molar ** (orders - 1), "E": 0.0}
@@ -148,10 +170,13 @@ def ignition(Pe_m: float, Pe_h: float, B: float, g: float, Da: float) -> dict[st
     gases["A"] |= {"heat_capacity": cp, "enthalpy": fall}
     gases["B"] |= {"heat_capacity": cp, "enthalpy": 0.0}
     scene = isothermal("A:1", gases)
-    scene["flow"] = {"mass_flux": G, "pressure_drop": "none"}
-    scene["boundary"] = {"left": {"fluid": {"inflow": T_in}}}
-    scene["heat"] = {"conductivity_solid": G * cp / mass / Pe_h}
-    scene["mass"] = {"dispersion": {"name": "mass_dispersion_peclet", "Pe_p": Pe_m * d}}
+    scene["boundary"]["left"]["gas"] = {"mass_flux": G, "temperature": T_in}
+    scene["packed_bed"]["pressure_drop"] = "none"
+    scene["heat"] = {}
+    scene["closures"] |= {
+        "conductivity_solids": G * cp / mass / Pe_h,
+        "dispersion_mass": {"name": "mass_dispersion_peclet", "Pe_p": Pe_m * d},
+    }
     scene["reactions"] = {
         "r": {
             "equation": "A -> B",
@@ -167,7 +192,7 @@ def fixed_bed(law: str, f: float, d: float, r: float, xi: float, tau: float) -> 
     """Bed at rest whose particles react with the gas; xi and tau as in the header of its table."""
     u, full = 0.5, 1000.0
     scene = isothermal("A:1", species(A=0.028, B=0.028))
-    scene["solid"] = solids()
+    scene["solids"]["particles"] |= solids()
     scene["mesh"]["length"] = xi * u * MOLAR * full / N_SOLID
     scene["time"] = {"end": tau * full}
     scene["output"] |= {"positions": [scene["mesh"]["length"]]}
@@ -178,9 +203,8 @@ def fixed_bed(law: str, f: float, d: float, r: float, xi: float, tau: float) -> 
         return scene
     cores = shrinking_core(1.0, 1.0, f, d, r)
     scene["reactions"] = cores["reactions"]
-    scene["fluid"] = cores["fluid"]
-    if "mass" in cores:
-        scene["mass"] = cores["mass"]
+    scene["gas"] = cores["gas"]
+    scene["closures"] = cores["closures"]
     return scene
 
 
@@ -198,14 +222,16 @@ def heated(xi: float) -> tuple[dict[str, Any], float]:
     gases = species(A=0.028)
     gases["A"] |= {"heat_capacity": cp, "enthalpy": 0.0}
     scene = isothermal("A:1", gases)
-    scene["fluid"] |= {"conductivity": 0.03, "viscosity": 2e-5}
+    scene["gas"] |= {"conductivity": 0.03, "viscosity": 2e-5}
     scene["mesh"]["length"] = L
-    scene["flow"] = {"mass_flux": G, "pressure_drop": "none"}
-    scene["boundary"] = {"left": {"fluid": {"inflow": 600.0}}}
-    scene["solid"] = {"density": rho_s, "heat_capacity": c_s}
+    scene["boundary"]["left"]["gas"] = {"mass_flux": G, "temperature": 600.0}
+    scene["packed_bed"]["pressure_drop"] = "none"
+    scene["solids"]["particles"] |= {"density": rho_s, "heat_capacity": c_s}
     ha = xi * G * cp / 0.028 / L
-    scene["heat"] = {"nusselt": ha / (6.0 * 0.6 / d) * d / 0.03}
-    scene["time"] = {"initial_temperature": 300.0}
+    scene["heat"] = {}
+    scene["closures"] |= {"nusselt": ha / (6.0 * 0.6 / d) * d / 0.03}
+    scene["time"] = {}
+    scene["initial"] |= {"temperature": 300.0}
     return scene, ha / (0.6 * rho_s * c_s)
 
 
@@ -217,14 +243,15 @@ def switched(values: list[Any], half: float) -> dict[str, Any]:
 def looping() -> dict[str, Any]:
     """Particles at rest that a fuel takes oxygen from and air gives it back to."""
     scene = isothermal("A:1", species(A=0.028, B=0.028, O=0.032, I=0.032))
-    scene["solid"] = solids()
+    scene["solids"]["particles"] |= solids()
     k = 1e-3 / MOLAR
     at = {"E": 0.0, "basis": "bed"}
     scene["reactions"] = {
         "reduction": {"equation": "A + S -> B + P", "A": k, "orders": {"A": 1.0, "S": 1.0}, **at},
         "oxidation": {"equation": "O + P -> I + S", "A": 2.0 * k, "orders": {"O": 1.0, "P": 1.0}, **at},
     }
-    scene["fluid"]["composition"] = switched(["A:1", "O:1"], 600.0)
-    scene["time"] = {"end": 1200.0, "gas": "quasi_steady", "times": [600.0], "tolerance": 1e-3, "cycle": {}}
+    scene["boundary"]["left"]["gas"]["composition"] = switched(["A:1", "O:1"], 600.0)
+    scene["time"] = {"end": 1200.0, "times": [600.0], "tolerance": 1e-3, "cycle": {}}
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
     scene["mesh"] |= {"length": 0.3, "cells": 4}
     return scene

@@ -16,35 +16,23 @@ def part_of(name: str, kind: str) -> float:
 def split(scene: dict[str, Any], shares: dict[str, float] = SHARES, **changes: dict[str, Any]) -> dict[str, Any]:
     """The particles of a scene as kinds that differ in nothing but their share, or in `changes` by kind."""
     out = deepcopy(scene)
-    solid, diameter = out.pop("solid"), out["bed"].pop("particle_diameter")
+    solid = out["solids"].pop("particles")
     out["solids"] = {
-        kind: {**deepcopy(solid), "volume_share": share, "particle_diameter": diameter, **changes.get(kind, {})}
-        for kind, share in shares.items()
+        kind: {**deepcopy(solid), "volume_share": share, **changes.get(kind, {})} for kind, share in shares.items()
     }
+    for table in out["boundary"].values():
+        if "solids" in table:
+            stream = table["solids"].pop("particles")
+            table["solids"] = {kind: deepcopy(stream) for kind in shares}
     return out
-
-
-def split_adsorbing(
-    scene: dict[str, Any], shares: dict[str, float] = SHARES, **changes: dict[str, Any]
-) -> dict[str, Any]:
-    """The particles of a scene that adsorb as kinds, each with the same isotherms or those in `changes`."""
-    out = split(scene, shares)
-    return _with_each(out, {"adsorption": out.pop("adsorption")}, changes)
 
 
 def split_pellets(
     scene: dict[str, Any], shares: dict[str, float] = SHARES, **changes: dict[str, Any]
 ) -> dict[str, Any]:
-    """The pellets of a scene as kinds in which all reactions run, with its diffusivities or those in `changes`."""
-    out = split(scene, shares)
-    out = _with_each(out, {"diffusivity": out["particle"].pop("diffusivity")}, changes)
-    running = [kind for kind, table in out["solids"].items() if table["diffusivity"]]
+    """The pellets of a scene as phases in which all reactions run, with its diffusivities or those in `changes`."""
+    out = split(scene, shares, **changes)
+    running = [phase for phase, table in out["solids"].items() if table["inside"]["diffusivity"]]
     for reaction in out["reactions"].values():
         reaction["solid"] = running
     return out
-
-
-def _with_each(scene: dict[str, Any], given: dict[str, Any], changes: dict[str, dict[str, Any]]) -> dict[str, Any]:
-    for kind, table in scene["solids"].items():
-        table |= deepcopy(given) | changes.get(kind, {})
-    return scene

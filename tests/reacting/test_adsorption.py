@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from adsorption_scenes import CORE, SPEED, TRACE, adsorber, constant_pattern
-from reacting_bed_scenes import P, T, solids
+from reacting_bed_scenes import P, T, let_move, put, solids
 
 import contbed
 from contbed.errors import SceneError
@@ -14,6 +14,7 @@ from contbed.particle.uptake import breakthrough, moving_bed
 from contbed.reacting_bed.plan import plan
 
 CLOSED = 1e-12
+ADSORPTION = "solids.particles.adsorption"
 K = 200.0  # per volume of particles over per volume of gas
 SHARES = np.array([0.5, 0.8, 1.0, 1.2, 1.6])  # of the mean breakthrough
 
@@ -36,7 +37,7 @@ def breaks_through(scene, unit, units, cells=8):
 )
 def test_breakthrough(level, points, biot, units, tolerance):
     scene, unit = adsorber(K, units, biot)
-    scene["particle"] = {"adsorption": level, "points": points}
+    scene["solids"]["particles"]["inside"] = {"adsorption": level, "points": points}
     found, _ = breaks_through(scene, unit, units)
     law = {"interior": "interior", "linear_driving_force": "effective"}[level]
     np.testing.assert_allclose(found, breakthrough(units, units * SHARES, biot, law), atol=tolerance)
@@ -46,9 +47,9 @@ def test_porous_particles_hold_gas_as_well():
     """Half of what is held is in the pores: the same curve."""
     units = 5.0
     scene, unit = adsorber(1.0, units, 1.0)
-    scene["solid"]["porosity"] = 0.5
-    scene["adsorption"]["A"]["henry"] *= 0.5
-    scene["particle"] = {"adsorption": "linear_driving_force"}
+    scene["solids"]["particles"]["porosity"] = 0.5
+    scene["solids"]["particles"]["adsorption"]["A"]["henry"] *= 0.5
+    scene["solids"]["particles"]["inside"] = {"adsorption": "linear_driving_force"}
     found, _ = breaks_through(scene, unit, units)
     np.testing.assert_allclose(found, breakthrough(units, units * SHARES, 1.0, "effective"), atol=1e-4)
 
@@ -57,7 +58,7 @@ def test_a_langmuir_front_keeps_its_shape():
     """q_s 1.25 times the loading in equilibrium with the feed: r = 0.2; the film alone resists."""
     units, capacity = 12.0, 1.25
     scene, unit = adsorber(K, units, 1.0, capacity)
-    scene["particle"] = {"adsorption": "film"}
+    scene["solids"]["particles"]["inside"] = {"adsorption": "film"}
     levels = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
     times = (units + constant_pattern(levels, 1.0 - 1.0 / capacity)) * unit
     scene["time"] |= {"end": times[-1], "times": list(times[:-1]), "tolerance": 3e-3}
@@ -74,8 +75,8 @@ def test_a_steady_bed_that_moves(gamma, biot, fourier):
     units = 3.0 * abs(gamma) * biot * fourier
     scene, _ = adsorber(K, units, biot)
     del scene["time"]
-    scene["flow"]["velocity_solid"] = gamma * SPEED / K
-    scene["particle"] = {"adsorption": "interior", "points": 6}
+    let_move(scene, gamma * SPEED / K)
+    scene["solids"]["particles"]["inside"] = {"adsorption": "interior", "points": 6}
     result = contbed.run(from_dict(scene))
     assert result.qoi["x_A_out"] / TRACE == pytest.approx(moving_bed(gamma, biot, fourier), abs=1e-6)
     assert abs(result.balances["C"]["relative_residual"]) < CLOSED
@@ -85,23 +86,26 @@ def test_heat_of_adsorption_stays_in_the_bed():
     """A closed balance of energy; all heat leaves with the gas or is stored."""
     scene, _ = adsorber(K, 20.0, 1.0)
     share = 0.1
-    scene["fluid"]["composition"] = f"A:{share}, N:{1.0 - share}"
-    for data in scene["fluid"]["species"].values():
+    scene["gas"]["composition"] = f"A:{share}, N:{1.0 - share}"
+    for data in scene["gas"]["species"].values():
         data |= {"heat_capacity": 30.0, "enthalpy": 0.0, "conductivity": 0.03, "viscosity": 2e-5}
     loading = 0.5
-    scene["adsorption"]["A"] = {
+    scene["solids"]["particles"]["adsorption"]["A"] = {
         "capacity": loading,
         "affinity": 1e-4,
         "enthalpy": -3e4,
         "diffusivity": 1e-6,
         "temperature": T,
     }
-    scene["solid"] |= {"heat_capacity": 900.0}
-    scene["heat"] = {"nusselt": 10.0}
+    scene["solids"]["particles"] |= {"heat_capacity": 900.0}
+    scene["heat"] = {}
+    scene["closures"] |= {"nusselt": 10.0}
     del scene["output"]["positions"]
-    scene["time"] = {"initial_composition": "N:1", "end": 60.0, "tolerance": 1e-3}
+    scene["time"] = {"end": 60.0, "tolerance": 1e-3}
+    scene["packed_bed"]["gas_storage"] = "auto"
+    scene["initial"] |= {"gas": {"composition": "N:1"}}
     scene["mesh"]["cells"] = 6
-    scene["particle"] = {"adsorption": "linear_driving_force"}
+    scene["solids"]["particles"]["inside"] = {"adsorption": "linear_driving_force"}
     result = contbed.run(from_dict(scene))
     for each in result.balances.values():
         assert abs(each["relative_residual"]) < CLOSED
@@ -114,11 +118,15 @@ def test_heat_of_adsorption_stays_in_the_bed():
 def test_gases_compete_for_sites():
     """A bed that is filled with what enters holds both gases in the shares of their affinities."""
     scene, _ = adsorber(K, 20.0, 1.0)
-    scene["fluid"]["composition"] = "A:0.02, C:0.01, N:0.97"
-    scene["fluid"]["species"]["C"] = {"elements": {"O": 2.0}, "molar_mass": 0.032}
+    scene["gas"]["composition"] = "A:0.02, C:0.01, N:0.97"
+    scene["gas"]["species"]["C"] = {"elements": {"O": 2.0}, "molar_mass": 0.032}
     same = {"capacity": 1.0, "diffusivity": 1e-5, "temperature": T}
-    scene["adsorption"] = {"A": same | {"affinity": 1e-3}, "C": same | {"affinity": 4e-3}}
-    scene["time"] |= {"end": 100.0, "initial_composition": scene["fluid"]["composition"]}
+    scene["solids"]["particles"]["adsorption"] = {
+        "A": same | {"affinity": 1e-3},
+        "C": same | {"affinity": 4e-3},
+    }
+    scene["time"] |= {"end": 100.0}
+    scene["initial"] |= {"gas": {"composition": scene["gas"]["composition"]}}
     scene["mesh"]["cells"] = 2
     result = contbed.run(from_dict(scene))
     a, c = 1e-3 * 0.02 * P, 4e-3 * 0.01 * P
@@ -150,17 +158,21 @@ def test_the_plan_chooses_the_cheapest_level(biot, units, level):
     ("change", "said"),
     [
         (
-            {"adsorption": {"B": {"henry": 1e-5, "diffusivity": 1e-6}}},
+            {f"{ADSORPTION}.B": {"henry": 1e-5, "diffusivity": 1e-6}},
             "no gas of this name enters, fills the bed or reacts",
         ),
-        ({"mass": None}, "mass.sherwood: missing; the film around particles"),
-        ({"solid": None}, "solid: missing; loadings are per mass"),
+        ({"closures": None}, "closures.sherwood: missing; the film around particles"),
+        ({"solids.particles.density": None}, "solids.particles.density: missing; loadings are per mass"),
         ({"time": None}, "particles at rest take up nothing in a steady state"),
-        ({"time": {"end": 1.0}}, "particles begin in equilibrium with the gas that fills the bed"),
-        ({"adsorption": {"A": {"capacity": 1.0, "diffusivity": 1e-6}}}, "capacity and affinity belong together"),
-        ({"adsorption": {"A": {"diffusivity": 1e-6}}}, "give henry, or capacity and affinity"),
+        ({"initial": None}, "particles begin in equilibrium with the gas that fills the bed"),
+        ({ADSORPTION: {"A": {"capacity": 1.0, "diffusivity": 1e-6}}}, "capacity and affinity belong together"),
+        ({ADSORPTION: {"A": {"diffusivity": 1e-6}}}, "give henry, or capacity and affinity"),
         (
-            {"solid": solids(), "reactions": {"r": {"equation": "A + S -> A2 + P", **CORE}}},
+            {
+                "solids.particles.constituent": solids()["constituent"],
+                "solids.particles.composition": "S:1",
+                "reactions": {"r": {"equation": "A + S -> A2 + P", **CORE}},
+            },
             "A is adsorbed by the particles in which it reacts, and shrinking_core has a film and a layer of its own",
         ),
     ],
@@ -168,18 +180,15 @@ def test_the_plan_chooses_the_cheapest_level(biot, units, level):
 def test_mistakes(change, said):
     scene, _ = adsorber(K, 20.0, 1.0)
     scene["time"]["end"] = 1.0
-    scene["fluid"]["species"]["A2"] = {"elements": {"C": 1.0}, "molar_mass": 0.044}
+    scene["gas"]["species"]["A2"] = {"elements": {"C": 1.0}, "molar_mass": 0.044}
     for key, value in change.items():
-        if value is None:
-            del scene[key]
-        else:
-            scene[key] = value
+        put(scene, key, value)
     with pytest.raises(SceneError, match=said):
         plan(from_dict(scene))
 
 
 def test_absent_adsorption_adds_no_unknowns():
     scene, _ = adsorber(K, 20.0, 1.0)
-    del scene["adsorption"], scene["time"]
+    del scene["solids"]["particles"]["adsorption"], scene["time"]
     layout = plan(from_dict(scene)).problem.layout
     assert layout.names == ("g_A", "g_N")

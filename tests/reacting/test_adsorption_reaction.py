@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from adsorption_scenes import TRACE, adsorber
-from reacting_bed_scenes import T
-from several_solids import split_adsorbing
+from reacting_bed_scenes import T, let_move
+from several_solids import split
 from solving import CLOSED, solved
 
 import contbed
@@ -26,11 +26,11 @@ def reacting(biot: float, Da: float, level: str, **adsorption):
     Da : rate constant over (1 - eps), over k_f a, both per volume of bed
     """
     scene, unit = adsorber(K, UNITS, biot)
-    scene["fluid"]["species"]["B"] = scene["fluid"]["species"]["A"]
+    scene["gas"]["species"]["B"] = scene["gas"]["species"]["A"]
     k = Da * K / unit
     scene["reactions"] = {"r": {"equation": "A -> B", "A": k, "E": 0.0, "basis": "particle"}}
-    scene["particle"] = {"adsorption": level, "points": POINTS}
-    scene["adsorption"] |= adsorption
+    scene["solids"]["particles"]["inside"] = {"adsorption": level, "points": POINTS}
+    scene["solids"]["particles"]["adsorption"] |= adsorption
     return scene, unit
 
 
@@ -76,7 +76,7 @@ def test_steady_state(biot, Da, level):
     found = []
     for more in (1.0, 3.0):
         scene, _ = reacting(biot, Da, level)
-        scene["adsorption"]["A"]["henry"] *= more
+        scene["solids"]["particles"]["adsorption"]["A"]["henry"] *= more
         del scene["time"]
         found.append(solved(scene).qoi["x_A_out"] / TRACE)
     assert found[0] == pytest.approx(np.exp(-UNITS * resistance(biot, Da, level)(0.0)), abs=1e-8)
@@ -88,30 +88,30 @@ def test_a_film_alone_is_that_of_particles_that_do_not_adsorb():
     scene, _ = reacting(1.0, 0.3, "film")
     del scene["time"]
     one = solved(scene)
-    del scene["adsorption"], scene["particle"]
+    del scene["solids"]["particles"]["adsorption"], scene["solids"]["particles"]["inside"]
     other = solved(scene)
     for key in ("x_A_out", "x_B_out", "extent_r_mol_m2s"):
         assert one.qoi[key] == pytest.approx(other.qoi[key], rel=1e-9), key
 
 
-def hot(level: str, **flow: float):
+def hot(level: str):
     """A -> 2 B with heat, both adsorbed with heat, in a bed of two temperatures."""
     scene, unit = reacting(2.0, 0.4, level)
-    scene["fluid"]["composition"] = "A:0.1, N:0.9"
-    scene["fluid"]["species"]["B"] = {"elements": {"C": 0.5}, "molar_mass": 0.022}
+    scene["gas"]["composition"] = "A:0.1, N:0.9"
+    scene["gas"]["species"]["B"] = {"elements": {"C": 0.5}, "molar_mass": 0.022}
     scene["reactions"]["r"]["equation"] = "A -> 2 B"
-    for name, data in scene["fluid"]["species"].items():
+    for name, data in scene["gas"]["species"].items():
         formed = {"A": 0.0, "B": -4e3, "N": 0.0}[name]
         data |= {"heat_capacity": 30.0, "enthalpy": formed, "conductivity": 0.03, "viscosity": 2e-5}
-    same = {"diffusivity": scene["adsorption"]["A"]["diffusivity"], "temperature": T}
-    scene["adsorption"] = {
+    same = {"diffusivity": scene["solids"]["particles"]["adsorption"]["A"]["diffusivity"], "temperature": T}
+    scene["solids"]["particles"]["adsorption"] = {
         "A": same | {"capacity": 1.0, "affinity": 1e-4, "enthalpy": -2e4},
         "B": same | {"capacity": 0.5, "affinity": 2e-5, "enthalpy": -1e4},
     }
-    scene["solid"] |= {"heat_capacity": 900.0}
-    scene["heat"] = {"nusselt": 10.0}
+    scene["solids"]["particles"] |= {"heat_capacity": 900.0}
+    scene["heat"] = {}
+    scene["closures"] |= {"nusselt": 10.0}
     scene["mesh"]["cells"] = 6
-    scene["flow"] |= flow
     del scene["output"]["positions"]
     return scene, unit
 
@@ -120,8 +120,10 @@ def hot(level: str, **flow: float):
 def test_balances_in_time(level):
     """Elements and energy, to rounding."""
     scene, unit = hot(level)
-    scene["particle"]["points"] = 3
-    scene["time"] = {"initial_composition": "N:1", "end": 2.0 * unit, "tolerance": 1e-3}
+    scene["solids"]["particles"]["inside"]["points"] = 3
+    scene["time"] = {"end": 2.0 * unit, "tolerance": 1e-3}
+    scene["packed_bed"]["gas_storage"] = "auto"
+    scene["initial"] |= {"gas": {"composition": "N:1"}}
     result = solved(scene)
     assert {"C", "N", "energy"} <= set(result.balances)
     assert result.profiles["q_B [mol/kg]"].max() > 1e-3
@@ -130,9 +132,9 @@ def test_balances_in_time(level):
 
 def test_balances_of_particles_that_move():
     """What particles hold of both gases leaves with them."""
-    scene, _ = hot("interior", velocity_solid=-0.02)
-    scene["boundary"]["right"] = {"solid": {"inflow": T}}
-    scene["particle"]["points"] = 3
+    scene, _ = hot("interior")
+    let_move(scene, -0.02, temperature=T)
+    scene["solids"]["particles"]["inside"]["points"] = 3
     del scene["time"]
     result = solved(scene)
     carbon = result.balances["C"]
@@ -144,11 +146,11 @@ def test_balances_of_particles_that_move():
 def test_equal_kinds_are_one():
     """Two kinds of the same particles, to what Newton's method leaves."""
     scene, _ = hot("interior")
-    scene["particle"]["points"] = 3
+    scene["solids"]["particles"]["inside"]["points"] = 3
     del scene["time"]
     one = solved(scene)
     scene["reactions"]["r"]["solid"] = ["fine", "coarse"]
-    two = solved(split_adsorbing(scene))
+    two = solved(split(scene))
     for key in ("x_A_out", "x_B_out", "T_fluid_out_K"):
         assert two.qoi[key] == pytest.approx(one.qoi[key], rel=1e-9), key
 
@@ -159,21 +161,23 @@ def test_a_product_that_is_adsorbed_shifts_the_equilibrium():
     x^2/(1 - x^2) p = K with the share x that reacts of pure A at 1 bar; what is left to take up is a millionth.
     """
     scene, unit = reacting(1.0, 20.0, "film")
-    scene["fluid"]["composition"] = "A:1"
-    scene["fluid"]["species"] = {
+    scene["gas"]["composition"] = "A:1"
+    scene["gas"]["species"] = {
         "A": {"elements": {"C": 2.0}, "molar_mass": 0.044, "entropy": 0.0},
         "B": {"elements": {"C": 1.0}, "molar_mass": 0.022, "entropy": 0.0},
         "C": {"elements": {"C": 1.0}, "molar_mass": 0.022, "entropy": 0.0},
     }
-    for data in scene["fluid"]["species"].values():
+    for data in scene["gas"]["species"].values():
         data |= {"heat_capacity": 30.0, "enthalpy": 0.0}
-    scene["fluid"]["species"]["A"]["entropy"] = -8.31446261815324 * np.log(0.05)
-    scene["fluid"]["species"]["B"]["heat_capacity"] = scene["fluid"]["species"]["C"]["heat_capacity"] = 15.0
+    scene["gas"]["species"]["A"]["entropy"] = -8.31446261815324 * np.log(0.05)
+    scene["gas"]["species"]["B"]["heat_capacity"] = scene["gas"]["species"]["C"]["heat_capacity"] = 15.0
     scene["reactions"]["r"]["equation"] = "A <-> B + C"
-    scene["mass"]["sherwood"] *= 4.0  # 20 transfer units, which leave exp(-20) of the distance
-    isotherm = scene["adsorption"].pop("A")
-    scene["adsorption"] = {"C": isotherm}
-    scene["time"] = {"initial_composition": "A:1", "end": 40.0 * unit, "times": [1.0 * unit], "tolerance": 1e-3}
+    scene["closures"]["sherwood"] *= 4.0  # 20 transfer units, which leave exp(-20) of the distance
+    isotherm = scene["solids"]["particles"]["adsorption"].pop("A")
+    scene["solids"]["particles"]["adsorption"] = {"C": isotherm}
+    scene["time"] = {"end": 40.0 * unit, "times": [1.0 * unit], "tolerance": 1e-3}
+    scene["packed_bed"]["gas_storage"] = "auto"
+    scene["initial"] |= {"gas": {"composition": "A:1"}}
     scene["mesh"]["cells"] = 6
     scene["output"]["positions"] = [1.0]
     result = contbed.run(from_dict(scene))
@@ -194,17 +198,19 @@ def test_the_plan_resolves_points_where_adsorbed_gases_react():
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    "inside",
     [
-        ({"particle": {"mass": "interior", "diffusivity": {"A": 1e-6, "B": 1e-6}}}, "it diffuses to the points of"),
-        ({"particle": {"diffusivity": {"A": 1e-6, "B": 1e-6}}}, "it diffuses to the points of"),
-        ({"particle": {"mass": "effectiveness"}}, "it diffuses to the points of"),
+        {"mass": "interior", "diffusivity": {"A": 1e-6, "B": 1e-6}},
+        {"diffusivity": {"A": 1e-6, "B": 1e-6}},
+        {"mass": "effectiveness"},
     ],
 )
-def test_pores_are_modelled_once(change, said):
+def test_pores_are_modelled_once(inside):
     scene, unit = reacting(1.0, 0.3, "film")
     scene["time"]["end"] = unit
     scene["reactions"]["r"]["diffusivity"] = 1e-6
-    scene |= change
-    with pytest.raises(SceneError, match=f"reactions.r: A is adsorbed by the particles in which it reacts: {said}"):
+    scene["solids"]["particles"]["inside"] = inside
+    with pytest.raises(
+        SceneError, match=r"reactions\.r: A is adsorbed by the particles in which it reacts: it diffuses"
+    ):
         plan(from_dict(scene))

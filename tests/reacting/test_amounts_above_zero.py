@@ -74,7 +74,6 @@ def test_gas_from_the_right_is_damped_as_from_the_left():
     """Mirrored, to what Newton's method leaves; damping of the other sign steepens what it should flatten."""
     right, left = in_series(4, 8.0), in_series(4, 8.0)
     right["output"] = left["output"] = {"positions": [0.1, 0.3, 0.45, 0.55, 0.7, 0.9], "plots": False}
-    left["flow"]["velocity"] = -left["flow"]["velocity"]
     left["boundary"] = {"right": left["boundary"]["left"]}
     one, other = solved(right), solved(left)
     assert other.qoi["cells_damped"] == one.qoi["cells_damped"] > 0
@@ -148,7 +147,8 @@ def test_a_run_in_time_tells_how_far_and_where_an_amount_falls_below_zero(monkey
     """A step through cells that do not resolve it, at its start, if no bounds are found; at the end all is above."""
     monkeypatch.setattr(bounded, "TRIALS", 0)
     scene = danckwerts(20.0, 0.0)
-    scene["time"] = {"end": 1.6, "initial_composition": "B:1"}
+    scene["time"] = {"end": 1.6}
+    scene["initial"] |= {"gas": {"composition": "B:1"}}
     result = contbed.run(from_dict(scene))
     (text,) = (text for text in result.warnings if "below zero" in text)
     assert text.startswith("A falls to -0.00")

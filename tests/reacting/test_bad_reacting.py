@@ -11,34 +11,42 @@ GOOD = """
 [mesh]
 type = "line"
 length = 1.0
-[fluid]
+
+[gas]
 model = "ideal_gas"
 composition = "CH4:0.5, O2:0.5"
-[fluid.species]
+
+[gas.species]
 CH4 = { heat_capacity = 40.0, enthalpy = -74.8e3 }
 O2 = { heat_capacity = 30.0 }
 CO2 = { heat_capacity = 40.0, enthalpy = -393.5e3 }
 H2O = { heat_capacity = 35.0, enthalpy = -241.8e3 }
-[bed]
+
+[solids.particles]
+diameter = "3 mm"
+
+[packed_bed]
 porosity = 0.4
-particle_diameter = "3 mm"
-[flow]
-velocity = 0.5
-[boundary.left.fluid]
-inflow = 500.0
+
 [reactions.burning]
 equation = "CH4 + 2 O2 -> CO2 + 2 H2O"
 A = 1.0
 E = "50 kJ/mol"
+
+[boundary.left]
+gas.velocity = 0.5
+gas.temperature = 500.0
 """
 SOLID = """
-[solid]
 composition = "FeO:1"
 density = 3000.0
-[solid.constituent]
-FeO = { heat_capacity = 50.0 }
-Fe = { heat_capacity = 30.0 }
+constituent = { FeO = { heat_capacity = 50.0 }, Fe = { heat_capacity = 30.0 } }
 """
+
+
+def filled(text, particles=SOLID):
+    """The scene with more of its particles."""
+    return text.replace('diameter = "3 mm"\n', f'diameter = "3 mm"{particles}')
 
 
 def test_the_scene_without_mistakes_is_taken():
@@ -58,11 +66,25 @@ def test_the_scene_without_mistakes_is_taken():
         ("A = 1.0", "A = 1.0\norders = { CH5 = 1.0 }", "there is no 'CH5'"),
         ("CH4 + 2 O2 -> CO2", "CH4 + 2 Oxygen -> CO2", "'Oxygen' is no chemical formula"),
         ("CH4 + 2 O2 -> CO2", "CH4 + 2 O2 = CO2", "needs one arrow"),
-        ("[boundary.left.fluid]", "[boundary.right.fluid]", "the fluid does not enter here"),
+        (
+            "[boundary.left]\n",
+            "[boundary.left]\ngas.velocity = 0.5\n[boundary.right]\n",
+            "gives the flow of the gas already",
+        ),
+        ("velocity = 0.5", "velocity = -0.5", "the gas does not enter here"),
         ("velocity = 0.5", "velocity = 0.0", "no gas flows"),
-        ("velocity = 0.5", "velocity = 0.5\nmass_flux = 1.0", "give one of mass_flux, molar_flux, velocity"),
-        ("[bed]\n", "[heat]\nnusselt = 'nusselt_gun'\n[bed]\n", "nusselt_gunn"),
-        ("equation = ", "basis = 'catalyst'\nequation = ", "give [solid] with the density of particles"),
+        (
+            "gas.velocity = 0.5",
+            "gas.velocity = 0.5\ngas.mass_flux = 1.0",
+            "give one of velocity, mass_flux, molar_flux",
+        ),
+        ("gas.velocity = 0.5\n", "", "the gas has no flow; give one of velocity, mass_flux, molar_flux"),
+        ("[packed_bed]\n", "[closures]\nnusselt = 'nusselt_gun'\n[packed_bed]\n", "nusselt_gunn"),
+        (
+            "equation = ",
+            "basis = 'catalyst'\nequation = ",
+            "solids.particles.density: missing; the rate of reactions.burning is per mass of catalyst",
+        ),
     ],
 )
 def test_mistakes_of_gas_reactions(old, new, said):
@@ -111,13 +133,13 @@ def test_mistakes_of_formulas(rate, said):
     ],
 )
 def test_properties_that_are_negative_where_streams_enter(old, new, said):
-    text = (GOOD + SOLID + "[heat]\n[time]\nend = 1.0\n").replace(old, new)
+    text = (filled(GOOD) + "[heat]\n[time]\nend = 1.0\n").replace(old, new)
     with pytest.raises(SceneError, match=r"bed\.toml:\d+: .*" + said):
         loads(text, "bed.toml")
 
 
 def test_solids_at_rest_have_no_steady_state():
-    text = GOOD.replace("CH4 + 2 O2 -> CO2 + 2 H2O", "CH4 + 4 FeO -> CO2 + 2 H2O + 4 Fe") + SOLID
+    text = filled(GOOD.replace("CH4 + 2 O2 -> CO2 + 2 H2O", "CH4 + 4 FeO -> CO2 + 2 H2O + 4 Fe"))
     with pytest.raises(SceneError, match="are used up: no steady state exists"):
         loads(text)
 
@@ -126,7 +148,7 @@ def test_species_without_thermodynamics():
     from contbed import models
 
     text = GOOD.replace("H2O = { heat_capacity = 35.0, enthalpy = -241.8e3 }", "")
-    with pytest.raises(SceneError, match=r"bed.toml:\d+: H2O is neither a gas of \[fluid.species\]"):
+    with pytest.raises(SceneError, match=r"bed.toml:\d+: H2O is neither a gas of \[gas.species\]"):
         models.plan(loads(text, "bed.toml"))
 
 
@@ -137,34 +159,32 @@ def test_gas_that_cannot_pass_is_told():
     text = GOOD.replace('"CH4:0.5, O2:0.5"', '"CH4:0.5, O2:0.5"\nviscosity = 2e-5').replace(
         "velocity = 0.5", "velocity = 9.0"
     )
-    with pytest.raises(ConvergenceError, match=r"the gas cannot pass the bed: by bed\.permeability"):
+    with pytest.raises(ConvergenceError, match=r"the gas cannot pass the bed: by closures\.permeability"):
         contbed.run(loads(text))
 
 
-FAST = GOOD.replace("inflow = 500.0", "inflow = 700.0").replace(
+FAST = GOOD.replace("temperature = 500.0", "temperature = 700.0").replace(
     'A = 1.0\nE = "50 kJ/mol"', 'A = 1e14\nE = "150 kJ/mol"'
 )
 IN_TIME = """
-[solid]
-density = 1000.0
-heat_capacity = 800.0
 [time]
 end = 3.0
-gas = "stored"
 """
 
 
 def with_pressure(text):
     """The scene with a pressure that Ergun's equation takes from the gas."""
     text = text.replace('O2:0.5"', 'O2:0.5"\nviscosity = 2e-5')
-    return text.replace("velocity = 0.5", 'velocity = 0.5\npressure_drop = "ergun"') + IN_TIME
+    bed = 'porosity = 0.4\npressure_drop = "ergun"\ngas_storage = "stored"'
+    text = filled(text, "\ndensity = 1000.0\nheat_capacity = 800.0\n")
+    return text.replace("porosity = 0.4", bed) + IN_TIME
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
         # whose cells are halved before it is given up
-        (FAST + "[heat]\n", r"converged is 0 s; it is worst for T at x = 0 m\. Give guess\.temperature"),
+        (FAST + "[heat]\n", r"converged is 0 s; it is worst for T at x = 0 m\. Give initial\.temperature"),
         (with_pressure(FAST + "[heat]\n"), r"it is worst for \w+ at x = \S+ m at t = 0 s; use more mesh\.cells"),
     ],
 )
@@ -184,38 +204,39 @@ def test_pressures_that_are_not_found_are_told(monkeypatch):
 
     monkeypatch.setattr(solve, "FIRST_ITERATIONS", 1)
     with pytest.raises(
-        ConvergenceError, match=r'bed\.toml: .* at x = .* are sought; give flow\.pressure_drop = "none"'
+        ConvergenceError, match=r'bed\.toml: .* at x = .* are sought; give packed_bed\.pressure_drop = "none"'
     ):
         contbed.run(loads(with_pressure(GOOD), "bed.toml"))
 
 
 SECTION = """
-[wall]
-diameter = 0.05
+[boundary.wall]
 coefficient = 100.0
 ambient = 600.0
-[section]
+[heat]
+[packed_bed.section]
 dispersion = "vdi"
 """
 
 
-@pytest.mark.parametrize("table", ["heat", "section"])
+@pytest.mark.parametrize("table", ["closures", "packed_bed.section"])
 @pytest.mark.parametrize(
-    ("fluid", "said"),
+    ("gas", "said"),
     [
-        ('conductivity_fluid = "phase"', "eps k_fluid is added"),
-        ('conductivity_fluid = "zehner_schluender"', "conductivity_fluid is added"),
-        ("conductivity_fluid = 0.0", None),
+        ('conductivity_gas = "phase"', "eps k_gas is added"),
+        ('conductivity_gas = "zehner_schluender"', "conductivity_gas is added"),
+        ("conductivity_gas = 0.0", None),
         ("", None),
     ],
 )
-def test_a_conductivity_of_the_whole_bed_beside_that_of_the_gas_is_told(table, fluid, said):
-    whole = f'conductivity_solid = "zehner_schluender"\n{fluid}\n'
-    text = GOOD.replace('model = "ideal_gas"', 'model = "ideal_gas"\nconductivity = 0.04') + "[solid]\n"
-    text += "density = 2000.0\nconductivity = 1.0\nheat_capacity = 900.0\n" + SECTION
-    text += whole + "[heat]\n" if table == "section" else f"[heat]\n{whole}"
+def test_a_conductivity_of_the_whole_bed_beside_that_of_the_gas_is_told(table, gas, said):
+    whole = f'conductivity_solids = "zehner_schluender"\n{gas}\n'
+    text = GOOD.replace('model = "ideal_gas"', 'model = "ideal_gas"\nconductivity = 0.04')
+    text = filled(text, "\ndensity = 2000.0\nconductivity = 1.0\nheat_capacity = 900.0\n")
+    text = text.replace("length = 1.0", "length = 1.0\ndiameter = 0.05") + SECTION
+    text += whole if table == "packed_bed.section" else f"[closures]\n{whole}"
     warnings = loads(text, "bed.toml").warnings
     assert len(warnings) == (said is not None)
     for warning in warnings:
-        assert f"{table}.conductivity_solid" in warning and said in warning
-        assert warning.endswith(f"twice; give {table}.conductivity_fluid = 0")
+        assert f"{table}.conductivity_solids" in warning and said in warning
+        assert warning.endswith(f"twice; give {table}.conductivity_gas = 0")

@@ -14,6 +14,7 @@ from reacting_bed_scenes import (
     N_SOLID,
     fixed_bed,
     isothermal,
+    let_move,
     shrinking_core,
     solids,
     species,
@@ -62,8 +63,8 @@ def cores(end):
     """Fast cores of 0.2 mm at rest, whose front is shorter than a cell."""
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     scene["mesh"] |= {"length": 0.1, "cells": 4}
-    scene["bed"]["particle_diameter"] = 2e-4
-    scene["solid"] = solids()
+    scene["solids"]["particles"]["diameter"] = 2e-4
+    scene["solids"]["particles"] |= solids()
     table = {"equation": "A + S -> B + P", "law": "shrinking_core", "A": 1e-2, "E": 0.0, "diffusivity": 1e-7}
     return scene | {"reactions": {"r": table}, "time": {"end": end, "tolerance": 1e-3}}
 
@@ -72,7 +73,7 @@ def fast_cores():
     """Cores so fast that A below zero takes P in the first step, before there is any: P ended alone makes it worse."""
     scene = cores(1.0)
     scene["reactions"]["r"]["A"] = 1.0
-    scene["time"]["gas"] = "quasi_steady"
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
     return scene
 
 
@@ -82,7 +83,8 @@ def in_series():
     scene["reactions"] = {"first": {"equation": "A -> B", "A": 10.0, "E": 0.0}}
     scene["reactions"]["second"] = {"equation": "B -> C", "A": 10.0, "E": 0.0}
     scene["mesh"]["cells"] = 6
-    return scene | {"time": {"end": 0.2, "gas": "quasi_steady"}}
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
+    return scene | {"time": {"end": 0.2}}
 
 
 def moving():
@@ -141,7 +143,7 @@ def test_a_rate_ends_with_the_solid():
 
 def test_nothing_changes_where_nothing_falls_below_zero(monkeypatch):
     scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
-    scene["fluid"]["composition"] = "A:0.9, B:0.1"
+    scene["gas"]["composition"] = "A:0.9, B:0.1"
     one = contbed.run(from_dict(scene))
     assert (one.qoi["cells_damped"], one.qoi["steps_damped"], one.qoi["steps_limited"]) == (0, 0, 0)
     monkeypatch.setattr(module, "lowest", lambda problem, u: np.zeros(u.shape[:2]))
@@ -155,7 +157,9 @@ def test_nothing_changes_where_nothing_falls_below_zero(monkeypatch):
 @pytest.mark.parametrize("bounds", [False, True], ids=["free", "damped"])
 def test_order_two_in_time_with_damping(bounds):
     """Steps of one length with and without a damping that is constant: 4 for order 2."""
-    course = course_of(in_series() | {"time": {"end": 0.2, "initial_composition": "A:1", "gas": "stored"}})
+    scene = in_series() | {"initial": {"gas": {"composition": "A:1"}}}
+    scene["packed_bed"]["gas_storage"] = "stored"
+    course = course_of(scene)
     problem = course.problem
     if bounds:
         problem = replace(problem, damping=np.full((3, 6), 0.3))
@@ -232,7 +236,6 @@ def test_gas_to_the_left_is_damped_as_to_the_right():
     right, left = cores(60.0), cores(60.0)
     inside = 0.1 * (np.arange(8) + 0.5) / 8  # of cells: at a vertex it is the value on its left
     right["output"] = left["output"] = {"positions": inside.tolist(), "plots": False}
-    left["flow"]["velocity"] = -left["flow"]["velocity"]
     left["boundary"] = {"right": left["boundary"]["left"]}
     one, other = contbed.run(from_dict(right)), contbed.run(from_dict(left))
     assert one.qoi["steps_damped"] > 10
@@ -245,12 +248,14 @@ def test_damping_of_short_steps_leaves_no_solid_in_the_cell_where_it_enters():
 
     With the damping of the first steps, of 0.6 s, cells become flat, and 45 mol/m3 stay where no P enters.
     """
-    scene = isothermal("A:1", species(A=0.028, B=0.028), flow={"velocity_solid": -1e-4})
-    scene["solid"], scene["mesh"]["cells"] = solids(), 10
+    scene = let_move(isothermal("A:1", species(A=0.028, B=0.028)), -1e-4)
+    scene["solids"]["particles"] |= solids()
+    scene["mesh"]["cells"] = 10
     scene["reactions"] = {"r": {"equation": "A + S -> B + P", "A": 1e-5, "E": 0.0, "basis": "bed"}}
     scene["reactions"]["r"]["orders"] = {"A": 1.0, "S": 1.0}
     steady = contbed.run(from_dict(scene))
-    scene["time"] = {"end": 6e4, "gas": "quasi_steady"}
+    scene["time"] = {"end": 6e4}
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
     found = contbed.run(from_dict(scene))
     assert found.qoi["steps_damped"] > 0
     key = "n_P [mol/m3]"

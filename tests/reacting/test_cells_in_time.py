@@ -41,11 +41,13 @@ def hot_gas(**heat):
     gases = species(A=0.028, B=0.028)
     gases["A"] |= {"heat_capacity": 30.0, "enthalpy": 0.0}
     gases["B"] |= {"heat_capacity": 45.0, "enthalpy": -1e4}  # another: else all pressures would stay one
-    scene = isothermal("A:1", gases) | {"heat": heat, "solid": {"density": 2.0, "heat_capacity": 1000.0}}
-    scene["fluid"]["conductivity"] = 0.05
+    scene = isothermal("A:1", gases) | {"heat": {}, "closures": heat, "initial": {"temperature": 400.0}}
+    scene["solids"]["particles"] |= {"density": 2.0, "heat_capacity": 1000.0}
+    scene["packed_bed"]["gas_storage"] = "stored"
+    scene["gas"]["conductivity"] = 0.05
     scene["reactions"] = {"r": {"equation": "A -> B", "A": 400.0, "E": 3e4}}
     scene["mesh"]["cells"] = 6
-    return scene | {"time": {"end": 3.0, "gas": "stored", "initial_temperature": 400.0, "tolerance": 1e-3}}
+    return scene | {"time": {"end": 3.0, "tolerance": 1e-3}}
 
 
 def after(scene, steps):
@@ -177,8 +179,9 @@ def test_a_run_begins_on_cells_that_fit_its_profiles(tmp_path):
     given = following(thermal(), 1e-3)
     given["output"] = {"plots": False}
     before = contbed.run(from_dict(given), out=tmp_path)
-    del given["time"]["initial_temperature"]
-    given["time"] |= {"end": 1e-3 * given["time"]["end"], "initial": {"file": str(tmp_path / "profiles.csv")}}
+    del given["initial"]["temperature"]
+    given["time"] |= {"end": 1e-3 * given["time"]["end"]}
+    given["initial"] |= {"file": str(tmp_path / "profiles.csv")}
     course = fitted(course_of(given))
     x, T = before.profiles["x [m]"], before.profiles["T_solid [K]"]
     found = course.problem.line.at(course.start()[course.problem.names.index("T_solid")], x)
@@ -218,7 +221,7 @@ def test_a_plan_says_that_cells_are_adaptive():
 )
 def test_cells_that_cannot_follow_are_a_mistake(change, said):
     scene = following(thermal())
-    scene["boundary"]["left"]["fluid"]["inflow"] = {"times": [0, 1], "values": [600.0, 300.0], "period": 2.0}
+    scene["boundary"]["left"]["gas"]["temperature"] = {"times": [0, 1], "values": [600.0, 300.0], "period": 2.0}
     change(scene)
     with pytest.raises(SceneError) as error:
         from_dict(scene)

@@ -6,11 +6,12 @@ sees how far they would fall.
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from reacting_bed_scenes import danckwerts, heated, isothermal, species
+from reacting_bed_scenes import danckwerts, heated, isothermal, let_move, species
 from several_solids import split
 from test_bounds_in_time import CLOSED, LEFT, course_of, least_of, unbounded
 from test_several_solids import hot
@@ -24,15 +25,18 @@ RESIDENCE = 0.8  # [s] of the gas in all scenes of 1 m: 0.4 of it at 0.5 m/s
 
 
 def with_rings(scene):
-    wall = {"diameter": 0.1, "coefficient": 50.0, "ambient": 600.0}
-    return scene | {"wall": wall, "section": {"rings": 2, "conductivity_solid": 2.0, "dispersion": 1e-3}}
+    scene = deepcopy(scene)
+    scene["mesh"]["diameter"] = 0.1
+    scene["boundary"]["wall"] = {"coefficient": 50.0, "ambient": 600.0}
+    scene["packed_bed"]["section"] = {"rings": 2, "conductivity_solids": 2.0, "dispersion": 1e-3}
+    return scene
 
 
 def one_temperature(scene):
     """Gas and particles that go the same way."""
-    boundary = {"left": {"fluid": {"inflow": 400.0}, "solid": {"inflow": 400.0}}}
-    flow = {"velocity": 0.5, "velocity_solid": 2e-4, "pressure_drop": "ergun"}
-    return scene | {"heat": {"conductivity_solid": 0.5}, "boundary": boundary, "flow": flow}
+    closures = {key: scene["closures"][key] for key in ("conductivity_solids", "sherwood", "dispersion_mass")}
+    boundary = {"left": {"gas": {"velocity": 0.5, "temperature": 400.0}}}
+    return let_move(scene | {"boundary": boundary, "closures": closures}, 2e-4, temperature=400.0)
 
 
 BEDS = {
@@ -117,14 +121,15 @@ def test_fluxes_of_damping_carry_their_heat(stored, temperatures):
 def entering(composition, initial, gases):
     scene = isothermal(composition, gases)
     scene["mesh"]["cells"] = 6
-    time = {"end": RESIDENCE, "initial_composition": initial, "gas": "stored", "tolerance": 1e-3}
-    return scene | {"mass": {}, "time": time}
+    scene["packed_bed"]["gas_storage"] = "stored"
+    return scene | {"initial": {"gas": {"composition": initial}}, "time": {"end": RESIDENCE, "tolerance": 1e-3}}
 
 
 def dispersed(Pe, cells=6):
     scene = danckwerts(Pe, 0.0)
     scene["mesh"]["cells"] = cells
-    return scene | {"time": {"end": 2.0 * RESIDENCE, "initial_composition": "B:1", "tolerance": 1e-3}}
+    time = {"end": 2.0 * RESIDENCE, "tolerance": 1e-3}
+    return scene | {"initial": {"gas": {"composition": "B:1"}}, "time": time}
 
 
 def of_all_masses():
@@ -195,10 +200,12 @@ def test_a_front_without_heat_leaves_the_temperature():
     """One gas displaces another whose formation takes 400 kJ/mol more: without its heat in the fluxes a run fails."""
     scene, _ = heated(4.0)
     more = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0, "enthalpy": -4e5}
-    scene["fluid"] |= {"composition": "B:1", "species": scene["fluid"]["species"] | {"B": more}}
-    scene["boundary"]["left"]["fluid"]["inflow"] = 300.0
+    scene["gas"] |= {"composition": "B:1", "species": scene["gas"]["species"] | {"B": more}}
+    scene["boundary"]["left"]["gas"]["temperature"] = 300.0
     scene["mesh"]["cells"] = 6
-    scene["time"] |= {"end": 0.3, "gas": "stored", "initial_composition": "A:1"}
+    scene["time"] |= {"end": 0.3}
+    scene["packed_bed"]["gas_storage"] = "stored"
+    scene["initial"] |= {"gas": {"composition": "A:1"}}
     result = contbed.run(from_dict(scene))
     assert result.qoi["steps_damped"] > 50
     for name in ("T_fluid [K]", "T_solid [K]"):

@@ -77,9 +77,9 @@ def test_other_orders_end_at_a_point(n):
 
 def test_two_gases_that_end_at_once_or_one_of_them():
     scene = bed(rate="20*sqrt(c_A)*sqrt(c_C)")
-    scene["fluid"]["species"] |= species(C=0.028, D=0.028)
+    scene["gas"]["species"] |= species(C=0.028, D=0.028)
     scene["reactions"]["r"]["equation"] = "A + C -> B + D"
-    scene["fluid"]["composition"] = "A:0.4, C:0.6"
+    scene["gas"]["composition"] = "A:0.4, C:0.6"
     found = contbed.run(from_dict(scene))
     assert found.qoi["conversion_A"] == pytest.approx(1.0, abs=1e-10)
     assert found.qoi["conversion_C"] == pytest.approx(2.0 / 3.0, abs=1e-10)
@@ -113,7 +113,8 @@ def test_smooth_powers_of_a_formula():
 )
 def test_a_gas_that_ends_in_time_is_as_in_a_steady_bed(scene, k, n):
     """Away from the cells around its end to the share that is smoothed, 1e-5, or what following cells are held to."""
-    found = contbed.run(from_dict(scene | {"time": {"end": 1.0, "gas": "quasi_steady"}}))
+    packed_bed = scene["packed_bed"] | {"gas_storage": "quasi_steady"}
+    found = contbed.run(from_dict(scene | {"time": {"end": 1.0}, "packed_bed": packed_bed}))
     left = MOLAR ** (1.0 - n) - (1.0 - n) * EPS * k * X / SPEED
     off = np.abs(found.profiles["x_A [1]"] - np.maximum(left, 0.0) ** (1.0 / (1.0 - n)) / MOLAR)
     far = np.abs(X - MOLAR ** (1.0 - n) * SPEED / ((1.0 - n) * EPS * k)) > 0.1
@@ -126,6 +127,7 @@ def test_powers_of_a_trace_in_time_stay(trace):
     """A tenth of it is left where the bed ends: what is smoothed is a share of the trace, 1e-5, of 0.1 of it."""
     k = (1.0 - 0.1**0.5) * 2.0 * (trace * MOLAR) ** 0.5 * SPEED / EPS
     scene = bed(cells=8, A=k, E=0.0, orders={"A": 0.5})
-    scene["fluid"]["composition"] = f"A:{trace}, B:{1.0 - trace}"
-    scene["time"] = {"end": 1.0, "gas": "quasi_steady"}
+    scene["gas"]["composition"] = f"A:{trace}, B:{1.0 - trace}"
+    scene["time"] = {"end": 1.0}
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
     assert contbed.run(from_dict(scene)).qoi["x_A_out"] == pytest.approx(0.1 * trace, rel=1e-6)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reacting_bed_scenes import isothermal, solids, species, table
+from reacting_bed_scenes import isothermal, let_move, solids, species, table
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -28,14 +28,15 @@ def hot_between(row, cells, sharp):
         gas |= {"heat_capacity": row["cp"] * mass, "enthalpy": 0.0}
     scene = isothermal("A:1", gases)
     scene["mesh"]["cells"] = cells
-    scene["flow"] = {"molar_flux": F, "pressure_drop": "none"}
-    scene["boundary"] = {"left": {"fluid": {"inflow": T0}}}
-    scene["solid"] = solids() | {"density": N * 0.1 / 0.6}
-    for name, data in scene["solid"]["constituent"].items():
+    scene["boundary"]["left"]["gas"] = {"molar_flux": F, "temperature": T0}
+    scene["packed_bed"]["pressure_drop"] = "none"
+    scene["solids"]["particles"] |= solids() | {"density": N * 0.1 / 0.6}
+    for name, data in scene["solids"]["particles"]["constituent"].items():
         data |= {"heat_capacity": row["C"] / N, "enthalpy": 0.0 if name == "S" else row["dH"] / b}
     scene["heat"] = {}
     end = 0.8 / row["w_reaction"]
-    scene["time"] = {"end": end, "tolerance": 1e-3, "gas": "quasi_steady"}
+    scene["time"] = {"end": end, "tolerance": 1e-3}
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
     scene["reactions"] = {
         "r": {
             "equation": f"A + {b:g} S -> B + {b:g} P",
@@ -93,13 +94,13 @@ def ignited(row, cells, length, travel, solids_speed=0.0):
     gases["B"] |= {"heat_capacity": cp, "enthalpy": 0.0}
     scene = isothermal("A:1", gases)
     scene["mesh"] = {"type": "line", "length": length * unit, "cells": cells}
-    scene["flow"] = {"molar_flux": 1.0, "pressure_drop": "none"}
-    scene["boundary"] = {"left": {"fluid": {"inflow": T0}}}
+    scene["boundary"]["left"]["gas"] = {"molar_flux": 1.0, "temperature": T0}
+    scene["packed_bed"]["pressure_drop"] = "none"
     if solids_speed:
-        scene["flow"]["velocity_solid"] = solids_speed * speed * (1.0 - eps)
-        scene["boundary"]["left"]["solid"] = {"inflow": T0}
-    scene["solid"] = {"density": density, "heat_capacity": heat}
-    scene["heat"] = {"conductivity_solid": lam}
+        let_move(scene, solids_speed * speed * (1.0 - eps), temperature=T0)
+    scene["solids"]["particles"] |= {"density": density, "heat_capacity": heat}
+    scene["heat"] = {}
+    scene["closures"] |= {"conductivity_solids": lam}
     scene["reactions"] = {
         "r": {
             "equation": "A -> B",
@@ -111,8 +112,9 @@ def ignited(row, cells, length, travel, solids_speed=0.0):
     times = [xi * unit / (speed * (solids_speed + row["omega"])) for xi in travel]
     x = np.linspace(0.0, length * unit, 6001)
     hot = T0 + RISE * row["theta_behind"]
-    scene["time"] = {"end": times[1], "times": times, "tolerance": 1e-3, "gas": "quasi_steady"}
-    scene["time"]["initial_temperature"] = hot
+    scene["time"] = {"end": times[1], "times": times, "tolerance": 1e-3}
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
+    scene["initial"]["temperature"] = hot
     scene["output"] |= {"positions": x.tolist()}
     result = contbed.run(from_dict(scene))
     theta = (result.profiles["T_fluid [K]"].reshape(2, -1) - T0) / RISE

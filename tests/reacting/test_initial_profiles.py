@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from adsorption_scenes import adsorber
-from reacting_bed_scenes import MOLAR, N_SOLID, R_GAS, P, T, fixed_bed, heated, isothermal, solids, species
-from several_solids import split_adsorbing
+from reacting_bed_scenes import MOLAR, N_SOLID, R_GAS, P, fixed_bed, heated, isothermal, let_move, solids, species
+from several_solids import split
 from solving import solved
 
 from contbed.errors import SceneError
@@ -24,7 +24,7 @@ STEPS = 2e-4  # steps to a local tolerance of 1e-4, of one order more than their
 def begins_with(scene, path, text, **initial):
     """The scene with a table along the bed at its start."""
     (path / "start.csv").write_text(text)
-    scene["time"]["initial"] = {"file": str(path / "start.csv")} | initial
+    scene["initial"] |= {"file": str(path / "start.csv")} | initial
     return scene
 
 
@@ -43,11 +43,12 @@ def test_a_gas_in_the_pores_moves_and_decays_from_its_profile(tmp_path, directio
     """x_A is 0.8 of the way of the gas from its inlet, moved by u t/eps and times e^(-k t); the table is linear."""
     k, after = 0.5, 0.5
     scene = isothermal("B:1", species(A=0.028, B=0.028))
-    scene["flow"]["velocity"] *= direction
-    scene["boundary"] = {"left" if direction > 0 else "right": {"fluid": {"inflow": T}}}
+    if direction < 0:
+        scene["boundary"]["right"] = scene["boundary"].pop("left")
     scene["reactions"] = {"r": {"equation": "A -> B", "A": k, "E": 0.0}}
     scene["mesh"]["cells"] = 20
-    scene["time"] = {"end": after * RESIDENCE, "gas": "stored", "tolerance": 1e-5}
+    scene["time"] = {"end": after * RESIDENCE, "tolerance": 1e-5}
+    scene["packed_bed"]["gas_storage"] = "stored"
     share = np.array([0.0, 0.8][:: int(direction)])
     begins_with(scene, tmp_path, rows("x [m],x_A [1],x_B [1]", (0.0, 1.0), share, 1.0 - share))
     found = solved(scene)
@@ -63,7 +64,7 @@ def test_a_gas_in_the_pores_moves_and_decays_from_its_profile(tmp_path, directio
 def decaying(**time):
     """Particles at rest in which S becomes P by first order, whatever the gas."""
     scene = isothermal("A:1", species(A=0.028))
-    scene["solid"] = solids()
+    scene["solids"]["particles"] |= solids()
     scene["reactions"] = {
         "r": {"equation": "S -> P", "A": 1e-3 / 0.6, "E": 0.0, "orders": {"S": 1.0}, "basis": "particle"},
     }
@@ -90,12 +91,13 @@ def test_solids_at_rest_decay_from_their_profile(tmp_path, by):
 def test_a_profile_of_temperature_moves_with_the_heat(tmp_path):
     """One temperature, gas at once: C dT/dt + G c_p dT/dx = 0, so that the profile moves as it is."""
     scene, _ = heated(4.0)
-    scene["heat"] = {}
+    scene["closures"], scene["initial"] = {}, {}
     scene["mesh"]["cells"] = 20
     speed = 0.5 * 30.0 / 0.028 / (0.6 * 2000.0 * 800.0)
     time = 0.1 / speed  # through half of the bed
-    scene["boundary"]["left"]["fluid"]["inflow"] = 300.0
-    scene["time"] = {"end": time, "gas": "quasi_steady"}
+    scene["boundary"]["left"]["gas"]["temperature"] = 300.0
+    scene["time"] = {"end": time}
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
     at = np.array([0.15, 0.17, 0.19])
     scene["output"]["positions"] = at.tolist()
     found = solved(begins_with(scene, tmp_path, "x [cm],T_fluid [degC]\n0,26.85\n20,126.85\n"))
@@ -104,7 +106,7 @@ def test_a_profile_of_temperature_moves_with_the_heat(tmp_path):
 
 def test_solids_that_move_carry_their_profile(tmp_path):
     scene = decaying()
-    scene["flow"]["velocity_solid"] = 0.6 * 5e-4  # so that they move by 0.5 m
+    let_move(scene, 0.6 * 5e-4)  # so that they move by 0.5 m
     scene["mesh"]["cells"] = 20
     table = rows("x [m],w_S [1],w_P [1]", (0.0, 1.0), (1.0, 0.2), (0.0, 0.8))
     found = solved(begins_with(scene, tmp_path, table))
@@ -122,18 +124,22 @@ def test_a_steady_state_stays(tmp_path, section):
     """Gas and particles that conduct and react, from the profiles of their steady state."""
     gas = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0}
     scene = isothermal("A:0.9, B:0.1", {"A": gas | {"enthalpy": 4000.0}, "B": gas | {"enthalpy": 0.0}})
-    scene["fluid"] |= {"viscosity": 2e-5, "conductivity": 0.05, "diffusivity": 2e-5}
-    scene["solid"] = {"density": 2000.0, "heat_capacity": 800.0}
-    scene["heat"] = {"nusselt": 10.0, "conductivity_solid": 1.0}
+    scene["gas"] |= {"viscosity": 2e-5, "conductivity": 0.05, "diffusivity": 2e-5}
+    scene["solids"]["particles"] |= {"density": 2000.0, "heat_capacity": 800.0}
+    scene["heat"] = {}
+    scene["closures"] |= {"nusselt": 10.0, "conductivity_solids": 1.0}
     scene["reactions"] = {"r": {"equation": "A -> B", "A": 5e3, "E": 4e4}}
     scene["mesh"]["cells"] = 24
     if section:  # adiabatic: uniform across
-        scene["wall"] = {"diameter": 0.1, "flux": 0.0}
-        scene["section"] = {"rings": 2, "conductivity_solid": 1.0, "conductivity_fluid": 1.0}
+        scene["mesh"]["diameter"] = 0.1
+        scene["boundary"]["wall"] = {"heat_flux": 0.0}
+        scene["packed_bed"]["section"] = {"rings": 2, "conductivity_solids": 1.0, "conductivity_gas": 1.0}
     scene["output"]["positions"] = np.linspace(0.0, 1.0, 193).tolist()
     before = solved(scene).profiles
     write_table(tmp_path / "profiles.csv", before)
-    scene["time"] = {"end": 300.0, "initial": {"file": str(tmp_path / "profiles.csv")}, "gas": "stored"}
+    scene["time"] = {"end": 300.0}
+    scene["packed_bed"]["gas_storage"] = "stored"
+    scene["initial"] |= {"file": str(tmp_path / "profiles.csv")}
     after = solved(scene).profiles
     span = np.ptp(before["T_solid [K]"])
     assert span > 30.0
@@ -146,9 +152,8 @@ def continued(tmp_path, scene, first, end):
     whole = solved(scene | {"time": scene["time"] | {"end": end}})
     part = solved(scene | {"time": scene["time"] | {"end": first, "times": [0.5 * first]}})
     write_table(tmp_path / "profiles.csv", part.profiles)
-    time = {key: value for key, value in scene["time"].items() if not key.startswith("initial")}
-    time |= {"end": end - first, "initial": {"file": str(tmp_path / "profiles.csv")}}
-    return whole.profiles, solved(scene | {"time": time}).profiles
+    rest = {"time": scene["time"] | {"end": end - first}, "initial": {"file": str(tmp_path / "profiles.csv")}}
+    return whole.profiles, solved(scene | rest).profiles
 
 
 def reacting(cells):
@@ -188,7 +193,7 @@ def test_particles_that_hold_gas_go_on(tmp_path, capacity):
 
 
 def test_kinds_go_on_with_what_each_holds(tmp_path):
-    scene = split_adsorbing(adsorber(50.0, 20.0, 0.02)[0])
+    scene = split(adsorber(50.0, 20.0, 0.02)[0])
     unit = adsorber(50.0, 20.0, 0.02)[1]
     scene["mesh"]["cells"] = 30
     del scene["output"]["positions"]
@@ -247,7 +252,7 @@ def test_loadings_give_the_concentrations_that_hold_them():
 
 def test_the_plan_tells_what_is_uniform(tmp_path):
     scene, _ = adsorber(50.0, 20.0, 10.0)
-    del scene["time"]["initial_composition"]
+    del scene["initial"]["gas"]
     scene["time"]["end"] = 1.0
     table = "x [m],q_A [mol/kg]\n0,1e-4\n1,0\n"
     text = str(plan(from_dict(begins_with(scene, tmp_path, table))))
@@ -260,11 +265,12 @@ def test_the_plan_tells_what_is_uniform(tmp_path):
 def warm_sorbent(table, path):
     """Particles that adsorb, with heat, as they begin: by name of the unknown."""
     scene, _ = adsorber(50.0, 20.0, 0.02)
-    del scene["time"]["initial_composition"]
-    for data in scene["fluid"]["species"].values():
+    del scene["initial"]["gas"]
+    for data in scene["gas"]["species"].values():
         data |= {"heat_capacity": 30.0, "enthalpy": 0.0, "conductivity": 0.03}
-    scene["solid"] |= {"heat_capacity": 900.0}
-    scene["heat"] = {"nusselt": 10.0}
+    scene["solids"]["particles"] |= {"heat_capacity": 900.0}
+    scene["heat"] = {}
+    scene["closures"] |= {"nusselt": 10.0}
     scene["time"]["end"] = 1.0
     found = plan(from_dict(begins_with(scene, path, table)))
     course = Course.of(found.scene, found.problem, found.schedule, found.stores_gas)
@@ -282,7 +288,7 @@ def test_one_temperature_is_that_of_the_particles(tmp_path):
     table = "x [m],T_fluid [K],T_solid [K]\n0,310,300\n0.2,310,300\n"
     for given, wanted in ((table, {"T": 300.0}), (table.replace(",T_solid [K]", "").replace(",300", ""), {"T": 310.0})):
         scene, _ = heated(4.0)
-        scene["heat"], scene["time"] = {}, {"end": 1.0}
+        scene["closures"], scene["initial"], scene["time"] = {}, {}, {"end": 1.0}
         found = plan(from_dict(begins_with(scene, tmp_path, given)))
         course = Course.of(found.scene, found.problem, found.schedule, found.stores_gas)
         u = dict(zip(course.problem.names, course.start(), strict=True))
@@ -295,9 +301,10 @@ def test_one_temperature_is_that_of_the_particles(tmp_path):
 
 def test_gases_of_the_file_belong_to_the_bed(tmp_path):
     """A gas that neither enters nor reacts, but fills the bed, leaves it."""
-    scene = isothermal("B:1", species(A=0.028, B=0.028), mass={"dispersion": 0.0})
+    scene = isothermal("B:1", species(A=0.028, B=0.028), closures={"dispersion_mass": 0.0})
     scene["mesh"]["cells"] = 10
-    scene["time"] = {"end": 0.5 * RESIDENCE, "gas": "stored", "tolerance": 1e-3}
+    scene["time"] = {"end": 0.5 * RESIDENCE, "tolerance": 1e-3}
+    scene["packed_bed"]["gas_storage"] = "stored"
     found = solved(begins_with(scene, tmp_path, "x [m],x_A [%]\n0,100\n1,100\n"))
     assert found.qoi["x_A_out"] == pytest.approx(1.0, abs=1e-3)
 
@@ -325,7 +332,7 @@ BAD = [
 
 @pytest.mark.parametrize(("table", "message"), BAD, ids=[str(k) for k in range(len(BAD))])
 def test_mistakes_of_a_table_are_told(tmp_path, table, message):
-    with pytest.raises(SceneError, match=r"time\.initial\.file.*: (start\.csv:1: )?" + message):
+    with pytest.raises(SceneError, match=r"initial\.file.*: (start\.csv:1: )?" + message):
         plan(from_dict(begins_with(decaying(), tmp_path, table)))
 
 
@@ -333,19 +340,20 @@ def test_temperatures_and_gas_are_given_once(tmp_path):
     scene, _ = heated(4.0)
     scene["time"]["end"] = 1.0
     table = "x [m],T_fluid [K]\n0,300\n0.2,300\n"
-    with pytest.raises(SceneError, match=r"column 'T_fluid': temperatures stand in time\.initial_temperature as well"):
+    with pytest.raises(SceneError, match=r"column 'T_fluid': temperatures stand in initial\.temperature as well"):
         plan(from_dict(begins_with(scene, tmp_path, table)))
-    del scene["time"]["initial_temperature"]
-    scene["time"] |= {"initial_composition": "A:1", "gas": "stored"}
+    del scene["initial"]["temperature"]
+    scene["packed_bed"]["gas_storage"] = "stored"
+    scene["initial"] |= {"gas": {"composition": "A:1"}}
     table = "x [m],T_fluid [K],x_A [1]\n0,300,1\n0.2,300,1\n"
-    with pytest.raises(SceneError, match=r"column 'x_A': the gas stands in time\.initial_composition as well"):
+    with pytest.raises(SceneError, match=r"column 'x_A': the gas stands in initial\.gas\.composition as well"):
         plan(from_dict(begins_with(scene, tmp_path, table)))
 
 
 def test_inert_solids_and_full_particles_are_told(tmp_path):
     scene = decaying()
-    scene["solid"]["composition"] = "S:0.8, I:0.2"
-    scene["solid"]["constituent"]["I"] = {"elements": {"Al": 1.0}, "molar_mass": 0.1}
+    scene["solids"]["particles"]["composition"] = "S:0.8, I:0.2"
+    scene["solids"]["particles"]["constituent"]["I"] = {"elements": {"Al": 1.0}, "molar_mass": 0.1}
     table = "x [m],w_S [1],w_P [1]\n0,0.4,0.4\n1,0.4,0.3\n"
     with pytest.raises(SceneError, match=r"start\.csv:3: .* sum to 0\.9, 0\.2 of them of what does not react"):
         plan(from_dict(begins_with(scene, tmp_path, table)))
@@ -354,15 +362,17 @@ def test_inert_solids_and_full_particles_are_told(tmp_path):
         plan(from_dict(begins_with(scene, tmp_path, table)))
     scene, _ = adsorber(50.0, 20.0, 0.02, 2.0)
     scene["time"]["end"] = 1.0
-    most = scene["adsorption"]["A"]["capacity"]
-    with pytest.raises(SceneError, match=r"column 'q_A': .* no less than the capacity .* adsorption\.A\.capacity"):
+    most = scene["solids"]["particles"]["adsorption"]["A"]["capacity"]
+    with pytest.raises(
+        SceneError, match=r"column 'q_A': .* no less than the capacity .* solids\.particles\.adsorption\.A\.capacity"
+    ):
         plan(from_dict(begins_with(scene, tmp_path, f"x [m],q_A [mol/kg]\n0,{2.0 * most!r}\n1,0\n")))
 
 
 def test_a_missing_file_is_told(tmp_path):
     scene = decaying()
-    scene["time"]["initial"] = {"file": str(tmp_path / "none.csv")}
-    with pytest.raises(SceneError, match=r"time\.initial\.file.*: no such file"):
+    scene["initial"] = {"file": str(tmp_path / "none.csv")}
+    with pytest.raises(SceneError, match=r"initial\.file.*: no such file"):
         from_dict(scene)
 
 

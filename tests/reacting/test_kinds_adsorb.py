@@ -7,9 +7,9 @@ from copy import deepcopy
 import numpy as np
 import pytest
 from adsorption_scenes import CORE, DENSITY, EPS, GAS_DIFFUSIVITY, SPEED, TRACE, adsorber
-from reacting_bed_scenes import MOLAR, P, T, solids
+from reacting_bed_scenes import MOLAR, P, T, let_move, solids
 from scipy.linalg import expm
-from several_solids import SHARES, split_adsorbing
+from several_solids import SHARES, split
 from solving import solved, stepped
 
 from contbed.errors import SceneError
@@ -26,21 +26,24 @@ K = 200.0  # per volume of particles over per volume of gas
 def warm(level):
     """A bed that adsorbs a fifth of its gas, with heat, two temperatures, straight isotherms and such that bend."""
     scene, _ = adsorber(K, 20.0, 1.0)
-    scene["fluid"]["composition"] = "A:0.1, C:0.1, N:0.8"
-    scene["fluid"]["species"]["C"] = {"elements": {"O": 2.0}, "molar_mass": 0.032}
-    for data in scene["fluid"]["species"].values():
+    scene["gas"]["composition"] = "A:0.1, C:0.1, N:0.8"
+    scene["gas"]["species"]["C"] = {"elements": {"O": 2.0}, "molar_mass": 0.032}
+    for data in scene["gas"]["species"].values():
         data |= {"heat_capacity": 30.0, "enthalpy": 0.0, "conductivity": 0.03, "viscosity": 2e-5}
     at = {"diffusivity": 1e-6, "temperature": T}
-    scene["adsorption"] = {
+    scene["solids"]["particles"]["adsorption"] = {
         "A": at | {"capacity": 0.5, "affinity": 1e-4, "enthalpy": -3e4},
         "C": at | {"henry": 1e-5, "enthalpy": -1e4},
     }
-    scene["solid"] |= {"heat_capacity": 900.0, "porosity": 0.3, "conductivity": 0.2}
-    scene["heat"] = {"nusselt": "nusselt_wakao_kaguei", "conductivity_solid": 0.5}
-    scene["mass"]["dispersion"] = 1e-4
-    scene["flow"]["pressure_drop"] = "ergun"
-    scene["particle"] = {"adsorption": level, "points": 2}
-    scene["time"] = {"initial_composition": "N:1", "end": 60.0, "tolerance": 1e-3}
+    scene["solids"]["particles"] |= {"heat_capacity": 900.0, "porosity": 0.3, "conductivity": 0.2}
+    scene["heat"] = {}
+    scene["closures"] |= {"nusselt": "nusselt_wakao_kaguei", "conductivity_solids": 0.5}
+    scene["closures"]["dispersion_mass"] = 1e-4
+    scene["packed_bed"]["pressure_drop"] = "ergun"
+    scene["solids"]["particles"]["inside"] = {"adsorption": level, "points": 2}
+    scene["time"] = {"end": 60.0, "tolerance": 1e-3}
+    scene["packed_bed"]["gas_storage"] = "auto"
+    scene["initial"] |= {"gas": {"composition": "N:1"}}
     scene["mesh"]["cells"] = 3
     del scene["output"]["positions"]
     return scene
@@ -50,8 +53,8 @@ def warm(level):
 @pytest.mark.parametrize("gas", ["quasi_steady", "stored"])
 def test_steps_of_kinds_that_are_alike_are_those_of_one(level, gas):
     scene = warm(level)
-    scene["time"]["gas"] = gas
-    one, two = stepped(scene, 2.0), stepped(split_adsorbing(scene), 2.0)
+    scene["packed_bed"]["gas_storage"] = gas
+    one, two = stepped(scene, 2.0), stepped(split(scene), 2.0)
     assert np.ptp(one["T_solid"]) > 1.0
     for name, values in one.items():
         for found in [name] if name in two else [f"{name}_{kind}" for kind in SHARES]:
@@ -60,10 +63,7 @@ def test_steps_of_kinds_that_are_alike_are_those_of_one(level, gas):
 
 def moving(scene, speed=-3e-3):
     del scene["time"]
-    scene["flow"]["velocity_solid"] = speed
-    side = "right" if speed < 0 else "left"
-    scene["boundary"].setdefault(side, {})["solid"] = {"inflow": T}
-    return scene
+    return let_move(scene, speed, temperature=T)
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -71,7 +71,7 @@ def moving(scene, speed=-3e-3):
 def test_kinds_that_move_alike_are_one(level, speed):
     """Steady; profiles of the gas, of temperatures and of loadings."""
     scene = moving(warm(level), speed)
-    one, two = solved(scene), solved(split_adsorbing(scene))
+    one, two = solved(scene), solved(split(scene))
     for key, values in one.profiles.items():
         name, unit = key.split(" ")
         for column in [key] if key in two.profiles else [f"{name}_{kind} {unit}" for kind in SHARES]:
@@ -83,11 +83,11 @@ def test_kinds_that_move_alike_are_one(level, speed):
 def test_beads_that_adsorb_nothing_dilute_those_that_do(level):
     """The share 0.3 of the volume alone, in a bed of as much more gas."""
     scene, unit = adsorber(K, 5.0, 10.0)
-    scene["particle"] = {"adsorption": level}
+    scene["solids"]["particles"]["inside"] = {"adsorption": level}
     scene["time"] |= {"end": 3.0 * unit, "tolerance": 1e-3}
     scene["mesh"]["cells"] = 4
-    mixed = split_adsorbing(scene, {"sorbent": 0.3, "beads": 0.7}, beads={"adsorption": {}})
-    scene["bed"]["porosity"] = 1.0 - 0.3 * (1.0 - EPS)
+    mixed = split(scene, {"sorbent": 0.3, "beads": 0.7}, beads={"adsorption": {}})
+    scene["packed_bed"]["porosity"] = 1.0 - 0.3 * (1.0 - EPS)
     one, two = solved(scene), solved(mixed)
     assert one.qoi["time_steps"] == two.qoi["time_steps"]
     assert two.profiles["x_A [1]"] == pytest.approx(one.profiles["x_A [1]"], rel=1e-7)
@@ -102,18 +102,17 @@ UNLIKE = {"fine": (0.4, 300.0, 0.02, 2e-3, 10.0), "coarse": (0.6, 80.0, 0.01, 5e
 def unlike(level, **time):
     """Two kinds with their own isotherms, films, diameters and diffusion."""
     scene, _ = adsorber(K, 5.0, 1.0)
-    del scene["adsorption"], scene["solid"], scene["bed"]["particle_diameter"]
     scene["solids"] = {}
     for kind, (share, held, film, d, biot) in UNLIKE.items():
         scene["solids"][kind] = {
             "volume_share": share,
-            "particle_diameter": d,
+            "diameter": d,
             "density": DENSITY,
             "sherwood": film * d / GAS_DIFFUSIVITY,
             "adsorption": {"A": {"henry": held * MOLAR / DENSITY / P, "diffusivity": film * 0.5 * d / biot}},
+            "inside": {"adsorption": level, "points": 6},
         }
     scene["mesh"] |= {"length": 0.2, "cells": 8}
-    scene["particle"] = {"adsorption": level, "points": 6}
     scene["output"]["positions"] = [0.2]
     scene["time"] |= time
     return scene
@@ -153,10 +152,9 @@ def test_kinds_of_unlike_speed_in_a_steady_bed():
     scene = unlike("film")
     del scene["time"], scene["mesh"]["cells"]
     v = {"fine": -1e-3, "coarse": -3e-3}
-    scene["boundary"]["right"] = {"solid": {"inflow": T}}
+    scene["boundary"]["right"] = {"solids": {kind: {"velocity": -speed} for kind, speed in v.items()}}
     rows = np.zeros((3, 3))
     for i, (kind, (share, held, film, d, _)) in enumerate(UNLIKE.items(), 1):
-        scene["solids"][kind]["velocity_solid"] = v[kind]
         ka = film * 6.0 * share * (1.0 - EPS) / d
         rows[0, [0, i]] += np.array([-ka, ka]) / SPEED
         rows[i, [0, i]] = np.array([ka, -ka]) / (v[kind] * share * held)
@@ -170,7 +168,7 @@ def test_kinds_of_unlike_speed_in_a_steady_bed():
 
 def test_derivatives_to_the_isotherm_of_one_kind():
     """Against central differences, which err by the square of 1e-4 and by what Newton's method leaves over it."""
-    scene = split_adsorbing(moving(warm("interior")), coarse={"particle_diameter": 5e-3})
+    scene = split(moving(warm("interior")), coarse={"diameter": 5e-3})
     found = gradient_of(solved(scene), ["x_A_out"], ["solids.fine.adsorption.A.affinity"])
     sides = []
     for change in (-1e-4, 1e-4):
@@ -184,13 +182,13 @@ def test_derivatives_to_the_isotherm_of_one_kind():
 def test_each_kind_follows_its_isotherms():
     """In a bed filled with what enters; gases compete within a kind alone."""
     scene = warm("linear_driving_force")
-    scene["time"] |= {"initial_composition": scene["fluid"]["composition"]}
+    scene["initial"] |= {"gas": {"composition": scene["gas"]["composition"]}}
     capacity = {"A": {"capacity": 1.0, "affinity": 2e-4}, "C": {"capacity": 2.0, "affinity": 1e-4}}
     both = {gas: at | {"temperature": T, "diffusivity": 1e-6} for gas, at in capacity.items()}
     del scene["heat"]
-    scene["flow"]["pressure_drop"] = "none"
-    scene["solid"]["porosity"] = 0.0
-    found = solved(split_adsorbing(scene, coarse={"adsorption": {"A": both["A"]}}, fine={"adsorption": both})).profiles
+    scene["packed_bed"]["pressure_drop"] = "none"
+    scene["solids"]["particles"]["porosity"] = 0.0
+    found = solved(split(scene, coarse={"adsorption": {"A": both["A"]}}, fine={"adsorption": both})).profiles
     a, c = 2e-4 * 0.1 * P, 1e-4 * 0.1 * P
     np.testing.assert_allclose(found["q_A_coarse [mol/kg]"], a / (1.0 + a), rtol=1e-10)
     np.testing.assert_allclose(found["q_A_fine [mol/kg]"], a / (1.0 + a + c), rtol=1e-10)
@@ -202,14 +200,14 @@ def test_a_catalyst_beside_a_sorbent():
     """What is adsorbed in one kind reacts in the other: of first order, exp(-Da) times the breakthrough."""
     Da = 0.7
     scene = unlike("linear_driving_force", end=1.2 * MEAN)
-    scene["fluid"]["species"]["B"] = {"elements": {"C": 1.0}, "molar_mass": 0.044}
+    scene["gas"]["species"]["B"] = {"elements": {"C": 1.0}, "molar_mass": 0.044}
     share = 0.25
     for table in scene["solids"].values():
         table["volume_share"] *= 1.0 - share
-    scene["solids"]["catalyst"] = {"volume_share": share, "particle_diameter": 3e-3, "density": DENSITY}
+    scene["solids"]["catalyst"] = {"volume_share": share, "diameter": 3e-3, "density": DENSITY}
     rate = Da * SPEED / (0.2 * share * (1.0 - EPS))
     scene["reactions"] = {"r": {"equation": "A -> B", "A": rate, "E": 0.0, "basis": "particle", "solid": "catalyst"}}
-    scene["mass"]["sherwood"] = 1e12  # of the catalyst, nothing resists there
+    scene["closures"]["sherwood"] = 1e12  # of the catalyst, nothing resists there
     found = solved(scene).profiles["x_A [1]"] / TRACE
     fewer = lambda p: (passes(p, "effective") * p) ** (1.0 - share) / p  # noqa: E731
     assert found == pytest.approx(np.exp(-Da) * invert(fewer, np.array([1.2 * MEAN])), abs=1e-4)
@@ -219,10 +217,10 @@ def test_all_that_differs_closes():
     """Elements and energy; the kind that adsorbs with more heat is the warmer one."""
     scene = warm("film")
     scene["time"]["end"] = 4.0
-    own = scene["adsorption"]
-    hot = {"adsorption": {"A": own["A"] | {"enthalpy": -4e4}}, "particle_diameter": 6e-3}
-    cold = {"adsorption": {"C": own["C"]}, "particle_diameter": 2e-3, "nusselt": 3.0, "heat_capacity": 700.0}
-    result = solved(split_adsorbing(scene, coarse=hot, fine=cold))
+    own = scene["solids"]["particles"]["adsorption"]
+    hot = {"adsorption": {"A": own["A"] | {"enthalpy": -4e4}}, "diameter": 6e-3}
+    cold = {"adsorption": {"C": own["C"]}, "diameter": 2e-3, "nusselt": 3.0, "heat_capacity": 700.0}
+    result = solved(split(scene, coarse=hot, fine=cold))
     assert {"C", "O", "energy"} <= set(result.balances)
     warmer = result.profiles["T_solid_coarse [K]"] - result.profiles["T_solid_fine [K]"]
     assert warmer.max() > 0.5
@@ -246,16 +244,15 @@ def test_the_plan_chooses_for_each_kind():
     ("change", "said"),
     [
         (
-            lambda s: s.update(adsorption=s["solids"]["fine"]["adsorption"]),
-            r"adsorption\.A: does not say which solid phase",
-        ),
-        (
             lambda s: s["solids"]["fine"]["adsorption"].update(B=s["solids"]["fine"]["adsorption"]["A"]),
             r"solids\.fine\.adsorption\.B: no gas of this name",
         ),
         (lambda s: s.pop("time"), r"solids\.fine\.adsorption: particles at rest take up nothing"),
-        (lambda s: s["time"].pop("initial_composition"), r"time\.initial_composition: missing"),
-        (lambda s: s["solids"]["fine"]["adsorption"]["A"].pop("henry"), "give henry, or capacity and affinity"),
+        (lambda s: s["initial"].pop("gas"), r"initial\.gas\.composition: missing"),
+        (
+            lambda s: s["solids"]["fine"]["adsorption"]["A"].pop("henry"),
+            "give henry, or capacity and affinity",
+        ),
         (
             lambda s: (
                 s["solids"]["fine"].update(solids()),
@@ -267,7 +264,7 @@ def test_the_plan_chooses_for_each_kind():
 )
 def test_mistakes(change, said):
     scene = unlike("film", end=1.0)
-    scene["fluid"]["species"]["A2"] = {"elements": {"C": 1.0}, "molar_mass": 0.044}
+    scene["gas"]["species"]["A2"] = {"elements": {"C": 1.0}, "molar_mass": 0.044}
     change(scene)
     with pytest.raises(SceneError, match=said):
         plan(from_dict(scene))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from several_solids import SHARES, split_pellets
 from solving import solved
-from test_pellets import D_A, D_B, REFORMER, R, left, pellets
+from test_pellets import D_A, REFORMER, R, left, pellets
 
 from contbed.errors import SceneError
 from contbed.loading import from_dict
@@ -18,17 +18,20 @@ from contbed.reacting_bed.plan import plan
 
 ROUNDING = 1e-9  # of two solutions of the same equations, whose Newton's methods end at 1e-10
 SHELLS = 1e-5  # of what leaves: points inside err by 3e-6 of the effectiveness
-D = {"A": D_A, "B": D_B}
 
 
 def reforming():
     """Three reactions of five gases, two temperatures, a film and a falling pressure."""
     scene = deepcopy(REFORMER)
     scene["mesh"]["cells"] = 4
-    scene["fluid"]["conductivity"] = 0.1
-    scene["flow"]["pressure_drop"] = "ergun"
-    scene["heat"] = {"nusselt": "nusselt_wakao_kaguei", "conductivity_solid": 0.5}
-    scene["mass"] = {"sherwood": "sherwood_wakao_funazkri"}
+    scene["gas"]["conductivity"] = 0.1
+    scene["packed_bed"]["pressure_drop"] = "ergun"
+    scene["heat"] = {}
+    scene["closures"] |= {
+        "nusselt": "nusselt_wakao_kaguei",
+        "conductivity_solids": 0.5,
+        "sherwood": "sherwood_wakao_funazkri",
+    }
     return scene
 
 
@@ -48,7 +51,7 @@ def test_beads_dilute_a_catalyst():
     phi, share = 5.0, 0.3
     scene, k = pellets(phi)
     scene["mesh"]["length"] = L = 1.0 / (share * 0.6 * k * sphere(phi) / 0.5)
-    scene = split_pellets(scene, {"catalyst": share, "beads": 1.0 - share}, beads={"diffusivity": {}})
+    scene = split_pellets(scene, {"catalyst": share, "beads": 1.0 - share}, beads={"inside": {"diffusivity": {}}})
     result = solved(scene)
     assert result.qoi["x_A_out"] == pytest.approx(left(k * L, share * sphere(phi)), rel=SHELLS)
     told = dict(result.plan.built)["intrapellet diffusion"]
@@ -60,15 +63,15 @@ def test_each_kind_has_its_size_and_diffusivities():
     scene, k = pellets(2.0)
     d, factor, Bi = {"coarse": 6e-3, "fine": 2e-3}, {"coarse": 3.0, "fine": 0.5}, {"coarse": 8.0, "fine": 4.0}
     gas = 2e-5
-    scene["fluid"]["diffusivity"], scene["mass"] = gas, {"sherwood": 1.0}
+    scene["gas"]["diffusivity"], scene["closures"]["sherwood"] = gas, 1.0
     total, changes = 0.0, {}
     for kind, share in SHARES.items():
         radius, inside = 0.5 * d[kind], factor[kind] * D_A
         phi = radius * np.sqrt(k / inside)
         total += share / (1.0 / sphere(phi) + phi**2 / (3.0 * Bi[kind]))
         changes[kind] = {
-            "particle_diameter": d[kind],
-            "diffusivity": {"A": inside, "B": inside},
+            "diameter": d[kind],
+            "inside": {"mass": "interior", "diffusivity": {"A": inside, "B": inside}},
             "sherwood": 2.0 * Bi[kind] * inside / gas,
         }
     scene["mesh"]["length"] = L = 1.0 / (0.6 * k * total / 0.5)
@@ -80,36 +83,37 @@ def test_auto_judges_all_kinds(phi, level):
     """Of two catalysts of which one is twice as large E is the mean of 1 - eta by volume."""
     scene, k = pellets(phi)
     scene["mesh"]["length"] = 0.5 / (0.6 * k)
-    scene["particle"]["mass"] = "auto"
-    scene = split_pellets(scene, coarse={"particle_diameter": 4.0 * R})
+    scene["solids"]["particles"]["inside"]["mass"] = "auto"
+    scene = split_pellets(scene, coarse={"diameter": 4.0 * R})
     planned = plan(from_dict(scene))
-    assert planned.scene.particle.mass == level
+    assert {table.inside.mass for table in planned.scene.solids.values()} == {level}
     error = 1.0 - SHARES["coarse"] * sphere(2.0 * phi) - SHARES["fine"] * sphere(phi)
     told = dict(planned.built if level == "interior" else planned.skipped)["intrapellet diffusion"]
     assert f"changes the reacted amounts by {percent(error)}" in told
     found = solved(scene).qoi["x_A_out"]
-    scene["particle"]["mass"] = level
-    if level == "none":
-        for table in scene["solids"].values():
-            del table["diffusivity"]
+    for table in scene["solids"].values():
+        table["inside"] = {"mass": level} if level == "none" else table["inside"] | {"mass": level}
     assert found == solved(scene).qoi["x_A_out"]
+
+
+def diffusivities(scene):
+    return scene["solids"]["fine"]["inside"]["diffusivity"]
 
 
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda s: s["particle"].update(diffusivity=D), r"give solids\.NAME\.diffusivity\.A"),
-        (lambda s: s["solids"]["fine"]["diffusivity"].pop("B"), r"solids\.fine\.diffusivity.*: B reacts in"),
+        (lambda s: diffusivities(s).pop("B"), r"solids\.fine\.inside\.diffusivity.*: B reacts in"),
+        (lambda s: diffusivities(s).update(C=1e-6), r"fine\.inside\.diffusivity\.C.*: no reaction in"),
+        (lambda s: diffusivities(s).clear(), r"solids\.fine\.inside\.diffusivity.*: A reacts in the particles"),
+        (lambda s: s["reactions"].clear(), r"solids\.fine\.inside\.mass.*: nothing reacts in these particles"),
         (
-            lambda s: s["solids"]["fine"]["diffusivity"].update(C=1e-6),
-            r"fine\.diffusivity\.C.*: no reaction in",
+            lambda s: s["solids"]["fine"]["inside"].update(mass="none"),
+            r"no reaction in particles that are resolved needs it",
         ),
-        (lambda s: s["solids"]["fine"].pop("diffusivity"), r"solids\.fine\.diffusivity: A reacts in the particles"),
-        (lambda s: s["reactions"].clear(), r"particle\.mass.*: nothing reacts in the particles"),
-        (lambda s: s["particle"].update(mass="none"), r"no reaction in particles that are resolved needs it"),
         (
             lambda s: s["solids"]["fine"].update(composition="S:1", constituent={"S": {"molar_mass": 0.1}}),
-            r"solids\.fine\.diffusivity.*: resolves catalytic reactions of gases",
+            r"solids\.fine\.inside\..*: resolves catalytic reactions of gases",
         ),
     ],
 )

@@ -27,8 +27,8 @@ def pellets(phi, K=None):
     rate = "k*c_A" if K is None else "k*(c_A - c_B/K)"
     parameters = {"k": k} if K is None else {"k": k, "K": K}
     scene["reactions"] = {"r": {"equation": "A -> B", "rate": rate, "parameters": parameters, "basis": "particle"}}
-    scene["solid"] = {"density": 1000.0}
-    scene["particle"] = {"mass": "interior", "diffusivity": {"A": D_A, "B": D_B}}
+    scene["solids"]["particles"] |= {"density": 1000.0}
+    scene["solids"]["particles"]["inside"] = {"mass": "interior", "diffusivity": {"A": D_A, "B": D_B}}
     return scene, k
 
 
@@ -62,12 +62,12 @@ def test_thiele_where_a_reaction_runs_back():
     """Pure B: the modulus is that of k/K, which B is used up with."""
     K, phi = 0.5, 6.0
     scene, _ = pellets(phi, K)
-    scene["fluid"]["composition"] = "B:1"
-    scene["particle"] = {"mass": "none"}
+    scene["gas"]["composition"] = "B:1"
+    scene["solids"]["particles"]["inside"] = {"mass": "none"}
     scene["reactions"]["r"]["diffusivity"] = D_A
     rates = []
     for mass in ("none", "effectiveness"):
-        scene["particle"]["mass"] = mass
+        scene["solids"]["particles"]["inside"]["mass"] = mass
         problem = plan(from_dict(scene)).problem
         state = problem.state(problem.start()[:, 0, :1])
         rates.append(float(problem.bed.rates(state, problem.bed.medium.at(state))[0][0]))
@@ -77,22 +77,27 @@ def test_thiele_where_a_reaction_runs_back():
 
 REFORMER = {
     "mesh": {"type": "line", "length": 1.0},
-    "fluid": {
+    "gas": {
         "model": "cantera",
         "composition": "CH4:0.2, H2O:0.6, H2:0.12, CO:0.02, CO2:0.06",
         "pressure": "20 bar",
         "viscosity": 3e-5,
     },
-    "solid": {"density": 2700.0},
-    "bed": {"porosity": 0.5, "particle_diameter": 8e-3},
-    "flow": {"mass_flux": 5.0, "pressure_drop": "none"},
+    "solids": {
+        "particles": {
+            "diameter": 8e-3,
+            "density": 2700.0,
+            "inside": {
+                "mass": "interior",
+                "diffusivity": {"CH4": 2e-6, "H2O": 2.5e-6, "H2": 6e-6, "CO": 2e-6, "CO2": 1.5e-6},
+            },
+        }
+    },
+    "packed_bed": {"porosity": 0.5, "pressure_drop": "none"},
+    "closures": {},
     "heat": {},
     "reactions": {name: {"law": f"xu_froment_{name}"} for name in ("reforming", "shift", "total")},
-    "particle": {
-        "mass": "interior",
-        "diffusivity": {"CH4": 2e-6, "H2O": 2.5e-6, "H2": 6e-6, "CO": 2e-6, "CO2": 1.5e-6},
-    },
-    "boundary": {"left": {"fluid": {"inflow": 900.0}}},
+    "boundary": {"left": {"gas": {"mass_flux": 5.0, "temperature": 900.0}}},
     "output": {"plots": False},
 }
 
@@ -134,14 +139,14 @@ def test_a_reformer_closes_and_the_plan_tells_the_effectiveness():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"diffusivity": {"A": 1e-6}}, "particle.diffusivity: B reacts in the particles and has none"),
+        ({"diffusivity": {"A": 1e-6}}, "inside.diffusivity.*: B reacts in the particles and has none"),
         ({"diffusivity": {"A": 1e-6, "B": 1e-6, "C": 1e-6}}, "no reaction in particles that are resolved needs it"),
         ({"mass": "none"}, "no reaction in particles that are resolved needs it"),
     ],
 )
 def test_mistakes(change, said):
     scene, _ = pellets(1.0)
-    scene["particle"] |= change
+    scene["solids"]["particles"]["inside"] |= change
     with pytest.raises(SceneError, match=said):
         from_dict(scene)
 
@@ -149,8 +154,8 @@ def test_mistakes(change, said):
 def test_nothing_to_resolve():
     scene, _ = pellets(1.0)
     scene["reactions"]["r"]["basis"] = "gas"
-    scene["particle"].pop("diffusivity")
-    with pytest.raises(SceneError, match="nothing reacts in the particles"):
+    scene["solids"]["particles"]["inside"].pop("diffusivity")
+    with pytest.raises(SceneError, match="nothing reacts in these particles"):
         from_dict(scene)
 
 
@@ -159,18 +164,18 @@ def test_pellets_are_resolved_where_diffusion_matters(phi, level):
     """Of first order in plug flow what reacts would differ by 1 - eta, and what leaves differs by less."""
     scene, k = pellets(phi)
     scene["mesh"]["length"] = 0.5 / (0.6 * k)
-    scene["particle"] = {key: value for key, value in scene["particle"].items() if key != "mass"}
+    del scene["solids"]["particles"]["inside"]["mass"]
     planned = plan(from_dict(scene))
-    assert planned.scene.particle.mass == level
+    assert planned.scene.solids["particles"].inside.mass == level
     told = dict(planned.built if level == "interior" else planned.skipped)["intrapellet diffusion"]
     assert f"changes the reacted amounts by {percent(1.0 - sphere(phi))}" in told
     found = contbed.run(from_dict(scene)).qoi["x_A_out"]
     both = {}
     for mass in ("none", "interior"):
         if mass == "none":
-            scene["particle"] = {"mass": "none"}
+            scene["solids"]["particles"]["inside"] = {"mass": "none"}
         else:
-            scene["particle"] = {"mass": mass, "diffusivity": {"A": D_A, "B": D_B}}
+            scene["solids"]["particles"]["inside"] = {"mass": mass, "diffusivity": {"A": D_A, "B": D_B}}
         both[mass] = contbed.run(from_dict(scene)).qoi["x_A_out"]
     assert found == both[level]
     change = abs(both["none"] - both["interior"]) / (1.0 - both["none"])
@@ -181,7 +186,7 @@ def test_derivatives_of_a_bed_whose_level_was_chosen():
     """The tangent is that of the level which was run: without resistance x = exp(-0.6 k L/u), dk of it by hand."""
     scene, k = pellets(0.2)
     scene["mesh"]["length"] = L = 0.5 / (0.6 * k)
-    scene["particle"]["mass"] = "auto"
+    scene["solids"]["particles"]["inside"]["mass"] = "auto"
     found = gradient(from_dict(scene), ["x_A_out"], ["reactions.r.parameters.k"]).derivatives[0, 0]
     # resolved pellets have 2 (1 - eta) = 0.5 % less
     assert found == pytest.approx(-left(k * L, 1.0) * 0.6 * L / 0.5, rel=1e-4)
@@ -190,11 +195,11 @@ def test_derivatives_of_a_bed_whose_level_was_chosen():
 def test_what_cannot_be_judged_is_resolved():
     """In time; without a diffusivity there is nothing to resolve, and nothing is solved to find out."""
     scene, _ = pellets(0.1)
-    del scene["particle"]["mass"]
+    del scene["solids"]["particles"]["inside"]["mass"]
     scene["time"] = {"end": 1.0}
     planned = plan(from_dict(scene))
     assert "always resolved in transients" in dict(planned.built)["intrapellet diffusion"]
     assert type(planned.problem.reactions[0].rate).__name__ == "Pellets"
-    del scene["particle"], scene["time"]
+    del scene["solids"]["particles"]["inside"], scene["time"]
     planned = plan(from_dict(scene))
     assert "intrapellet diffusion" not in dict(planned.built) | dict(planned.skipped)

@@ -59,7 +59,7 @@ def test_undershoots_cost_less_than_a_limiter(biot, count, low, error):
 def test_particles_of_a_bed_hold_nothing_below_zero():
     scene, unit = adsorber(100.0, 10.0, 3.0)
     scene["mesh"]["cells"] = 6
-    scene["particle"] = {"adsorption": "interior"}
+    scene["solids"]["particles"]["inside"] = {"adsorption": "interior"}
     scene["time"] |= {"end": 4.0 * unit, "tolerance": 1e-3}
     found = plan(from_dict(scene))
     course = Course.of(found.scene, found.problem, found.schedule, found.stores_gas)

@@ -6,7 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
-from reacting_bed_scenes import MOLAR, T, isothermal, solids, species
+from reacting_bed_scenes import MOLAR, T, isothermal, let_move, solids, species
 from several_solids import split
 from test_bad_reacting import GOOD
 from typer.testing import CliRunner
@@ -80,7 +80,8 @@ def test_runs_in_time_keep_what_they_passed(gas, tmp_path):
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     scene["mesh"]["cells"] = 8
     scene["reactions"] = {"r": {"equation": "A -> B", "rate": str(1.5 * 0.5 * MOLAR / 0.4)}}
-    scene["time"] = {"end": 2.0, "gas": gas}
+    scene["time"] = {"end": 2.0}
+    scene["packed_bed"]["gas_storage"] = gas
     with pytest.raises(ConvergenceError, match=r"takes .* of A where .* at t = \d"):
         contbed.run(from_dict(scene), out=tmp_path)
     assert '"not converged"' in (tmp_path / "summary.json").read_text()
@@ -90,18 +91,18 @@ def test_films_are_looked_at():
     """The film lets less pass than the rate takes, although the gas is not used up."""
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     scene["mesh"] |= {"length": 0.01, "cells": 2}
-    scene["fluid"] |= {"diffusivity": 1e-6, "viscosity": 2e-5}
-    scene["mass"] = {"sherwood": 2.0}
-    scene["solid"] = {"density": 1000.0}
+    scene["gas"] |= {"diffusivity": 1e-6, "viscosity": 2e-5}
+    scene["closures"] |= {"sherwood": 2.0}
+    scene["solids"]["particles"] |= {"density": 1000.0}
     scene["reactions"] = {"r": {"equation": "A -> B", "rate": "100.0", "basis": "particle"}}
     with pytest.raises(ConvergenceError, match=r"of A at the particles where there is none"):
         contbed.run(from_dict(scene))
 
 
 def test_solids_that_move_are_looked_at():
-    scene = isothermal("A:1", species(A=0.028, B=0.028), flow={"velocity_solid": -1e-5})
+    scene = let_move(isothermal("A:1", species(A=0.028, B=0.028)), -1e-5)
     scene["mesh"]["cells"] = 8
-    scene["solid"] = solids()
+    scene["solids"]["particles"] |= solids()
     scene["reactions"] = {"r": {"equation": "A + S -> B + P", "rate": "0.1*c_A", "basis": "bed"}}
     with pytest.raises(ConvergenceError, match=r"of S where .*: S .*n_S/\(abs\(n_S\) \+ "):
         contbed.run(from_dict(scene))
@@ -143,7 +144,8 @@ def in_time(reaction, fills=None, **more):
     scene = isothermal("A:0.5, B:0.5", species(A=0.028, B=0.028, N=0.028))
     scene["mesh"]["cells"] = 8
     scene["reactions"] = {"r": {"equation": "A -> B", **reaction}}
-    scene["time"] = {"end": 1.0, "gas": "stored"} | ({} if fills is None else {"initial_composition": fills})
+    scene["time"], scene["packed_bed"]["gas_storage"] = {"end": 1.0}, "stored"
+    scene["initial"] = {} if fills is None else {"gas": {"composition": fills}}
     return {**scene, **more}
 
 
@@ -169,7 +171,7 @@ INFINITE = r"reactions\.r: is infinite {}, where there is no B, of which the ord
 def test_rates_without_value_are_told_before_a_run_in_time(reaction, fills, enters, said):
     scene = in_time(reaction, fills)
     if enters is not None:
-        scene["fluid"]["composition"] = enters
+        scene["boundary"]["left"]["gas"]["composition"] = enters
     with pytest.raises(SceneError, match=said):
         require_buildable(from_dict(scene))
 
@@ -183,7 +185,7 @@ def test_a_rate_without_value_at_the_start_of_a_file_is_told(tmp_path):
     """The gas of the file has neither A nor B."""
     (tmp_path / "start.csv").write_text("x [m],x_N [1]\n0,1\n1,1\n")
     scene = in_time({"rate": "0.5*c_A/c_B"})
-    scene["time"]["initial"] = {"file": "start.csv"}
+    scene["initial"] = {"file": "start.csv"}
     with pytest.raises(ConvergenceError, match=r"at t = 0 s; the rate of r is nan at x = .*: add a small amount"):
         contbed.run(from_dict(scene, base=tmp_path))
 
@@ -223,7 +225,7 @@ def test_check_refuses_what_run_refuses(tmp_path):
         said[command] = str(found.exception)
         assert isinstance(found.exception, SceneError)
     assert said["check"] == said["run"]
-    assert "H2O is neither a gas of [fluid.species]" in said["check"]
+    assert "H2O is neither a gas of [gas.species]" in said["check"]
 
 
 def test_check_solves_nothing(monkeypatch):
@@ -231,8 +233,8 @@ def test_check_solves_nothing(monkeypatch):
     from contbed.reacting_bed import pellet_level
 
     scene = isothermal("A:1", species(A=0.028, B=0.028))
-    scene["solid"] = {"density": 1000.0}
-    scene["particle"] = {"mass": "auto", "diffusivity": {"A": 1e-6, "B": 1e-6}}
+    scene["solids"]["particles"] |= {"density": 1000.0}
+    scene["solids"]["particles"]["inside"] = {"mass": "auto", "diffusivity": {"A": 1e-6, "B": 1e-6}}
     scene["reactions"] = {"r": {"equation": "A -> B", "A": 1.0, "E": 0.0, "basis": "particle"}}
     monkeypatch.setattr(pellet_level, "steady", lambda *_: pytest.fail("solved"))
     require_buildable(from_dict(scene))
@@ -241,8 +243,8 @@ def test_check_solves_nothing(monkeypatch):
 def test_a_constant_rate_in_resolved_pellets():
     """No diffusion slows it down: what is taken is that of the whole pellets."""
     scene = isothermal("A:1", species(A=0.028, B=0.028))
-    scene["solid"] = {"density": 1000.0}
-    scene["particle"] = {"mass": "interior", "diffusivity": {"A": 1e-6, "B": 1e-6}}
+    scene["solids"]["particles"] |= {"density": 1000.0}
+    scene["solids"]["particles"]["inside"] = {"mass": "interior", "diffusivity": {"A": 1e-6, "B": 1e-6}}
     scene["reactions"] = {"r": {"equation": "A -> B", "rate": "1.0", "basis": "particle"}}
     result = contbed.run(from_dict(scene))
     assert result.qoi["conversion_A"] == pytest.approx(0.6 / (0.5 * MOLAR), rel=1e-10)
@@ -250,21 +252,22 @@ def test_a_constant_rate_in_resolved_pellets():
 
 def test_sections_are_looked_at_ring_by_ring():
     scene = isothermal("A:0.5, B:0.5", species(A=0.028, B=0.028))
-    for gas in scene["fluid"]["species"].values():
+    for gas in scene["gas"]["species"].values():
         gas["heat_capacity"] = 30.0
     scene["mesh"]["cells"] = 8
     scene["heat"] = {}
-    scene["wall"] = {"diameter": 0.1, "coefficient": 50.0, "ambient": T}
-    scene["section"] = {"rings": 2, "conductivity_solid": 1.0}
+    scene["mesh"]["diameter"] = 0.1
+    scene["boundary"]["wall"] = {"coefficient": 50.0, "ambient": T}
+    scene["packed_bed"]["section"] = {"rings": 2, "conductivity_solids": 1.0}
     scene["reactions"] = {"r": {"equation": "A -> B", "rate": str(0.55 * 0.5 * MOLAR / 0.4)}}
     with pytest.raises(ConvergenceError, match=r"takes .* of A where .*A falls to -0\.0\d* of the gas at x = 0\.9"):
         contbed.run(from_dict(scene))
 
 
 def test_solids_of_several_kinds_go_by_their_own_names():
-    scene = isothermal("A:1", species(A=0.028, B=0.028), flow={"velocity_solid": -1e-5})
+    scene = let_move(isothermal("A:1", species(A=0.028, B=0.028)), -1e-5)
     scene["mesh"]["cells"] = 8
-    scene["solid"] = solids()
+    scene["solids"]["particles"] |= solids()
     scene["reactions"] = {
         "r": {"equation": "A + S -> B + P", "rate": "0.1*c_A", "basis": "particle", "solid": ["coarse", "fine"]}
     }
@@ -273,7 +276,7 @@ def test_solids_of_several_kinds_go_by_their_own_names():
 
 
 def test_beds_without_reactions_have_no_such_rates():
-    problem = plan(from_dict(isothermal("A:1", species(A=0.028), mass={"dispersion": 1e-4}))).problem
+    problem = plan(from_dict(isothermal("A:1", species(A=0.028), closures={"dispersion_mass": 1e-4}))).problem
     u = -problem.start()
     assert taken_though_absent(problem, u) is None and taken_to_the_end(problem, u) is None
 
@@ -281,13 +284,15 @@ def test_beds_without_reactions_have_no_such_rates():
 def test_named_laws_are_not_blamed(monkeypatch):
     """Whatever their rates are in a state within an iteration: here one where there is no Fe3O4 and no FeO."""
     gases = {name: {"heat_capacity": 30.0} for name in ("H2", "H2O")}
-    scene = isothermal("H2:0.9, H2O:0.1", gases, flow={"velocity_solid": -1e-4})
+    scene = let_move(isothermal("H2:0.9, H2O:0.1", gases), -1e-4)
     scene["mesh"]["cells"] = 4
-    scene["solid"] = {"composition": "Fe2O3:1", "density": 4000.0}
-    scene["solid"]["constituent"] = {name: {"heat_capacity": 100.0} for name in ("Fe2O3", "Fe3O4", "FeO", "Fe")}
-    scene["boundary"]["left"]["fluid"]["inflow"] = 1000.0
+    scene["solids"]["particles"] |= {"composition": "Fe2O3:1", "density": 4000.0}
+    scene["solids"]["particles"]["constituent"] = {
+        name: {"heat_capacity": 100.0} for name in ("Fe2O3", "Fe3O4", "FeO", "Fe")
+    }
+    scene["boundary"]["left"]["gas"]["temperature"] = 1000.0
     scene["reactions"] = {"reduction": {"law": "three_interfaces_H2"}}
-    scene["fluid"]["diffusivity"] = 1e-4
+    scene["gas"]["diffusivity"] = 1e-4
     problem = plan(from_dict(scene)).problem
     u = problem.start()
     monkeypatch.setattr(

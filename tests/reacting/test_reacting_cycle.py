@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+
 import numpy as np
 import pytest
 from adsorption_scenes import adsorber
@@ -28,9 +30,13 @@ def regenerator(row):
     """A bed that stores heat, without reactions, with one blow from either end; the times of both."""
     scene, eta = heated(row["Lambda_hot"])
     times = [row[f"Pi_{blow}"] / eta for blow in ("hot", "cold")]
-    scene["flow"]["mass_flux"] = switched([0.5, -0.5 * row["Lambda_hot"] / row["Lambda_cold"]], times[0])
-    scene["boundary"] = {side: {"fluid": {"inflow": T}} for side, T in (("left", 600.0), ("right", 300.0))}
-    scene["time"] = {"end": sum(times), "times": [times[0]], "initial_temperature": 450.0, "gas": "quasi_steady"}
+    scene["boundary"]["left"]["gas"]["mass_flux"] = switched(
+        [0.5, -0.5 * row["Lambda_hot"] / row["Lambda_cold"]], times[0]
+    )
+    scene["boundary"]["right"] = {"gas": {"temperature": 300.0}}
+    scene["time"] = {"end": sum(times), "times": [times[0]]}
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
+    scene["initial"] |= {"temperature": 450.0}
     scene["time"]["cycle"] = {}
     scene["mesh"]["cells"] = 20
     nodes, weights = np.polynomial.legendre.leggauss(40)
@@ -75,14 +81,17 @@ def test_a_hot_zone_between_two_directions_of_flow():
     """An exothermic reaction that the turning flow keeps in the bed: repetition falls by 2 % a period near its end."""
     gas = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0}
     scene = isothermal("A:0.02, B:0.98", {"A": gas | {"enthalpy": 150e3}, "B": gas | {"enthalpy": 0.0}})
-    scene["solid"] = {"density": 1500.0, "heat_capacity": 800.0}
-    scene["heat"] = {"conductivity_solid": 5.0}
+    scene["solids"]["particles"] |= {"density": 1500.0, "heat_capacity": 800.0}
+    scene["heat"] = {}
+    scene["closures"] |= {"conductivity_solids": 5.0}
     scene["mesh"] |= {"length": 0.5, "cells": 8}
     scene["output"]["positions"] = (0.5 / 16.0 * (np.arange(16) + 0.5)).tolist()  # not where cells meet
-    scene["flow"] = {"mass_flux": switched([0.3, -0.3], 60.0), "pressure_drop": "none"}
-    scene["boundary"] = {side: {"fluid": {"inflow": 350.0}} for side in ("left", "right")}
+    scene["boundary"] = {side: {"gas": {"temperature": 350.0}} for side in ("left", "right")}
+    scene["boundary"]["left"]["gas"]["mass_flux"] = switched([0.3, -0.3], 60.0)
     scene["reactions"] = {"r": {"equation": "A -> B", "A": 2e4, "E": 5e4}}
-    scene["time"] = {"end": 120.0, "times": [60.0], "initial_temperature": 600.0, "gas": "quasi_steady"}
+    scene["time"] = {"end": 120.0, "times": [60.0]}
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
+    scene["initial"] |= {"temperature": 600.0}
     scene["time"] |= {"tolerance": 1e-3, "cycle": {}}
     found = solved(scene)
     assert found.qoi["cycle_periods"] <= 40  # some 1000 by repetition
@@ -101,14 +110,15 @@ def marched(scene, count):
     """The run that goes through so many periods."""
     time = {key: value for key, value in scene["time"].items() if key not in ("cycle", "times")}
     again = scene | {"time": time | {"end": count * time["end"]}}
-    again["fluid"] = scene["fluid"] | {"composition": scene["fluid"]["composition"] | {"period": time["end"]}}
+    again["boundary"] = deepcopy(scene["boundary"])
+    again["boundary"]["left"]["gas"]["composition"]["period"] = time["end"]
     return solved(again)
 
 
 @pytest.mark.parametrize("isotherm", ["linear", pytest.param("langmuir", marks=pytest.mark.slow)])
 def test_a_bed_that_adsorbs_and_is_flushed_against_marching(isotherm):
     scene, unit = adsorber(20.0, 6.0, 0.02, None if isotherm == "linear" else 2.0)
-    scene["fluid"]["composition"] = switched(["A:1e-6, N:0.999999", "N:1"], 2.0 * unit)
+    scene["boundary"]["left"]["gas"]["composition"] = switched(["A:1e-6, N:0.999999", "N:1"], 2.0 * unit)
     scene["time"] |= {"end": 4.0 * unit, "tolerance": 1e-3, "cycle": {}}
     scene["mesh"]["cells"] = 6
     del scene["output"]["positions"]
@@ -123,8 +133,10 @@ def test_a_bed_that_adsorbs_and_is_flushed_against_marching(isotherm):
 @pytest.mark.slow
 def test_a_gas_in_the_pores_against_marching():
     scene = isothermal("A:1", species(A=0.028, B=0.028), mass={"dispersion": 0.1})
-    scene["fluid"]["composition"] = switched(["A:1", "B:1"], 0.4)
-    scene["time"] = {"end": 0.8, "initial_composition": "B:1", "gas": "stored", "tolerance": 1e-3, "cycle": {}}
+    scene["boundary"]["left"]["gas"]["composition"] = switched(["A:1", "B:1"], 0.4)
+    scene["time"] = {"end": 0.8, "tolerance": 1e-3, "cycle": {}}
+    scene["packed_bed"]["gas_storage"] = "stored"
+    scene["initial"] |= {"gas": {"composition": "B:1"}}
     scene["mesh"]["cells"] = 6
     found, after = solved(scene), marched(scene, 6)
     assert found.profiles["x_A [1]"] == pytest.approx(after.profiles["x_A [1]"], abs=2e-3)  # of steps
@@ -203,10 +215,12 @@ def test_extrapolated_states_stay_within_their_bounds_node_by_node():
 
 def test_extrapolated_temperatures_and_fractions_stay_within_their_bounds():
     scene, _ = heated(4.0)
-    scene["fluid"]["species"]["B"] = scene["fluid"]["species"]["A"]
-    scene["fluid"]["composition"] = "A:0.5, B:0.5"
+    scene["gas"]["species"]["B"] = scene["gas"]["species"]["A"]
+    scene["gas"]["composition"] = "A:0.5, B:0.5"
     scene["mesh"]["cells"] = 3
-    scene["time"] = {"end": 1.0, "gas": "stored", "initial_temperature": 300.0}
+    scene["time"] = {"end": 1.0}
+    scene["packed_bed"]["gas_storage"] = "stored"
+    scene["initial"] |= {"temperature": 300.0}
     course = course_of(scene)
     u = course.start()
     stored = cycle.Stored.of(course.problem, course.sizes(u))
@@ -260,18 +274,18 @@ def test_a_cycle_that_is_not_found_ends_with_its_best_period(monkeypatch):
 
 def test_cycles_that_cannot_be_are_told():
     scene = looping()
-    scene["fluid"]["composition"] = "A:1"
+    scene["boundary"]["left"]["gas"]["composition"] = "A:1"
     with pytest.raises(SceneError, match=r"time\.cycle.*: a cycle needs a composition, a flow, or a temperature"):
         from_dict(scene)
     scene = looping()
-    scene["fluid"]["composition"] |= {"period": 900.0}
+    scene["boundary"]["left"]["gas"]["composition"] |= {"period": 900.0}
     with pytest.raises(SceneError, match=r"its period of 900 s fits 1\.33333 times into the cycle.*multiple"):
         from_dict(scene)
-    scene["fluid"]["composition"]["period"] = 600.0 + 1e-5
-    scene["fluid"]["composition"]["times"] = [0.0, 300.0]
+    scene["boundary"]["left"]["gas"]["composition"]["period"] = 600.0 + 1e-5
+    scene["boundary"]["left"]["gas"]["composition"]["times"] = [0.0, 300.0]
     with pytest.raises(SceneError, match="fits 2 times into the cycle"):
         from_dict(scene)
-    scene["fluid"]["composition"]["period"] = 600.0
+    scene["boundary"]["left"]["gas"]["composition"]["period"] = 600.0
     from_dict(scene)
     scene["time"]["cycle"] = {"tolerance": 0.0}
     with pytest.raises(SceneError, match=r"time\.cycle\.tolerance"):
@@ -292,9 +306,10 @@ def following(rate):
     """Gas A that becomes B in a bed that stores nothing, of two compositions in turn."""
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     scene["mesh"]["cells"] = 8
-    scene["fluid"]["composition"] = switched(["A:0.5, B:0.5", "A:1"], 1.0)
+    scene["boundary"]["left"]["gas"]["composition"] = switched(["A:0.5, B:0.5", "A:1"], 1.0)
     scene["reactions"] = {"r": {"equation": "A -> B", "rate": rate}}
-    scene["time"] = {"end": 2.0, "gas": "quasi_steady", "cycle": {}}
+    scene["time"] = {"end": 2.0, "cycle": {}}
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
     return scene
 
 

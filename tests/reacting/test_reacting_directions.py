@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reacting_bed_scenes import bilinear, danckwerts, isothermal, solids, species
+from reacting_bed_scenes import bilinear, danckwerts, isothermal, let_move, solids, species
 
 import contbed as cb
 from contbed.loading import from_dict
@@ -16,8 +16,7 @@ RESULTS = ("conversion_CH4", "conversion_Fe2O3", "pressure_drop_Pa", "T_solid_ou
 def test_a_mirrored_bed_gives_the_same():
     scene = cb.load(clc.HERE / "iron_oxide.toml")
     values = scene.model_dump(exclude_none=True)
-    values["flow"] |= {"molar_flux": -scene.flow.molar_flux, "velocity_solid": -scene.flow.velocity_solid}
-    values["boundary"] = {"right": {"fluid": {"inflow": 298.15}}, "left": {"solid": {"inflow": 1183.15}}}
+    values["boundary"] = {"left": values["boundary"]["right"], "right": values["boundary"]["left"]}
     ours, mirrored = cb.run(scene), cb.run(from_dict(values))
     for key in RESULTS:
         assert mirrored.qoi[key] == pytest.approx(ours.qoi[key], rel=1e-9), key
@@ -26,7 +25,7 @@ def test_a_mirrored_bed_gives_the_same():
 def test_streams_along_each_other():
     """Bilinear rate with equal mole flows: F = 1/(1 + N) of both."""
     scene = bilinear(3.0, 1.0)
-    scene["flow"]["velocity_solid"] *= -1.0
+    scene["boundary"]["left"]["solids"] = scene["boundary"].pop("right")["solids"]
     qoi = cb.run(from_dict(scene)).qoi
     assert qoi["x_A_out"] == pytest.approx(0.25, abs=1e-8)
     assert 1.0 - qoi["conversion_S"] == pytest.approx(0.25, abs=1e-8)
@@ -35,7 +34,7 @@ def test_streams_along_each_other():
 def test_known_composition_inside_of_the_inlet():
     Pe, Da = 10.0, 1.0
     scene = danckwerts(Pe, Da)
-    scene["boundary"] = {"left": {"fluid": {"fixed": 500.0}}}
+    scene["boundary"] = {"left": {"gas": {"velocity": 0.5, "fixed_temperature": 500.0}}}
     scene["output"]["positions"] = [0.0, 1.0]
     result = cb.run(from_dict(scene))
     a = np.sqrt(1.0 + 4.0 * Da / Pe)
@@ -54,12 +53,13 @@ def test_particles_that_move_without_reacting_carry_heat():
     gases["A"] |= {"heat_capacity": cp, "enthalpy": 0.0}
     capacity = G * cp / 0.028
     scene = isothermal("A:1", gases)
-    scene["fluid"] |= {"conductivity": 0.03, "viscosity": 2e-5}
+    scene["gas"] |= {"conductivity": 0.03, "viscosity": 2e-5}
     scene["mesh"]["length"] = L
-    scene["solid"] = {k: v for k, v in solids().items() if k == "density"} | {"heat_capacity": 800.0}
-    scene["flow"] = {"mass_flux": G, "pressure_drop": "none", "velocity_solid": -capacity / 800.0 / 3000.0}
-    scene["boundary"] = {"left": {"fluid": {"inflow": 400.0}}, "right": {"solid": {"inflow": 800.0}}}
-    scene["heat"] = {"nusselt": 3.0 * capacity / L / (6.0 * 0.6 / d) * d / 0.03}
+    scene["solids"]["particles"] |= {k: v for k, v in solids().items() if k == "density"} | {"heat_capacity": 800.0}
+    scene["boundary"]["left"]["gas"] = {"mass_flux": G, "temperature": 400.0}
+    let_move(scene, -capacity / 800.0 / 3000.0, temperature=800.0)
+    scene["heat"] = {}
+    scene["closures"] |= {"nusselt": 3.0 * capacity / L / (6.0 * 0.6 / d) * d / 0.03}
     result = cb.run(from_dict(scene))
     assert result.qoi["T_fluid_out_K"] == pytest.approx(400.0 + 400.0 * 0.75, abs=1e-5)
     assert result.qoi["T_solid_out_K"] == pytest.approx(800.0 - 400.0 * 0.75, abs=1e-5)

@@ -87,8 +87,8 @@ def test_reforming_ends_in_equilibrium(row):
 def test_inert_gases_have_no_conversion():
     """Rounding of what leaves would decide whether one of 1e-15 is written."""
     scene = danckwerts(5.0, 1.0)
-    scene["fluid"]["composition"] = "A:0.5, B:0.1, N:0.4"
-    scene["fluid"]["species"] |= species(N=0.014)
+    scene["gas"]["composition"] = "A:0.5, B:0.1, N:0.4"
+    scene["gas"]["species"] |= species(N=0.014)
     found = solved(scene).qoi
     assert [name for name in found if name.startswith("conversion_")] == ["conversion_A"]
 

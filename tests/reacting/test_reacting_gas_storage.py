@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reacting_bed_scenes import MOLAR, danckwerts, ergun, fixed_bed, heated, isothermal, schumann, species, table
+from reacting_bed_scenes import MOLAR, danckwerts, ergun, fixed_bed, heated, isothermal, put, schumann, species, table
 
 import contbed
 from contbed.errors import ConvergenceError, SceneError
@@ -35,7 +35,8 @@ def dispersed(Pe, Da, **time):
     scene = danckwerts(Pe, Da)
     scene["mesh"]["cells"] = 16
     scene["output"]["positions"] = [1.0]
-    scene["time"] = {"end": 2.0 * RESIDENCE, "initial_composition": "B:1"} | time
+    scene["initial"] = {"gas": {"composition": "B:1"}}
+    scene["time"] = {"end": 2.0 * RESIDENCE} | time
     return scene
 
 
@@ -50,8 +51,8 @@ def test_a_step_through_a_vessel_with_dispersion(Pe, Da):
 
 
 def test_a_quasi_steady_gas_is_early_by_its_residence():
-    scene = dispersed(20.0, 0.0, gas="quasi_steady")
-    del scene["time"]["initial_composition"]
+    scene = dispersed(20.0, 0.0) | {"initial": {}}
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
     result = contbed.run(from_dict(scene))
     assert np.all(result.tables["outlet"]["x_A [1]"] > 1.0 - 1e-9)
 
@@ -65,7 +66,8 @@ def test_rounding_does_not_decide_the_steps(monkeypatch):
     """Residuals with some roundings more, as another order of summation leaves: times are the same to the last bit."""
     scene, _ = heated(4.0)
     scene["mesh"]["cells"] = 8
-    scene["time"] |= {"end": 400.0, "gas": "stored", "tolerance": 1e-3}
+    scene["time"] |= {"end": 400.0, "tolerance": 1e-3}
+    scene["packed_bed"]["gas_storage"] = "stored"
     plain = contbed.run(from_dict(scene)).tables["outlet"]
     random, assemble = np.random.default_rng(2), System.assemble
 
@@ -98,27 +100,32 @@ def test_order_two_in_time_with_inlets_that_change(rings):
     """
     scene, _ = heated(4.0)
     mass, cp, end = 0.028, 30.0, 0.5
-    scene["fluid"]["species"]["B"] = {
+    scene["gas"]["species"]["B"] = {
         "elements": {"H": 28.0},
         "molar_mass": mass,
         "heat_capacity": cp,
         "enthalpy": -2e4,
     }
-    scene["fluid"]["composition"] = {"times": [0.0, end], "values": ["A:0.2, B:0.8", "A:1"]}
-    scene["boundary"]["left"]["fluid"]["inflow"] = {"times": [0.0, end], "values": [300.0, 400.0]}
-    scene["flow"] = {"mass_flux": {"times": [0.0, end], "values": [0.4, 0.6]}, "pressure_drop": "none"}
+    scene["boundary"]["left"]["gas"] = {
+        "mass_flux": {"times": [0.0, end], "values": [0.4, 0.6]},
+        "temperature": {"times": [0.0, end], "values": [300.0, 400.0]},
+        "composition": {"times": [0.0, end], "values": ["A:0.2, B:0.8", "A:1"]},
+    }
     scene["reactions"] = {"r": {"equation": "A -> B", "A": 2.0, "E": 5e3}}
-    scene["solid"] = {"density": 2.0, "heat_capacity": 800.0}  # as light as the gas, so that all fields change
+    scene["solids"]["particles"] |= {"density": 2.0, "heat_capacity": 800.0}
     scene["mesh"]["cells"] = 6
-    scene["time"] = {"end": end, "initial_temperature": 300.0, "gas": "stored"}
+    scene["time"] = {"end": end}
+    scene["packed_bed"]["gas_storage"] = "stored"
+    scene["initial"] |= {"temperature": 300.0}
     if rings:
         hotter = {"times": [0.0, end], "values": [300.0, 500.0]}
-        scene["wall"] = {"diameter": 0.05, "coefficient": 20.0, "ambient": hotter}
-        scene["section"] = {
+        scene["mesh"]["diameter"] = 0.05
+        scene["boundary"]["wall"] = {"coefficient": 20.0, "ambient": hotter}
+        scene["packed_bed"]["section"] = {
             "rings": rings,
-            "conductivity_fluid": 0.2,
-            "conductivity_solid": 0.5,
-            "mass_dispersion": 1e-3,
+            "conductivity_gas": 0.2,
+            "conductivity_solids": 0.5,
+            "dispersion_mass": 1e-3,
         }
     course = course_of(scene)
     sizes = course.problem.sizes[:, None, None]
@@ -132,10 +139,11 @@ def test_order_two_in_time_with_inlets_that_change(rings):
 def test_heat_of_the_gas_delays_the_front():
     """At 10 MPa the gas holds a tenth of the heat: Schumann's curve comes later by the time the gas stays."""
     scene, eta_per_s = heated(4.0)
-    scene["fluid"]["pressure"] = 1e7
-    scene["boundary"]["left"]["fluid"]["inflow"] = 302.0  # little, so that the density of the gas is nearly constant
-    scene["time"] |= {"gas": "stored", "tolerance": 2e-3}  # over 2 K
-    scene["solid"] |= {"density": 200.0}
+    scene["gas"]["pressure"] = 1e7
+    scene["boundary"]["left"]["gas"]["temperature"] = 302.0  # little, so that the density of the gas is nearly constant
+    scene["time"] |= {"tolerance": 2e-3}
+    scene["packed_bed"]["gas_storage"] = "stored"
+    scene["solids"]["particles"] |= {"density": 200.0}
     scene["mesh"]["cells"] = 10
     eta_per_s *= 10.0
     scene["time"]["end"] = 5.0 / eta_per_s
@@ -153,9 +161,11 @@ def test_heat_of_the_gas_delays_the_front():
 def test_gas_with_a_pressure_drop_closes():
     row = table("ergun_isothermal_gas")[0]
     scene = ergun(row)
-    gases = scene["fluid"]["species"]
+    gases = scene["gas"]["species"]
     gases["B"] = {"elements": {"H": 2e3 * row["M_kg_mol"]}, "molar_mass": 2.0 * row["M_kg_mol"]}
-    scene["time"] = {"gas": "stored", "initial_composition": "B:1", "end": 1.0, "tolerance": 1e-3}
+    scene["time"] = {"end": 1.0, "tolerance": 1e-3}
+    scene["packed_bed"]["gas_storage"] = "stored"
+    scene["initial"] |= {"gas": {"composition": "B:1"}}
     scene["mesh"]["cells"] = 5
     end = 2.0 * plan(from_dict(scene)).problem.gas_residence
     scene["time"]["end"] = end
@@ -172,30 +182,32 @@ def test_the_plan_chooses_by_the_residence():
         "storage in the gas",
         "what leaves is early by that: the gas stays for 1.07 s, 0.0013 of the run",
     )
-    scene["flow"]["velocity"] = {"times": [0.0, 50.0], "values": [0.5, 0.4], "form": "step"}
+    scene["boundary"]["left"]["gas"]["velocity"] = {"times": [0.0, 50.0], "values": [0.5, 0.4], "form": "step"}
     chosen = plan(from_dict(scene))
     assert chosen.stores_gas
     assert "0.027 of the shortest time between changes" in chosen.built[-1][1]
 
 
 @pytest.mark.parametrize(
-    ("time", "said"),
+    ("key", "value", "said"),
     [
-        ({"gas": "quasi_steady", "initial_composition": "B:1"}, "has no meaning for a gas that follows at once"),
-        ({"initial_composition": "B:0.5, A:0.6"}, "fractions sum to 1.1"),
-        ({"initial_composition": "C:1"}, "C is neither a gas"),
+        ("packed_bed.gas_storage", "quasi_steady", "has no meaning for a gas that follows at once"),
+        ("initial.gas.composition", "B:0.5, A:0.6", "fractions sum to 1.1"),
+        ("initial.gas.composition", "C:1", "C is neither a gas"),
     ],
 )
-def test_mistakes_in_what_fills_the_bed(time, said):
+def test_mistakes_in_what_fills_the_bed(key, value, said):
+    scene = dispersed(20.0, 0.0)
+    put(scene, key, value)
     with pytest.raises(SceneError, match=said):
-        plan(from_dict(dispersed(20.0, 0.0, **time)))
+        plan(from_dict(scene))
 
 
 def test_transient_heat_needs_particles():
     scene, _ = heated(4.0)
-    del scene["solid"]
+    scene["solids"]["particles"] = {"diameter": 3e-3}
     scene["time"]["end"] = 1.0
-    with pytest.raises(SceneError, match="solid: missing; particles whose temperature changes hold heat"):
+    with pytest.raises(SceneError, match=r"solids\.particles\.heat_capacity: missing; .* hold heat"):
         from_dict(scene)
 
 
@@ -208,9 +220,15 @@ def test_gas_that_cools_faster_than_it_enters_is_told(share):
     """
     scene, eta_per_s = heated(4.0)
     end = 1.02 / eta_per_s
-    scene["flow"]["mass_flux"] = {"times": [0.0, 1.0 / eta_per_s], "values": [0.5, 0.5 * share], "form": "step"}
-    scene["boundary"] = {side: {"fluid": {"inflow": 500.0}} for side in ("left", "right")}
-    scene["time"] |= {"end": end, "gas": "stored"}
+    scene["boundary"]["left"]["gas"]["mass_flux"] = {
+        "times": [0.0, 1.0 / eta_per_s],
+        "values": [0.5, 0.5 * share],
+        "form": "step",
+    }
+    scene["boundary"]["left"]["gas"]["temperature"] = 500.0
+    scene["boundary"]["right"] = {"gas": {"temperature": 500.0}}
+    scene["time"] |= {"end": end}
+    scene["packed_bed"]["gas_storage"] = "stored"
     scene["mesh"]["cells"] = 5
     with pytest.raises(ConvergenceError, match=r"the particles cool the gas .* it would flow back") as told:
         contbed.run(from_dict(scene))
@@ -221,7 +239,8 @@ def test_gas_that_cools_faster_than_it_enters_is_told(share):
 
 def test_gas_that_is_used_up_faster_than_it_enters_is_told():
     """A bed full of A, 2 A -> B: k c L/2 of the moles vanish, more than enter; no step and no mesh helps."""
-    scene = isothermal("A:1", species(A=0.014, B=0.028), time={"end": 10.0, "gas": "stored"})
+    scene = isothermal("A:1", species(A=0.014, B=0.028), time={"end": 10.0})
+    scene["packed_bed"]["gas_storage"] = "stored"
     scene["reactions"] = {"r": {"equation": "2 A -> B", "A": 3.0, "E": 0.0, "orders": {"A": 1.0}}}
     # the rate of the equation is 3 c over the gas, 0.4 of the bed; the gas enters with 0.5 m/s
     told = f"reactions take {1.2 * MOLAR:.3g} mol/m2/s of the gas .* and {0.5 * MOLAR:.3g} enter"

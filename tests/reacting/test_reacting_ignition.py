@@ -55,9 +55,11 @@ def test_a_bed_without_fold_has_one_state():
 
 def in_a_section(scene, rings, **wall):
     """The bed with a wall, across which heat passes easily."""
-    scene["wall"] = {"diameter": 0.1} | wall
+    scene["mesh"]["diameter"] = 0.1
+    if wall:
+        scene["boundary"]["wall"] = wall
     if rings:
-        scene["section"] = {"rings": rings, "conductivity_solid": 1e3, "mass_dispersion": 1e-2}
+        scene["packed_bed"]["section"] = {"rings": rings, "conductivity_solids": 1e3, "dispersion_mass": 1e-2}
     return scene
 
 
@@ -65,7 +67,7 @@ def test_folds_of_rings_alike_are_those_of_the_bed():
     """Without heat through the wall the branch of the section is that of the table."""
     bed = (5.0, 5.0, 10.0, 20.0)
     (on,), (off,), _ = (rows_of(bed, kind) for kind in ("ignition", "extinction", "state"))
-    scene = in_a_section(ignition(*bed, Da=0.5 * off["Da"]), 2, flux=0.0)
+    scene = in_a_section(ignition(*bed, Da=0.5 * off["Da"]), 2)
     scene["continuation"] = {"parameter": "reactions.r.factor", "to": 2.0 * on["Da"]}
     scene["mesh"]["cells"] = CELLS
     result = contbed.run(from_dict(scene))

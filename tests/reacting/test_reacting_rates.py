@@ -31,8 +31,8 @@ def exponent(k, u=0.5, length=0.1, eps=0.4):
 
 def test_film_in_series_with_a_first_order_rate():
     scene, D, d = catalytic(), 2e-5, 3e-3
-    scene["fluid"]["diffusivity"] = D
-    scene["mass"] = {"sherwood": 4.0}
+    scene["gas"]["diffusivity"] = D
+    scene["closures"] |= {"sherwood": 4.0}
     film = 4.0 * D / d * 6.0 / d  # per volume of particles [1/s]
     assert left(scene) == pytest.approx(np.exp(-exponent(1.0 / (1.0 / 20.0 + 1.0 / film))), rel=1e-8)
 
@@ -40,7 +40,7 @@ def test_film_in_series_with_a_first_order_rate():
 def test_effectiveness_of_spheres():
     D_e, R = 4e-6, 1.5e-3
     scene = catalytic(diffusivity=D_e)
-    scene["particle"] = {"mass": "effectiveness"}
+    scene["solids"]["particles"]["inside"] = {"mass": "effectiveness"}
     phi = R * np.sqrt(20.0 / D_e)
     assert left(scene) == pytest.approx(np.exp(-exponent(20.0 * float(sphere(phi)))), rel=1e-8)
 
@@ -48,9 +48,9 @@ def test_effectiveness_of_spheres():
 def test_effectiveness_with_a_film_is_the_overall_one():
     D_e, R, D = 4e-6, 1.5e-3, 2e-5
     scene = catalytic(diffusivity=D_e)
-    scene["particle"] = {"mass": "effectiveness"}
-    scene["fluid"]["diffusivity"] = D
-    scene["mass"] = {"sherwood": 4.0}
+    scene["solids"]["particles"]["inside"] = {"mass": "effectiveness"}
+    scene["gas"]["diffusivity"] = D
+    scene["closures"] |= {"sherwood": 4.0}
     phi, biot = R * np.sqrt(20.0 / D_e), 4.0 * D / (2.0 * R) * R / D_e
     eta = float(overall(sphere(phi), phi, biot))
     assert left(scene) == pytest.approx(np.exp(-exponent(20.0 * eta)), rel=1e-8)

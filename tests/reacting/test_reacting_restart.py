@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from adsorption_scenes import adsorber
 from reacting_bed_scenes import N_SOLID, danckwerts, fixed_bed, isothermal
-from several_solids import split_adsorbing, split_pellets
+from several_solids import split, split_pellets
 
 import contbed
 from contbed.errors import SceneError
@@ -25,7 +25,11 @@ STOP = 21  # steps, of about 70
 
 def scene(**more):
     given = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
-    given["fluid"]["composition"] = {"times": [0, 300], "values": ["A:1", "A:0.5, B:0.5"], "form": "step"}
+    given["boundary"]["left"]["gas"]["composition"] = {
+        "times": [0, 300],
+        "values": ["A:1", "A:0.5, B:0.5"],
+        "form": "step",
+    }
     given["mesh"]["cells"] = 20
     given["time"] = {"end": 800.0, "times": [50.0, 300.0, 600.0]} | more
     return given
@@ -34,14 +38,13 @@ def scene(**more):
 def heated_section():
     """A bed of three rings that a wall heats; A -> B."""
     gas = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0, "enthalpy": 0.0}
-    given = isothermal("A:1", {"A": gas, "B": gas}) | {
-        "heat": {},
-        "solid": {"density": 2000.0, "heat_capacity": 1000.0},
-    }
+    given = isothermal("A:1", {"A": gas, "B": gas}) | {"heat": {}}
+    given["solids"]["particles"] |= {"density": 2000.0, "heat_capacity": 1000.0}
     given["reactions"] = {"r": {"equation": "A -> B", "A": 400.0, "E": 3e4}}
     given["mesh"]["cells"] = 4
-    given["wall"] = {"diameter": 0.1, "coefficient": 50.0, "ambient": 800.0}
-    given["section"] = {"rings": 3, "conductivity_solid": 2.0}
+    given["mesh"]["diameter"] = 0.1
+    given["boundary"]["wall"] = {"coefficient": 50.0, "ambient": 800.0}
+    given["packed_bed"]["section"] = {"rings": 3, "conductivity_solids": 2.0}
     given["time"] = {"end": 300.0, "times": [50.0]}
     return given
 
@@ -86,25 +89,24 @@ def test_restart_goes_on_bit_for_bit(tmp_path, monkeypatch):
 def adsorbing_section():
     """Two rings whose particles take up gas, with points inside of them."""
     given, unit = adsorber(100.0, 10.0, 3.0, 2.0)
-    for gas in given["fluid"]["species"].values():
+    for gas in given["gas"]["species"].values():
         gas |= {"heat_capacity": 30.0, "enthalpy": 0.0}
     given["mesh"]["cells"] = 3
-    given["solid"]["heat_capacity"] = 1000.0
-    given["particle"] = {"adsorption": "interior", "points": 2}
+    given["solids"]["particles"]["heat_capacity"] = 1000.0
+    given["solids"]["particles"]["inside"] = {"adsorption": "interior", "points": 2}
     given["time"] |= {"end": 3.0 * unit, "tolerance": 1e-3}
-    return given | {
-        "heat": {},
-        "wall": {"diameter": 0.1, "coefficient": 50.0, "ambient": 400.0},
-        "section": {"rings": 2, "conductivity_solid": 2.0},
-    }
+    given["mesh"]["diameter"] = 0.1
+    given["boundary"]["wall"] = {"coefficient": 50.0, "ambient": 400.0}
+    given["packed_bed"]["section"] = {"rings": 2, "conductivity_solids": 2.0}
+    return given | {"heat": {}}
 
 
 def section_of_pellets():
     """Two rings of pellets inside of which A becomes B."""
     given = heated_section()
     given["reactions"]["r"] |= {"A": 5e6, "E": 6e4, "basis": "particle"}
-    given["section"]["rings"] = 2
-    given["particle"] = {"mass": "interior", "diffusivity": {"A": 2e-6, "B": 2e-6}}
+    given["packed_bed"]["section"]["rings"] = 2
+    given["solids"]["particles"]["inside"] = {"mass": "interior", "diffusivity": {"A": 2e-6, "B": 2e-6}}
     given["time"] = {"end": 300.0, "times": [50.0], "tolerance": 1e-3}
     return given
 
@@ -114,24 +116,24 @@ def kinds_that_adsorb():
     given, unit = adsorber(100.0, 10.0, 3.0)
     given["mesh"]["cells"] = 4
     values = ["A:1e-6, N:0.999999", "A:5e-7, N:0.9999995"]
-    given["fluid"]["composition"] = {"times": [0, 3.0 * unit], "values": values, "form": "linear"}
-    given["particle"] = {"adsorption": "interior", "points": 2}
+    given["boundary"]["left"]["gas"]["composition"] = {"times": [0, 3.0 * unit], "values": values, "form": "linear"}
+    given["solids"]["particles"]["inside"] = {"adsorption": "interior", "points": 2}
     given["time"] |= {"end": 3.0 * unit, "tolerance": 1e-3}
-    return split_adsorbing(given)
+    return split(given)
 
 
 def kinds_of_pellets():
     """Pellets of two sizes inside of which A becomes B."""
     given = section_of_pellets()
-    del given["section"]
-    return split_pellets(given, coarse={"particle_diameter": 5e-3})
+    del given["packed_bed"]["section"]
+    return split_pellets(given, coarse={"diameter": 5e-3})
 
 
 def gas_that_is_damped():
     """A front of a gas in the pores, on cells that do not resolve it."""
     given = danckwerts(1000.0, 0.0)
     given["mesh"]["cells"] = 6
-    return given | {"time": {"end": 1.6, "initial_composition": "B:1", "tolerance": 1e-3}}
+    return given | {"initial": {"gas": {"composition": "B:1"}}, "time": {"end": 1.6, "tolerance": 1e-3}}
 
 
 def cores_that_are_damped():
@@ -164,8 +166,11 @@ def test_restart_of_beds_goes_on_bit_for_bit(tmp_path, monkeypatch, given):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda s: s["bed"].update(porosity=0.41), "bed.porosity = 0.41: the checkpoint has 0.4"),
-        (lambda s: s["fluid"]["composition"].update(values=["A:1", "A:0.4, B:0.6"]), "fluid.composition.values"),
+        (lambda s: s["packed_bed"].update(porosity=0.41), "packed_bed.porosity = 0.41: the checkpoint has 0.4"),
+        (
+            lambda s: s["boundary"]["left"]["gas"]["composition"].update(values=["A:1", "A:0.4, B:0.6"]),
+            "boundary.left.gas.composition.values",
+        ),
         (lambda s: s["time"].update(tolerance=1e-5), "time.tolerance = 1e-05: the checkpoint has 0.0001"),
         (lambda s: s["time"].update(end=20.0, times=[]), "time.end = 20: lies before"),
         (lambda s: s["time"].update(times=[1.0]), "time.times: 1 s lies before"),
@@ -187,37 +192,45 @@ TOML = """
 type = "line"
 length = 1.35
 cells = 20
-[fluid]
+
+[gas]
 model = "ideal_gas"
-composition = { times = [0, 300], values = ["A:1", "A:0.5, B:0.5"], form = "step" }
 pressure = 1e5
-[fluid.species]
+
+[gas.species]
 A = { elements = { H = 28.0 }, molar_mass = 0.028 }
 B = { elements = { H = 28.0 }, molar_mass = 0.028 }
-[bed]
-porosity = 0.4
-particle_diameter = 3e-3
-[flow]
-velocity = 0.5
-pressure_drop = "none"
-[boundary.left.fluid]
-inflow = 500.0
-[solid]
+
+[solids.particles]
+diameter = 3e-3
 composition = "S:1"
 density = 3000.0
-[solid.constituent]
+
+[solids.particles.constituent]
 S = { elements = { Fe = 1.0 }, molar_mass = 0.1 }
 P = { elements = { Fe = 1.0 }, molar_mass = 0.1 }
+
+[packed_bed]
+porosity = 0.4
+pressure_drop = "none"
+
 [reactions.r]
 equation = "A + S -> B + P"
 A = 4e-5
 E = 0.0
 orders = { A = 1.0, S = 1.0 }
 basis = "bed"
+
+[boundary.left]
+gas.velocity = 0.5
+gas.temperature = 500.0
+gas.composition = { times = [0, 300], values = ["A:1", "A:0.5, B:0.5"], form = "step" }
+
 [time]
 end = 800.0
 tolerance = 1e-6
 checkpoint_every = 0.02
+
 [output]
 plots = false
 """

@@ -26,7 +26,7 @@ def test_steps_of_the_inlet_temperature_superpose():
     scene, eta_per_s = heated(4.0)
     end, jump = 5.0 / eta_per_s, 2.0 / eta_per_s
     series = {"times": [0.0, jump], "values": [600.0, 400.0], "form": "step"}
-    scene["boundary"]["left"]["fluid"]["inflow"] = series
+    scene["boundary"]["left"]["gas"]["temperature"] = series
     scene["time"] |= {"end": end, "times": [jump]}
     result = contbed.run(from_dict(scene))
     exact = 300.0 * schumann(4.0, 5.0) - 200.0 * schumann(4.0, 3.0)
@@ -47,8 +47,9 @@ def test_jumps_at_all_but_the_same_time_are_one(later):
         end = 3.0 / eta_per_s
         turns = {"times": [0.0, end / 3.0], "values": [0.5, -0.5], "form": "step"}
         colder = {"times": [0.0, end / 3.0 * (1.0 + share)], "values": [500.0, 400.0], "form": "step"}
-        scene["flow"]["mass_flux"] = turns
-        scene["boundary"] = {end_: {"fluid": {"inflow": colder}} for end_ in ("left", "right")}
+        scene["boundary"]["left"]["gas"]["mass_flux"] = turns
+        scene["boundary"]["left"]["gas"]["temperature"] = colder
+        scene["boundary"]["right"] = {"gas": {"temperature": colder}}
         scene["time"]["end"] = end
         qoi = contbed.run(from_dict(scene)).qoi
         found.append((qoi["T_fluid_out_K"], qoi["time_steps"]))
@@ -61,10 +62,12 @@ def test_totals_of_flows_that_cancel_close():
     """What the gas brings in a third of the time, it takes back at half of the flow in the rest."""
     scene, eta_per_s = heated(4.0)
     end = 1.5 / eta_per_s
-    scene["flow"]["mass_flux"] = {"times": [0.0, end / 3.0], "values": [0.5, -0.25], "form": "step"}
-    scene["boundary"] = {side: {"fluid": {"inflow": 500.0}} for side in ("left", "right")}
+    scene["boundary"]["left"]["gas"]["mass_flux"] = {"times": [0.0, end / 3.0], "values": [0.5, -0.25], "form": "step"}
+    scene["boundary"]["left"]["gas"]["temperature"] = 500.0
+    scene["boundary"]["right"] = {"gas": {"temperature": 500.0}}
     scene["mesh"]["cells"] = 10
-    scene["time"] |= {"end": end, "gas": "quasi_steady"}
+    scene["time"] |= {"end": end}
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
     result = contbed.run(from_dict(scene))
     assert result.balances["H"]["in"] < 1e-10
     closes(result)
@@ -74,7 +77,7 @@ def test_totals_of_flows_that_cancel_close():
 @pytest.mark.parametrize("period", [None, 4.0], ids=["once", "periodic"])
 def test_between_two_near_jumps_there_is_what_holds_since_the_first(later, period):
     samples = Samples(np.array([0.0, 1.0, 1.0 + later]), np.array([1.0, 2.0, 3.0]), "step", period)
-    schedule = SeriesByKey({("flow", "velocity"): samples})
+    schedule = SeriesByKey({("boundary", "left", "gas", "velocity"): samples})
     first, second = schedule.cuts(3.0)[1:3]
     for share in (0.3, 1.0):  # the stages of a step
         assert samples.at(first + share * (second - first), before=True, since=first) == 2.0
@@ -99,7 +102,7 @@ def test_kinks_of_two_series_whose_times_differ_by_rounding_are_no_jumps():
 def test_a_ramp_of_the_inlet_temperature():
     scene, eta_per_s = heated(4.0)
     end = 5.0 / eta_per_s
-    scene["boundary"]["left"]["fluid"]["inflow"] = {"times": [0.0, end], "values": [300.0, 600.0]}
+    scene["boundary"]["left"]["gas"]["temperature"] = {"times": [0.0, end], "values": [300.0, 600.0]}
     scene["time"]["end"] = end
     result = contbed.run(from_dict(scene))
     exact = 300.0 * quad(lambda eta: schumann(4.0, eta) / 5.0, 0.0, 5.0)[0]
@@ -118,7 +121,7 @@ def test_small_kinks_are_passed_within_the_error_of_a_step(form):
         share = (times / end - 0.6) * 9.0
         wave = np.where((share > 0.0) & (share < 1.0), 12.0 * np.sin(np.pi * share) ** 2, 0.0)
         values = np.where(times < 0.97 * end, 300.0 + wave, 700.0)
-    scene["boundary"]["left"]["fluid"]["inflow"] = {"times": times.tolist(), "values": values.tolist()}
+    scene["boundary"]["left"]["gas"]["temperature"] = {"times": times.tolist(), "values": values.tolist()}
     now = 0.95 * end
     scene["time"] |= {"end": end, "times": [now]}
     result = contbed.run(from_dict(scene))
@@ -132,12 +135,13 @@ def test_small_kinks_are_passed_within_the_error_of_a_step(form):
     closes(result)
 
 
-def switched(first: float, end_of_gas: tuple[str, str]):
+def switched(first: float):
     """A bed that is used up from one end and then from the other, by gases of two compositions."""
     scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
-    scene["flow"]["velocity"] = {"times": [0.0, 300.0], "values": [first, -0.6 * first], "form": "step"}
-    scene["fluid"]["composition"] = {"times": [0.0, 500.0], "values": ["A:1", "A:0.4, B:0.6"], "form": "step"}
-    scene["boundary"] = {end: {"fluid": {"inflow": T}} for end in end_of_gas}
+    composition = {"times": [0.0, 500.0], "values": ["A:1", "A:0.4, B:0.6"], "form": "step"}
+    ends = {end: {"gas": {"temperature": T, "composition": composition}} for end in ("left", "right")}
+    ends["left"]["gas"]["velocity"] = {"times": [0.0, 300.0], "values": [first, -0.6 * first], "form": "step"}
+    scene["boundary"] = ends
     scene["mesh"]["cells"] = 30
     length = scene["mesh"]["length"]
     scene["output"]["positions"] = [k * length / 8 for k in range(9)]
@@ -145,7 +149,7 @@ def switched(first: float, end_of_gas: tuple[str, str]):
 
 
 def test_reversal_is_symmetric_and_closes():
-    one, other = switched(0.5, ("left", "right")), switched(-0.5, ("right", "left"))
+    one, other = switched(0.5), switched(-0.5)
     closes(one)
     closes(other)
     for name in ("x_A [1]", "w_S [1]", "w_P [1]"):
@@ -159,9 +163,11 @@ def test_composition_from_a_file(tmp_path):
     scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
     pairs = {"times": [0.0, 400.0, 800.0], "values": ["A:1", "A:0.5, B:0.5", "A:1"]}
     (tmp_path / "feed.csv").write_text("t [min],A [1],B [%]\n0,1,0\n6.666666666666667,0.5,50\n13.33333333333334,1,0\n")
-    one = contbed.run(from_dict(scene | {"fluid": scene["fluid"] | {"composition": pairs}}))
-    named = from_dict(scene | {"fluid": scene["fluid"] | {"composition": {"file": "feed.csv"}}}, base=tmp_path)
-    other = contbed.run(named)
+    inlet = scene["boundary"]["left"]["gas"]
+    inlet["composition"] = pairs
+    one = contbed.run(from_dict(scene))
+    inlet["composition"] = {"file": "feed.csv"}
+    other = contbed.run(from_dict(scene, base=tmp_path))
     for name, column in one.profiles.items():
         np.testing.assert_allclose(other.profiles[name], column, rtol=1e-9, atol=1e-12)
     closes(one)
@@ -170,9 +176,10 @@ def test_composition_from_a_file(tmp_path):
 def test_solids_that_start_to_move():
     """Particles at rest keep what has reacted and hand it over when they move; all iron is accounted for."""
     scene = bilinear(3.0, 0.8)
-    speed = scene["flow"]["velocity_solid"]
-    move = 0.1 * 0.6 / abs(speed)  # in which particles, at speed/0.6 between walls, move by a tenth of the bed
-    scene["flow"]["velocity_solid"] = {"times": [0.0, move], "values": [0.0, speed], "form": "step"}
+    stream = scene["boundary"]["right"]["solids"]["particles"]
+    speed = stream["velocity"]
+    move = 0.1 * 0.6 / speed  # in which particles, at speed/0.6 between walls, move by a tenth of the bed
+    stream["velocity"] = {"times": [0.0, move], "values": [0.0, speed], "form": "step"}
     scene["time"] = {"end": 2.0 * move}
     scene["mesh"]["cells"] = 10
     result = contbed.run(from_dict(scene))
@@ -183,25 +190,29 @@ def test_solids_that_start_to_move():
 
 
 @pytest.mark.parametrize(
-    ("path", "series", "said"),
+    ("key", "series", "said"),
     [
-        (("flow", "velocity"), {"times": [0, 1], "values": [0.5, 0.0], "form": "step"}, ": no gas flows at 1 s"),
+        ("velocity", {"times": [0, 1], "values": [0.5, 0.0], "form": "step"}, ": no gas flows at 1 s"),
         (
-            ("flow", "velocity"),
+            "velocity",
             {"times": [0, 1], "values": [0.5, -1e-9], "form": "step"},
             "next to no gas flows at 1 s",
         ),
-        (("flow", "velocity"), {"times": [0, 800], "values": [0.5, -0.5]}, "passes through 0 between 0 and 800 s"),
-        (("flow", "velocity"), {"times": [0, 9], "values": [0.5, -0.5], "form": "step"}, "the fluid enters at 'right'"),
-        (("flow", "velocity"), {"times": [0, 9], "values": [0.5, 0.6]}, "ends at 9 s, before the run"),
-        (("flow", "velocity"), {"times": [1, 900], "values": [0.5, 0.6]}, "the first time is 1 s"),
-        (("fluid", "composition"), {"times": [0, 900], "values": ["A:1", "A:0.5, B:0.6"]}, "fractions sum to 1.1"),
-        (("fluid", "composition"), {"times": [0, 900], "values": ["A:1", "A:-1"]}, "must be a number, 0 or more"),
+        ("velocity", {"times": [0, 800], "values": [0.5, -0.5]}, "passes through 0 between 0 and 800 s"),
+        (
+            "velocity",
+            {"times": [0, 9], "values": [0.5, -0.5], "form": "step"},
+            "the gas enters here: give boundary.right.gas.temperature",
+        ),
+        ("velocity", {"times": [0, 9], "values": [0.5, 0.6]}, "ends at 9 s, before the run"),
+        ("velocity", {"times": [1, 900], "values": [0.5, 0.6]}, "the first time is 1 s"),
+        ("composition", {"times": [0, 900], "values": ["A:1", "A:0.5, B:0.6"]}, "fractions sum to 1.1"),
+        ("composition", {"times": [0, 900], "values": ["A:1", "A:-1"]}, "must be a number, 0 or more"),
     ],
 )
-def test_mistakes_in_series(path, series, said):
+def test_mistakes_in_series(key, series, said):
     scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
-    scene[path[0]][path[1]] = series
+    scene["boundary"]["left"]["gas"][key] = series
     with pytest.raises(SceneError, match=said):
         from_dict(scene)
 
@@ -209,6 +220,6 @@ def test_mistakes_in_series(path, series, said):
 def test_series_in_a_steady_scene_are_refused():
     scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
     del scene["time"]
-    scene["flow"]["velocity"] = {"times": [0, 900], "values": [0.5, 0.6]}
+    scene["boundary"]["left"]["gas"]["velocity"] = {"times": [0, 900], "values": [0.5, 0.6]}
     with pytest.raises(SceneError, match="changes with time, and the scene is steady"):
         from_dict(scene)

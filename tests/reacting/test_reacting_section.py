@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from adsorption_scenes import TRACE, adsorber
 from manufactured_section import error, solution
-from reacting_bed_scenes import R_GAS, P, T, isothermal
+from reacting_bed_scenes import R_GAS, P, T, isothermal, let_move, put
 from scipy.optimize import brentq
 from scipy.special import j0, j1
 from solving import solved
@@ -21,6 +21,7 @@ from contbed.reacting_bed.solve import Report, march
 
 CP, U, RADIUS, T_WALL, K = 30.0, 0.5, 0.05, 800.0, 2.0
 POROSITY, DENSITY, C_SOLID = 0.4, 2000.0, 1000.0
+SECTION = "packed_bed.section"
 
 
 def heated(rings, shape="tube", wall=50.0, conductivity=K, reacts=0.0):
@@ -30,9 +31,10 @@ def heated(rings, shape="tube", wall=50.0, conductivity=K, reacts=0.0):
     scene["reactions"] = {"r": {"equation": "A -> B", "A": reacts, "E": 3e4}}
     scene["heat"] = {}
     scene["mesh"]["cells"] = 8
-    scene["wall"] = {"diameter": 2 * RADIUS, "coefficient": wall, "ambient": T_WALL}
+    scene["mesh"]["diameter"] = 2 * RADIUS
+    scene["boundary"]["wall"] = {"coefficient": wall, "ambient": T_WALL}
     if rings:
-        scene["section"] = {"shape": shape, "rings": rings, "conductivity_solid": conductivity}
+        scene["packed_bed"]["section"] = {"shape": shape, "rings": rings, "conductivity_solids": conductivity}
     scene["output"]["positions"] = [0.5, 1.0]
     return scene
 
@@ -86,7 +88,7 @@ def test_plug_flow_in_a_duct_is_that_of_two_planes():
 def test_a_duct_is_the_same_along_y_and_z():
     """A reacting bed with species that pass across: columns (i, j) and (j, i) agree to Newton's tolerance."""
     scene = heated(3, "duct", reacts=400.0)
-    scene["section"]["mass_dispersion"] = 1e-4
+    scene["packed_bed"]["section"]["dispersion_mass"] = 1e-4
     problem, u = solved(scene).solved
     columns = u.reshape(3, 3, len(problem.layout.names), -1)
     assert np.ptp(columns[..., problem.layout.names.index("g_B"), -1]) > 0.01
@@ -100,14 +102,14 @@ MU, K_GAS, D_P = 3e-5, 0.04, 3e-3
 def test_wall_coefficient_by_name(name):
     """With constant properties it is a number, from Re = G d_p/mu, Pr = c mu/k, the conductivity without dispersion."""
     scene = heated(6, wall=1.0)
-    scene["fluid"] |= {"viscosity": MU, "conductivity": K_GAS}
-    scene["section"]["dispersion"] = 0.5
+    scene["gas"] |= {"viscosity": MU, "conductivity": K_GAS}
+    scene["packed_bed"]["section"]["dispersion"] = 0.5
     flux = U * P / (R_GAS * T) * 0.028
     known = {"Re": flux * D_P / MU, "Pr": CP / 0.028 * MU / K_GAS, "k_fluid": K_GAS, "d_p": D_P, "D_bed": 2 * RADIUS}
     stagnant = {"k_stagnant": K} if name == "wall_martin_nilles" else {}
-    scene["wall"]["coefficient"] = float(get(name, "wall")(**known, **stagnant))
+    scene["boundary"]["wall"]["coefficient"] = float(get(name, "wall")(**known, **stagnant))
     expected = solved(scene)
-    scene["wall"]["coefficient"] = name
+    scene["boundary"]["wall"]["coefficient"] = name
     found = solved(scene)
     np.testing.assert_allclose(found.profiles["T_fluid [K]"], expected.profiles["T_fluid [K]"], rtol=1e-11)  # Newton's
     assert {use["name"] for use in found.closures} == {name}
@@ -116,8 +118,8 @@ def test_wall_coefficient_by_name(name):
 def test_the_wall_meets_the_outermost_ring():
     """Where viscosity follows T, the temperature at the axis leaves the heat through the wall as it is, to rounding."""
     scene = heated(2, wall="li_finlayson")
-    scene["fluid"]["conductivity"] = K_GAS
-    for gas in scene["fluid"]["species"].values():
+    scene["gas"]["conductivity"] = K_GAS
+    for gas in scene["gas"]["species"].values():
         gas["viscosity"] = [6e-8, 1.0]  # 6e-8 T
     problem = plan(from_dict(scene)).problem
     section, rings, k = Section(problem.bed, problem.rings), problem.rings, problem.layout.names.index("T")
@@ -135,8 +137,8 @@ def test_the_wall_meets_the_outermost_ring():
 def test_dispersion_between_rings_moves_no_mass():
     """What species of unlike dispersion and molar mass carry across a face sums to no mass, to rounding."""
     scene = heated(2)
-    scene["fluid"]["composition"] = "A:0.5, B:0.5"
-    scene["fluid"]["species"]["B"] |= {"elements": {"H": 44.0}, "molar_mass": 0.044}
+    scene["gas"]["composition"] = "A:0.5, B:0.5"
+    scene["gas"]["species"]["B"] |= {"elements": {"H": 44.0}, "molar_mass": 0.044}
     scene["reactions"] = {}
     problem = plan(from_dict(scene)).problem
     section, names = Section(problem.bed, problem.rings), problem.layout.names
@@ -152,7 +154,8 @@ def test_dispersion_between_rings_moves_no_mass():
 def test_temperature_of_the_wall_carries_its_heat():
     """Far from the inlet with a given flux T rises by q R/(2 K) from the axis to the wall: a parabola, exact."""
     scene = heated(5)
-    scene["wall"] = {"diameter": 2 * RADIUS, "flux": 300.0}
+    scene["mesh"]["diameter"] = 2 * RADIUS
+    scene["boundary"]["wall"] = {"heat_flux": 300.0}
     scene["mesh"]["length"], scene["output"]["positions"] = 10.0, [10.0]
     result = solved(scene)
     difference = result.profiles["T_fluid_wall [K]"] - result.profiles["T_fluid_axis [K]"]
@@ -185,7 +188,7 @@ def test_order_along(degree):
 def test_steps_in_time_come_to_the_steady_state():
     """From what enters, by steps of growing length: the state that Newton's method finds at once."""
     scene = heated(3, reacts=400.0)
-    scene["section"]["mass_dispersion"] = 1e-4
+    scene["packed_bed"]["section"]["dispersion_mass"] = 1e-4
     problem, u = solved(scene).solved
     _, found = march(problem, problem.start(), Report())
     assert np.abs((found - u) / problem.sizes[:, None, None]).max() < 1e-8
@@ -205,11 +208,11 @@ def test_wide_dispersion_is_one_dimension():
 def test_species_and_pressure_across_the_section():
     """Elements and energy close; rings that exchange species are more alike than those that do not."""
     scene = heated(5, reacts=400.0)
-    scene["flow"]["pressure_drop"] = "ergun"
-    scene["fluid"] |= {"viscosity": 3e-5, "conductivity": 0.05}
-    scene["section"] |= {"dispersion": "vdi"}
+    scene["packed_bed"]["pressure_drop"] = "ergun"
+    scene["gas"] |= {"viscosity": 3e-5, "conductivity": 0.05}
+    scene["packed_bed"]["section"] |= {"dispersion": "vdi"}
     alone = solved(scene).solved
-    scene["section"]["mass_dispersion"] = {"name": "mass_dispersion_peclet", "Pe_p": 10.0}
+    scene["packed_bed"]["section"]["dispersion_mass"] = {"name": "mass_dispersion_peclet", "Pe_p": 10.0}
     together = solved(scene).solved
     spread = []
     for problem, u in (alone, together):
@@ -224,8 +227,9 @@ def test_species_and_pressure_across_the_section():
 def heating(rings, **time):
     """The bed of `heated` with particles, followed in time from the temperature of the gas that enters."""
     scene = heated(rings)
-    scene["solid"] = {"density": DENSITY, "heat_capacity": C_SOLID}
-    scene["time"] = {"end": 300.0, "gas": "quasi_steady"} | time
+    scene["solids"]["particles"] |= {"density": DENSITY, "heat_capacity": C_SOLID}
+    scene["packed_bed"]["gas_storage"] = "quasi_steady"
+    scene["time"] = {"end": 300.0} | time
     return scene
 
 
@@ -241,7 +245,7 @@ def test_conduction_into_a_bed_from_its_walls(shape):
     for rings in (3, 6):
         scene = heating(rings, tolerance=1e-5)
         scene["mesh"]["cells"] = 4
-        scene["section"]["shape"] = shape
+        scene["packed_bed"]["section"]["shape"] = shape
         errors.append(abs(solved(scene).profiles["T_fluid [K]"][-1] - exact))
     assert errors[0] > 3.6 * errors[1]
     assert errors[1] < 1.2  # of 300 K between bed and wall
@@ -265,15 +269,17 @@ def test_bed_alike_across_is_plug_flow_in_time(gas, shape):
     """
     runs = []
     for rings in (0, 3):
-        scene = heating(rings, end=40.0, gas=gas)
+        scene = heating(rings, end=40.0)
+        scene["packed_bed"]["gas_storage"] = gas
         if rings:
-            scene["section"]["shape"] = shape
+            scene["packed_bed"]["section"]["shape"] = shape
         scene["mesh"]["cells"] = 4
         scene["reactions"]["r"]["A"] = 400.0
-        scene["wall"] = {"diameter": 2 * RADIUS, "flux": 0.0}
-        scene["fluid"]["viscosity"] = 3e-5
-        scene["flow"]["pressure_drop"] = "ergun"
-        scene["boundary"] = {"left": {"fluid": {"inflow": {"times": [0, 20], "values": [T, T + 50.0], "form": "step"}}}}
+        scene["mesh"]["diameter"] = 2 * RADIUS
+        scene["boundary"]["wall"] = {"heat_flux": 0.0}
+        scene["gas"]["viscosity"] = 3e-5
+        scene["packed_bed"]["pressure_drop"] = "ergun"
+        scene["boundary"]["left"]["gas"]["temperature"] = {"times": [0, 20], "values": [T, T + 50.0], "form": "step"}
         runs.append(solved(scene))
     one, section = runs
     assert section.qoi["time_steps"] == one.qoi["time_steps"]
@@ -286,17 +292,18 @@ def test_bed_alike_across_is_plug_flow_in_time(gas, shape):
 def adsorbing(rings, level, **time):
     """A bed at rest that takes up a gas with -40 kJ/mol: five times what enters in a unit of time, to equilibrium."""
     scene, unit = adsorber(100.0, 10.0, 3.0, 2.0)
-    for name in scene["fluid"]["species"]:
-        scene["fluid"]["species"][name] |= {"heat_capacity": CP, "enthalpy": 0.0}
+    for name in scene["gas"]["species"]:
+        scene["gas"]["species"][name] |= {"heat_capacity": CP, "enthalpy": 0.0}
     scene["heat"] = {}
-    scene["solid"]["heat_capacity"] = C_SOLID
-    scene["adsorption"]["A"]["enthalpy"] = -4e4
-    scene["particle"] = {"adsorption": level, "points": 2}
+    scene["solids"]["particles"]["heat_capacity"] = C_SOLID
+    scene["solids"]["particles"]["adsorption"]["A"]["enthalpy"] = -4e4
+    scene["solids"]["particles"]["inside"] = {"adsorption": level, "points": 2}
     scene["time"] |= {"end": 8.0 * unit} | time
     scene["mesh"]["cells"] = 4
-    scene["wall"] = {"diameter": 2 * RADIUS, "flux": 0.0}
+    scene["mesh"]["diameter"] = 2 * RADIUS
+    scene["boundary"]["wall"] = {"heat_flux": 0.0}
     if rings:
-        scene["section"] = {"rings": rings, "conductivity_solid": 0.5, "mass_dispersion": 1e-4}
+        scene["packed_bed"]["section"] = {"rings": rings, "conductivity_solids": 0.5, "dispersion_mass": 1e-4}
     return scene
 
 
@@ -317,8 +324,8 @@ def test_bed_that_gives_off_what_it_holds_is_plug_flow():
     runs = []
     for rings in (0, 3):
         scene = adsorbing(rings, "film", tolerance=1e-3)
-        scene["time"]["initial_composition"] = scene["fluid"]["composition"]
-        scene["fluid"]["composition"] = "N:1"
+        scene["initial"]["gas"] = {"composition": scene["gas"]["composition"]}
+        scene["gas"]["composition"] = "N:1"
         runs.append(solved(scene))
     one, section = runs
     assert 0.1 < one.profiles["x_A [1]"][-1] / TRACE < 0.9
@@ -329,10 +336,11 @@ def test_bed_that_gives_off_what_it_holds_is_plug_flow():
 def test_heat_of_adsorption_leaves_through_the_wall():
     """Energy and elements close to 1e-12; the axis is warmer than the wall."""
     scene = adsorbing(3, "film", tolerance=1e-3)
-    scene["fluid"]["composition"] = "A:0.1, N:0.9"
-    scene["adsorption"]["A"] |= {"affinity": 1e-4, "capacity": 1.0}
-    scene["wall"] = {"diameter": 2 * RADIUS, "coefficient": 50.0, "ambient": T}
-    scene["solid"]["heat_capacity"] = 200.0
+    scene["gas"]["composition"] = "A:0.1, N:0.9"
+    scene["solids"]["particles"]["adsorption"]["A"] |= {"affinity": 1e-4, "capacity": 1.0}
+    scene["mesh"]["diameter"] = 2 * RADIUS
+    scene["boundary"]["wall"] = {"coefficient": 50.0, "ambient": T}
+    scene["solids"]["particles"]["heat_capacity"] = 200.0
     scene["time"]["end"] = 400.0
     result = solved(scene)
     warmer = result.profiles["T_fluid_axis [K]"] - result.profiles["T_fluid_wall [K]"]
@@ -345,10 +353,10 @@ def test_moving_bed_that_adsorbs_is_plug_flow():
     for rings in (0, 3):
         scene = adsorbing(rings, "interior")
         del scene["time"]
-        scene["flow"]["velocity_solid"] = -3e-3
-        scene["boundary"] = {"left": {"fluid": {"inflow": T}}, "right": {"solid": {"inflow": T}}}
-        scene["heat"] = {"nusselt": 10.0}
-        scene["fluid"] |= {"viscosity": MU, "conductivity": K_GAS}
+        let_move(scene, -3e-3, temperature=T)
+        scene["heat"] = {}
+        scene["closures"] |= {"nusselt": 10.0}
+        scene["gas"] |= {"viscosity": MU, "conductivity": K_GAS}
         runs.append(solved(scene))
     one, section = runs
     assert 0.05 < one.qoi["x_A_out"] / 1e-6 < 0.95
@@ -363,14 +371,15 @@ def test_section_in_time_ends_in_its_steady_state(temperatures):
     scenes = [heating(4, end=1e5), heated(4)]
     for scene in scenes:
         scene["mesh"]["cells"] = 4
-        scene["fluid"]["composition"] = "A:0.9, B:0.1"  # on four cells B would fall below zero if none entered
+        scene["gas"]["composition"] = "A:0.9, B:0.1"  # on four cells B would fall below zero if none entered
         scene["reactions"]["r"]["A"] = 400.0
-        scene["section"]["mass_dispersion"] = 1e-4
+        scene["packed_bed"]["section"]["dispersion_mass"] = 1e-4
         if temperatures == 2:
-            scene["heat"], scene["solid"] = {"nusselt": 20.0}, {"density": DENSITY, "heat_capacity": C_SOLID}
-            scene["fluid"] |= {"viscosity": MU, "conductivity": K_GAS}
-            scene["section"]["conductivity_fluid"] = 0.5
-    scenes[0]["wall"]["ambient"] = hotter
+            scene["closures"]["nusselt"] = 20.0
+            scene["solids"]["particles"] |= {"density": DENSITY, "heat_capacity": C_SOLID}
+            scene["gas"] |= {"viscosity": MU, "conductivity": K_GAS}
+            scene["packed_bed"]["section"]["conductivity_gas"] = 0.5
+    scenes[0]["boundary"]["wall"]["ambient"] = hotter
     late, steady = (solved(scene).profiles for scene in scenes)
     for name, column in steady.items():
         assert np.allclose(late[name], column, rtol=1e-8, atol=1e-10), name
@@ -386,32 +395,30 @@ def test_plan_tells_whether_one_dimension_is_enough():
     assert found.limit == pytest.approx(0.4 * R_GAS * T**2 / (3e4 - R_GAS * T), rel=1e-4)
     assert not found.fits
     scene = heated(0, wall=0.05, reacts=400.0)
-    scene["fluid"] |= {"viscosity": 3e-5, "conductivity": 0.05}
+    scene["gas"] |= {"viscosity": 3e-5, "conductivity": 0.05}
     assert across(plan(from_dict(scene)).problem).fits
-    scene["wall"]["coefficient"] = 50.0
+    scene["boundary"]["wall"]["coefficient"] = 50.0
     advised = dict(plan(from_dict(scene)).skipped)["differences across the bed"]
-    assert advised.endswith("resolve it by [section]")
+    assert advised.endswith("Add [packed_bed.section] to resolve it")
 
 
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        ({"wall": None}, "its size is not known"),
-        ({"section": {"rings": 4}}, "no heat passes between the rings"),
-        ({"section": {"rings": 4, "conductivity_solid": 0.0}}, "no heat passes between the rings"),
+        ({"mesh.diameter": None}, r"mesh\.diameter: missing; the size of the section"),
+        ({f"{SECTION}.conductivity_solids": None}, "no heat passes between the rings"),
+        ({f"{SECTION}.conductivity_solids": 0.0}, "no heat passes between the rings"),
+        ({"closures.nusselt": 10.0}, "the wall exchanges heat with the gas, which conducts none to it"),
         (
-            {"section": {"rings": 4, "conductivity_solid": 1.0}, "heat": {"nusselt": 10.0}},
-            "the wall exchanges heat with the gas, which conducts none to it",
+            {SECTION: None, "boundary.wall.coefficient": "martin_nilles"},
+            r"wall\.coefficient.*which one dimension does not have; add \[packed_bed\.section\]",
         ),
-        (
-            {"section": None, "wall": {"diameter": 0.1, "coefficient": "martin_nilles", "ambient": T_WALL}},
-            r"wall\.coefficient.*which one dimension does not have; add \[section\]",
-        ),
-        ({"section": {"rings": 4, "conductivity_solid": "zbs"}}, "conductivity_solid"),
+        ({f"{SECTION}.conductivity_solids": "zbs"}, "conductivity_solids"),
     ],
 )
 def test_mistakes(change, sentence):
-    scene = heated(4) | change
-    scene = {key: value for key, value in scene.items() if value is not None}
+    scene = heated(4)
+    for key, value in change.items():
+        put(scene, key, value)
     with pytest.raises(SceneError, match=sentence):
         from_dict(scene)

@@ -39,7 +39,7 @@ def test_moving_bed_of_iron_oxide():
     "changes",
     [
         {"flow.molar_flux": 5.2, "mesh.length": 3.0},
-        {"flow.molar_flux": 4.6, "mesh.length": 2.0, "bed.particle_diameter": 2e-3},
+        {"boundary.left.gas.molar_flux": 4.6, "mesh.length": 2.0, "solids.carrier.diameter": 2e-3},
     ],
 )
 def test_moving_bed_with_more_methane_than_oxide_burns(changes):

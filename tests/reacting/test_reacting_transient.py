@@ -54,7 +54,7 @@ def test_steps_do_not_depend_on_how_far_a_bed_is_heated():
     steps, thetas = [], []
     for rise in (4.0, 300.0):
         scene, eta_per_s = heated(4.0)
-        scene["boundary"]["left"]["fluid"]["inflow"] = 300.0 + rise
+        scene["boundary"]["left"]["gas"]["temperature"] = 300.0 + rise
         scene["time"] |= {"end": 5.0 / eta_per_s, "tolerance": 1e-3}
         scene["mesh"]["cells"] = 6
         result = contbed.run(from_dict(scene))

@@ -21,7 +21,7 @@ def kind(share, diameter, oxide):
     names = ("heat_capacity", "enthalpy", "density")
     return {
         "volume_share": share,
-        "particle_diameter": diameter,
+        "diameter": diameter,
         "composition": f"FeO:{oxide}, Al2O3:{round(1.0 - oxide, 6)}",
         "porosity": 0.3,
         "constituent": {name: dict(zip(names, data, strict=True)) for name, data in SOLIDS.items()},
@@ -32,20 +32,21 @@ def bed(length, cells, mass_flux, hottest, oxide, fast):
     """A bed of two kinds whose gas and its temperature change; `fast` [m/s] of the rate constant of the cores."""
     gas = {name: {"heat_capacity": c, "enthalpy": h} for name, (c, h) in GASES.items()}
     composition = {"times": [0.0, 200.0], "values": ["H2:0.5, N2:0.5", "H2:0.2, H2O:0.24, N2:0.56"], "form": "linear"}
+    warmer = {"times": [0.0, 200.0], "values": [900.0, hottest]}
     return {
         "mesh": {"type": "line", "length": length, "cells": cells},
-        "fluid": {"model": "ideal_gas", "pressure": 1.5e5, "viscosity": 4e-5, "conductivity": 0.2, "diffusivity": 4e-4}
-        | {"species": gas, "composition": composition},
-        "bed": {"porosity": 0.42},
+        "gas": {"model": "ideal_gas", "pressure": 1.5e5, "viscosity": 4e-5, "conductivity": 0.2, "diffusivity": 4e-4}
+        | {"species": gas},
+        "packed_bed": {"porosity": 0.42, "pressure_drop": "ergun", "gas_storage": "quasi_steady"},
         "solids": {"coarse": kind(0.34, 6e-3, oxide), "fine": kind(0.66, 2e-3, oxide)},
-        "flow": {"mass_flux": mass_flux, "pressure_drop": "ergun"},
-        "boundary": {"left": {"fluid": {"inflow": {"times": [0.0, 200.0], "values": [900.0, hottest]}}}},
-        "heat": {"nusselt": "gunn"},
-        "mass": {"sherwood": "wakao_funazkri"},
+        "boundary": {"left": {"gas": {"mass_flux": mass_flux, "temperature": warmer, "composition": composition}}},
+        "heat": {},
+        "closures": {"nusselt": "gunn", "sherwood": "wakao_funazkri"},
         "reactions": {
             "r": {"equation": "FeO + H2 -> Fe + H2O", "law": "shrinking_core", "A": fast, "E": 6e4, "diffusivity": 4e-6}
         },
-        "time": {"end": 200.0, "gas": "quasi_steady", "tolerance": 1e-2, "initial_temperature": 800.0},
+        "time": {"end": 200.0, "tolerance": 1e-2},
+        "initial": {"temperature": 800.0},
         "output": {"plots": False},
         "solver": {"balance_tolerance": 1.0},
     }
@@ -70,9 +71,10 @@ def test_energy_closes_in_many_steps():
     scene["solids"] = {"coarse": kind(0.375, 7e-3, 0.5), "fine": kind(0.625, 1.06e-3, 0.5)}
     scene["reactions"]["r"]["diffusivity"] = 2.3e-5
     values = ["H2:0.5, N2:0.5", "H2:0.8, H2O:0.06, N2:0.14"]
-    scene["fluid"]["composition"] = {"times": [0.0, 200.0], "values": values, "form": "step"}
-    scene["boundary"]["left"]["fluid"]["inflow"]["times"] = [0.0, 400.0]
-    scene["time"] |= {"end": 374.0, "tolerance": 1e-3, "initial_temperature": 715.5}
+    scene["boundary"]["left"]["gas"]["composition"] = {"times": [0.0, 200.0], "values": values, "form": "step"}
+    scene["boundary"]["left"]["gas"]["temperature"]["times"] = [0.0, 400.0]
+    scene["time"] |= {"end": 374.0, "tolerance": 1e-3}
+    scene["initial"] |= {"temperature": 715.5}
     closes(scene)
 
 

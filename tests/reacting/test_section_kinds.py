@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+
 import numpy as np
 import pytest
-from several_solids import SHARES, part_of, split, split_adsorbing, split_pellets
+from several_solids import SHARES, part_of, split, split_pellets
 from solving import solved, stepped
 from test_kinds_adsorb import warm
 from test_kinds_pellets import reforming
@@ -18,13 +20,18 @@ from contbed.reacting_bed.plan import plan
 
 ROUNDING = 1e-9  # of two solutions of the same equations, whose Newton's methods end at 1e-10
 DIAMETER = 0.1  # [m]
-COOLED = {"diameter": DIAMETER, "coefficient": 50.0, "ambient": 350.0}
+COOLED = {"coefficient": 50.0, "ambient": 350.0}
 
 
 def across(scene, wall=COOLED, rings=3, **more):
     """The bed in rings that exchange heat by gas and particles, and species."""
-    section = {"rings": rings, "conductivity_fluid": 0.3, "conductivity_solid": 0.6, "mass_dispersion": 1e-4}
-    return scene | {"wall": wall, "section": section | more}
+    scene = deepcopy(scene)
+    section = {"rings": rings, "conductivity_gas": 0.3, "conductivity_solids": 0.6, "dispersion_mass": 1e-4}
+    scene["packed_bed"]["section"] = section | more
+    scene["mesh"]["diameter"] = DIAMETER
+    if wall:
+        scene["boundary"]["wall"] = wall
+    return scene
 
 
 def same(one, two, kinds=SHARES):
@@ -40,9 +47,8 @@ def same(one, two, kinds=SHARES):
 def along():
     """Particles that move with the gas, at its temperature."""
     scene = on_cells(hot(), 5)
-    scene["flow"]["velocity_solid"] *= -1.0
-    scene["boundary"]["left"]["solid"] = scene["boundary"].pop("right")["solid"]
-    del scene["heat"]["nusselt"]
+    scene["boundary"]["left"]["solids"] = scene["boundary"].pop("right")["solids"]
+    del scene["closures"]["nusselt"]
     return scene
 
 
@@ -50,10 +56,10 @@ def along():
 def test_kinds_that_are_alike_are_one(temperatures):
     """They react with heat and move; the wall cools, by a coefficient on the stagnant conductivity."""
     scene = along() if temperatures == 1 else on_cells(hot(), 5)
-    scene["solid"]["conductivity"] = 0.8
+    scene["solids"]["particles"]["conductivity"] = 0.8
     wall = COOLED | {"coefficient": "martin_nilles"}
-    scene = across(scene, wall, conductivity_solid="krupiczka", conductivity_fluid=None, dispersion="vdi")
-    del scene["section"]["conductivity_fluid"]
+    scene = across(scene, wall, conductivity_solids="krupiczka", dispersion="vdi")
+    del scene["packed_bed"]["section"]["conductivity_gas"]
     one, two = solved(scene), solved(split(scene))
     same(one, two)
     assert np.abs(one.profiles["T_fluid_axis [K]"] - one.profiles["T_fluid_wall [K]"]).max() > 20.0
@@ -62,8 +68,8 @@ def test_kinds_that_are_alike_are_one(temperatures):
 def test_each_kind_conducts_by_its_share():
     """One temperature: two conductivities of particles are one of their mean by volume."""
     scene = along()
-    scene["solid"]["conductivity"] = 0.3 * 2.0 + 0.7 * 0.5
-    scene = across(scene, conductivity_solid="phase")
+    scene["solids"]["particles"]["conductivity"] = 0.3 * 2.0 + 0.7 * 0.5
+    scene = across(scene, conductivity_solids="phase")
     same(solved(scene), solved(split(scene, coarse={"conductivity": 2.0}, fine={"conductivity": 0.5})))
 
 
@@ -71,7 +77,7 @@ def test_each_kind_conducts_by_its_share():
 def test_rings_alike_are_the_bed_in_one_dimension(kinds):
     """Kinds of other size, speed and conduction, and pellets that are resolved, behind a wall that nothing passes."""
     one = solved(on_cells(kinds(), 4))
-    two = solved(across(on_cells(kinds(), 4), {"diameter": DIAMETER, "flux": 0.0}))
+    two = solved(across(on_cells(kinds(), 4), {}))
     same(one, two)
 
 
@@ -80,8 +86,8 @@ def test_rings_alike_are_the_bed_in_one_dimension(kinds):
 def test_steps_of_kinds_that_adsorb(gas, level):
     """Kinds alike are one kind in each ring, as the wall warms."""
     scene = across(warm(level), COOLED | {"ambient": 600.0}, rings=2)
-    scene["time"]["gas"] = gas
-    one, two = stepped(scene, 2.0), stepped(split_adsorbing(scene), 2.0)
+    scene["packed_bed"]["gas_storage"] = gas
+    one, two = stepped(scene, 2.0), stepped(split(scene), 2.0)
     for name, values in one.items():
         for found in [name] if name in two else [f"{name}_{kind}" for kind in SHARES]:
             assert two[found] == pytest.approx(values, rel=ROUNDING, abs=1e-12), found
@@ -118,10 +124,10 @@ def test_heat_passes_from_ring_to_ring_within_a_kind():
 def test_beads_among_a_catalyst_pass_heat_as_a_plug_flow():
     """Graetz's problem with particles of two sizes that all have the conductivity of the bed."""
     scene = heated(8)
-    d = scene["bed"].pop("particle_diameter")
+    d = scene["solids"].pop("particles")["diameter"]
     scene["solids"] = {
-        "catalyst": {"volume_share": 0.4, "particle_diameter": d, "density": 1000.0},
-        "beads": {"volume_share": 0.6, "particle_diameter": 2.0 * d, "density": 2000.0},
+        "catalyst": {"volume_share": 0.4, "diameter": d, "density": 1000.0},
+        "beads": {"volume_share": 0.6, "diameter": 2.0 * d, "density": 2000.0},
     }
     exact = np.array([mixed("tube", 50.0, x) for x in (0.5, 1.0)])
     found = solved(scene).profiles["T_fluid [K]"]
@@ -130,6 +136,6 @@ def test_beads_among_a_catalyst_pass_heat_as_a_plug_flow():
 
 def test_a_wall_is_needed():
     scene = across(on_cells(unlike(), 4))
-    del scene["wall"]
-    with pytest.raises(SceneError, match="its size is not known"):
+    del scene["mesh"]["diameter"]
+    with pytest.raises(SceneError, match=r"mesh\.diameter: missing"):
         from_dict(scene)

@@ -18,7 +18,14 @@ from contbed.reacting_bed.plan import plan
 
 SHELLS = 1e-5  # of what leaves: points inside err by 3e-6 of the effectiveness
 RADIUS, CP, T_IN, T_WALL, E = 0.05, 30.0, 500.0, 420.0, 6e4
-ALIKE = {"wall": {"diameter": 2 * RADIUS, "flux": 0.0}}  # nothing makes one ring differ from another
+
+
+def alike(scene, **section):
+    """The bed behind a wall that nothing passes, in place: one ring is as another."""
+    scene["mesh"]["diameter"] = 2 * RADIUS
+    scene["boundary"]["wall"] = {"heat_flux": 0.0}
+    if section:
+        scene["packed_bed"]["section"] = section
 
 
 def same(one, section, rel=1e-9):
@@ -33,9 +40,9 @@ def reforming(rings):
     """Three reactions of five gases with their heat, a falling pressure, species that pass between the rings."""
     scene = deepcopy(REFORMER)
     scene["mesh"]["cells"] = 4
-    scene["flow"]["pressure_drop"] = "ergun"
+    scene["packed_bed"]["pressure_drop"] = "ergun"
     if rings:
-        scene |= ALIKE | {"section": {"rings": rings, "conductivity_solid": 2.0, "mass_dispersion": 1e-4}}
+        alike(scene, rings=rings, conductivity_solids=2.0, dispersion_mass=1e-4)
     return scene
 
 
@@ -54,12 +61,13 @@ def test_first_order(shape, biot):
     eta = sphere(phi)
     if biot is not None:
         eta = 1.0 / (1.0 / eta + phi**2 / (3.0 * biot))
-        scene["fluid"]["diffusivity"] = 2e-5
-        scene["mass"] = {"sherwood": 2.0 * biot * D_A / 2e-5}  # Sh D/d = Bi D_A/R
+        scene["gas"]["diffusivity"] = 2e-5
+        scene["closures"] |= {"sherwood": 2.0 * biot * D_A / 2e-5}
     scene["mesh"] |= {"length": 1.0 / (0.6 * k * eta / 0.5), "cells": 6}
-    for gas in scene["fluid"]["species"].values():
+    for gas in scene["gas"]["species"].values():
         gas |= {"heat_capacity": CP, "enthalpy": 0.0}
-    scene |= ALIKE | {"heat": {}, "section": {"rings": 2, "shape": shape, "conductivity_solid": 1.0}}
+    scene["heat"] = {}
+    alike(scene, rings=2, shape=shape, conductivity_solids=1.0)
     assert solved(scene).qoi["x_A_out"] == pytest.approx(left(k * scene["mesh"]["length"], eta), rel=SHELLS)
 
 
@@ -70,16 +78,18 @@ def cooled(rings, mass="interior", factor=1.0):
     gases["B"] |= {"heat_capacity": CP, "enthalpy": 0.0}
     scene = isothermal("A:1", gases)
     scene["mesh"] |= {"length": 0.3, "cells": 6}
-    scene["solid"], scene["heat"] = {"density": 1000.0, "heat_capacity": 800.0}, {}
+    scene["solids"]["particles"] |= {"density": 1000.0, "heat_capacity": 800.0}
+    scene["heat"] = {}
     scene["reactions"] = {"r": {"equation": "A -> B", "A": 5e6, "E": E, "basis": "particle", "factor": factor}}
-    scene["wall"] = {"diameter": 2 * RADIUS, "coefficient": 100.0, "ambient": T_WALL}
-    scene["section"] = {"rings": rings, "conductivity_solid": 1.0, "mass_dispersion": 1e-4}
+    scene["mesh"]["diameter"] = 2 * RADIUS
+    scene["boundary"]["wall"] = {"coefficient": 100.0, "ambient": T_WALL}
+    scene["packed_bed"]["section"] = {"rings": rings, "conductivity_solids": 1.0, "dispersion_mass": 1e-4}
     scene["output"]["positions"] = [0.1, 0.3]
-    scene["particle"] = {"mass": mass}
+    scene["solids"]["particles"]["inside"] = {"mass": mass}
     if mass == "effectiveness":
         scene["reactions"]["r"]["diffusivity"] = D_A
     elif mass != "none":
-        scene["particle"]["diffusivity"] = {"A": D_A, "B": D_A}
+        scene["solids"]["particles"]["inside"]["diffusivity"] = {"A": D_A, "B": D_A}
     return scene
 
 
@@ -104,7 +114,7 @@ def test_order_across():
 def test_auto_weighs_the_rings_by_their_area(factor, level):
     """E = 1 - eta over the rates of the bed in which nothing resists inside, each ring with its own temperature."""
     planned = plan(from_dict(cooled(3, "auto", factor)))
-    assert planned.scene.particle.mass == level
+    assert planned.scene.solids["particles"].inside.mass == level
     problem, u = solved(cooled(3, "none", factor)).solved
     g_A, g_B, T = u.reshape(3, 3, *u.shape[1:]).swapaxes(0, 1)
     k = factor * 5e6 * np.exp(-E / (R_GAS * T))
@@ -119,8 +129,8 @@ def test_auto_weighs_the_rings_by_their_area(factor, level):
     assert solved(cooled(3, "auto", factor)).qoi == solved(cooled(3, level, factor)).qoi
 
 
-def in_time(scene, end, **more):
-    return scene | {"time": {"end": end, "tolerance": 1e-3} | more}
+def in_time(scene, end):
+    return scene | {"time": {"end": end, "tolerance": 1e-3}}
 
 
 @pytest.mark.parametrize("gas", ["quasi_steady", pytest.param("stored", marks=pytest.mark.slow)])
@@ -128,12 +138,13 @@ def test_rings_alike_in_time(gas):
     """A jump of the inlet temperature: the same steps, and at each the bed in one dimension."""
     runs = []
     for rings in (0, 2):
-        scene = in_time(cooled(2), 60.0, gas=gas)
-        scene |= ALIKE
+        scene = in_time(cooled(2), 60.0)
+        scene["packed_bed"]["gas_storage"] = gas
+        alike(scene)
         if not rings:
-            del scene["section"]
+            del scene["packed_bed"]["section"]
         jump = {"times": [0, 20], "values": [T_IN - 30.0, T_IN], "form": "step"}
-        scene["boundary"] = {"left": {"fluid": {"inflow": jump}}}
+        scene["boundary"]["left"]["gas"]["temperature"] = jump
         runs.append(solved(scene))
     one, section = runs
     assert section.qoi["time_steps"] == one.qoi["time_steps"]
@@ -145,7 +156,7 @@ def test_rings_alike_in_time(gas):
 def test_in_time_it_ends_in_the_steady_state():
     """B enters as well: of a scene that would fall below zero on its cells the steady state alone is damped."""
     scene = cooled(3)
-    scene["fluid"]["composition"] = "A:0.9, B:0.1"
+    scene["gas"]["composition"] = "A:0.9, B:0.1"
     steady, late = solved(scene), solved(in_time(scene, 5e4))
     assert steady.qoi["cells_damped"] == 0
     for name, column in steady.profiles.items():

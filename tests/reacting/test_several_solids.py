@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reacting_bed_scenes import MOLAR, bilinear, fixed_bed, isothermal, shrinking_core, solids, species, table
+from reacting_bed_scenes import MOLAR, bilinear, fixed_bed, isothermal, let_move, shrinking_core, solids, species, table
 from scipy.linalg import expm
 from several_solids import SHARES, part_of, split
 from solving import solved, stepped
@@ -25,14 +25,15 @@ def hot(**more) -> dict:
     gases["A"] |= {"heat_capacity": 30.0, "enthalpy": 4e3}
     gases["B"] |= {"heat_capacity": 32.0, "enthalpy": 0.0}
     scene = isothermal("A:0.9, B:0.1", gases, **more)
-    scene["fluid"] |= {"viscosity": 2e-5, "conductivity": 0.03, "diffusivity": 2e-5}
-    scene["flow"] = {"velocity": 0.5, "velocity_solid": -2e-4, "pressure_drop": "ergun"}
-    scene["solid"] = solids()
+    scene["gas"] |= {"viscosity": 2e-5, "conductivity": 0.03, "diffusivity": 2e-5}
+    scene["packed_bed"]["pressure_drop"] = "ergun"
+    scene["solids"]["particles"] |= solids()
     for name, heat in (("S", 1e3), ("P", 0.0)):
-        scene["solid"]["constituent"][name] |= {"heat_capacity": 80.0, "enthalpy": heat}
-    scene["heat"] = {"nusselt": "nusselt_wakao_kaguei", "conductivity_solid": 0.5, "conductivity_fluid": 0.1}
-    scene["mass"] = {"sherwood": "sherwood_wakao_funazkri", "dispersion": 1e-4}
-    scene["boundary"]["right"] = {"solid": {"inflow": 400.0}}
+        scene["solids"]["particles"]["constituent"][name] |= {"heat_capacity": 80.0, "enthalpy": heat}
+    scene["heat"] = {}
+    scene["closures"] |= {"nusselt": "nusselt_wakao_kaguei", "conductivity_solids": 0.5, "conductivity_gas": 0.1}
+    scene["closures"] |= {"sherwood": "sherwood_wakao_funazkri", "dispersion_mass": 1e-4}
+    let_move(scene, -2e-4, temperature=400.0)
     orders = {"A": 1.0, "S": 1.0}
     scene["reactions"] = {"r": {"equation": "A + S -> B + P", "A": 5e-3, "E": "20 kJ/mol", "orders": orders}}
     scene["reactions"]["r"]["basis"] = "bed"
@@ -76,10 +77,9 @@ def test_kinds_that_are_alike_are_one(scene):
 @pytest.mark.parametrize("with_one_temperature", [False, True])
 def test_kinds_that_are_alike_are_one_along_the_gas(with_one_temperature):
     scene = on_cells(hot(), 5)
-    scene["flow"]["velocity_solid"] = 2e-4
-    scene["boundary"]["left"]["solid"] = scene["boundary"].pop("right")["solid"]
+    scene["boundary"]["left"]["solids"] = scene["boundary"].pop("right")["solids"]
     if with_one_temperature:
-        del scene["heat"]["nusselt"]
+        del scene["closures"]["nusselt"]
     alike(scene)
 
 
@@ -96,9 +96,10 @@ def test_steps_of_kinds_that_are_alike_are_those_of_one(moves, gas):
 
 def in_time(scene: dict, moves: bool, gas: str = "auto") -> dict:
     scene = on_cells(scene, 3)
-    scene["time"] = {"end": 200.0, "initial_temperature": 450.0, "tolerance": 1e-3, "gas": gas}
+    scene["time"] = {"end": 200.0, "tolerance": 1e-3}
+    scene["packed_bed"]["gas_storage"] = gas
+    scene["initial"] |= {"temperature": 450.0}
     if not moves:
-        scene["flow"]["velocity_solid"] = 0.0
         del scene["boundary"]["right"]
     return scene
 
@@ -112,11 +113,12 @@ def test_runs_in_time_of_kinds_that_are_alike(moves):
 def test_two_sizes_in_a_moving_bed_follow_their_own_closed_forms():
     """First order in what is left, at a rate of each kind's own, and cores that shrink in much gas."""
     scene = on_cells(split(bilinear(1.0, 1.0)))
-    v = abs(scene["flow"]["velocity_solid"])
+    streams = scene["boundary"]["right"]["solids"]
+    v = streams["fine"]["velocity"]
     k = {kind: c * v / (1.0 - EPS) for kind, c in (("coarse", 0.5), ("fine", 1.5))}
-    scene["solids"]["fine"]["velocity_solid"] = -2.0 * v
-    scene["fluid"]["composition"] = "A:0.5, B:0.5"
-    scene["flow"]["velocity"] = 50.0  # more gas than solids take
+    streams["fine"]["velocity"] = 2.0 * v
+    scene["gas"]["composition"] = "A:0.5, B:0.5"
+    scene["boundary"]["left"]["gas"]["velocity"] = 50.0  # more gas than solids take
     scene["reactions"] = {
         f"r_{kind}": {"equation": "A + S -> B + P", "A": each, "E": 0.0, "orders": {"S": 1.0}, "solid": kind}
         for kind, each in k.items()
@@ -139,10 +141,10 @@ def test_two_sizes_at_rest_shrink_as_their_diameters_say():
     """A surface reaction in a gas that hardly changes: X = 1 - (1 - t/tau)^3, tau = rho d/(2 k c)."""
     scene = fixed_bed("shrinking_core", 0.0, 0.0, 1.0, 1e-9, 0.4)
     scene["mesh"] |= {"length": 1.0, "cells": 2}
-    scene["flow"]["velocity"] = 1e9
+    scene["boundary"]["left"]["gas"]["velocity"] = 1e9
     scene["output"]["positions"] = [0.5]
     scene["time"]["tolerance"] = 1e-5
-    scene = split(scene, fine={"particle_diameter": 2e-3})  # 3 mm is complete after 1000 s
+    scene = split(scene, fine={"diameter": 2e-3})  # 3 mm is complete after 1000 s
     result = solved(scene)
     X = {"coarse": 1.0 - (1.0 - 0.4) ** 3, "fine": 1.0 - (1.0 - 0.4 * 3.0 / 2.0) ** 3}
     for kind, exact in X.items():  # steps of a local tolerance of 1e-5
@@ -152,10 +154,10 @@ def test_two_sizes_at_rest_shrink_as_their_diameters_say():
 def catalysed(share: float, **more) -> dict:
     """A share of catalyst among beads without reaction."""
     scene = isothermal("A:1", species(A=0.028, B=0.028), **more)
-    d = scene["bed"].pop("particle_diameter")
+    d = scene["solids"].pop("particles")["diameter"]
     scene["solids"] = {
-        "catalyst": {"volume_share": share, "particle_diameter": d, "density": 1500.0},
-        "beads": {"volume_share": 1.0 - share, "particle_diameter": 2.0 * d, "density": 2500.0},
+        "catalyst": {"volume_share": share, "diameter": d, "density": 1500.0},
+        "beads": {"volume_share": 1.0 - share, "diameter": 2.0 * d, "density": 2500.0},
     }
     scene["reactions"] = {"r": {"equation": "A -> B", "A": 2e-3, "E": 0.0, "basis": "catalyst", "solid": "catalyst"}}
     return scene
@@ -171,13 +173,13 @@ def test_each_kind_has_its_own_film():
     """Resistances of film and reaction in series for each of two catalysts, in parallel for both."""
     scene = catalysed(0.4)
     D, Sh = 2e-5, {"catalyst": 4.0, "beads": 8.0}
-    scene["fluid"]["diffusivity"] = D
-    scene["mass"] = {"sherwood": Sh["catalyst"]}
+    scene["gas"]["diffusivity"] = D
+    scene["closures"] |= {"sherwood": Sh["catalyst"]}
     scene["solids"]["beads"]["sherwood"] = Sh["beads"]
     scene["reactions"]["r"]["solid"] = ["catalyst", "beads"]
     total = 0.0
     for kind, at in scene["solids"].items():
-        d, share = at["particle_diameter"], at["volume_share"]
+        d, share = at["diameter"], at["volume_share"]
         film = Sh[kind] * D / d * 6.0 * share * (1.0 - EPS) / d
         total += 1.0 / (1.0 / film + 1.0 / (2e-3 * share * (1.0 - EPS) * at["density"]))
     qoi = solved(scene).qoi
@@ -191,26 +193,25 @@ def exchanging(directions: float) -> tuple[dict, dict[str, float]]:
     gases = species(A=0.028)
     gases["A"] |= {"heat_capacity": 30.0, "enthalpy": 0.0}
     scene = isothermal("A:1", gases)
-    scene["fluid"]["conductivity"] = k_f
-    del scene["bed"]["particle_diameter"]
+    scene["gas"]["conductivity"] = k_f
     scene["mesh"]["length"] = L
-    scene["flow"] = {"mass_flux": G, "velocity_solid": directions * v, "pressure_drop": "none"}
-    scene["heat"] = {"nusselt": 5.0}
+    scene["boundary"]["left"]["gas"] = {"mass_flux": G, "temperature": 900.0}
+    scene["heat"] = {}
+    scene["closures"] |= {"nusselt": 5.0}
     kinds = {"small": (0.25, 4e-3, 2000.0, 800.0, 5.0, v), "large": (0.75, 9e-3, 1200.0, 1000.0, 8.0, 1.5 * v)}
     scene["solids"] = {
         kind: {
             "volume_share": share,
-            "particle_diameter": d,
+            "diameter": d,
             "density": rho,
             "heat_capacity": c,
             "nusselt": Nu,
-            "velocity_solid": directions * speed,
         }
-        for kind, (share, d, rho, c, Nu, speed) in kinds.items()
+        for kind, (share, d, rho, c, Nu, _) in kinds.items()
     }
     end = "left" if directions > 0 else "right"
-    scene["boundary"] = {"left": {"fluid": {"inflow": 900.0}}}
-    scene["boundary"].setdefault(end, {})["solid"] = {"inflow": 300.0}
+    streams = {kind: {"velocity": speed, "temperature": 300.0} for kind, (*_, speed) in kinds.items()}
+    scene["boundary"].setdefault(end, {})["solids"] = streams
     rows = np.zeros((3, 3))
     for i, (share, d, rho, c, Nu, speed) in enumerate(kinds.values(), 1):
         ha = Nu * k_f / d * 6.0 * share * (1.0 - EPS) / d
@@ -241,9 +242,10 @@ def test_two_sizes_heated_by_a_gas(directions):
 
 def unlike(**more) -> dict:
     """Ore that reacts and beads that hold heat, of other size and speed."""
-    scene = split(hot(**more), {"ore": 0.6, "beads": 0.4}, ore={"particle_diameter": 4e-3})
-    beads = {"volume_share": 0.4, "particle_diameter": 8e-3, "density": 2500.0, "heat_capacity": 900.0}
-    scene["solids"]["beads"] = beads | {"velocity_solid": -4e-4, "nusselt": 12.0}
+    scene = split(hot(**more), {"ore": 0.6, "beads": 0.4}, ore={"diameter": 4e-3})
+    beads = {"volume_share": 0.4, "diameter": 8e-3, "density": 2500.0, "heat_capacity": 900.0}
+    scene["solids"]["beads"] = beads | {"nusselt": 12.0}
+    scene["boundary"]["right"]["solids"]["beads"]["velocity"] = 4e-4
     return scene
 
 
@@ -262,7 +264,8 @@ def test_steps_in_time_end_in_the_steady_state():
     scene["solids"]["ore"]["composition"] = "S:0.9, P:0.1"
     steady = solved(scene)
     assert steady.qoi["cells_damped"] == 0
-    scene["time"] = {"end": 2e5, "initial_temperature": 500.0, "tolerance": 1e-3}
+    scene["time"] = {"end": 2e5, "tolerance": 1e-3}
+    scene["initial"] |= {"temperature": 500.0}
     ended = solved(scene)
     for key in ("T_fluid_out_K", "conversion_S_ore", "T_solid_beads_out_K", "x_A_out"):
         assert ended.qoi[key] == pytest.approx(steady.qoi[key], rel=1e-7), key
@@ -271,8 +274,8 @@ def test_steps_in_time_end_in_the_steady_state():
 def test_beads_at_rest_among_ore_that_moves_are_as_hot_as_the_gas():
     """Nothing heats them but the gas where nothing conducts, and a steady state needs no heat capacity of theirs."""
     scene = on_cells(unlike(), 5)
-    scene["solids"]["beads"]["velocity_solid"] = 0.0
-    del scene["heat"]["conductivity_solid"], scene["solids"]["beads"]["heat_capacity"]
+    del scene["boundary"]["right"]["solids"]["beads"]
+    del scene["closures"]["conductivity_solids"], scene["solids"]["beads"]["heat_capacity"]
     result = solved(scene)
     assert result.profiles["T_solid_beads [K]"] == pytest.approx(result.profiles["T_fluid [K]"], rel=1e-10)
     assert "T_solid_beads_out_K" not in result.qoi and result.qoi["solids_out_kg_m2s"] == pytest.approx(0.36, rel=1e-12)
@@ -282,10 +285,10 @@ def test_streams_that_change_reach_all_kinds():
     """A bed whose streams are replaced, as series do at each of their times, is that of a scene with them."""
     scene = on_cells(unlike(), 4)
     vertices = np.linspace(0.0, 1.0, 5)
-    del scene["solids"]["beads"]["velocity_solid"]
+    scene["boundary"]["right"]["solids"]["beads"]["velocity"] = 2e-4
     before = Problem.of(from_dict(scene), vertices)
-    scene["flow"] |= {"velocity": 0.7, "velocity_solid": -3e-4}
-    scene["boundary"]["right"]["solid"]["inflow"] = 420.0
+    scene["boundary"]["left"]["gas"]["velocity"] = 0.7
+    let_move(scene, -3e-4, temperature=420.0)
     there = from_dict(scene)
     exact, found = Problem.of(there, vertices), before.within(there)
     u = exact.start(450.0)
@@ -297,8 +300,9 @@ def test_streams_that_change_reach_all_kinds():
 @pytest.mark.slow
 def test_a_gas_that_changes_in_time_reaches_all_kinds():
     scene = on_cells(hot(), 4)
-    scene["flow"]["velocity"] = {"times": [0.0, 50.0], "values": [0.5, 0.7], "form": "step"}
-    scene["time"] = {"end": 100.0, "initial_temperature": 450.0, "tolerance": 1e-3}
+    scene["boundary"]["left"]["gas"]["velocity"] = {"times": [0.0, 50.0], "values": [0.5, 0.7], "form": "step"}
+    scene["time"] = {"end": 100.0, "tolerance": 1e-3}
+    scene["initial"] |= {"temperature": 450.0}
     alike(scene, STEPS)
 
 

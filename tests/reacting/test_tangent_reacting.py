@@ -21,10 +21,10 @@ def left_over(rate, dispersion, length, velocity, eps=0.4):
 
 def test_danckwerts_dispersed_plug_flow():
     scene = from_dict(danckwerts(8.0, 1.5))
-    names = ["reactions.r.A", "mass.dispersion", "mesh.length", "flow.velocity"]
+    names = ["reactions.r.A", "closures.dispersion_mass", "mesh.length", "boundary.left.gas.velocity"]
     made = gradient(scene, ["conversion_A", "x_B_out"], names)
     assert made.method == "tangent"
-    at = [scene.reactions["r"].A, scene.mass.dispersion, 1.0, 0.5]
+    at = [scene.reactions["r"].A, scene.closures.dispersion_mass, 1.0, 0.5]
     assert made.values[0] == pytest.approx(1.0 - left_over(*at), rel=1e-6)
     for j in range(len(names)):
         ends = [left_over(*(v * (1.0 + 1e-4 * side * (k == j)) for k, v in enumerate(at))) for side in (1, -1)]
@@ -36,7 +36,13 @@ def test_danckwerts_dispersed_plug_flow():
 def test_reformer_against_differences_on_given_cells():
     text = MODELS["reacting_bed"].template.read_text(encoding="utf-8")
     scene = loads(text.replace('length = "3 m"', 'length = "3 m"\ncells = 24'))
-    names = ["fluid.pressure", "flow.mass_flux", "wall.ambient", "mesh.length", "reactions.reforming.factor"]
+    names = [
+        "gas.pressure",
+        "boundary.left.gas.mass_flux",
+        "boundary.wall.ambient",
+        "mesh.length",
+        "reactions.reforming.factor",
+    ]
     qoi = ["T_fluid_out_K", "conversion_CH4", "x_H2_out"]
     made = gradient(scene, qoi, names)
     for j, name in enumerate(names):

@@ -57,18 +57,22 @@ def test_an_input_that_an_earlier_run_has_written_stays(tmp_path):
 
 REACTING = """
 mesh = { type = "line", length = 1.0 }
-fluid = { model = "ideal_gas", composition = "A:1", species.A = { elements.H = 28, molar_mass = 0.028 } }
-bed = { porosity = 0.4, particle_diameter = 3e-3 }
-flow = { molar_flux = 1.0, pressure_drop = "none" }
-boundary.left.fluid.inflow = 500
-time = { end = 1.0, initial = { file = "out/profiles.csv" } }
+gas = { model = "ideal_gas", composition = "A:1", species.A = { elements.H = 28, molar_mass = 0.028 } }
+solids.beads.diameter = 3e-3
+packed_bed = { porosity = 0.4, pressure_drop = "none" }
+boundary.left.gas = { molar_flux = 1.0, temperature = 500 }
+initial.file = "out/profiles.csv"
+time.end = 1.0
 """
 
 
 @pytest.mark.parametrize(
     ("text", "key"),
     [
-        (TRANSIENT.replace("initial_solid = 400.0", 'initial_solid = { file = "out/profiles.csv" }'), "initial_solid"),
+        (
+            TRANSIENT.replace("initial_solid = 400.0", 'initial_solid = { file = "out/profiles.csv" }'),
+            "time.initial_solid",
+        ),
         (REACTING, "initial"),
     ],
     ids=["packed", "reacting"],
@@ -81,7 +85,7 @@ def test_a_run_does_not_replace_what_it_reads(tmp_path, text, key):
     before = {path: path.read_text() for path in out.iterdir()}
     (tmp_path / "linked").symlink_to(out)
     scene = loads(text, base=tmp_path)
-    said = rf"scene\.toml:\d+: time\.{key}\.file: profiles\.csv lies in .* give another folder by --out"
+    said = rf"scene\.toml:\d+: {key}\.file: profiles\.csv lies in .* give another folder by --out"
     for more in ({"out": out}, {"out": tmp_path / "linked"}, {"restart": out}):
         with pytest.raises(SceneError, match=said):
             cb.run(scene, **more)

@@ -95,24 +95,30 @@ REACTING = """
 type = "line"
 length = 1.0
 cells = 4
-[fluid]
+
+[gas]
 model = "ideal_gas"
 composition = "O2:1"
 species.O2.heat_capacity = 30.0
 species.O3.heat_capacity = 45.0
-[bed]
+
+[solids.particles]
+diameter = 0.003
+
+[packed_bed]
 porosity = 0.4
-particle_diameter = 0.003
-[flow]
-velocity = 0.5
 pressure_drop = "none"
-[boundary.left]
-fluid.inflow = 500.0
+
 [reactions.r]
 equation = "3 O2 -> 2 O3"
 A = 2.0
 E = 0.0
 orders = { O2 = 1.0 }
+
+[boundary.left]
+gas.velocity = 0.5
+gas.temperature = 500.0
+
 [solver]
 degree = 1
 """
@@ -131,7 +137,8 @@ def test_fractions_of_an_isothermal_reacting_bed(tmp_path: Path) -> None:
 
 def test_a_reacting_bed_in_time(tmp_path: Path) -> None:
     file = tmp_path / "scene.toml"
-    file.write_text(REACTING + '[time]\nend = 10.0\ngas = "quasi_steady"\n', encoding="utf-8")
+    in_time = REACTING.replace("porosity = 0.4", 'porosity = 0.4\ngas_storage = "quasi_steady"')
+    file.write_text(in_time + "[time]\nend = 10.0\n", encoding="utf-8")
     assert converge(file, 3).levels[-1].error > 0.0
 
 

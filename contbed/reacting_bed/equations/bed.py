@@ -32,7 +32,7 @@ Levenspiel 1991, Fluidization Engineering, 2nd ed., ch. 3 for the mean diameter.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -84,28 +84,23 @@ class Bed:
         molar = p / (R_GAS * np.maximum(T_fluid, LEAST_T))
         x = {name: g_k / moles for name, g_k in g.items()}
         c = {name: x_k * molar for name, x_k in x.items()}
-        gas = State(g, {}, T_fluid, T, p, moles, flux, x, c, molar * flux / moles)
+        gas = (p, moles, flux, x, c, molar * flux / moles)
         phases: dict[str, State] = {}
-        n: dict[str, Any] = {}
-        films: dict[str, Any] = {}
         for phase in layout.phases:
-            own_n = {name: values[phase.full(f"n_{name}")] for name in phase.solids}
-            own_films = {name: values[phase.full(f"s_{name}")] for name in phase.films}
-            own_T = values.get(phase.temperature, T)
-            inner = phase.concentrations(values)
-            phases[phase.name] = replace(gas, n=own_n, T_solid=own_T, films=own_films, inner=inner)
-            n |= {phase.full(name): value for name, value in own_n.items()}
-            films |= {phase.full(name): value for name, value in own_films.items()}
-        if len(layout.temperatures) == 2:
-            T = values[layout.temperatures[1]]
-        elif layout.temperatures[1:]:
-            T = self._mean_temperature(phases)
-        return replace(gas, n=n, T_solid=T, films=films, phases=phases)
-
-    def _mean_temperature(self, phases: Mapping[str, State]) -> Any:
-        """Return the mean temperature of all particles by volume."""
-        means = [self.phases[name].medium.share * state.T_solid for name, state in phases.items()]
-        return sum(means[1:], means[0])
+            n = {name: values[full] for name, full in phase.of_solids.items()}
+            films = {name: values[full] for name, full in phase.of_films.items()}
+            inner = {name: [values[full] for full in points] for name, points in phase.of_points.items()}
+            T_solid = values.get(phase.temperature, T)
+            phases[phase.name] = State(g, n, T_fluid, T_solid, *gas, films, inner, phases)
+        if len(phases) == 1:
+            return phases[layout.phases[0].name]
+        all_n = {name: values[f"n_{name}"] for name in layout.solids}
+        all_films = {name: values[f"s_{name}"] for name in layout.films}
+        mean = T
+        if len(layout.temperatures) > 1:
+            parts = [self.phases[name].medium.share * state.T_solid for name, state in phases.items()]
+            mean = sum(parts[1:], parts[0])
+        return State(g, all_n, T_fluid, mean, *gas, all_films, {}, phases)
 
     def __call__(self, u: Sequence[Any], q: Sequence[Any], _: Any) -> tuple[list[Any], list[Any], list[Any]]:
         """Return convective fluxes, diffusive fluxes and sources of all equations at points."""

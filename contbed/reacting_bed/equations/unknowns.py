@@ -30,7 +30,7 @@ class PhaseLayout:
         """Return the name in the whole bed of a constituent, reaction or unknown of this phase."""
         return name + self.suffix
 
-    @property
+    @cached_property
     def temperature(self) -> str:
         """Name of the temperature of the phase, where it has its own."""
         return self.full("T_solid")
@@ -38,18 +38,27 @@ class PhaseLayout:
     @cached_property
     def inner(self) -> tuple[str, ...]:
         """Names of the intraparticle unknowns."""
-        return tuple(self.full(f"a_{name}_{i}") for name in self.inside for i in range(self.points))
+        return tuple(name for points in self.of_points.values() for name in points)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of all unknowns that only this phase has."""
-        solids = (self.full(f"n_{name}") for name in self.solids)
-        films = (self.full(f"s_{name}") for name in self.films)
-        return (*solids, self.temperature, *films, *self.inner)
+        return (*self.of_solids.values(), self.temperature, *self.of_films.values(), *self.inner)
 
-    def concentrations(self, values: Mapping[str, Any]) -> dict[str, list[Any]]:
-        """Return the concentrations of each gas at the points of a particle, from unknowns by name."""
-        return {name: [values[self.full(f"a_{name}_{i}")] for i in range(self.points)] for name in self.inside}
+    @cached_property
+    def of_solids(self) -> dict[str, str]:
+        """Unknown of each constituent."""
+        return {name: self.full(f"n_{name}") for name in self.solids}
+
+    @cached_property
+    def of_films(self) -> dict[str, str]:
+        """Unknown of the film of each gas."""
+        return {name: self.full(f"s_{name}") for name in self.films}
+
+    @cached_property
+    def of_points(self) -> dict[str, list[str]]:
+        """Unknowns of each gas at the points of a particle."""
+        return {name: [self.full(f"a_{name}_{i}") for i in range(self.points)] for name in self.inside}
 
 
 @dataclass(frozen=True)
@@ -69,9 +78,9 @@ class Layout:
     def names(self) -> tuple[str, ...]:
         """Names of all unknowns."""
         gases = (f"g_{name}" for name in self.gases)
-        solids = (f"n_{name}" for name in self.solids)
+        solids = (name for phase in self.phases for name in phase.of_solids.values())
         pressure = ("p",) if self.pressure else ()
-        films = (f"s_{name}" for name in self.films)
+        films = (name for phase in self.phases for name in phase.of_films.values())
         inner = (name for phase in self.phases for name in phase.inner)
         return (*gases, *solids, *self.temperatures, *pressure, *films, *inner)
 
@@ -114,7 +123,8 @@ class State:
     moles, flux : molar and mass flux of the gas
     films : concentrations at the particles [mol/m3]
     inner : concentrations in the pores of particles, at their points
-    phases : the state as each solid phase sees it, with the names of its own constituents and gases
+    phases : the state as each solid phase sees it, with the names of its own constituents and gases; of the only
+        phase it is the state itself
     """
 
     g: Mapping[str, Any]
