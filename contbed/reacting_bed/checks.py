@@ -12,6 +12,7 @@ from contbed.materials.composition import names_in, require_sum
 from contbed.materials.elements import elements_of
 from contbed.reacting_bed import curve_checks, phase_checks, stream_checks
 from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.closures import GIVES, bound, places_of
 from contbed.reacting_bed.inlet_series import SUM, CompositionSeries
 from contbed.reacting_bed.inside_checks import (
     adsorbed_gases_are_there,
@@ -22,7 +23,6 @@ from contbed.reacting_bed.inside_checks import (
 )
 from contbed.reacting_bed.kinetics import SI_OF_BASIS
 from contbed.reacting_bed.laws import NEEDS, known_laws
-from contbed.reacting_bed.medium import GIVES, bound, places_of
 from contbed.reacting_bed.phase_checks import Boundaries, Reactions, Solids, stoichiometry
 from contbed.reacting_bed.schedule_checks import (
     a_cycle_changes_something,

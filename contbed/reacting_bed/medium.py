@@ -9,69 +9,21 @@ from typing import Any
 
 import numpy as np
 
-from contbed.closures.binding import BoundClosure, bind, is_phase, named
+from contbed.closures.binding import BoundClosure, is_phase
 from contbed.closures.ranges import RangeUse
 from contbed.closures.reactions import R_GAS
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.closures import given, of_bed, of_phase
 from contbed.reacting_bed.equations.unknowns import LEAST_T, State
 from contbed.reacting_bed.gas_properties import Properties
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.local import SHARPEST, Local, Smoothing
 from contbed.reacting_bed.streams import Streams, mean_conductivity, sauter_mean
 from contbed.reacting_bed.substances import Substances
-from contbed.scene.tables import Closure
 
-AREA = {"spheres": 6.0, "rods": 4.0}  # surface over volume, times the diameter
-_PACKING = ("eps", "d_p")
-_STREAM = (*_PACKING, "Re", "Pr", "Pe", "T", "k_fluid", "D_bed")
-GIVES: Mapping[str, tuple[str, ...]] = {
-    "permeability": _PACKING,
-    "forchheimer": _PACKING,
-    "nusselt": _STREAM,
-    "dispersion": _STREAM,
-    "conductivity": ("eps", "d_p", "k_fluid", "k_solid", "T"),
-    "wall": (*_STREAM, "k_stagnant"),
-    "sherwood": (*_PACKING, "Re", "Sc"),
-    "mass_dispersion": (*_PACKING, "v", "D_gas"),
-}
-KIND_OF = {  # of closures whose key is not the name of their kind
-    "conductivity_gas": "conductivity",
-    "conductivity_solids": "conductivity",
-    "dispersion_mass": "mass_dispersion",
-    "coefficient": "wall",
-}
-OF_BED = ("permeability", "forchheimer", "conductivity_gas", "dispersion", "dispersion_mass")
-OF_PHASE = ("nusselt", "sherwood", "conductivity_solids")
-OF_HEAT = {"nusselt", "conductivity_gas", "conductivity_solids", "dispersion", "coefficient"}
-ACROSS = ("conductivity_gas", "conductivity_solids", "dispersion", "dispersion_mass")
 SLOW = 1e-9  # share of the speed below which |U| is rounded, so that a change of sign is smooth
-
-
-def places_of(
-    closures: s.Closures,
-    packed_bed: s.PackedBed,
-    solids: Mapping[str, s.Solid],
-    boundary: Mapping[str, s.Boundary],
-) -> list[tuple[tuple[str, ...], Any, str]]:
-    """Return (key, value, kind) of each place where a scene may name a closure."""
-    tables: list[tuple[tuple[str, ...], Any, tuple[str, ...]]] = [(("closures",), closures, (*OF_BED, *OF_PHASE))]
-    tables += [(("solids", name), table, OF_PHASE[:2]) for name, table in solids.items()]
-    if packed_bed.section is not None:
-        tables.append((("packed_bed", "section"), packed_bed.section, ACROSS))
-    if "wall" in boundary:
-        tables.append((("boundary", "wall"), boundary["wall"], ("coefficient",)))
-    return [((*path, key), getattr(table, key), KIND_OF.get(key, key)) for path, table, keys in tables for key in keys]
-
-
-def bound(spec: Any, kind: str, base: Any, direction: str = "axial") -> BoundClosure:
-    """Return the closure that a scene names; of a pair for dispersion that of a direction, axial or transverse."""
-    if kind == "dispersion" and isinstance(spec, str | Closure):
-        name = spec if isinstance(spec, str) else spec.name
-        full = name if name.startswith("dispersion_") else f"dispersion_{name}"
-        full = full if full.endswith(f"_{direction}") else f"{full}_{direction}"
-        spec = full if isinstance(spec, str) else spec.model_copy(update={"name": full})
-    return bind(spec, kind, GIVES[kind], base)
+AREA = {"spheres": 6.0, "rods": 4.0}  # surface over volume, times the diameter
 
 
 @dataclass(frozen=True)
@@ -280,7 +232,7 @@ class Medium(Closures):
             phases[name] = PhaseMedium(
                 scene,
                 species,
-                *_closures(scene, _of_phase(scene, table)),
+                *given(scene, of_phase(scene, table)),
                 table.diameter,
                 table.conductivity,
                 entering.velocities[name],
@@ -291,7 +243,7 @@ class Medium(Closures):
         return cls(
             scene,
             species,
-            *_closures(scene, _of_bed(scene)),
+            *given(scene, of_bed(scene)),
             sauter_mean(scene.solids),
             mean_conductivity(scene.solids),
             entering.mean_velocity,
@@ -404,39 +356,3 @@ class Medium(Closures):
     def ranges(self) -> list[RangeUse]:
         """Return how each closure of the bed and of its solid phases was used in its last evaluation."""
         return [use for each in (self, *self.phases.values()) for use in each.used()]
-
-
-def _of_bed(scene: s.ReactingScene) -> dict[str, Any]:
-    """Return the closures of a whole bed by key."""
-    found = {key: getattr(scene.closures, key) for key in OF_BED}
-    if scene.section is not None:
-        found |= {f"section.{key}": getattr(scene.section, key) for key in ACROSS if key != "conductivity_solids"}
-    if scene.wall is not None:
-        found["coefficient"] = scene.wall.coefficient
-    return found
-
-
-def _of_phase(scene: s.ReactingScene, table: s.Solid) -> dict[str, Any]:
-    """Return the closures of a solid phase by key, its own where it has some."""
-    closures = scene.closures
-    found: dict[str, Any] = {"conductivity_solids": closures.conductivity_solids}
-    for key, own in (("nusselt", table.nusselt), ("sherwood", table.sherwood)):
-        found[key] = getattr(closures, key) if own is None else own
-    if scene.section is not None:
-        found["section.conductivity_solids"] = scene.section.conductivity_solids
-    return found
-
-
-def _closures(scene: s.ReactingScene, given: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, BoundClosure]]:
-    """Return the values that are given by key, and the closures of those that name one; of heat where it is solved."""
-    specs, closures = {}, {}
-    for full, spec in given.items():
-        key = full.removeprefix("section.")
-        if spec is None or (scene.heat is None and key in OF_HEAT):
-            continue
-        specs[full] = spec
-        kind = KIND_OF.get(key, key)
-        if named(spec) and not (kind == "conductivity" and is_phase(spec)):
-            direction = "axial" if full == key else "transverse"
-            closures[full] = bound(spec, kind, scene.origin.base, direction)
-    return specs, closures

@@ -19,14 +19,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, Tag
 
-from contbed.reacting_bed.inlet_series import (
-    CompositionOrSeries,
-    MassFluxOrSeries,
-    MolarFluxOrSeries,
-    SpeedOrSeries,
-)
+from contbed.reacting_bed.boundary_scene import FLOWS as FLOWS
+from contbed.reacting_bed.boundary_scene import Boundary as Boundary
+from contbed.reacting_bed.boundary_scene import GasCondition as GasCondition
+from contbed.reacting_bed.boundary_scene import SolidCondition as SolidCondition
 from contbed.reacting_bed.renamed import RENAMED
 from contbed.reacting_bed.solids_scene import Adsorption as Adsorption
 from contbed.reacting_bed.solids_scene import Curve as Curve
@@ -55,7 +53,6 @@ from contbed.scene.quantities import (
     takes,
     unit,
 )
-from contbed.scene.series import HeatFluxOrSeries, TemperatureOrSeries
 from contbed.scene.tables import (
     ConductivityOrClosure,
     CycleSettings,
@@ -64,7 +61,6 @@ from contbed.scene.tables import (
     Output,
     PermeabilityOrClosure,
     SceneBase,
-    WallCoefficientOrClosure,
 )
 
 ActivationEnergy = Annotated[MolarEnergy, Field(ge=0)]
@@ -191,66 +187,6 @@ class Closures(Table):
 
 class Heat(Table):
     """With this table temperatures are solved: two with closures.nusselt, else one of gas and particles."""
-
-
-class GasCondition(Table):
-    """The gas that enters at one end; one boundary gives its flow, in one of three ways, positive into the bed."""
-
-    velocity: SpeedOrSeries | None = Field(None, description="superficial, at its temperature")
-    mass_flux: MassFluxOrSeries | None = Field(None, description="per area of the bed")
-    molar_flux: MolarFluxOrSeries | None = Field(None, description="per area of the bed")
-    temperature: TemperatureOrSeries | None = Field(
-        None, description="Danckwerts: what enters is known, not the state inside"
-    )
-    fixed_temperature: TemperatureOrSeries | None = Field(
-        None, description="state inside of the inlet, composition included"
-    )
-    composition: CompositionOrSeries | None = Field(
-        None, description="mole fractions of what enters here; absent: gas.composition"
-    )
-
-    @model_validator(mode="after")
-    def _one(self) -> GasCondition:
-        for keys in (FLOWS, ("temperature", "fixed_temperature")):
-            if sum(getattr(self, key) is not None for key in keys) > 1:
-                raise ValueError(f"give one of {', '.join(keys)}")
-        return self
-
-
-FLOWS = ("velocity", "mass_flux", "molar_flux")
-
-
-class SolidCondition(Table):
-    """A solid phase that enters at one end."""
-
-    velocity: SpeedOrSeries | None = Field(
-        None,
-        description="superficial, volume of particles per area and time as if the phase filled the bed, positive into "
-        "the bed; absent at both ends: at rest",
-    )
-    temperature: TemperatureOrSeries | None = Field(None, description="of the particles that enter; needed with [heat]")
-
-
-class Boundary(Table):
-    """What enters at `left` or `right`; heat through the `wall`, into the gas (two temperatures) or the bed (one)."""
-
-    gas: GasCondition | None = Field(None, description="the gas that enters here")
-    solids: dict[str, SolidCondition] = Field(default_factory=dict, description="by name")
-    coefficient: WallCoefficientOrClosure | None = Field(
-        None,
-        description="of the wall on its inner area, to `ambient`; by name with packed_bed.section",
-        json_schema_extra=takes("wall"),
-    )
-    ambient: TemperatureOrSeries | None = Field(None, description="temperature of the surroundings of the wall")
-    heat_flux: HeatFluxOrSeries | None = Field(None, description="of the wall into the bed, on its inner area")
-
-    @model_validator(mode="after")
-    def _one_way(self) -> Boundary:
-        if self.coefficient is not None and self.heat_flux is not None:
-            raise ValueError("give coefficient and ambient, or heat_flux")
-        if (self.coefficient is None) != (self.ambient is None):
-            raise ValueError("coefficient and ambient belong together")
-        return self
 
 
 class InitialGas(Table):

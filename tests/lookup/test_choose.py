@@ -11,7 +11,7 @@ from contbed.cli.rank_closures import conditions, derived, fluidized, kind_for, 
 from contbed.closures import registry
 from contbed.errors import SceneError
 from contbed.explain.sheets import entries, explain, search
-from contbed.reacting_bed.medium import places_of
+from contbed.reacting_bed.closures import places_of
 
 
 def test_conditions_are_in_si():

@@ -1,0 +1,74 @@
+"""Tables [boundary.NAME] of a reacting bed: streams that enter at its ends, and heat through its wall."""
+
+from __future__ import annotations
+
+from pydantic import Field, model_validator
+
+from contbed.reacting_bed.inlet_series import (
+    CompositionOrSeries,
+    MassFluxOrSeries,
+    MolarFluxOrSeries,
+    SpeedOrSeries,
+)
+from contbed.scene.quantities import Table, takes
+from contbed.scene.series import HeatFluxOrSeries, TemperatureOrSeries
+from contbed.scene.tables import WallCoefficientOrClosure
+
+FLOWS = ("velocity", "mass_flux", "molar_flux")  # ways to give the flow of the gas
+
+
+class GasCondition(Table):
+    """The gas that enters at one end; one boundary gives its flow, in one of three ways, positive into the bed."""
+
+    velocity: SpeedOrSeries | None = Field(None, description="superficial, at its temperature")
+    mass_flux: MassFluxOrSeries | None = Field(None, description="per area of the bed")
+    molar_flux: MolarFluxOrSeries | None = Field(None, description="per area of the bed")
+    temperature: TemperatureOrSeries | None = Field(
+        None, description="Danckwerts: what enters is known, not the state inside"
+    )
+    fixed_temperature: TemperatureOrSeries | None = Field(
+        None, description="state inside of the inlet, composition included"
+    )
+    composition: CompositionOrSeries | None = Field(
+        None, description="mole fractions of what enters here; absent: gas.composition"
+    )
+
+    @model_validator(mode="after")
+    def _one(self) -> GasCondition:
+        for keys in (FLOWS, ("temperature", "fixed_temperature")):
+            if sum(getattr(self, key) is not None for key in keys) > 1:
+                raise ValueError(f"give one of {', '.join(keys)}")
+        return self
+
+
+class SolidCondition(Table):
+    """A solid phase that enters at one end."""
+
+    velocity: SpeedOrSeries | None = Field(
+        None,
+        description="superficial, volume of particles per area and time as if the phase filled the bed, positive into "
+        "the bed; absent at both ends: at rest",
+    )
+    temperature: TemperatureOrSeries | None = Field(None, description="of the particles that enter; needed with [heat]")
+
+
+class Boundary(Table):
+    """What enters at `left` or `right`; heat through the `wall`, into the gas (two temperatures) or the bed (one)."""
+
+    gas: GasCondition | None = Field(None, description="the gas that enters here")
+    solids: dict[str, SolidCondition] = Field(default_factory=dict, description="by name")
+    coefficient: WallCoefficientOrClosure | None = Field(
+        None,
+        description="of the wall on its inner area, to `ambient`; by name with packed_bed.section",
+        json_schema_extra=takes("wall"),
+    )
+    ambient: TemperatureOrSeries | None = Field(None, description="temperature of the surroundings of the wall")
+    heat_flux: HeatFluxOrSeries | None = Field(None, description="of the wall into the bed, on its inner area")
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Boundary:
+        if self.coefficient is not None and self.heat_flux is not None:
+            raise ValueError("give coefficient and ambient, or heat_flux")
+        if (self.coefficient is None) != (self.ambient is None):
+            raise ValueError("coefficient and ambient belong together")
+        return self
