@@ -66,6 +66,7 @@ def result_of(tests: Sequence[str], mutant: Mutant | None = None) -> tuple[int, 
             path = copy / mutant.file
             path.write_text(path.read_text(encoding="utf-8").replace(mutant.old, mutant.new), encoding="utf-8")
         environment = {**os.environ, "PYTHONPATH": folder, "OMP_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "1"}
+        environment["NUMBA_CACHE_DIR"] = str(Path(folder) / "compiled")
         # the copy comes first: -P keeps the folder of the repository from going before it
         command = [sys.executable, "-P", "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-m", ""]
         command += ["-o", f"pythonpath={folder} {ROOT}", *tests]

@@ -1,6 +1,6 @@
-"""Where numba keeps compiled code: beside the modules or in the home folder, which are its defaults, or elsewhere.
+"""Where numba keeps compiled code: in the folder for caches of the user, or elsewhere.
 
-An installation that cannot be written and a home folder that cannot either, as in many containers, would stop numba.
+A home folder that cannot be written, as in many containers, would stop numba.
 """
 
 from __future__ import annotations
@@ -10,8 +10,10 @@ import stat
 import sys
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 VARIABLE = "NUMBA_CACHE_DIR"
+ROOMS = ("compiled", "solvers", "dem", "cfd_dem", "two_fluid")  # with kernels
 COMPILING = (
     "contbed: compiling for this processor, once for an installation and up to a minute; `contbed warm` does it "
     "beforehand"
@@ -19,12 +21,16 @@ COMPILING = (
 
 
 def choose_cache() -> None:
-    """Name a temporary folder for numba where it would find none; says so when it makes one."""
+    """Name the folder for numba: that for caches of the user, else a temporary one.
+
+    Each layout of the package has a folder of its own, as compiled code names modules:
+    what was compiled before a module moved cannot be read after it.
+    """
     if VARIABLE in os.environ or "numba" in sys.modules:
         return
-    package = Path(__file__).parent / "dem"  # each of its folders is as writable as the others
     home = _cache_of_the_user()
-    if _can_write(package / "__pycache__") or (home is not None and _can_write(home / "numba")):
+    if home is not None and _can_write(home):
+        os.environ[VARIABLE] = str(home / "contbed" / _layout())
         return
     import tempfile  # takes longer to import than all of this
 
@@ -38,11 +44,25 @@ def choose_cache() -> None:
         folder, made = Path(tempfile.mkdtemp(prefix="contbed-")), True
     os.environ[VARIABLE] = str(folder)
     if made:
-        others = f"neither {package.parent} nor {home or 'a home folder'} can be written"
         print(
-            f"contbed: compiled code is kept in {folder}, as {others}; {VARIABLE} names another folder",
+            f"contbed: compiled code is kept in {folder}, as {home or 'a home folder'} "
+            f"cannot be written; {VARIABLE} names another folder",
             file=sys.stderr,
         )
+
+
+def _layout() -> str:
+    """Return a hash of the names of the modules in the rooms with kernels."""
+    package = Path(__file__).parents[1]
+    names = [
+        f"{folder}/{name}"
+        for room in ROOMS
+        for folder, _, files in os.walk(package / room)
+        for name in files
+        if name.endswith(".py")
+    ]
+    relative = [name.removeprefix(str(package)) for name in names]
+    return f"{crc32(chr(10).join(sorted(relative)).encode()):08x}"
 
 
 def tell_when_compiling() -> None:

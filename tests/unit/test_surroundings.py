@@ -21,7 +21,9 @@ HANGS = 120  # [s] after which a program counts as one that does not end
 
 
 def python(code: str, *arguments, cwd=None, **options) -> subprocess.CompletedProcess:
-    environment = {**os.environ, "PYTHONPATH": HOME} | options.pop("environment", {})
+    # this process has chosen its own folder for compiled code
+    inherited = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
+    environment = inherited | {"PYTHONPATH": HOME} | options.pop("environment", {})
     command = [sys.executable, "-c", textwrap.dedent(code), *map(str, arguments)]
     options = {"timeout": HANGS} | options
     return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, **options)
@@ -109,7 +111,23 @@ def test_an_account_without_a_home(tmp_path):
     """
     done = python(code, environment={"TMPDIR": str(tmp_path), "XDG_CACHE_HOME": ""})
     assert (done.returncode, done.stdout) == (0, f"{tmp_path / f'contbed-{os.getuid()}'}\n"), done.stderr
-    assert "nor a home folder can be written" in done.stderr
+    assert "as a home folder cannot be written" in done.stderr
+
+
+def test_each_layout_of_the_package_has_its_own_compiled_code(tmp_path, monkeypatch):
+    """Code that was compiled before a module moved names a module that is gone."""
+    from contbed.compiled import cache
+
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.delitem(sys.modules, "numba", raising=False)
+    found = []
+    for rooms in (cache.ROOMS, cache.ROOMS[1:]):
+        monkeypatch.setattr(cache, "ROOMS", rooms)
+        monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+        cache.choose_cache()
+        found.append(Path(os.environ["NUMBA_CACHE_DIR"]))
+    assert found[0] != found[1]
+    assert all(folder.parent == tmp_path / "contbed" for folder in found)
 
 
 def test_compiling_is_told_once(tmp_path):
