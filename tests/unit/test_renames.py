@@ -51,7 +51,7 @@ def test_a_key_by_itself() -> None:
     assert present_key(("solids", "sand", "density"), RENAMED) is None
 
 
-@pytest.mark.parametrize("kind", ["two_fluid", "developed_flow", "bubbling_bed"])
+@pytest.mark.parametrize("kind", ["two_fluid", "developed_flow", "bubbling_bed", "single_particle", "reacting_bed"])
 def test_present_names_are_keys_of_the_scene(kind: str) -> None:
     model = MODELS[kind].scene
     for former, now in model.renamed.items():
