@@ -8,7 +8,7 @@ from contbed.closures.binding import is_phase, named
 from contbed.closures.fluid_conducts import fluid_conducts_twice
 from contbed.closures.formula import parse_formula, require_names
 from contbed.errors import SceneError
-from contbed.materials.composition import names_in, require_sum
+from contbed.materials.composition import require_sum
 from contbed.materials.elements import elements_of
 from contbed.reacting_bed import curve_checks, phase_checks, stream_checks
 from contbed.reacting_bed import scene as s
@@ -26,14 +26,13 @@ from contbed.reacting_bed.laws import NEEDS, known_laws
 from contbed.reacting_bed.phase_checks import Boundaries, Reactions, Solids, stoichiometry
 from contbed.reacting_bed.schedule_checks import (
     a_cycle_changes_something,
-    at_each_time,
     cells_can_follow,
     initial_profiles_fit_the_bed,
     initial_profiles_reach_both_ends,
     series_are_usable,
     times_are_in_order,
 )
-from contbed.reacting_bed.substances import Equation, compositions_of, constituents_of, equations_of, fed_to
+from contbed.reacting_bed.substances import Equation, constituents_of, equations_of, fed_to, gases_named
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
@@ -116,11 +115,16 @@ def laws_have_what_they_need(reactions: Reactions, solids: Solids) -> Mistakes:
             yield ("reactions", name, "basis"), f"has no meaning with the law {law}, whose rate has its own"
 
 
-def formulas_can_be_read(reactions: Reactions, gas: s.Mixture, boundary: Boundaries, solids: Solids) -> Mistakes:
+def formulas_can_be_read(
+    reactions: Reactions, gas: s.Mixture, boundary: Boundaries, solids: Solids, origin: Origin
+) -> Mistakes:
     """Check formulas of rates: names, units of parameters and of the rate."""
-    for name, table in reactions.items():
-        if table.rate is None:
-            continue
+    formulas = {name: table for name, table in reactions.items() if table.rate is not None}
+    species = _species_named(gas, boundary, solids, reactions, origin) if formulas else None
+    if species is None:
+        return
+    gases, constituents = species
+    for name, table in formulas.items():
         path: KeyPath = ("reactions", name, "rate")
         for key, value in table.parameters.items():
             if isinstance(value, str):
@@ -129,12 +133,10 @@ def formulas_can_be_read(reactions: Reactions, gas: s.Mixture, boundary: Boundar
                 except ValueError as error:
                     yield ("reactions", name, "parameters", key), str(error)
                     return
+        known = {"T", "p", "R", "eps", "X", *table.parameters}
+        known |= {f"{of}_{name}" for name in gases for of in "cxp"} | {f"n_{name}" for name in constituents}
         try:
-            formula = parse_formula(table.rate)
-            gases, constituents = _species_named(gas, boundary, solids, reactions)
-            known = {"T", "p", "R", "eps", "X", *table.parameters}
-            known |= {f"{of}_{name}" for name in gases for of in "cxp"} | {f"n_{name}" for name in constituents}
-            require_names(formula, sorted(known))
+            require_names(parse_formula(str(table.rate)), sorted(known))
         except SceneError as error:
             yield path, str(error)
             continue
@@ -145,31 +147,33 @@ def formulas_can_be_read(reactions: Reactions, gas: s.Mixture, boundary: Boundar
 
 
 def _species_named(
-    gas: s.Mixture, boundary: Boundaries, solids: Solids, reactions: Reactions
-) -> tuple[set[str], set[str]]:
-    """Return names that may be gases, and those that may be constituents of solids."""
+    gas: s.Mixture, boundary: Boundaries, solids: Solids, reactions: Reactions, origin: Origin
+) -> tuple[set[str], set[str]] | None:
+    """Return names that may be gases, and those that may be constituents; None where a composition cannot be read."""
     try:
-        gases = {name for text in compositions_of(gas, boundary) for name in names_in(text)} | set(gas.species)
+        gases = {*gases_named(gas, boundary, origin.base), *gas.species}
         constituents = set(constituents_of(solids))
         for solid in solids.values():
             constituents |= set(fed_to(solid))
     except SceneError:
-        return set(), set()
+        return None  # other checks say so
     for name, table in reactions.items():
         gases |= set(stoichiometry(name, table)) - constituents
     return gases, constituents
 
 
-def orders_name_species(reactions: Reactions, gas: s.Mixture, boundary: Boundaries, solids: Solids) -> Mistakes:
+def orders_name_species(
+    reactions: Reactions, gas: s.Mixture, boundary: Boundaries, solids: Solids, origin: Origin
+) -> Mistakes:
     """Check that orders refer to species of the scene."""
     if isinstance(gas, s.GasCantera):
         return  # any species of the mechanism
-    gases, constituents = _species_named(gas, boundary, solids, reactions)
-    for name, table in reactions.items():
-        for species in table.orders or {}:
-            if species not in gases | constituents:
-                there = nearest(species, sorted(gases | constituents))
-                yield ("reactions", name, "orders"), f"there is no {species!r}; {there}"
+    species = _species_named(gas, boundary, solids, reactions, origin)
+    known = sorted(set().union(*species)) if species is not None else []
+    for name, table in reactions.items() if species is not None else ():
+        for each in table.orders or {}:
+            if each not in known:
+                yield ("reactions", name, "orders"), f"there is no {each!r}; {nearest(each, known)}"
 
 
 def walls_pass_heat(boundary: Boundaries, heat: s.Heat | None, mesh: s.Line, packed_bed: s.PackedBed) -> Mistakes:
@@ -257,7 +261,15 @@ def the_parameter_is_a_number(
         yield ("continuation", "back_to"), f"lies on the same side of the value in the scene, {found:g}, as `to`"
 
 
-AT_EACH_TIME: tuple[Check, ...] = (
+CHECKS: tuple[Check, ...] = (
+    series_are_usable,
+    times_are_in_order,
+    a_cycle_changes_something,
+    cells_can_follow,
+    initial_profiles_fit_the_bed,
+    compositions_sum_to_one,
+    stream_checks.boundaries_exist,
+    stream_checks.one_end_gives_each_flow,
     the_parameter_is_a_number,
     equations_balance,
     laws_have_what_they_need,
@@ -268,18 +280,6 @@ AT_EACH_TIME: tuple[Check, ...] = (
     stream_checks.streams_have_a_state,
     curve_checks.curves_of_gases_are_positive,
     curve_checks.curves_of_solids_are_positive,
-)
-
-CHECKS: tuple[Check, ...] = (
-    series_are_usable,
-    times_are_in_order,
-    a_cycle_changes_something,
-    cells_can_follow,
-    initial_profiles_fit_the_bed,
-    compositions_sum_to_one,
-    stream_checks.boundaries_exist,
-    stream_checks.one_end_gives_each_flow,
-    *(at_each_time(check) for check in AT_EACH_TIME),
     walls_pass_heat,
     sections_can_be_resolved,
     adsorbed_gases_are_there,

@@ -8,12 +8,11 @@ from contbed.closures.reactions_reforming import REACTIONS as REFORMING
 from contbed.errors import SceneError
 from contbed.materials.composition import names_in
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.inlet_series import CompositionSeries
 from contbed.reacting_bed.laws import STAGED
 from contbed.reacting_bed.phase_checks import Boundaries, Reactions, Solids, reactions_in
 from contbed.reacting_bed.schedule import series_of
 from contbed.reacting_bed.streams import given_velocity
-from contbed.reacting_bed.substances import compositions_of, equations_of, fed_to, phases_named
+from contbed.reacting_bed.substances import equations_of, fed_to, gases_named, phases_named
 from contbed.scene.checking import Mistakes
 from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
@@ -34,8 +33,6 @@ def adsorbed_gases_are_there(
         there = _gases_there(gas, boundary, initial, reactions, origin)
     except SceneError:
         return  # other checks say so
-    if there is None:
-        return
     for phase, table in solids.items():
         for name in table.adsorption:
             if name not in there:
@@ -45,21 +42,14 @@ def adsorbed_gases_are_there(
 
 def _gases_there(
     gas: s.Mixture, boundary: Boundaries, initial: s.Initial, reactions: Reactions, origin: Origin
-) -> set[str] | None:
-    """Return the gases that enter, fill the bed or react; None where a file names those that enter.
+) -> set[str]:
+    """Return the gases that enter, fill the bed or react.
 
     Raises
     ------
     SceneError : a composition, file or equation cannot be read
     """
-    there: set[str] = set()
-    for composition in compositions_of(gas, boundary):
-        if isinstance(composition, CompositionSeries):
-            if composition.file is not None:
-                return None  # its columns are read where series are checked
-            there |= {name for text in composition.values for name in names_in(text)}
-        else:
-            there |= set(names_in(composition))
+    there = set(gases_named(gas, boundary, origin.base))
     if initial.gas.composition is not None:
         there |= set(names_in(initial.gas.composition))
     if initial.file is not None:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.streams import velocity_of
+from contbed.reacting_bed.streams import given_velocity
 from contbed.reacting_bed.substances import constituents_of, equations_of, fed_to, phases_named
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.names import nearest
@@ -89,10 +89,8 @@ def reactions_name_phases(reactions: Reactions, solids: Solids) -> Mistakes:
 
 def steady_states_exist(reactions: Reactions, solids: Solids, boundary: Boundaries, time: s.Time | None) -> Mistakes:
     """Check that solids that react in a steady bed are supplied."""
-    if time is not None:
-        return
-    for phase in solids:
-        if velocity_of(boundary, phase):
+    for phase in solids if time is None else ():
+        if given_velocity(boundary, phase)[1]:
             continue
         there = constituents_in(solids, phase)
         for name, table in reactions_in(reactions, phase).items():
@@ -110,7 +108,7 @@ def particles_are_known(
 ) -> Mistakes:
     """Check that particles have the density and the heat capacity that something needs."""
     for phase, table in solids.items():
-        moves = bool(velocity_of(boundary, phase))
+        moves = bool(given_velocity(boundary, phase)[1])
         if table.density is None:
             yield from _density_is_missing(
                 phase, table, solids, reactions, moves or (heat is not None and time is not None)

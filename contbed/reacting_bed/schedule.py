@@ -15,12 +15,14 @@ from typing import Any
 
 import numpy as np
 
+from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.inlet_series import CompositionSeries
+from contbed.reacting_bed.streams import INWARD, Boundaries, gas_sign, velocity_of
 from contbed.scene.quantities import Table
 from contbed.scene.schedule import SeriesByKey
 from contbed.scene.series import Series
-from contbed.scene.toml_lines import KeyPath
+from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.scene.values import with_value
 
 
@@ -112,3 +114,37 @@ class Schedule(SeriesByKey):
 
 def _text(names: tuple[str, ...], fractions: Any) -> str:
     return ", ".join(f"{name}:{float(x)!r}" for name, x in zip(names, fractions, strict=True))
+
+
+def boundaries_in_time(boundary: Boundaries, origin: Origin) -> Iterator[Boundaries]:
+    """Yield the conditions at each time of their series, streams that do not enter then without a state.
+
+    Nothing is yielded where a series cannot be used.
+    """
+    tables = {"boundary": boundary}
+    try:
+        schedule = Schedule.of(tables, origin.base)
+    except SceneError:
+        return  # `series_are_usable` says so
+    if not schedule:
+        yield boundary
+    for moment in schedule.moments():
+        yield _of_streams_that_enter(schedule.at(tables, moment)["boundary"])
+
+
+def _of_streams_that_enter(boundary: Boundaries) -> Boundaries:
+    """Return the conditions without temperatures and compositions of streams that do not enter at the moment."""
+    gas, found = gas_sign(boundary), dict(boundary)
+    for end, into in INWARD.items():
+        if end not in found:
+            continue
+        table = found[end]
+        if table.gas is not None and gas * into <= 0.0:
+            idle = {"temperature": None, "fixed_temperature": None, "composition": None}
+            table = table.model_copy(update={"gas": table.gas.model_copy(update=idle)})
+        solids = {
+            phase: each if velocity_of(boundary, phase) * into > 0.0 else each.model_copy(update={"temperature": None})
+            for phase, each in table.solids.items()
+        }
+        found[end] = table.model_copy(update={"solids": solids})
+    return found

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import inspect
-from functools import wraps
 from itertools import pairwise
 from typing import Any
 
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.schedule import Schedule, series_of
-from contbed.reacting_bed.streams import INWARD, gas_sign, velocity_of
-from contbed.scene.checking import Check, Mistakes, See
+from contbed.reacting_bed.schedule import series_of
+from contbed.scene.checking import Mistakes, See
 from contbed.scene.series_checks import a_cycle_fits_its_series, series_is_usable
 from contbed.scene.toml_lines import Origin
 
@@ -45,54 +42,6 @@ def _flow_keeps_its_sign(path: Any, samples: Any) -> Mistakes:
             if a * b < 0.0:
                 moments = f"{samples.times[k]:g} and {samples.times[k + 1]:g} s"
                 yield path, f'passes through 0 between {moments}; a flow turns in a jump: form = "step"'
-
-
-def at_each_time(check: Check) -> Check:
-    """Return a check of a scene whose series are replaced by the values of each of their times, one after another."""
-    signature = inspect.signature(check)
-    if "boundary" not in signature.parameters:
-        return check
-
-    @wraps(check)
-    def each(**given: Any) -> Mistakes:
-        origin = given.pop("origin")
-        tables = {"boundary": given["boundary"]}
-        try:
-            schedule = Schedule.of(tables, origin.base)
-        except SceneError:
-            return  # `series_are_usable` says so
-        said = set()
-        for moment in schedule.moments() or [0.0]:
-            boundary = schedule.at(tables, moment)["boundary"]
-            if schedule:
-                boundary = _of_streams_that_enter(boundary)
-            for mistake in check(**given | {"boundary": boundary}):
-                if mistake not in said:
-                    said.add(mistake)
-                    yield mistake
-
-    more = inspect.Parameter("origin", inspect.Parameter.KEYWORD_ONLY, annotation=Origin)
-    parameters = [*signature.parameters.values(), more]
-    each.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-    return each
-
-
-def _of_streams_that_enter(boundary: Boundaries) -> Boundaries:
-    """Return the conditions without temperatures and compositions of streams that do not enter at the moment."""
-    gas, found = gas_sign(boundary), dict(boundary)
-    for end, into in INWARD.items():
-        if end not in found:
-            continue
-        table = found[end]
-        if table.gas is not None and gas * into <= 0.0:
-            idle = {"temperature": None, "fixed_temperature": None, "composition": None}
-            table = table.model_copy(update={"gas": table.gas.model_copy(update=idle)})
-        solids = {
-            phase: each if velocity_of(boundary, phase) * into > 0.0 else each.model_copy(update={"temperature": None})
-            for phase, each in table.solids.items()
-        }
-        found[end] = table.model_copy(update={"solids": solids})
-    return found
 
 
 def a_cycle_changes_something(boundary: Boundaries, time: s.Time | None, see: See) -> Mistakes:

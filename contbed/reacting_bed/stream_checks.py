@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.streams import INWARD, entry, flow_of_gas, gas_sign, given_velocity, velocity_of
+from contbed.reacting_bed.schedule import boundaries_in_time
+from contbed.reacting_bed.streams import INWARD, Boundaries, entry, flow_of_gas, gas_sign, given_velocity, velocity_of
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.names import nearest
+from contbed.scene.toml_lines import Origin
 
-Boundaries = dict[str, s.Boundary]
 WALL = "wall"
 
 
@@ -56,11 +57,23 @@ def streams_have_a_state(
     heat: s.Heat | None,
     closures: s.Closures,
     see: See,
+    origin: Origin,
 ) -> Mistakes:
-    """Check that temperature and composition stand where streams enter, and nowhere else."""
+    """Check that temperature and composition stand where streams enter, and nowhere else, at each time of series."""
+    if flow_of_gas(boundary)[0]:  # else `one_end_gives_each_flow` says so
+        for now in boundaries_in_time(boundary, origin):
+            yield from _streams_have_a_state(now, gas, solids, heat is not None, closures, see)
+
+
+def _streams_have_a_state(
+    boundary: Boundaries,
+    gas: s.Mixture,
+    solids: dict[str, s.Solid],
+    with_heat: bool,
+    closures: s.Closures,
+    see: See,
+) -> Mistakes:
     side, key = flow_of_gas(boundary)
-    if not side:
-        return  # `one_end_gives_each_flow` says so
     sign = gas_sign(boundary)
     if sign == 0.0:
         yield ("boundary", side, "gas", key), "no gas flows; give it a value other than 0"
@@ -69,13 +82,13 @@ def streams_have_a_state(
     first = 0.0
     for phase in solids:
         velocity = velocity_of(boundary, phase)
-        yield from _solid_has_a_temperature(boundary, phase, velocity, heat is not None)
+        yield from _solid_has_a_temperature(boundary, phase, velocity, with_heat)
         first = first or velocity
         given, _ = given_velocity(boundary, phase)
         if velocity * first < 0.0:
             path = ("boundary", given, "solids", phase, "velocity")
             yield path, "solid phases that move go one way; let it enter where the others do"
-        if heat is not None and closures.nusselt is None and velocity * sign < 0.0:
+        if with_heat and closures.nusselt is None and velocity * sign < 0.0:
             text = "missing; gas and particles that move against each other have two temperatures"
             yield ("closures", "nusselt"), text
 

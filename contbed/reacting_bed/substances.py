@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from contbed.closures.reactions import stoichiometry
 from contbed.errors import SceneError
 from contbed.materials.common import nearest
-from contbed.materials.composition import mole_fractions
+from contbed.materials.composition import mole_fractions, names_in
 from contbed.materials.elements import elements_of, molar_mass_of
 from contbed.materials.mixture import GasTransport, Mechanism, dippr102, fuller_pair
 from contbed.materials.thermo import T_STANDARD, ConstantHeatCapacity, Shomate, Thermo, species_of
@@ -210,7 +211,7 @@ def _gases_of_file(scene: s.ReactingScene) -> dict[str, str]:
         raise located(scene, error) from None
 
 
-def compositions_of(gas: s.Mixture, boundary: Mapping[str, s.Boundary]) -> list[Any]:
+def _compositions_of(gas: s.Mixture, boundary: Mapping[str, s.Boundary]) -> list[Any]:
     """Return all compositions of the gas that enters: of [gas], and of boundaries, where they may change with time."""
     given = [table.gas.composition for table in boundary.values() if table.gas is not None]
     return [each for each in (gas.composition, *given) if each is not None]
@@ -223,12 +224,27 @@ def entering_gases(scene: s.ReactingScene) -> list[str]:
     ------
     SceneError : a composition or its file cannot be used
     """
+    return _gases_in(scene.gas, scene.boundary, scene.origin.base, mole_fractions)
+
+
+def gases_named(gas: s.Mixture, boundary: Mapping[str, s.Boundary], base: Path) -> list[str]:
+    """Return all gases that compositions of what enters name, those of amount 0 included.
+
+    Raises
+    ------
+    SceneError : a composition, or its file in the folder `base`, cannot be used
+    """
+    return _gases_in(gas, boundary, base, names_in)
+
+
+def _gases_in(
+    gas: s.Mixture, boundary: Mapping[str, s.Boundary], base: Path, read: Callable[[str], Iterable[str]]
+) -> list[str]:
+    """Return the gases of all compositions; `read` gives those of a text."""
     found: list[str] = []
-    for composition in compositions_of(scene.gas, scene.boundary):
-        if isinstance(composition, CompositionSeries):
-            found += composition.fractions(scene.origin.base)[0]
-        else:
-            found += mole_fractions(composition)
+    for composition in _compositions_of(gas, boundary):
+        series = isinstance(composition, CompositionSeries)
+        found += composition.fractions(base)[0] if series else read(composition)
     return list(dict.fromkeys(found))
 
 
