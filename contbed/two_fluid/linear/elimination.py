@@ -16,7 +16,8 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from contbed.errors import SceneError
 from contbed.two_fluid.compiled import Array, Flags, Indices, kernel
 from contbed.two_fluid.fv.grid import Geometry, Grid, neighbours
-from contbed.two_fluid.linear import band
+
+WIDEST = 8184  # band [cells] of some 100,000 cells: a factor of 6 GB
 
 
 class Order(NamedTuple):
@@ -37,7 +38,8 @@ class Elimination:
     """Elimination on one grid, with its workspace.
 
     order : of the cells; rest (nb,) : the cells of the band in its order; width : of the band
-    factor, panel, diagonal : workspace
+    factor (nb, width + 1), diagonal (nc,) : workspace; row j of the factor holds column j of the
+        band from the diagonal downwards
 
     Raises
     ------
@@ -60,11 +62,10 @@ class Elimination:
         self.order = Order(first, starts, beside[mine], faces[mine], place)
         rows, columns = graph.nonzero()
         self.width = int(np.abs(place[rest[rows]] - place[rest[columns]]).max(initial=0))
-        if self.width > band.WIDEST:
+        if self.width > WIDEST:
             raise SceneError(f"mesh: a band of {self.width} cells, too wide for direct elimination; use fewer cells")
-        long = -(-len(self.rest) // band.COLUMNS) * band.COLUMNS
-        self.factor, self.diagonal = np.empty((long, self.width + 1 + band.MARGIN)), np.empty(count)
-        self.panel = np.zeros(band.COLUMNS * band.STRIDE)
+        self.factor = np.empty((len(self.rest), self.width + 1))
+        self.diagonal = np.empty(count)
 
     def solve(self, g: Geometry, coef: Array, floating: bool, x: Array) -> bool:
         """Put the solution in `x`, which holds the right-hand side; False if the system is singular.
@@ -72,9 +73,10 @@ class Elimination:
         The diagonal of the first cell counts twice where the system is `floating`.
         """
         _eliminate(g, coef, floating, self.order, self.diagonal, self.factor, x)
-        if not band.factor(self.factor, self.width, self.panel):
+        cholesky, failed = lapack.dpbtrf(self.factor.T, lower=1, overwrite_ab=1)
+        if failed:
             return False
-        x[self.rest] = lapack.dpbtrs(self.factor[: len(self.rest)].T, x[self.rest], lower=1)[0]
+        x[self.rest] = lapack.dpbtrs(cholesky, x[self.rest], lower=1)[0]
         _substitute(coef, self.order, self.diagonal, x)
         return True
 
@@ -96,15 +98,10 @@ def _independent(start: Indices, beside: Indices) -> Flags:
 def _eliminate(
     g: Geometry, coef: Array, floating: bool, order: Order, diagonal: Array, matrix: Array, x: Array
 ) -> None:
-    """Eliminate the first cells (Gauss): set the band `matrix` that is left, and its right-hand side `x`.
-
-    Ones fill the last block of the band.
-    """
+    """Eliminate the first cells (Gauss): set the band `matrix` that is left, and its right-hand side `x`."""
     ni, place, beside, faces = len(g.right), order.place, order.beside, order.faces
     diagonal[:] = 0.0
     matrix[:] = 0.0
-    for row in range(len(diagonal) - len(order.first), len(matrix)):
-        matrix[row, 0] = 1.0
     first = np.zeros(len(diagonal), dtype=np.bool_)
     for e in range(len(order.first)):
         first[order.first[e]] = True
