@@ -32,7 +32,7 @@ _NO_SCENE = {  # keys of other files, and what these are
     "experiment": _STUDY.format("calibrate"),
     "parameters": _STUDY.format("sweep"),
     "sample": _STUDY.format("sweep"),
-    "format": "a closure; name it in one, such as heat.nusselt = { file = ... }",
+    "format": "a closure; name it in one, such as closures.nusselt = { file = ... }",
 }
 _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 
@@ -120,7 +120,7 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     if isinstance(fluid := values.get("fluid"), dict):
         fluid.setdefault("model", "constant")
     if not values:
-        raise SceneError(f"{origin.name}:1: the scene is empty; it needs [mesh], [fluid], [bed] and [flow]")
+        raise SceneError(f"{origin.name}:1: the scene is empty; it needs [mesh], [gas], [solids.NAME] and [packed_bed]")
     _require_a_scene(values, origin)
     _require_a_model(values, origin)
     kind = kind_of(values)

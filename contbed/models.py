@@ -120,7 +120,7 @@ def _is_one_particle(values: Mapping[str, Any]) -> bool:
 
 
 def _only_radiates(values: Mapping[str, Any]) -> bool:
-    return "radiation" in values and not _has("heat", "fluid", "flow", "solid", "time", "region")(values)
+    return "radiation" in values and not _has("heat", "gas", "fluid", "flow", "solid", "time", "region")(values)
 
 
 def _reacts(values: Mapping[str, Any]) -> bool:

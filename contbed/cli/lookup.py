@@ -79,7 +79,7 @@ def explain(
     context: typer.Context,
     name: Annotated[
         list[str] | None,
-        Argument(metavar="NAME", help="nusselt_gunn, heat.nusselt, calcination, materials", autocompletion=_names),
+        Argument(metavar="NAME", help="nusselt_gunn, closures.nusselt, calcination, materials", autocompletion=_names),
     ] = None,
     search: Annotated[
         str | None, Option("--search", metavar="WORDS", help="names whose data sheets have all the words")

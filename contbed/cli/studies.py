@@ -104,7 +104,7 @@ def sensitivities(
     scene: SceneFile,
     qoi: Annotated[list[str], Option("--qoi", metavar="RESULT", help="T_fluid_out_K and the like; repeatable")],
     to: Annotated[
-        list[str] | None, Option("--to", metavar="KEY", help="bed.porosity and the like; all that the scene gives")
+        list[str] | None, Option("--to", metavar="KEY", help="such as packed_bed.porosity; all that the scene gives")
     ] = None,
     out: OutFolder = None,
     settings: Settings = None,

@@ -1,4 +1,4 @@
-"""Keys of a scene that name closures, and the kind of closure that each takes: `heat.nusselt` a Nusselt number."""
+"""Keys of a scene that name closures, and the kind of closure that each takes: `closures.nusselt` a Nusselt number."""
 
 from __future__ import annotations
 

@@ -277,7 +277,7 @@ def _text(name: str) -> str:
 def _nodes(name: str) -> list[tuple[list[str], schema.Node]]:
     """Return the different schemas of a table or key, each with the kinds of scenes that have it.
 
-    Names are such as "heat", "heat.nusselt", "boundary.NAME.fluid" or "mesh.line".
+    Names are such as "heat", "closures.nusselt", "boundary.NAME.gas" or "mesh.line".
     """
     path: KeyPath = tuple(name.split("."))
     found: dict[str, tuple[list[str], schema.Node]] = {}

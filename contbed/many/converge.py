@@ -188,7 +188,8 @@ def closed_form_arguments(plan: Plan) -> dict[str, Any] | None:
     scene, medium, mesh = plan.solved, plan.medium, plan.solved.mesh
     if scene.heat is None or scene.radiation is not None or scene.time is not None or not medium.constant:
         return None
-    if not isinstance(mesh, MeshLine) or any(r.source_fluid or r.source_solid for r in scene.region.values()):
+    sources = [region.heat_source(phase) for region in scene.region.values() for phase in ("fluid", "solid")]
+    if not isinstance(mesh, MeshLine) or any(sources):
         return None
     T_fluid, T_solid = (_only_fixed(scene, phase, name) for phase, name in _inlets(plan).items())
     if T_fluid is None or T_solid is None or T_fluid == T_solid:
@@ -228,9 +229,9 @@ def _inlets(plan: Plan) -> dict[str, str]:
 
 def _only_fixed(scene: Any, phase: str, inlet: str) -> float | None:
     """Return the temperature of a phase that is fixed at its inlet and free everywhere else."""
-    conditions = {name: getattr(table, phase) for name, table in scene.boundary.items()}
+    conditions = {name: table.thermal(phase) for name, table in scene.boundary.items()}
     given = {name: condition for name, condition in conditions.items() if condition is not None}
-    return given[inlet].fixed if list(given) == [inlet] else None
+    return given[inlet].fixed_temperature if list(given) == [inlet] else None
 
 
 def _write(found: Convergence, out: Path, title: str) -> None:

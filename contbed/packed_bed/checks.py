@@ -8,11 +8,12 @@ from contbed.closures.binding import is_phase, named
 from contbed.closures.fluid_conducts import fluid_conducts_twice
 from contbed.errors import SceneError
 from contbed.packed_bed import scene as s
-from contbed.packed_bed.closures import GIVES, bound, places
+from contbed.packed_bed.closures import GIVES, OF_HEAT, bound, places
 from contbed.packed_bed.corners import prescribed_temperatures_agree_in_corners
-from contbed.packed_bed.inlets import enters, role, velocity_vector
-from contbed.packed_bed.schedule import series_of
+from contbed.packed_bed.inlets import enters, given_velocity, role, velocity_key, velocity_vector
+from contbed.packed_bed.schedule import KELVIN, series_of
 from contbed.packed_bed.schedule_checks import (
+    NAMES,
     PHASES,
     Boundaries,
     at_each_time,
@@ -21,15 +22,18 @@ from contbed.packed_bed.schedule_checks import (
     series_are_usable,
 )
 from contbed.radiation.checks import (
+    optics_attenuate,
     particles_have_a_size_and_fit_together,
     radiation_is_complete,
-    species_fill_the_solids,
+    solids_sum_to_one,
     tubes_see_radiation,
     two_flux_scatters_evenly,
 )
 from contbed.radiation.scene import Radiation
 from contbed.radiation.thickness import rosseland_is_thick, rosseland_rests
+from contbed.scene.boundary import conditions_of
 from contbed.scene.checking import Check, Mistakes, See
+from contbed.scene.gas import Gas, GasCantera, GasConstant, GasCoolProp
 from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile, MeshLine
 from contbed.scene.mesh_checks import (
     mesh_file_exists,
@@ -40,49 +44,109 @@ from contbed.scene.mesh_checks import (
 from contbed.scene.quantities import ClosureFile
 from contbed.scene.series import ProfileFile
 from contbed.scene.series_checks import a_cycle_fits_its_series
-from contbed.scene.tables import Closure, Fluid, FluidCantera, FluidConstant, FluidCoolProp, Solid, Solver
+from contbed.scene.tables import Closure, Solver
 from contbed.scene.toml_lines import KeyPath, Origin, dotted
 
+ENTERING = "temperature, or fixed_temperature"
 LOOSE_BALANCE = 1e-3  # tolerance of a balance above which a warning is given: the accuracy that engineers ask for
 
 
 def tables_are_complete(
-    heat: s.Heat | None, radiation: Radiation | None, fluid: Fluid | None, bed: s.Bed | None, flow: s.Flow | None
+    heat: s.Heat | None,
+    radiation: Radiation | None,
+    gas: Gas | None,
+    packed_bed: s.PackedBed | None,
+    solids: Mapping[str, s.Solid],
 ) -> Mistakes:
     """Check that the tables that belong together are present."""
     alone = heat is None and radiation is not None
-    for name, table in (("fluid", fluid), ("bed", bed), ("flow", flow)):
-        if table is None and not alone:
-            yield (name,), f"this table is missing; {'[heat]' if heat is not None else 'the flow'} needs it"
-        elif table is not None and alone and name != "bed":
-            yield (name,), "has no meaning with [radiation] alone; add [heat] or remove it"
+    if alone:
+        if gas is not None:
+            yield ("gas",), "has no meaning with [radiation] alone; add [heat] or remove it"
+        return
+    needed_by = "[heat]" if heat is not None else "the flow"
+    for name, table in (("gas", gas), ("packed_bed", packed_bed), ("solids", solids)):
+        if not table:
+            yield (name,), f"this table is missing; {needed_by} needs it"
 
 
-def heat_has_its_materials(heat: s.Heat | None, solid: Solid | None, fluid: Fluid) -> Mistakes:
-    """Check that a scene with [heat] has a solid and the properties of its fluid."""
+def one_solid_fills_the_bed(
+    solids: Mapping[str, s.Solid], radiation: Radiation | None, boundary: Boundaries, initial: s.Initial
+) -> Mistakes:
+    """Check that one solid fills the bed, that others radiate, and that conditions are of the one."""
+    if not solids:
+        return
+    filling = s.that_fill_the_bed(solids)
+    if len(filling) != 1:
+        found = ", ".join(filling) or "none"
+        yield ("solids",), f"a bed without species has one solid with a density; found {found}; others only radiate"
+        return
+    name, solid = next(iter(filling.items()))
+    if solid.diameter is None:
+        yield ("solids", name, "diameter"), "missing; exchange and resistance to flow need it"
+    if solid.temperature is not None and radiation is None:
+        yield ("solids", name, "temperature"), "has no meaning without a [radiation] table"
+    for other, table in solids.items():
+        if other != name and radiation is None:
+            yield ("solids", other), f"has no meaning without a [radiation] table: '{name}' fills the bed"
+        elif other != name and table.inside is not None:
+            yield ("solids", other, "inside"), f"has no meaning: '{name}' fills the bed, this solid only radiates"
+    named: list[KeyPath] = [path for path, phase, _ in conditions_of(boundary) if phase != "gas"]
+    named += [("initial", "solids", other) for other in initial.solids]
+    for path in named:
+        if path[-1] != name:
+            yield path, f"the solid that fills the bed is '{name}'"
+
+
+def heat_has_its_properties(
+    heat: s.Heat | None, solids: Mapping[str, s.Solid], gas: Gas, closures: s.Closures
+) -> Mistakes:
+    """Check that a scene with [heat] has the properties of its solid and its gas, and an exchange."""
     if heat is None:
         return
-    if solid is None:
-        yield ("heat",), "needs a [solid] table with density, heat_capacity and conductivity"
-    if isinstance(fluid, FluidConstant):
-        for name in ("heat_capacity", "conductivity"):
-            if getattr(fluid, name) is None:
-                yield ("fluid", name), "missing; a scene with [heat] needs it"
-            elif getattr(fluid, name) == 0:
-                yield ("fluid", name), "is 0; a scene with [heat] needs it above 0"
+    needs = "missing; a scene with [heat] needs it"
+    for name, solid in s.that_fill_the_bed(solids).items():
+        for key in ("density", "heat_capacity", "conductivity"):
+            if getattr(solid, key) is None:
+                yield ("solids", name, key), needs
+    if closures.nusselt is None:
+        yield ("closures", "nusselt"), needs
+    if isinstance(gas, GasConstant):
+        for key in ("heat_capacity", "conductivity"):
+            if getattr(gas, key) is None:
+                yield ("gas", key), needs
+            elif getattr(gas, key) == 0:
+                yield ("gas", key), "is 0; a scene with [heat] needs it above 0"
+
+
+def a_run_in_time_has_a_start(time: s.Time | None, initial: s.Initial) -> Mistakes:
+    """Check that a transient run has temperatures at the start."""
+    if time is None:
+        return
+    for phase, name in NAMES.items():
+        if initial.given(phase) is None:
+            key = "gas" if phase == "fluid" else "solids.NAME"
+            yield ("initial",), f"the {name} has no temperature at the start; give initial.{key}.temperature"
 
 
 def heat_alone_uses_temperatures(
-    heat: s.Heat | None, boundary: Boundaries, region: Mapping[str, s.Region], time: s.Time | None
+    heat: s.Heat | None,
+    closures: s.Closures,
+    boundary: Boundaries,
+    region: Mapping[str, s.Region],
+    time: s.Time | None,
 ) -> Mistakes:
     """Check that no temperatures are given in a scene without [heat]."""
     if heat is not None:
         return
     remedy = "has no meaning without a [heat] table"
-    for name, conditions in boundary.items():
+    for key in OF_HEAT:
+        if key in closures.model_fields_set:
+            yield ("closures", key), remedy
+    for name, table in boundary.items():
         for phase in PHASES:
-            if getattr(conditions, phase) is not None:
-                yield ("boundary", name, phase), remedy
+            if table.thermal(phase) is not None:
+                yield ("boundary", name, *table.key(phase)), remedy
     for name in region:
         yield ("region", name), remedy
     if time is not None:
@@ -90,69 +154,90 @@ def heat_alone_uses_temperatures(
 
 
 @at_each_time
-def velocities_fit_the_mesh(mesh: Mesh, flow: s.Flow, see: See) -> Mistakes:
-    """Check that velocities have as many components as the mesh has dimensions."""
-    for key in PHASES.values():
-        value = getattr(flow, key)
-        if not isinstance(value, tuple):
+def velocities_fit_the_mesh(mesh: Mesh, boundary: Boundaries, see: See) -> Mistakes:
+    """Check that velocities have as many components as the mesh has dimensions, and enter where they are given."""
+    for phase in PHASES:
+        given = given_velocity(boundary, phase)
+        if given is None:
             continue
-        if len(value) != mesh.dimension:
-            yield (
-                ("flow", key),
-                f"has {len(value)} components, the mesh has {mesh.dimension} dimensions; see {see('mesh.type')}",
-            )
+        name, value = given
+        key = ("boundary", name, *boundary[name].key(phase), "velocity")
+        radial = isinstance(mesh, MeshAxisymmetric) and name == "wall"
+        if not isinstance(value, tuple):
+            if isinstance(mesh, MeshFile):
+                yield key, f"give a list, the vector: only the file knows where '{name}' lies; see {see('mesh.type')}"
+            elif radial and value:
+                yield key, f"the radial velocity is 0 in an axisymmetric bed; see {see('mesh.type')}"
+        elif len(value) != mesh.dimension:
+            yield key, f"has {len(value)} components, the mesh has {mesh.dimension} dimensions; see {see('mesh.type')}"
         elif isinstance(mesh, MeshAxisymmetric) and value[0] != 0:
-            yield ("flow", key), f"the radial velocity is 0 in an axisymmetric bed; see {see('mesh.type')}"
+            yield key, f"the radial velocity is 0 in an axisymmetric bed; see {see('mesh.type')}"
+        elif any(value) and enters(mesh, value, name) == 0:
+            yield key, f"runs along '{name}'; give it at the boundary where the {NAMES[phase]} enters"
 
 
-def the_packing_fits_the_bed(mesh: Mesh, bed: s.Bed, see: See) -> Mistakes:
+def velocities_are_given_once(boundary: Boundaries, see: See) -> Mistakes:
+    """Check that one boundary gives the velocity of a phase."""
+    for phase in PHASES:
+        given = [
+            ("boundary", name, *table.key(phase), "velocity")
+            for name, table in boundary.items()
+            if (condition := table.condition(phase)) is not None and condition.velocity is not None
+        ]
+        for key in given[1:]:
+            yield key, f"one boundary gives the velocity of the {NAMES[phase]}; see {see(dotted(given[0]))}"
+
+
+def the_packing_fits_the_bed(mesh: Mesh, solids: Mapping[str, s.Solid], see: See) -> Mistakes:
     """Check that the particles are smaller than a built-in bed."""
     if isinstance(mesh, MeshFile):
         return
-    if bed.particle_diameter > mesh.length:
-        yield (
-            ("bed", "particle_diameter"),
-            f"{bed.particle_diameter:g} m is more than the length of the bed, {see('mesh.length')}; is a unit missing?",
-        )
+    for name, solid in s.that_fill_the_bed(solids).items():
+        if solid.diameter is not None and solid.diameter > mesh.length:
+            yield (
+                ("solids", name, "diameter"),
+                f"{solid.diameter:g} m is more than the length of the bed, {see('mesh.length')}; is a unit missing?",
+            )
 
 
-def fluids_make_sense(fluid: Fluid) -> Mistakes:
-    """Check the temperature range and the composition of the fluid."""
-    if isinstance(fluid, FluidCoolProp) and fluid.T_range[0] >= fluid.T_range[1]:
-        yield ("fluid", "T_range"), "the lower temperature comes first"
-    if isinstance(fluid, FluidCantera):
+def gases_make_sense(gas: Gas) -> Mistakes:
+    """Check the temperature range and the composition of the gas."""
+    if isinstance(gas, GasCoolProp) and gas.T_range[0] >= gas.T_range[1]:
+        yield ("gas", "T_range"), "the lower temperature comes first"
+    if isinstance(gas, GasCantera):
         from contbed.materials.composition import require_sum
 
         try:
-            require_sum(fluid.composition)
+            require_sum(gas.composition)
         except SceneError as error:
-            yield ("fluid", "composition"), str(error)
+            yield ("gas", "composition"), str(error)
 
 
 @at_each_time
-def temperatures_lie_in_the_fluid_table(fluid: Fluid, boundary: Boundaries, time: s.Time | None, see: See) -> Mistakes:
-    """Check that the fluid's temperatures lie in the range of its table."""
-    if not isinstance(fluid, FluidCoolProp):
+def temperatures_lie_in_the_table(gas: Gas, boundary: Boundaries, initial: s.Initial, see: See) -> Mistakes:
+    """Check that the gas's temperatures lie in the range of its table."""
+    if not isinstance(gas, GasCoolProp):
         return
-    low, high = fluid.T_range
-    for path, temperature in _temperatures(["fluid"], boundary, time):
+    low, high = gas.T_range
+    for path, temperature in _temperatures(["fluid"], boundary, initial):
         if low < high and not low <= temperature <= high:
-            yield path, f"outside of the fluid's table, {low:g} to {high:g} K; see {see('fluid.T_range')}"
+            yield path, f"outside of the gas's table, {low:g} to {high:g} K; see {see('gas.T_range')}"
 
 
 @at_each_time
-def polynomials_stay_positive(solid: Solid | None, boundary: Boundaries, time: s.Time | None) -> Mistakes:
+def polynomials_stay_positive(solids: Mapping[str, s.Solid], boundary: Boundaries, initial: s.Initial) -> Mistakes:
     """Check that properties of the solid are positive at the temperatures of the scene."""
-    if solid is None:
-        return
-    for key in ("heat_capacity", "conductivity"):
-        coefficients = getattr(solid, key)
-        if not isinstance(coefficients, tuple):
-            continue
-        for path, temperature in _temperatures(PHASES, boundary, time):
+    polynomials = [
+        (name, key, coefficients)
+        for name, solid in s.that_fill_the_bed(solids).items()
+        for key in ("heat_capacity", "conductivity")
+        if isinstance(coefficients := getattr(solid, key), tuple)
+    ]
+    for name, key, coefficients in polynomials:
+        for path, temperature in _temperatures(PHASES, boundary, initial):
             value = sum(a * temperature**power for power, a in enumerate(coefficients))
             if not value > 0:
-                yield ("solid", key), f"is {value:.4g} at {dotted(path)} = {temperature:g} K; it must be above 0"
+                yield ("solids", name, key), f"is {value:.4g} at {dotted(path)} = {temperature:g} K; it must be above 0"
                 break
 
 
@@ -172,23 +257,24 @@ def times_are_in_order(time: s.Time | None, see: See) -> Mistakes:
 
 
 @at_each_time
-def flow_has_a_way_through(mesh: Mesh, flow: s.Flow, boundary: Boundaries, see: See) -> Mistakes:
-    """Check that the flow conditions of the boundaries let the fluid enter and leave."""
-    velocity = velocity_vector(mesh, flow.velocity)
-    if len(velocity) != mesh.dimension:
+def flow_has_a_way_through(mesh: Mesh, gas: Gas | None, boundary: Boundaries, see: See) -> Mistakes:
+    """Check that the flow conditions of the boundaries let the gas enter and leave."""
+    velocity = velocity_vector(mesh, boundary, "fluid")
+    speed = _about_velocity(boundary, "fluid", see)
+    if gas is None or len(velocity) != mesh.dimension:
         return
     given = {name: conditions.type for name, conditions in boundary.items() if conditions.type is not None}
     moving = any(velocity)
     for name, kind in given.items():
         path = ("boundary", name, "type")
         if kind == "inlet" and not moving:
-            yield path, f"nothing enters: the velocity is 0; see {see('flow.velocity')}"
+            yield path, f"nothing enters: the velocity is 0; {speed}"
             continue
         direction = enters(mesh, velocity, name)
         if kind == "inlet" and direction in (0, -1):
-            yield path, f"the velocity does not enter through '{name}'; see {see('flow.velocity')}"
+            yield path, f"the velocity does not enter through '{name}'; {speed}"
         if kind == "outlet" and direction == 1:
-            yield path, f"the velocity enters through '{name}'; see {see('flow.velocity')}"
+            yield path, f"the velocity enters through '{name}'; {speed}"
     if isinstance(mesh, MeshFile):
         roles: set[str | None] = set(given.values())
         sides = list(given)
@@ -205,45 +291,47 @@ def flow_has_a_way_through(mesh: Mesh, flow: s.Flow, boundary: Boundaries, see: 
             walls = [side for side in sides if given.get(side) in ("no_slip", "slip")]
             at: KeyPath = ("boundary", walls[0], "type") if walls else ("boundary",)
             remedy = f"no boundary is an {kind}; give one type = '{kind}'"
-            yield at, f"the fluid cannot {verb}: {remedy}; see {see('flow.velocity')}"
+            yield at, f"the fluid cannot {verb}: {remedy}; {speed}"
 
 
 @at_each_time
-def streams_have_a_temperature(
-    mesh: Mesh, flow: s.Flow, heat: s.Heat | None, boundary: Boundaries, see: See
-) -> Mistakes:
+def streams_have_a_temperature(mesh: Mesh, heat: s.Heat | None, boundary: Boundaries, see: See) -> Mistakes:
     """Check that every stream that enters has a temperature."""
     if heat is None:
         return
-    for phase, key in PHASES.items():
-        velocity = velocity_vector(mesh, getattr(flow, key))
+    for phase, what in NAMES.items():
+        velocity, speed = velocity_vector(mesh, boundary, phase), _about_velocity(boundary, phase, see)
         if len(velocity) != mesh.dimension:
             continue
-        conditions = {name: getattr(b, phase) for name, b in boundary.items() if getattr(b, phase) is not None}
+        conditions = {name: c for name, b in boundary.items() if (c := b.thermal(phase)) is not None}
         for name, condition in conditions.items():
-            if condition.inflow is None:
+            if condition.temperature is None:
                 continue
-            path = ("boundary", name, phase, "inflow")
+            path = ("boundary", name, *boundary[name].key(phase), "temperature")
             if not any(velocity):
-                yield path, f"the {phase} does not move, so that nothing enters; use fixed; see {see(f'flow.{key}')}"
+                yield path, f"the {what} does not move, so that nothing enters; use fixed_temperature; {speed}"
             elif enters(mesh, velocity, name) in (0, -1):
-                yield path, f"no {phase} enters through '{name}'; see {see(f'flow.{key}')}"
+                yield path, f"no {what} enters through '{name}'; {speed}"
         if isinstance(mesh, MeshFile):
-            known = any(c.inflow is not None or c.fixed is not None for c in conditions.values())
+            known = any(c.temperature is not None or c.fixed_temperature is not None for c in conditions.values())
             if any(velocity) and not known:
-                yield ("boundary",), f"no boundary gives the temperature of the entering {phase}: inflow, or fixed"
+                yield ("boundary",), f"no boundary gives the temperature of the entering {what}: {ENTERING}"
             continue
         for name in (side for pair in mesh.sides for side in pair if enters(mesh, velocity, side) == 1):
             is_wall = phase == "fluid" and name in boundary and boundary[name].type in ("slip", "no_slip")
             if name not in conditions and not is_wall:
                 yield (
-                    ("boundary", name, phase),
-                    f"the {phase} enters here without a temperature; give inflow, or fixed; see {see(f'flow.{key}')}",
+                    ("boundary", name, *(boundary[name].key(phase) if name in boundary else ())),
+                    f"the {what} enters here without a temperature; give {ENTERING}; {speed}",
                 )
 
 
 def a_steady_temperature_is_determined(
-    heat: s.Heat | None, time: s.Time | None, boundary: Boundaries, radiation: Radiation | None
+    heat: s.Heat | None,
+    closures: s.Closures,
+    time: s.Time | None,
+    boundary: Boundaries,
+    radiation: Radiation | None,
 ) -> Mistakes:
     """Check that something determines the temperature of a steady scene."""
     if heat is None or time is not None:
@@ -252,50 +340,52 @@ def a_steady_temperature_is_determined(
         phase
         for conditions in boundary.values()
         for phase in PHASES
-        if (c := getattr(conditions, phase)) is not None and c.ties
+        if (c := conditions.condition(phase)) is not None and c.ties
     }
     if radiation is not None and any(conditions.radiation for conditions in boundary.values()):
         tied.add("solid")
     # Without exchange between the phases each needs a temperature of its own.
-    loose = [phase for phase in PHASES if phase not in tied] if heat.nusselt == 0 or not tied else []
+    loose = [phase for phase in PHASES if phase not in tied] if closures.nusselt == 0 or not tied else []
     if loose:
         yield (
             ("heat",),
-            f"the steady temperature of the {' and the '.join(loose)} is undetermined: no boundary has fixed, inflow "
-            "or coefficient, none radiates; give one, or a [time] table",
+            f"the steady temperature of the {' and the '.join(NAMES[phase] for phase in loose)} is undetermined: no "
+            "boundary has temperature, fixed_temperature or coefficient, none radiates; give one, or a [time] table",
         )
 
 
 def the_inside_of_particles_fits_the_scene(
-    particle: s.Particle | None, heat: s.Heat | None, radiation: Radiation | None
+    solids: Mapping[str, s.Solid], heat: s.Heat | None, radiation: Radiation | None
 ) -> Mistakes:
     """Check that particles with an inside exchange heat, and that their mean temperature is not what radiates."""
-    if particle is None:
-        return
-    if heat is None:
-        yield ("particle",), "intraparticle conduction needs the temperatures of two phases; add a [heat] table"
-    elif particle.heat == "interior" and radiation is not None:
-        yield (
-            ("particle", "heat"),
-            'temperatures inside are not coupled with [radiation]; use "effective", a film coefficient corrected for '
-            "conduction inside",
-        )
+    for name, solid in solids.items():
+        if solid.inside is None:
+            continue
+        path = ("solids", name, "inside")
+        if heat is None:
+            yield path, "intraparticle conduction needs the temperatures of two phases; add a [heat] table"
+        elif solid.inside.heat == "interior" and radiation is not None:
+            yield (
+                (*path, "heat"),
+                'temperatures inside are not coupled with [radiation]; use "effective", a film coefficient corrected '
+                "for conduction inside",
+            )
 
 
-def a_cycle_changes_something(
-    time: s.Time | None, flow: s.Flow | None, boundary: Boundaries, mesh: Mesh, see: See
-) -> Mistakes:
+def a_cycle_changes_something(time: s.Time | None, boundary: Boundaries, mesh: Mesh, see: See) -> Mistakes:
     """Check that a cycle has series, without which nothing changes in the course of a period."""
     if time is None or time.cycle is None:
         return
-    yield from a_cycle_fits_its_series(series_of(flow, boundary), time, "a velocity or a temperature", see)
+    yield from a_cycle_fits_its_series(series_of(boundary), time, "a velocity or a temperature", see)
     if not isinstance(mesh, MeshLine):
         yield ("time", "cycle"), 'the cyclic steady state is found on a line; use mesh.type = "line"'
 
 
-def closures_exist(mesh: Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boundaries, origin: Origin) -> Mistakes:
+def closures_exist(
+    mesh: Mesh, closures: s.Closures, heat: s.Heat | None, boundary: Boundaries, origin: Origin
+) -> Mistakes:
     """Check that the closures exist and that the bed has the arguments that they need."""
-    for path, spec, kind in places(bed, heat, boundary):
+    for path, spec, kind in places(closures, heat, boundary):
         if not named(spec):
             continue
         if kind == "conductivity" and is_phase(spec):
@@ -316,19 +406,23 @@ CHECKS: tuple[Check, ...] = (
     series_are_usable,
     initial_profiles_fit_the_bed,
     tables_are_complete,
+    one_solid_fills_the_bed,
     radiation_is_complete,
     tubes_see_radiation,
     particles_have_a_size_and_fit_together,
-    heat_has_its_materials,
+    optics_attenuate,
+    heat_has_its_properties,
+    a_run_in_time_has_a_start,
     heat_alone_uses_temperatures,
     names_exist,
+    velocities_are_given_once,
     velocities_fit_the_mesh,
     mesh_file_exists,
     the_packing_fits_the_bed,
     positions_lie_in_the_bed,
     the_line_of_profiles_fits_the_mesh,
-    fluids_make_sense,
-    temperatures_lie_in_the_fluid_table,
+    gases_make_sense,
+    temperatures_lie_in_the_table,
     polynomials_stay_positive,
     times_are_in_order,
     flow_has_a_way_through,
@@ -360,17 +454,17 @@ def the_balance_can_fail(solver: Solver) -> Mistakes:
         )
 
 
-def the_fluid_conducts_once(heat: s.Heat | None, origin: Origin) -> Mistakes:
-    """Look for a closure of the whole bed at rest beside the conductivity of its fluid."""
+def the_gas_conducts_once(closures: s.Closures, heat: s.Heat | None, origin: Origin) -> Mistakes:
+    """Look for a closure of the whole bed at rest beside the conductivity of its gas."""
     if heat is not None:
-        solid = ("heat", "conductivity_solid"), heat.conductivity_solid
-        fluid = ("heat", "conductivity_fluid"), heat.conductivity_fluid
-        yield from fluid_conducts_twice(solid, fluid, GIVES["conductivity"], origin.base)
+        solids = ("closures", "conductivity_solids"), closures.conductivity_solids
+        gas = ("closures", "conductivity_gas"), closures.conductivity_gas
+        yield from fluid_conducts_twice(solids, gas, GIVES["conductivity"], origin.base)
 
 
 WARNINGS: tuple[Check, ...] = (
-    the_fluid_conducts_once,
-    species_fill_the_solids,
+    the_gas_conducts_once,
+    solids_sum_to_one,
     two_flux_scatters_evenly,
     rosseland_is_thick,
     rosseland_rests,
@@ -381,14 +475,22 @@ WARNINGS: tuple[Check, ...] = (
 )
 
 
-def _temperatures(phases: Iterable[str], boundary: Boundaries, time: s.Time | None) -> Iterator[tuple[KeyPath, float]]:
+def _about_velocity(boundary: Boundaries, phase: str, see: See) -> str:
+    """Say where the velocity of a phase stands."""
+    if given_velocity(boundary, phase) is None:
+        key = "gas.velocity" if phase == "fluid" else "solids.NAME.velocity"
+        return f"no boundary gives {key}"
+    return f"see {see(velocity_key(boundary, phase))}"
+
+
+def _temperatures(phases: Iterable[str], boundary: Boundaries, initial: s.Initial) -> Iterator[tuple[KeyPath, float]]:
     """Yield the key and value of every temperature that the scene gives for these phases; none of a file."""
     for phase in phases:
-        for name, conditions in boundary.items():
-            condition = getattr(conditions, phase)
-            for key in ("fixed", "inflow", "ambient"):
+        for name, table in boundary.items():
+            condition = table.condition(phase)
+            for key in KELVIN:
                 if condition is not None and getattr(condition, key) is not None:
-                    yield ("boundary", name, phase, key), getattr(condition, key)
-        given = None if time is None else getattr(time, f"initial_{phase}")
+                    yield ("boundary", name, *table.key(phase), key), getattr(condition, key)
+        given = initial.given(phase)
         if given is not None and not isinstance(given, ProfileFile):
-            yield ("time", f"initial_{phase}"), given
+            yield initial.key(phase), given

@@ -7,10 +7,12 @@ from typing import Any, NamedTuple
 
 from contbed.closures.binding import BoundClosure, BoundDispersion, bind, bind_dispersion, is_phase, named
 from contbed.packed_bed import scene as s
+from contbed.scene.boundary import conditions_of
 from contbed.scene.quantities import ClosureFile
 from contbed.scene.toml_lines import KeyPath
 
-PHASES = ("fluid", "solid")
+OF_FLOW = ("permeability", "forchheimer")
+OF_HEAT = ("dispersion", "nusselt", "conductivity_gas", "conductivity_solids", "tortuosity")
 
 
 class At(NamedTuple):
@@ -33,8 +35,8 @@ class At(NamedTuple):
 
 Gives = Mapping[str, Callable[[At], Any]]
 _PACKING: Gives = {
-    "eps": lambda at: at.medium.scene.bed.porosity,
-    "d_p": lambda at: at.medium.scene.bed.particle_diameter,
+    "eps": lambda at: at.medium.scene.packed_bed.porosity,
+    "d_p": lambda at: at.medium.scene.diameter,
 }
 _STREAM: Gives = _PACKING | {  # type: ignore[operator]
     "Re": lambda at: at.Re,
@@ -64,22 +66,14 @@ Bound = Mapping[tuple[str, Any], BoundClosure | BoundDispersion]
 
 
 def places(
-    bed: s.Bed | None, heat: s.Heat | None, boundary: Mapping[str, s.Boundary]
+    closures: s.Closures, heat: s.Heat | None, boundary: Mapping[str, s.Boundary]
 ) -> Iterator[tuple[KeyPath, Any, str]]:
     """Yield (key, value, kind) of each place where a scene may name a closure."""
-    for kind in ("permeability", "forchheimer") if bed is not None else ():
-        yield ("bed", kind), getattr(bed, kind), kind
-    if heat is not None:
-        yield ("heat", "dispersion"), heat.dispersion, "dispersion"
-        yield ("heat", "nusselt"), heat.nusselt, "nusselt"
-        yield ("heat", "conductivity_fluid"), heat.conductivity_fluid, "conductivity"
-        yield ("heat", "conductivity_solid"), heat.conductivity_solid, "conductivity"
-        yield ("heat", "tortuosity"), heat.tortuosity, "tortuosity"
-    for name, conditions in boundary.items():
-        for phase in PHASES:
-            condition = getattr(conditions, phase)
-            if condition is not None:
-                yield ("boundary", name, phase, "coefficient"), condition.coefficient, "wall"
+    for key in OF_FLOW if heat is None else (*OF_FLOW, *OF_HEAT):
+        kind = "conductivity" if key.startswith("conductivity") else key
+        yield ("closures", key), getattr(closures, key), kind
+    for path, _, condition in conditions_of(boundary):
+        yield (*path, "coefficient"), condition.coefficient, "wall"
 
 
 def bound(spec: Any, kind: str, base: Any) -> BoundClosure | BoundDispersion:
@@ -92,7 +86,7 @@ def bound(spec: Any, kind: str, base: Any) -> BoundClosure | BoundDispersion:
 def all_bound(scene: s.Scene) -> Bound:
     """Return all closures of a scene by kind and by what names them; equal names share one."""
     found = {}
-    for _, spec, kind in places(scene.bed, scene.heat, scene.boundary):
+    for _, spec, kind in places(scene.closures, scene.heat, scene.boundary):
         if named(spec) and not (kind == "conductivity" and is_phase(spec)):
             found[kind, spec] = bound(spec, kind, scene.origin.base)
     return found

@@ -36,27 +36,28 @@ def unlike_temperatures(
     """Return the prescribed temperatures of a phase on two sides [K] where they are numbers that differ."""
     found = []
     for side in (name, other):
-        condition = getattr(boundary.get(side), phase, None)
-        if condition is None or not isinstance(condition.fixed, float):
+        condition = boundary[side].thermal(phase) if side in boundary else None
+        if condition is None or not isinstance(condition.fixed_temperature, float):
             return None
-        found.append(condition.fixed)
+        found.append(condition.fixed_temperature)
     return (found[0], found[1]) if found[0] != found[1] else None
 
 
 def prescribed_temperatures_agree_in_corners(
-    mesh: Mesh, boundary: dict[str, s.Boundary], heat: s.Heat | None
+    mesh: Mesh, boundary: dict[str, s.Boundary], heat: s.Heat | None, closures: s.Closures
 ) -> Mistakes:
     """Look for sides with unlike prescribed temperatures that meet, where the conducted heat has no limit."""
     if isinstance(mesh, MeshFile | MeshLine) or heat is None:
         return
-    for phase in ("fluid", "solid"):
-        if getattr(heat, f"conductivity_{phase}") == 0.0:
+    conductivities = {"fluid": closures.conductivity_gas, "solid": closures.conductivity_solids}
+    for phase, conductivity in conductivities.items():
+        if conductivity == 0.0:
             continue
         for (name, _), (other, _) in adjacent_sides(mesh):
             unlike = unlike_temperatures(boundary, phase, name, other)
             if unlike is not None:
                 yield (
-                    ("boundary", other, phase, "fixed"),
+                    ("boundary", other, *boundary[other].key(phase), "fixed_temperature"),
                     f"{unlike[1]:g} K meets {unlike[0]:g} K of boundary.{name} in a corner, where heat_{name}_W and "
                     f"heat_{other}_W grow without limit as cells get smaller, and T_{phase} has no value; the "
                     "estimated error counts there by the distance only. For a heat that means something give one of "

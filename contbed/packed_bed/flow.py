@@ -200,7 +200,7 @@ def coefficients(scene: Any, medium: Any, velocity: Any, velocity_solid: Any) ->
     return porous_flow.Coefficients(
         density=medium.mass_flux_scale(),
         viscosity=float(medium.fluid.viscosity(medium.T_fluid_in)),
-        porosity=scene.bed.porosity,
+        porosity=scene.packed_bed.porosity,
         permeability=medium.packing("permeability"),
         forchheimer=medium.packing("forchheimer"),
         velocity_solid=Components(float(v) for v in velocity_solid),

@@ -72,7 +72,7 @@ def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction
         layers += axial_layers(scene, medium, float(velocity[axis]), float(solid[axis]), extent)
     for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):
         table = scene.boundary.get(name)
-        thermal = table is not None and (table.type == "no_slip" or table.fluid or table.solid)
+        thermal = table is not None and (table.type == "no_slip" or table.heated)
         if direction != axis and thermal:
             layers += [(position, max(width, 1e-3 * extent)) for width in _wall_layers(scene, medium, velocity, solid)]
     if mesh.cells is not None:
@@ -91,7 +91,7 @@ def _wall_layers(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> t
     fastest = max(float(np.linalg.norm(solid)), float(np.linalg.norm(velocity - solid)))
     inertia = medium.mass_flux_scale() * forchheimer * fastest / float(medium.fluid.viscosity(medium.T_fluid_in))
     both = 1.0 / permeability + 2.0 * inertia / permeability**0.5
-    return (permeability / scene.bed.porosity) ** 0.5, (scene.bed.porosity * both) ** -0.5
+    return (permeability / scene.packed_bed.porosity) ** 0.5, (scene.packed_bed.porosity * both) ** -0.5
 
 
 def _radiation_layers(scene: s.Scene, medium: Medium, direction: int, extent: float) -> Layers:
@@ -116,7 +116,7 @@ def front_nodes(scene: s.Scene, medium: Medium, u: float, u_solid: float, scale:
     """
     mesh, time = scene.mesh, scene.time
     assert isinstance(mesh, MeshLine) and time is not None
-    T, porosity = medium.T_fluid_in, scene.bed.porosity
+    T, porosity = medium.T_fluid_in, scene.packed_bed.porosity
     heat = {
         "fluid": medium.mass_flux_scale() * float(medium.fluid.heat_capacity(T)),
         "solid": float(medium.solid.density(T)) * float(medium.solid.heat_capacity(T)),
@@ -155,11 +155,10 @@ def front_nodes(scene: s.Scene, medium: Medium, u: float, u_solid: float, scale:
 
 def _slope_of_the_start(scene: s.Scene) -> Any:
     """Return the slope of the initial profiles over the span of their temperatures as a function of place [1/m]."""
-    assert scene.time is not None
     files = [
         given.samples(scene.origin.base, f"T_{phase}")
         for phase in ("fluid", "solid")
-        if isinstance(given := getattr(scene.time, f"initial_{phase}"), ProfileFile)
+        if isinstance(given := scene.initial.given(phase), ProfileFile)
     ]
 
     def slope(x: Any) -> Any:
@@ -220,7 +219,7 @@ def _matters(scene: s.Scene, layer: tuple[float, float], rates: list[float], flu
     """
     position, width = layer
     if (position > 0) != (flux > 0) or any(
-        table.fluid or table.solid for name, table in scene.boundary.items() if name == _end(scene, position)
+        table.heated for name, table in scene.boundary.items() if name == _end(scene, position)
     ):
         return True
     slow = min((abs(rate) for rate in rates if (rate < 0) == (flux > 0)), default=0.0)

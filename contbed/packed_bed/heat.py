@@ -129,23 +129,23 @@ class HeatProblem:
         for nodes, name, phase in self._prescribed:
             condition = self.piece.condition(name, phase, shares)
             if condition is not None:
-                self.fixed_values[nodes] = condition.fixed
+                self.fixed_values[nodes] = condition.fixed_temperature
 
     def _span(self) -> tuple[float, float]:
-        found = [
+        found: list[Any] = [
             value
             for table in self.scene.boundary.values()
             for phase in PHASES
-            if (c := getattr(table, phase)) is not None
-            for value in (c.fixed, c.inflow, c.ambient)
+            if (c := table.thermal(phase)) is not None
+            for value in (c.fixed_temperature, c.temperature, c.ambient)
             if value is not None
         ]
         if self.radiation is not None:
             found += self.radiation.temperatures(self.mesh)
-        if (time := self.scene.time) is not None:
+        if self.scene.time is not None:
             base = self.scene.origin.base
             for phase in PHASES:
-                found += initial_range(getattr(time, f"initial_{phase}"), phase, base)
+                found += initial_range(self.scene.initial.given(phase), phase, base)
         if self.piece is not None:
             found += self.piece.temperatures
         return min(found), max(found)
@@ -159,13 +159,14 @@ class HeatProblem:
         for name in self.mesh.boundaries:
             for phase in PHASES:
                 condition = self.build.condition(name, phase)
-                if condition is not None and condition.fixed is not None:
+                if condition is not None and condition.fixed_temperature is not None:
                     if self._reaches(name, phase):
                         nodes = self.system.nodes(f"T_{phase}", self.mesh.skfem.boundaries[name])
-                        found.append((nodes, name, phase, condition.fixed))
+                        found.append((nodes, name, phase, condition.fixed_temperature))
                     else:
                         why = f"the {phase} neither conducts nor enters there"
-                        self.idle.append(f"boundary.{name}.{phase}.fixed has no effect: {why}")
+                        key = ".".join(("boundary", name, *self.scene.boundary[name].key(phase), "fixed_temperature"))
+                        self.idle.append(f"{key} has no effect: {why}")
         every = np.concatenate([np.empty(0, dtype=np.int64), *(nodes for nodes, *_ in found)])
         unique, first = np.unique(every, return_index=True)
         part = np.repeat(np.arange(len(found)), np.array([len(nodes) for nodes, *_ in found], dtype=np.int64))[first]
@@ -217,7 +218,7 @@ class HeatProblem:
         for phase in PHASES:
             name, T = f"T_{phase}", 0.5 * (low + high)
             if time is not None:
-                given, x = getattr(time, f"initial_{phase}"), self.system.fields[name][0].points[self.mesh.axis]
+                given, x = self.scene.initial.given(phase), self.system.fields[name][0].points[self.mesh.axis]
                 T = initial_values(given, phase, self.scene.origin.base, x)
             self.system.part(state, name)[:] = T
         state[self.fixed] = self.fixed_values

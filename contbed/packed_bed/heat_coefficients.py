@@ -49,7 +49,7 @@ class HeatCoefficients:
     def condition(self, boundary: str, phase: str) -> s.PhaseCondition | None:
         """Return the thermal condition of one phase on one boundary."""
         table = self.scene.boundary.get(boundary)
-        return None if table is None else getattr(table, phase)
+        return None if table is None else table.thermal(phase)
 
     def _velocity(self, phase: str, where: Domain) -> Any:
         """Return the velocity of a phase on a domain; None when it rests."""
@@ -91,7 +91,7 @@ class HeatCoefficients:
             cross=medium.cross_conductivity,
             radiated=None if self.radiation is None else self.radiation.net_absorption,
             modes=tuple(self._mode(mode, where, exchange) for mode in modes(self.scene)),
-            capacity=lambda T: (1.0 - self.scene.bed.porosity) * medium.solid.density(T),
+            capacity=lambda T: (1.0 - self.scene.packed_bed.porosity) * medium.solid.density(T),
         )
 
     def _mode(self, mode: Mode, where: Domain, exchange: Any) -> two_energy.Mode:
@@ -161,7 +161,7 @@ class HeatCoefficients:
         return medium.mass_flux_scale() if phase == "fluid" else float(medium.solid.density(medium.T_fluid_in))
 
     def _source(self, phase: str) -> Any:
-        values = {name: getattr(region, f"source_{phase}") for name, region in self.scene.region.items()}
+        values = {name: region.heat_source(phase) for name, region in self.scene.region.items()}
         if not any(values.values()):
             return 0.0
         field = np.zeros((self.mesh.skfem.nelements, 1))
@@ -193,10 +193,10 @@ class HeatCoefficients:
     def given(self, phase: str, condition: s.PhaseCondition, enters: bool) -> dict[str, Any]:
         """Return the values of a condition that may change with time; that of a stream only where it `enters`."""
         options: dict[str, Any] = {}
-        if condition.inflow is not None and enters:
-            options["inflow"] = float(getattr(self.medium, phase).enthalpy(condition.inflow))
-        if condition.flux is not None:
-            options["flux"] = condition.flux
+        if condition.temperature is not None and enters:
+            options["inflow"] = float(getattr(self.medium, phase).enthalpy(condition.temperature))
+        if condition.heat_flux is not None:
+            options["flux"] = condition.heat_flux
         if condition.ambient is not None:
             options["ambient"] = condition.ambient
         return options

@@ -31,12 +31,12 @@ def parts_of_heat(
         return
     yield "two-energy", _how_heat(scene, medium, fronts), True
     if inside is not None:
-        why = "no [particle] table: " if scene.particle is None else ""
+        why = "no table solids.NAME.inside: " if scene.solid.inside is None else ""
         yield "intraparticle conduction", f"{why}{inside}", inside.level != "lumped"
-    if scene.heat.dispersion is None:
-        yield "dispersion", _why_no_dispersion(scene.heat), False
-    if scene.heat.tortuosity is None:
-        yield "cross conduction", "no heat.tortuosity", False
+    if scene.closures.dispersion is None:
+        yield "dispersion", _why_no_dispersion(scene.closures), False
+    if scene.closures.tortuosity is None:
+        yield "cross conduction", "no closures.tortuosity", False
     if medium.constant:
         yield "Newton for temperatures", "constant properties: linear", False
     if scene.time is None:
@@ -47,11 +47,12 @@ def parts_of_heat(
     yield (*described_level(scene, thick), scene.radiation is not None)
 
 
-def _why_no_dispersion(heat: s.Heat) -> str:
+def _why_no_dispersion(closures: s.Closures) -> str:
     """Return why there is none, and whether the Nusselt number was taken from data together with one."""
-    name = heat.nusselt if isinstance(heat.nusselt, str) else getattr(heat.nusselt, "name", "")
+    nusselt = closures.nusselt
+    name = nusselt if isinstance(nusselt, str) else getattr(nusselt, "name", "")
     together = TAKEN_TOGETHER.get(f"nusselt_{str(name).removeprefix('nusselt_')}")
-    return "no heat.dispersion" + (f"; {name} was taken from data together with {together}" if together else "")
+    return "no closures.dispersion" + (f"; {name} was taken from data together with {together}" if together else "")
 
 
 def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:

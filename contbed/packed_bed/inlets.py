@@ -6,15 +6,44 @@ from collections.abc import Mapping
 from typing import Any
 
 from contbed.packed_bed import scene as s
-from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile
+from contbed.scene.mesh import Mesh, MeshFile
+from contbed.scene.toml_lines import dotted
 
 
-def velocity_vector(mesh: Mesh, velocity: Any) -> tuple[float, ...]:
-    """Return a velocity, a number or a tuple, as a vector; a number is along the bed axis: x, or z if axisymmetric."""
-    if isinstance(velocity, tuple):
-        return velocity
-    axis = 1 if isinstance(mesh, MeshAxisymmetric) or getattr(mesh, "axisymmetric", False) else 0
-    return tuple(velocity if index == axis else 0.0 for index in range(mesh.dimension))
+def given_velocity(boundary: Mapping[str, s.Boundary], phase: str) -> tuple[str, Any] | None:
+    """Return the boundary that gives the velocity of a phase, "fluid" or "solid", and the value; None at rest."""
+    for name, table in boundary.items():
+        condition = table.condition(phase)
+        if condition is not None and condition.velocity is not None:
+            return name, condition.velocity
+    return None
+
+
+def velocity_key(boundary: Mapping[str, s.Boundary], phase: str) -> str:
+    """Return the key that gives the velocity of a phase; that of all boundaries at rest."""
+    given = given_velocity(boundary, phase)
+    return "boundary" if given is None else dotted(("boundary", given[0], *boundary[given[0]].key(phase), "velocity"))
+
+
+def velocity_vector(mesh: Mesh, boundary: Mapping[str, s.Boundary], phase: str) -> tuple[float, ...]:
+    """Return the velocity of a phase, "fluid" or "solid", as a vector [m/s]; boundaries hold no series.
+
+    A number is perpendicular to its side, into the bed.
+    """
+    still = (0.0,) * mesh.dimension
+    given = given_velocity(boundary, phase)
+    if given is None:
+        return still
+    name, value = given
+    if isinstance(value, tuple):
+        return value
+    if isinstance(mesh, MeshFile):
+        return still  # `checks` asks for a vector
+    for axis, (low, high) in enumerate(mesh.sides):
+        if name in (low, high) and value:
+            inward = value if name == low else -value
+            return (*still[:axis], inward, *still[axis + 1 :])
+    return still
 
 
 def enters(mesh: Mesh, velocity: tuple[float, ...], side: str) -> int | None:

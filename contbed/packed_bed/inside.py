@@ -25,7 +25,7 @@ from contbed.particle.uptake import Level, breakthrough_error, moving_bed_error,
 from contbed.plan_text import percent
 
 ACCURACY = 5e-3  # of what leaves over the span, by which a level may miss where solver.accuracy is absent
-POINTS = (2, 3, 4, 6, 8, 12)  # temperatures inside that are tried where particle.points is absent
+POINTS = (2, 3, 4, 6, 8, 12)  # temperatures inside that are tried where inside.points is absent
 USUAL_POINTS = 3  # where temperatures inside are asked for and their number is not
 USUAL_UNITS = 20.0  # transfer units for which errors are predicted where the length or the flow is not known
 SHAPES = {"spheres": "sphere", "rods": "cylinder"}
@@ -140,14 +140,14 @@ def inside_of(scene: s.Scene, medium: Medium, velocity: Any, velocity_solid: Any
     exchange = float(medium.exchange(T, lambda density: relative))
     if exchange <= 0.0:
         return None
-    radius, conductivity = 0.5 * scene.bed.particle_diameter, float(medium.solid.conductivity(T))
+    radius, conductivity = 0.5 * scene.diameter, float(medium.solid.conductivity(T))
     biot = exchange / medium.area * radius / conductivity
     heat_fluid = medium.mass_flux_scale() * float(medium.fluid.heat_capacity(T)) * float(np.linalg.norm(velocity))
     capacity = float(medium.solid.density(T) * medium.solid.heat_capacity(T))
     speed, length = float(np.linalg.norm(velocity_solid)), getattr(scene.mesh, "length", None)
     units = USUAL_UNITS if length is None or heat_fluid == 0.0 else exchange * length / heat_fluid
     fourier, gamma = None, 0.0
-    solid_share = 1.0 - scene.bed.porosity
+    solid_share = 1.0 - scene.packed_bed.porosity
     if speed > 0.0 and length is not None:
         fourier = conductivity / capacity * length * solid_share / (speed * radius * radius)
         if heat_fluid > 0.0:
@@ -158,10 +158,11 @@ def inside_of(scene: s.Scene, medium: Medium, velocity: Any, velocity_solid: Any
         last = scene.time.end * exchange / (solid_share * capacity) / units
 
     def error(level: Level) -> float:
-        return _error(level, units, biot, fourier, gamma, SHAPES[scene.bed.shape], last, scene.time is None)
+        return _error(level, units, biot, fourier, gamma, SHAPES[scene.solid.shape], last, scene.time is None)
 
-    stated: str = "lumped" if scene.particle is None else scene.particle.heat
-    asked = None if scene.particle is None else scene.particle.points
+    wanted = scene.solid.inside
+    stated: str = "lumped" if wanted is None else wanted.heat
+    asked = None if wanted is None else wanted.points
     tried = (asked,) if asked else (USUAL_POINTS,) if stated == "interior" else POINTS
     found = [Candidate("lumped", 0, error("lumped")), Candidate("effective", 0, error("effective"))]
     if scene.radiation is None:
@@ -187,12 +188,13 @@ def _error(
 
 def resolved(scene: s.Scene, inside: Inside | None) -> s.Scene:
     """Return the scene with the level and the points that were chosen in place of those left to the plan."""
-    if inside is None or scene.particle is None:
+    wanted = scene.solid.inside
+    if inside is None or wanted is None:
         return scene
     changes: dict[str, Any] = {"heat": inside.level}
     if inside.level == "interior":
         changes["points"] = inside.chosen.points
-    return scene.model_copy(update={"particle": scene.particle.model_copy(update=changes)})
+    return scene.with_inside(wanted.model_copy(update=changes))
 
 
 @dataclass(frozen=True)
@@ -210,13 +212,14 @@ class Mode:
 
 def modes(scene: s.Scene) -> tuple[Mode, ...]:
     """Return the modes of the particles of a scene with temperatures inside; none for other levels."""
-    if scene.particle is None or scene.particle.heat != "interior":
+    wanted = scene.solid.inside
+    if wanted is None or wanted.heat != "interior":
         return ()
-    radius = 0.5 * scene.bed.particle_diameter
-    inside = interior(scene.particle.points or USUAL_POINTS, SHAPES[scene.bed.shape])
+    radius = 0.5 * scene.diameter
+    inside = interior(wanted.points or USUAL_POINTS, SHAPES[scene.solid.shape])
     rates, vectors = inside.modes()
     middle = inside.at_centre() @ vectors
-    scale = (1.0 - scene.bed.porosity) / (radius * radius)
+    scale = (1.0 - scene.packed_bed.porosity) / (radius * radius)
     return tuple(
         Mode(f"T_inside_{m}", scale * float(rates[m]), float(vectors[-1, m] ** 2), float(middle[m] / vectors[-1, m]))
         for m in range(1, len(rates))

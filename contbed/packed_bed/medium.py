@@ -21,31 +21,38 @@ from contbed.materials import ConstantFluid, Solid, gas_mixture, real_fluid
 from contbed.materials.pointwise import pointwise
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import GIVES, At, all_bound
+from contbed.scene.boundary import conditions_of
+from contbed.scene.gas import GasCantera, GasConstant, GasCoolProp
 from contbed.scene.library import material
 from contbed.scene.mechanism import find_mechanism
-from contbed.scene.tables import FluidCantera, FluidConstant, FluidCoolProp
-from contbed.scene.tables import Solid as SolidSettings
 
 _AREA = {"spheres": 6.0, "rods": 4.0}
 _INSIDE = {"spheres": 10.0, "rods": 8.0}  # conduction inside counts as d/(10 k_s) in series with the film of spheres
 
 
-def fluid_of(settings: FluidConstant | FluidCantera | FluidCoolProp, base: Path) -> Any:
+def fluid_of(settings: GasConstant | GasCantera | GasCoolProp, base: Path) -> Any:
     """Return the fluid of a scene in the folder `base`; Cantera and CoolProp are imported only when named."""
-    if isinstance(settings, FluidCantera):
+    if isinstance(settings, GasCantera):
         return gas_mixture(settings.composition, settings.pressure, find_mechanism(settings.mechanism, base))
-    if isinstance(settings, FluidCoolProp):
+    if isinstance(settings, GasCoolProp):
         return real_fluid(settings.name, settings.pressure, settings.T_range)
     conductivity = 1.0 if settings.conductivity is None else settings.conductivity
     return ConstantFluid(settings.density, settings.heat_capacity or 1.0, settings.viscosity, conductivity)
 
 
-def solid_of(settings: SolidSettings) -> Solid:
-    """Return the solid of a scene; one of the library that varies with temperature holds in the range of its source."""
+def solid_of(settings: s.Solid) -> Solid | None:
+    """Return the material of the particles, None without a density.
+
+    One of the library that varies with temperature holds in the range of its source.
+    """
+    if settings.density is None:
+        return None
     T_range = (0.0, math.inf)
-    if settings.material is not None and settings.temperature is None:
+    if settings.material is not None and settings.material_temperature is None:
         T_range = material(settings.material, "solid").T_range
-    return Solid(settings.density, settings.heat_capacity, settings.conductivity, T_range, settings.material or "solid")
+    heat_capacity = 1.0 if settings.heat_capacity is None else settings.heat_capacity
+    conductivity = 1.0 if settings.conductivity is None else settings.conductivity
+    return Solid(settings.density, heat_capacity, conductivity, T_range, settings.material or "solid")
 
 
 @dataclass(frozen=True)
@@ -70,11 +77,10 @@ class Medium:
     @classmethod
     def of(cls, scene: s.Scene, T_fluid_in: float, bed_diameter: float, fluid: Any = None) -> Medium:
         """Resolve the materials of a scene; `fluid` if it is known from one with the same."""
-        solid = scene.solid
         return cls(
             scene,
-            fluid_of(scene.fluid, scene.origin.base) if fluid is None else fluid,
-            None if solid is None else solid_of(solid),
+            fluid_of(scene.gas, scene.origin.base) if fluid is None else fluid,
+            solid_of(scene.solid),
             T_fluid_in,
             bed_diameter,
             _rosseland(scene),
@@ -82,15 +88,9 @@ class Medium:
         )
 
     @property
-    def heat(self) -> s.Heat:
-        """The [heat] table of a scene that has one."""
-        assert self.scene.heat is not None
-        return self.scene.heat
-
-    @property
     def constant(self) -> bool:
         """Whether no property depends on temperature and no boundary makes the problem nonlinear."""
-        conditions = [table for side in self.scene.boundary.values() for table in (side.fluid, side.solid) if table]
+        conditions = [table for *_, table in conditions_of(self.scene.boundary)]
         if self.scene.radiation is not None or self._radiating() or not all(table.linear for table in conditions):
             return False
         return self.fluid.constant and (self.solid is None or self.solid.constant)
@@ -104,12 +104,12 @@ class Medium:
     @property
     def area(self) -> float:
         """Specific surface of the packing [1/m]."""
-        bed = self.scene.bed
-        return _AREA[bed.shape] * (1.0 - bed.porosity) / bed.particle_diameter
+        scene = self.scene
+        return _AREA[scene.solid.shape] * (1.0 - scene.packed_bed.porosity) / scene.diameter
 
     def packing(self, kind: str) -> float:
         """Return the permeability [m2] or Forchheimer coefficient [1] of the bed."""
-        return float(self._value(getattr(self.scene.bed, kind), kind))
+        return float(self._value(getattr(self.scene.closures, kind), kind))
 
     def mass_flux_scale(self) -> float:
         """Return the density that turns superficial velocity into mass flux [kg/m3]."""
@@ -120,14 +120,14 @@ class Medium:
 
         `speed(density)` is the relative superficial mass flux over density [m/s].
         """
-        fixed = self.heat.reynolds
+        fixed = self.scene.packed_bed.reynolds
         if fixed is not None:
             return fixed
         density = self.fluid.density(T)
         relative = speed(density)
         if isinstance(relative, float) and relative == 0.0:
             return 0.0
-        return density * relative * self.scene.bed.particle_diameter / self.fluid.viscosity(T)
+        return density * relative * self.scene.diameter / self.fluid.viscosity(T)
 
     def prandtl(self, T: Any) -> Any:
         """Return the Prandtl number of the fluid."""
@@ -135,12 +135,12 @@ class Medium:
 
     def exchange(self, T_fluid: Any, speed: Callable[[Any], Any]) -> Any:
         """Return the volumetric exchange coefficient h a [W/m3/K], with conduction inside if the scene says so."""
-        bed, nusselt = self.scene.bed, self._value(self.heat.nusselt, "nusselt", T_fluid, speed)
-        film = nusselt * self.fluid.conductivity(T_fluid) * (self.area / bed.particle_diameter)
-        particle = self.scene.particle
-        if particle is None or particle.heat != "effective":
+        nusselt = self._value(self.scene.closures.nusselt, "nusselt", T_fluid, speed)
+        diameter, solid = self.scene.diameter, self.scene.solid
+        film = nusselt * self.fluid.conductivity(T_fluid) * (self.area / diameter)
+        if solid.inside is None or solid.inside.heat != "effective":
             return film
-        resistance = bed.particle_diameter / (_INSIDE[bed.shape] * self.area)
+        resistance = diameter / (_INSIDE[solid.shape] * self.area)
         return film / (1.0 + film * resistance / self.solid.conductivity(T_fluid))
 
     def wall(self, spec: Any, T_fluid: Any, speed: Callable[[Any], Any]) -> Any:
@@ -162,21 +162,21 @@ class Medium:
 
     def conductivity_fluid(self, T: Any) -> Any:
         """Return the conductivity of the fluid phase, without tortuosity and dispersion [W/m/K]."""
-        spec = self.heat.conductivity_fluid
+        spec = self.scene.closures.conductivity_gas
         if is_phase(spec):
-            return self.scene.bed.porosity * self.fluid.conductivity(T)
+            return self.scene.packed_bed.porosity * self.fluid.conductivity(T)
         return self._value(spec, "conductivity", T)
 
     def conductivity_solid(self, T: Any) -> Any:
         """Return the conductivity of the solid phase, without tortuosity [W/m/K]."""
-        spec = self.heat.conductivity_solid
+        spec = self.scene.closures.conductivity_solids
         if is_phase(spec):
-            return (1.0 - self.scene.bed.porosity) * self.solid.conductivity(T)
+            return (1.0 - self.scene.packed_bed.porosity) * self.solid.conductivity(T)
         return self._value(spec, "conductivity", T)
 
     def tortuosity(self, T: Any) -> tuple[Any, Any, Any] | None:
         """Return the tortuosity terms of the conductivities [W/m/K]: fluid, solid and cross (Nakayama 2001)."""
-        spec = self.heat.tortuosity
+        spec = self.scene.closures.tortuosity
         if spec is None:
             return None
         G: Any = self._value(spec, "tortuosity", T)
@@ -193,11 +193,11 @@ class Medium:
             assert shares is not None
             return shares[2]
 
-        return None if self.heat.tortuosity is None else cross
+        return None if self.scene.closures.tortuosity is None else cross
 
     def dispersion(self, T: Any, speed: Callable[[Any], Any]) -> tuple[Any, Any] | None:
         """Return the dispersion conductivities along and across the flow [W/m/K]."""
-        spec = self.heat.dispersion
+        spec = self.scene.closures.dispersion
         if spec is None:
             return None
         if isinstance(spec, s.Dispersion):
@@ -210,7 +210,7 @@ class Medium:
 
         It is the integral of eps rho c_p over temperature.
         """
-        eps = self.scene.bed.porosity
+        eps = self.scene.packed_bed.porosity
         if self.fluid.constant:
             return eps * self.fluid.density(T) * self.fluid.enthalpy(T)
         integral, slope = self._content_table()
@@ -228,7 +228,7 @@ class Medium:
 
     def content_solid(self, T: Any) -> Any:
         """Return the heat content of the solid per bed volume [J/m3]."""
-        return (1.0 - self.scene.bed.porosity) * self.solid.density(T) * self.solid.enthalpy(T)
+        return (1.0 - self.scene.packed_bed.porosity) * self.solid.density(T) * self.solid.enthalpy(T)
 
     def ranges(self) -> list[RangeUse]:
         """Return how each closure was used in its last evaluation, or in the states that are recorded."""

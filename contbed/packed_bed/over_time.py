@@ -165,7 +165,7 @@ def _cycle(plan: Plan, pieces: Any, flow: Any, result: Result, guess: Any, keep:
 def _most(plan: Plan, pieces: Any) -> list[float]:
     """Return the heat that the fluid of each part could leave in the bed between the inlet temperatures [J]."""
     conditions = [c for piece in pieces for scene in (piece.first, *piece.others) for c in scene.boundary.values()]
-    inlets = [c.fluid.inflow or c.fluid.fixed for c in conditions if c.fluid is not None]
+    inlets = [c.gas.temperature or c.gas.fixed_temperature for c in conditions if c.gas is not None]
     entering = [T for T in inlets if T is not None]
     if not entering:
         return [0.0] * len(pieces)

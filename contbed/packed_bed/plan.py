@@ -24,6 +24,7 @@ from contbed.packed_bed import scene as s
 from contbed.packed_bed.adapt import refinable
 from contbed.packed_bed.grading import nodes
 from contbed.packed_bed.heat_parts import parts_of_heat
+from contbed.packed_bed.inlets import velocity_vector
 from contbed.packed_bed.inside import Inside, inside_of, modes, resolved
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.pressure import lifted
@@ -35,7 +36,7 @@ from contbed.packed_bed.recognition import (
     tracks_fronts,
     velocities,
 )
-from contbed.packed_bed.schedule import Piece, Schedule
+from contbed.packed_bed.schedule import PHASES, VELOCITY, Piece, Schedule
 from contbed.packed_bed.schedule_checks import require_flow
 from contbed.packed_bed.sides import lines_of, on_a_line
 from contbed.plan_text import plan_text
@@ -141,9 +142,9 @@ class Plan:
         if not schedule or time is None:
             return [None]
         temperatures, found, flow_since = tuple(schedule.temperatures()), [], 0.0
-        small, every = schedule.small(time, self.scene.origin.base), schedule.cuts(time.end)
+        small, every = schedule.small(self.scene), schedule.cuts(time.end)
         for start, end in pairwise(every if small is None else schedule.cuts(time.end, small)):
-            if schedule.jumps(start, "flow"):
+            if schedule.jumps(start, VELOCITY):
                 flow_since = start
             first, ways = schedule.frozen(self.scene, start), schedule.ways(start, end, every)
             others = [with_value(first, path, other) for path, _, _, other in ways] or [
@@ -194,7 +195,8 @@ class Plan:
 
     def _as_solved(self, frozen: s.Scene) -> s.Scene:
         """Return the scene that is solved for one that is frozen at a time."""
-        frozen = frozen.model_copy(update={"radiation": self.solved.radiation, "particle": self.solved.particle})
+        frozen = frozen.model_copy(update={"radiation": self.solved.radiation})
+        frozen = frozen.with_inside(self.solved.solid.inside)
         line = None if self.solved.mesh is self.scene.mesh else on_a_line(frozen)
         return frozen if line is None else line[0]
 
@@ -213,15 +215,15 @@ class Plan:
         kept: dict[str, Any] = {}
         written, schedule = scene, self.schedule
         if scene.time is not None and schedule:
-            schedule = Schedule.of(scene.flow, scene.boundary, scene.origin.base)
+            schedule = Schedule.of(scene.boundary, scene.origin.base)
             scene = schedule.frozen(scene, 0.0)
         if scene.radiation is not None and self.solved.radiation is not None:
             kept["radiation"] = scene.radiation.model_copy(update={"level": self.solved.radiation.level})
-        if scene.particle is not None and self.solved.particle is not None:
-            level = {"heat": self.solved.particle.heat, "points": self.solved.particle.points}
-            kept["particle"] = scene.particle.model_copy(update=level)
         target = scene.model_copy(update=kept)
-        fluid = self.medium.fluid if scene.fluid == self.scene.fluid else None  # a mixture takes long to make
+        inside, chosen = scene.solid.inside, self.solved.solid.inside
+        if inside is not None and chosen is not None:
+            target = target.with_inside(inside.model_copy(update={"heat": chosen.heat, "points": chosen.points}))
+        fluid = self.medium.fluid if scene.gas == self.scene.gas else None  # a mixture takes long to make
         medium = Medium.of(target, inlet_temperature(target), bed_diameter(target.mesh), fluid)
         line = None if self.solved.mesh is self.scene.mesh else on_a_line(target)
         target, section = line or (target, 1.0)
@@ -282,7 +284,7 @@ def plan(scene: s.Scene) -> Plan:
     schedule = Schedule({})
     written = scene
     if scene.time is not None:
-        schedule = Schedule.of(scene.flow, scene.boundary, scene.origin.base)
+        schedule = Schedule.of(scene.boundary, scene.origin.base)
         scene = schedule.frozen(scene, 0.0)
     scene, thick = cheapest(scene)
     built: list[tuple[str, str]] = []
@@ -348,8 +350,8 @@ def _changes_of_flow(schedule: Schedule, scene: s.Scene) -> list[float]:
         return [0.0]
     found: dict[Any, float] = {}
     for time in schedule.cuts(scene.time.end)[:-1]:
-        flow = schedule.frozen_flow(scene.flow, time)
-        found.setdefault((flow.velocity, flow.velocity_solid), time)
+        frozen = schedule.frozen(scene, time)
+        found.setdefault(tuple(velocity_vector(scene.mesh, frozen.boundary, phase) for phase in PHASES), time)
     return list(found.values())
 
 
@@ -360,7 +362,7 @@ def _inside(schedule: Schedule, scene: s.Scene) -> Inside | None:
     """
     if scene.heat is None:
         return None
-    bare = scene.model_copy(update={"particle": None})
+    bare = scene.with_inside(None)
     medium = Medium.of(bare, inlet_temperature(scene), bed_diameter(scene.mesh))
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
     moving = [each for each in flows if np.any(velocities(each)[0])]

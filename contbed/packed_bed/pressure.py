@@ -21,7 +21,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.packed_bed.inlets import velocity_key
 from contbed.packed_bed.medium import Medium
+from contbed.scene.toml_lines import parse_key
 
 GRAVITY = 9.81  # m/s2
 
@@ -53,7 +55,7 @@ def along_bed(medium: Medium, x: Array, T: Array, velocity: Array, velocity_soli
     """
     u, density, gradient = _resistance(medium, T, velocity, velocity_solid, axis)
     risen = np.concatenate(([0.0], np.cumsum(0.5 * (gradient[1:] + gradient[:-1]) * np.diff(x))))
-    pressure = risen - density * u**2 / medium.scene.bed.porosity**2
+    pressure = risen - density * u**2 / medium.scene.packed_bed.porosity**2
     return Stream(u, density, pressure - pressure[-1 if velocity[axis] >= 0 else 0])
 
 
@@ -85,14 +87,14 @@ def lifted(plan: Any, T: Array) -> str:
     if medium.solid is None or velocity == 0.0 or not upwards:
         return ""
     _, density, gradient = _resistance(medium, T, plan.velocity, plan.velocity_solid, axis)
-    weight = (1.0 - medium.scene.bed.porosity) * (medium.solid.density(T) - density) * GRAVITY
+    weight = (1.0 - medium.scene.packed_bed.porosity) * (medium.solid.density(T) - density) * GRAVITY
     k = int(np.argmax(np.abs(gradient) - weight))
     found, held = float(np.abs(gradient)[k]), float(np.broadcast_to(weight, T.shape)[k])
     if held <= 0.0 or found <= held:  # particles no denser than the fluid are held by something else
         return ""
-    known = upright or solid != 0.0
+    known, key = upright or solid != 0.0, velocity_key(plan.scene.boundary, "fluid")
     return (
-        f"{plan.scene.origin.at(('flow', 'velocity'))}: flow.velocity: the pressure gradient at {T[k]:.4g} K, "
+        f"{plan.scene.origin.at(parse_key(key))}: {key}: the pressure gradient at {T[k]:.4g} K, "
         f"{found:.4g} Pa/m, exceeds the weight of the particles, {held:.4g} Pa/m: "
         f"{'the fluid' if known else 'if the fluid flows upwards, it'} fluidizes the bed; lower the velocity, take "
         "larger particles, or hold the bed down"

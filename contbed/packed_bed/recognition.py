@@ -20,22 +20,22 @@ from contbed.scene.series import ProfileFile
 
 def velocities(scene: s.Scene) -> tuple[Any, Any]:
     """Return the superficial velocities of both phases as vectors on the mesh of the scene [m/s]."""
-    fluid, solid = (velocity_vector(scene.mesh, v) for v in (scene.flow.velocity, scene.flow.velocity_solid))
+    fluid, solid = (velocity_vector(scene.mesh, scene.boundary, phase) for phase in ("fluid", "solid"))
     return np.array(fluid, dtype=float), np.array(solid, dtype=float)
 
 
 def inlet_temperature(scene: s.Scene) -> float:
     """Return the temperature of the entering fluid: a prescribed one, on the inlet if that is known."""
-    found = [(name, table.fluid) for name, table in scene.boundary.items() if table.fluid is not None]
-    velocity = velocity_vector(scene.mesh, scene.flow.velocity)
+    found = [(name, table.gas) for name, table in scene.boundary.items() if table.gas is not None]
+    velocity = velocity_vector(scene.mesh, scene.boundary, "fluid")
     ranked = sorted(found, key=lambda item: role(scene.mesh, velocity, item[0], scene.boundary) != "inlet")
     for _, condition in ranked:
-        for value in (condition.inflow, condition.fixed, condition.ambient):
+        for value in (condition.temperature, condition.fixed_temperature, condition.ambient):
             if value is not None:
                 return float(value)  # type: ignore[arg-type]  # frozen: numbers stand in place of series
     if scene.time is None:
         return 300.0
-    return 0.5 * sum(initial_range(scene.time.initial_fluid, "fluid", scene.origin.base))
+    return 0.5 * sum(initial_range(scene.initial.given("fluid"), "fluid", scene.origin.base))
 
 
 def bed_diameter(mesh: MeshSettings) -> float:
@@ -55,12 +55,12 @@ def reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
     if isinstance(mesh, MeshFile | MeshLine) or scene.heat is None or (mesh.cells is not None and mesh.refine):
         return None
     axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
-    vectors = [velocity_vector(mesh, v) for v in (scene.flow.velocity, scene.flow.velocity_solid)]
+    vectors = [velocity_vector(mesh, scene.boundary, phase) for phase in ("fluid", "solid")]
     if any(component for vector in vectors for k, component in enumerate(vector) if k != axis):
         return None
     low, high = mesh.sides[axis]
     for name, table in scene.boundary.items():
-        given = table.fluid or table.solid or table.radiation or table.type not in (None, "slip")
+        given = table.heated or table.radiation or table.type not in (None, "slip")
         if name not in (low, high) and given:
             return None
     if isinstance(mesh, MeshRectangle):
@@ -73,11 +73,23 @@ def reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
     line = scene.model_copy(
         update={
             "mesh": MeshLine(type="line", length=mesh.length, cells=cells, graded=mesh.graded, refine=mesh.refine),
-            "flow": s.Flow(velocity=vectors[0][axis], velocity_solid=vectors[1][axis]),
-            "boundary": {ends[name]: table for name, table in scene.boundary.items() if name in ends},
+            "boundary": {ends[name]: _on_a_line(table, axis) for name, table in scene.boundary.items() if name in ends},
         }
     )
     return line, float(section)
+
+
+def _on_a_line(table: s.Boundary, axis: int) -> s.Boundary:
+    """Return the conditions of an end of a bed with its velocities as vectors on a line along an axis of the bed."""
+
+    def along(condition: s.PhaseCondition) -> s.PhaseCondition:
+        velocity = condition.velocity
+        if not isinstance(velocity, tuple):
+            return condition
+        return condition.model_copy(update={"velocity": (velocity[axis],)})
+
+    gas = None if table.gas is None else along(table.gas)
+    return table.model_copy(update={"gas": gas, "solids": {name: along(each) for name, each in table.solids.items()}})
 
 
 def tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
@@ -87,21 +99,18 @@ def tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
     """
     if scene.time is None or scene.heat is None or not isinstance(scene.mesh, MeshLine) or not medium.constant:
         return False
-    if (
-        modes(scene)
-        or scene.flow.velocity_solid
-        or scene.heat.dispersion is not None
-        or scene.heat.tortuosity is not None
-    ):
+    fluid, solid = velocities(scene)
+    spreads = scene.closures.dispersion is not None or scene.closures.tortuosity is not None
+    if modes(scene) or np.any(solid) or spreads:
         return False
-    ends = [table.fluid for table in scene.boundary.values() if table.fluid is not None]
-    if isinstance(scene.time.initial_fluid, ProfileFile) or isinstance(scene.time.initial_solid, ProfileFile):
+    ends = [condition for table in scene.boundary.values() if (condition := table.thermal("fluid")) is not None]
+    if any(isinstance(scene.initial.given(phase), ProfileFile) for phase in ("fluid", "solid")):
         return False
-    only_inlet = all(condition.fixed is not None or condition.inflow is not None for condition in ends)
-    solid_free = all(table.solid is None for table in scene.boundary.values())
+    only_inlet = all(condition.fixed_temperature is not None or condition.temperature is not None for condition in ends)
+    solid_free = all(table.thermal("solid") is None for table in scene.boundary.values())
     T = medium.T_fluid_in
     still = not medium.conductivity_fluid(T) and not medium.conductivity_solid(T) and not scene.region
-    return bool(still and only_inlet and solid_free and scene.flow.velocity)
+    return bool(still and only_inlet and solid_free and np.any(fluid))
 
 
 def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:

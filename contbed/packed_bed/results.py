@@ -13,6 +13,7 @@ from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.pressure import along_bed, lifted
 from contbed.packed_bed.streams import Streams, outlet_table, streams
 from contbed.result import Result
+from contbed.scene.boundary import conditions_of
 from contbed.scene.mesh import power_units
 
 APART = 0.01  # difference of theta at which the phases count as being in equilibrium
@@ -105,7 +106,7 @@ def _exchanger(plan: Plan, problem: Any, entering: Streams, fluxes: Any, result:
     duty = -sum(flux["T_fluid"] for flux in fluxes.values() if "T_fluid" in flux)
     result.qoi |= {"duty_W": duty, "heat_reference_K": problem.T_span[0]}
     # a prescribed temperature at an inlet conducts heat in beside what the stream carries
-    fixed = any(table.fixed for b in plan.solved.boundary.values() for table in (b.fluid, b.solid) if table is not None)
+    fixed = any(condition.fixed_temperature for *_, condition in conditions_of(plan.solved.boundary))
     if len(entering) < 2 or fixed:
         return
     temperatures = [T for _, T in entering.values()]
@@ -165,7 +166,7 @@ def _stream(plans: list[Plan], line: Line, problem: Any, states: list[Any], flui
         if velocities[-1]:
             result.qoi["pressure_drop_Pa"] = float(abs(last.pressure[-1] - last.pressure[0]))
             mean = _integral(1.0 / np.abs(last.u), x) if not _crosses(plan) else _mean_stay(medium, problem, states[-1])
-            result.qoi["residence_time_s"] = medium.scene.bed.porosity * mean
+            result.qoi["residence_time_s"] = medium.scene.packed_bed.porosity * mean
     elif problem.motion.flow is not None:
         density = np.broadcast_to(medium.fluid.density(fluid[-1]), fluid[-1].shape)
         if header("u") in result.profiles:
@@ -257,8 +258,6 @@ def transient_findings(plan: Plan, line: Line, problem: Any, history: Any, resul
 
 def front_findings(plan: Plan, snapshots: list[Any], backwards: bool, result: Result) -> None:
     """Fill in profiles of a bed with tracked fronts; `backwards` if the stream enters at the right end."""
-    time = plan.scene.time
-    assert time is not None
     length = plan.scene.mesh.length  # type: ignore[union-attr]
     positions = np.unique(plan.scene.output.positions)
     if not len(positions):
@@ -266,6 +265,7 @@ def front_findings(plan: Plan, snapshots: list[Any], backwards: bool, result: Re
     along = length - positions if backwards else positions
     fluid, solid = (np.array(part) for part in zip(*(snapshot.at(along) for snapshot in snapshots), strict=True))
     _tell_if_lifted([plan], fluid[-1:], result)
-    T = (plan.medium.T_fluid_in, time.initial_fluid, time.initial_solid)
+    initial = plan.scene.initial
+    T = (plan.medium.T_fluid_in, initial.given("fluid"), initial.given("solid"))
     _columns(plan, positions, fluid, solid, (min(T), max(T)), [snapshot.time for snapshot in snapshots], result)
     result.qoi |= {"T_fluid_out_K": float(fluid[-1, 0 if backwards else -1])}

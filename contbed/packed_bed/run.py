@@ -8,7 +8,7 @@ from typing import Any
 from contbed.balance import Balance
 from contbed.fem.probe import Line, line_along
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.scene import Time
+from contbed.packed_bed.scene import Scene
 from contbed.packed_bed.shared import Solved, check_state, heat_balance, heat_problem, report_flow, solved_flow
 from contbed.result import Result
 
@@ -158,7 +158,7 @@ def _track_fronts(plan: Plan, result: Result, quiet: bool) -> None:
     from contbed.packed_bed.results import front_findings
 
     scene, medium = plan.scene, plan.medium
-    time, bed = scene.time, scene.bed
+    time, porosity = scene.time, scene.packed_bed.porosity
     assert time is not None
     u = float(plan.velocity[0])
     times = sorted({*time.times, time.end})
@@ -166,12 +166,12 @@ def _track_fronts(plan: Plan, result: Result, quiet: bool) -> None:
         snapshots, sums = track(
             scene.mesh.length,  # type: ignore[union-attr]
             plan.mesh.skfem.nelements,
-            abs(u) / bed.porosity,
-            bed.porosity * medium.fluid.density(300.0) * medium.fluid.heat_capacity(300.0),
-            (1.0 - bed.porosity) * medium.solid.density(300.0) * medium.solid.heat_capacity(300.0),
+            abs(u) / porosity,
+            porosity * medium.fluid.density(300.0) * medium.fluid.heat_capacity(300.0),
+            (1.0 - porosity) * medium.solid.density(300.0) * medium.solid.heat_capacity(300.0),
             float(medium.exchange(medium.T_fluid_in, lambda density: abs(u))),
             medium.T_fluid_in,
-            _start_of_fronts(time),
+            _start_of_fronts(scene),
             times,
             progress.advance_to,
         )
@@ -181,6 +181,7 @@ def _track_fronts(plan: Plan, result: Result, quiet: bool) -> None:
     front_findings(plan, snapshots, u < 0, result)
 
 
-def _start_of_fronts(time: Time) -> tuple[float, float]:
-    assert isinstance(time.initial_fluid, float) and isinstance(time.initial_solid, float)  # `plan` sees to it
-    return time.initial_fluid, time.initial_solid
+def _start_of_fronts(scene: Scene) -> tuple[float, float]:
+    gas, solid = (scene.initial.given(phase) for phase in ("fluid", "solid"))
+    assert isinstance(gas, float) and isinstance(solid, float)  # `plan` sees to it
+    return gas, solid

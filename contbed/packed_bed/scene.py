@@ -1,4 +1,13 @@
-"""The vocabulary of a scene: every table and key, with unit, bounds and meaning, as frozen pydantic models in SI.
+"""The vocabulary of a packed bed: every table and key, with unit, bounds and meaning, as frozen pydantic models in SI.
+
+    [mesh]             along the bed, or a plane, a volume, a file
+    [gas]              constants, a material, a mixture of Cantera, a fluid of CoolProp; also a liquid
+    [solids.NAME]      the particles; further ones with an emissivity only radiate
+    [packed_bed]       porosity
+    [closures]         resistance to flow, exchange, conductivities, dispersion
+    [heat]             two energy equations, one for each phase; absent: the flow alone
+    [boundary.NAME]    gas.KEY, solids.NAME.KEY, radiation
+    [initial], [time]  a transient run; absent: a steady state
 
 A plain number is SI; a string may carry a unit ("3 mm", "100 degC") and is converted here, at the door, so that
 nothing behind it ever sees a unit. A table that is absent means that its physics is absent. Defaults live here only.
@@ -10,44 +19,38 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, Tag
 
-from contbed.radiation.scene import Radiation, RadiationCondition, Tubes
+from contbed.packed_bed.renamed import RENAMED
+from contbed.radiation.scene import RadiatingSolid, Radiation, RadiationCondition, Tubes
+from contbed.scene.boundary import ThermalCondition
+from contbed.scene.gas import Gas
 from contbed.scene.mesh import Mesh, MeshFile
 from contbed.scene.quantities import (
     Conductivity,
-    Emissivity,
     Fraction,
     HeatSource,
     Instant,
     NonNegative,
     Seconds,
     Table,
+    Temperature,
     Whole,
     form,
-    given_one,
     takes,
 )
-from contbed.scene.series import (
-    HeatFluxOrSeries,
-    TemperatureOrProfile,
-    TemperatureOrSeries,
-    VelocityOrSeries,
-)
+from contbed.scene.series import TemperatureOrProfile, VelocityOrSeries
+from contbed.scene.solids import ConductivityOfSolid, HeatCapacityOfSolid
 from contbed.scene.tables import (
     ConductivityOrClosure,
     CycleSettings,
-    Fluid,
     Named,
     NonNegativeOrClosure,
     NumberOrClosure,
     Output,
-    Packing,
     PermeabilityOrClosure,
     SceneBase,
-    Solid,
     Solver,
-    WallCoefficientOrClosure,
 )
 
 
@@ -55,20 +58,6 @@ def dispersion_form(value: Any) -> str:
     """Return the `form` of a value; a table without a name holds the two conductivities themselves."""
     nameless = isinstance(value, Dispersion) or (isinstance(value, dict) and "name" not in value)
     return "table" if nameless else form(value)
-
-
-class Bed(Packing):
-    """The packing and its resistance to flow."""
-
-    permeability: PermeabilityOrClosure = Field("permeability_ergun", description="permeability of the bed")
-    forchheimer: NonNegativeOrClosure = Field("forchheimer_ergun", description="inertial drag coefficient c_F")
-
-
-class Flow(Table):
-    """Superficial velocities; a number is along the bed axis (x, or z when axisymmetric), a list is a vector."""
-
-    velocity: VelocityOrSeries = Field(description="fluid, mean over the inlet")
-    velocity_solid: VelocityOrSeries = Field(0.0, description="superficial velocity of the solid; 0 for a bed at rest")
 
 
 class Dispersion(Table):
@@ -81,20 +70,21 @@ class Dispersion(Table):
 DispersionOrClosure = Annotated[Annotated[Dispersion, Tag("table")] | Named, Discriminator(dispersion_form)]
 
 
-class Heat(Table):
-    """Two energy equations, one for each phase."""
+class Closures(Table):
+    """Closures of the bed: a name, a name with parameters, a number, or a file."""
 
-    nusselt: NonNegativeOrClosure = Field(description="Nusselt number of the exchange between fluid and particles")
-    reynolds: NonNegative | None = Field(
-        None, description="fixed Reynolds number for the closures instead of the one from velocities and properties"
+    permeability: PermeabilityOrClosure = Field("permeability_ergun", description="permeability of the bed")
+    forchheimer: NonNegativeOrClosure = Field("forchheimer_ergun", description="inertial drag coefficient c_F")
+    nusselt: NonNegativeOrClosure | None = Field(
+        None, description="exchange of heat between particles and gas; needed with a [heat] table"
     )
-    conductivity_fluid: ConductivityOrClosure = Field(
+    conductivity_gas: ConductivityOrClosure = Field(
         "conductivity_phase",
-        description="effective, without dispersion; conductivity_phase is eps k_fluid; 0 where that of the solid is a "
+        description="effective, without dispersion; conductivity_phase is eps k_gas; 0 where that of the solids is a "
         "closure of the whole bed",
         json_schema_extra=takes("conductivity"),
     )
-    conductivity_solid: ConductivityOrClosure = Field(
+    conductivity_solids: ConductivityOrClosure = Field(
         "conductivity_phase",
         description="effective; conductivity_phase is (1-eps) k_solid",
         json_schema_extra=takes("conductivity"),
@@ -102,13 +92,23 @@ class Heat(Table):
     tortuosity: NumberOrClosure | None = Field(
         None, description="tortuosity parameter G of the cross conduction between the phases; absent means none"
     )
-    dispersion: DispersionOrClosure | None = Field(
-        None,
-        description="thermal dispersion of the fluid: a closure, or axial and transverse values; absent: none",
+    dispersion: DispersionOrClosure | None = Field(None, description="of heat in the gas; absent means none")
+
+
+class Heat(Table):
+    """With this table temperatures are solved: two energy equations, one for each phase."""
+
+
+class PackedBed(Table):
+    """What only a packed bed has."""
+
+    porosity: Fraction = Field(description="share of the gas between particles in the volume of the bed")
+    reynolds: NonNegative | None = Field(
+        None, description="fixed Reynolds number for the closures instead of the one from velocities and properties"
     )
 
 
-class Particle(Table):
+class Inside(Table):
     """Intraparticle conduction; absent: lumped particles, external film only."""
 
     heat: Literal["auto", "lumped", "effective", "interior"] = Field(
@@ -122,32 +122,32 @@ class Particle(Table):
     )
 
 
-class PhaseCondition(Table):
-    """Thermal condition of one phase on one boundary: exactly one of the five."""
+class Solid(RadiatingSolid):
+    """A solid phase. One fills the bed; where there are several it is the one with a density."""
 
-    fixed: TemperatureOrSeries | None = Field(None, description="prescribed temperature")
-    inflow: TemperatureOrSeries | None = Field(
-        None, description="Danckwerts: temperature of the stream while it enters; nothing while it leaves"
+    heat_capacity: HeatCapacityOfSolid | None = Field(None, description="needed with a [heat] table")
+    conductivity: ConductivityOfSolid | None = Field(
+        None, description="of the particles' material; needed with a [heat] table"
     )
-    flux: HeatFluxOrSeries | None = Field(None, description="heat into the bed")
-    coefficient: WallCoefficientOrClosure | None = Field(
-        None, description="Robin: wall coefficient to `ambient`", json_schema_extra=takes("wall")
+    shape: Literal["spheres", "rods"] = Field(
+        "spheres", description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods"
     )
-    emissivity: Emissivity | None = Field(None, description="of a surface that radiates to surroundings at `ambient`")
-    ambient: TemperatureOrSeries | None = Field(None, description="temperature of the surroundings")
+    inside: Inside | None = Field(None, description="intraparticle conduction; absent: lumped particles")
 
-    @model_validator(mode="after")
-    def _exactly_one(self) -> PhaseCondition:
-        given = given_one(self, "fixed", "inflow", "flux", "coefficient", "emissivity")
-        if (given in ("coefficient", "emissivity")) != (self.ambient is not None):
-            name = given if self.ambient is None else "coefficient or emissivity"
-            raise ValueError(f"{name} and ambient belong together")
-        return self
+
+class PhaseCondition(ThermalCondition):
+    """What one phase does at one boundary; without a thermal condition it is adiabatic."""
+
+    velocity: VelocityOrSeries | None = Field(
+        None,
+        description="superficial, mean over the boundary, into the bed; a list is a vector, needed with a mesh file; "
+        "one boundary gives it for the whole bed, absent: at rest",
+    )
 
     @property
     def ties(self) -> bool:
-        """Whether a steady temperature is determined by this condition; a flux alone leaves it open."""
-        return self.flux is None
+        """Whether a steady temperature is determined by this condition; a heat flux alone leaves it open."""
+        return self.exchanges_heat and self.heat_flux is None
 
     @property
     def linear(self) -> bool:
@@ -161,29 +161,77 @@ class Boundary(Table):
     type: Literal["inlet", "outlet", "no_slip", "slip"] | None = Field(
         None, description="absent: inlet or outlet by the sign of the velocity, slip on walls"
     )
-    fluid: PhaseCondition | None = Field(None, description="thermal condition of the fluid")
-    solid: PhaseCondition | None = Field(None, description="thermal condition of the solid")
+    gas: PhaseCondition | None = Field(None, description="conditions of the gas")
+    solids: dict[str, PhaseCondition] = Field(default_factory=dict, description="of the solid that fills the bed")
     radiation: RadiationCondition | None = Field(None, description="absent: a mirror")
+
+    def condition(self, phase: str) -> PhaseCondition | None:
+        """Return the table of a phase, "fluid" or "solid"; None if there is none."""
+        return self.gas if phase == "fluid" else next(iter(self.solids.values()), None)
+
+    def thermal(self, phase: str) -> PhaseCondition | None:
+        """Return the thermal condition of a phase, "fluid" or "solid"; None if it is adiabatic."""
+        found = self.condition(phase)
+        return found if found is not None and found.exchanges_heat else None
+
+    @property
+    def heated(self) -> bool:
+        """Whether one of the phases has a thermal condition here."""
+        return self.thermal("fluid") is not None or self.thermal("solid") is not None
+
+    def key(self, phase: str) -> tuple[str, ...]:
+        """Return the key of the table of a phase, "fluid" or "solid", below that of the boundary."""
+        return ("gas",) if phase == "fluid" else ("solids", *list(self.solids)[:1])
+
+
+class Release(Table):
+    """Heat that one phase releases."""
+
+    heat_source: HeatSource = Field(0.0, description="per volume of the bed")
 
 
 class Region(Table):
-    """Heat sources in one named region of the mesh, per bed volume, and tubes."""
+    """Heat sources in one named region of the mesh, and tubes."""
 
-    source_fluid: HeatSource = Field(0.0, description="heat source in the fluid, per bed volume")
-    source_solid: HeatSource = Field(0.0, description="heat source in the solid, per bed volume")
+    gas: Release = Field(Release(), description="heat that the gas releases")
+    solids: Release = Field(Release(), description="heat that the solids release")
     tubes: Tubes | None = Field(None, description="absorb and emit radiation; with [heat] and [radiation]")
+
+    def heat_source(self, phase: str) -> float:
+        """Return the heat source of a phase, "fluid" or "solid", per volume of the bed [W/m3]."""
+        return (self.gas if phase == "fluid" else self.solids).heat_source
+
+
+class InitialState(Table):
+    """State of one phase at the start."""
+
+    temperature: TemperatureOrProfile = Field(description="a number, or a profile from a file")
+
+
+class Initial(Table):
+    """The state at the start of a transient run."""
+
+    temperature: Temperature | None = Field(None, description="of everything; each phase may have its own")
+    gas: InitialState | None = Field(None, description="initial state of the gas")
+    solids: dict[str, InitialState] = Field(default_factory=dict, description="initial state of the solid by name")
+
+    def given(self, phase: str) -> Any:
+        """Return the temperature of a phase, "fluid" or "solid", at the start: a number, a profile, or None."""
+        table = self.gas if phase == "fluid" else next(iter(self.solids.values()), None)
+        return self.temperature if table is None else table.temperature
+
+    def key(self, phase: str) -> tuple[str, ...]:
+        """Return the key of the temperature of a phase, "fluid" or "solid"."""
+        if phase == "fluid":
+            return ("initial", "gas", "temperature") if self.gas is not None else ("initial", "temperature")
+        name = next(iter(self.solids), None)
+        return ("initial", "temperature") if name is None else ("initial", "solids", name, "temperature")
 
 
 class Time(Table):
     """A transient run; absent means steady."""
 
     end: Seconds = Field(description="time at which the run ends")
-    initial_fluid: TemperatureOrProfile = Field(
-        description="initial temperature of the fluid: a number, or a profile from a file"
-    )
-    initial_solid: TemperatureOrProfile = Field(
-        description="initial temperature of the solid: a number, or a profile from a file"
-    )
     times: tuple[Instant, ...] = Field((), description="output times; the end is always one")
     step: Seconds | None = Field(None, description="fixed step; error-controlled if absent")
     tolerance: Fraction = Field(1e-4, description="local error over the span of temperatures")
@@ -191,6 +239,11 @@ class Time(Table):
         None, description="the run is one period of a cyclic steady state; initial temperatures are a guess"
     )
     checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
+
+
+def that_fill_the_bed(solids: Mapping[str, Solid]) -> dict[str, Solid]:
+    """Return the solids that may fill a bed: the only one, of several those with a density."""
+    return dict(solids) if len(solids) < 2 else {name: each for name, each in solids.items() if each.density}
 
 
 def _absent() -> Any:
@@ -201,16 +254,15 @@ class Scene(SceneBase):
     """One run of a packed or moving bed."""
 
     kind: ClassVar[str] = "packed_bed"
-    renamed: ClassVar[Mapping[str, str]] = {"boundary.NAME.flow": "type"}
+    renamed: ClassVar[Mapping[str, str]] = RENAMED
 
     mesh: Mesh
-    # fluid, bed and flow are None only in a medium that merely radiates; `checks` sees to it
-    fluid: Fluid = Field(default_factory=_absent)
-    solid: Solid | None = None
-    bed: Bed = Field(default_factory=_absent)
-    flow: Flow = Field(default_factory=_absent)
+    # gas and packed_bed are None only in a medium that merely radiates; `checks` sees to it
+    gas: Gas = Field(default_factory=_absent)
+    solids: dict[str, Solid] = Field(default_factory=dict, description="solid phases by name")
+    packed_bed: PackedBed = Field(default_factory=_absent)
+    closures: Closures = Closures()
     heat: Heat | None = None
-    particle: Particle | None = None
     radiation: Radiation | None = None
     boundary: dict[str, Boundary] = Field(
         default_factory=dict,
@@ -219,6 +271,7 @@ class Scene(SceneBase):
     region: dict[str, Region] = Field(
         default_factory=dict, description="heat sources and tubes by name of the region of the mesh"
     )
+    initial: Initial = Initial()
     time: Time | None = None
     solver: Solver = Solver()
     output: Output = Output()
@@ -227,3 +280,20 @@ class Scene(SceneBase):
     def mesh_path(self) -> Path | None:
         """The mesh file of this scene, found from any working directory; None for a built-in mesh."""
         return self._origin.base / self.mesh.file if isinstance(self.mesh, MeshFile) else None
+
+    @property
+    def solid(self) -> Solid:
+        """The particles that fill the bed."""
+        return next(iter(that_fill_the_bed(self.solids).values()))
+
+    @property
+    def diameter(self) -> float:
+        """Diameter of the particles that fill the bed [m]."""
+        assert self.solid.diameter is not None  # `checks` sees to it
+        return self.solid.diameter
+
+    def with_inside(self, inside: Inside | None) -> Scene:
+        """Return the scene with other intraparticle conduction in the solid that fills the bed."""
+        name = next(iter(that_fill_the_bed(self.solids)))
+        solid = self.solids[name].model_copy(update={"inside": inside})
+        return self.model_copy(update={"solids": {**self.solids, name: solid}})

@@ -19,29 +19,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.packed_bed import scene as s
+from contbed.scene.boundary import conditions_of
 from contbed.scene.schedule import SeriesByKey
 from contbed.scene.series import SAME, ProfileFile, Samples, Series
 from contbed.scene.toml_lines import KeyPath
+from contbed.scene.values import with_value
 
 Array = NDArray[np.float64]
 
-VELOCITIES = ("velocity", "velocity_solid")
-VALUES = ("fixed", "inflow", "flux", "ambient")
-KELVIN = ("fixed", "inflow", "ambient")  # those that are temperatures
+VELOCITY = "velocity"
+VALUES = ("fixed_temperature", "temperature", "heat_flux", "ambient")
+KELVIN = ("fixed_temperature", "temperature", "ambient")  # those that are temperatures
 PHASES = ("fluid", "solid")
 
 
-def series_of(flow: s.Flow | None, boundary: dict[str, s.Boundary]) -> Iterator[tuple[KeyPath, Series]]:
+def series_of(boundary: Mapping[str, s.Boundary]) -> Iterator[tuple[KeyPath, Series]]:
     """Yield key and series of everything that changes with time."""
-    for key in VELOCITIES:
-        if flow is not None and isinstance(series := getattr(flow, key), Series):
-            yield ("flow", key), series
-    for name, table in boundary.items():
-        for phase in PHASES:
-            condition = getattr(table, phase)
-            for key in VALUES:
-                if condition is not None and isinstance(series := getattr(condition, key), Series):
-                    yield ("boundary", name, phase, key), series
+    for path, _, condition in conditions_of(boundary):
+        for key in (VELOCITY, *VALUES):
+            if isinstance(series := getattr(condition, key), Series):
+                yield (*path, key), series
 
 
 @dataclass(frozen=True)
@@ -92,7 +89,7 @@ class Piece:
 
     def condition(self, boundary: str, phase: str, shares: Array) -> s.PhaseCondition | None:
         """Return the thermal condition of one phase on one boundary at shares of the others."""
-        first, *others = (getattr(each.boundary.get(boundary), phase, None) for each in (self.first, *self.others))
+        first, *others = (_thermal(each, boundary, phase) for each in (self.first, *self.others))
         changed = [(share, other) for share, other in zip(shares, others, strict=True) if other != first]
         if first is None or not changed:
             return first
@@ -105,29 +102,35 @@ class Piece:
         return found
 
 
+def _thermal(scene: s.Scene, boundary: str, phase: str) -> s.PhaseCondition | None:
+    table = scene.boundary.get(boundary)
+    return None if table is None else table.thermal(phase)
+
+
 @dataclass(frozen=True)
 class Schedule(SeriesByKey):
     """The series of a packed bed."""
 
     @classmethod
-    def of(cls, flow: s.Flow | None, boundary: dict[str, s.Boundary], base: Path) -> Schedule:
+    def of(cls, boundary: Mapping[str, s.Boundary], base: Path) -> Schedule:
         """Read the series of a scene in the folder `base`.
 
         Raises
         ------
         SceneError : a series cannot be used
         """
-        return cls({path: series.samples(base) for path, series in series_of(flow, boundary)})
+        return cls({path: series.samples(base) for path, series in series_of(boundary)})
 
-    def small(self, time: s.Time, base: Path) -> dict[KeyPath, float] | None:
-        """Return the sizes of kinks that a step may pass, None for none of them; `base` is the folder of the scene.
+    def small(self, scene: s.Scene) -> dict[KeyPath, float] | None:
+        """Return the sizes of kinks that a step may pass in a transient scene, None for none of them.
 
         What errors refer to is here the range of the temperatures that change, with those at the start, and the largest
         heat flux.
         """
-        if time.step is not None or time.cycle is not None:
+        time, base = scene.time, scene.origin.base
+        if time is None or time.step is not None or time.cycle is not None:
             return None
-        starts = [T for phase in PHASES for T in initial_range(getattr(time, f"initial_{phase}"), phase, base)]
+        starts = [T for phase in PHASES for T in initial_range(scene.initial.given(phase), phase, base)]
         span = float(np.ptp([*self.temperatures(), *starts]))
         sizes = {path: float(np.abs(values.values).max()) for path, values in self.samples.items()}
         sizes |= {path: span for path in sizes if path[-1] in KELVIN}
@@ -140,40 +143,27 @@ class Schedule(SeriesByKey):
         for path, samples in self.samples.items() if inner else ():
             first = samples.at(start)
             values = np.array([samples.at(time, True, start) for time in (*inner, end)])
-            if path[0] != "flow" and np.any(values != first):
+            if path[-1] != VELOCITY and np.any(values != first):
                 found.append((path, samples, float(first), float(values[np.abs(values - first).argmax()])))
         return found
 
     @cached_property
     def flows(self) -> bool:
         """Whether a velocity changes."""
-        return any(path[0] == "flow" for path in self.samples)
-
-    def frozen_flow(self, flow: s.Flow, time: float, before: bool = False) -> s.Flow:
-        """Return the [flow] table at a time, just after or `before` a jump."""
-        found = {str(path[1]): _velocity(v.at(time, before)) for path, v in self.samples.items() if path[0] == "flow"}
-        return flow.model_copy(update=found) if found else flow
+        return any(path[-1] == VELOCITY for path in self.samples)
 
     def frozen_boundary(self, boundary: dict[str, s.Boundary], time: float, before: bool = False) -> Any:
         """Return the [boundary] tables at a time, just after or `before` a jump."""
-        found = dict(boundary)
+        found: Any = dict(boundary)
         for path, values in self.samples.items():
-            if path[0] == "boundary":
-                _, name, phase, key = (str(part) for part in path)
-                condition = getattr(found[name], phase).model_copy(update={key: float(values.at(time, before))})
-                found[name] = found[name].model_copy(update={phase: condition})
+            found = with_value(found, path[1:], _plain(values.at(time, before)))
         return found
 
     def frozen(self, scene: s.Scene, time: float, before: bool = False) -> s.Scene:
         """Return the scene with the values at a time, just after or `before` a jump."""
         if not self:
             return scene
-        return scene.model_copy(
-            update={
-                "flow": self.frozen_flow(scene.flow, time, before),
-                "boundary": self.frozen_boundary(scene.boundary, time, before),
-            }
-        )
+        return scene.model_copy(update={"boundary": self.frozen_boundary(scene.boundary, time, before)})
 
     def temperatures(self) -> list[float]:
         """Return all temperatures of the series [K]."""
@@ -181,7 +171,8 @@ class Schedule(SeriesByKey):
         return [float(T) for values in found for T in values]
 
 
-def _velocity(value: Any) -> Any:
+def _plain(value: Any) -> Any:
+    """Return a value of a series as a number, a velocity with components as a tuple."""
     return tuple(value.tolist()) if getattr(value, "ndim", 0) else float(value)
 
 

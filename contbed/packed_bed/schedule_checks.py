@@ -8,24 +8,24 @@ from typing import Any
 
 from contbed.errors import SceneError
 from contbed.packed_bed import scene as s
-from contbed.packed_bed.inlets import enters, velocity_vector
-from contbed.packed_bed.schedule import Schedule, series_of
+from contbed.packed_bed.inlets import enters, velocity_key, velocity_vector
+from contbed.packed_bed.schedule import VELOCITY, Schedule, series_of
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.mesh import Mesh, MeshFile
 from contbed.scene.profile import outside_of_the_bed, short_of_an_end
 from contbed.scene.series import ProfileFile
 from contbed.scene.series_checks import series_is_usable
-from contbed.scene.toml_lines import Origin
+from contbed.scene.toml_lines import Origin, parse_key
+from contbed.scene.values import with_value
 
 Boundaries = dict[str, s.Boundary]
-PHASES = {"fluid": "velocity", "solid": "velocity_solid"}
+PHASES = ("fluid", "solid")
+NAMES = {"fluid": "gas", "solid": "solid"}
 
 
-def series_are_usable(
-    flow: s.Flow | None, boundary: Boundaries, time: s.Time | None, see: See, origin: Origin
-) -> Mistakes:
+def series_are_usable(boundary: Boundaries, time: s.Time | None, see: See, origin: Origin) -> Mistakes:
     """Check that series can be read, begin at 0 and last as long as the run."""
-    for path, series in series_of(flow, boundary):
+    for path, series in series_of(boundary):
         yield from series_is_usable(path, series, time, see, origin)
 
 
@@ -40,41 +40,42 @@ def require_flow(scene: s.Scene) -> None:
     plug = all(conditions.type != "no_slip" for conditions in scene.boundary.values())
     if plug and scene.heat is None:
         text = 'nothing to solve: no wall has type = "no_slip" and there is no [heat] table'
-    if not plug and any(path[0] == "flow" for path, _ in series_of(scene.flow, scene.boundary)):
+    if not plug and any(path[-1] == VELOCITY for path, _ in series_of(scene.boundary)):
         text = (
             'velocities that change with time are for plug flow, and a wall has type = "no_slip"; make it "slip", or '
-            "run one scene for each velocity, each with initial_fluid and initial_solid from the profiles.csv of the "
-            "one before"
+            "run one scene for each velocity, each with the [initial] temperatures from the profiles.csv of the one "
+            "before"
         )
     if text:
-        raise SceneError(f"{scene.origin.at(('flow',))}: flow: {text}")
+        key = velocity_key(scene.boundary, "fluid")
+        raise SceneError(f"{scene.origin.at(parse_key(key))}: {key}: {text}")
 
 
-def initial_profiles_fit_the_bed(time: s.Time | None, mesh: Mesh, see: See, origin: Origin) -> Mistakes:
+def initial_profiles_fit_the_bed(initial: s.Initial, mesh: Mesh, see: See, origin: Origin) -> Mistakes:
     """Check that the files of initial temperatures can be read and lie within the bed."""
     for phase in PHASES:
-        given = None if time is None else getattr(time, f"initial_{phase}")
+        given, key = initial.given(phase), initial.key(phase)
         if not isinstance(given, ProfileFile):
             continue
         try:
             given.samples(origin.base, f"T_{phase}")
         except SceneError as error:
-            yield ("time", f"initial_{phase}"), str(error)
+            yield key, str(error)
             continue
         if not isinstance(mesh, MeshFile):
-            yield from outside_of_the_bed(("time", f"initial_{phase}"), given.rows(origin.base), mesh.length, see)
+            yield from outside_of_the_bed(key, given.rows(origin.base), mesh.length, see)
 
 
-def initial_profiles_reach_both_ends(time: s.Time | None, mesh: Mesh, see: See, origin: Origin) -> Mistakes:
+def initial_profiles_reach_both_ends(initial: s.Initial, mesh: Mesh, see: See, origin: Origin) -> Mistakes:
     """Look for files of initial temperatures that leave much of the bed at the value of their first or last row."""
     if isinstance(mesh, MeshFile):
         return
     for phase in PHASES:
-        given = None if time is None else getattr(time, f"initial_{phase}")
+        given = initial.given(phase)
         if not isinstance(given, ProfileFile):
             continue
         rows = given.rows(origin.base)
-        yield from short_of_an_end(("time", f"initial_{phase}"), rows, mesh.length, "temperature", see)
+        yield from short_of_an_end(initial.key(phase), rows, mesh.length, "temperature", see)
 
 
 def at_each_time(check: Check) -> Check:
@@ -85,11 +86,11 @@ def at_each_time(check: Check) -> Check:
     @wraps(check)
     def each(**given: Any) -> Mistakes:
         origin = given["origin"]
-        flow, boundary = given.get("flow"), given.get("boundary", {})
+        boundary = given["boundary"]
         if not takes_origin:
             del given["origin"]
         try:
-            schedule = Schedule.of(flow, boundary, origin.base)
+            schedule = Schedule.of(boundary, origin.base)
         except SceneError:
             return  # `series_are_usable` says so
         if not schedule:
@@ -97,11 +98,8 @@ def at_each_time(check: Check) -> Check:
             return
         said = set()
         for moment in sorted({float(t) for samples in schedule.samples.values() for t in samples.times}):
-            if flow is not None:
-                given["flow"] = schedule.frozen_flow(flow, moment)
-            if "boundary" in given:
-                frozen = schedule.frozen_boundary(boundary, moment)
-                given["boundary"] = _without_idle_inflow(frozen, given.get("mesh"), given.get("flow"))
+            frozen = schedule.frozen_boundary(boundary, moment)
+            given["boundary"] = _without_idle_inflow(frozen, given.get("mesh"))
             for mistake in check(**given):
                 if mistake not in said:
                     said.add(mistake)
@@ -114,17 +112,17 @@ def at_each_time(check: Check) -> Check:
     return each
 
 
-def _without_idle_inflow(boundary: Boundaries, mesh: Mesh | None, flow: s.Flow | None) -> Boundaries:
-    """Return the conditions without those of streams that do not enter at the moment."""
-    if mesh is None or flow is None or isinstance(mesh, MeshFile):
+def _without_idle_inflow(boundary: Boundaries, mesh: Mesh | None) -> Boundaries:
+    """Return the conditions without temperatures of streams that do not enter at the moment."""
+    if mesh is None or isinstance(mesh, MeshFile):
         return boundary
     found = dict(boundary)
-    for name, table in boundary.items():
-        for phase, key in PHASES.items():
-            condition = getattr(table, phase)
-            velocity = velocity_vector(mesh, getattr(flow, key))
-            if condition is None or condition.inflow is None or len(velocity) != mesh.dimension:
-                continue
-            if enters(mesh, velocity, name) != 1:
-                found[name] = found[name].model_copy(update={phase: None})
+    for phase in PHASES:
+        velocity = velocity_vector(mesh, boundary, phase)
+        if len(velocity) != mesh.dimension:
+            continue
+        for name, table in boundary.items():
+            condition = table.condition(phase)
+            if condition is not None and condition.temperature is not None and enters(mesh, velocity, name) != 1:
+                found[name] = with_value(found[name], (*table.key(phase), "temperature"), None)
     return found

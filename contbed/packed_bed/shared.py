@@ -14,6 +14,7 @@ from contbed.fem.probe import Line
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.schedule import Piece
 from contbed.result import Result, outside
+from contbed.scene.boundary import conditions_of
 
 OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is given
 
@@ -142,9 +143,7 @@ def check_state(plan: Plan, problem: Any, states: list[Any], result: Result) -> 
 def overshoot(plan: Plan, problem: Any, states: list[Any]) -> float | None:
     """Return how far theta leaves [0, 1] in any of the states; None where sources or fluxes may take it out."""
     low, high = problem.T_span
-    has_heat = problem.source() or any(
-        table.flux for b in plan.scene.boundary.values() for table in (b.fluid, b.solid) if table is not None
-    )
+    has_heat = problem.source() or any(condition.heat_flux for *_, condition in conditions_of(plan.scene.boundary))
     if has_heat or high <= low:
         return None
     both = [problem.system.part(state, name) for state in states for name in ("T_fluid", "T_solid")]

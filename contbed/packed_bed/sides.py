@@ -71,7 +71,7 @@ def error_without_sides(scene: s.Scene, medium: Medium) -> float | None:
     mesh = scene.mesh
     if isinstance(mesh, MeshFile | MeshLine) or scene.heat is None or scene.radiation is not None or scene.region:
         return None
-    if scene.heat.tortuosity is not None or on_a_line(scene) is None:
+    if scene.closures.tortuosity is not None or on_a_line(scene) is None:
         return None
     fluid, solid = velocities(scene)
     carried = _carried(medium, float(np.linalg.norm(fluid)), float(np.linalg.norm(solid)))
@@ -85,12 +85,12 @@ def error_without_sides(scene: s.Scene, medium: Medium) -> float | None:
         share = (2.0 if isinstance(mesh, MeshAxisymmetric) else 1.0) * extents[axis] / extents[k]
         tables = [scene.boundary[name] for name in names if name in scene.boundary and k != axis]
         for condition in _conditions(tables):
-            if condition.flux is not None:
-                given += abs(float(condition.flux)) * share / (carried * span)  # type: ignore[arg-type]  # frozen
+            if condition.heat_flux is not None:
+                given += abs(float(condition.heat_flux)) * share / (carried * span)  # type: ignore[arg-type]  # frozen
             else:
                 wall = medium.wall(condition.coefficient, medium.T_fluid_in, lambda density: relative)
                 exchanged += float(wall) * share / carried
-    fluxes = given > 0.0 or any(condition.flux for condition in _conditions(scene.boundary.values()))
+    fluxes = given > 0.0 or any(condition.heat_flux for condition in _conditions(scene.boundary.values()))
     return None if exchanged and fluxes else exchanged + given
 
 
@@ -100,14 +100,15 @@ def _axis(mesh: Any) -> int:
 
 def _conditions(tables: Iterable[s.Boundary]) -> Iterator[s.PhaseCondition]:
     for table in tables:
-        yield from (condition for condition in (table.fluid, table.solid) if condition is not None)
+        both = (table.thermal("fluid"), table.thermal("solid"))
+        yield from (condition for condition in both if condition is not None)
 
 
 def _leaves_off(table: s.Boundary) -> bool:
     """Return whether a side exchanges heat by coefficients or fluxes alone."""
     if table.radiation is not None or table.type not in (None, "slip"):
         return False
-    return all(each.coefficient is not None or each.flux is not None for each in _conditions([table]))
+    return all(each.coefficient is not None or each.heat_flux is not None for each in _conditions([table]))
 
 
 def _carried(medium: Medium, fluid: float, solid: float) -> float | None:
@@ -123,8 +124,9 @@ def _span(scene: s.Scene) -> float:
     """Return the span of all temperatures that a scene gives [K]."""
     found: list[float] = []
     for each in _conditions(scene.boundary.values()):
-        found += [float(T) for T in (each.fixed, each.inflow, each.ambient) if T is not None]  # type: ignore[arg-type]
+        temperatures = (each.fixed_temperature, each.temperature, each.ambient)
+        found += [float(T) for T in temperatures if T is not None]  # type: ignore[arg-type]
     if scene.time is not None:
-        found += initial_range(scene.time.initial_fluid, "fluid", scene.origin.base)
-        found += initial_range(scene.time.initial_solid, "solid", scene.origin.base)
+        for phase in ("fluid", "solid"):
+            found += initial_range(scene.initial.given(phase), phase, scene.origin.base)
     return max(found) - min(found) if found else 0.0

@@ -26,8 +26,8 @@ def streams(problem: Any, state: Any) -> tuple[Streams, Streams]:
         )
         phase = wall.name.removeprefix("T_")
         condition = problem.build.condition(name, phase)
-        if out < 0 and condition is not None and condition.inflow is not None:
-            carried = out * condition.inflow  # conduction makes the bed differ from the stream that enters it
+        if out < 0 and condition is not None and condition.temperature is not None:
+            carried = out * condition.temperature  # conduction makes the bed differ from the stream that enters it
         total = sums.setdefault((phase, out > 0), [0.0, 0.0])
         total[0] += abs(out)
         total[1] += carried if out > 0 else -carried

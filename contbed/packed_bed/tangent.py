@@ -188,7 +188,7 @@ class Steady:
         found = [one.residual(start, False)[0] for one, start in zip(equations, starts, strict=True)]
         states, _ = self._flow.states((starts[0], starts[1]), (found[0], found[1]))
         for end, one, state in zip(ends, equations, states, strict=True):
-            end.flow = Flow(one.system, state, [], end.plan.solved.bed.porosity, end.local)
+            end.flow = Flow(one.system, state, [], end.plan.solved.packed_bed.porosity, end.local)
 
     def _move_heat(self, ends: list[_End]) -> None:
         for end in ends:

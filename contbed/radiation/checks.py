@@ -7,7 +7,7 @@ from typing import Any
 
 from contbed.closures.sizes import SizeDistribution
 from contbed.errors import SceneError
-from contbed.radiation.scene import Radiation
+from contbed.radiation.scene import RadiatingSolid, Radiation, Voidage
 from contbed.radiation.thickness import rosseland_is_thick
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.mesh import Mesh
@@ -17,9 +17,8 @@ from contbed.scene.mesh_checks import (
     positions_lie_in_the_bed,
     the_line_of_profiles_fits_the_mesh,
 )
-from contbed.scene.tables import Packing
 
-MISSING_SOLIDS = 1e-3  # share of the solids that species may leave out silently: rounding of what is written
+MISSING_SOLIDS = 1e-3  # share of the solids that may be left out without a warning: rounding of what is written
 
 
 def tubes_see_radiation(heat: Any | None, radiation: Radiation | None, region: Mapping[str, Any]) -> Mistakes:
@@ -33,7 +32,8 @@ def tubes_see_radiation(heat: Any | None, radiation: Radiation | None, region: M
 def radiation_is_complete(
     heat: Any | None,
     radiation: Radiation | None,
-    bed: Packing | None,
+    solids: Mapping[str, RadiatingSolid],
+    packed_bed: Any | None,
     boundary: Mapping[str, Any],
     mesh: Mesh,
     see: See,
@@ -45,15 +45,21 @@ def radiation_is_complete(
                 yield ("boundary", name, "radiation"), "has no meaning without a [radiation] table"
         return
     ways = {
-        "emissivity": radiation.emissivity is not None,
-        "species": bool(radiation.species),
+        "emissivity": any(solid.emissivity is not None for solid in solids.values()),
         "absorption": radiation.absorption is not None or radiation.scattering is not None,
     }
     if (count := sum(ways.values())) != 1:
         given = ", ".join(name for name, is_given in ways.items() if is_given) or "none"
-        yield ("radiation",), f"give the optics once: emissivity, species, or absorption and scattering; found {given}"
-    if count == 1 and not ways["absorption"] and bed is None:
-        yield ("bed",), f"this table is missing; the optics need its porosity; see {see('radiation')}"
+        yield (
+            ("radiation",),
+            f"give the optics once: emissivity of [solids.NAME], or absorption and scattering; found {given}",
+        )
+    if ways["emissivity"]:
+        for name, solid in solids.items():
+            if solid.emissivity is None:
+                yield ("solids", name, "emissivity"), f"missing; all solids radiate; see {see('radiation')}"
+    if count == 1 and ways["emissivity"] and packed_bed is None:
+        yield ("packed_bed",), f"this table is missing; the optics need its porosity; see {see('radiation')}"
     if radiation.level == "ordinates" and mesh.dimension > 1:
         yield ("radiation", "level"), f"ordinates need a line; use p1; see {see('mesh.type')}"
     if radiation.level == "ordinates" and heat is not None:
@@ -68,16 +74,16 @@ def radiation_is_complete(
         if heat is None and not radiation.conductivity:
             yield ("radiation", "level"), "rosseland is for a medium that conducts: [heat], or radiation.conductivity"
         for name in walls_without_solid_temperature(heat, boundary):
-            remedy = f"fix it in boundary.{name}.solid" if heat is not None else "give a temperature"
+            remedy = f"give boundary.{name}.solids.NAME.fixed_temperature" if heat is not None else "give a temperature"
             yield (
                 ("boundary", name, "radiation"),
                 f"with rosseland the solid has the temperature of a wall: {remedy}, or use p1; "
                 f"see {see('radiation.level')}",
             )
-        for name, item in radiation.species.items():
-            if item.temperature is not None:
+        for name, solid in solids.items():
+            if solid.temperature is not None:
                 yield (
-                    ("radiation", "species", name, "temperature"),
+                    ("solids", name, "temperature"),
                     "with rosseland all particles have the temperature of the solid: leave it out, or use p1; "
                     f"see {see('radiation.level')}",
                 )
@@ -88,49 +94,42 @@ def radiation_is_complete(
         yield ("radiation", "temperature"), f"is solved for where it conducts; see {see('radiation.conductivity')}"
     if radiation.temperature is not None and ways["absorption"] and not radiation.absorption:
         yield ("radiation", "temperature"), "a medium that does not absorb does not emit: give radiation.absorption"
-    known = [radiation.temperature, *(item.temperature for item in radiation.species.values())]
+    known = [radiation.temperature, *(solid.temperature for solid in solids.values())]
     if heat is None and not any(known) and not any(b.radiation for b in boundary.values()):
         yield ("boundary",), "no boundary radiates and the medium has no temperature: nothing determines it"
 
 
-def particles_have_a_size_and_fit_together(radiation: Radiation | None, bed: Packing | None, see: See) -> Mistakes:
-    """Check sieve analyses, the sum of volume fractions, and that optics attenuate."""
-    if radiation is None:
-        return
-    for name, species in radiation.species.items():
-        if species.sieves is None:
+def particles_have_a_size_and_fit_together(solids: Mapping[str, RadiatingSolid]) -> Mistakes:
+    """Check sieve analyses, and that the shares of the solids do not exceed the whole."""
+    for name, solid in solids.items():
+        if solid.sieves is None:
             continue
         try:
-            SizeDistribution.from_sieves(species.sieves.apertures, species.sieves.mass_fractions)
+            SizeDistribution.from_sieves(solid.sieves.apertures, solid.sieves.mass_fractions)
         except SceneError as error:
-            yield ("radiation", "species", name, "sieves"), str(error)
-    filled = sum(species.volume_fraction for species in radiation.species.values())
-    if bed is not None and filled > (1.0 - bed.porosity) * (1.0 + 1e-9):
-        yield (
-            ("radiation", "species"),
-            f"the volume fractions sum to {filled:g}, the solids of the bed are {1.0 - bed.porosity:g} of its volume; "
-            f"see {see('bed.porosity')}",
-        )
-    if filled >= 1.0 - 1e-12:
-        yield ("radiation", "species"), f"the volume fractions sum to {filled:g}; gas between the particles needs some"
+            yield ("solids", name, "sieves"), str(error)
+    filled = sum(solid.volume_share for solid in solids.values())
+    if filled > 1.0 + 1e-9:
+        yield ("solids",), f"the volume shares sum to {filled:g}; those of all solids sum to 1"
+
+
+def optics_attenuate(radiation: Radiation | None) -> Mistakes:
+    """Check that absorption or scattering stops rays, where these are given."""
+    if radiation is None:
+        return
     absorption, scattering = radiation.absorption, radiation.scattering
     given = absorption is not None or scattering is not None
     if given and not (absorption or 0.0) + (scattering or 0.0) * (1.0 - radiation.anisotropy):
         yield ("radiation",), "nothing stops a ray: absorption, or scattering with anisotropy < 1, must be above 0"
 
 
-def species_fill_the_solids(radiation: Radiation | None, bed: Packing | None, see: See) -> Mistakes:
-    """Look for solids of the bed that no species describes."""
-    if radiation is None or bed is None or not radiation.species:
+def solids_sum_to_one(radiation: Radiation | None, solids: Mapping[str, RadiatingSolid]) -> Mistakes:
+    """Look for solids of the bed that no table describes."""
+    if radiation is None or len(solids) < 2:
         return
-    filled = sum(species.volume_fraction for species in radiation.species.values())
-    solids = 1.0 - bed.porosity
-    if filled < solids * (1.0 - MISSING_SOLIDS):
-        yield (
-            ("radiation", "species"),
-            f"the volume fractions sum to {filled:g}, the solids of the bed are {solids:g} of its volume: the others "
-            f"neither absorb nor scatter; see {see('bed.porosity')}",
-        )
+    filled = sum(solid.volume_share for solid in solids.values())
+    if filled < 1.0 - MISSING_SOLIDS:
+        yield ("solids",), f"the volume shares sum to {filled:g}: the other solids neither absorb nor scatter"
 
 
 def two_flux_scatters_evenly(radiation: Radiation | None, see: See) -> Mistakes:
@@ -150,25 +149,32 @@ def walls_without_solid_temperature(heat: Any, boundary: Mapping[str, Any]) -> l
         wall = table.radiation
         if wall is None:
             continue
-        touched = heat is None or (table.solid is not None and table.solid.fixed == wall.temperature)
+        solid = None if heat is None else table.thermal("solid")
+        touched = heat is None or (solid is not None and solid.fixed_temperature == wall.temperature)
         if wall.temperature is None or not touched:
             found.append(name)
     return found
 
 
 def a_medium_radiates(
-    radiation: Radiation, bed: Packing | None, boundary: Mapping[str, Any], mesh: Mesh, see: See
+    radiation: Radiation,
+    solids: Mapping[str, RadiatingSolid],
+    packed_bed: Voidage | None,
+    boundary: Mapping[str, Any],
+    mesh: Mesh,
+    see: See,
 ) -> Mistakes:
     """Check the optics of a stand-alone medium."""
-    yield from radiation_is_complete(None, radiation, bed, boundary, mesh, see)
+    yield from radiation_is_complete(None, radiation, solids, packed_bed, boundary, mesh, see)
 
 
 CHECKS: tuple[Check, ...] = (
     a_medium_radiates,
     particles_have_a_size_and_fit_together,
+    optics_attenuate,
     boundaries_exist,
     mesh_file_exists,
     positions_lie_in_the_bed,
     the_line_of_profiles_fits_the_mesh,
 )
-WARNINGS: tuple[Check, ...] = (species_fill_the_solids, two_flux_scatters_evenly, rosseland_is_thick)
+WARNINGS: tuple[Check, ...] = (solids_sum_to_one, two_flux_scatters_evenly, rosseland_is_thick)

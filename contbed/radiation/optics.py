@@ -9,7 +9,7 @@ import numpy as np
 from contbed.closures import optics as closures
 from contbed.closures.sizes import SizeDistribution
 from contbed.radiation.equations.p1 import emitted
-from contbed.radiation.scene import Radiating, RadiatingSpecies
+from contbed.radiation.scene import Radiating, RadiatingSolid
 
 
 @dataclass(frozen=True)
@@ -47,17 +47,11 @@ def optics(scene: Radiating) -> Optics:
             np.array([table.absorption or 0.0]), np.array([table.scattering or 0.0]), table.anisotropy
         )
     else:
-        species = dict(table.species) or {
-            "bed": RadiatingSpecies(
-                volume_fraction=1.0 - scene.bed.porosity,
-                diameter=scene.bed.particle_diameter,
-                emissivity=table.emissivity,
-                temperature=table.temperature,
-            )
-        }
-        temperatures = [item.temperature or table.temperature for item in species.values()]
+        solids = 1.0 - scene.packed_bed.porosity
+        temperatures = [item.temperature or table.temperature for item in scene.solids.values()]
         particles = [
-            closures.Species(name, item.volume_fraction, _size(item), item.emissivity) for name, item in species.items()
+            closures.Species(name, item.volume_share * solids, _size(item), item.emissivity)
+            for name, item in scene.solids.items()
         ]
         found = closures.optics(particles, table.correction, table.anisotropy)
     each = [(float(k), T) for k, T in zip(found.absorption, temperatures, strict=True)]
@@ -71,7 +65,7 @@ def optics(scene: Radiating) -> Optics:
     )
 
 
-def _size(item: RadiatingSpecies) -> float | SizeDistribution:
+def _size(item: RadiatingSolid) -> float | SizeDistribution:
     if item.diameter is not None:
         return item.diameter
     assert item.sieves is not None

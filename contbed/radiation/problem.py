@@ -115,7 +115,7 @@ class RadiationCoupling:
         assert table is not None
         conditions = [self.scene.boundary[name].radiation for name in mesh.boundaries if name in self.scene.boundary]
         tubes = [region.tubes for region in self.scene.region.values()]
-        found = [item.temperature for item in (*conditions, *table.species.values(), *tubes) if item is not None]
+        found = [item.temperature for item in (*conditions, *self.scene.solids.values(), *tubes) if item is not None]
         entering = [item.radiosity for item in conditions if item is not None and item.radiosity is not None]
         return [T for T in found if T is not None] + [float(power_temperature(power)) for power in entering]
 

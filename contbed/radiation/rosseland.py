@@ -19,7 +19,7 @@ from contbed.radiation.equations import p1 as radiation
 from contbed.radiation.optics import optics
 from contbed.radiation.problem import RadiationProblem, surfaces
 from contbed.radiation.scene import Radiating
-from contbed.radiation.thickness import MOVES, allowed, estimate
+from contbed.radiation.thickness import MOVES, allowed, estimate, solids_move
 from contbed.scene.mesh import MeshFile
 
 Scene = TypeVar("Scene", bound=Any)
@@ -33,11 +33,11 @@ def choose(scene: Scene) -> tuple[Scene, str]:
     conducts = scene.heat is not None or bool(table.conductivity)
     if not conducts or walls_without_solid_temperature(scene.heat, scene.boundary):
         return scene, "Rosseland needs conduction and the solid at the temperature of its walls"
-    if any(item.temperature is not None for item in table.species.values()):
-        return scene, "Rosseland has no species of given temperature"
+    if any(item.temperature is not None for item in scene.solids.values()):
+        return scene, "Rosseland has no solids of given temperature"
     if isinstance(scene.mesh, MeshFile):
         return scene, "Rosseland is not estimated on a mesh from a file"
-    if scene.heat is not None and np.any(scene.flow.velocity_solid):
+    if scene.heat is not None and solids_move(scene.boundary):
         return scene, f"Rosseland {MOVES}"
     thick = scene.model_copy(update={"radiation": table.model_copy(update={"level": "rosseland"})})
     error = estimate(thick, scene.mesh)

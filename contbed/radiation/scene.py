@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal, Protocol
+from typing import Annotated, Any, ClassVar, Literal, Protocol, Self
 
 from pydantic import Field, model_validator
 
@@ -17,12 +17,14 @@ from contbed.scene.quantities import (
     Length,
     NonNegative,
     Number,
+    Positive,
     Switch,
     Table,
     Temperature,
     Whole,
 )
-from contbed.scene.tables import Output, Packing, SceneBase, Solver
+from contbed.scene.solids import SolidPhase
+from contbed.scene.tables import Output, SceneBase, Solver
 
 FEWEST, MOST = 4, 64  # ordinates in a hemisphere that are tried where none are given
 MOST_CONDUCTING = 16  # in a medium that conducts, where each point answers to all others and the cost grows as points^3
@@ -39,28 +41,38 @@ class Sieves(Table):
     )
 
 
-class RadiatingSpecies(Table):
-    """Particles of one material and their share in the optics of the bed."""
+class RadiatingSolid(SolidPhase):
+    """Particles of one kind and their share in the optics of the bed."""
 
-    volume_fraction: Fraction = Field(description="share of the particles in the volume of the medium")
+    varies: ClassVar[bool] = True
+
     diameter: Length | None = Field(None, description="Sauter mean, or of equal spheres")
-    sieves: Sieves | None = Field(None, description="instead of `diameter`")
-    emissivity: Emissivity = Field(description="emissivity of the particles")
+    sieves: Sieves | None = Field(None, description="instead of `diameter`, of particles that only radiate")
+    volume_share: Annotated[Positive, Field(le=1)] = Field(
+        1.0, description="of the volume of all particles; those of all kinds sum to 1"
+    )
+    emissivity: Emissivity | None = Field(None, description="needed with [radiation] unless absorption is given")
     temperature: Temperature | None = Field(
         None, description="prescribed; absent: that of the medium, given or solved for"
     )
 
     @model_validator(mode="after")
-    def _one_size(self) -> RadiatingSpecies:
+    def _one_size(self) -> Self:
         if (self.diameter is None) == (self.sieves is None):
             raise ValueError("give one of diameter, sieves")
         return self
 
 
+class Voidage(Table):
+    """The table [packed_bed], of which a medium that merely radiates takes the porosity."""
+
+    porosity: Fraction = Field(description="share of the gas between particles in the volume of the bed")
+
+
 class Radiation(Table):
     """Gray radiation between the particles.
 
-    With [heat] its particles are those of the [bed]; alone it is a medium that conducts, is held at a temperature, or
+    With [heat] the particles of the bed radiate; alone it is a medium that conducts, has a prescribed temperature, or
     is in radiative equilibrium.
     """
 
@@ -70,9 +82,7 @@ class Radiation(Table):
     allow_rosseland: Switch = Field(
         False, description="with conduction: rosseland instead of p1 or two_flux where its error is estimated below 1 %"
     )
-    emissivity: Emissivity | None = Field(None, description="of the particles of the [bed]")
-    species: dict[str, RadiatingSpecies] = Field(default_factory=dict, description="instead of `emissivity`")
-    absorption: Extinction | None = Field(None, description="given directly instead of by particles")
+    absorption: Extinction | None = Field(None, description="given directly instead of by solids.NAME.emissivity")
     scattering: Extinction | None = Field(None, description="scattering coefficient of the medium")
     correction: Literal["close_packed", "independent"] = Field(
         "close_packed", description="extinction over the voidage, or the limit of points far apart"
@@ -126,8 +136,12 @@ class Radiating(Protocol):
         """The [radiation] table."""
 
     @property
-    def bed(self) -> Any:
-        """The [bed] table, or None."""
+    def solids(self) -> Any:
+        """The [solids.NAME] tables by name."""
+
+    @property
+    def packed_bed(self) -> Any:
+        """The [packed_bed] table, or None."""
 
     @property
     def heat(self) -> Any:
@@ -156,6 +170,15 @@ class RadiationScene(SceneBase):
     """A stand-alone radiating medium, without flow and without phases."""
 
     kind: ClassVar[str] = "radiation"
+    renamed: ClassVar[Mapping[str, str]] = {
+        "bed.porosity": "packed_bed.porosity",
+        "bed.particle_diameter": "solids.NAME.diameter",
+        "bed.shape": "solids.NAME.shape",
+        "radiation.emissivity": "solids.NAME.emissivity",
+        "radiation.species.NAME": "solids.NAME",
+        "radiation.species.NAME.volume_fraction": "give solids.NAME.volume_share instead, the share of the volume of "
+        "all particles",
+    }
     # what only a bed with two phases has
     heat: ClassVar[None] = None
     time: ClassVar[None] = None
@@ -163,7 +186,8 @@ class RadiationScene(SceneBase):
 
     mesh: Mesh
     radiation: Radiation
-    bed: Packing | None = Field(None, description="needed where the optics follow from particles")
+    solids: dict[str, RadiatingSolid] = Field(default_factory=dict, description="of which the optics follow")
+    packed_bed: Voidage | None = Field(None, description="needed where the optics follow from particles")
     boundary: dict[str, RadiatingBoundary] = Field(
         default_factory=dict, description="radiative conditions by name of the boundary"
     )

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from contbed.closures.optics import error_rosseland
-from contbed.radiation.scene import Radiating, Radiation
+from contbed.radiation.scene import Radiating, RadiatingSolid, Radiation
 from contbed.scene.checking import Mistakes
 from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile, MeshLine, MeshRectangle
-from contbed.scene.tables import Packing, Solver
+from contbed.scene.tables import Solver
 
 TOLERANCE = 0.01  # estimated error up to which plan may choose the Rosseland conductivity, without solver.accuracy
 MOVES = "is not estimated where the solids move: layers at walls may be thinner than the bed"
@@ -51,13 +51,25 @@ def allowed(solver: Solver) -> float:
     return solver.accuracy or TOLERANCE
 
 
+def solids_move(boundary: Mapping[str, Any]) -> bool:
+    """Return whether a boundary gives the solids a velocity."""
+    conditions = [condition for table in boundary.values() for condition in table.solids.values()]
+    return any(condition.velocity is not None and np.any(condition.velocity) for condition in conditions)
+
+
 def rosseland_is_thick(
-    radiation: Radiation | None, bed: Packing | None, boundary: Mapping[str, Any], mesh: Mesh, solver: Solver
+    radiation: Radiation | None,
+    solids: Mapping[str, RadiatingSolid],
+    packed_bed: Any | None,
+    boundary: Mapping[str, Any],
+    mesh: Mesh,
+    solver: Solver,
 ) -> Mistakes:
     """Look for beds that are too thin for the Rosseland conductivity that the scene asks for."""
     if radiation is None or radiation.level != "rosseland" or isinstance(mesh, MeshFile):
         return
-    error = estimate(SimpleNamespace(radiation=radiation, bed=bed, boundary=boundary), mesh)
+    scene = SimpleNamespace(radiation=radiation, solids=solids, packed_bed=packed_bed, boundary=boundary)
+    error = estimate(scene, mesh)
     if error > allowed(solver):
         yield (
             ("radiation", "level"),
@@ -65,9 +77,9 @@ def rosseland_is_thick(
         )
 
 
-def rosseland_rests(radiation: Radiation | None, flow: Any, boundary: Mapping[str, Any]) -> Mistakes:
+def rosseland_rests(radiation: Radiation | None, boundary: Mapping[str, Any]) -> Mistakes:
     """Look for the Rosseland conductivity beside radiating walls along which solids move."""
-    if radiation is None or radiation.level != "rosseland" or not np.any(flow.velocity_solid):
+    if radiation is None or radiation.level != "rosseland" or not solids_move(boundary):
         return
     if any(conditions.radiation is not None for conditions in boundary.values()):
         yield ("radiation", "level"), f"its error {MOVES}; compare with p1"

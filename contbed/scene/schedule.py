@@ -59,14 +59,14 @@ class SeriesByKey:
         return not any(np.any(values.unseen(start, end, stages) > small[path]) for path, values in self.samples.items())
 
     def jumps(self, time: float, among: str = "", since: float = 0.0) -> bool:
-        """Return whether a value jumps at a time; `among` names the table that is looked at, empty for all.
+        """Return whether a value jumps at a time; `among` is the table or the last key of those that are looked at.
 
         `since` is the last cut before it [s]. Values on both sides of a kink may differ by rounding.
         """
         return any(
             np.any(np.abs(values.at(time) - values.at(time, True, since)) > _rounding(values))
             for path, values in self.samples.items()
-            if not among or path[0] == among
+            if not among or among in (path[0], path[-1])
         )
 
 

@@ -1,8 +1,8 @@
 """Values of a scene that change with time or along the bed: pairs in the scene, or a column of a CSV file.
 
-inflow = {times = ["0 h", "6 h"], values = ["290 degC", "390 degC"], form = "step", period = "24 h"}
+temperature = {times = ["0 h", "6 h"], values = ["290 degC", "390 degC"], form = "step", period = "24 h"}
 ambient = {file = "weather.csv", column = "T_ambient"}
-initial_solid = {file = "results/charge/profiles.csv"}
+initial.solids.pebbles.temperature = {file = "results/charge/profiles.csv"}
 """
 
 from __future__ import annotations

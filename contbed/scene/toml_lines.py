@@ -97,7 +97,7 @@ def read(path: str | Path) -> tuple[dict[str, Any], Origin]:
 
 
 def dotted(path: KeyPath) -> str:
-    """Return a key path as it is written in TOML: boundary.left.fluid, flow.velocity[1]."""
+    """Return a key path as it is written in TOML: boundary.left.gas, mesh.cells[1]."""
     shown = ""
     for key in path:
         if isinstance(key, int):

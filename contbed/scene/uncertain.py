@@ -1,8 +1,8 @@
 """Numbers of a scene that are not known exactly: a table of standard uncertainties, in SI or as a share.
 
 [uncertain]
-bed.porosity = 0.01
-solid.conductivity = "20 %"
+packed_bed.porosity = 0.01
+solids.pebbles.conductivity = "20 %"
 """
 
 from __future__ import annotations

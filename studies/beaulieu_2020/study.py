@@ -169,7 +169,7 @@ def reference() -> Any:
 
 def temperatures(conductivity: Any, t: Sequence[float], x: Sequence[float]) -> Any:
     """Predicted temperatures [K] at times and depths (points,), with a closure or a value in W/m/K."""
-    changes = {"heat.conductivity_solid": conductivity, "time.times": sorted(set(t)), "time.end": max(t)}
+    changes = {"closures.conductivity_solids": conductivity, "time.times": sorted(set(t)), "time.end": max(t)}
     places = {"output.positions": sorted(set(x))}
     result = run(cb.load(HERE / "beaulieu.toml", {**changes, **places, "output.plots": False, "output.fields": False}))
     return score.at(case.read_case(NAME), result, np.asarray(t), np.asarray(x))

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 import contbed as cb
+from contbed.packed_bed.recognition import velocities
 from studies import _exact as exact
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
@@ -27,17 +28,18 @@ NOT_COMPARED = tuple(ERRORS)
 
 def reference(scene: cb.Scene, y: Any = 0.0) -> Any:
     """Exact developed flow at the distance y [m] from a wall, from the values in the scene."""
-    flow, fluid, bed = scene.flow, scene.fluid, scene.bed
+    closures = scene.closures
+    (u, _), (u_solid, _) = velocities(scene)
     return exact.brinkman_forchheimer_channel(
         y,
         scene.mesh.height,
-        flow.velocity,
-        flow.velocity_solid,
-        fluid.viscosity,
-        fluid.density,
-        bed.permeability,
-        bed.forchheimer,
-        bed.porosity,
+        float(u),
+        float(u_solid),
+        scene.gas.viscosity,
+        scene.gas.density,
+        closures.permeability,
+        closures.forchheimer,
+        scene.packed_bed.porosity,
     )
 
 
@@ -46,7 +48,7 @@ def errors(scene: cb.Scene, result: cb.Result) -> tuple[float, float]:
     wanted = reference(scene)
     return (
         result.qoi["u_max_outlet"] / wanted.u_max - 1,
-        scene.bed.porosity * result.qoi["pressure_gradient_Pa_m"] / wanted.pressure_gradient - 1,
+        scene.packed_bed.porosity * result.qoi["pressure_gradient_Pa_m"] / wanted.pressure_gradient - 1,
     )
 
 
@@ -61,11 +63,12 @@ def compute() -> Tables:
     rows = []
     for name in SCENES:
         scene = cb.load(HERE / f"{name}.toml")
-        fluid, u, height = scene.fluid, scene.flow.velocity, scene.mesh.height
+        viscosity, height = scene.gas.viscosity, scene.mesh.height
+        u, u_solid = (float(vector[0]) for vector in velocities(scene))
         for across in sorted({*(n for n in ACROSS if n < scene.mesh.cells[1]), scene.mesh.cells[1]}):
             result = cb.run(with_cells(scene, across))
-            gradient = scene.bed.porosity * result.qoi["pressure_gradient_Pa_m"] * height**2 / (fluid.viscosity * u)
-            case = name, scene.flow.velocity_solid / u, scene.bed.forchheimer, across
+            gradient = scene.packed_bed.porosity * result.qoi["pressure_gradient_Pa_m"] * height**2 / (viscosity * u)
+            case = name, u_solid / u, scene.closures.forchheimer, across
             rows.append((*case, result.qoi["u_max_outlet"] / u, gradient, *errors(scene, result)))
     columns = {"scene": "", "u_s/u_D [1]": "g", "c_F [1]": "g", "cells across": "d"}
     columns |= {"u_max/u_D [1]": ".11f", "P* [1]": ".8f", **dict.fromkeys(ERRORS, ".1e")}
@@ -78,7 +81,12 @@ def plot(tables: Tables) -> dict[str, Any]:
     for name, (text, colour) in SCENES.items():
         scene = cb.load(HERE / f"{name}.toml")
         eta = np.linspace(0, 0.5, 501) ** 2 * 2
-        left.plot(eta, reference(scene, eta * scene.mesh.height).u / scene.flow.velocity, color=colour, label=text)
+        left.plot(
+            eta,
+            reference(scene, eta * scene.mesh.height).u / scene.boundary["left"].gas.velocity,
+            color=colour,
+            label=text,
+        )
         found = tables["results"].where({"scene": name})
         for axes, error in zip(others, ERRORS, strict=True):
             axes.loglog(found["cells across"], np.abs(found[error]), "o-", color=colour)

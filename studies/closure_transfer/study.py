@@ -87,7 +87,7 @@ def fit_exchange(beds: Sequence[extract.Packing], law: Any) -> Any:
 
 def outlet(conductivity: Any, scene: Path = SCENE, **overrides: Any) -> float:
     """Mean temperature of the gas at the outlet [K]."""
-    changes = {"heat.conductivity_solid": conductivity, "output.plots": False, "output.fields": False, **overrides}
+    changes = {"closures.conductivity_solids": conductivity, "output.plots": False, "output.fields": False, **overrides}
     return float(cb.run(cb.load(scene, changes)).qoi["T_fluid_out_K"])
 
 
@@ -97,7 +97,7 @@ def outlet_of(found: Any, exchange: Any = None, scene: Path = SCENE) -> float:
         files = {"conductivity": found} | ({} if exchange is None else {"exchange": exchange})
         for name, fit in files.items():
             fit.write(Path(folder) / f"{name}.toml", {"scene": "sample"})
-        more = {} if exchange is None else {"heat.nusselt": {"file": str(Path(folder) / "exchange.toml")}}
+        more = {} if exchange is None else {"closures.nusselt": {"file": str(Path(folder) / "exchange.toml")}}
         return outlet({"file": str(Path(folder) / "conductivity.toml")}, scene, **more)
 
 
@@ -109,7 +109,7 @@ def reference() -> dict[str, float]:
 def of_exchange(scene: Path) -> dict[str, float]:
     """Outlet temperatures [K] with Zehner and Schluender's conductivity and each exchange of the literature."""
     return {
-        f"zehner_schluender, {nusselt}": outlet("zehner_schluender", scene, **{"heat.nusselt": nusselt})
+        f"zehner_schluender, {nusselt}": outlet("zehner_schluender", scene, **{"closures.nusselt": nusselt})
         for nusselt in EXCHANGE
     }
 
@@ -120,7 +120,7 @@ def both(beds: Sequence[extract.Packing], conductivity: Any) -> Table:
     fit_of = laws["Zhou, Yu, Zulli"]
     fit_of.write(HERE / "closures/nusselt.toml", {"scene": "closure_transfer/study.py", "seeds": str(SEEDS)})
     print("Nusselt", {name: law.content["parameters"] for name, law in laws.items()}, fit_of.content["residuals"])
-    ours = {"heat.nusselt": {"file": "closures/nusselt.toml"}}
+    ours = {"closures.nusselt": {"file": "closures/nusselt.toml"}}
     rows: list[tuple[Any, ...]] = []
     for scene in (SCENE, PAIR):
         base = outlet({"file": "closures/conductivity.toml"}, scene, **ours)

@@ -56,7 +56,7 @@ def optimum(allowed: float) -> dict[str, Any]:
     return {
         "allowed_Pa": allowed,
         "length_m": length,
-        "velocity_solid_m_s": velocity,
+        "velocity_solid_m_s": -velocity,
         "particle_diameter_m": diameter,
         "converged": int(done.found.status == "optimum"),
         "price_steam_m_K": steam,

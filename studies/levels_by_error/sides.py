@@ -24,24 +24,28 @@ LAID = {"type": "axisymmetric", "length": 0.5, "radius": 0.05, "cells": [16, 60]
 def bed(random: np.random.Generator) -> dict[str, Any]:
     """Tables of one random bed: coefficients at its wall, conductivities, and particles at rest or along the gas."""
     coefficients = 10.0 ** random.uniform(-2.5, 1.5, 2)
-    phases = {phase: {"coefficient": float(h), "ambient": 300.0 + SPAN} for phase, h in
-              zip(("fluid", "solid"), coefficients, strict=True)}  # fmt: skip
-    fluid = {"model": "constant", "density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.03, "viscosity": 2e-5}
-    flow = {"velocity": float(10.0 ** random.uniform(-0.5, 0.5))}
-    bottom: dict[str, Any] = {"fluid": {"inflow": 300.0}}
+    gas_wall, solid_wall = ({"coefficient": float(h), "ambient": 300.0 + SPAN} for h in coefficients)
+    gas = {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.03, "viscosity": 2e-5}
+    velocity = float(10.0 ** random.uniform(-0.5, 0.5))
+    bottom: dict[str, Any] = {"gas": {"velocity": velocity, "temperature": 300.0}}
     if random.random() < 0.5:
-        flow["velocity_solid"] = float(10.0 ** random.uniform(-4.0, -3.0))
-        bottom["solid"] = {"inflow": 300.0}
+        solids = {"velocity": float(10.0 ** random.uniform(-4.0, -3.0)), "temperature": 300.0}
+        bottom["solids"] = {"particles": solids}
+    nusselt, conductivity_gas = 10.0, float(10.0 ** random.uniform(-1.5, 0.5))
+    conductivity_solids = float(10.0 ** random.uniform(-1.0, 1.0))
     return {
         "mesh": dict(LAID),
-        "fluid": fluid,
-        "solid": {"density": 2000.0, "heat_capacity": 800.0, "conductivity": 1.0},
-        "bed": {"porosity": 0.4, "particle_diameter": 0.005},
-        "heat": {"nusselt": 10.0, "conductivity_fluid": float(10.0 ** random.uniform(-1.5, 0.5)),
-                 "conductivity_solid": float(10.0 ** random.uniform(-1.0, 1.0))},
-        "flow": flow,
-        "boundary": {"bottom": bottom, "wall": phases},
-    }  # fmt: skip
+        "gas": gas,
+        "solids": {"particles": {"density": 2000.0, "heat_capacity": 800.0, "conductivity": 1.0, "diameter": 0.005}},
+        "packed_bed": {"porosity": 0.4},
+        "closures": {
+            "nusselt": nusselt,
+            "conductivity_gas": conductivity_gas,
+            "conductivity_solids": conductivity_solids,
+        },
+        "heat": {},
+        "boundary": {"bottom": bottom, "wall": {"gas": gas_wall, "solids": {"particles": solid_wall}}},
+    }
 
 
 def reference(scene: dict[str, Any]) -> tuple[float, Any]:
@@ -74,8 +78,8 @@ def compute() -> Tables:
         for accuracy in ACCURACIES:
             found = plan(cb.load(keys | {"solver": {"accuracy": accuracy}}))
             taken.append(f"{found.mesh.skfem.dim()}-D")
-        rows.append([number, "along" if "velocity_solid" in keys["flow"] else "at rest", bound, error, in_one, in_two,
-                     *taken])  # fmt: skip
+        motion = "along" if "solids" in keys["boundary"]["bottom"] else "at rest"
+        rows.append([number, motion, bound, error, in_one, in_two, *taken])
     columns = {"bed": "d", "solids": "", "bound": ".3e", "error of 1-D": ".3e", "CPU 1-D [s]": ".3f"}
     columns |= {"CPU 2-D [s]": ".3f"} | {f"accuracy {accuracy:g}": "" for accuracy in ACCURACIES}
     tables = {"sides": Table(columns, rows)}

@@ -34,34 +34,34 @@ def bed(kind: str, random: np.random.Generator) -> dict[str, Any]:
     fourier, gamma = 10.0 ** random.uniform(-1.5, 0.5), random.uniform(0.3, 1.5)
     axial, through = 10.0 ** random.uniform(-3.0, -1.5, 2) * [1.0, 30.0]
     s = 3 if random.random() < 0.7 else 2
-    d, share = scene["bed"]["particle_diameter"], 1.0 - scene["bed"]["porosity"]
-    film = scene["heat"]["nusselt"] * scene["fluid"]["conductivity"] / d
-    capacity = scene["solid"]["density"] * scene["solid"]["heat_capacity"]
-    scene["bed"]["shape"] = "spheres" if s == 3 else "rods"
-    scene["solid"]["conductivity"] = film * 0.5 * d / biot
+    solid, gas, porosity = scene["solids"]["particles"], scene["gas"], scene["packed_bed"]["porosity"]
+    d, share = solid["diameter"], 1.0 - porosity
+    film = scene["closures"]["nusselt"] * gas["conductivity"] / d
+    capacity = solid["density"] * solid["heat_capacity"]
+    solid["shape"] = "spheres" if s == 3 else "rods"
+    solid["conductivity"] = film * 0.5 * d / biot
     if kind in (AGAINST, ALONG):
         units = s * gamma * biot * fourier
     carried = film * 2 * s * share / d / units  # heat capacity flow of the gas [W/m2/K]
-    held = HOLD * share * capacity / scene["bed"]["porosity"]
-    scene["fluid"]["density"] = held / scene["fluid"]["heat_capacity"]
-    scene["heat"]["conductivity_fluid"] = float(axial * carried)
-    scene["flow"]["velocity"] = carried / held
+    held = HOLD * share * capacity / porosity
+    gas["density"] = held / gas["heat_capacity"]
+    scene["closures"]["conductivity_gas"] = float(axial * carried)
+    scene["boundary"]["left"]["gas"]["velocity"] = carried / held
     mean = share * capacity / carried
     scene["time"] |= {"end": float(OUTPUT[-1] * mean), "times": [float(t * mean) for t in OUTPUT]}
     if kind != AT_REST:
-        del scene["time"]
+        del scene["time"], scene["initial"]
     if kind == STEADY:  # the solids are held cold where the gas leaves
-        scene["heat"]["conductivity_solid"] = float(through * carried)
-        scene["boundary"]["right"] = {"solid": {"fixed": 300.0}}
+        scene["closures"]["conductivity_solids"] = float(through * carried)
+        scene["boundary"]["right"] = {"solids": {"particles": {"fixed_temperature": 300.0}}}
     if kind in (AGAINST, ALONG):
-        scene["flow"]["velocity_solid"] = gamma * carried / capacity
-        gas = scene["boundary"].pop("left")
-        scene["boundary"]["left"] = {"solid": {"inflow": 300.0}}
+        entering = scene["boundary"].pop("left")
+        solids = {"velocity": gamma * carried / capacity, "temperature": 300.0}
+        scene["boundary"]["left"] = {"solids": {"particles": solids}}
         if kind == AGAINST:
-            scene["flow"]["velocity"] *= -1.0
-            scene["boundary"]["right"] = gas
+            scene["boundary"]["right"] = entering
         else:
-            scene["boundary"]["left"] |= gas
+            scene["boundary"]["left"] |= entering
     return scene
 
 
@@ -69,7 +69,8 @@ def at(scene: dict[str, Any], level: str) -> Any:
     """Return the scene with a level by its name in the tables."""
     points, _, named = level.partition(" ")
     table = {"heat": "interior", "points": int(points)} if named else {"heat": level}
-    return cb.load(scene | {"particle": table})
+    solid = scene["solids"]["particles"] | {"inside": table}
+    return cb.load(scene | {"solids": {"particles": solid}})
 
 
 def leaving(result: Any) -> Any:

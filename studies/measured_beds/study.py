@@ -78,17 +78,17 @@ def heat_of_the_stone_bed(**changes: Any) -> tuple[float, float]:
     """Heat stored and heat supplied in the first hour [J/m2], from the measured temperatures and a scene's inputs."""
     stone = case.read_case(STONE)
     scene: Any = stone.scene(**changes)
-    start, T_start = scene.time.initial_solid.samples(scene.origin.base, "T_solid")
+    start, T_start = scene.initial.given("solid").samples(scene.origin.base, "T_solid")
     order = np.argsort(stone.points.x)
     x, T = stone.points.x[order], stone.points.value[order]
     z = np.linspace(0.0, scene.mesh.length, 2001)
-    material, air = solid_of(scene.solid), fluid_of(scene.fluid, scene.origin.base)
+    material, air = solid_of(scene.solid), fluid_of(scene.gas, scene.origin.base)
     gained = material.enthalpy(np.interp(z, x, T)) - material.enthalpy(np.interp(z, start, T_start))
-    stored = (1.0 - scene.bed.porosity) * float(material.density(COLD)) * float(np.trapezoid(gained, z))
-    T_in = scene.boundary["right"].fluid.inflow
+    stored = (1.0 - scene.packed_bed.porosity) * float(material.density(COLD)) * float(np.trapezoid(gained, z))
+    T_in = scene.boundary["right"].gas.temperature
     # what leaves has the lowest measured temperature, the mean of begin and end
     leaving = 0.5 * (float(air.enthalpy(T_start[0])) + float(air.enthalpy(T[0])))
-    flux = abs(scene.flow.velocity) * float(air.density(T_in))
+    flux = scene.boundary["right"].gas.velocity * float(air.density(T_in))
     return stored, flux * float(np.max(stone.points.t)) * (float(air.enthalpy(T_in)) - leaving)
 
 
@@ -100,8 +100,8 @@ def _stone() -> Tables:
     one, two = _fit(stone, [scene.solid.heat_capacity]), _fit(stone, [scene.solid.heat_capacity] * 2)
     beds: dict[str, dict[str, Any]] = {
         "as stated": {},
-        "more air": {"flow.velocity": scene.flow.velocity * stored / supplied},
-        "lighter stone": {"solid.density": scene.solid.density * supplied / stored},
+        "more air": {"boundary.right.gas.velocity": scene.boundary["right"].gas.velocity * stored / supplied},
+        "lighter stone": {"solids.stone.density": scene.solid.density * supplied / stored},
         "heat capacity fitted": _stores(one.x),
         "heat capacity at 25 and 700 degC fitted": _stores(two.x),
     }
@@ -141,9 +141,9 @@ def _fit(stone: Any, start: list[float]) -> Any:
 def _stores(values: Any) -> dict[str, Any]:
     """Change of a scene: one heat capacity [J/kg/K], or a straight line between those at COLD and HOT."""
     if len(values) == 1:
-        return {"solid.heat_capacity": float(values[0])}
+        return {"solids.stone.heat_capacity": float(values[0])}
     slope = (values[1] - values[0]) / (HOT - COLD)
-    return {"solid.heat_capacity": [float(values[0] - slope * COLD), float(slope)]}
+    return {"solids.stone.heat_capacity": [float(values[0] - slope * COLD), float(slope)]}
 
 
 def _standby() -> list[dict[str, Any]]:

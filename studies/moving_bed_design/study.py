@@ -13,7 +13,7 @@ from studies._gallery import Table, Tables
 HERE = Path(__file__).parent
 SILICA_IN = 973.15
 WITHIN = 10.0
-DIAMETER, VELOCITY = "bed.particle_diameter [m]", "flow.velocity_solid [m/s]"
+DIAMETER, VELOCITY = "solids.silica.diameter [m]", "boundary.top.solids.silica.velocity [m/s]"
 STEAM, SILICA, HOT = "T_fluid_out [K]", "T_solid_out [K]", "boundary.top.solid.fixed [K]"
 NOT_COMPARED = ("estimated_error [-]", "heat_bottom [W]", "heat_top [W]", "theta_overshoot [-]")
 
@@ -57,12 +57,12 @@ def plot_map(table: Table) -> Any:
     for axes, (name, title) in zip(panels, ((STEAM, "steam"), (SILICA, "silica")), strict=True):
         grid = np.full((len(y), len(x)), np.nan)
         grid[place] = table[name]
-        filled = axes.contourf(1e3 * x, -1e3 * y, grid, levels=12, cmap="inferno")
+        filled = axes.contourf(1e3 * x, 1e3 * y, grid, levels=12, cmap="inferno")
         figure.colorbar(filled, ax=axes, label=f"{title} at its outlet [K]")
         axes.set(xscale="log", xlabel="pebbles [mm]")
         gallery.ticks(axes, x=(4, 8, 16, 32))
         if name == STEAM:
-            axes.contour(1e3 * x, -1e3 * y, grid, levels=[reference()], colors="white")
+            axes.contour(1e3 * x, 1e3 * y, grid, levels=[reference()], colors="white")
     panels[0].set_ylabel("solid velocity [mm/s]")
     return figure
 

@@ -29,8 +29,8 @@ def approach(length: float, velocity_solid: float, diameter: float) -> float:
     """Difference between the silica entering and the steam leaving [K]."""
     overrides = {
         "mesh.length": length,
-        "flow.velocity_solid": -velocity_solid,
-        "bed.particle_diameter": diameter,
+        "boundary.top.solids.silica.velocity": velocity_solid,
+        "solids.silica.diameter": diameter,
     }
     result = cb.run(cb.load(HERE / "shaft" / "plug.toml", overrides))
     return SILICA_IN - result.qoi["T_fluid_out_K"]

@@ -21,15 +21,15 @@ NOT_COMPARED = ("difference",)
 
 def groups(scene: cb.Scene) -> dict[str, float]:
     """Dimensionless numbers of a scene (Eqs. 30-34) and the length sqrt(k_f/(a h)) of X [m], Wakao's coefficient."""
-    fluid, eps, d = scene.fluid, scene.bed.porosity, scene.bed.particle_diameter
+    fluid, eps, d = scene.gas, scene.packed_bed.porosity, scene.diameter
     Pr = fluid.viscosity * fluid.heat_capacity / fluid.conductivity
-    Pe_d = fluid.density * fluid.heat_capacity * scene.flow.velocity * d / fluid.conductivity
+    Pe_d = fluid.density * fluid.heat_capacity * scene.boundary["left"].gas.velocity * d / fluid.conductivity
     ratio = scene.solid.conductivity / fluid.conductivity
     Nu = 2 + 1.1 * (Pe_d / Pr) ** 0.6 * Pr ** (1 / 3)
     return {
         "Pe": exact.nakayama_peclet(Pe_d, Pr, eps),
         "ratio": ratio,
-        "dispersion": scene.heat.dispersion.axial / fluid.conductivity,
+        "dispersion": scene.closures.dispersion.axial / fluid.conductivity,
         "G": exact.tortuosity_parameter(eps, ratio),
         "length": d / np.sqrt(6 * (1 - eps) * Nu),
     }
@@ -38,7 +38,7 @@ def groups(scene: cb.Scene) -> dict[str, float]:
 def coefficients(scene: cb.Scene) -> dict[str, float]:
     """Arguments of the exact solutions, from the values in the scene."""
     g = groups(scene)
-    return exact.nakayama_coefficients(g["Pe"], scene.bed.porosity, g["ratio"], g["dispersion"], g["G"])
+    return exact.nakayama_coefficients(g["Pe"], scene.packed_bed.porosity, g["ratio"], g["dispersion"], g["G"])
 
 
 def reference(scene: cb.Scene, x: Any) -> tuple[Any, Any]:
@@ -87,7 +87,7 @@ def compute() -> Tables:
 
 def printed_profiles(scene: cb.Scene, X: Any) -> dict[str, Any]:
     """theta of Eqs. 28 and 29 with the decay rate that is printed."""
-    g, eps, alpha = groups(scene), scene.bed.porosity, PRINTED["alpha"]
+    g, eps, alpha = groups(scene), scene.packed_bed.porosity, PRINTED["alpha"]
     weight = alpha * g["ratio"] * (1 - eps + (g["ratio"] - 1) * g["G"])
     stagnant = eps + g["G"] * (1 - g["ratio"]) ** 2 + (1 - eps) * g["ratio"]
     weight /= g["Pe"] + alpha * (stagnant + g["dispersion"])

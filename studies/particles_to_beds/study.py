@@ -20,11 +20,14 @@ HERE = Path(__file__).parent
 BEDS = ("heated_wall", "moving_bed", "bubbling_bed")
 NOT_COMPARED = ("CPU [s]",)
 INPUTS = {
-    "solid.conductivity": "conductivity",
-    "bed.particle_diameter": "diameter",
+    "solids.glass.conductivity": "conductivity",
+    "solids.pebbles.conductivity": "conductivity",
+    "solids.glass.diameter": "diameter",
+    "solids.pebbles.diameter": "diameter",
     "solids.char.diameter": "diameter",
     "solids.sand.diameter": "diameter",
-    "flow.velocity": "velocity or mass flow",
+    "boundary.bottom.gas.velocity": "velocity or mass flow",
+    "boundary.left.gas.velocity": "velocity or mass flow",
     "boundary.bottom.gas.mass_flow": "velocity or mass flow",
     "bubbling_bed.tubes.coefficient": "coefficient of the tubes",
 }
@@ -45,7 +48,7 @@ def reference() -> dict[str, float]:
     """Temperatures of the air [K] at the outlet of the moving bed with each law of exchange as that of the bed."""
     laws = {"gunn": "gunn", "power": {"name": "power", "a": 1.2, "b": 0.5}}
     return {
-        name: float(cb.run(cb.load(HERE / "moving_bed.toml", {"heat.nusselt": law})).qoi["T_fluid_out_K"])
+        name: float(cb.run(cb.load(HERE / "moving_bed.toml", {"closures.nusselt": law})).qoi["T_fluid_out_K"])
         for name, law in laws.items()
     }
 

@@ -33,12 +33,12 @@ def gunn(Re: float, Pr: float, eps: float) -> float:
 
 def rates(scene: cb.Scene) -> tuple[float, float, float]:
     """Interstitial velocity [m/s] and the exchange rates h a/(eps rho c_p)_f and h a/((1 - eps) rho c_p)_s [1/s]."""
-    fluid, solid, eps, d = scene.fluid, scene.solid, scene.bed.porosity, scene.bed.particle_diameter
-    Re = fluid.density * scene.flow.velocity * d / fluid.viscosity
+    fluid, solid, eps, d = scene.gas, scene.solid, scene.packed_bed.porosity, scene.diameter
+    Re = fluid.density * scene.boundary["bottom"].gas.velocity * d / fluid.viscosity
     Pr = fluid.viscosity * fluid.heat_capacity / fluid.conductivity
     ha = gunn(Re, Pr, eps) * fluid.conductivity / d * 6 * (1 - eps) / d
     capacity = fluid.density * fluid.heat_capacity, solid.density * solid.heat_capacity
-    return scene.flow.velocity / eps, ha / (eps * capacity[0]), ha / ((1 - eps) * capacity[1])
+    return scene.boundary["bottom"].gas.velocity / eps, ha / (eps * capacity[0]), ha / ((1 - eps) * capacity[1])
 
 
 def with_dispersion(z: float, t: float, scene: cb.Scene) -> tuple[float, float]:
@@ -47,9 +47,9 @@ def with_dispersion(z: float, t: float, scene: cb.Scene) -> tuple[float, float]:
     f_t + u f_z = alpha f_zz + A (s - f), s_t = B (f - s); u f - alpha f_z = u at z = 0 (Danckwerts), f_z = 0 at z = L.
     """
     u, A, B = (mpmath.mpf(float(value)) for value in rates(scene))
-    fluid, length = scene.fluid, mpmath.mpf(scene.mesh.length)
-    capacity = scene.bed.porosity * fluid.density * fluid.heat_capacity
-    alpha = mpmath.mpf((scene.heat.conductivity_fluid + scene.heat.dispersion.axial) / capacity)
+    fluid, length = scene.gas, mpmath.mpf(scene.mesh.length)
+    capacity = scene.packed_bed.porosity * fluid.density * fluid.heat_capacity
+    alpha = mpmath.mpf((scene.closures.conductivity_gas + scene.closures.dispersion.axial) / capacity)
 
     def transform(p: Any) -> Any:
         root = mpmath.sqrt(u**2 + 4 * alpha * (p + A * p / (p + B)))
@@ -66,7 +66,7 @@ def with_dispersion(z: float, t: float, scene: cb.Scene) -> tuple[float, float]:
 
 def reference(scene: cb.Scene, z: Any, t: Any) -> Any:
     """Exact theta of fluid and solid at z [m] and t [s], from the values in the scene."""
-    if scene.heat.dispersion is None:
+    if scene.closures.dispersion is None:
         return exact.schumann(z, t, *rates(scene))
     return np.array([with_dispersion(a, b, scene) for a, b in zip(z, t, strict=True)]).T
 

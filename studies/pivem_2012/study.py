@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 import contbed as cb
+from contbed.packed_bed.recognition import velocities
 from studies import _exact as exact
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
@@ -54,10 +55,10 @@ def reference() -> dict[str, dict[str, float]]:
 def coefficients(scene: cb.Scene, **reading: Any) -> dict[str, float]:
     """Arguments of the exact solutions from the values in the scene, under one reading of the paper."""
     choice = {**LITERAL, "true_velocity": False, **reading}
-    fluid, solid, eps, d = scene.fluid, scene.solid, scene.bed.porosity, scene.bed.particle_diameter
-    u, u_solid = scene.flow.velocity, scene.flow.velocity_solid
+    fluid, solid, eps, d = scene.gas, scene.solid, scene.packed_bed.porosity, scene.diameter
+    u, u_solid = (float(vector[0]) for vector in velocities(scene))
     density, viscosity = choice["density"] or fluid.density, choice["viscosity"] or fluid.viscosity
-    Re = density * abs(u - u_solid) * d / viscosity if choice["from_properties"] else scene.heat.reynolds
+    Re = density * abs(u - u_solid) * d / viscosity if choice["from_properties"] else scene.packed_bed.reynolds
     Pr = viscosity * fluid.heat_capacity / fluid.conductivity
     if choice["wakao"]:
         Nu = 2 + 1.1 * Re**0.6 * Pr ** (1 / 3)
@@ -133,7 +134,7 @@ def brinkman(plug: dict[str, cb.Result]) -> Tables:
         result, flat = cb.run(scene), plug[name]
         keys = ("theta_equilibrium", "equilibrium_length_m", "T_fluid_out_K")
         pairs = [value for key in keys for value in (result.qoi[key], flat.qoi[key])]
-        rows.append((name, result.qoi["u_max_outlet"] / scene.flow.velocity, *pairs))
+        rows.append((name, result.qoi["u_max_outlet"] / scene.boundary["left"].gas.velocity, *pairs))
         x = np.linspace(0, scene.mesh.length, 109)
         change = [
             np.interp(x, result.profiles["x [m]"], result.profiles[key])

@@ -45,11 +45,11 @@ def zbs(T: float, k_solid: float, emissivity: float, eps: float, helium: float) 
 def p1(T: float, k_solid: float, emissivity: float, eps: float, helium: float) -> float:
     """Conductivity of a bed with P1 between plates APART around T [K] [W/m/K]; `helium` [W/m/K]."""
     changes: dict[str, object] = {
-        "fluid.conductivity": helium,
-        "solid.conductivity": k_solid,
-        "bed.porosity": eps,
-        "bed.particle_diameter": DIAMETER,
-        "radiation.emissivity": emissivity,
+        "gas.conductivity": helium,
+        "solids.particles.conductivity": k_solid,
+        "packed_bed.porosity": eps,
+        "solids.particles.diameter": DIAMETER,
+        "solids.particles.emissivity": emissivity,
     }
     for side, plate in (("left", T + APART / 2), ("right", T - APART / 2)):
         changes |= {f"boundary.{side}.{phase}.fixed": plate for phase in ("fluid", "solid")}

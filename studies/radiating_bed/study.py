@@ -39,7 +39,7 @@ def compute() -> Tables:
     for length in LENGTHS:
         found = {level: heat(length, level) for level in LEVELS}
         q, scene = found["p1"]
-        tau = 1.5 * (1 - scene.bed.porosity) / scene.bed.porosity * length / scene.bed.particle_diameter
+        tau = 1.5 * (1 - scene.packed_bed.porosity) / scene.packed_bed.porosity * length / scene.diameter
         built = dict(cb.plan(cb.load(HERE / "bed_cheapest.toml", {"mesh.length": length})).built)["radiation"]
         chosen = "Rosseland" if built.startswith("Rosseland") else "P1"
         ratios = (found[level][0] / q for level in ("two_flux", "rosseland"))

@@ -64,19 +64,20 @@ def scene(case: Case) -> dict[str, Any]:
     c, diameter = coefficients(case), 0.1
     area = 6.0 * 0.5 / diameter
     solid_inlet = "right" if case.slip < 0 else "left"
-    boundary: dict[str, Any] = {"left": {"fluid": {"fixed": 300.0}}}
-    boundary.setdefault(solid_inlet, {})["solid"] = {"fixed": 400.0}
+    boundary: dict[str, Any] = {"left": {"gas": {"velocity": 1.0, "fixed_temperature": 300.0}}}
+    solids = {"velocity": abs(case.slip), "fixed_temperature": 400.0}
+    boundary.setdefault(solid_inlet, {})["solids"] = {"particles": solids}
     return {
         "mesh": {"type": "line", "length": 1.0, "cells": CELLS, "graded": True},
-        "fluid": {"density": 1.0, "heat_capacity": 1.0, "conductivity": 1.0, "viscosity": 1.0},
-        "solid": {"density": 1.0, "heat_capacity": 1.0, "conductivity": 1.0},
-        "bed": {"porosity": 0.5, "particle_diameter": diameter},
-        "flow": {"velocity": 1.0, "velocity_solid": case.slip},
-        "heat": {
+        "gas": {"density": 1.0, "heat_capacity": 1.0, "conductivity": 1.0, "viscosity": 1.0},
+        "solids": {"particles": {"density": 1.0, "heat_capacity": 1.0, "conductivity": 1.0, "diameter": diameter}},
+        "packed_bed": {"porosity": 0.5},
+        "closures": {
             "nusselt": case.ntu * diameter / area,
-            "conductivity_fluid": c["d_fluid"],
-            "conductivity_solid": c["d_solid"],
+            "conductivity_gas": c["d_fluid"],
+            "conductivity_solids": c["d_solid"],
         },
+        "heat": {},
         "boundary": boundary,
     }
 

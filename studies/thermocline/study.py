@@ -26,13 +26,17 @@ NOT_COMPARED = ("CPU [s]", "cycle_change_K")
 def variant(diameter: float, hours: float, level: str = "auto") -> cb.Scene:
     """The day with other stones, and other hours of charge and discharge, each before a standby of the rest of 12 h."""
     times = [0.0, hours * HOUR, 12.0 * HOUR, (12.0 + hours) * HOUR]
-    changes = {"flow.velocity.times": times, "bed.particle_diameter": diameter, "particle.heat": level}
+    changes = {
+        "boundary.left.gas.velocity.times": times,
+        "solids.quartzite.diameter": diameter,
+        "solids.quartzite.inside.heat": level,
+    }
     return cb.load(HERE / "day.toml", changes)
 
 
 def reference(scene: cb.Scene) -> float:
     """Heat that a bed could hold between both inlet temperatures [J/m2]."""
-    fluid, solid, eps = scene.fluid, scene.solid, scene.bed.porosity
+    fluid, solid, eps = scene.gas, scene.solid, scene.packed_bed.porosity
     content = eps * fluid.density * fluid.heat_capacity + (1.0 - eps) * solid.density * solid.heat_capacity
     return float(content * scene.mesh.length * 100.0)
 

@@ -57,8 +57,8 @@ def reference() -> Any:
 def lines(cells: int, tolerance: float) -> Any:
     """The same bed by central finite volumes and LSODA with a banded Jacobian; temperatures as `reference` has them."""
     scene: Any = _scene(1e-4)
-    fluid, solid, eps, d = scene.fluid, scene.solid, scene.bed.porosity, scene.bed.particle_diameter
-    u, dx = scene.flow.velocity, scene.mesh.length / cells
+    fluid, solid, eps, d = scene.gas, scene.solid, scene.packed_bed.porosity, scene.diameter
+    u, dx = scene.boundary["left"].gas.velocity, scene.mesh.length / cells
     reynolds = fluid.density * u * d / fluid.viscosity
     prandtl = fluid.viscosity * fluid.heat_capacity / fluid.conductivity
     exchange = (2.0 + 1.1 * reynolds**0.6 * prandtl ** (1 / 3)) * fluid.conductivity / d * 6.0 * (1.0 - eps) / d

@@ -28,44 +28,63 @@ from tests.report.report_file import charts_of
 
 SCENE = """\
 mesh = { type = "line", length = 2, cells = 4 }
-fluid = { density = 1.2, heat_capacity = 1000.0, conductivity = 0.03, viscosity = 2e-5 }
-solid = { density = 2000.0, heat_capacity = 900.0, conductivity = 1.0 }
-bed = { porosity = 0.4, particle_diameter = "3 mm" }
-flow = { velocity = 0.1 }
-heat = { nusselt = 2.0 }
-boundary.left = { fluid.inflow = 300 }
+gas = { density = 1.2, heat_capacity = 1000.0, conductivity = 0.03, viscosity = 2e-5 }
+solids.particles = { density = 2000.0, heat_capacity = 900.0, conductivity = 1.0, diameter = "3 mm" }
+packed_bed = { porosity = 0.4 }
+closures = { nusselt = 2.0 }
+heat = {}
+boundary.left.gas = { velocity = 0.1, temperature = 300 }
 """
 DROPS = """\
 title = "pressure drops"
 profiles = false
 [keys]
-bed.porosity = { from = 0.35, to = 0.45 }
-bed.particle_diameter = { median = "3 mm", factor = 1.2 }
+packed_bed.porosity = { from = 0.35, to = 0.45 }
+solids.particles.diameter = { median = "3 mm", factor = 1.2 }
 [[experiment]]
 scene = "scene.toml"
 file = "drops.csv"
-keys = { "flow.velocity" = "u" }
+keys = { "boundary.left.gas.velocity" = "u" }
 values = [{ quantity = "pressure_drop_Pa", column = "dp", error = "2 %" }]
 predict = { results = ["residence_time_s"] }
 """
 # a thin bed that a flux heats: dT/dt = q/(C L), the same everywhere
 TANK = """\
 mesh = { type = "line", length = 0.01, cells = 4 }
-fluid = { density = 1.2, heat_capacity = 1000.0, conductivity = 0.03, viscosity = 2e-5 }
-solid = { density = 2000.0, heat_capacity = 900.0, conductivity = 1e3 }
-bed = { porosity = 0.4, particle_diameter = "1 mm" }
-flow = { velocity = 0.0 }
-heat = { nusselt = 0.0 }
+
+[gas]
+density = 1.2
+heat_capacity = 1000.0
+conductivity = 0.03
+viscosity = 2e-5
+
+[solids.particles]
+density = 2000.0
+heat_capacity = 900.0
+conductivity = 1e3
+diameter = "1 mm"
+
+[packed_bed]
+porosity = 0.4
+
+[closures]
+nusselt = 0.0
+
+[heat]
+
 [boundary.left]
-solid = { flux = 500.0 }
+solids.particles.heat_flux = 500.0
+
+[initial]
+gas.temperature = 300
+solids.particles.temperature = 300
+
 [time]
 end = 400
-initial_fluid = 300
-initial_solid = 300
 """
 HEATED = """\
 [keys]
-boundary.left.solid.flux = { from = 100, to = 1000 }
+boundary.left.solids.particles.heat_flux = { from = 100, to = 1000 }
 [[experiment]]
 name = "tank"
 scene = "tank.toml"
@@ -79,7 +98,7 @@ predict = { times = ["5 min"], positions = [0.004] }
 [[experiment]]
 name = "other"
 scene = "tank.toml"
-set = { "solid.heat_capacity" = 450.0 }
+set = { "solids.particles.heat_capacity" = 450.0 }
 file = "heated.csv"
 where = { probe = "B" }
 time = "t"
@@ -130,10 +149,10 @@ def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
     (folder / "drops.toml").write_text(text)
     assert cli.main(["calibrate", "drops.toml", "--out", "out"]) == 0
     keys = json.loads((folder / "out" / "summary.json").read_text())["keys"]
-    fitted = [keys[name]["fitted"] for name in ("bed.porosity", "bed.particle_diameter")]
+    fitted = [keys[name]["fitted"] for name in ("packed_bed.porosity", "solids.particles.diameter")]
     # the data are exact; the prior about 3 mm draws the fit by 2 % of its distance
     np.testing.assert_allclose(fitted, [0.39, 3.2e-3], rtol=5e-3)
-    for key, true in (("bed.porosity", 0.39), ("bed.particle_diameter", 3.2e-3)):
+    for key, true in (("packed_bed.porosity", 0.39), ("solids.particles.diameter", 3.2e-3)):
         assert keys[key]["low"] < true < keys[key]["high"]
         assert keys[key]["low of profile"] < true < keys[key]["high of profile"]
     points = read(folder / "out" / "points.csv")
@@ -141,13 +160,13 @@ def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
     assert points[0]["unit"] == "Pa"
     ahead = [row for row in points if row["quantity"] == "residence_time_s"]
     # porosity by itself: the band of eps L/u follows that of eps
-    low, high = (keys["bed.porosity"][end] * 2.0 / 0.02 for end in ("low", "high"))
+    low, high = (keys["packed_bed.porosity"][end] * 2.0 / 0.02 for end in ("low", "high"))
     np.testing.assert_allclose([float(ahead[0]["low"]), float(ahead[0]["high"])], [low, high], rtol=1e-6)
     out = capsys.readouterr().out
     assert "3 values, chi-square" in out and "known" in out
     assert cli.main(["report", "out"]) == 0
     report = (folder / "out" / "report.html").read_text()
-    assert "bed.particle_diameter" in report and report.count("data:image/png;base64,") == 3
+    assert "solids.particles.diameter" in report and report.count("data:image/png;base64,") == 3
     covariance = json.loads((folder / "out" / "summary.json").read_text())["covariance"]["matrix"]
     assert all(f"{value:.6g}" in report for row in covariance for value in row)
     parity, parallel, matrix = (chart["data"][0] for chart in charts_of(report))
@@ -164,7 +183,9 @@ def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
 def test_two_transient_experiments_are_fitted_at_once_and_the_rest_is_predicted(folder, no_pictures):
     found = calibrate("heated.toml", "out")
     # the temperature is linear in the flux: the closed form of the weighted mean
-    np.testing.assert_allclose(found.values["boundary.left.solid.flux"], FLUX, rtol=1e-5)  # of the steps in time
+    np.testing.assert_allclose(
+        found.values["boundary.left.solids.particles.heat_flux"], FLUX, rtol=1e-5
+    )  # of the steps in time
     fitted = [point for point in found.points if point.fitted]
     slopes = [(2.0 if p.experiment == "other" else 1.0) * p.t / CAPACITY / p.error for p in fitted]
     error = 1.0 / np.sqrt(np.sum(np.square(slopes)))
@@ -183,7 +204,7 @@ def test_two_transient_experiments_are_fitted_at_once_and_the_rest_is_predicted(
     # the scenes that are written are those that were fitted
     scene = cb.load(folder / "out" / "calibrated_other.toml")
     assert scene.solid.heat_capacity == 450.0
-    np.testing.assert_allclose(scene.boundary["left"].solid.flux, FLUX, rtol=1e-5)
+    np.testing.assert_allclose(scene.boundary["left"].condition("solid").heat_flux, FLUX, rtol=1e-5)
 
 
 @pytest.mark.slow
@@ -243,7 +264,7 @@ def test_a_killed_command_goes_on(folder, no_pictures):
     before = len(file.read_text().splitlines()) - 1  # the last line may not be whole
     done = calibrate("drops.toml", "out")
     assert 0 < before <= done.before < done.runs
-    np.testing.assert_allclose(done.values["bed.porosity"], 0.39, rtol=5e-3)
+    np.testing.assert_allclose(done.values["packed_bed.porosity"], 0.39, rtol=5e-3)
 
 
 def test_failed_runs_are_kept_and_lose_nothing(folder, monkeypatch, no_pictures):
@@ -253,14 +274,14 @@ def test_failed_runs_are_kept_and_lose_nothing(folder, monkeypatch, no_pictures)
     run = runner.run
 
     def fails_above(scene, *arguments, **options):
-        if scene.bed.porosity > 0.3995:  # the middle of the prior among them
+        if scene.packed_bed.porosity > 0.3995:  # the middle of the prior among them
             raise ConvergenceError("no solution")
         return run(scene, *arguments, **options)
 
     monkeypatch.setattr(runner, "run", fails_above)
     found = calibrate("drops.toml", "out")
     assert found.failed and all(each["exit_code"] == 3 for each in found.failed)
-    np.testing.assert_allclose(found.values["bed.porosity"], 0.39, rtol=5e-3)
+    np.testing.assert_allclose(found.values["packed_bed.porosity"], 0.39, rtol=5e-3)
     monkeypatch.setattr(runner, "run", run)
     again = calibrate("drops.toml", "out", retry_failed=True)
     assert not again.failed and again.before == found.runs - len(found.failed)
@@ -281,7 +302,7 @@ def test_tangents_of_the_runs_are_the_derivatives(folder):
     assert model.computed == 3
     for k, u in enumerate((0.02, 0.2, 1.0)):
         for j, name in enumerate(("porosity", "diameter")):
-            given = {"porosity": keys["bed.porosity"], "diameter": keys["bed.particle_diameter"]}
+            given = {"porosity": keys["packed_bed.porosity"], "diameter": keys["solids.particles.diameter"]}
             step = 1e-6 * given[name]
             ends = [drop(u, **(given | {name: given[name] + side * step})) for side in (1.0, -1.0)]
             exact = (ends[0] - ends[1]) / (2.0 * step) * file.keys[j].prior.slope(z[j])
@@ -303,20 +324,21 @@ def test_a_store_in_memory_writes_nothing(folder):
 
 MISTAKES = [
     ("drops", 'column = "dp"', 'column = "dP"', "drops.csv:2: no column 'dP'; allowed: u, dp; did you mean 'dp'?"),
-    ("drops", 'keys = { "flow.velocity" = "u" }', 'keys = { "flow.velocity" = "dp" }',
+    ("drops", 'keys = { "boundary.left.gas.velocity" = "u" }', 'keys = { "boundary.left.gas.velocity" = "dp" }',
      "drops.csv:2: expected a velocity in m/s, found 'dp [mbar]'"),
     ("drops", '"2 %"', '"2 K"', "drops.toml:10: error: expected a pressure like 'Pa', found '2 K', or a share"),
     ("drops", '"2 %"', '"0 %"', "drops.csv:3: the standard error of 'dp' is 0; allowed: a number > 0"),
     ("drops", ', error = "2 %"', "", "drops.toml:10: values of pressure_drop_Pa: give the standard error"),
     ("drops", "to = 0.45", "to = 1.2", "drops.toml:4: the prior reaches to values that the scene does not take: "
-     "bed.porosity = 1.2: out of range"),
+     "packed_bed.porosity = 1.2: out of range"),
     ("drops", "from = 0.35, to = 0.45", "from = 1.2, to = 1.4",
-     "drops.toml:4: bed.porosity = 1.3: out of range; allowed: a number > 0 and < 1; in the middle of its prior"),
-    ("drops", "from = 0.35", "from = 0.45", "drops.toml:4: bed.porosity: an empty range"),
-    ("drops", 'median = "3 mm"', 'median = "-3 mm"', "drops.toml:5: bed.particle_diameter = -0.003: out of range"),
+     "drops.toml:4: packed_bed.porosity = 1.3: out of range; allowed: a number > 0 and < 1; in the middle of its pr"),
+    ("drops", "from = 0.35", "from = 0.45", "drops.toml:4: packed_bed.porosity: an empty range"),
+    ("drops", 'median = "3 mm"', 'median = "-3 mm"', "drops.toml:5: solids.particles.diameter = -0.003: out of range"),
     ("drops", "factor = 1.2", "factor = 0.9",
-     "drops.toml:5: bed.particle_diameter: factor is 0.9; allowed: a number > 1"),
-    ("drops", "bed.porosity =", "bed.porosty =", "drops.toml:4: bed.porosty = 0.4: unknown key; allowed: porosity"),
+     "drops.toml:5: solids.particles.diameter: factor is 0.9; allowed: a number > 1"),
+    ("drops", "packed_bed.porosity =", "packed_bed.porosty =",
+     "drops.toml:4: packed_bed.porosty = 0.4: unknown key; allowed: porosity"),
     ("drops", "title", "titel", 'drops.toml:1: titel = "pressure drops": unknown key; allowed: title, keys, '),
     ("drops", '["residence_time_s"]', '["residence_time_s", 3]',
      "drops.toml:11: experiment[0].predict.results[1] = 3: wrong kind of value; allowed: a text"),
@@ -329,8 +351,8 @@ MISTAKES = [
     ("drops", '["residence_time_s"]', '["residence_s"]', 'drops.toml:11: predict: no run has a result "residence_s"'),
     ("drops", '["residence_time_s"]', '["storage_efficiency"]',
      'drops.toml:11: the run has no number "storage_efficiency"'),
-    ("drops", 'keys = { "flow.velocity"', 'keys = { "bed.porosity"',
-     "drops.toml:9: bed.porosity: is fitted under [keys]"),
+    ("drops", 'keys = { "boundary.left.gas.velocity"', 'keys = { "packed_bed.porosity"',
+     "drops.toml:9: packed_bed.porosity: is fitted under [keys]"),
     ("heated", "until", "where2", 'heated.toml:10: experiment[0].where2 = "200 s": unknown key'),
     ("heated", 'where = { probe = "A" }', 'where = { probe = "C" }', "heated.toml:7: where: no row of heated.csv fits"),
     ("heated", '"T_solid", column = "T", error =', '"T_sold", column = "T", error =',
@@ -389,8 +411,14 @@ def test_a_series_over_time_is_one_curve():
 
 def test_a_steady_scene_has_no_times(folder, capsys):
     (folder / "tank.toml").write_text(SCENE)
-    text = (folder / "heated.toml").read_text().replace("boundary.left.solid.flux = { from = 100, to = 1000 }", "")
-    (folder / "heated.toml").write_text(text.replace("[keys]", "[keys]\nbed.porosity = { from = 0.3, to = 0.5 }"))
+    text = (
+        (folder / "heated.toml")
+        .read_text()
+        .replace("boundary.left.solids.particles.heat_flux = { from = 100, to = 1000 }", "")
+    )
+    (folder / "heated.toml").write_text(
+        text.replace("[keys]", "[keys]\npacked_bed.porosity = { from = 0.3, to = 0.5 }")
+    )
     assert cli.main(["calibrate", "heated.toml"]) == 2
     assert "heated.csv:2: the scene tank.toml is steady; leave out time" in capsys.readouterr().err
 

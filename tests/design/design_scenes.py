@@ -5,28 +5,35 @@ SLIP = """\
 type = "line"
 length = 0.04
 cells = 60
-[fluid]
+
+[gas]
 density = 0.4345
 heat_capacity = 1986.8
 conductivity = 0.0345
 viscosity = 1.731e-5
-[solid]
+
+[solids.particles]
 density = 2000.0
 heat_capacity = 800.0
 conductivity = 0.8625
-[bed]
+diameter = 0.01
+
+[packed_bed]
 porosity = 0.6
-particle_diameter = 0.01
+
+[closures]
 permeability = 1e-7
 forchheimer = 0.1
-[flow]
-velocity = 0.2
-velocity_solid = 1e-4
-[heat]
 nusselt = 12.0
+
+[heat]
+
 [boundary.left]
-fluid.fixed = 300.0
-solid.fixed = 400.0
+gas.velocity = 0.2
+solids.particles.velocity = 1e-4
+gas.fixed_temperature = 300.0
+solids.particles.fixed_temperature = 400.0
+
 [solver]
 stabilisation = false
 degree = 3
@@ -73,41 +80,47 @@ def random_scene(seed):
     elif shape == "box":
         mesh |= {"width": across, "height": across}
     varies = random.random() < 0.5
-    fluid = {"density": 0.6, "heat_capacity": 1100.0, "conductivity": 0.05, "viscosity": 3e-5}
+    gas = {"density": 0.6, "heat_capacity": 1100.0, "conductivity": 0.05, "viscosity": 3e-5}
     if varies:
-        fluid = {"model": "cantera", "composition": "N2:0.79, O2:0.21", "pressure": 1.2e5}
+        gas = {"model": "cantera", "composition": "N2:0.79, O2:0.21", "pressure": 1.2e5}
     low, high = ("bottom", "top") if shape == "axisymmetric" else ("left", "right")
     wall = {"line": None, "rectangle": "top", "axisymmetric": "wall", "box": "back"}[shape]
     boundary = {
-        low: {"fluid": {str(random.choice(["inflow", "fixed"])): float(random.uniform(300, 400))}},
+        low: {"gas": {str(random.choice(["temperature", "fixed_temperature"])): float(random.uniform(300, 400))}},
         high: {},
     }
     moves = random.random() < 0.5
     counter = bool(moves and random.random() < 0.5)
-    boundary[high if counter else low]["solid"] = {"fixed": float(random.uniform(600, 900))}
+    boundary[high if counter else low]["solids"] = {"particles": {"fixed_temperature": float(random.uniform(600, 900))}}
     speed = float(random.uniform(5e-5, 3e-4)) * (-1 if counter else 1) if moves else 0.0
-    heat = {
+    closures = {
         "nusselt": [8.0, "wakao_kaguei", {"name": "gunn"}][random.choice(3)],
-        "conductivity_solid": float(random.uniform(0.3, 2.0)),
+        "conductivity_solids": float(random.uniform(0.3, 2.0)),
     }
     if random.random() < 0.3:
-        heat["dispersion"] = {"axial": 0.3, "transverse": 0.1}
+        closures["dispersion"] = {"axial": 0.3, "transverse": 0.1}
     if wall and random.random() < 0.6:
-        boundary[wall] = {"solid": {"coefficient": float(random.uniform(20, 90)), "ambient": 500.0}}
+        boundary[wall] = {"solids": {"particles": {"coefficient": float(random.uniform(20, 90)), "ambient": 500.0}}}
     if wall and shape != "box" and random.random() < 0.5:
         boundary.setdefault(wall, {})["type"] = "no_slip"
+    porosity, diameter = float(random.uniform(0.36, 0.5)), float(random.uniform(4e-3, 12e-3))
+    boundary[low]["gas"]["velocity"] = float(random.uniform(0.1, 0.6))
+    solid = {"density": 2300.0, "heat_capacity": 900.0, "conductivity": 1.5, "diameter": diameter}
+    if moves:
+        boundary[high if counter else low]["solids"]["particles"]["velocity"] = abs(speed)
     values = {
         "mesh": mesh,
-        "fluid": fluid,
-        "solid": {"density": 2300.0, "heat_capacity": 900.0, "conductivity": 1.5},
-        "bed": {"porosity": float(random.uniform(0.36, 0.5)), "particle_diameter": float(random.uniform(4e-3, 12e-3))},
-        "flow": {"velocity": float(random.uniform(0.1, 0.6)), "velocity_solid": speed},
-        "heat": heat,
+        "gas": gas,
+        "solids": {"particles": solid},
+        "packed_bed": {"porosity": porosity},
+        "closures": closures,
+        "heat": {},
         "boundary": boundary,
         "solver": {"degree": 2, "newton_tolerance": 1e-12, "balance_tolerance": 1e-6},
     }
     if varies and random.random() < 0.5:
-        values["solid"]["heat_capacity"] = [700.0, 0.3]
+        solid["heat_capacity"] = [700.0, 0.3]
     if random.random() < 0.25:
-        values["radiation"] = {"level": "p1", "emissivity": 0.8, "allow_rosseland": False}
+        solid["emissivity"] = 0.8
+        values["radiation"] = {"level": "p1", "allow_rosseland": False}
     return from_dict(values)

@@ -24,13 +24,13 @@ from tests.report.report_file import charts_of
 
 SCENE = """
 mesh = { type = "line", length = 0.05 }
-fluid = { density = 1.2, heat_capacity = 1005, conductivity = 0.026, viscosity = 1.8e-5 }
-solid = { density = 2500, heat_capacity = 840, conductivity = 0.84 }
-bed = { porosity = 0.4, particle_diameter = "10 mm" }
-flow = { velocity = 0.3, velocity_solid = -1.7e-4 }
-heat = { nusselt = "wakao_kaguei", conductivity_solid = "zehner_schluender", conductivity_fluid = 0.0 }
-boundary.left.fluid.inflow = 300.0
-boundary.right.solid.inflow = 500.0
+gas = { density = 1.2, heat_capacity = 1005, conductivity = 0.026, viscosity = 1.8e-5 }
+solids.pebbles = { density = 2500, heat_capacity = 840, conductivity = 0.84, diameter = "10 mm" }
+packed_bed = { porosity = 0.4 }
+closures = { nusselt = "wakao_kaguei", conductivity_solids = "zehner_schluender", conductivity_gas = 0.0 }
+heat = {}
+boundary.left.gas = { velocity = 0.3, temperature = 300.0 }
+boundary.right.solids.pebbles = { velocity = 1.7e-4, temperature = 500.0 }
 """
 FILE = """
 scene = "bed.toml"
@@ -38,7 +38,7 @@ qoi = ["T_fluid_out_K"]
 samples = 8
 packings = { count = 2, particles = 300, width = 5 }
 laws = { conduction = ["cones", "columns"], exchange = [{ name = "power", a = 1.2, b = 0.5 }, "gunn"] }
-uncertain = { solid.conductivity = "5 %" }
+uncertain = { solids.pebbles.conductivity = "5 %" }
 """
 NAME = "T_fluid_out_K"
 
@@ -65,9 +65,9 @@ def found(tmp_path_factory):
 
 def with_closures(found, **changes):
     """The bed with the closures that the cascade wrote for users."""
-    files = {"conductivity_solid": "conductivity", "nusselt": "nusselt"}
-    closures = {f"heat.{key}": {"file": str(found.folder / f"{name}.toml")} for key, name in files.items()}
-    values = {**closures, "bed.porosity": float(found.porosities.mean()), **changes}
+    files = {"conductivity_solids": "conductivity", "nusselt": "nusselt"}
+    closures = {f"closures.{key}": {"file": str(found.folder / f"{name}.toml")} for key, name in files.items()}
+    values = {**closures, "packed_bed.porosity": float(found.porosities.mean()), **changes}
     return load(found.cascade.scene_file, values)
 
 
@@ -91,8 +91,8 @@ def test_range_is_that_of_the_bed(found):
 
 def test_part_of_a_number_is_its_derivative(found):
     """Half the difference of two runs is |d qoi/d key| times the standard uncertainty, up to its third order."""
-    part = next(part for part in found.parts if part.name == "solid.conductivity")
-    slope = gradient(with_closures(found), [NAME], ["solid.conductivity"]).derivatives[0, 0]
+    part = next(part for part in found.parts if part.name == "solids.pebbles.conductivity")
+    slope = gradient(with_closures(found), [NAME], ["solids.pebbles.conductivity"]).derivatives[0, 0]
     assert part.deviation[NAME] == pytest.approx(abs(slope) * 0.05 * 0.84, rel=2e-2)
 
 
@@ -108,12 +108,12 @@ def test_part_of_the_laws_is_their_scatter(found):
 
 RESTING = """
 mesh = { type = "line", length = 0.05, cells = 12 }
-fluid = { density = 1.2, heat_capacity = 1005, conductivity = 0.026, viscosity = 1.8e-5 }
-solid = { density = 2500, heat_capacity = 840, conductivity = 0.84 }
-bed = { porosity = 0.4, particle_diameter = "10 mm" }
-flow = { velocity = 0.0 }
-heat = { nusselt = 2.0, conductivity_solid = "zehner_schluender", conductivity_fluid = 0.0 }
-boundary.left.solid.fixed = 400.0
+gas = { density = 1.2, heat_capacity = 1005, conductivity = 0.026, viscosity = 1.8e-5 }
+solids.pebbles = { density = 2500, heat_capacity = 840, conductivity = 0.84, diameter = "10 mm" }
+packed_bed = { porosity = 0.4 }
+closures = { nusselt = 2.0, conductivity_solids = "zehner_schluender", conductivity_gas = 0.0 }
+heat = {}
+boundary.left.solids.pebbles.fixed_temperature = 400.0
 """
 SCATTER = """
 scene = "bed.toml"
@@ -127,7 +127,10 @@ laws = { conduction = ["cones"], scatter_conduction = "20 %" }
 @pytest.mark.slow
 def test_scatter_of_measured_beds_multiplies_the_law(tmp_path):
     """Heat through a bed at rest is proportional to its conductivity, so that it scatters as that does."""
-    done = cascade(written(tmp_path, SCATTER, RESTING + "boundary.right.solid.fixed = 300.0\n"), tmp_path / "out")
+    done = cascade(
+        written(tmp_path, SCATTER, RESTING + "boundary.right.solids.pebbles.fixed_temperature = 300.0\n"),
+        tmp_path / "out",
+    )
     parts = {part.name: part.deviation["heat_left_W"] for part in done.parts}
     best = done.base["heat_left_W"]
     assert parts["scatter of conduction"] == pytest.approx(best * np.sinh(0.2), rel=1e-9)
@@ -215,8 +218,8 @@ def test_what_was_drawn_gives_the_result_again(found):
     gunn, power = (found.samples[NAME][laws == name] for name in ("gunn", "power, a = 1.2, b = 0.5"))
     assert gunn.min() > power.max() + 10.0
     porosities = [found.porosities[k - 1] for k in found.drawn["packing"]]
-    assert found.drawn["bed.porosity"] == porosities
-    assert np.ptp(found.drawn["solid.conductivity"]) > 0.02
+    assert found.drawn["packed_bed.porosity"] == porosities
+    assert np.ptp(found.drawn["solids.pebbles.conductivity"]) > 0.02
 
 
 def test_particles_that_nothing_needs_are_not_asked(tmp_path, monkeypatch):
@@ -226,7 +229,7 @@ def test_particles_that_nothing_needs_are_not_asked(tmp_path, monkeypatch):
         'conduction = ["cones"]',
     )
     done = cascade(written(tmp_path, text), tmp_path / "out")
-    assert {part.name for part in done.parts} == {"packing", "fit", "solid.conductivity", "mesh"}
+    assert {part.name for part in done.parts} == {"packing", "fit", "solids.pebbles.conductivity", "mesh"}
     assert not (tmp_path / "out/nusselt.toml").exists()
 
 
@@ -260,9 +263,9 @@ def test_packings_of_many_sizes_have_the_sauter_mean_of_the_bed(tmp_path):
         (", b = 0.5 }", "}", "cascade.toml:6: laws.exchange[0]: closure 'power' needs b"),
         ('"columns"', '"pillars"', 'cascade.toml:6: laws.conduction[1] = "pillars": unknown choice'),
         (
-            "solid.conductivity",
-            "solid.conductivty",
-            "cascade.toml:7: uncertain.solid.conductivty: the scene has no number",
+            "solids.pebbles.conductivity",
+            "solids.pebbles.conductivty",
+            "cascade.toml:7: uncertain.solids.pebbles.conductivty: the scene has no number",
         ),
         ('qoi = ["T_fluid_out_K"]', "", "qoi: asks for no result; name one, such as T_fluid_out_K, or give `measured`"),
         (
@@ -273,9 +276,13 @@ def test_packings_of_many_sizes_have_the_sauter_mean_of_the_bed(tmp_path):
         ("samples = 8", 'measured = "beaulieu_2020"', "the points are measured over time, but the scene is steady"),
         ("width = 5 }", "width = 5, spread = 0.1 }", "cascade.toml:6: laws.conduction: columns are for equal spheres"),
         ("width = 5 }", "width = 5, walls = true }", "cascade.toml:5: packings.walls: the gas is computed between"),
-        ('"5 %"', "nan", "cascade.toml:7: uncertain.solid.conductivity: expected a number > 0 in SI, or a share"),
-        ('"5 %"', '"500 %"', "cascade.toml:7: uncertain.solid.conductivity: 4"),
-        ('"5 %"', '"500 %"', "reaches what the scene refuses: solid.conductivity = -"),
+        (
+            '"5 %"',
+            "nan",
+            "cascade.toml:7: uncertain.solids.pebbles.conductivity: expected a number > 0 in SI, or a share",
+        ),
+        ('"5 %"', '"500 %"', "cascade.toml:7: uncertain.solids.pebbles.conductivity: 4"),
+        ('"5 %"', '"500 %"', "reaches what the scene refuses: solids.pebbles.conductivity = -"),
         (
             '"gunn"] }',
             '"gunn"], scatter_exchange = -0.1 }',
@@ -286,7 +293,11 @@ def test_packings_of_many_sizes_have_the_sauter_mean_of_the_bed(tmp_path):
             "scatter_exchange = 0.1",
             "cascade.toml:6: laws.scatter_exchange: there is no law of exchange to scatter",
         ),
-        ('"5 %"', '"5"', "cascade.toml:7: uncertain.solid.conductivity: expected a number > 0 in SI, or a share"),
+        (
+            '"5 %"',
+            '"5"',
+            "cascade.toml:7: uncertain.solids.pebbles.conductivity: expected a number > 0 in SI, or a share",
+        ),
     ],
 )
 def test_mistakes(tmp_path, old, new, says):
@@ -299,7 +310,7 @@ def test_mistakes(tmp_path, old, new, says):
 
 def test_scene_without_closures_to_give(tmp_path):
     path = written(tmp_path, scene=SCENE.replace('"10 mm" }', '"10 mm", shape = "rods" }'))
-    with pytest.raises(SceneError, match=r"the packings are of spheres, but bed\.shape is 'rods'"):
+    with pytest.raises(SceneError, match=r"the packings are of spheres, but the shape of the solid is 'rods'"):
         cascade(path, tmp_path / "out")
 
 
@@ -346,7 +357,7 @@ mixing_conductivity = 2e4
 
 def test_bubbling_bed_takes_packings_as_its_emulsion(tmp_path):
     """Char without mixing is warmer than the gas by the heat that it releases over its surface and coefficient."""
-    text = FILE.replace(NAME, "T_char_mid_K").replace("solid.conductivity", "solids.char.diameter")
+    text = FILE.replace(NAME, "T_char_mid_K").replace("solids.pebbles.conductivity", "solids.char.diameter")
     text = text.replace(', "columns"', "").replace(', "gunn"', "")
     done = cascade(written(tmp_path, text, BUBBLING), tmp_path / "out")
     eps = float(done.porosities.mean())
@@ -388,7 +399,7 @@ column = "T"
 time = "t"
 position = "x"
 """
-HEATED = RESTING + "time = { end = 2000, initial_fluid = 300, initial_solid = 300 }\n"
+HEATED = RESTING + "time = { end = 2000 }\ninitial = { temperature = 300 }\n"
 
 
 def measured_bed(folder, rows):
@@ -422,7 +433,7 @@ def test_a_cascade_beside_measured_points(tmp_path, capsys):
         samples = 8
         packings = { count = 2, particles = 400, width = 7, walls = true, friction = 0.4 }
         laws = { conduction = ["cones", "spreading"] }
-        uncertain = { solid.heat_capacity = "3 %" }
+        uncertain = { solids.pebbles.heat_capacity = "3 %" }
     """
     times = [500.0, 1000.0, 2000.0]
     measured_bed(tmp_path, [(t, 0.02, 300.0) for t in times])

@@ -19,9 +19,9 @@ OUT = ["T_fluid_out_K"]
 def test_keys_that_a_scene_gives():
     names = [one.name for one in continuous(loads(SLIP))]
     assert names[0] == "mesh.length"
-    assert "boundary.left.fluid.fixed" in names
-    assert "bed.forchheimer" in names
-    assert not {"mesh.cells", "solver.degree", "heat.conductivity_fluid"} & set(names)
+    assert "boundary.left.gas.fixed_temperature" in names
+    assert "closures.forchheimer" in names
+    assert not {"mesh.cells", "solver.degree", "closures.conductivity_gas"} & set(names)
 
 
 @pytest.mark.parametrize(
@@ -29,19 +29,19 @@ def test_keys_that_a_scene_gives():
     [
         ("mesh.cells", "line 4|:4: mesh.cells is an integer"),
         ("mesh.type", "a choice or a name"),
-        ("bed.shape", "a choice or a name"),
+        ("solids.particles.shape", "a choice or a name"),
         ("solver.stabilisation", "true or false"),
         ("solver.tolerance", "numerical method"),
-        ("bed", "is a table; give one of its keys: porosity"),
+        ("packed_bed", "is a table; give one of its keys: porosity"),
         ("time.end", "is not given in the scene"),
-        ("bed.porosty", "did you mean bed.porosity"),
-        ("bed..porosity", "is not a dotted key"),
-        ("heat.conductivity_solid", "closure's parameters"),
+        ("packed_bed.porosty", "did you mean packed_bed.porosity"),
+        ("packed_bed..porosity", "is not a dotted key"),
+        ("closures.conductivity_solids", "closure's parameters"),
     ],
 )
 def test_keys_without_a_derivative_are_refused_by_name(name, told):
     with pytest.raises(SceneError, match=told):
-        gradient(loads(SLIP), OUT, ["bed.porosity", name])
+        gradient(loads(SLIP), OUT, ["packed_bed.porosity", name])
 
 
 @pytest.mark.parametrize(
@@ -49,32 +49,32 @@ def test_keys_without_a_derivative_are_refused_by_name(name, told):
 )
 def test_results_that_a_run_does_not_have_are_refused(name, told):
     with pytest.raises(SceneError, match=told):
-        gradient(loads(SLIP), [name], ["bed.porosity"])
+        gradient(loads(SLIP), [name], ["packed_bed.porosity"])
 
 
 def test_items_of_lists_and_parameters_of_closures_are_keys():
     scene = loads(SLIP.replace("conductivity = 0.8625", "conductivity = [0.5, 1e-3]"))
-    one = key(scene, "solid.conductivity[1]")
+    one = key(scene, "solids.particles.conductivity[1]")
     assert (one.value, one.on(scene, 2e-3).solid.conductivity) == (1e-3, (0.5, 2e-3))
     scene = loads(SLIP.replace("nusselt = 12.0", 'nusselt = { name = "power", a = 1.1, b = 0.6 }'))
-    one = key(scene, "heat.nusselt.a")
-    assert one.on(scene, 1.2).heat.nusselt.a == 1.2
-    assert "heat.nusselt.b" in [one.name for one in continuous(scene)]
+    one = key(scene, "closures.nusselt.a")
+    assert one.on(scene, 1.2).closures.nusselt.a == 1.2
+    assert "closures.nusselt.b" in [one.name for one in continuous(scene)]
 
 
 def test_coefficients_of_polynomials_have_the_unit_of_their_power():
     scene = loads(SLIP.replace("heat_capacity = 800.0", "heat_capacity = [560.0, 0.75, -2e-4]"))
-    units = [key(scene, f"solid.heat_capacity[{power}]").unit for power in range(3)]
+    units = [key(scene, f"solids.particles.heat_capacity[{power}]").unit for power in range(3)]
     assert units == ["J/kg/K", "J/kg/K**2", "J/kg/K**3"]
 
 
 def test_properties_follow_the_temperature_of_a_library_material():
     text = SLIP.replace(
         "density = 2000.0\nheat_capacity = 800.0\nconductivity = 0.8625",
-        'material = "alumina"\ntemperature = 600.0\ndensity = 3000.0',
+        'material = "alumina"\nmaterial_temperature = 600.0\ndensity = 3000.0',
     )
     scene = loads(text)
-    other = key(scene, "solid.temperature").on(scene, 700.0)
+    other = key(scene, "solids.particles.material_temperature").on(scene, 700.0)
     assert other.solid.density == 3000.0
     assert other.solid.conductivity == loads(text.replace("600.0", "700.0")).solid.conductivity
     assert other.solid.conductivity != scene.solid.conductivity
@@ -82,22 +82,24 @@ def test_properties_follow_the_temperature_of_a_library_material():
 
 def test_steps_keep_within_bounds():
     scene = loads(SLIP)
-    near = differences.steps(scene, key(with_value(scene, ("bed", "porosity"), 0.9999), "bed.porosity"), 1e-3)
+    near = differences.steps(
+        scene, key(with_value(scene, ("packed_bed", "porosity"), 0.9999), "packed_bed.porosity"), 1e-3
+    )
     assert near.sides == (1, -1)
     assert 0.9999 + 2 * near.size < 1.0
     at = loads(SLIP.replace("forchheimer = 0.1", "forchheimer = 0.0"))
-    one_sided = differences.steps(at, key(at, "bed.forchheimer"), 1e-3)
+    one_sided = differences.steps(at, key(at, "closures.forchheimer"), 1e-3)
     assert one_sided.sides == (1,)
     assert "one-sided derivative from above" in one_sided.note
 
 
 def test_differences_of_runs_extrapolate():
-    scene, one = loads(SLIP), key(loads(SLIP), "bed.porosity")
-    found = differences.slope(scene, one, lambda s: np.array([s.bed.porosity**5]), np.array([0.6**5]))
+    scene, one = loads(SLIP), key(loads(SLIP), "packed_bed.porosity")
+    found = differences.slope(scene, one, lambda s: np.array([s.packed_bed.porosity**5]), np.array([0.6**5]))
     assert found.values == pytest.approx(5 * 0.6**4, rel=1e-10)  # the error is of fourth order in a step of 1e-3
     at = loads(SLIP.replace("forchheimer = 0.1", "forchheimer = 0.0"))
     found = differences.slope(
-        at, key(at, "bed.forchheimer"), lambda s: np.array([np.exp(s.bed.forchheimer)]), np.array([1.0]), 1e-4
+        at, key(at, "closures.forchheimer"), lambda s: np.array([np.exp(s.closures.forchheimer)]), np.array([1.0]), 1e-4
     )
     assert found.values == pytest.approx(1.0, rel=1e-6)  # one-sided: second order
 
@@ -130,7 +132,7 @@ def test_a_seed_that_changes_nothing_leaves_the_error_of_the_step():
 def test_pressure_drop_by_its_closed_form():
     scene = loads(SLIP)
     result = cb.run(scene)
-    found = gradient_of(result, ["pressure_drop_Pa", *OUT], ["mesh.length", "fluid.viscosity"])
+    found = gradient_of(result, ["pressure_drop_Pa", *OUT], ["mesh.length", "gas.viscosity"])
     # plug flow relative to the bed: mu/K (u - phi u_s) L + quadratic drag
     drop = result.qoi["pressure_drop_Pa"]
     assert found.derivatives[0, 0] == pytest.approx(drop / 0.04, rel=1e-8)

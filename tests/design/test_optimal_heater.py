@@ -15,27 +15,27 @@ SCENE = f"""\
 [mesh]
 type = "line"
 length = 0.2
-[fluid]
+[gas]
 density = 0.5
 heat_capacity = 1000
 conductivity = 0.05
 viscosity = 3e-5
-[solid]
+[solids.particles]
 density = 2000
 heat_capacity = 800
 conductivity = 0.5
-[bed]
+diameter = 0.01
+[packed_bed]
 porosity = 0.4
-particle_diameter = 0.01
-[flow]
-velocity = 0.3
-velocity_solid = -1.5e-4
-[heat]
+[closures]
 nusselt = 12
+[heat]
 [boundary.left]
-fluid.fixed = {GAS_IN}
+gas.velocity = 0.3
+gas.fixed_temperature = {GAS_IN}
 [boundary.right]
-solid.fixed = {SOLID_IN}
+solids.particles.velocity = 1.5e-4
+solids.particles.fixed_temperature = {SOLID_IN}
 [solver]
 tolerance = 1e-7
 [output]
@@ -48,7 +48,7 @@ minimise = "mesh.length"
 constraints = ["T_fluid_out_K >= {asked}"]
 [keys]
 mesh.length = {{ from = "0.01 m", to = "1 m" }}
-bed.particle_diameter = {{ from = "8 mm", to = "30 mm" }}
+solids.particles.diameter = {{ from = "8 mm", to = "30 mm" }}
 """
 
 
@@ -72,7 +72,7 @@ def test_length_and_prices_are_those_of_the_exact_solution(tmp_path, monkeypatch
     assert cli.main(["optimise", "design.toml", "--out", "out", "--quiet"]) == 0
     found = json.loads((tmp_path / "out" / "summary.json").read_text())
     keys = found["keys"]
-    assert keys["bed.particle_diameter"]["value"] == SMALLEST
+    assert keys["solids.particles.diameter"]["value"] == SMALLEST
     # the solver has 1e-7 of theta, and the constraint holds to 1e-6 of its change over the bounds
     assert keys["mesh.length"]["value"] == pytest.approx(shortest(ASKED, SMALLEST), rel=1e-5)
     step = 0.05
@@ -81,4 +81,4 @@ def test_length_and_prices_are_those_of_the_exact_solution(tmp_path, monkeypatch
     assert -found["constraints"][0]["price"] == pytest.approx(slope, rel=1e-3)
     step = 1e-6
     slope = (shortest(ASKED, SMALLEST + step) - shortest(ASKED, SMALLEST - step)) / (2.0 * step)
-    assert keys["bed.particle_diameter"]["price_of_bound"] == pytest.approx(slope, rel=1e-3)
+    assert keys["solids.particles.diameter"]["price_of_bound"] == pytest.approx(slope, rel=1e-3)

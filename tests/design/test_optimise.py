@@ -25,42 +25,48 @@ SCENE = """\
 [mesh]
 type = "line"
 length = 2
-[fluid]
+
+[gas]
 density = 1
 viscosity = 2e-5
-[bed]
+
+[solids.particles]
+diameter = "3 mm"
+
+[packed_bed]
 porosity = 0.4
-particle_diameter = "3 mm"
-[flow]
-velocity = 0.1
+
+[boundary.left]
+gas.velocity = 0.1
+
 [output]
 plots = false
 """
 DESIGN = """\
 title = "Fast flow"
 scene = "scene.toml"
-maximise = "flow.velocity"
+maximise = "boundary.left.gas.velocity"
 constraints = ["pressure_drop_Pa <= 0.1 kPa", "u_max <= 0.4"]
 [keys]
-flow.velocity = { from = "5 cm/s", to = 0.5 }
-bed.particle_diameter = { from = "1 mm", to = "4 mm" }
+boundary.left.gas.velocity = { from = "5 cm/s", to = 0.5 }
+solids.particles.diameter = { from = "1 mm", to = "4 mm" }
 """
 
 
 def model(scene):
     """Pressure drop 2000 v^2/(d/1 mm) [Pa] and largest velocity v + 10 d [m/s]."""
-    v, d = scene.flow.velocity, scene.bed.particle_diameter
+    v, d = scene.boundary["left"].gas.velocity, scene.diameter
     return {"pressure_drop_Pa": 2000.0 * v**2 / (1e3 * d), "u_max": v + 10.0 * d, "heat_wall_W": 3.0}
 
 
 def slopes(scene, qoi, keys):
     """Derivatives of `model`."""
-    v, d = scene.flow.velocity, scene.bed.particle_diameter
+    v, d = scene.boundary["left"].gas.velocity, scene.diameter
     drop = 2000.0 * v**2 / (1e3 * d)
     table = {
-        "pressure_drop_Pa": {"flow.velocity": 4.0 * v / d, "bed.particle_diameter": -drop / d},
-        "u_max": {"flow.velocity": 1.0, "bed.particle_diameter": 10.0},
-        "heat_wall_W": {"flow.velocity": 0.0, "bed.particle_diameter": 0.0},
+        "pressure_drop_Pa": {"boundary.left.gas.velocity": 4.0 * v / d, "solids.particles.diameter": -drop / d},
+        "u_max": {"boundary.left.gas.velocity": 1.0, "solids.particles.diameter": 10.0},
+        "heat_wall_W": {"boundary.left.gas.velocity": 0.0, "solids.particles.diameter": 0.0},
     }
     derivatives = np.array([[table[name][key] for key in keys] for name in qoi])
     return types.SimpleNamespace(derivatives=derivatives, standard_errors=None, method="tangent")
@@ -127,8 +133,8 @@ def test_the_optimum_its_prices_and_files(folder, runner, capsys, monkeypatch):
     d = 0.04 - 0.1 * v
     found = summary(folder)
     assert found["status"] == "optimum"
-    assert found["keys"]["flow.velocity"]["value"] == pytest.approx(v, rel=1e-8)
-    assert found["keys"]["bed.particle_diameter"]["value"] == pytest.approx(d, rel=1e-7)
+    assert found["keys"]["boundary.left.gas.velocity"]["value"] == pytest.approx(v, rel=1e-8)
+    assert found["keys"]["solids.particles.diameter"]["value"] == pytest.approx(d, rel=1e-7)
     assert found["objective"]["value"] == pytest.approx(v, rel=1e-8)
     assert found["objective"]["unit"] == "m/s"
     pressure, fastest = found["constraints"]
@@ -139,23 +145,23 @@ def test_the_optimum_its_prices_and_files(folder, runner, capsys, monkeypatch):
     assert pressure["bound"] == 100.0
     assert "u_max <= 0.4" in fastest["constraint"]
     scene = cb.load(folder / "out" / "optimum.toml")
-    assert scene.flow.velocity == pytest.approx(v, rel=1e-8)
-    assert scene.bed.porosity == 0.4
+    assert scene.boundary["left"].gas.velocity == pytest.approx(v, rel=1e-8)
+    assert scene.packed_bed.porosity == 0.4
     with open(folder / "out" / "table.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == len(runner.calls) == found["runs"]["evaluated"]
-    assert rows[0]["flow.velocity [m/s]"] == "0.1"
-    assert rows[0]["flow.velocity: objective [m/s]"] == "0.1"  # as it is maximised, not its negative
+    assert rows[0]["boundary.left.gas.velocity [m/s]"] == "0.1"
+    assert rows[0]["boundary.left.gas.velocity: objective [m/s]"] == "0.1"  # as it is maximised, not its negative
     assert float(rows[0]["pressure_drop [Pa]"]) == pytest.approx(2000.0 * 0.01 / 3.0)
     assert (folder / "out" / "convergence.png").read_bytes()[:4] == b"\x89PNG"
     text, warned = capsys.readouterr()
     assert warned == ""
-    assert '"pressure_drop_Pa <= 0.1 kPa": 10 Pa more allowed changes flow.velocity by +0.0' in text
+    assert '"pressure_drop_Pa <= 0.1 kPa": 10 Pa more allowed changes boundary.left.gas.velocity by +0.0' in text
     assert text.splitlines()[-1].startswith(f"{len(rows)} evaluations, 0 were before, 0 failed")
     pytest.importorskip("plotly", reason="plotly is not installed: pip install 'contbed[report]'")
     assert cli.main(["report", "out"]) == 0
     report = (folder / "out" / "report.html").read_text()
-    assert "Fast flow" in report and f"<code>flow.velocity</code>: {v:.6g} m/s" in report
+    assert "Fast flow" in report and f"<code>boundary.left.gas.velocity</code>: {v:.6g} m/s" in report
     assert "active constraints: pressure_drop_Pa &lt;= 0.1 kPa, u_max &lt;= 0.4" in report
     assert f"{pressure['price']:.6g}" in report and "m/s per Pa" in report
     charts = charts_of(report)
@@ -179,13 +185,15 @@ def test_a_second_call_computes_nothing(folder, runner):
 
 
 def test_a_failed_run_is_stepped_back_from_and_told(folder, runner, capsys):
-    runner.error = lambda scene: ConvergenceError("no convergence here") if scene.flow.velocity > 0.3723 else None
+    runner.error = lambda scene: (
+        ConvergenceError("no convergence here") if scene.boundary["left"].gas.velocity > 0.3723 else None
+    )
     assert optimise() == 0
     captured = capsys.readouterr()
     assert "warning: stepped back to" in captured.err and "no convergence here" in captured.err
     found = summary(folder)
     assert found["runs"]["failed"] >= 1 and found["warnings"]
-    assert found["keys"]["flow.velocity"]["value"] == pytest.approx(0.3723, abs=1e-4)
+    assert found["keys"]["boundary.left.gas.velocity"]["value"] == pytest.approx(0.3723, abs=1e-4)
     with open(folder / "out" / "table.csv", newline="") as file:
         failed = [row for row in csv.DictReader(file) if row["exit code"] == "3"]
     assert failed and failed[0]["problem"] == "no convergence here"
@@ -230,18 +238,18 @@ def test_as_many_runs_as_are_allowed(folder, runner, capsys):
 
 def test_formulas_with_prices_and_whole_numbers(folder, runner):
     """The pressure drop asks for d >= 2 mm at any velocity, u_max for 1 m/s."""
-    cost = '{ formula = "2*flow.velocity + bed.particle_diameter", unit = "EUR" }'
+    cost = '{ formula = "2*boundary.left.gas.velocity + solids.particles.diameter", unit = "EUR" }'
     change(
         folder,
-        ('maximise = "flow.velocity"', f"minimise = {cost}"),
-        ("pressure_drop_Pa <= 0.1 kPa", "pressure_drop_Pa <= 1e3 * fluid.density * flow.velocity**2"),
+        ('maximise = "boundary.left.gas.velocity"', f"minimise = {cost}"),
+        ("pressure_drop_Pa <= 0.1 kPa", "pressure_drop_Pa <= 1e3 * gas.density * boundary.left.gas.velocity**2"),
         ('from = "5 cm/s", to = 0.5', "from = 0, to = 3, start = 2, integer = true"),
         ("u_max <= 0.4", "u_max >= 1.01"),
     )
     assert optimise() == 0
     found = summary(folder)
-    assert found["keys"]["flow.velocity"]["value"] == 1
-    assert found["keys"]["bed.particle_diameter"]["value"] == pytest.approx(2e-3, rel=1e-6)
+    assert found["keys"]["boundary.left.gas.velocity"]["value"] == 1
+    assert found["keys"]["solids.particles.diameter"]["value"] == pytest.approx(2e-3, rel=1e-6)
     assert found["objective"]["unit"] == "EUR"
     assert found["constraints"][0]["bound"] == pytest.approx(1e3)
     assert "all 4 choices of integers were tried" in found["verdict"]
@@ -250,24 +258,60 @@ def test_formulas_with_prices_and_whole_numbers(folder, runner):
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ('"flow.velocity"', '"u_mux"', "toml:3: maximise: \"u_mux\": 'u_mux' is neither a named result nor a key"),
-        ('"flow.velocity"', '"u_mux"', "nearest: u_max"),
-        ('"flow.velocity"', '"flow.velocty"', "the scene has no number 'flow.velocty'; nearest: flow.velocity"),
-        ('"flow.velocity"', '"u_max + T_fluid_out_K"', "u_max is in m/s, T_fluid_out_K in K; they cannot be added"),
-        ("maximise", "minimize", 'design.toml:3: minimize = "flow.velocity": unknown key; allowed:'),
+        (
+            '"boundary.left.gas.velocity"',
+            '"u_mux"',
+            "toml:3: maximise: \"u_mux\": 'u_mux' is neither a named result nor a key",
+        ),
+        ('"boundary.left.gas.velocity"', '"u_mux"', "nearest: u_max"),
+        (
+            '"boundary.left.gas.velocity"',
+            '"boundary.left.gas.velocty"',
+            "the scene has no number 'boundary.left.gas.velocty'; nearest: boundary.left.gas.velocity",
+        ),
+        (
+            '"boundary.left.gas.velocity"',
+            '"u_max + T_fluid_out_K"',
+            "u_max is in m/s, T_fluid_out_K in K; they cannot be added",
+        ),
+        ("maximise", "minimize", 'design.toml:3: minimize = "boundary.left.gas.velocity": unknown key; allowed:'),
         ('"u_max <= 0.4"', '"u_max < 0.4"', "toml:4: constraints[1]: 'u_max < 0.4': expected one of <=, >= and =="),
         ('"u_max <= 0.4"', '"u_max <= 40 Pa"', "expected a velocity like 'm/s', found '40 Pa'"),
         ('"u_max <= 0.4"', '"u_max <= 2*pressure_drop_Pa"', "the left side is in m/s, the right one in Pa"),
         ("0.4", '0.4", "u_max >= 50 cm/s', '"u_max >= 50 cm/s" contradicts "u_max <= 0.4" by 0.1 m/s; change one'),
-        ("u_max <= 0.4", "flow.velocity >= 0.6", '"flow.velocity >= 0.6" cannot hold within the bounds'),
-        ("u_max <= 0.4", "flow.velocity >= 0.6", "missed by at least 0.1 m/s, at flow.velocity = 0.5 m/s"),
-        ('"5 cm/s"', '"90 cm/s"', "design.toml:6: flow.velocity: from, 0.9, is above to, 0.5; swap them"),
-        ('"5 cm/s"', '"20 cm/s"', "flow.velocity: the scene's value, 0.1, is outside of 0.2 to 0.5; give start = ..."),
-        ('"5 cm/s"', '"5 cm"', "design.toml:6: flow.velocity: from: expected a velocity like 'm/s', found '5 cm'"),
+        (
+            "u_max <= 0.4",
+            "boundary.left.gas.velocity >= 0.6",
+            '"boundary.left.gas.velocity >= 0.6" cannot hold within the bounds',
+        ),
+        (
+            "u_max <= 0.4",
+            "boundary.left.gas.velocity >= 0.6",
+            "missed by at least 0.1 m/s, at boundary.left.gas.velocity = 0.5 m/s",
+        ),
+        ('"5 cm/s"', '"90 cm/s"', "design.toml:6: boundary.left.gas.velocity: from, 0.9, is above to, 0.5; swap them"),
+        (
+            '"5 cm/s"',
+            '"20 cm/s"',
+            "boundary.left.gas.velocity: the scene's value, 0.1, is outside of 0.2 to 0.5; give start = ...",
+        ),
+        (
+            '"5 cm/s"',
+            '"5 cm"',
+            "design.toml:6: boundary.left.gas.velocity: from: expected a velocity like 'm/s', found '5 cm'",
+        ),
         ("to = 0.5", "to = 0.5, start = 0.6", "start, 0.6, is outside of 0.05 to 0.5; move it inside"),
         ("to = 0.5", "to = 0.5, count = 3", "count = 3: unknown key; allowed: from, to, start, integer"),
-        ("flow.velocity = {", "flow.velosity = {", "toml:6: flow.velosity: the scene has no such key; allowed: veloc"),
-        ("flow.velocity = {", "mesh.type = {", "mesh.type: is no number and cannot be varied between bounds"),
+        (
+            "boundary.left.gas.velocity = {",
+            "boundary.left.gas.velosity = {",
+            "toml:6: boundary.left.gas.velosity: the scene has no such key; allowed: veloc",
+        ),
+        (
+            "boundary.left.gas.velocity = {",
+            "mesh.type = {",
+            "mesh.type: is no number and cannot be varied between bounds",
+        ),
         ('"scene.toml"', '"bed.toml"', 'design.toml:2: scene: no such file: "bed.toml"'),
         ("title =", "runs = 0\ntitle =", "toml:1: runs = 0: out of range; allowed: an integer >= 1"),
     ],
@@ -287,17 +331,29 @@ def test_a_result_that_the_run_does_not_have_is_told_after_one_run(folder, runne
 
 
 def test_all_mistakes_at_once(folder):
-    change(folder, ("u_max <= 0.4", "u_max < 0.4"), ("flow.velocity = {", "flow.velosity = {"))
+    change(
+        folder, ("u_max <= 0.4", "u_max < 0.4"), ("boundary.left.gas.velocity = {", "boundary.left.gas.velosity = {")
+    )
     with pytest.raises(SceneError) as caught:
         read_design("design.toml")
     assert len(caught.value.problems) == 1  # the keys come first, as units of constraints follow from them
-    change(folder, ("flow.velosity = {", "flow.velocity = {"), ('maximise = "flow', 'maximise = "flo'))
+    change(
+        folder,
+        ("boundary.left.gas.velosity = {", "boundary.left.gas.velocity = {"),
+        ('maximise = "flow', 'maximise = "flo'),
+    )
     with pytest.raises(SceneError) as caught:
         read_design("design.toml")
     assert len(caught.value.problems) == 2
 
 
-UNITS = {"mesh.length": "m", "pressure_drop_Pa": "Pa", "flow.velocity": "m/s", "k_eff [W/m/K]": "W/m/K", "Nu": "1"}
+UNITS = {
+    "mesh.length": "m",
+    "pressure_drop_Pa": "Pa",
+    "boundary.left.gas.velocity": "m/s",
+    "k_eff [W/m/K]": "W/m/K",
+    "Nu": "1",
+}
 
 
 @pytest.mark.parametrize(
@@ -305,9 +361,9 @@ UNITS = {"mesh.length": "m", "pressure_drop_Pa": "Pa", "flow.velocity": "m/s", "
     [
         ("mesh.length", 1.5, "m"),
         ("2*mesh.length + 0.3", 3.3, "m"),
-        ("pressure_drop_Pa * flow.velocity", 2.25, "W/m**2"),
+        ("pressure_drop_Pa * boundary.left.gas.velocity", 2.25, "W/m**2"),
         ('0.5*"k_eff [W/m/K]" + 1e-1', 0.85, "W/m/K"),
-        ("max(mesh.length, 1e-3)/flow.velocity", 1.0, "s"),
+        ("max(mesh.length, 1e-3)/boundary.left.gas.velocity", 1.0, "s"),
         ("exp(-Nu)*mesh.length**2", 2.25 * np.exp(-1.5), "m**2"),
         ("Nu - sqrt(Nu)", 1.5 - 1.5**0.5, "1"),
     ],
@@ -376,7 +432,7 @@ def test_a_killed_search_goes_on_and_computes_no_run_twice(folder, runner):
 
 def test_a_gradient_that_fails_on_the_way_loses_nothing(folder, runner, monkeypatch):
     def gradient(scene, qoi, keys):
-        if scene.flow.velocity > 0.3723:
+        if scene.boundary["left"].gas.velocity > 0.3723:
             raise SceneError("no room for a step")
         return slopes(scene, qoi, keys)
 
@@ -384,7 +440,7 @@ def test_a_gradient_that_fails_on_the_way_loses_nothing(folder, runner, monkeypa
     assert optimise() in (0, 3)
     assert any("no gradient: no room for a step" in text for text in summary(folder)["warnings"])
     monkeypatch.setattr(
-        evaluations, "gradient", lambda *_: gradient(cb.load("scene.toml", {"flow.velocity": 1}), [], [])
+        evaluations, "gradient", lambda *_: gradient(cb.load("scene.toml", {"boundary.left.gas.velocity": 1}), [], [])
     )
     (folder / "out" / "summary.json").unlink()
     assert cli.main(["optimise", "design.toml", "--out", "fresh"]) == 2  # a key without derivative is told at once

@@ -26,14 +26,14 @@ def test_table_and_files(scene, capsys):
     assert run(scene, "--qoi", "pressure_drop_Pa") == 0
     text = capsys.readouterr().out
     lines = text.splitlines()
-    made = gradient(loads(SLIP), ["T_fluid_out_K"], ["heat.nusselt", "flow.velocity"])
-    row = next(line.split() for line in lines if line.strip().startswith("flow.velocity "))
+    made = gradient(loads(SLIP), ["T_fluid_out_K"], ["closures.nusselt", "boundary.left.gas.velocity"])
+    row = next(line.split() for line in lines if line.strip().startswith("boundary.left.gas.velocity "))
     assert row[1:3] == ["0.2", "m/s"]
     assert float(row[3]) == pytest.approx(made.derivatives[0, 1], rel=1e-4)
     assert row[4] == "K/(m/s)"
     assert float(row[5]) == pytest.approx(made.logarithmic[0, 1], rel=1e-2)
     # the largest relative derivative comes first: the outlet follows the temperature of the solid that enters
-    assert lines[2].split()[0] == "boundary.left.solid.fixed"
+    assert lines[2].split()[0] == "boundary.left.solids.particles.fixed_temperature"
     assert any(line.startswith("pressure_drop_Pa = ") for line in lines)
     assert not any("mesh.cells" in line for line in lines)
     out = scene.parent / "out"
@@ -43,10 +43,10 @@ def test_table_and_files(scene, capsys):
 
 
 def test_json(scene, capsys):
-    assert run(scene, "--json", "--to", "heat.nusselt", "--to", "flow.velocity") == 0
+    assert run(scene, "--json", "--to", "closures.nusselt", "--to", "boundary.left.gas.velocity") == 0
     found = json.loads(capsys.readouterr().out)
-    assert list(found["keys"]) == ["heat.nusselt", "flow.velocity"]
-    assert found["keys"]["flow.velocity"] == {"value": 0.2, "unit": "m/s"}
+    assert list(found["keys"]) == ["closures.nusselt", "boundary.left.gas.velocity"]
+    assert found["keys"]["boundary.left.gas.velocity"] == {"value": 0.2, "unit": "m/s"}
     assert found["qoi"]["T_fluid_out_K"]["unit"] == "K"
     assert found["method"] == "tangent"
     assert found["standard_errors"] is None
@@ -57,7 +57,7 @@ def test_json(scene, capsys):
     ("more", "told"),
     [
         (("--to", "mesh.cells"), "slip.toml:4: mesh.cells is an integer"),
-        (("--to", "bed.porosty"), "did you mean bed.porosity"),
+        (("--to", "packed_bed.porosty"), "did you mean packed_bed.porosity"),
         (("--qoi", "T_fluid_ou"), "did you mean T_fluid_out_K"),
     ],
 )

@@ -26,8 +26,8 @@ method = "surrogate"
 minimise = "u_max"
 constraints = ["pressure_drop_Pa <= 0.7"]
 [keys]
-flow.velocity = { from = 0, to = 1, start = 0.8 }
-bed.porosity = { from = 0.2, to = 0.9, start = 0.3 }
+boundary.left.gas.velocity = { from = 0, to = 1, start = 0.8 }
+packed_bed.porosity = { from = 0.2, to = 0.9, start = 0.3 }
 """
 PARTICLES = """\
 scene = "particles.toml"
@@ -60,7 +60,7 @@ def runner(monkeypatch):
             v = scene.gas.velocity
             scatter = module.noise * np.random.default_rng(scene.particles.seed).standard_normal()
             return types.SimpleNamespace(summary={"qoi": {"u_max": 1.0 - (v - 1.4) ** 2 + scatter}})
-        x, y = scene.flow.velocity, scene.bed.porosity
+        x, y = scene.boundary["left"].gas.velocity, scene.packed_bed.porosity
         seed = int(1e6 * x) + int(1e12 * y)
         scatter = module.noise * np.random.default_rng(seed).standard_normal()
         f = (x - 0.3) ** 2 + (y - 0.6) ** 2 + scatter
@@ -93,7 +93,7 @@ def test_a_known_optimum_with_noise_under_a_constraint(folder, runner, capsys):
     """(x - 0.3)^2 + (y - 0.6)^2 is least on x + y = 0.7 at (0.2, 0.5), where it is 0.02: two standard deviations."""
     assert optimise() == 0
     found = summary(folder)
-    x, y = (found["keys"][name]["value"] for name in ("flow.velocity", "bed.porosity"))
+    x, y = (found["keys"][name]["value"] for name in ("boundary.left.gas.velocity", "packed_bed.porosity"))
     assert x + y <= 0.7 + 1e-3
     # noise of 0.01 hides distances of 0.1 of one run; a fit to some tens of them halves that
     assert (x, y) == pytest.approx((0.2, 0.5), abs=0.06)
@@ -109,7 +109,7 @@ def test_without_noise_the_optimum_is_close(folder, runner):
     assert optimise() == 0
     found = summary(folder)
     # improvements below 1e-3 of the range of f, 0.6, are not looked for: sqrt(6e-4) = 0.024 from the optimum
-    values = [found["keys"][name]["value"] for name in ("flow.velocity", "bed.porosity")]
+    values = [found["keys"][name]["value"] for name in ("boundary.left.gas.velocity", "packed_bed.porosity")]
     assert values == pytest.approx([0.2, 0.5], abs=0.025)
 
 
@@ -167,8 +167,8 @@ def test_whole_numbers_are_tried_once(folder, runner):
     runner.noise = 0.0
     assert optimise() == 0
     found = summary(folder)
-    assert found["keys"]["flow.velocity"]["value"] == 0
-    assert found["keys"]["bed.porosity"]["value"] == pytest.approx(0.6, abs=0.03)
+    assert found["keys"]["boundary.left.gas.velocity"]["value"] == 0
+    assert found["keys"]["packed_bed.porosity"]["value"] == pytest.approx(0.6, abs=0.03)
 
 
 def test_what_no_point_fulfils(folder, runner, capsys):
@@ -183,7 +183,7 @@ def test_runs_that_fail_are_left_out(folder, runner):
     kept = runner.run
 
     def run(scene, out, quiet):
-        if scene.flow.velocity > 0.7 and scene.bed.porosity > 0.5:
+        if scene.boundary["left"].gas.velocity > 0.7 and scene.packed_bed.porosity > 0.5:
             raise SceneError("too fast")
         return kept(scene, out, quiet)
 

@@ -58,21 +58,21 @@ def test_slip_case_by_its_exact_solution():
     scene = loads(SLIP)
     names = {
         "mesh.length": ("length",),
-        "fluid.heat_capacity": ("fluid", "heat_capacity"),
-        "fluid.conductivity": ("fluid", "conductivity"),
-        "solid.density": ("solid", "density"),
-        "solid.conductivity": ("solid", "conductivity"),
-        "bed.porosity": ("bed", "porosity"),
-        "bed.particle_diameter": ("bed", "particle_diameter"),
-        "flow.velocity": ("velocity",),
-        "flow.velocity_solid": ("velocity_solid",),
-        "heat.nusselt": ("nusselt",),
+        "gas.heat_capacity": ("fluid", "heat_capacity"),
+        "gas.conductivity": ("fluid", "conductivity"),
+        "solids.particles.density": ("solid", "density"),
+        "solids.particles.conductivity": ("solid", "conductivity"),
+        "packed_bed.porosity": ("bed", "porosity"),
+        "solids.particles.diameter": ("bed", "particle_diameter"),
+        "boundary.left.gas.velocity": ("velocity",),
+        "boundary.left.solids.particles.velocity": ("velocity_solid",),
+        "closures.nusselt": ("nusselt",),
     }
     made = gradient(scene, ["T_fluid_out_K", "T_solid_out_K"], list(names))
     assert made.method == "tangent"
     values = {
-        "bed": scene.bed.model_dump(),
-        "fluid": scene.fluid.model_dump(),
+        "bed": scene.packed_bed.model_dump() | scene.closures.model_dump() | {"particle_diameter": scene.diameter},
+        "fluid": scene.gas.model_dump(),
         "solid": scene.solid.model_dump(),
         "length": 0.04,
         "velocity": 0.2,
@@ -94,10 +94,16 @@ def test_slip_case_by_its_exact_solution():
 
 def test_fin_between_a_hot_end_and_a_cold_fluid():
     """A bed that conducts to a fluid of fixed temperature: Q = sqrt(k h a) (T_w - T) tanh(m L)."""
-    text = SLIP.replace("velocity = 0.2\nvelocity_solid = 1e-4", "velocity = 2e6")
-    text = text.replace("fluid.fixed = 300.0\nsolid.fixed = 400.0", "fluid.inflow = 300.0\nsolid.fixed = 400.0")
-    names = ["solid.conductivity", "heat.nusselt", "bed.particle_diameter", "mesh.length", "boundary.left.solid.fixed"]
-    names.append("boundary.left.fluid.inflow")
+    text = SLIP.replace("gas.velocity = 0.2\nsolids.particles.velocity = 1e-4", "gas.velocity = 2e6")
+    text = text.replace("gas.fixed_temperature", "gas.temperature")
+    names = [
+        "solids.particles.conductivity",
+        "closures.nusselt",
+        "solids.particles.diameter",
+        "mesh.length",
+        "boundary.left.solids.particles.fixed_temperature",
+    ]
+    names.append("boundary.left.gas.temperature")
     scene = loads(text.replace("length = 0.04", "length = 0.02"))
     made = gradient(scene, ["heat_left_W"], names)
 
@@ -123,15 +129,22 @@ def test_danckwerts_reaction_free_limit():
     With both phases moving alike and no difference of temperature at the inlet but that of the stream, the outlet of a
     bed without exchange is the temperature of the stream: its derivative is one to the inlet, nought to all others.
     """
-    text = SLIP.replace("nusselt = 12.0", "nusselt = 0.0").replace("fluid.fixed", "fluid.inflow")
-    made = gradient(loads(text), ["T_fluid_out_K"], ["boundary.left.fluid.inflow", "flow.velocity", "mesh.length"])
+    text = SLIP.replace("nusselt = 12.0", "nusselt = 0.0").replace("gas.fixed_temperature", "gas.temperature")
+    made = gradient(
+        loads(text), ["T_fluid_out_K"], ["boundary.left.gas.temperature", "boundary.left.gas.velocity", "mesh.length"]
+    )
     assert made.derivatives[0] == pytest.approx([1.0, 0.0, 0.0], abs=1e-6)
 
 
 def test_remainder_of_taylor_falls_with_the_square_of_the_step():
     scene = loads(SLIP)
     result = cb.run(scene)
-    names = ["bed.porosity", "flow.velocity", "mesh.length", "boundary.left.solid.fixed"]
+    names = [
+        "packed_bed.porosity",
+        "boundary.left.gas.velocity",
+        "mesh.length",
+        "boundary.left.solids.particles.fixed_temperature",
+    ]
     qoi = ["T_fluid_out_K", "duty_W"]
     made, solve = gradient(scene, qoi, names), frozen_results(result, qoi)
     for j, name in enumerate(names[:3]):
@@ -158,15 +171,15 @@ def test_many_random_beds_against_differences_of_solutions(seed):
 
 
 def test_a_stream_that_a_change_would_start_takes_differences_of_runs():
-    text = SLIP.replace("velocity_solid = 1e-4", "velocity_solid = 0.0")
-    made = gradient(loads(text), ["T_fluid_out_K"], ["bed.porosity", "flow.velocity_solid"])
-    assert "flow.velocity_solid = 0: a small change adds or removes a stream" in made.notes[0]
+    text = SLIP.replace("solids.particles.velocity = 1e-4", "solids.particles.velocity = 0.0")
+    made = gradient(loads(text), ["T_fluid_out_K"], ["packed_bed.porosity", "boundary.left.solids.particles.velocity"])
+    assert "boundary.left.solids.particles.velocity = 0: a small change adds or removes a stream" in made.notes[0]
 
 
 def test_gradients_of_a_bed_do_not_change_its_results():
     scene = loads(SLIP)
     result = cb.run(scene)
     before = dict(result.qoi)
-    gradient_of(result, ["T_fluid_out_K"], ["bed.porosity", "mesh.length"])
+    gradient_of(result, ["T_fluid_out_K"], ["packed_bed.porosity", "mesh.length"])
     assert result.qoi == before
     assert {field.name for field in fields(result)} >= {"solved"}

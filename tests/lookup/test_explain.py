@@ -75,7 +75,7 @@ def test_every_key_is_found_by_its_last_part():
         (["shrinking_core"], "[reactions.NAME] needs A, E, diffusivity"),
         (["closures"], "drag                         drag coefficient per volume of the bed: beetstra, di_felice"),
         (["material"], "iron_ore                     dense grains of hematite"),
-        (["material"], "    solid.material"),
+        (["material"], "    gas.material"),
         (["rate", "laws"], "xu_froment_shift"),
         (["no_slip"], "boundary.NAME.type"),
         (["minimum", "fluidization"], "minimum fluidization - "),

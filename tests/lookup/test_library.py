@@ -16,12 +16,15 @@ STUDIES = Path(__file__).parents[2] / "studies"
 INERT, BEADS = ("solids", "inert"), ("solids", "beads")
 BED = {
     "mesh": {"type": "line", "length": 0.5},
-    "fluid": {"material": "solar_salt", "temperature": "340 degC"},
-    "solid": {"material": "alumina"},
-    "bed": {"porosity": 0.4, "particle_diameter": 0.01},
-    "flow": {"velocity": 1e-3, "velocity_solid": -1e-3},
-    "heat": {"nusselt": "gunn"},
-    "boundary": {"left": {"fluid": {"inflow": 600}}, "right": {"solid": {"inflow": 800}}},
+    "gas": {"material": "solar_salt", "material_temperature": "340 degC"},
+    "solids": {"beads": {"material": "alumina", "diameter": 0.01}},
+    "packed_bed": {"porosity": 0.4},
+    "closures": {"nusselt": "gunn"},
+    "heat": {},
+    "boundary": {
+        "left": {"gas": {"velocity": 1e-3, "temperature": 600}},
+        "right": {"solids": {"beads": {"velocity": 1e-3, "temperature": 800}}},
+    },
 }
 
 # temperatures [K], then the property there as printed in the source
@@ -77,9 +80,9 @@ def test_every_material_is_positive_and_says_its_source():
 
 def test_a_scene_takes_the_values_of_its_materials():
     scene = cb.load(BED)
-    assert scene.fluid.density == pytest.approx(2090.0 - 0.636 * 340.0, rel=1e-6)
+    assert scene.gas.density == pytest.approx(2090.0 - 0.636 * 340.0, rel=1e-6)
     assert scene.solid.heat_capacity == MATERIALS["alumina"].heat_capacity
-    constant = cb.load(BED, {"solid.temperature": "700 K", "solid.density": 3000.0}).solid
+    constant = cb.load(BED, {"solids.beads.material_temperature": "700 K", "solids.beads.density": 3000.0}).solid
     assert constant.density == 3000.0  # what is given replaces what the library has
     assert constant.heat_capacity == pytest.approx(MATERIALS["alumina"].at(700.0)["heat_capacity"])
     assert from_dict(resolved(scene)) == scene
@@ -87,7 +90,7 @@ def test_a_scene_takes_the_values_of_its_materials():
 
 def test_the_range_of_a_material_is_watched():
     assert cb.run(cb.load(BED)).warnings == []
-    hot = cb.run(cb.load(BED, {"solid.material": "sand", "boundary.right.solid.inflow": 900.0}))
+    hot = cb.run(cb.load(BED, {"solids.beads.material": "sand", "boundary.right.solids.beads.temperature": 900.0}))
     assert any("sand" in text and "outside 298 to 847 K" in text for text in hot.warnings)
 
 
@@ -96,22 +99,22 @@ def test_the_range_of_a_material_is_watched():
     [
         ({"material": "alumna"}, "did you mean 'alumina'"),
         ({"material": "solar_salt"}, "is a fluid, not a solid"),
-        ({"material": "alumina", "temperature": "3000 degC"}, "known from 293 to 1773 K"),
-        ({"density": 1, "heat_capacity": 1, "conductivity": 1, "temperature": 300}, "no use without material"),
-        ({"material": "FCC"}, "solid.heat_capacity: missing"),
+        ({"material": "alumina", "material_temperature": "3000 degC"}, "known from 293 to 1773 K"),
+        ({"density": 1, "heat_capacity": 1, "conductivity": 1, "material_temperature": 300}, "no use without material"),
+        ({"material": "FCC"}, "solids.beads.heat_capacity: missing"),
     ],
 )
 def test_mistakes(solid, part):
     with pytest.raises(SceneError, match=part):
-        cb.load({**BED, "solid": solid})
+        cb.load({**BED, "solids": {"beads": solid | {"diameter": 0.01}}})
 
 
 def test_scenes_from_dicts_and_short_reprs():
     result = cb.run(cb.load(BED))
     text = repr(result)
     assert text.startswith("<Result of a packed_bed scene: ok; ") and len(text) < 250
-    with pytest.raises(SceneError, match=r"scene:1: bed.porosity = 2: out of range"):
-        cb.load({**BED, "bed": {"porosity": 2, "particle_diameter": 0.01}})
+    with pytest.raises(SceneError, match=r"scene:1: packed_bed.porosity = 2: out of range"):
+        cb.load({**BED, "packed_bed": {"porosity": 2}})
 
 
 def scene_with(path, table, added, removed=()):

@@ -64,8 +64,11 @@ def test_mistakes_are_found(validators, old, new):
 
 def test_descriptions_say_the_unit_and_closures_are_offered():
     found = editor.json_schema("packed_bed")["$defs"]
-    assert found["packed_bed.Bed"]["properties"]["particle_diameter"]["description"] == "diameter of the particles [m]"
-    text = json.dumps(found["packed_bed.Heat"]["properties"]["nusselt"])
+    assert (
+        found["packed_bed.Dispersion"]["properties"]["axial"]["description"]
+        == "thermal dispersion along the flow [W/m/K]"
+    )
+    text = json.dumps(found["packed_bed.Closures"]["properties"]["nusselt"])
     assert "nusselt_gunn" in text and "drag_wen_yu" not in text
 
 

@@ -160,9 +160,10 @@ def test_fractions_sum_to_one(text, good):
     """Fractions that do not are a mistake of the scene; amounts above 1 are in moles, in any scale."""
     fluid = {"model": "cantera", "composition": text}
     scenes = (
-        {"mesh": {"type": "line", "length": 1.0}, "bed": {"porosity": 0.4, "particle_diameter": 0.01}, "fluid": fluid,
-         "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0}, "flow": {"velocity": 0.1},
-         "heat": {"nusselt": 10.0}, "boundary": {"left": {"fluid": {"inflow": 400.0}}}},
+        {"mesh": {"type": "line", "length": 1.0}, "packed_bed": {"porosity": 0.4}, "gas": fluid,
+         "solids": {"sand": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0, "diameter": 0.01}},
+         "closures": {"nusselt": 10.0}, "heat": {},
+         "boundary": {"left": {"gas": {"velocity": 0.1, "temperature": 400.0}}}},
         {"particles": {"count": 60, "radius": 1e-3, "width": [8e-3, 8e-3], "density": 2500.0, "heat_capacity": 840.0,
          "conductivity": 0.84, "emissivity": 0.9}, "fluid": fluid,
          "gas": {"velocity": 1.0, "height": 0.06, "nusselt": "gunn"}, "time": {"end": 0.01, "sample": 0.001}},
@@ -171,5 +172,5 @@ def test_fractions_sum_to_one(text, good):
         if good:
             assert from_dict(scene)
         else:
-            with pytest.raises(SceneError, match=r"fluid\.composition.*fractions sum to (1\.1|0\.91), not to 1"):
+            with pytest.raises(SceneError, match=r"(fluid|gas)\.composition.*fractions sum to (1\.1|0\.91), not to 1"):
                 from_dict(scene)

@@ -67,7 +67,12 @@ def test_multigrid_and_field_split_reach_the_same(name: str, ranks: int, results
 def test_derivatives_are_those_of_the_tangent(ranks: int, results) -> None:
     """Differences of runs at two distances err by 1e-12 of the cube of a step of 1e-3; Newton leaves 1e-10/1e-3."""
     name, qoi = "heat_constant", "T_fluid_out_K"
-    keys = ["bed.porosity", "bed.particle_diameter", "boundary.left.fluid.fixed", "boundary.bottom.fluid.coefficient"]
+    keys = [
+        "packed_bed.porosity",
+        "solids.particles.diameter",
+        "boundary.left.gas.fixed_temperature",
+        "boundary.bottom.gas.coefficient",
+    ]
     exact = gradient(from_dict(SCENES[name]), [qoi], keys)
     found = np.load(Path(results("slopes", ranks, name, qoi, *keys)) / "slopes.npz")
     assert exact.method == "tangent" and found["method"] == "differences"

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import contbed as cb
+from contbed.packed_bed.recognition import velocities
 
 STUDIES = Path(__file__).parents[2] / "studies"
 PIVEM = sorted(path.stem for path in (STUDIES / "pivem_2012").glob("*.toml"))
@@ -26,14 +27,15 @@ def test_pivem_has_a_scene_for_each_row():
     assert sorted(rows) == PIVEM
     for name, row in rows.items():
         scene = scene_of("pivem_2012", name)
-        fluid, solid, bed, u = scene.fluid, scene.solid, scene.bed, scene.flow.velocity
+        fluid, solid, porosity = scene.gas, scene.solid, scene.packed_bed.porosity
+        u, u_solid = (float(vector[0]) for vector in velocities(scene))
         found = {
             "u_D_m_s": u,
-            "slip_us_over_uD": scene.flow.velocity_solid / u,
-            "particle_diameter_m": bed.particle_diameter,
-            "permeability_m2": (bed.particle_diameter * bed.porosity / (12 * (1 - bed.porosity))) ** 2,
-            "porosity": bed.porosity,
-            "Re_D": scene.heat.reynolds,
+            "slip_us_over_uD": u_solid / u,
+            "particle_diameter_m": scene.diameter,
+            "permeability_m2": (scene.diameter * porosity / (12 * (1 - porosity))) ** 2,
+            "porosity": porosity,
+            "Re_D": scene.packed_bed.reynolds,
             "capacity_ratio_s_over_f": solid.density * solid.heat_capacity / (fluid.density * fluid.heat_capacity),
             "conductivity_ratio_s_over_f": solid.conductivity / fluid.conductivity,
         }

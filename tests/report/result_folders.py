@@ -19,9 +19,21 @@ def of_run(folder):
 
 
 def of_sweep(folder):
-    run = {"run": "0" * 16, "exit_code": 0, "problem": "", "parameters": {"flow.velocity": 0.1}, "qoi": {"x": 1.0}}
-    failed = {"run": "1" * 16, "exit_code": 3, "problem": "no", "parameters": {"flow.velocity": 0.2}, "qoi": {}}
-    about = {"parameters": {"flow.velocity": {"unit": "m/s"}}, "qoi": {"x": {"unit": None}}}
+    run = {
+        "run": "0" * 16,
+        "exit_code": 0,
+        "problem": "",
+        "parameters": {"boundary.left.gas.velocity": 0.1},
+        "qoi": {"x": 1.0},
+    }
+    failed = {
+        "run": "1" * 16,
+        "exit_code": 3,
+        "problem": "no",
+        "parameters": {"boundary.left.gas.velocity": 0.2},
+        "qoi": {},
+    }
+    about = {"parameters": {"boundary.left.gas.velocity": {"unit": "m/s"}}, "qoi": {"x": {"unit": None}}}
     content = {
         "study": "s.toml",
         "cases": 2,
@@ -41,15 +53,15 @@ def of_uncertainty(folder):
         "estimator": "samples",
         "runs": 2,
     }
-    result = {"unit": "K", "spreads": [spread], "shares by gradients": {"flow.velocity": 1.0}}
-    result |= {"indices": {"total": {"flow.velocity": 1.0}, "groups": 2}}
+    result = {"unit": "K", "spreads": [spread], "shares by gradients": {"boundary.left.gas.velocity": 1.0}}
+    result |= {"indices": {"total": {"boundary.left.gas.velocity": 1.0}, "groups": 2}}
     (folder / "uncertainty.json").write_text(json.dumps({"method": "sobol", "results": {"x": result}}))
     return folder, "uncertainty.json"
 
 
 def of_sensitivities(folder):
     scene = load(_bed(folder))
-    found, about = design.sensitivities(scene, ["T_fluid_out_K"], ["bed.porosity", "flow.velocity"])
+    found, about = design.sensitivities(scene, ["T_fluid_out_K"], ["packed_bed.porosity", "boundary.left.gas.velocity"])
     design.write(found, about, folder / "derivatives", "")
     return folder / "derivatives", "sensitivities.json"
 

@@ -105,15 +105,15 @@ def sweep(folder):
             "exit_code": 3 * (k == 5),
             "problem": "no convergence" * (k == 5),
             "parameters": {
-                "flow.velocity": 0.1 * (k // 3),
-                "heat.nusselt": ("gunn", {"name": "power", "a": 1.2})[k % 2],
+                "boundary.left.gas.velocity": 0.1 * (k // 3),
+                "closures.nusselt": ("gunn", {"name": "power", "a": 1.2})[k % 2],
             },
             "qoi": {} if k == 5 else {"T_fluid_out_K": 300.0 + k, "converged": True},
         }
         for k in range(9)
     ]
     about = {
-        "parameters": {"flow.velocity": {"unit": "m/s"}, "heat.nusselt": {"unit": None}},
+        "parameters": {"boundary.left.gas.velocity": {"unit": "m/s"}, "closures.nusselt": {"unit": None}},
         "qoi": {"T_fluid_out_K": {"unit": "K"}, "converged": {"unit": "1"}},
     }
     content = {"study": "sweep.toml", "cases": 9, "ended": 9, "failed": 1, "warnings": [], **about, "runs": runs}
@@ -198,7 +198,7 @@ def test_a_choice_is_linked_both_ways_in_a_browser(tmp_path):
 @pytest.mark.slow
 def test_report_of_derivatives(tmp_path):
     """Bars and table hold what the command found, the largest relative derivative first."""
-    scene, keys = load("studies/moving_bed_heater/heater.toml"), ["bed.porosity", "bed.particle_diameter"]
+    scene, keys = load("studies/moving_bed_heater/heater.toml"), ["packed_bed.porosity", "solids.silica.diameter"]
     found, about = sensitivities(scene, ["T_fluid_out_K", "pressure_drop_Pa"], keys)
     write_sensitivities(found, about, tmp_path, scene.title)
     text = write([tmp_path]).read_text(encoding="utf-8")

@@ -27,7 +27,10 @@ def plane(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     (folder / "plane.toml").write_text(PLANE)
     run(load(folder / "plane.toml"), out=folder / "plane")
-    run(load(folder / "plane.toml", {"flow.velocity": 0.2, "bed.porosity": 0.5}), out=folder / "slower")
+    run(
+        load(folder / "plane.toml", {"boundary.left.gas.velocity": 0.2, "packed_bed.porosity": 0.5}),
+        out=folder / "slower",
+    )
     return folder
 
 
@@ -108,7 +111,7 @@ def test_particles_have_their_size(plane):
 def test_two_runs_side_by_side(plane):
     text = write([plane / "plane", plane / "slower"], plane / "both.html").read_text()
     plain = html.unescape(re.sub(r"<[^>]+>", " ", text.split('<script type="text/plain"')[0]))
-    assert "flow.velocity" in plain and "Where the scenes differ" in plain
+    assert "boundary.left.gas.velocity" in plain and "Where the scenes differ" in plain
     names = {trace["name"] for chart in charts_of(text) if chart["kind"] == "curves" for trace in chart["data"]}
     assert {"plane: T_fluid", "slower: T_fluid"} <= names
     assert len(text) < LIMIT
@@ -147,12 +150,12 @@ def test_run_writes_a_report_also_of_a_failure(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text = re.sub(r"^time = .*$", "", PLANE, flags=re.MULTILINE)
     (tmp_path / "steady.toml").write_text(text + "[solver]\nstrict = true\n")
-    assert cli.main(["run", "steady.toml", "--report", "--quiet", "--set", "heat.nusselt=gunn"]) == 0
+    assert cli.main(["run", "steady.toml", "--report", "--quiet", "--set", "closures.nusselt=gunn"]) == 0
     report = tmp_path / "results" / "steady" / "report.html"
     assert "report.html" in json.loads((report.parent / "summary.json").read_text())["files"]
-    assert cli.main(["run", "steady.toml", "--quiet", "--set", "heat.nusselt=gunn"]) == 0
+    assert cli.main(["run", "steady.toml", "--quiet", "--set", "closures.nusselt=gunn"]) == 0
     assert not report.exists()
-    assert cli.main(["run", "steady.toml", "--report", "--quiet", "--set", "flow.velocity=0.001"]) == 4
+    assert cli.main(["run", "steady.toml", "--report", "--quiet", "--set", "boundary.left.gas.velocity=0.001"]) == 4
     assert "closure out of range" in report.read_text()
 
 

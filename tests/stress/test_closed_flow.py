@@ -7,7 +7,7 @@ import pytest
 import contbed as cb
 
 CHANNEL = Path(__file__).parents[2] / "studies" / "brinkman_forchheimer" / "slip_0.00.toml"
-CLOSED = {"mesh.cells": [6, 8], "flow.velocity": 0.0}
+CLOSED = {"mesh.cells": [6, 8], "boundary.left.gas.velocity": 0.0}
 
 
 @pytest.mark.filterwarnings("error")
@@ -20,7 +20,9 @@ def test_fluid_between_no_slip_walls_stays_at_rest():
 @pytest.mark.filterwarnings("error")
 def test_a_bed_that_moves_through_a_closed_vessel_builds_up_pressure():
     """Between walls the fluid cannot follow: its pressure rises by what drag gives, -eps (mu/K + ...) (-u_solid)."""
-    result = cb.run(cb.load(CHANNEL, {**CLOSED, "flow.velocity_solid": 0.01, "bed.forchheimer": 0.0}))
+    result = cb.run(
+        cb.load(CHANNEL, {**CLOSED, "boundary.left.solids.particles.velocity": 0.01, "closures.forchheimer": 0.0})
+    )
     assert result.status == "ok"
     darcy = 1.731e-5 / 2.024706875e-5 * 0.01 * 4.0
     assert abs(result.qoi["pressure_drop_Pa"]) == pytest.approx(darcy, rel=0.02)

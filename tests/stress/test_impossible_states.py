@@ -15,19 +15,19 @@ def scene(**more):
     """A bed at rest beside a stream, with given changes."""
     return {
         "mesh": {"type": "line", "length": 1.0, "cells": 20},
-        "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
-        "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0},
-        "bed": {"porosity": 0.4, "particle_diameter": 0.01},
-        "flow": {"velocity": 0.3},
-        "heat": {"nusselt": 10.0},
-        "boundary": {"left": {"fluid": {"inflow": 300.0}}},
+        "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
+        "solids": {"particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0, "diameter": 0.01}},
+        "packed_bed": {"porosity": 0.4},
+        "closures": {"nusselt": 10.0},
+        "heat": {},
+        "boundary": {"left": {"gas": {"velocity": 0.3, "temperature": 300.0}}},
     } | more
 
 
 def test_a_sink_that_takes_more_than_there_is(tmp_path):
     """The stream brings 300 W/m3/K/... of heat; the sink takes ten times of it: below 0 K, told and not ok."""
     with pytest.raises(ConvergenceError, match="takes more heat than the bed holds") as caught:
-        cb.run(from_dict(scene(region={"bed": {"source_solid": -1e6}})), out=tmp_path)
+        cb.run(from_dict(scene(region={"bed": {"solids": {"heat_source": -1e6}}})), out=tmp_path)
     assert caught.value.exit_code == 3
     assert json.loads((tmp_path / "summary.json").read_text())["status"] == "not converged"
 
@@ -60,7 +60,7 @@ def test_a_wall_that_takes_more_than_a_reacting_bed_holds(more):
 def test_far_beyond_the_data_of_a_gas():
     gas = {"model": "cantera", "composition": "N2:1"}
     with pytest.raises(ConvergenceError, match="by more than their whole range"):
-        cb.run(from_dict(scene(fluid=gas, region={"bed": {"source_solid": 2.6e6}})))
+        cb.run(from_dict(scene(gas=gas, region={"bed": {"solids": {"heat_source": 2.6e6}}})))
 
 
 @pytest.mark.parametrize(
@@ -68,15 +68,21 @@ def test_far_beyond_the_data_of_a_gas():
     [
         ({"solver": {"newton_tolerance": 0.9}}, "newton_tolerance = 0.9: out of range"),
         (
-            {"time": {"end": 10.0, "times": [1.0, 2.0, 1.0], "initial_fluid": 300.0, "initial_solid": 300.0}},
+            {
+                "initial": {"gas": {"temperature": 300.0}, "solids": {"particles": {"temperature": 300.0}}},
+                "time": {"end": 10.0, "times": [1.0, 2.0, 1.0]},
+            },
             "is given twice",
         ),
         (
             {
-                "radiation": {"species": {"a": {"volume_fraction": 0.9, "diameter": 0.01, "emissivity": 0.8}}},
-                "boundary": {"left": {"fluid": {"inflow": 300.0}, "radiation": {"temperature": 500.0}}},
+                "radiation": {},
+                "solids": {
+                    "ore": {"volume_share": 0.9, "diameter": 0.01, "emissivity": 0.8, "density": 2000.0},
+                    "coke": {"volume_share": 0.9, "diameter": 0.01, "emissivity": 0.8},
+                },
             },
-            "the solids of the bed are 0.6",
+            "the volume shares sum to 1.8",
         ),
     ],
 )

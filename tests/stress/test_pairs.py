@@ -20,26 +20,34 @@ SCENE = """\
 type = "line"
 length = 1.0
 cells = 10
-[fluid]
+
+[gas]
 density = 1.0
 heat_capacity = 1000.0
 conductivity = 0.05
 viscosity = 2e-5
-[solid]
+
+[solids.particles]
 density = 2000.0
 heat_capacity = 900.0
 conductivity = 1.0
-[bed]
+diameter = 0.01
+
+[packed_bed]
 porosity = 0.4
-particle_diameter = 0.01
-[flow]
-velocity = 0.3
-[heat]
+
+[closures]
 nusselt = "wakao_kaguei"
+
+[heat]
+
 [boundary.left]
-fluid.inflow = INLET
+gas.velocity = 0.3
+gas.temperature = INLET
+
 [boundary.right]
-solid.fixed = 300.0
+solids.particles.fixed_temperature = 300.0
+
 [output]
 plots = false
 """
@@ -75,7 +83,7 @@ def test_the_folder_holds_one_run(tmp_path, number):
         assert code == 0 or (code == 1 and "another run is writing there" in text), text
     out = tmp_path / "out"
     summary = json.loads((out / "summary.json").read_text())
-    inlet = summary["scene"]["boundary"]["left"]["fluid"]["inflow"]
+    inlet = summary["scene"]["boundary"]["left"]["gas"]["temperature"]
     assert summary["status"] == "ok" and inlet in done
     assert {path.name for path in out.iterdir()} == set(summary["files"])
     with open(out / "profiles.csv", encoding="utf-8") as file:

@@ -31,40 +31,42 @@ type = "line"
 length = 1.0
 cells = 40
 
-[fluid]
+[gas]
 density = 1.0
 heat_capacity = 1000.0
 conductivity = 0.05
 viscosity = 2e-5
 
-[solid]
+[solids.particles]
 density = 2000.0
 heat_capacity = 900.0
 conductivity = 1.0
+diameter = 0.01
 
-[bed]
+[packed_bed]
 porosity = 0.4
-particle_diameter = 0.01
 
-[flow]
-velocity = 0.3
-velocity_solid = -1e-4
-
-[heat]
+[closures]
 nusselt = "wakao_kaguei"
 
+[heat]
+
 [boundary.left]
-fluid.inflow = 300.0
+gas.velocity = 0.3
+gas.temperature = 300.0
 
 [boundary.right]
-solid.inflow = 500.0
+solids.particles.velocity = 1e-4
+solids.particles.temperature = 500.0
+
+[initial]
+gas.temperature = 300.0
+solids.particles.temperature = 500.0
 
 [time]
 end = 1500.0
 times = [1.0, 100.0, 1000.0]
 step = 0.5
-initial_fluid = 300.0
-initial_solid = 500.0
 checkpoint_every = 0.02
 
 [output]
@@ -237,9 +239,10 @@ def test_interrupt_leaves_the_last_state(scene, whole, tmp_path):
 def test_the_way_on_has_the_settings_of_the_run(scene, tmp_path, capsys, monkeypatch):
     """A scene without them is another one, with which the checkpoint is refused."""
     monkeypatch.setattr("contbed.runner.run", stopped_after_a_checkpoint)
-    settings = ["--set", "flow.velocity=0.31", "--set", "title=a b", "--allow-large"]
+    settings = ["--set", "boundary.left.gas.velocity=0.31", "--set", "title=a b", "--allow-large"]
     assert cli.main(["run", str(scene), "--out", str(tmp_path), "--quiet", *settings]) == 130
-    way = f"contbed run {scene} --set flow.velocity=0.31 --set 'title=a b' --allow-large --restart {tmp_path}"
+    changes = "--set boundary.left.gas.velocity=0.31 --set 'title=a b'"
+    way = f"contbed run {scene} {changes} --allow-large --restart {tmp_path}"
     assert capsys.readouterr().err == f"interrupted; to resume: {way}\n"
 
 
@@ -265,10 +268,10 @@ def stopped_after_a_checkpoint(_, out, **__):
 
 def test_checkpoint_of_another_scene(scene, whole):
     before = (whole / "summary.json").read_bytes()
-    code, message = finish([*COMMAND, scene, "--set", "flow.velocity=0.31", "--restart", whole])
+    code, message = finish([*COMMAND, scene, "--set", "boundary.left.gas.velocity=0.31", "--restart", whole])
     assert code == 2
     assert message.startswith(
-        "override: flow.velocity = 0.31: the checkpoint has 0.3\nthe checkpoint belongs to another"
+        "override: boundary.left.gas.velocity = 0.31: the checkpoint has 0.3\nthe checkpoint belongs to another"
     )
     assert (whole / "summary.json").read_bytes() == before
 
@@ -400,7 +403,8 @@ def outcome(text: str, tmp_path: Path) -> tuple[int, str, dict]:
 
 def test_no_solution(tmp_path):
     """A sink that no stream can feed: temperatures would fall below 0 K."""
-    text = steady(**{"heat_capacity = 900.0": "heat_capacity = [600.0, 0.6]"}) + "[region.bed]\nsource_solid = -1e6\n"
+    text = steady(**{"heat_capacity = 900.0": "heat_capacity = [600.0, 0.6]"})
+    text += "[region.bed]\nsolids.heat_source = -1e6\n"
     code, message, summary = outcome(text, tmp_path)
     assert code == 3 and len(message.splitlines()) == 1
     assert summary["status"] == "not converged"

@@ -36,7 +36,9 @@ def test_the_whole_table():
 
 def test_a_temperature_that_nothing_carries_in_is_left_out_and_told():
     result = cb.run(from_dict(study.scene(Case(10.0, 100.0, 1.0, 0.0, "solid"))))
-    assert result.warnings == ["boundary.left.solid.fixed has no effect: the solid neither conducts nor enters there"]
+    assert result.warnings == [
+        "boundary.left.solids.particles.fixed_temperature has no effect: the solid neither conducts nor enters there"
+    ]
     # nothing heats the bed; 1e-9 is the rounding of the temperatures times the exchange
     assert np.abs(result.profiles["theta_solid [1]"]).max() < 1e-9
 
@@ -54,7 +56,8 @@ TRANSIENT = [
 
 def transient(case: Any, end: float, **time: float) -> Any:
     values = study.scene(case)
-    values["time"] = {"end": end, "initial_fluid": 300.0, "initial_solid": 320.0, **time}
+    values["time"] = {"end": end, **time}
+    values["initial"] = {"gas": {"temperature": 300.0}, "solids": {"particles": {"temperature": 320.0}}}
     return cb.run(from_dict(values))
 
 
@@ -90,22 +93,31 @@ def hot(T_fluid: float, T_solid: float, gas: str, slip: int, walls: bool) -> dic
     """Gas through ceramic particles with radiation; the solid enters with or against the gas. SI."""
     values: dict[str, Any] = {
         "mesh": {"type": "line", "length": 0.5},
-        "fluid": {"model": "cantera", "composition": gas},
-        "solid": {"density": 2200.0, "heat_capacity": [560.0, 0.75, -1e-4], "conductivity": [1.0, 1e-3]},
-        "bed": {"porosity": 0.4, "particle_diameter": 5e-3},
-        "flow": {"velocity": 0.5, "velocity_solid": slip * 8e-4},
-        "heat": {
+        "gas": {"model": "cantera", "composition": gas},
+        "solids": {
+            "particles": {
+                "density": 2200.0,
+                "heat_capacity": [560.0, 0.75, -1e-4],
+                "conductivity": [1.0, 1e-3],
+                "diameter": 5e-3,
+            }
+        },
+        "packed_bed": {"porosity": 0.4},
+        "closures": {
             "nusselt": "wakao_kaguei",
-            "conductivity_solid": {"name": "zehner_bauer_schluender", "emissivity": 0.9},
+            "conductivity_solids": {"name": "zehner_bauer_schluender", "emissivity": 0.9},
             "dispersion": "wakao_kaguei",
         },
-        "boundary": {"left": {"fluid": {"inflow": T_fluid}}},
+        "heat": {},
+        "boundary": {"left": {"gas": {"velocity": 0.5, "temperature": T_fluid}}},
     }
-    values["boundary"].setdefault("left" if slip > 0 else "right", {})["solid"] = {"inflow": T_solid}
+    values["boundary"].setdefault("left" if slip > 0 else "right", {})["solids"] = {
+        "particles": {"velocity": abs(slip) * 8e-4, "temperature": T_solid}
+    }
     if walls:
         values["mesh"] = {"type": "rectangle", "length": 0.5, "height": 0.1, "cells": [30, 10], "graded": True}
         values["boundary"]["bottom"] = {"type": "no_slip"}
-        values["boundary"]["top"] = {"type": "no_slip", "solid": {"fixed": T_solid}}
+        values["boundary"]["top"] = {"type": "no_slip", "solids": {"particles": {"fixed_temperature": T_solid}}}
     return values
 
 
@@ -148,6 +160,6 @@ def test_continuation_takes_over_where_newton_gives_up():
 def test_hot_transient_closes_its_balance():
     values = hot(300.0, 2000.0, STEAM, -1, walls=False)
     values["mesh"]["cells"] = 30
-    values["time"] = {"end": 200.0, "initial_fluid": 300.0, "initial_solid": 300.0, "step": 20.0}
+    values |= {"time": {"end": 200.0, "step": 20.0}, "initial": {"temperature": 300.0}}
     result = cb.run(from_dict(values))
     assert abs(result.balances["energy"]["relative_residual"]) <= 1e-10

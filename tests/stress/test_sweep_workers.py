@@ -21,19 +21,38 @@ from contbed.many.sweep.sweep import sweep
 
 SCENE = """\
 mesh = { type = "line", length = 0.5 }
-fluid = { density = 0.4, heat_capacity = 2000, conductivity = 0.03, viscosity = 1.7e-5 }
-solid = { density = 2000, heat_capacity = 900, conductivity = 1 }
-bed = { porosity = 0.4, particle_diameter = "6 mm" }
-flow = { velocity = 0.2, velocity_solid = -1e-4 }
-heat = { nusselt = "gunn" }
 output = { plots = false, fields = false }
+
+[gas]
+density = 0.4
+heat_capacity = 2000
+conductivity = 0.03
+viscosity = 1.7e-5
+
+[solids.particles]
+density = 2000
+heat_capacity = 900
+conductivity = 1
+diameter = "6 mm"
+
+[packed_bed]
+porosity = 0.4
+
+[closures]
+nusselt = "gunn"
+
+[heat]
+
 [boundary.left]
-fluid.inflow = 300
+gas.velocity = 0.2
+gas.temperature = 300
+
 [boundary.right]
-solid.fixed = 500
+solids.particles.velocity = 1e-4
+solids.particles.fixed_temperature = 500
 """
 # a hundred time steps, so that there is something to kill
-SLOW = SCENE + "[time]\nend = 40\nstep = 0.4\ninitial_fluid = 400\ninitial_solid = 400\n"
+SLOW = SCENE + "[initial]\ngas.temperature = 400\nsolids.particles.temperature = 400\n\n[time]\nend = 40\nstep = 0.4\n"
 STUDY = """\
 scene = "scene.toml"
 [sample]
@@ -42,8 +61,8 @@ count = {}
 seed = 7
 [sample.parameters]
 bed.porosity = {{ from = 0.36, to = 0.44 }}
-flow.velocity = {{ from = 0.1, to = 0.3 }}
-bed.particle_diameter = {{ distribution = "log_uniform", from = "2 mm", to = "10 mm" }}
+boundary.left.gas.velocity = {{ from = 0.1, to = 0.3 }}
+solids.particles.diameter = {{ distribution = "log_uniform", from = "2 mm", to = "10 mm" }}
 """
 
 

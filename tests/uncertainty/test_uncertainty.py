@@ -19,12 +19,12 @@ from contbed.many.value_sets import sample
 
 SCENE = """\
 mesh = { type = "line", length = 2, cells = 4 }
-fluid = { density = 1.2, heat_capacity = 1000.0, conductivity = 0.03, viscosity = 2e-5 }
-solid = { density = 2000.0, heat_capacity = 900.0, conductivity = 1.0 }
-bed = { porosity = 0.4, particle_diameter = "3 mm" }
-flow = { velocity = 0.1 }
-heat = { nusselt = 2.0 }
-boundary.left = { fluid.inflow = 300 }
+gas = { density = 1.2, heat_capacity = 1000.0, conductivity = 0.03, viscosity = 2e-5 }
+solids.particles = { density = 2000.0, heat_capacity = 900.0, conductivity = 1.0, diameter = "3 mm" }
+packed_bed = { porosity = 0.4 }
+closures = { nusselt = 2.0 }
+heat = {}
+boundary.left.gas = { velocity = 0.1, temperature = 300 }
 output = { plots = false, fields = false, profiles = false }
 """
 STUDY = """\
@@ -36,9 +36,9 @@ count = 8
 seed = 1
 gradients = true
 [sample.parameters]
-fluid.viscosity = { mean = 2e-5, deviation = 2e-6 }
-fluid.density = { from = 1.0, to = 1.4 }
-fluid.conductivity = { from = 0.02, to = 0.04 }
+gas.viscosity = { mean = 2e-5, deviation = 2e-6 }
+gas.density = { from = 1.0, to = 1.4 }
+gas.conductivity = { from = 0.02, to = 0.04 }
 """
 
 
@@ -231,7 +231,7 @@ def test_a_morris_design_of_normal_parameters_stays_within_their_tails(folder, c
     # levels are 0.05, 0.35, 0.65 and 0.95 of the normal, 1.0 to 1.4 of the even one
     np.testing.assert_allclose(float(rows[1]["mean effect"]), drop(0.0, 0.4), rtol=1e-6)
     assert float(rows[2]["mean magnitude"]) == 0.0
-    values = {float(row["fluid.viscosity [Pa*s]"]) for row in read(folder / "out" / "table.csv")}
+    values = {float(row["gas.viscosity [Pa*s]"]) for row in read(folder / "out" / "table.csv")}
     assert max(values) <= 2e-5 + 1.6449 * 2e-6 and len(values) <= 4
 
 

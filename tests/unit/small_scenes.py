@@ -5,22 +5,28 @@ STEADY = """\
 type = "line"
 length = 1.0
 cells = 10
-[fluid]
+
+[gas]
 density = 1.0
 heat_capacity = 1000.0
 conductivity = 0.05
 viscosity = 2e-5
-[solid]
+
+[solids.particles]
 density = 2000.0
 heat_capacity = 900.0
 conductivity = 1.0
-[bed]
+diameter = 0.01
+
+[packed_bed]
 porosity = 0.4
-particle_diameter = 0.01
-[flow]
-velocity = 0.3
-[heat]
+
+[closures]
 nusselt = "wakao_kaguei"
+
+[heat]
+
 [boundary.left]
-fluid.inflow = 300.0
+gas.velocity = 0.3
+gas.temperature = 300.0
 """

@@ -17,14 +17,19 @@ SCENE = """\
 [mesh]
 type = "line"
 length = 2
-[fluid]
+
+[gas]
 density = 1
 viscosity = 2e-5
-[bed]
+
+[solids.particles]
+diameter = "3 mm"
+
+[packed_bed]
 porosity = 0.4
-particle_diameter = "3 mm"
-[flow]
-velocity = 0.1
+
+[boundary.left]
+gas.velocity = 0.1
 """
 
 
@@ -46,7 +51,7 @@ def runner(monkeypatch):
         if module.error:
             raise module.error
         out.mkdir(parents=True, exist_ok=True)
-        result = types.SimpleNamespace(summary={"qoi": {"pressure_drop": 2.0 / scene.bed.particle_diameter}})
+        result = types.SimpleNamespace(summary={"qoi": {"pressure_drop": 2.0 / scene.diameter}})
         result.table = lambda: "the table"
         return result
 
@@ -67,7 +72,7 @@ def test_the_command_itself(scene):
     done = python("-m", "contbed", "run", "scene.toml", "--out", "out")
     assert done.returncode == 2
     assert done.stdout == ""
-    assert done.stderr == "scene.toml:8: bed.porosity = 4: out of range; allowed: a number > 0 and < 1\n"
+    assert done.stderr == "scene.toml:13: packed_bed.porosity = 4: out of range; allowed: a number > 0 and < 1\n"
     assert set(scene.parent.iterdir()) == before
     code = (
         "import sys; from contbed.cli import main; assert main(['--help']) == 0; "
@@ -87,17 +92,31 @@ def test_each_command_has_a_help_of_one_line(capsys):
 def test_check(scene, capsys):
     assert cli.main(["check", "scene.toml"]) == 2
     assert capsys.readouterr().err == (
-        'scene.toml:10: flow: nothing to solve: no wall has type = "no_slip" and there is no [heat] table\n'
+        'scene.toml:16: boundary.left.gas.velocity: nothing to solve: no wall has type = "no_slip" and there is no '
+        "[heat] table\n"
     )
     scene.write_text(STEADY)
     assert cli.main(["check", "scene.toml"]) == 0
     assert capsys.readouterr().out == "scene.toml: ok\n"
-    assert cli.main(["check", "scene.toml", "no.toml", "--set", "bed.porosity=2", "--set", "flow.velocity=1 kg"]) == 2
+    assert (
+        cli.main(
+            [
+                "check",
+                "scene.toml",
+                "no.toml",
+                "--set",
+                "packed_bed.porosity=2",
+                "--set",
+                "boundary.left.gas.velocity=1 kg",
+            ]
+        )
+        == 2
+    )
     out, err = capsys.readouterr()
     assert out == ""
     assert err.splitlines() == [
-        "override: bed.porosity = 2: out of range; allowed: a number > 0 and < 1",
-        "override: flow.velocity = \"1 kg\": expected a velocity like 'm/s', found '1 kg'",
+        "override: packed_bed.porosity = 2: out of range; allowed: a number > 0 and < 1",
+        "override: boundary.left.gas.velocity = \"1 kg\": expected a velocity like 'm/s', found '1 kg'",
         "no.toml:1: no such file",
     ]
 
@@ -193,11 +212,11 @@ def test_version_and_help(capsys):
         ("wakao_kaguei", "dispersion_wakao_kaguei_transverse"),
         ("two_energy", "energy equations"),
         ("heat", "nusselt: a number >= 0, or a closure's name"),
-        ("heat.nusselt", "contbed closures --for heat.nusselt"),
+        ("closures.nusselt", "contbed closures --for closures.nusselt"),
         ("mesh.length", "allowed: a number > 0 m"),
         ("mesh.box", "width: a number > 0 m; required"),
         ("solver.degree", "allowed: 1 or 2 or 3\n    default: 2"),
-        ("boundary.wall.fluid", "Thermal condition"),
+        ("boundary.wall.gas", "What one phase does"),
         ("radiation", "in scenes of kind bubbling_bed:\n[radiation] Radiation between the particles"),
         ("bubbling_bed", "[bubbling_bed] The bed between distributor and freeboard"),
         ("bubbling_bed.freeboard", "What is above the bed"),

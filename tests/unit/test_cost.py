@@ -12,10 +12,11 @@ from contbed.solvers.linear import Policy
 
 BOX: dict[str, Any] = {
     "mesh": {"type": "box", "length": 1.0, "width": 1.0, "height": 1.0, "cells": [4, 4, 4]},
-    "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
-    "bed": {"porosity": 0.4, "particle_diameter": 0.01}, "flow": {"velocity": [0.3, 0.0, 0.0]},
-    "boundary": {"bottom": {"type": "no_slip"}},
-}  # fmt: skip
+    "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
+    "solids": {"particles": {"diameter": 0.01}},
+    "packed_bed": {"porosity": 0.4},
+    "boundary": {"left": {"gas": {"velocity": 0.3}}, "bottom": {"type": "no_slip"}},
+}
 
 
 def test_small_scenes_stay_on_the_default_engine() -> None:

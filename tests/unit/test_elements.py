@@ -29,6 +29,7 @@ def test_basis_is_nodal_and_constants_have_no_gradient(shape, degree):
 def test_balance_of_many_thin_cells_closes():
     """3000 cells of third degree, the first of 1e-7 m: the gradients of 300 K in each add up to 1e-10 of the heat."""
     scene = cb.load(
-        "studies/nakayama_2001/hot_fluid.toml", {"boundary.left.fluid.fixed": 280.0, "solid.conductivity": 2.6}
+        "studies/nakayama_2001/hot_fluid.toml",
+        {"boundary.left.gas.fixed_temperature": 280.0, "solids.particles.conductivity": 2.6},
     )
     assert abs(cb.run(scene).balances["energy"]["relative_residual"]) < 5e-11

@@ -17,7 +17,10 @@ from contbed.loading import loads
 from contbed.output.files import atomic
 from contbed.output.folder import LOCK, occupied, read_summary
 
-TRANSIENT = STEADY + "[time]\nend = 2.0\ntimes = [1.0]\ninitial_fluid = 300.0\ninitial_solid = 400.0\n"
+TRANSIENT = (
+    STEADY
+    + "[initial]\ngas.temperature = 300.0\nsolids.particles.temperature = 400.0\n\n[time]\nend = 2.0\ntimes = [1.0]\n"
+)
 
 
 def status(folder: Path) -> str:
@@ -70,8 +73,8 @@ time.end = 1.0
     ("text", "key"),
     [
         (
-            TRANSIENT.replace("initial_solid = 400.0", 'initial_solid = { file = "out/profiles.csv" }'),
-            "time.initial_solid",
+            TRANSIENT.replace("particles.temperature = 400.0", 'particles.temperature = { file = "out/profiles.csv" }'),
+            "initial.solids.particles.temperature",
         ),
         (REACTING, "initial"),
     ],
@@ -178,7 +181,9 @@ def test_many_runs_at_once_are_one_after_the_other_or_refused(tmp_path):
     (tmp_path / "scene.toml").write_text(STEADY + "[output]\nplots = false\n")
     start = [sys.executable, "-m", "contbed", "run", "scene.toml", "--quiet", "--out", "out", "--set"]
     runs = [
-        subprocess.Popen([*start, f"flow.velocity={0.1 * k}"], cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+        subprocess.Popen(
+            [*start, f"boundary.left.gas.velocity={0.1 * k}"], cwd=tmp_path, stderr=subprocess.PIPE, text=True
+        )
         for k in range(1, 5)
     ]
     ended = [(run.communicate()[1], run.returncode) for run in runs]

@@ -7,7 +7,7 @@ from small_scenes import STEADY
 import contbed as cb
 from contbed.errors import ContbedError
 
-TRANSIENT = STEADY + "[time]\nend = 100.0\ntimes = [20.0, 50.0]\ninitial_fluid = 350.0\ninitial_solid = 350.0\n"
+TRANSIENT = STEADY + "[time]\nend = 100.0\ntimes = [20.0, 50.0]\n[initial]\ntemperature = 350.0\n"
 
 
 @pytest.fixture(scope="module")

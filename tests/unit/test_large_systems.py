@@ -50,18 +50,30 @@ def box(**tables):
     """A small volume with a hot floor."""
     found = {
         "mesh": {"type": "box", "length": 0.2, "width": 0.1, "height": 0.1, "cells": (6, 4, 4)},
-        "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.1, "viscosity": 2e-5},
-        "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 5.0},
-        "bed": {"porosity": 0.4, "particle_diameter": 0.01},
-        "flow": {"velocity": 0.05},
-        "heat": {"nusselt": 1.0},
-        "boundary": {"left": {"fluid": {"inflow": 300.0}}, "bottom": {"solid": {"fixed": 500.0}}},
+        "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.1, "viscosity": 2e-5},
+        "solids": {"particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 5.0, "diameter": 0.01}},
+        "packed_bed": {"porosity": 0.4},
+        "closures": {"nusselt": 1.0},
+        "heat": {},
+        "boundary": {
+            "left": {"gas": {"velocity": 0.05, "temperature": 300.0}},
+            "bottom": {"solids": {"particles": {"fixed_temperature": 500.0}}},
+        },
         "output": {"plots": False, "fields": False},
     }
     return from_dict(found | tables)
 
 
-HEAT = {"moving": {"flow": {"velocity": 0.05, "velocity_solid": -1e-3}}, "mixed": {"heat": {"nusselt": 1e4}}}
+HEAT = {
+    "moving": {
+        "boundary": {
+            "left": {"gas": {"velocity": 0.05, "temperature": 300.0}},
+            "right": {"solids": {"particles": {"velocity": 1e-3, "temperature": 700.0}}},
+            "bottom": {"solids": {"particles": {"fixed_temperature": 500.0}}},
+        }
+    },
+    "mixed": {"closures": {"nusselt": 1e4}, "heat": {}},
+}
 
 
 @pytest.mark.parametrize("shape", ["hexahedron", "tetrahedron"])
@@ -69,9 +81,7 @@ HEAT = {"moving": {"flow": {"velocity": 0.05, "velocity_solid": -1e-3}}, "mixed"
 @pytest.mark.parametrize("kind", ["rest", "moving", "mixed"])
 def test_multigrid_gives_the_result_of_complete_factors(kind, degree, shape, iterative, iterations, monkeypatch):
     """To the tolerance of GMRES, with two temperatures, at rest, moving, and bound by a strong exchange."""
-    ends = {"left": {"fluid": {"inflow": 300.0}}, "right": {"solid": {"inflow": 700.0}}}
-    moving = {"boundary": ends | {"bottom": {"solid": {"fixed": 500.0}}}}
-    tables = HEAT.get(kind, {}) | (moving if kind == "moving" else {})
+    tables = HEAT.get(kind, {})
     mesh = {"type": "box", "length": 0.2, "width": 0.1, "height": 0.1, "cells": (6, 4, 4), "shape": shape}
     scene = box(mesh=mesh, solver={"degree": degree}, **tables)
     cycled = cb.run(scene)
@@ -93,8 +103,8 @@ def test_iterations_of_multigrid_do_not_grow_with_the_mesh(iterative, iterations
 
 def test_incident_radiation_is_cycled_as_well(iterative, iterations, monkeypatch):
     """Three fields at a vertex; emission ties the third to the temperature of the solid."""
-    radiation = {"level": "p1", "species": {"bed": {"emissivity": 0.8, "volume_fraction": 0.6, "diameter": 0.01}}}
-    scene = box(radiation=radiation)
+    solid = {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 5.0, "diameter": 0.01, "emissivity": 0.8}
+    scene = box(radiation={"level": "p1"}, solids={"particles": solid})
     cycled = cb.run(scene)
     assert iterations and not iterative
     monkeypatch.setattr(linear, "MULTIGRID_3D", 120_000)

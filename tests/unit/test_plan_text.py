@@ -55,13 +55,14 @@ def test_the_bar_of_fronts_reaches_the_end(monkeypatch):
     scene = from_dict(
         {
             "mesh": {"type": "line", "length": 1.0, "cells": 40},
-            "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.03, "viscosity": 2e-5},
-            "solid": {"density": 2000.0, "heat_capacity": 800.0, "conductivity": 1.0},
-            "bed": {"porosity": 0.4, "particle_diameter": 0.02},
-            "flow": {"velocity": 1.0},
-            "heat": {"nusselt": 50.0, "conductivity_fluid": 0.0, "conductivity_solid": 0.0},
-            "boundary": {"left": {"fluid": {"inflow": 600.0}}},
-            "time": {"end": 2.0, "initial_fluid": 300.0, "initial_solid": 300.0},
+            "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.03, "viscosity": 2e-5},
+            "solids": {"particles": {"density": 2000.0, "heat_capacity": 800.0, "conductivity": 1.0, "diameter": 0.02}},
+            "packed_bed": {"porosity": 0.4},
+            "closures": {"nusselt": 50.0, "conductivity_gas": 0.0, "conductivity_solids": 0.0},
+            "heat": {},
+            "boundary": {"left": {"gas": {"velocity": 1.0, "temperature": 600.0}}},
+            "initial": {"gas": {"temperature": 300.0}, "solids": {"particles": {"temperature": 300.0}}},
+            "time": {"end": 2.0},
         }
     )
     cb.run(scene)

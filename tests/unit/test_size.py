@@ -14,14 +14,18 @@ from contbed.scene import size
 from contbed.scene.inputs import LARGE_FILE
 
 BED = """\
-[fluid]
+[gas]
 density = 1
 viscosity = 2e-5
-[bed]
+
+[solids.particles]
+diameter = "3 mm"
+
+[packed_bed]
 porosity = 0.4
-particle_diameter = "3 mm"
-[flow]
-velocity = 0.1
+
+[boundary.left]
+gas.velocity = 0.1
 """
 LINE = '[mesh]\ntype = "line"\nlength = 2\n' + BED
 FILE = '[mesh]\ntype = "file"\nfile = "bed.msh"\n' + BED
@@ -29,8 +33,10 @@ PARTICLES = """\
 [particles]
 file = "pack.csv.gz"
 radius = 1e-3
+
 [conduction]
 particles = 1.0
+
 [layers]
 bottom = 0.0
 top = 0.1
@@ -74,11 +80,12 @@ def test_refinement_and_simplices_count(monkeypatch):
 
 
 def test_rows_files_and_steps():
-    time = "[heat]\nnusselt = 2\n[solid]\ndensity = 1\nheat_capacity = 1\nconductivity = 1\n[time]\nend = 1.0\n"
-    text = LINE.replace("viscosity", "heat_capacity = 1\nconductivity = 1\nviscosity") + time
-    assert "1 000 000 000 time steps; more than 100 000 000 are allowed by --allow-large" in problem(
-        text + "step = 1e-9\ninitial_fluid = 300\ninitial_solid = 300\n[boundary.left]\nfluid.inflow = 300\n"
-    )
+    text = LINE.replace("viscosity", "heat_capacity = 1\nconductivity = 1\nviscosity")
+    text = text.replace('diameter = "3 mm"', 'diameter = "3 mm"\ndensity = 1\nheat_capacity = 1\nconductivity = 1')
+    text = text.replace("gas.velocity = 0.1", "gas.velocity = 0.1\ngas.temperature = 300")
+    text += "[closures]\nnusselt = 2\n[heat]\n[initial]\ntemperature = 300\n[time]\nend = 1.0\n"
+    found = problem(text + "step = 1e-9\n")
+    assert "1 000 000 000 time steps; more than 100 000 000 are allowed by --allow-large" in found
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes")
@@ -99,8 +106,8 @@ def test_pipes_and_devices_do_not_hang(tmp_path, name):
 
 def test_closures_in_pipes_and_long_scenes(tmp_path):
     os.mkfifo(tmp_path / "closure.toml")
-    text = LINE.replace("particle_diameter", 'permeability = { file = "closure.toml" }\nparticle_diameter')
-    assert 'bed.permeability.file = "closure.toml": is a folder, a pipe' in problem(text, base=tmp_path)
+    text = LINE + '[closures]\npermeability = { file = "closure.toml" }\n'
+    assert 'closures.permeability.file = "closure.toml": is a folder, a pipe' in problem(text, base=tmp_path)
     with open(tmp_path / "scene.toml", "wb") as file:
         file.truncate(30_000_000)
     with pytest.raises(SceneError, match=r"scene\.toml:1: 30 MB; a TOML file has at most 20 MB"):

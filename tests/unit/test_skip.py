@@ -17,14 +17,18 @@ PACKAGE = Path(cb.__file__).parent
 
 BED: dict[str, Any] = {
     "mesh": {"type": "rectangle", "length": 1.0, "height": 0.2},
-    "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
-    "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0},
-    "bed": {"porosity": 0.4, "particle_diameter": 0.01},
-    "flow": {"velocity": 0.3, "velocity_solid": -1e-4},
-    "heat": {"nusselt": "wakao_kaguei"},
-    "boundary": {"left": {"fluid": {"inflow": 300.0}}, "right": {"solid": {"inflow": 500.0}}},
+    "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
+    "solids": {"particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0, "diameter": 0.01}},
+    "packed_bed": {"porosity": 0.4},
+    "closures": {"nusselt": "wakao_kaguei"},
+    "heat": {},
+    "boundary": {
+        "left": {"gas": {"velocity": 0.3, "temperature": 300.0}},
+        "right": {"solids": {"particles": {"velocity": 1e-4, "temperature": 500.0}}},
+    },
     "output": {"plots": False, "fields": False},
 }
+RADIATING = {"particles": {**BED["solids"]["particles"], "emissivity": 0.8}}
 
 
 def bed(**tables: Any) -> dict[str, Any]:
@@ -80,10 +84,13 @@ def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
     ("change", "module"),
     [
         ({"mesh": {**BED["mesh"], "length": "1 m"}}, "pint"),
-        ({"fluid": {"model": "cantera", "composition": "N2:1"}}, "cantera"),
-        ({"radiation": {"emissivity": 0.8}}, "contbed.radiation.problem"),
+        ({"gas": {"model": "cantera", "composition": "N2:1"}}, "cantera"),
+        ({"solids": RADIATING, "radiation": {}}, "contbed.radiation.problem"),
         (
-            {"time": {"end": 1.0, "step": 1.0, "initial_fluid": 300.0, "initial_solid": 300.0}},
+            {
+                "initial": {"gas": {"temperature": 300.0}, "solids": {"particles": {"temperature": 300.0}}},
+                "time": {"end": 1.0, "step": 1.0},
+            },
             "contbed.solvers.timestep",
         ),
         (
@@ -122,14 +129,17 @@ def test_plug_flow_has_no_momentum():
 )
 def test_adiabatic_walls_leave_one_dimension(mesh):
     low, high = ("bottom", "top") if mesh["type"] == "axisymmetric" else ("left", "right")
-    boundary = {low: {"fluid": {"inflow": 300.0}}, high: {"solid": {"inflow": 500.0}}}
+    entering = {"velocity": 1e-4, "temperature": 500.0}
+    boundary = {low: {"gas": {"velocity": 0.3, "temperature": 300.0}}, high: {"solids": {"particles": entering}}}
     made = plan(mesh=mesh, boundary=boundary)
     assert made.mesh.skfem.dim() == 1
     # two temperatures at the ends and in the middle of each cell
     assert problem(made).system.size == made.unknowns()["heat"] == 2 * (2 * made.mesh.skfem.nelements + 1)
     wall = "wall" if mesh["type"] == "axisymmetric" else "top"
     if mesh["type"] != "box":
-        warm = plan(mesh=mesh, boundary={**boundary, wall: {"solid": {"coefficient": 10.0, "ambient": 300.0}}})
+        warm = plan(
+            mesh=mesh, boundary={**boundary, wall: {"solids": {"particles": {"coefficient": 10.0, "ambient": 300.0}}}}
+        )
         assert warm.mesh.skfem.dim() == 2
 
 
@@ -137,7 +147,7 @@ def test_constant_properties_take_one_linear_solve():
     result = cb.run(from_dict(BED))
     assert result.history == [1.0]
     assert ("Newton for temperatures", "constant properties: linear") in result.plan.skipped
-    warm = cb.run(from_dict(bed(solid={**BED["solid"], "heat_capacity": [600.0, 0.5]})))
+    warm = cb.run(from_dict(bed(solids={"particles": {**BED["solids"]["particles"], "heat_capacity": [600.0, 0.5]}})))
     assert len(warm.history) > 1
 
 
@@ -163,8 +173,8 @@ def test_absent_terms_are_not_evaluated():
         assert isinstance(phase.source, float) and phase.source == 0.0
     full = problem(
         plan(
-            heat={**BED["heat"], "dispersion": {"axial": 1.0}, "tortuosity": -0.01},
-            region={"bed": {"source_solid": 1.0}},
+            closures={**BED["closures"], "dispersion": {"axial": 1.0}, "tortuosity": -0.01},
+            region={"bed": {"solids": {"heat_source": 1.0}}},
         )
     ).coefficients
     assert full.cross is not None and full.fluid.tau is not None and full.fluid.dispersion is not None
@@ -172,14 +182,14 @@ def test_absent_terms_are_not_evaluated():
 
 
 def test_a_phase_at_rest_has_no_stream():
-    posed = problem(plan(flow={"velocity": 0.3}, boundary={"left": {"fluid": {"inflow": 300.0}}}))
+    posed = problem(plan(boundary={"left": {"gas": {"velocity": 0.3, "temperature": 300.0}}}))
     assert posed.coefficients.solid.mass_flux is None and posed.coefficients.solid.tau is None
     # the fluid enters and leaves, and no wall of the solid carries a term
     assert [wall.name for _, _, wall in posed._boundary] == ["T_fluid", "T_fluid"]
 
 
 def test_adiabatic_ends_have_no_boundary_term():
-    posed = problem(plan(flow={"velocity": 0.0}, boundary={"left": {"fluid": {"fixed": 300.0}}}))
+    posed = problem(plan(boundary={"left": {"gas": {"fixed_temperature": 300.0}}}))
     assert posed._boundary == []
 
 
@@ -193,13 +203,13 @@ def test_without_radiation_there_is_no_incident_radiation():
     result = cb.run(made.scene)
     assert not {"G [W/m2]", "q_radiation [W/m2]"} & set(result.profiles) and "G" not in result.nodal
     # the Rosseland limit is a conductivity: no unknown either
-    thick = plan(radiation={"level": "rosseland", "emissivity": 0.8})
+    thick = plan(solids=RADIATING, radiation={"level": "rosseland"})
     assert set(thick.unknowns()) == {"heat"} and "G" not in problem(thick).system.fields
 
 
 def test_with_radiation_there_is():
-    boundary = {"left": {"fluid": {"inflow": 300.0}, "radiation": {"temperature": 600.0}}}
-    made = plan(flow={"velocity": 0.3}, boundary=boundary, radiation={"emissivity": 0.8})
+    boundary = {"left": {"gas": {"velocity": 0.3, "temperature": 300.0}, "radiation": {"temperature": 600.0}}}
+    made = plan(boundary=boundary, solids=RADIATING, radiation={})
     result = cb.run(made.scene)
     assert result.plan.unknowns()["radiation"] == result.nodal["G"][0].size
     x, G, q = (result.profiles[name] for name in ("x [m]", "G [W/m2]", "q_radiation [W/m2]"))
@@ -210,28 +220,30 @@ def test_with_radiation_there_is():
 
 
 def test_no_heat_table_has_no_temperatures():
-    values = bed(mesh={**BED["mesh"], "cells": [4, 4]}, boundary={"top": {"type": "no_slip"}})
-    del values["heat"]
+    values = bed(
+        mesh={**BED["mesh"], "cells": [4, 4]}, boundary={"left": {"gas": {"velocity": 0.3}}, "top": {"type": "no_slip"}}
+    )
+    del values["heat"], values["closures"]
     result = cb.run(from_dict(values))
     assert set(result.plan.unknowns()) == {"flow"}
     assert not any("T_" in name for name in [*result.profiles, *result.nodal, *result.qoi])
 
 
 @pytest.mark.parametrize(
-    ("heat", "why"),
+    ("closures", "why"),
     [
         (
             {"nusselt": "wakao_kaguei"},
-            "no heat.dispersion; wakao_kaguei was taken from data together with dispersion_wakao_kaguei",
+            "no closures.dispersion; wakao_kaguei was taken from data together with dispersion_wakao_kaguei",
         ),
         (
             {"nusselt": {"name": "nusselt_wakao_kaguei"}},
-            "no heat.dispersion; nusselt_wakao_kaguei was taken from data together with dispersion_wakao_kaguei",
+            "no closures.dispersion; nusselt_wakao_kaguei was taken from data together with dispersion_wakao_kaguei",
         ),
-        ({"nusselt": "gunn"}, "no heat.dispersion"),
-        ({"nusselt": 10.0}, "no heat.dispersion"),
+        ({"nusselt": "gunn"}, "no closures.dispersion"),
+        ({"nusselt": 10.0}, "no closures.dispersion"),
         ({"nusselt": "wakao_kaguei", "dispersion": "wakao_kaguei"}, None),
     ],
 )
-def test_the_plan_tells_what_belongs_to_a_nusselt_number(heat, why):
-    assert dict(plan(heat=heat).skipped).get("dispersion") == why
+def test_the_plan_tells_what_belongs_to_a_nusselt_number(closures, why):
+    assert dict(plan(closures=closures).skipped).get("dispersion") == why

@@ -24,20 +24,25 @@ SCENE = """\
 [mesh]
 type = "line"
 length = 2
-[fluid]
+
+[gas]
 density = 1
 viscosity = 2e-5
-[bed]
+
+[solids.particles]
+diameter = "3 mm"
+
+[packed_bed]
 porosity = 0.4
-particle_diameter = "3 mm"
-[flow]
-velocity = 0.1
+
+[boundary.left]
+gas.velocity = 0.1
 """
 STUDY = """\
 scene = "scene.toml"
 [parameters]
-flow.velocity = [0.1, "20 cm/s"]
-"bed.particle_diameter" = ["1 mm", "2 mm"]
+boundary.left.gas.velocity = [0.1, "20 cm/s"]
+"solids.particles.diameter" = ["1 mm", "2 mm"]
 """
 CONDUCTION = "[conduction]\nparticles = 1.0\n[output]\nplots = false\n"
 ALONE = 'scene = "scene.toml"\n[parameters]\n'
@@ -48,8 +53,8 @@ method = "sobol"
 count = 8
 seed = 3
 [sample.parameters]
-flow.velocity = { distribution = "log_uniform", from = "1 cm/s", to = 1 }
-bed.porosity = { from = 0.3, to = 0.5 }
+boundary.left.gas.velocity = { distribution = "log_uniform", from = "1 cm/s", to = 1 }
+packed_bed.porosity = { from = 0.3, to = 0.5 }
 """
 
 
@@ -73,8 +78,10 @@ def runner(monkeypatch):
         if error := module.error(scene):
             raise error
         out.mkdir(parents=True, exist_ok=True)
-        drop = scene.flow.velocity / scene.bed.particle_diameter * (2.0 if scene.bed.shape == "rods" else 1.0)
-        return types.SimpleNamespace(summary={"qoi": {"pressure_drop_Pa": drop, "u_max": scene.flow.velocity}})
+        drop = scene.boundary["left"].gas.velocity / scene.diameter * (2.0 if scene.solid.shape == "rods" else 1.0)
+        return types.SimpleNamespace(
+            summary={"qoi": {"pressure_drop_Pa": drop, "u_max": scene.boundary["left"].gas.velocity}}
+        )
 
     module.run = run
     monkeypatch.setitem(sys.modules, "contbed.runner", module)
@@ -162,20 +169,28 @@ def test_a_normal_sample_has_its_mean_and_deviation_also_in_degrees():
 def test_parts_are_combined_and_zipped_ones_go_in_step(folder):
     (folder / "study.toml").write_text(
         STUDY
-        + "[[zipped]]\nfluid.density = [1.2, 0.6, 0.3]\nfluid.viscosity = { from = 1e-5, to = 3e-5, count = 3 }\n"
-        + SAMPLE.partition("\n")[2].replace("flow.velocity", "bed.permeability").replace('"1 cm/s"', '"1e-9 m2"')
+        + "[[zipped]]\ngas.density = [1.2, 0.6, 0.3]\ngas.viscosity = { from = 1e-5, to = 3e-5, count = 3 }\n"
+        + SAMPLE.partition("\n")[2]
+        .replace("boundary.left.gas.velocity", "closures.permeability")
+        .replace('"1 cm/s"', '"1e-9 m2"')
     )
     study = read_study("study.toml")
     assert len(study.cases) == 2 * 2 * 3 * 8
     assert len({case.name for case in study.cases}) == len(study.cases)
-    pairs = {(case.parameters["fluid.density"], case.parameters["fluid.viscosity"]) for case in study.cases}
+    pairs = {(case.parameters["gas.density"], case.parameters["gas.viscosity"]) for case in study.cases}
     assert pairs == {(1.2, 1e-5), (0.6, 2e-5), (0.3, 3e-5)}
-    assert study.axes == ("flow.velocity", "bed.particle_diameter", "fluid.density", "bed.permeability", "bed.porosity")
-    assert study.parameters == (*study.axes[:3], "fluid.viscosity", *study.axes[3:])
-    assert study.logarithmic == {"bed.permeability"}
+    assert study.axes == (
+        "boundary.left.gas.velocity",
+        "solids.particles.diameter",
+        "gas.density",
+        "closures.permeability",
+        "packed_bed.porosity",
+    )
+    assert study.parameters == (*study.axes[:3], "gas.viscosity", *study.axes[3:])
+    assert study.logarithmic == {"closures.permeability"}
     for case in study.cases:
-        assert case.scene.fluid.viscosity == case.parameters["fluid.viscosity"]
-        assert case.scene.bed.porosity == case.parameters["bed.porosity"]
+        assert case.scene.gas.viscosity == case.parameters["gas.viscosity"]
+        assert case.scene.packed_bed.porosity == case.parameters["packed_bed.porosity"]
     assert not study.warnings
 
 
@@ -196,17 +211,20 @@ def test_scenes_of_every_kind(folder):
 
 
 def test_a_sweep_runs_everything_once_and_keeps_failures(folder, runner, capsys):
-    runner.error = lambda scene: ConvergenceError("stalled\nat once") if scene.flow.velocity > 0.15 else None
+    runner.error = lambda scene: (
+        ConvergenceError("stalled\nat once") if scene.boundary["left"].gas.velocity > 0.15 else None
+    )
     assert sweep() == 3
     out, err = capsys.readouterr()
     assert out == "2 of 4 runs are finished, 0 were before; see out/table.csv\n"
     assert err.splitlines() == [
-        f"failed with 3: flow.velocity = 0.2, bed.particle_diameter = {d}: stalled; at once" for d in (0.001, 0.002)
+        f"failed with 3: boundary.left.gas.velocity = 0.2, solids.particles.diameter = {d}: stalled; at once"
+        for d in (0.001, 0.002)
     ]
     assert [row["exit code"] for row in rows(folder)] == ["0", "0", "3", "3"]
     assert [row["problem"] for row in rows(folder)] == ["", "", "stalled; at once", "stalled; at once"]
     kept = json.loads((folder / "out" / "runs" / rows(folder)[2]["run"] / "outcome.json").read_text())
-    assert kept["exit_code"] == 3 and kept["scene"]["flow"]["velocity"] == 0.2
+    assert kept["exit_code"] == 3 and kept["scene"]["boundary"]["left"]["gas"]["velocity"] == 0.2
 
     assert sweep() == 3
     assert len(runner.calls) == 4
@@ -217,15 +235,15 @@ def test_a_sweep_runs_everything_once_and_keeps_failures(folder, runner, capsys)
     assert len(runner.calls) == 6
     found = rows(folder)
     assert list(found[0]) == [
-        "flow.velocity [m/s]",
-        "bed.particle_diameter [m]",
+        "boundary.left.gas.velocity [m/s]",
+        "solids.particles.diameter [m]",
         "pressure_drop [Pa]",
         "u_max [m/s]",
         "run",
         "exit code",
         "problem",
     ]
-    assert [row["flow.velocity [m/s]"] for row in found] == ["0.1", "0.1", "0.2", "0.2"]
+    assert [row["boundary.left.gas.velocity [m/s]"] for row in found] == ["0.1", "0.1", "0.2", "0.2"]
     assert [float(row["pressure_drop [Pa]"]) for row in found] == [100.0, 50.0, 200.0, 100.0]
     whole = json.loads((folder / "out" / "table.json").read_text())
     assert whole["qoi"] == {"pressure_drop_Pa": {"unit": "Pa"}, "u_max": {"unit": "m/s"}}
@@ -245,8 +263,12 @@ def test_a_sweep_runs_everything_once_and_keeps_failures(folder, runner, capsys)
     assert [line.split()[-1] for line in log] == ["begun", "finished"] * 2
 
 
+ON_A_FILE = STUDY.replace('[0.1, "20 cm/s"]', "[[0.1, 0.0], [0.2, 0.0]]")
+
+
 def test_a_changed_file_is_a_changed_scene(folder):
     (folder / "scene.toml").write_text(SCENE.replace('type = "line"\nlength = 2', 'type = "file"\nfile = "bed.msh"'))
+    (folder / "study.toml").write_text(ON_A_FILE)
     (folder / "bed.msh").write_bytes(b"one")
     first = {case.name for case in read_study("study.toml").cases}
     (folder / "bed.msh").write_bytes(b"two")
@@ -255,6 +277,7 @@ def test_a_changed_file_is_a_changed_scene(folder):
 
 def test_a_changed_geometry_and_another_version_are_changed_scenes(folder, monkeypatch):
     (folder / "scene.toml").write_text(SCENE.replace('type = "line"\nlength = 2', 'type = "file"\nfile = "bed.geo"'))
+    (folder / "study.toml").write_text(ON_A_FILE)
     (folder / "bed.geo").write_text("x = 1;\n")
     found = [{case.name for case in read_study("study.toml", trust=True).cases}]
     (folder / "bed.geo").write_text("x = 2;\n")
@@ -296,7 +319,7 @@ def test_a_log_that_is_a_link_is_not_followed(folder, runner):
 
 
 def test_a_crash_in_one_run_does_not_lose_the_others(folder, runner):
-    runner.error = lambda scene: ZeroDivisionError("a\nb") if scene.flow.velocity > 0.15 else None
+    runner.error = lambda scene: ZeroDivisionError("a\nb") if scene.boundary["left"].gas.velocity > 0.15 else None
     assert sweep("--quiet") == 3
     assert [row["problem"] for row in rows(folder)] == ["", "", *["ZeroDivisionError: a; b"] * 2]
     assert [row["exit code"] for row in rows(folder)] == ["0", "0", "1", "1"]
@@ -377,26 +400,35 @@ def parameters(text):
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        (parameters("[-9e999, 1]"), "study.toml:3: flow.velocity = -Infinity: not a finite number"),
-        (STUDY.replace("flow.velocity", "flow.velocty"), "did you mean 'velocity'? (and 1 more values)"),
-        (parameters("0.1"), "study.toml:3: flow.velocity: expected a list of values, or a range { from, to, count }"),
+        (parameters("[-9e999, 1]"), "study.toml:3: boundary.left.gas.velocity = -Infinity: not a finite number"),
+        (
+            STUDY.replace("boundary.left.gas.velocity", "boundary.left.gas.velocty"),
+            "did you mean 'velocity'? (and 1 more values)",
+        ),
+        (
+            parameters("0.1"),
+            "study.toml:3: boundary.left.gas.velocity: expected a list of values, or a range { from, to, count }",
+        ),
         (
             parameters("{ mean = 0.2, deviation = 0.02 }"),
-            "study.toml:3: flow.velocity: is a distribution, which a sample is drawn from; give it under "
+            "study.toml:3: boundary.left.gas.velocity: is a distribution, which a sample is drawn from; give it under "
             "[sample.parameters]",
         ),
-        (parameters("[]"), "study.toml:3: flow.velocity: an empty list; give at least one value"),
-        (parameters("{}"), "study.toml:3: flow.velocity: count: missing; allowed: an integer >= 2"),
-        (parameters("{ from = 1, to = 1, count = 3 }"), "flow.velocity: an empty range, from and to are both 1"),
+        (parameters("[]"), "study.toml:3: boundary.left.gas.velocity: an empty list; give at least one value"),
+        (parameters("{}"), "study.toml:3: boundary.left.gas.velocity: count: missing; allowed: an integer >= 2"),
+        (
+            parameters("{ from = 1, to = 1, count = 3 }"),
+            "boundary.left.gas.velocity: an empty range, from and to are both 1",
+        ),
         (
             parameters("{ from = 1, to = 2, count = 0 }"),
-            "flow.velocity: count = 0: out of range; allowed: an integer >= 2 and <=",
+            "boundary.left.gas.velocity: count = 0: out of range; allowed: an integer >= 2 and <=",
         ),
         (
             parameters("{ from = 1, to = 2, count = 2.0 }"),
-            "flow.velocity: count = 2.0: wrong kind of value; allowed: an integer",
+            "boundary.left.gas.velocity: count = 2.0: wrong kind of value; allowed: an integer",
         ),
-        (parameters("{ from = 1, to = 2 }"), "flow.velocity: count: missing; allowed: an integer >= 2"),
+        (parameters("{ from = 1, to = 2 }"), "boundary.left.gas.velocity: count: missing; allowed: an integer >= 2"),
         (parameters("{ from = -1, to = 2, count = 3, spacing = 'log' }"), "a logarithmic range from -1 to 2; its ends"),
         (parameters("{ from = 0, to = 2, count = 3, spacing = 'log' }"), "must have the same sign and not be 0"),
         (parameters("{ from = 1, to = 2, count = 3, spacing = 'lin' }"), "did you mean 'linear'?"),
@@ -404,8 +436,14 @@ def parameters(text):
             parameters("{ from = 1, to = 2, count = 3, sacing = 'log' }"),
             'sacing = "log": unknown key; allowed: from, to, ',
         ),
-        (parameters("{ from = '1 kg', to = inf, count = 3 }"), "flow.velocity: from: expected a velocity like 'm/s'"),
-        (parameters("{ from = '1 kg', to = inf, count = 3 }"), "flow.velocity: to is inf; allowed: a finite number"),
+        (
+            parameters("{ from = '1 kg', to = inf, count = 3 }"),
+            "boundary.left.gas.velocity: from: expected a velocity like 'm/s'",
+        ),
+        (
+            parameters("{ from = '1 kg', to = inf, count = 3 }"),
+            "boundary.left.gas.velocity: to is inf; allowed: a finite number",
+        ),
         (parameters("{ from = -1e308, to = 1e308, count = 3 }"), "the range is too wide for a computer's numbers"),
         (
             STUDY.replace("scene =", "scenes ="),
@@ -419,11 +457,20 @@ def parameters(text):
             "title = 1\nqoi = 'u_max'\n" + STUDY,
             'study.toml:2: qoi = "u_max": wrong kind of value; allowed: a list, each a text',
         ),
-        (STUDY + "bed.porosity = [0.4, 1.4]", "study.toml:5: bed.porosity = 1.4: out of range; allowed: a number > 0"),
-        (STUDY + "bed.'porosity' = [0.4]\n[[zipped]]\nbed.porosity = [0.3]", "stands twice, also at study.toml:5"),
-        (STUDY + "[[zipped]]\nbed.porosity = [0.3]\nmesh.length = [1, 2]", "found 1 of bed.porosity, 2 of mesh.length"),
         (
-            STUDY + "[zipped]\nbed.porosity = [0.3]",
+            STUDY + "packed_bed.porosity = [0.4, 1.4]",
+            "study.toml:5: packed_bed.porosity = 1.4: out of range; allowed: a number > 0",
+        ),
+        (
+            STUDY + "packed_bed.'porosity' = [0.4]\n[[zipped]]\npacked_bed.porosity = [0.3]",
+            "stands twice, also at study.toml:5",
+        ),
+        (
+            STUDY + "[[zipped]]\npacked_bed.porosity = [0.3]\nmesh.length = [1, 2]",
+            "found 1 of packed_bed.porosity, 2 of mesh.length",
+        ),
+        (
+            STUDY + "[zipped]\npacked_bed.porosity = [0.3]",
             "study.toml:5: zipped: wrong kind of value; allowed: a list, each a table",
         ),
         (STUDY.replace("0.1,", f"{'0.1, ' * 60000}"), "study.toml:2: parameters: 120002 runs; at most 100000"),
@@ -441,16 +488,25 @@ def parameters(text):
             "study.toml:5: sample.seed = -3: out of range; allowed: an integer >= 0",
         ),
         (SAMPLE.partition("[sample.p")[0], "study.toml:2: sample.parameters: missing; give distributions"),
-        (SAMPLE.replace("log_uniform", "lognormal"), "study.toml:7: flow.velocity: distribution is 'lognormal'"),
-        (SAMPLE.replace('"1 cm/s"', "-1"), "study.toml:7: flow.velocity: a logarithmic range from -1 to 1"),
-        (SAMPLE.replace("from = 0.3, to", "mean = 0.3, deviation"), "study.toml:8: bed.porosity = "),
+        (
+            SAMPLE.replace("log_uniform", "lognormal"),
+            "study.toml:7: boundary.left.gas.velocity: distribution is 'lognormal'",
+        ),
+        (
+            SAMPLE.replace('"1 cm/s"', "-1"),
+            "study.toml:7: boundary.left.gas.velocity: a logarithmic range from -1 to 1",
+        ),
+        (SAMPLE.replace("from = 0.3, to", "mean = 0.3, deviation"), "study.toml:8: packed_bed.porosity = "),
         (
             SAMPLE.replace("from = 0.3, to = 0.5", "from = 0.46, to = 0.38"),
             "from 0.46 to 0.38; give the lower end first",
         ),
         (SAMPLE.replace("from = 0.3, to = 0.5", "mean = 0.3, deviation = 0"), "deviation is 0; allowed: a number > 0"),
-        (SAMPLE.replace("{ from = 0.3, to = 0.5 }", "[0.3]"), "study.toml:8: bed.porosity: expected a distribution"),
-        (SAMPLE.replace("to = 0.5", "to = '5 mm'"), "bed.porosity: to: expected a plain number, found '5 mm'"),
+        (
+            SAMPLE.replace("{ from = 0.3, to = 0.5 }", "[0.3]"),
+            "study.toml:8: packed_bed.porosity: expected a distribution",
+        ),
+        (SAMPLE.replace("to = 0.5", "to = '5 mm'"), "packed_bed.porosity: to: expected a plain number, found '5 mm'"),
         (
             "sample = 3\n" + STUDY,
             "study.toml:1: sample = 3: wrong kind of value; allowed: a table with method, count, seed, gradients",
@@ -489,21 +545,21 @@ def test_quantities_have_names_units_and_labels():
         "$u$ max [m/s]",
         "porosity",
     ]
-    assert quantities.parameter("bed.particle_diameter", [0.1]).label == "bed.particle_diameter [m]"
-    assert quantities.parameter("heat.nusselt", [2.0, "nusselt_gunn"]).header == "heat.nusselt"
-    assert quantities.parameter("heat.nusselt", [2.0, 4.0]).header == "heat.nusselt [-]"
+    assert quantities.parameter("solids.particles.diameter", [0.1]).label == "solids.particles.diameter [m]"
+    assert quantities.parameter("closures.nusselt", [2.0, "nusselt_gunn"]).header == "closures.nusselt"
+    assert quantities.parameter("closures.nusselt", [2.0, 4.0]).header == "closures.nusselt [-]"
 
 
 @pytest.mark.parametrize(
     "text",
     [
-        ALONE + "flow.velocity = [0.1, 0.2, 0.4]",
-        ALONE + "flow.velocity = { from = -1, to = -0.1, count = 3, spacing = 'log' }",
-        ALONE + "bed.shape = ['spheres', 'rods']",
-        ALONE + "bed.shape = ['spheres', 'rods']\nflow.velocity = [0.1, 0.2]",
+        ALONE + "boundary.left.gas.velocity = [0.1, 0.2, 0.4]",
+        ALONE + "boundary.left.gas.velocity = { from = -1, to = -0.1, count = 3, spacing = 'log' }",
+        ALONE + "solids.particles.shape = ['spheres', 'rods']",
+        ALONE + "solids.particles.shape = ['spheres', 'rods']\nboundary.left.gas.velocity = [0.1, 0.2]",
         STUDY.replace('["1 mm", "2 mm"]', '{ from = 1e-3, to = 1e-2, count = 3, spacing = "log" }'),
-        STUDY + "bed.shape = ['spheres', 'rods']",
-        STUDY + "mesh.length = [1, 2]\nfluid.density = [1, 2]\nfluid.viscosity = [1, 2]\nbed.porosity = [0.3, 0.4]",
+        STUDY + "solids.particles.shape = ['spheres', 'rods']",
+        STUDY + "mesh.length = [1, 2]\ngas.density = [1, 2]\ngas.viscosity = [1, 2]\npacked_bed.porosity = [0.3, 0.4]",
         SAMPLE.replace("count = 8", "count = 64"),
     ],
     ids=["line", "negative log", "choice", "line for each choice", "contours", "effects", "six effects", "sample"],
@@ -518,7 +574,7 @@ def test_pictures_also_where_runs_failed(folder, runner, text, failures):
 
 
 def test_no_picture_where_nothing_varies(folder, runner):
-    (folder / "study.toml").write_text(ALONE + "flow.velocity = [0.1]")
+    (folder / "study.toml").write_text(ALONE + "boundary.left.gas.velocity = [0.1]")
     assert sweep() == 0
     assert sorted(path.name for path in (folder / "out").iterdir()) == ["runs", "table.csv", "table.json"]
 
@@ -526,10 +582,10 @@ def test_no_picture_where_nothing_varies(folder, runner):
 def test_main_effects_of_a_sum_are_its_terms():
     """A product design of y = a + b: the mean over b at each a is a + mean(b), to round-off."""
     a, b = (grid.ravel() for grid in np.meshgrid([1.0, 2.0, 5.0], [0.0, 10.0, 40.0, 50.0]))
-    levels, means = _means(_Axis(quantities.parameter("flow.velocity", a), a), a + b)
+    levels, means = _means(_Axis(quantities.parameter("boundary.left.gas.velocity", a), a), a + b)
     np.testing.assert_allclose(levels, [1.0, 2.0, 5.0])
     np.testing.assert_allclose(means, [26.0, 27.0, 30.0], rtol=1e-14)
-    axes = [_Axis(quantities.parameter("flow.velocity", a), values) for values in (a, b, 3.0 * a + 1.0)]
+    axes = [_Axis(quantities.parameter("boundary.left.gas.velocity", a), values) for values in (a, b, 3.0 * a + 1.0)]
     assert _is_plane([axes[0], axes[1]]) and not _is_plane([axes[0], axes[2]])
 
 

@@ -236,5 +236,5 @@ def test_runs_and_gradients_take_one_thread_of_blas(several_for_blas, monkeypatc
     watched((run, "run"))
     watched((tangent, "slope"))
     scene = loads(STEADY)
-    gradient(scene, ["T_fluid_out_K"], ["bed.porosity"])
+    gradient(scene, ["T_fluid_out_K"], ["packed_bed.porosity"])
     assert seen == [{1}] * 2

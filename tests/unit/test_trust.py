@@ -15,16 +15,15 @@ SCENE = """\
 [mesh]
 type = "file"
 file = "bed.geo"
-[fluid]
+[gas]
 density = 1
 viscosity = 2e-5
-[bed]
+[solids.sand]
+diameter = "3 mm"
+[packed_bed]
 porosity = 0.4
-particle_diameter = "3 mm"
-[flow]
-velocity = 0.1
 [boundary]
-left.type = "inlet"
+left = { type = "inlet", gas.velocity = [0.1, 0.0] }
 right.type = "outlet"
 Exit.type = "no_slip"
 """
@@ -62,7 +61,7 @@ def test_a_geometry_is_refused_and_not_run(folder, capsys):
                 "refused unless you trust it: --trust, in Python load(..., trust=True)"
             )
         )
-    (folder / "study.toml").write_text('scene = "scene.toml"\n[parameters]\nflow.velocity = [0.1, 0.2]\n')
+    (folder / "study.toml").write_text('scene = "scene.toml"\n[parameters]\npacked_bed.porosity = [0.4, 0.5]\n')
     assert cli.main(["sweep", "study.toml", "--jobs", "1"]) == 2
     assert not (folder / "mark").exists()
     load("scene.toml", trust=True)
@@ -112,5 +111,5 @@ def test_a_mechanism_does_not_import_a_module(tmp_path):
         assert "mine.yaml:" in done.stderr and "extensions import Python modules" in done.stderr
     assert not (tmp_path / "mark").exists()
     (tmp_path / "mine.yaml").unlink()
-    with pytest.raises(SceneError, match=r"scene.toml:7: fluid.mechanism = .*: no such mechanism; looked in "):
+    with pytest.raises(SceneError, match=r"scene.toml:7: gas.mechanism = .*: no such mechanism; looked in "):
         load(tmp_path / "scene.toml")

@@ -22,18 +22,21 @@ from contbed.packed_bed.plan import plan
 # heat at most 0.05, and 10 to 840 in the eight beds with a corner of unlike prescribed temperatures, where it has no
 # limit. The one warned bed, seed 9, has a single given temperature: theta has no span.
 FACTOR = 1.0
-WALLS = {"left": {"fluid": {"inflow": 300.0}}, "bottom": {"solid": {"fixed": 500.0}}}
+WALLS = {
+    "left": {"gas": {"velocity": 0.05, "temperature": 300.0}},
+    "bottom": {"solids": {"particles": {"fixed_temperature": 500.0}}},
+}
 
 
 def plane(**tables):
     """A bed between a hot plate and an adiabatic one."""
     found = {
         "mesh": {"type": "rectangle", "length": 0.2, "height": 0.1},
-        "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.1, "viscosity": 2e-5},
-        "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 5.0},
-        "bed": {"porosity": 0.4, "particle_diameter": 0.01},
-        "flow": {"velocity": 0.05},
-        "heat": {"nusselt": 1.0},
+        "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.1, "viscosity": 2e-5},
+        "solids": {"particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 5.0, "diameter": 0.01}},
+        "packed_bed": {"porosity": 0.4},
+        "closures": {"nusselt": 1.0},
+        "heat": {},
         "boundary": WALLS,
         "output": {"plots": False, "fields": False},
     }
@@ -121,7 +124,13 @@ def test_given_cells_have_an_estimate_and_a_remedy():
 
 def test_a_jump_of_prescribed_temperatures_has_a_weight():
     """Where unlike temperatures meet, errors count by the distance; elsewhere in full."""
-    walls = {"left": {"fluid": {"inflow": 300.0}, "solid": {"fixed": 300.0}}, "bottom": {"solid": {"fixed": 500.0}}}
+    walls = {
+        "left": {
+            "gas": {"velocity": 0.05, "temperature": 300.0},
+            "solids": {"particles": {"fixed_temperature": 300.0}},
+        },
+        "bottom": {"solids": {"particles": {"fixed_temperature": 500.0}}},
+    }
     made = plan(plane(boundary=walls))
     corners = accuracy._corners(made, partial(unlike_temperatures, made.solved.boundary, "solid"))
     assert corners == [((0, 0.0), (1, 0.0))]
@@ -136,13 +145,23 @@ def test_a_corner_of_unlike_temperatures_is_told():
 
     Heat through such a corner grows by the same amount each time that its cells are a hundred times smaller.
     """
-    solid = {"fixed": 500.0}
-    unlike = {"left": {"fluid": {"inflow": 300.0}, "solid": {"fixed": 300.0}}, "bottom": {"solid": solid}}
+    solid = {"fixed_temperature": 500.0}
+    unlike = {
+        "left": {
+            "gas": {"velocity": 0.05, "temperature": 300.0},
+            "solids": {"particles": {"fixed_temperature": 300.0}},
+        },
+        "bottom": {"solids": {"particles": solid}},
+    }
     text = "\n".join(plane(boundary=unlike).warnings)
     assert "boundary.bottom.solid.fixed = 500.0: 500 K meets 300 K of boundary.left in a corner" in text
     assert "heat_left_W and heat_bottom_W" in text
-    same = unlike | {"left": {"fluid": {"inflow": 300.0}, "solid": solid}}
-    across = {"left": {"fluid": {"inflow": 300.0}}, "top": {"solid": {"fixed": 300.0}}, "bottom": {"solid": solid}}
+    same = unlike | {"left": {"gas": {"velocity": 0.05, "temperature": 300.0}, "solids": {"particles": solid}}}
+    across = {
+        "left": {"gas": {"velocity": 0.05, "temperature": 300.0}},
+        "top": {"solids": {"particles": {"fixed_temperature": 300.0}}},
+        "bottom": {"solids": {"particles": solid}},
+    }
     insulated = {"nusselt": 1.0, "conductivity_solid": 0.0}
     for bed in (plane(boundary=same), plane(boundary=across), plane(boundary=unlike, heat=insulated)):
         assert not bed.warnings

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from moving_beds import moving, started
 
 import contbed as cb
 from contbed.fem.probe import Probe
@@ -29,9 +30,9 @@ MESHES: dict[str, dict[str, Any]] = {
     "tetrahedra": {"type": "box", "length": 1.0, "width": 0.4, "height": 0.3, "cells": [3, 2, 2],
                    "shape": "tetrahedron"},
 }  # fmt: skip
-FIXED = {"fixed": 400.0}
-INFLOW = {"inflow": 400.0}
-FLUX = {"flux": 500.0}
+FIXED = {"fixed_temperature": 400.0}
+INFLOW = {"temperature": 400.0}
+FLUX = {"heat_flux": 500.0}
 ROBIN = {"coefficient": 20.0, "ambient": 350.0}
 
 
@@ -58,19 +59,19 @@ def scene(
     low, high = ends(mesh)
     own_end = high if np.sum(velocity_solid) < 0 else low
     if boundary is None:
-        boundary = {low: {"fluid": {"inflow": 300.0}}}
-        boundary.setdefault(own_end, {})["solid"] = inlet
+        boundary = {low: {"gas": {"temperature": 300.0}}}
+        boundary.setdefault(own_end, {})["solids"] = {"particles": inlet}
         for name in walls(mesh):
             if wall is not None:
-                boundary[name] = {"solid": wall}
+                boundary[name] = {"solids": {"particles": wall}}
     return {
         "mesh": MESHES[mesh],
-        "fluid": FLUID,
-        "solid": solid,
-        "bed": {"porosity": 0.4, "particle_diameter": 0.02},
-        "flow": {"velocity": velocity, "velocity_solid": velocity_solid},
-        "heat": {"nusselt": 5.0},
-        "boundary": boundary,
+        "gas": FLUID,
+        "solids": {"particles": {**solid, "diameter": 0.02}},
+        "packed_bed": {"porosity": 0.4},
+        "closures": {"nusselt": 5.0},
+        "heat": {},
+        "boundary": moving(MESHES[mesh], boundary, velocity, velocity_solid),
         **tables,
     }
 
@@ -96,15 +97,16 @@ def test_walls_on_every_mesh(mesh, wall):
 @pytest.mark.parametrize("inlet", [FIXED, INFLOW, FLUX, ROBIN], ids=["fixed", "inflow", "flux", "robin"])
 @pytest.mark.parametrize("solid", [SOLID, WARM], ids=["constant", "variable"])
 def test_inlets(velocity_solid, inlet, solid):
-    if velocity_solid == 0.0 and "inflow" in inlet:
+    if velocity_solid == 0.0 and "temperature" in inlet:
         pytest.skip("nothing enters at rest")
     values = scene(velocity_solid=velocity_solid, inlet=inlet, solid=solid)
-    if velocity_solid != 0.0 and not {"fixed", "inflow"} & set(inlet):
+    if velocity_solid != 0.0 and not {"fixed_temperature", "temperature"} & set(inlet):
         # the entering stream needs a temperature; the condition acts at the other end
         low, high = ends("line")
         entry, exit_ = (low, high) if velocity_solid > 0 else (high, low)
-        values["boundary"].setdefault(entry, {})["solid"] = INFLOW
-        values["boundary"].setdefault(exit_, {})["solid"] = inlet
+        moves = {"velocity": abs(velocity_solid)}
+        values["boundary"].setdefault(entry, {})["solids"] = {"particles": INFLOW | moves}
+        values["boundary"].setdefault(exit_, {})["solids"] = {"particles": inlet}
     closed(run(values))
 
 
@@ -119,16 +121,19 @@ def test_degrees_and_stabilisation(mesh, degree, stabilisation):
 @pytest.mark.parametrize("solid", [SOLID, WARM], ids=["constant", "variable"])
 @pytest.mark.parametrize("mesh", ["line", "rectangle", "axisymmetric", "box"])
 def test_transients(mesh, solid):
-    time = {"end": 2000.0, "step": 400.0, "initial_fluid": 320.0, "initial_solid": 350.0}
-    result = closed(run(scene(mesh, wall=ROBIN, solid=solid, inlet=FIXED, time=time)))
+    time = {"end": 2000.0, "step": 400.0}
+    values = scene(mesh, wall=ROBIN, solid=solid, inlet=FIXED, time=time, initial=started(320.0, 350.0))
+    result = closed(run(values))
     assert abs(result.balances["energy"]["stored"]) > 1e-3 * result.balances["energy"]["in"]
 
 
-@pytest.mark.parametrize("time", [None, {"end": 500.0, "initial_fluid": 300.0, "initial_solid": 300.0}])
+@pytest.mark.parametrize("time", [None, {"end": 500.0}])
 def test_sources_by_region(time):
-    values = scene("rectangle", wall=ROBIN, region={"bed": {"source_fluid": 100.0, "source_solid": 2000.0}})
+    values = scene(
+        "rectangle", wall=ROBIN, region={"bed": {"gas": {"heat_source": 100.0}, "solids": {"heat_source": 2000.0}}}
+    )
     if time is not None:
-        values["time"] = time
+        values |= {"time": time, "initial": started(300.0, 300.0)}
     result = closed(run(values))
     # power density times area 0.4 m2 (per metre of depth), times the duration of a transient
     expected = 2100.0 * 0.4 * (500.0 if time else 1.0)
@@ -139,7 +144,12 @@ def test_sources_by_region(time):
 @pytest.mark.parametrize("stabilisation", [True, False])
 def test_cross_current(solid, stabilisation):
     """The solid moves along y."""
-    boundary = {"left": {"fluid": {"inflow": 300.0}}, "bottom": {"solid": {"inflow": 400.0}}, "top": {}, "right": {}}
+    boundary = {
+        "left": {"gas": {"temperature": 300.0}},
+        "bottom": {"solids": {"particles": {"temperature": 400.0}}},
+        "top": {},
+        "right": {},
+    }
     result = closed(
         run(
             scene(
@@ -158,9 +168,9 @@ def test_cross_current(solid, stabilisation):
 def brinkman(mesh: str, T: tuple[float, float, float], degree: int = 2, **tables: Any) -> dict[str, Any]:
     """Computed flow: walls without slip; temperatures of fluid, solid and walls."""
     low, _ = ends(mesh)
-    boundary = {low: {"fluid": {"inflow": T[0]}, "solid": {"inflow": T[1]}}}
+    boundary = {low: {"gas": {"temperature": T[0]}, "solids": {"particles": {"temperature": T[1]}}}}
     for name in walls(mesh):
-        boundary[name] = {"type": "no_slip", "solid": {"fixed": T[2]}}
+        boundary[name] = {"type": "no_slip", "solids": {"particles": {"fixed_temperature": T[2]}}}
     return scene(mesh, boundary=boundary, solver={"degree": degree}, **tables)
 
 
@@ -177,8 +187,9 @@ def test_computed_flow_conserves_and_keeps_a_uniform_temperature(mesh, degree):
 
 def test_computed_flow_with_variable_properties_and_time():
     closed(run(brinkman("triangles", (300.0, 400.0, 350.0), solid=WARM)))
-    time = {"end": 500.0, "step": 100.0, "initial_fluid": 300.0, "initial_solid": 300.0}
-    closed(run(brinkman("triangles", (300.0, 400.0, 350.0), solid=WARM, time=time)))
+    time = {"end": 500.0, "step": 100.0}
+    start = started(300.0, 300.0)
+    closed(run(brinkman("triangles", (300.0, 400.0, 350.0), solid=WARM, time=time, initial=start)))
 
 
 def values_at(result: Any, points: np.ndarray) -> np.ndarray:
@@ -191,7 +202,7 @@ def values_at(result: Any, points: np.ndarray) -> np.ndarray:
 def test_mirrored_line(solid):
     x = np.linspace(0.0, 1.0, 37)
     right = run(scene(inlet=FIXED, solid=solid))
-    mirrored = {"right": {"fluid": {"inflow": 300.0}, "solid": FIXED}}
+    mirrored = {"right": {"gas": {"temperature": 300.0}, "solids": {"particles": FIXED}}}
     left = run(scene(velocity=-0.2, velocity_solid=-1e-4, boundary=mirrored, solid=solid))
     np.testing.assert_allclose(values_at(right, x[None]), values_at(left, 1.0 - x[None]), rtol=0, atol=EQUAL)
 
@@ -200,7 +211,7 @@ def test_mirrored_channel_with_computed_flow():
     """Left to right, and the upper half as the lower one."""
     points = np.random.default_rng(1).uniform((0.01, 0.01), (0.99, 0.39), (50, 2)).T
     there = run(brinkman("rectangle", (300.0, 400.0, 350.0)))
-    values = brinkman("rectangle", (300.0, 400.0, 350.0), velocity=-0.2, velocity_solid=-1e-4)
+    values = brinkman("rectangle", (300.0, 400.0, 350.0))
     values["boundary"]["right"] = values["boundary"].pop("left")
     back = run(values)
     reference = values_at(there, points)
@@ -218,10 +229,12 @@ def along(axis: int) -> Any:
     vector = [0.0, 0.0, 0.0]
     vector[axis] = 1.0
     low, high = SIDES[axis]
-    boundary = {low: {"fluid": {"inflow": 300.0}}, high: {"solid": {"inflow": 400.0}}}
-    boundary[SIDES[(axis + 1) % 3][0]] = {"solid": ROBIN}
+    boundary = {low: {"gas": {"temperature": 300.0}}, high: {"solids": {"particles": {"temperature": 400.0}}}}
+    boundary[SIDES[(axis + 1) % 3][0]] = {"solids": {"particles": ROBIN}}
     mesh = {"type": "box", "length": 0.5, "width": 0.5, "height": 0.5, "cells": [3, 3, 3]}
-    values = scene(boundary=boundary, velocity=[0.2 * v for v in vector], velocity_solid=[-1e-4 * v for v in vector])
+    values = scene(
+        "box", boundary=boundary, velocity=[0.2 * v for v in vector], velocity_solid=[-1e-4 * v for v in vector]
+    )
     return run({**values, "mesh": mesh})
 
 
@@ -260,7 +273,7 @@ def test_turned_plane():
     square = {"type": "rectangle", "length": 1.0, "height": 1.0, "cells": [6, 6]}
 
     def solved(velocity: list[float], inlets: list[str]) -> Any:
-        boundary = {name: {"fluid": {"inflow": 300.0}, "solid": FIXED} for name in inlets}
+        boundary = {name: {"gas": {"temperature": 300.0}, "solids": {"particles": FIXED}} for name in inlets}
         values = scene("rectangle", velocity=velocity, velocity_solid=[1e-3 * v for v in velocity], boundary=boundary)
         return run({**values, "mesh": square})
 
@@ -270,7 +283,7 @@ def test_turned_plane():
     np.testing.assert_allclose(values_at(other, turned), values_at(one, points), rtol=0, atol=EQUAL)
 
 
-@pytest.mark.parametrize("inlet", ["fixed", "inflow"])
+@pytest.mark.parametrize("inlet", ["fixed_temperature", "temperature"])
 def test_inlets_against_the_exact_solution(inlet):
     """A fixed and a Danckwerts inlet of the solid.
 
@@ -279,7 +292,7 @@ def test_inlets_against_the_exact_solution(inlet):
     """
     values = scene(inlet={inlet: 400.0}, velocity_solid=1e-3)
     values["mesh"] = {"type": "line", "length": 1.0, "cells": 200, "graded": True}
-    values["boundary"]["left"]["fluid"] = {"fixed": 300.0}
+    values["boundary"]["left"]["gas"] = {"velocity": 0.2, "fixed_temperature": 300.0}
     result = closed(run(values))
     x, s = result.profiles["x [m]"], result.profiles["T_solid [K]"]
     area = 6.0 * 0.6 / 0.02
@@ -290,7 +303,7 @@ def test_inlets_against_the_exact_solution(inlet):
         "d_solid": 0.6 * 2.0,
         "ha": 5.0 * 0.05 / 0.02 * area,
     }
-    if inlet == "fixed":
+    if inlet == "fixed_temperature":
         entry = 400.0
     else:
         slope = finite_length(0.0, 1.0, **c, derivative=1)[1]
@@ -298,4 +311,4 @@ def test_inlets_against_the_exact_solution(inlet):
     f_exact, s_exact = (300.0 + (entry - 300.0) * v for v in finite_length(x, 1.0, **c))
     np.testing.assert_allclose(s, s_exact, rtol=0, atol=1e-4)
     np.testing.assert_allclose(result.profiles["T_fluid [K]"], f_exact, rtol=0, atol=1e-4)
-    assert inlet == "fixed" or entry < 399.95
+    assert inlet == "fixed_temperature" or entry < 399.95

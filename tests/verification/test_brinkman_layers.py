@@ -16,11 +16,12 @@ def channel(**mesh):
     return from_dict(
         {
             "mesh": {"type": "rectangle", "length": 0.1, "height": H} | mesh,
-            "fluid": {"density": 1e-6, "viscosity": 1.8e-5},
-            "bed": {"porosity": EPS, "particle_diameter": 0.005, "permeability": K, "forchheimer": 0.0},
-            "flow": {"velocity": U},
-            "boundary": {"bottom": {"type": "no_slip"}, "top": {"type": "no_slip"}},
+            "gas": {"density": 1e-6, "viscosity": 1.8e-5},
+            "solids": {"particles": {"diameter": 0.005}},
+            "packed_bed": {"porosity": EPS},
+            "boundary": {"bottom": {"type": "no_slip"}, "top": {"type": "no_slip"}, "left": {"gas": {"velocity": U}}},
             "output": {"plots": False, "fields": False},
+            "closures": {"permeability": K, "forchheimer": 0.0},
         }
     )
 

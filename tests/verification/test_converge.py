@@ -21,28 +21,35 @@ BED = """
 type = "line"
 length = 0.2
 cells = 20
-[fluid]
+
+[gas]
 density = 0.5
 viscosity = 2e-5
 heat_capacity = 2000
 conductivity = 0.04
-[solid]
+
+[solids.particles]
 density = 0.7
 heat_capacity = 2000
 conductivity = 0.9
-[bed]
+diameter = 0.006
+
+[packed_bed]
 porosity = 0.6
-particle_diameter = 0.006
-[flow]
-velocity = 0.2
-velocity_solid = 0.1
-[heat]
+
+[closures]
 nusselt = 3
-conductivity_fluid = 1
-conductivity_solid = 1
+conductivity_gas = 1
+conductivity_solids = 1
+
+[heat]
+
 [boundary.left]
-fluid.fixed = 300
-solid.fixed = 500
+gas.velocity = 0.2
+solids.particles.velocity = 0.1
+gas.fixed_temperature = 300
+solids.particles.fixed_temperature = 500
+
 [solver]
 stabilisation = false
 """
@@ -83,7 +90,7 @@ def test_order_on_prescribed_cells(tmp_path: Path, degree: int) -> None:
 
 
 def test_difference_of_levels_without_a_closed_form(tmp_path: Path) -> None:
-    file = scene(tmp_path, ("fluid.fixed", "fluid.inflow"))
+    file = scene(tmp_path, ("gas.fixed_temperature", "gas.temperature"))
     found = converge(file, 4)
     assert not found.exact
     assert np.isnan(found.levels[0].error)
@@ -152,7 +159,7 @@ def test_kinds_without_meshes_to_compare(tmp_path: Path, kind: str, said: str) -
 
 def test_the_command_draws_its_picture(tmp_path: Path) -> None:
     """In a process of its own, in which parts of matplotlib are left out."""
-    file = scene(tmp_path, ("fluid.fixed", "fluid.inflow"))
+    file = scene(tmp_path, ("gas.fixed_temperature", "gas.temperature"))
     command = [sys.executable, "-m", "contbed", "converge", str(file), "--levels", "2", "--out", str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
@@ -162,9 +169,29 @@ def test_the_command_draws_its_picture(tmp_path: Path) -> None:
 def test_flow_without_heat(tmp_path: Path) -> None:
     file = tmp_path / "flow.toml"
     file.write_text(
-        '[mesh]\ntype = "rectangle"\nlength = 0.1\nheight = 0.02\ncells = [10, 4]\n'
-        "[fluid]\ndensity = 0.5\nviscosity = 2e-5\n[bed]\nporosity = 0.6\nparticle_diameter = 0.006\n"
-        '[flow]\nvelocity = 0.2\n[boundary.bottom]\ntype = "no_slip"\n',
+        """\
+[mesh]
+type = "rectangle"
+length = 0.1
+height = 0.02
+cells = [10, 4]
+
+[gas]
+density = 0.5
+viscosity = 2e-5
+
+[solids.particles]
+diameter = 0.006
+
+[packed_bed]
+porosity = 0.6
+
+[boundary.left]
+gas.velocity = 0.2
+
+[boundary.bottom]
+type = "no_slip"
+""",
         encoding="utf-8",
     )
     found = converge(file, 3)
@@ -180,17 +207,23 @@ def made(*changes: tuple[str, str]) -> Any:
     return plan(loads(text))
 
 
-ENDS = "[boundary.left]\nfluid.fixed = 300\nsolid.fixed = 500\n"
+ENDS = """gas.velocity = 0.2
+solids.particles.velocity = 0.1
+gas.fixed_temperature = 300
+solids.particles.fixed_temperature = 500
+"""
+GAS_ALONE = "gas.velocity = 0.2\ngas.fixed_temperature = 300\n"
+SOLIDS_ALONE = "solids.particles.velocity = 0.1\nsolids.particles.fixed_temperature = 500\n"
 
 
 @pytest.mark.parametrize(
     "changes",
     [
         [],
-        [("fluid.fixed = 300\nsolid.fixed = 500", "fluid.fixed = 500\nsolid.fixed = 300")],
-        [("[boundary.left]", "[boundary.right]"), ("= 0.2\nvel", "= -0.2\nvel"), ("solid = 0.1", "solid = -0.1")],
-        [("solid = 0.1", "solid = -0.1"), (ENDS, "[boundary]\nleft.fluid.fixed = 300\nright.solid.fixed = 500\n")],
-        [("solid = 0.1", "solid = 0")],
+        [("fixed_temperature = 300", "fixed_temperature = 4"), ("= 500", "= 300"), ("= 4\n", "= 500\n")],
+        [("[boundary.left]", "[boundary.right]")],
+        [(ENDS, f"{GAS_ALONE}[boundary.right]\n{SOLIDS_ALONE}")],
+        [("solids.particles.velocity = 0.1\n", "")],
         [("nusselt = 3", "nusselt = 3\ntortuosity = -0.0005\ndispersion = {axial = 0.02}")],
     ],
     ids=["parallel", "hot fluid", "backwards", "counter", "resting", "tortuosity"],
@@ -212,12 +245,12 @@ def test_closed_form_fits_the_run(changes: list[tuple[str, str]]) -> None:
 @pytest.mark.parametrize(
     "changes",
     [
-        [("solid.fixed = 500", "solid.fixed = 300")],
-        [("fluid.fixed", "fluid.inflow")],
-        [("[solver]", "[boundary.right]\nfluid.flux = 10.0\n[solver]")],
-        [("[solver]", "[region.bed]\nsource_solid = 10.0\n[solver]")],
+        [("fixed_temperature = 500", "fixed_temperature = 300")],
+        [("gas.fixed_temperature", "gas.temperature")],
+        [("[solver]", "[boundary.right]\ngas.heat_flux = 10.0\n[solver]")],
+        [("[solver]", "[region.bed]\nsolids.heat_source = 10.0\n[solver]")],
         [("heat_capacity = 2000\nconductivity = 0.9", "heat_capacity = [2000, 0.1]\nconductivity = 0.9")],
-        [("[solver]", "[time]\nend = 1\ninitial_fluid = 300\ninitial_solid = 300\n[solver]")],
+        [("[solver]", "[initial]\ntemperature = 300\n[time]\nend = 1\n[solver]")],
     ],
 )
 def test_no_closed_form(changes: list[tuple[str, str]]) -> None:

@@ -24,18 +24,22 @@ def regenerator(path, hot, cold, tolerance=1e-4, cells=60, cycle="{}"):
     times = [period * CONTENT / (FILM * AREA) for _, period in (hot, cold)]
     path.write_text(f"""
 mesh = {{ type = "line", length = 1.0, cells = {cells} }}
-flow.velocity = {{ times = [0, {times[0]!r}], values = [{speeds[0]!r}, {-speeds[1]!r}] }}
-boundary.left.fluid.inflow = 400.0
-boundary.right.fluid.inflow = 300.0
+boundary.left.gas.velocity = {{ times = [0, {times[0]!r}], values = [{speeds[0]!r}, {-speeds[1]!r}] }}
+boundary.left.gas.temperature = 400.0
+boundary.right.gas.temperature = 300.0
+initial.gas.temperature = 350.0
+initial.solids.particles.temperature = 350.0
 time.end = {sum(times)!r}
-time.initial_fluid = 350.0
-time.initial_solid = 350.0
 time.tolerance = {tolerance}
 time.cycle = {cycle}
-fluid = {{ model = "constant", density = {rho / 1000!r}, heat_capacity = 1000.0, conductivity = 1.0, viscosity = 1e-5 }}
-solid = {{ density = 1000.0, heat_capacity = {SOLID / 1000!r}, conductivity = 1.0 }}
-bed = {{ porosity = {EPS}, particle_diameter = {D} }}
-heat = {{ nusselt = {FILM * D!r}, conductivity_fluid = 0.0, conductivity_solid = 0.0 }}
+gas = {{ density = {rho / 1000!r}, heat_capacity = 1000.0, conductivity = 1.0, viscosity = 1e-5 }}
+solids.particles.density = 1000.0
+solids.particles.heat_capacity = {SOLID / 1000!r}
+solids.particles.conductivity = 1.0
+solids.particles.diameter = {D}
+packed_bed.porosity = {EPS}
+closures = {{ nusselt = {FILM * D!r}, conductivity_gas = 0.0, conductivity_solids = 0.0 }}
+heat = {{}}
 """)
     return path
 
@@ -65,7 +69,7 @@ def test_regenerator(tmp_path, numbers, row):
 @pytest.mark.slow
 def test_the_end_of_the_period_is_its_start(tmp_path):
     path = regenerator(tmp_path / "s.toml", (10, 3), (10, 3), 1e-3, cells=20)
-    path.write_text(path.read_text() + "\n[particle]\nheat = 'interior'\n")
+    path.write_text(path.read_text() + "\nsolids.particles.inside.heat = 'interior'\n")
     found = run(load(path))
     assert found.qoi["cycle_change_K"] <= 1e-6 and found.qoi["storage_efficiency"] == pytest.approx(1.0, abs=1e-6)
 
@@ -117,7 +121,8 @@ def test_quantities_of_a_cycle():
 def test_a_cycle_without_series_is_refused(tmp_path):
     path = regenerator(tmp_path / "s.toml", (5, 1), (5, 1))
     lines = path.read_text().splitlines()
-    path.write_text("\n".join("flow.velocity = 1.0" if line.startswith("flow") else line for line in lines))
+    key = "boundary.left.gas.velocity"
+    path.write_text("\n".join(f"{key} = 1.0" if line.startswith(key) else line for line in lines))
     with pytest.raises(SceneError, match="a cycle needs a velocity or a temperature that changes"):
         load(path)
 
@@ -132,20 +137,19 @@ def test_losses_of_a_bed_at_rest(tmp_path, case):
     # a thin bed: across it the temperature varies by beta (height/length)^2 = 1e-4 of the difference to outside
     path.write_text(f"""
 mesh = {{ type = "rectangle", length = 1.0, height = {height}, cells = [60, 1] }}
-flow.velocity = 0.0
-boundary.left.solid = {{ coefficient = {first["B0"] * k!r}, ambient = {T_amb} }}
-boundary.right.solid = {{ coefficient = {first["B1"] * k!r}, ambient = {T_amb} }}
-boundary.top.solid = {{ coefficient = {first["beta"] * k * height!r}, ambient = {T_amb} }}
+boundary.left.solids.particles = {{ coefficient = {first["B0"] * k!r}, ambient = {T_amb} }}
+boundary.right.solids.particles = {{ coefficient = {first["B1"] * k!r}, ambient = {T_amb} }}
+boundary.top.solids.particles = {{ coefficient = {first["beta"] * k * height!r}, ambient = {T_amb} }}
 time.end = {times[-1]!r}
 time.times = {times!r}
-time.initial_fluid = {T_0}
-time.initial_solid = {T_0}
+initial.temperature = {T_0}
 time.tolerance = 1e-5
 output.positions = [0.0, 0.5, 1.0]
-fluid = {{ model = "constant", density = 1e-9, heat_capacity = 1000.0, conductivity = 1.0, viscosity = 1e-5 }}
-solid = {{ density = 1000.0, heat_capacity = {SOLID / 1000!r}, conductivity = 1.0 }}
-bed = {{ porosity = {EPS}, particle_diameter = {D} }}
-heat = {{ nusselt = 1.0, conductivity_fluid = 0.0, conductivity_solid = {k!r} }}
+gas = {{ density = 1e-9, heat_capacity = 1000.0, conductivity = 1.0, viscosity = 1e-5 }}
+solids.particles = {{ density = 1000.0, heat_capacity = {SOLID / 1000!r}, conductivity = 1.0, diameter = {D} }}
+packed_bed.porosity = {EPS}
+closures = {{ nusselt = 1.0, conductivity_gas = 0.0, conductivity_solids = {k!r} }}
+heat = {{}}
 """)
     found = run(load(path))
     theta = (found.profiles["T_solid [K]"].reshape(len(group), 3) - T_amb) / (T_0 - T_amb)

@@ -15,6 +15,7 @@ from contbed.packed_bed.schedule import Schedule
 END, POINTS = 6000.0, 151
 TIMES = np.linspace(0.0, END, POINTS)
 TOLERANCE = 1e-3
+PARTICLES = {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 2.0, "diameter": 0.005}
 
 
 def series(values, **more):
@@ -29,35 +30,39 @@ def swing(low, high, periods=1.0):
 def bed(**tables):
     scene = {
         "mesh": {"type": "line", "length": 0.5, "cells": 30},
-        "fluid": {"density": 1.2, "heat_capacity": 1000.0, "conductivity": 0.03, "viscosity": 2e-5},
-        "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 2.0},
-        "bed": {"porosity": 0.4, "particle_diameter": 0.005},
-        "flow": {"velocity": 0.3},
-        "heat": {"nusselt": 10.0},
-        "boundary": {"left": {"fluid": {"inflow": series(swing(300.0, 400.0))}}},
-        "time": {"end": END, "initial_fluid": 300.0, "initial_solid": 300.0, "tolerance": TOLERANCE},
+        "gas": {"density": 1.2, "heat_capacity": 1000.0, "conductivity": 0.03, "viscosity": 2e-5},
+        "solids": {"particles": PARTICLES},
+        "packed_bed": {"porosity": 0.4},
+        "closures": {"nusselt": 10.0},
+        "heat": {},
+        "boundary": {"left": {"gas": {"velocity": 0.3, "temperature": series(swing(300.0, 400.0))}}},
+        "initial": {"gas": {"temperature": 300.0}, "solids": {"particles": {"temperature": 300.0}}},
+        "time": {"end": END, "tolerance": TOLERANCE},
         "output": {"positions": [0.1, 0.5], "plots": False},
     }
     scene["time"]["times"] = np.linspace(600.0, END, 10).tolist()
     return {key: {**scene.get(key, {}), **tables.get(key, {})} for key in {**scene, **tables}}
 
 
-FIXED = {"fixed": series(swing(300.0, 340.0, 1.5))}
+FIXED = {"fixed_temperature": series(swing(300.0, 340.0, 1.5))}
 SCENES = {
-    "inflow": bed(),
+    "temperature": bed(),
     "several": bed(
         boundary={
-            "left": {"fluid": {"inflow": series(swing(300.0, 400.0))}},
-            "right": {"solid": {"coefficient": 50.0, "ambient": series(swing(300.0, 340.0, 1.5))}},
+            "left": {"gas": {"velocity": 0.3, "temperature": series(swing(300.0, 400.0))}},
+            "right": {"solids": {"particles": {"coefficient": 50.0, "ambient": series(swing(300.0, 340.0, 1.5))}}},
         }
     ),
-    "fixed": bed(
+    "fixed_temperature": bed(
         boundary={
-            "left": {"fluid": {"inflow": series(swing(300.0, 400.0))}, "solid": FIXED},
-            "right": {"solid": {"flux": series(swing(0.0, 500.0))}},
+            "left": {
+                "gas": {"velocity": 0.3, "temperature": series(swing(300.0, 400.0))},
+                "solids": {"particles": FIXED},
+            },
+            "right": {"solids": {"particles": {"heat_flux": series(swing(0.0, 500.0))}}},
         }
     ),
-    "inside": bed(particle={"heat": "interior"}),
+    "inside": bed(solids={"particles": {**PARTICLES, "inside": {"heat": "interior"}}}),
 }
 
 
@@ -100,7 +105,7 @@ def test_a_step_does_not_jump_over_what_it_does_not_see(monkeypatch):
     values = 400.0 + 20.0 * (1.0 - np.cos(2.0 * np.pi * apart))
     inflow = {"times": times.tolist(), "values": values.tolist()}
     scene = bed(
-        boundary={"left": {"fluid": {"inflow": inflow}}},
+        boundary={"left": {"gas": {"velocity": 0.3, "temperature": inflow}}},
         time={"end": 30000.0, "tolerance": 1e-2, "times": [20800.0, 21200.0, 22000.0, 30000.0]},
     )
     assert len(plan(from_dict(scene)).pieces()) == 1
@@ -115,8 +120,14 @@ def test_no_step_crosses_a_jump_or_a_kink_that_matters():
     """Steps end where the velocity jumps, and where the temperature stops to rise at once."""
     rises = np.minimum(300.0 + 100.0 * TIMES / 2000.0, 400.0)
     scene = bed(
-        flow={"velocity": {"times": [0.0, 3333.0], "values": [0.3, 0.2]}},
-        boundary={"left": {"fluid": {"inflow": series(rises)}}},
+        boundary={
+            "left": {
+                "gas": {
+                    "velocity": {"times": [0.0, 3333.0], "values": [0.3, 0.2]},
+                    "temperature": series(rises),
+                }
+            }
+        },
     )
     pieces = plan(from_dict(scene)).pieces()
     assert [piece.start for piece in pieces] == [0.0, 2000.0, 3333.0]

@@ -465,16 +465,21 @@ def test_third_order_where_the_conductivity_depends_on_temperature():
         scene = from_dict(
             {
                 "mesh": {"type": "line", "length": 1.0, "cells": cells},
-                "fluid": {"density": 1.2, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 1.8e-5},
-                "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0},
-                "bed": {"porosity": 0.4, "particle_diameter": 0.02},
-                "flow": {"velocity": 0.05, "velocity_solid": -1e-4},
-                "heat": {
-                    "nusselt": 2.0,
-                    "conductivity_fluid": 0.05,
-                    "conductivity_solid": {"name": "zehner_bauer_schluender", "emissivity": 0.8},
+                "gas": {"density": 1.2, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 1.8e-5},
+                "solids": {
+                    "particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0, "diameter": 0.02}
                 },
-                "boundary": {"left": {"fluid": {"inflow": 300.0}}, "right": {"solid": {"inflow": 1300.0}}},
+                "packed_bed": {"porosity": 0.4},
+                "closures": {
+                    "nusselt": 2.0,
+                    "conductivity_gas": 0.05,
+                    "conductivity_solids": {"name": "zehner_bauer_schluender", "emissivity": 0.8},
+                },
+                "heat": {},
+                "boundary": {
+                    "left": {"gas": {"velocity": 0.05, "temperature": 300.0}},
+                    "right": {"solids": {"particles": {"velocity": 1e-4, "temperature": 1300.0}}},
+                },
                 "output": {"positions": list(places)},
             }
         )

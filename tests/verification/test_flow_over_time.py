@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from moving_beds import started
 
 import contbed as cb
 from contbed.errors import ContbedError
@@ -17,17 +18,18 @@ def cooling(end, **more):
     return from_dict(
         {
             "mesh": {"type": "rectangle", "length": 0.3, "height": 0.06, "cells": [6, 2]},
-            "fluid": {"model": "cantera", "composition": "N2:1", "mechanism": "gri30.yaml"},
-            "solid": {"density": 10.0, "heat_capacity": 900.0, "conductivity": 1.0},
-            "bed": {"porosity": 0.4, "particle_diameter": 5e-3},
-            "flow": {"velocity": 0.5},
-            "heat": {"nusselt": 10.0},
+            "gas": {"model": "cantera", "composition": "N2:1", "mechanism": "gri30.yaml"},
+            "solids": {"particles": {"density": 10.0, "heat_capacity": 900.0, "conductivity": 1.0, "diameter": 5e-3}},
+            "packed_bed": {"porosity": 0.4},
+            "closures": {"nusselt": 10.0},
+            "heat": {},
             "boundary": {
-                "left": {"fluid": {"inflow": 300.0}},
+                "left": {"gas": {"velocity": 0.5, "temperature": 300.0}},
                 "bottom": {"type": "no_slip"},
-                "top": {"type": "no_slip", "solid": {"coefficient": 100.0, "ambient": 900.0}},
+                "top": {"type": "no_slip", "solids": {"particles": {"coefficient": 100.0, "ambient": 900.0}}},
             },
-            "time": {"end": end, "initial_fluid": 900.0, "initial_solid": 900.0} | more.pop("time", {}),
+            "time": {"end": end} | more.pop("time", {}),
+            "initial": started(900.0, 900.0),
             "output": {"plots": False, "fields": False},
         }
         | more
@@ -54,7 +56,7 @@ def test_the_flow_ends_as_that_of_the_steady_state():
 def test_the_flow_starts_with_the_initial_temperatures():
     """Until the bed has cooled, nitrogen of 900 K has three times the velocity and more of the pressure drop."""
     start = cb.run(cooling(1e-4, time={"tolerance": 0.5})).qoi
-    cold = cb.run(cooling(1e-4, time={"initial_fluid": 300.0, "initial_solid": 300.0, "tolerance": 0.5})).qoi
+    cold = cb.run(cooling(1e-4, time={"tolerance": 0.5}, initial=started(300.0, 300.0))).qoi
     assert start["u_max"] == pytest.approx(3.0 * cold["u_max"], rel=0.05)
     assert start["pressure_drop_Pa"] > 2.5 * cold["pressure_drop_Pa"]
 

@@ -26,20 +26,23 @@ AIR = {"density": 1.2, "heat_capacity": 1005.0, "conductivity": 0.03, "viscosity
 
 def bed(conductivity: float, dispersion: dict[str, float] | None = None, **tables: Any) -> Any:
     """Cold air into a conducting bed of a hot end, on cells so large that the stabilisation shows."""
-    heat = {"nusselt": 5.0, "conductivity_fluid": conductivity, "conductivity_solid": 2.0}
+    closures: dict[str, Any] = {"nusselt": 5.0, "conductivity_gas": conductivity, "conductivity_solids": 2.0}
     if dispersion is not None:
-        heat["dispersion"] = dispersion
+        closures["dispersion"] = dispersion
     found = {
         "mesh": {"type": "line", "length": 0.2, "cells": 6},
-        "fluid": AIR,
-        "solid": {"density": 2500.0, "heat_capacity": 900.0, "conductivity": 2.0},
-        "bed": {"porosity": 0.4, "particle_diameter": 0.01},
-        "flow": {"velocity": 0.2},
-        "heat": heat,
-        "boundary": {"left": {"fluid": {"inflow": 300.0}}, "right": {"solid": {"fixed": 900.0}}},
+        "gas": AIR,
+        "solids": {"particles": {"density": 2500.0, "heat_capacity": 900.0, "conductivity": 2.0, "diameter": 0.01}},
+        "packed_bed": {"porosity": 0.4},
+        "closures": closures,
+        "heat": {},
+        "boundary": {
+            "left": {"gas": {"velocity": 0.2, "temperature": 300.0}},
+            "right": {"solids": {"particles": {"fixed_temperature": 900.0}}},
+        },
         "solver": {"degree": 1},
         "output": {"plots": False, "fields": False},
-    }  # fmt: skip
+    }
     return from_dict(found | tables)
 
 
@@ -89,7 +92,7 @@ def test_heat_content_of_a_gas() -> None:
 
     A polynomial through c_p, whose slope jumps at 1000 K, misses it by 2e-8.
     """
-    medium = plan(bed(0.3, fluid={"model": "cantera", "composition": "N2:1"})).medium
+    medium = plan(bed(0.3, gas={"model": "cantera", "composition": "N2:1"})).medium
     gas = medium.fluid
     expected = 0.4 * quad(lambda T: float(gas.density(T) * gas.heat_capacity(T)), 400.0, 700.0, epsabs=0.0)[0]
     assert medium.content_fluid(700.0) - medium.content_fluid(400.0) == pytest.approx(expected, rel=1e-7)
@@ -115,11 +118,11 @@ def test_a_balance_is_measured_against_what_crosses() -> None:
 
 def test_a_closure_of_the_whole_bed_beside_the_fluid_is_told() -> None:
     """By name both conduct the fluid; a number is what is meant."""
-    whole = {"nusselt": 10.0, "conductivity_solid": "zehner_schluender"}
-    (text,) = bed(0.3, heat=whole).warnings
-    assert "heat.conductivity_solid" in text and text.endswith("twice; give heat.conductivity_fluid = 0")
-    assert not bed(0.3, heat={**whole, "conductivity_fluid": 0.0}).warnings
-    assert not bed(0.3, heat={"nusselt": 10.0, "conductivity_solid": 1.0}).warnings
+    whole = {"nusselt": 10.0, "conductivity_solids": "zehner_schluender"}
+    (text,) = bed(0.3, closures=whole).warnings
+    assert "closures.conductivity_solids" in text and text.endswith("twice; give closures.conductivity_gas = 0")
+    assert not bed(0.3, closures={**whole, "conductivity_gas": 0.0}).warnings
+    assert not bed(0.3, closures={"nusselt": 10.0, "conductivity_solids": 1.0}).warnings
 
 
 def test_tolerances_and_cells_that_hide_everything_are_told() -> None:

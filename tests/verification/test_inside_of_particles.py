@@ -19,31 +19,31 @@ EPS, D, LENGTH, FILM, SOLID = 0.4, 0.01, 1.0, 100.0, 1e6  # -, m, m, W/m2/K, J/m
 AREA = 6 * (1 - EPS) / D
 
 
-def bed(folder, *, Bi, xi, hold=1e-6, particle="", more="", cells=200, axial=0.0):
+def bed(folder, *, Bi, xi, hold=1e-6, inside="", more="", cells=200, axial=0.0):
     """Bed of spheres with h a L/(G c) = xi and gas that holds `hold` of the heat of the solids, as TOML."""
     carried = FILM * AREA * LENGTH / xi
     content = hold * (1 - EPS) * SOLID / EPS
     text = f"""
-{particle}
 mesh = {{ type = "line", length = {LENGTH}, cells = {cells} }}
 {more.replace("VELOCITY", repr(carried / content))}
-[fluid]
-model = "constant"
+[gas]
 density = {content / 1000!r}
 heat_capacity = 1000.0
 conductivity = 1.0
 viscosity = 1e-5
-[solid]
+[packed_bed]
+porosity = {EPS}
+[solids.particles]
 density = 1000.0
 heat_capacity = {SOLID / 1000!r}
 conductivity = {FILM * D / 2 / Bi!r}
-[bed]
-porosity = {EPS}
-particle_diameter = {D}
-[heat]
+diameter = {D}
+{inside}
+[closures]
 nusselt = {FILM * D!r}
-conductivity_fluid = {axial * carried!r}
-conductivity_solid = 0.0
+conductivity_gas = {axial * carried!r}
+conductivity_solids = 0.0
+[heat]
 """
     path = folder / "bed.toml"
     path.write_text(text, encoding="utf-8")
@@ -54,12 +54,10 @@ def step(etas, tolerance=1e-5, shift=0.0):
     """Tables of a run with a step at the inlet and output at h a t/C_solid = etas."""
     times = [eta * (1 - EPS) * SOLID / (FILM * AREA) + shift for eta in etas]
     return f"""
-flow = {{ velocity = VELOCITY }}
-boundary.left.fluid.inflow = 400.0
+boundary.left.gas = {{ velocity = VELOCITY, temperature = 400.0 }}
+initial.temperature = 300.0
 time.end = {max(times)!r}
 time.times = {times!r}
-time.initial_fluid = 300.0
-time.initial_solid = 300.0
 time.tolerance = {tolerance}
 """
 
@@ -83,8 +81,8 @@ FAST = {(10, 50)}
 )
 def test_breakthrough(tmp_path, numbers, group):
     Bi, xi = numbers
-    particle = 'particle = { heat = "interior", points = 4 }'
-    found = run(load(bed(tmp_path, Bi=Bi, xi=xi, particle=particle, more=step([r["eta"] for r in group]))))
+    inside = 'inside = { heat = "interior", points = 4 }'
+    found = run(load(bed(tmp_path, Bi=Bi, xi=xi, inside=inside, more=step([r["eta"] for r in group]))))
     # time steps of a local error of 1e-5 and 200 cells; four points inside err by up to 2e-4 where Bi = 10, xi = 5
     error = 3e-4 if Bi == 10 and xi < 20 else 1e-4
     assert at_the_outlet(found, "T_fluid") == pytest.approx([r["theta_gas"] for r in group], abs=error)
@@ -96,10 +94,10 @@ def test_breakthrough(tmp_path, numbers, group):
     "row", [r for r in rows("breakthrough_spheres.csv") if r["Bi"] == 1 and r["xi"] == 20 and r["eta"] == 16]
 )
 def test_corrected_film_errs_as_predicted(tmp_path, row):
-    particle, hold = 'particle = { heat = "effective" }', 0.01
+    inside, hold = 'inside = { heat = "effective" }', 0.01
     # the table counts the time from the moment when the gas arrives
     shift = 20 * hold * (1 - EPS) * SOLID / (FILM * AREA)
-    path = bed(tmp_path, Bi=1, xi=20, hold=hold, particle=particle, more=step([row["eta"]], shift=shift), cells=400)
+    path = bed(tmp_path, Bi=1, xi=20, hold=hold, inside=inside, more=step([row["eta"]], shift=shift), cells=400)
     found = run(load(path))
     (theta,) = at_the_outlet(found, "T_fluid")
     # fronts along characteristics on cells, of second order
@@ -119,7 +117,7 @@ def test_breakthrough_with_dispersion_and_hold_up(tmp_path, case):
                 xi=first["xi"],
                 hold=first["hold"],
                 axial=1 / first["Pe"],
-                particle='particle = { heat = "interior", points = 5 }',
+                inside='inside = { heat = "interior", points = 5 }',
                 more=step([r["t"] for r in group]),
             )
         )
@@ -136,19 +134,16 @@ def test_steady_moving_bed(tmp_path, row):
     carried = SOLID * speed / abs(row["Gamma"])  # heat capacity flow of the gas
     xi = FILM * AREA * LENGTH / carried
     more = f"""
-flow = {{ velocity = {"VELOCITY" if along else "-VELOCITY"}, velocity_solid = {speed!r} }}
-boundary.{"left" if along else "right"}.fluid.inflow = 400.0
-boundary.left.solid.inflow = 300.0
+boundary.{"left" if along else "right"}.gas = {{ velocity = VELOCITY, temperature = 400.0 }}
+boundary.left.solids.particles = {{ velocity = {speed!r}, temperature = 300.0 }}
 """
-    path = bed(tmp_path, Bi=Bi, xi=xi, particle='particle = { heat = "interior", points = 6 }', more=more, cells=400)
+    path = bed(tmp_path, Bi=Bi, xi=xi, inside='inside = { heat = "interior", points = 6 }', more=more, cells=400)
     found = run(load(path))
     # six points inside for a stay as short as Fo = 0.3, 400 cells
     assert (found.qoi["T_fluid_out_K"] - 300) / 100 == pytest.approx(row["gas_out"], abs=2e-5)
     assert (found.qoi["T_solid_out_K"] - 300) / 100 == pytest.approx(row["solid_out_mean"], abs=2e-5)
     assert found.profiles["T_surface [K]"].shape == found.profiles["T_solid [K]"].shape
-    corrected = run(
-        load(bed(tmp_path, Bi=Bi, xi=xi, particle='particle = { heat = "effective" }', more=more, cells=400))
-    )
+    corrected = run(load(bed(tmp_path, Bi=Bi, xi=xi, inside='inside = { heat = "effective" }', more=more, cells=400)))
     assert (corrected.qoi["T_fluid_out_K"] - found.qoi["T_fluid_out_K"]) / 100 == pytest.approx(
         row["ldf_error_gas"], abs=4e-5
     )
@@ -164,7 +159,7 @@ def inside_line(found):
     ("Bi", "level"), [(0.05, "corrected"), (0.5, "corrected"), (15.0, "2 intraparticle temperatures")]
 )
 def test_plan_takes_the_cheapest_level_within_the_accuracy(tmp_path, Bi, level):
-    found = plan(load(bed(tmp_path, Bi=Bi, xi=20, particle="particle = {}", more=step([20.0]))))
+    found = plan(load(bed(tmp_path, Bi=Bi, xi=20, inside="inside = {}", more=step([20.0]))))
     line = inside_line(found)
     assert level in line and f"Bi = {Bi:.3g}" in line
     for name in ("lumped", "effective"):
@@ -173,8 +168,8 @@ def test_plan_takes_the_cheapest_level_within_the_accuracy(tmp_path, Bi, level):
 
 
 def test_accuracy_decides_how_many_points(tmp_path):
-    path = bed(tmp_path, Bi=15.0, xi=20, particle="particle = {}", more=step([20.0]))
-    chosen = [plan(load(path, {"solver.accuracy": each})).solved.particle for each in (0.1, 1e-2, 1e-4, 1e-6)]
+    path = bed(tmp_path, Bi=15.0, xi=20, inside="inside = {}", more=step([20.0]))
+    chosen = [plan(load(path, {"solver.accuracy": each})).solved.solid.inside for each in (0.1, 1e-2, 1e-4, 1e-6)]
     assert [each.heat for each in chosen] == ["effective", "interior", "interior", "interior"]
     assert [each.points for each in chosen[1:]] == [2, 3, 6]
     # two temperatures and six inside at 401 nodes of 200 cells of degree 2
@@ -183,25 +178,24 @@ def test_accuracy_decides_how_many_points(tmp_path):
 
 @pytest.mark.parametrize("level", ["lumped", "effective", "interior"])
 def test_a_stated_level_is_kept_and_its_error_told(tmp_path, level):
-    particle = f'particle = {{ heat = "{level}" }}'
-    found = plan(load(bed(tmp_path, Bi=30.0, xi=20, particle=particle, more=step([20.0])), {"solver.accuracy": 1e-6}))
-    assert found.solved.particle.heat == level
+    inside = f'inside = {{ heat = "{level}" }}'
+    found = plan(load(bed(tmp_path, Bi=30.0, xi=20, inside=inside, more=step([20.0])), {"solver.accuracy": 1e-6}))
+    assert found.solved.solid.inside.heat == level
     line = inside_line(found)
     error = uptake.breakthrough_error(20, 30.0, 3 if level == "interior" else level, last=1.0)
     assert f"{percent(error)}, above solver.accuracy = 0.0001 %" in line
 
 
 def test_stated_points_are_kept(tmp_path):
-    path = bed(tmp_path, Bi=30.0, xi=20, particle="particle = { points = 5 }", more=step([20.0]))
-    chosen = plan(load(path)).solved.particle
+    path = bed(tmp_path, Bi=30.0, xi=20, inside="inside = { points = 5 }", more=step([20.0]))
+    chosen = plan(load(path)).solved.solid.inside
     assert (chosen.heat, chosen.points) == ("interior", 5)
 
 
 def test_a_moving_bed_is_judged_by_its_stay_and_the_heat_its_solids_take(tmp_path):
     more = """
-flow = { velocity = -VELOCITY, velocity_solid = SPEED }
-boundary.right.fluid.inflow = 400.0
-boundary.left.solid.inflow = 300.0
+boundary.right.gas = { velocity = VELOCITY, temperature = 400.0 }
+boundary.left.solids.particles = { velocity = SPEED, temperature = 300.0 }
 """
     alpha = FILM * D / 2 / 5.0 / SOLID
     for fourier, level in (
@@ -213,22 +207,22 @@ boundary.left.solid.inflow = 300.0
         gamma = 0.9
         text = more.replace("SPEED", repr(speed))
         units = gamma * 15.0 * fourier  # h a L/(G c) = s Gamma Bi Fo
-        line = inside_line(plan(load(bed(tmp_path, Bi=5.0, xi=units, particle="particle = {}", more=text))))
+        line = inside_line(plan(load(bed(tmp_path, Bi=5.0, xi=units, inside="inside = {}", more=text))))
         assert level in line and f"Fo = {fourier:g}" in line
         assert percent(uptake.moving_bed_error(-gamma, 5.0, fourier, "effective")) in line
 
 
 def test_without_the_table_particles_are_uniform_and_the_plan_tells_the_error(tmp_path):
     found = plan(load(bed(tmp_path, Bi=2.0, xi=20, more=step([20.0]))))
-    assert "no [particle] table" in dict(found.skipped)["intraparticle conduction"]
-    assert "T_inside_1" not in str(found.unknowns()) and found.solved.particle is None
+    assert "no table solids.NAME.inside" in dict(found.skipped)["intraparticle conduction"]
+    assert "T_inside_1" not in str(found.unknowns()) and found.solved.solid.inside is None
 
 
 def test_condensed_steps_are_those_of_the_whole_system(tmp_path, monkeypatch):
     from contbed.packed_bed.heat import HeatProblem
 
     text = step([5.0, 10.0], 1e-3)
-    path = bed(tmp_path, Bi=5.0, xi=10, cells=20, particle='particle = { heat = "interior" }', more=text)
+    path = bed(tmp_path, Bi=5.0, xi=10, cells=20, inside='inside = { heat = "interior" }', more=text)
     condensed = run(load(path))
     monkeypatch.setattr(HeatProblem, "inside", None)
     whole = run(load(path))
@@ -238,9 +232,10 @@ def test_condensed_steps_are_those_of_the_whole_system(tmp_path, monkeypatch):
 
 
 def test_properties_that_vary_keep_the_balance(tmp_path):
-    path = bed(tmp_path, Bi=5.0, xi=10, cells=8, particle='particle = { heat = "interior" }', more=step([8.0], 1e-2))
-    fluid, solid = path.read_text().split("[solid]")
-    text = fluid + "[solid]" + solid.replace(f"heat_capacity = {SOLID / 1000!r}", "heat_capacity = [700.0, 1.0]")
+    path = bed(tmp_path, Bi=5.0, xi=10, cells=8, inside='inside = { heat = "interior" }', more=step([8.0], 1e-2))
+    header = "[solids.particles]"
+    before, solid = path.read_text().split(header)
+    text = before + header + solid.replace(f"heat_capacity = {SOLID / 1000!r}", "heat_capacity = [700.0, 1.0]")
     path.write_text(text)
     found = run(load(path))
     assert abs(found.balances["energy"]["relative_residual"]) < 1e-10
@@ -250,20 +245,20 @@ def test_properties_that_vary_keep_the_balance(tmp_path):
 
 @pytest.mark.parametrize("what", ["radiation", "no heat"])
 def test_scenes_without_an_inside(tmp_path, what):
-    path = bed(tmp_path, Bi=5.0, xi=10, particle='particle = { heat = "interior" }', more=step([8.0]))
+    path = bed(tmp_path, Bi=5.0, xi=10, inside='inside = { heat = "interior" }', more=step([8.0]))
     text = path.read_text()
     if what == "radiation":
         text += '\n[radiation]\nlevel = "p1"\n'
     else:
         text = text.split("[heat]")[0]
     path.write_text(text)
-    with pytest.raises(SceneError, match="particle"):
+    with pytest.raises(SceneError, match="inside"):
         load(path)
 
 
 @pytest.mark.slow
 def test_restart_goes_on_with_the_inside(tmp_path):
-    path = bed(tmp_path, Bi=5.0, xi=10, cells=20, particle='particle = { heat = "interior" }', more=step([8.0], 1e-3))
+    path = bed(tmp_path, Bi=5.0, xi=10, cells=20, inside='inside = { heat = "interior" }', more=step([8.0], 1e-3))
     once, folder = run(load(path)), tmp_path / "out"
     end = float(once.qoi["time_reached_s"])
     run(load(path, {"time.end": 0.5 * end, "time.times": []}), out=folder)
@@ -279,16 +274,13 @@ def test_solids_that_move_carry_their_inside(tmp_path):
     alpha = FILM * D / 2 / 5.0 / SOLID
     speed = alpha * LENGTH * (1 - EPS) / (0.5 * (D / 2) ** 2)
     more = f"""
-flow = {{ velocity = -VELOCITY, velocity_solid = {speed!r} }}
-boundary.right.fluid.inflow = 400.0
-boundary.left.solid.inflow = 300.0
+boundary.right.gas = {{ velocity = VELOCITY, temperature = 400.0 }}
+boundary.left.solids.particles = {{ velocity = {speed!r}, temperature = 300.0 }}
 """
-    particle = 'particle = { heat = "interior" }'
-    steady = run(load(bed(tmp_path, Bi=5.0, xi=5, particle=particle, more=more, cells=40)))
+    inside = 'inside = { heat = "interior" }'
+    steady = run(load(bed(tmp_path, Bi=5.0, xi=5, inside=inside, more=more, cells=40)))
     passage = LENGTH * (1 - EPS) / speed
-    late = (
-        f"{more}time = {{ end = {20 * passage!r}, initial_fluid = 300.0, initial_solid = 300.0, tolerance = 1e-3 }}\n"
-    )
-    transient = run(load(bed(tmp_path, Bi=5.0, xi=5, particle=particle, more=late, cells=40)))
+    late = f"{more}time = {{ end = {20 * passage!r}, tolerance = 1e-3 }}\ninitial.temperature = 300.0\n"
+    transient = run(load(bed(tmp_path, Bi=5.0, xi=5, inside=inside, more=late, cells=40)))
     assert transient.qoi["T_solid_out_K"] == pytest.approx(steady.qoi["T_solid_out_K"], abs=0.05)
     assert abs(transient.balances["energy"]["relative_residual"]) < 1e-10

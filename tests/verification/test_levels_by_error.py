@@ -39,7 +39,7 @@ def test_without_conduction_along_the_bed_predictions_are_the_errors(kind):
     random = np.random.default_rng(5)
     for _ in range(4):
         scene = study.bed(kind, random)
-        scene["heat"]["conductivity_fluid"] = 0.0
+        scene["closures"]["conductivity_gas"] = 0.0
         exact = study.reference(scene)
         for level in ("lumped", "effective"):
             predicted, error = errors(scene, level, exact)

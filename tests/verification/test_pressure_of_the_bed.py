@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+from moving_beds import moving
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
@@ -28,12 +31,15 @@ def bed(fluid, velocity=U, **more):
     inlet, outlet = ("left", "right") if velocity > 0 else ("right", "left")
     return {
         "mesh": {"type": "line", "length": 1.0},
-        "fluid": dict(fluid),
-        "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0},
-        "bed": {"porosity": EPS, "particle_diameter": D},
-        "flow": {"velocity": velocity},
-        "heat": {"nusselt": "wakao_kaguei"},
-        "boundary": {inlet: {"fluid": {"inflow": 433.0}}, outlet: {"solid": {"fixed": 967.0}}},
+        "gas": dict(fluid),
+        "solids": {"particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0, "diameter": D}},
+        "packed_bed": {"porosity": EPS},
+        "closures": {"nusselt": "wakao_kaguei"},
+        "heat": {},
+        "boundary": {
+            inlet: {"gas": {"velocity": abs(velocity), "temperature": 433.0}},
+            outlet: {"solids": {"particles": {"fixed_temperature": 967.0}}},
+        },
         **more,
     }
 
@@ -53,9 +59,9 @@ def test_constant_properties_give_ergun(velocity):
 def test_the_speed_across_the_bed_counts(solid):
     """A stream that crosses the bed at an angle has the drag of its whole speed: Ergun along that, to 1e-12."""
     values = bed(CONSTANT, mesh={"type": "rectangle", "length": 1.0, "height": 0.2, "cells": [8, 4]})
-    values["flow"] = {"velocity": [0.1, 0.4], "velocity_solid": solid}
-    values["boundary"] = {side: {"fluid": {"inflow": 433.0}} for side in ("left", "bottom")}
-    values["boundary"]["top"] = {"solid": {"inflow": 433.0}} if solid else {}
+    inlets: dict[str, Any] = {side: {"gas": {"temperature": 433.0}} for side in ("left", "bottom")}
+    inlets["top"] = {"solids": {"particles": {"temperature": 433.0}}} if solid else {}
+    values["boundary"] = moving(values["mesh"], inlets, [0.1, 0.4], solid)
     slip = np.array([0.1, 0.4 if not solid else 0.5])
     speed = np.hypot(*slip)
     wanted = pressure_gradient_ergun(u=speed, d_p=D, eps=EPS, mu=1.8e-5, rho=1.2) * slip[0] / speed
@@ -67,8 +73,8 @@ def test_the_speed_across_the_bed_counts(solid):
 
 def test_a_resting_fluid_in_a_moving_bed_has_no_pressure_of_its_own_drag():
     """The bed moves as fast as the fluid: no relative velocity, no resistance."""
-    values = bed(CONSTANT, flow={"velocity": U, "velocity_solid": U})
-    values["boundary"] = {"left": {"fluid": {"inflow": 433.0}, "solid": {"inflow": 967.0}}}
+    streams = {"velocity": U, "temperature": 433.0}, {"velocity": U, "temperature": 967.0}
+    values = bed(CONSTANT, boundary={"left": {"gas": streams[0], "solids": {"particles": streams[1]}}})
     assert cb.run(from_dict(values)).qoi["pressure_drop_Pa"] == pytest.approx(0.0, abs=1e-12)
 
 
@@ -76,8 +82,11 @@ def test_steam_that_is_heated_speeds_up():
     """Mass flux to rounding; the pressure drop against adaptive quadrature of the formula at the local temperature:
     1e-4 by the trapezoidal rule on the points of the profile, and well above that of inlet properties.
     """
-    hot = {"left": {"fluid": {"inflow": 433.0}}, "right": {"solid": {"inflow": 967.0}}}
-    result = cb.run(from_dict(bed(STEAM, flow={"velocity": U, "velocity_solid": -1e-3}) | {"boundary": hot}))
+    hot = {
+        "left": {"gas": {"velocity": U, "temperature": 433.0}},
+        "right": {"solids": {"particles": {"velocity": 1e-3, "temperature": 967.0}}},
+    }
+    result = cb.run(from_dict(bed(STEAM) | {"boundary": hot}))
     x, T = result.profiles["x [m]"], result.profiles["T_fluid [K]"]
     fluid = result.plan.medium.fluid
     flux = U * float(fluid.density(433.0))
@@ -123,8 +132,8 @@ def test_pressure_between_walls_follows_the_temperature():
     """
     mesh = {"type": "rectangle", "length": 1.0, "height": 0.2, "cells": [30, 12], "graded": True}
     values = bed(STEAM, mesh=mesh)
-    values["boundary"]["right"] = {"solid": {"fixed": 967.0}}
-    values["solid"]["conductivity"] = 400.0  # the whole bed is hot
+    values["boundary"]["right"] = {"solids": {"particles": {"fixed_temperature": 967.0}}}
+    values["solids"]["particles"]["conductivity"] = 400.0  # the whole bed is hot
     plug = cb.run(from_dict(values))
     values["boundary"] |= {"top": {"type": "no_slip"}, "bottom": {"type": "no_slip"}}
     walls = cb.run(from_dict(values))
@@ -199,7 +208,7 @@ def test_a_fluid_that_lifts_the_bed_is_told():
     assert lifting(0.99 * limit)[0] == []
     (text,), planned = lifting(1.01 * limit)
     found = pressure_gradient_ergun(u=1.01 * limit, d_p=D, eps=EPS, mu=1.8e-5, rho=1.2)
-    assert f"flow.velocity: the pressure gradient at 433 K, {found:.4g} Pa/m, exceeds the weight" in text
+    assert f"boundary.left.gas.velocity: the pressure gradient at 433 K, {found:.4g} Pa/m, exceeds the weight" in text
     assert f"{weight:.4g} Pa/m: if the fluid flows upwards, it fluidizes the bed" in text
     assert "WARNING" in planned
     assert "if the fluid flows upwards" in planned
@@ -207,19 +216,21 @@ def test_a_fluid_that_lifts_the_bed_is_told():
 
 def test_only_an_upward_flow_lifts_the_bed():
     """A bed that moves descends, and the axis of a round bed points upwards."""
-    hot = {"left": {"fluid": {"inflow": 433.0}}, "right": {"solid": {"inflow": 967.0}}}
-    against = {"flow": {"velocity": 4.0, "velocity_solid": -1e-3}, "boundary": hot}
+    gas, solids = {"velocity": 4.0, "temperature": 433.0}, {"particles": {"velocity": 1e-3, "temperature": 967.0}}
+    against = {"boundary": {"left": {"gas": gas}, "right": {"solids": solids}}}
     (text,), _ = lifting(4.0, **against)
     assert "the fluid fluidizes the bed" in text
-    both = {"left": {"fluid": {"inflow": 433.0}, "solid": {"inflow": 967.0}}}
-    assert lifting(4.0, flow={"velocity": 4.0, "velocity_solid": 1e-3}, boundary=both)[0] == []
+    assert lifting(4.0, boundary={"left": {"gas": gas, "solids": solids}})[0] == []
     for sign, inlet in ((1, "bottom"), (-1, "top")):
         made = plan(
             from_dict(
                 bed(CONSTANT, sign * 4.0)
                 | {
                     "mesh": {"type": "axisymmetric", "length": 1.0, "radius": 0.2},
-                    "boundary": {inlet: {"fluid": {"inflow": 433.0}}, "wall": {"solid": {"fixed": 967.0}}},
+                    "boundary": {
+                        inlet: {"gas": {"velocity": 4.0, "temperature": 433.0}},
+                        "wall": {"solids": {"particles": {"fixed_temperature": 967.0}}},
+                    },
                 }
             )
         )
@@ -227,7 +238,7 @@ def test_only_an_upward_flow_lifts_the_bed():
 
 
 def test_particles_as_dense_as_the_fluid_are_held_by_something_else():
-    assert lifting(4.0, solid=bed(CONSTANT, 4.0)["solid"] | {"density": 1.2})[0] == []
+    assert lifting(4.0, solids={"particles": bed(CONSTANT, 4.0)["solids"]["particles"] | {"density": 1.2}})[0] == []
 
 
 def test_the_hottest_fluid_lifts_first():

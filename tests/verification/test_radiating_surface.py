@@ -30,17 +30,17 @@ MESHES = {
 def scene(mesh, sides, emissivity=EMISSIVITY, **more):
     """A bed that conducts from a hot end to one that radiates; the phases do not exchange heat."""
     low, high = sides
-    fluid = {"fixed": 500.0}
+    fluid = {"fixed_temperature": 500.0}
     return {
         "mesh": mesh,
-        "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
-        "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": K_SOLID},
-        "bed": {"porosity": EPS, "particle_diameter": 2e-3},
-        "flow": {"velocity": 0.0},
-        "heat": {"nusselt": 0.0},
+        "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
+        "solids": {"particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": K_SOLID, "diameter": 2e-3}},
+        "packed_bed": {"porosity": EPS},
+        "closures": {"nusselt": 0.0},
+        "heat": {},
         "boundary": {
-            low: {"fluid": fluid, "solid": {"fixed": HOT}},
-            high: {"solid": {"emissivity": emissivity, "ambient": COLD}},
+            low: {"gas": fluid, "solids": {"particles": {"fixed_temperature": HOT}}},
+            high: {"solids": {"particles": {"emissivity": emissivity, "ambient": COLD}}},
         },
         **more,
     }
@@ -79,6 +79,6 @@ def test_small_emissivity_is_adiabatic():
 def test_what_does_not_fit_is_refused(solid, wrong):
     mesh, sides, _ = MESHES["line"]
     values = scene(mesh, sides)
-    values["boundary"]["right"]["solid"] = solid
+    values["boundary"]["right"]["solids"] = {"particles": solid}
     with pytest.raises(SceneError, match=wrong):
         from_dict(values)

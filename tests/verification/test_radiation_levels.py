@@ -123,11 +123,11 @@ def test_degrees(level, degree):
 def test_species_of_given_temperature_among_others():
     """What neither conducts nor has a temperature emits what it absorbs: scattering to the rest."""
     values = slab("p1", 5.0, COLD, COLD)
-    hot = {"volume_fraction": 0.1, "diameter": 0.1, "emissivity": 1.0, "temperature": 1200.0}
-    passive = {"volume_fraction": 0.2, "diameter": 0.2, "emissivity": 0.7}
+    hot = {"volume_share": 1 / 3, "diameter": 0.1, "emissivity": 1.0, "temperature": 1200.0}
+    passive = {"volume_share": 2 / 3, "diameter": 0.2, "emissivity": 0.7}
     for level in LEVELS:
-        values["radiation"] = {"level": level, "species": {"hot": hot, "other": passive}, "correction": "independent"}
-        values["bed"] = {"porosity": 0.7, "particle_diameter": 0.1}
+        values["radiation"] = {"level": level, "correction": "independent"}
+        values |= {"solids": {"hot": hot, "other": passive}, "packed_bed": {"porosity": 0.7}}
         values["radiation"] |= {"ordinates": 4} if level == "ordinates" else {}
         mixed = run(values).qoi["heat_left_W"]
         direct = slab(level, 1.0, COLD, COLD, temperature=1200.0) | {"mesh": values["mesh"]}
@@ -138,16 +138,14 @@ def test_species_of_given_temperature_among_others():
 @pytest.mark.parametrize("level", LEVELS)
 def test_species_have_the_temperature_of_the_medium_unless_they_have_their_own(level):
     """Two species are the particles of the bed, cut in two; between mirrors all is as hot as the only one given."""
-    bed = {"porosity": 0.7, "particle_diameter": 0.1}
-    parts = {name: {"volume_fraction": f, "diameter": 0.1, "emissivity": 0.8} for name, f in (("a", 0.1), ("b", 0.2))}
-    one = slab(level, 1.0, COLD, wall(900.0)) | {"bed": bed}
-    two = slab(level, 1.0, COLD, wall(900.0)) | {"bed": bed}
-    one["radiation"] = {"level": level, "emissivity": 0.8, "temperature": 1200.0}
-    two["radiation"] = {"level": level, "species": parts, "temperature": 1200.0}
+    sand = {"diameter": 0.1, "emissivity": 0.8}
+    parts = {"a": sand | {"volume_share": 1 / 3}, "b": sand | {"volume_share": 2 / 3}}
+    bed = {"packed_bed": {"porosity": 0.7}, "radiation": {"level": level, "temperature": 1200.0}}
+    one = slab(level, 1.0, COLD, wall(900.0)) | bed | {"solids": {"sand": sand}}
+    two = slab(level, 1.0, COLD, wall(900.0)) | bed | {"solids": parts}
     assert run(two).qoi["heat_left_W"] == pytest.approx(run(one).qoi["heat_left_W"], rel=1e-12)
     parts["a"]["temperature"] = 1300.0
-    closed = slab(level, 1.0, None, None) | {"bed": bed}
-    closed["radiation"] = {"level": level, "species": parts}
+    closed = slab(level, 1.0, None, None) | bed | {"solids": parts, "radiation": {"level": level}}
     found = run(closed).profiles
     assert found["T_solid [K]"] == pytest.approx(1300.0, rel=1e-9)
     assert found["G [W/m2]"] == pytest.approx(4.0 * SIGMA * 1300.0**4, rel=1e-9)
@@ -275,14 +273,14 @@ def bed(tau: float, level: str, heated: bool, **radiation: Any) -> dict[str, Any
         values["radiation"]["conductivity"] = 1.0
         return values
     for name, T in (("left", 1400.0), ("right", 700.0)):
-        values["boundary"][name] |= {"fluid": {"fixed": T}, "solid": {"fixed": T}}
+        values["boundary"][name] |= {"gas": {"fixed_temperature": T}, "solids": {"particles": {"fixed_temperature": T}}}
     gas = {"density": 1.0, "viscosity": 3e-5, "heat_capacity": 1100.0, "conductivity": 0.06}
     return values | {
-        "fluid": {"model": "constant", **gas},
-        "solid": {"density": 2500.0, "heat_capacity": 900.0, "conductivity": 1.5},
-        "bed": {"porosity": 0.4, "particle_diameter": 0.005},
-        "flow": {"velocity": 0.0},
-        "heat": {"nusselt": 5.0},
+        "gas": {"model": "constant", **gas},
+        "solids": {"particles": {"density": 2500.0, "heat_capacity": 900.0, "conductivity": 1.5, "diameter": 0.005}},
+        "packed_bed": {"porosity": 0.4},
+        "closures": {"nusselt": 5.0},
+        "heat": {},
     }
 
 
@@ -317,7 +315,7 @@ def test_accuracy_decides_on_rosseland(factor, level):
 def test_rosseland_is_not_chosen_where_walls_stand_apart():
     """A wall that radiates to a solid of another temperature needs an equation for G."""
     values = bed(300.0, "p1", heated=True, allow_rosseland=True)
-    values["boundary"]["left"]["solid"] = {"fixed": 1300.0}
+    values["boundary"]["left"]["solids"] = {"particles": {"fixed_temperature": 1300.0}}
     assert "needs conduction and the solid at the temperature" in str(run(values).plan)
 
 
@@ -329,24 +327,29 @@ def test_rosseland_is_not_chosen_where_solids_move(velocity):
     values = bed(300.0, "p1", heated=True, allow_rosseland=True)
     assert "predicted error of Rosseland" in str(cb.plan(from_dict(values)))
     entry = "left" if velocity > 0 else "right"
-    values["flow"] = {**values["flow"], "velocity_solid": velocity}
-    values["boundary"][entry].setdefault("solid", {"fixed": 900.0})
+    solids = values["boundary"][entry].get("solids", {"particles": {"fixed_temperature": 900.0}})
+    values["boundary"][entry]["solids"] = {"particles": solids["particles"] | {"velocity": abs(velocity)}}
     plan = cb.plan(from_dict(values))
     assert plan.solved.radiation.level == "p1"
     assert "not estimated where the solids move" in str(plan)
     values["radiation"]["level"] = "rosseland"
     for name in values["boundary"]:
-        values["boundary"][name]["solid"] = {"fixed": values["boundary"][name]["radiation"]["temperature"]}
+        fixed = {"fixed_temperature": values["boundary"][name]["radiation"]["temperature"]}
+        moves = {"velocity": abs(velocity)} if name == entry else {}
+        values["boundary"][name]["solids"] = {"particles": fixed | moves}
     assert any("its error is not estimated where the solids move" in text for text in from_dict(values).warnings)
 
 
 @pytest.mark.parametrize(
     ("level", "message"),
-    [("ordinates", "ordinates solve .radiation. alone"), ("rosseland", "fix it in boundary.left.solid")],
+    [
+        ("ordinates", "ordinates solve .radiation. alone"),
+        ("rosseland", "give boundary.left.solids.NAME.fixed_temperature"),
+    ],
 )
 def test_levels_that_do_not_fit(level, message):
     values = bed(30.0, level, heated=True)
-    del values["boundary"]["left"]["solid"]
+    del values["boundary"]["left"]["solids"]
     with pytest.raises(SceneError, match=message):
         from_dict(values)
 
@@ -379,17 +382,19 @@ def test_heat_flows_are_per_area_or_per_depth(shape, unit):
 
 
 def test_solids_without_optics_are_told():
-    """Half of the solids of a bed of porosity 0.4 belong to no species."""
-    sand = {"volume_fraction": 0.3, "diameter": 1e-3, "emissivity": 0.9}
+    """Half of the solids of a bed have no table."""
+    sand = {"volume_share": 0.25, "diameter": 1e-3, "emissivity": 0.9}
+    ore = dict(sand)
     values = {
         "mesh": {"type": "line", "length": 0.1},
-        "bed": {"porosity": 0.4, "particle_diameter": 1e-3},
-        "radiation": {"level": "p1", "species": {"sand": sand}},
+        "solids": {"sand": sand, "ore": ore},
+        "packed_bed": {"porosity": 0.4},
+        "radiation": {"level": "p1"},
         "boundary": {name: {"radiation": wall(T)} for name, T in (("left", 1000.0), ("right", 300.0))},
     }
     result = cb.run(from_dict(values))
-    assert any("the volume fractions sum to 0.3, the solids of the bed are 0.6" in text for text in result.warnings)
-    sand["volume_fraction"] = 0.6
+    assert any("the volume shares sum to 0.5: the other solids" in text for text in result.warnings)
+    sand["volume_share"] = 0.75
     assert from_dict(values).warnings == ()
 
 
@@ -424,10 +429,11 @@ def test_a_species_in_equilibrium_has_its_own_temperature(level):
     In a thin layer between black walls at T1 and T2, G = 2 sigma (T1^4 + T2^4) at a symmetric place, whatever the held
     species has, to the share of 1e-4 of the light that it absorbs.
     """
-    species = {"volume_fraction": 1e-4, "diameter": 1.0, "emissivity": 0.5}
+    dust = {"volume_share": 0.5, "diameter": 1.0, "emissivity": 0.5}
     scene = slab(level, 1.0, wall(1500.0), wall(1000.0))
-    scene["bed"] = {"porosity": 0.9998, "particle_diameter": 1.0}
-    scene["radiation"] = {"level": level, "species": {"held": species | {"temperature": 300.0}, "free": dict(species)}}
+    scene["packed_bed"] = {"porosity": 0.9998}
+    scene["radiation"] = {"level": level}
+    scene["solids"] = {"cold": dust | {"temperature": 300.0}, "free": dict(dust)}
     result = run(scene)
     T = result.profiles["T_solid [K]"]
     assert T[len(T) // 2] == pytest.approx(((1500.0**4 + 1000.0**4) / 2.0) ** 0.25, rel=1e-3)

@@ -15,39 +15,36 @@ SCENE = """
 type = "{mesh}"
 length = 0.4
 {extent}
-[fluid]
+[gas]
 density = 0.5
 viscosity = 4e-5
 heat_capacity = 1100
 conductivity = 0.06
-[solid]
+[solids.particles]
 density = 2500
 heat_capacity = 900
 conductivity = 1.5
-[bed]
-porosity = 0.45
-particle_diameter = "2 mm"
-[flow]
-velocity = 0.2
-velocity_solid = 0.001
-[heat]
-nusselt = {nusselt}
-[radiation]
+diameter = "2 mm"
+emissivity = 0.7
 {optics}
+[packed_bed]
+porosity = 0.45
+[closures]
+nusselt = {nusselt}
+[heat]
+[radiation]
 [region.bed]
 tubes = {{ area = 8, emissivity = 0.8, temperature = {tube} }}
 [boundary.{inlet}]
-fluid.fixed = 1150
-solid.fixed = 1150
+gas = {{ velocity = 0.2, fixed_temperature = 1150 }}
+solids.particles = {{ velocity = 0.001, fixed_temperature = 1150 }}
 """
 LINE = {"mesh": "line", "extent": "", "inlet": "left"}
-OPTICS = "emissivity = 0.7"
 
 
 def test_a_black_bed_of_given_temperature_heats_tubes_as_the_closure_says():
-    """Species of given temperature only: G is uniform, K G = 4 K E - p eps_eff (G/4 - E_t). Round-off: 1e-12."""
-    optics = "species.hot = { volume_fraction = 0.55, diameter = 0.002, emissivity = 0.7, temperature = 1150 }"
-    result = cb.run(loads(SCENE.format(**LINE, nusselt=10, optics=optics, tube=550)))
+    """Particles of given temperature only: G is uniform, K G = 4 K E - p eps_eff (G/4 - E_t). Round-off: 1e-12."""
+    result = cb.run(loads(SCENE.format(**LINE, nusselt=10, optics="temperature = 1150", tube=550)))
     K = 0.7 * 1.5 * 0.55 / 0.002 / 0.45
     sink = 8 * emissivity_immersed(radiation_emissivity_half_space(0.3), 0.8)
     hot, cold = SIGMA * 1150.0**4, SIGMA * 550.0**4
@@ -59,8 +56,8 @@ def test_a_black_bed_of_given_temperature_heats_tubes_as_the_closure_says():
 @pytest.mark.parametrize("case", [LINE, {"mesh": "axisymmetric", "extent": "radius = 0.1", "inlet": "bottom"}])
 def test_tubes_cool_the_bed_and_the_balance_closes(case):
     """A run ends with an error if its balance is open by more than 1e-10; tubes as hot as the bed do nothing."""
-    cooled = cb.run(loads(SCENE.format(**case, nusselt='"gunn"', optics=OPTICS, tube=500)))
-    level = cb.run(loads(SCENE.format(**case, nusselt='"gunn"', optics=OPTICS, tube=1150)))
+    cooled = cb.run(loads(SCENE.format(**case, nusselt='"gunn"', optics="", tube=500)))
+    level = cb.run(loads(SCENE.format(**case, nusselt='"gunn"', optics="", tube=1150)))
     assert cooled.qoi["T_solid_out_K"] < 1100
     assert cooled.qoi["heat_tubes_W"] < 0
     assert level.qoi["T_solid_out_K"] == pytest.approx(1150, abs=1e-6)
@@ -68,6 +65,6 @@ def test_tubes_cool_the_bed_and_the_balance_closes(case):
 
 
 def test_tubes_need_radiation():
-    text = SCENE.format(**LINE, nusselt=10, optics=OPTICS, tube=500).replace("[radiation]\nemissivity = 0.7\n", "")
+    text = SCENE.format(**LINE, nusselt=10, optics="", tube=500).replace("[radiation]\n", "")
     with pytest.raises(SceneError, match=r"region.bed.tubes.*need \[heat\] and \[radiation\]"):
         loads(text)

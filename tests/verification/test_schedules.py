@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from moving_beds import started
 from scipy.integrate import solve_ivp
 
 import contbed as cb
@@ -16,25 +17,32 @@ from contbed.scene.series import Samples
 
 SLAB = {
     "mesh": {"type": "line", "length": 0.1, "cells": 20},
-    "fluid": {"density": 1.2, "heat_capacity": 1000.0, "conductivity": 0.5, "viscosity": 2e-5},
-    "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 2.0},
-    "bed": {"porosity": 0.4, "particle_diameter": 0.005},
-    "flow": {"velocity": 0.0},
-    "heat": {"nusselt": 0.0},
+    "gas": {"density": 1.2, "heat_capacity": 1000.0, "conductivity": 0.5, "viscosity": 2e-5},
+    "solids": {"particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 2.0, "diameter": 0.005}},
+    "packed_bed": {"porosity": 0.4},
+    "closures": {"nusselt": 0.0},
+    "heat": {},
     "boundary": {},
-    "time": {"end": 1000.0, "initial_fluid": 300.0, "initial_solid": 300.0},
+    "initial": {"gas": {"temperature": 300.0}, "solids": {"particles": {"temperature": 300.0}}},
+    "time": {"end": 1000.0},
     "output": {"positions": [0.0, 0.02, 0.05, 0.07, 0.1]},
 }
 
 STORE = {
     "mesh": {"type": "line", "length": 1.0, "cells": 60},
-    "fluid": {"density": 800.0, "heat_capacity": 2000.0, "conductivity": 0.1, "viscosity": 1e-3},
-    "solid": {"density": 2500.0, "heat_capacity": 900.0, "conductivity": 2.0},
-    "bed": {"porosity": 0.4, "particle_diameter": 0.01},
-    "flow": {"velocity": {"times": [0.0, 600.0, 900.0], "values": [1e-3, 0.0, -1e-3]}},
-    "heat": {"nusselt": 10.0},
-    "boundary": {"left": {"fluid": {"inflow": 400.0}}, "right": {"fluid": {"inflow": 300.0}}},
-    "time": {"end": 1500.0, "times": [600.0, 900.0], "initial_fluid": 300.0, "initial_solid": 300.0},
+    "gas": {"density": 800.0, "heat_capacity": 2000.0, "conductivity": 0.1, "viscosity": 1e-3},
+    "solids": {"particles": {"density": 2500.0, "heat_capacity": 900.0, "conductivity": 2.0, "diameter": 0.01}},
+    "packed_bed": {"porosity": 0.4},
+    "closures": {"nusselt": 10.0},
+    "heat": {},
+    "boundary": {
+        "left": {
+            "gas": {"velocity": {"times": [0.0, 600.0, 900.0], "values": [1e-3, 0.0, -1e-3]}, "temperature": 400.0}
+        },
+        "right": {"gas": {"temperature": 300.0}},
+    },
+    "initial": {"gas": {"temperature": 300.0}, "solids": {"particles": {"temperature": 300.0}}},
+    "time": {"end": 1500.0, "times": [600.0, 900.0]},
 }
 
 
@@ -65,10 +73,7 @@ def test_ramp_of_prescribed_walls_is_exact(tmp_path):
     """
     slope, length = 0.01, 0.1
     x = np.linspace(0.0, length, 41)  # the nodes of 20 quadratic cells
-    diffusivity = {
-        "fluid": 0.4 * 0.5 / (0.4 * 1.2 * 1000.0),
-        "solid": 0.6 * 2.0 / (0.6 * 2000.0 * 900.0),
-    }
+    diffusivity = {"fluid": 0.4 * 0.5 / (0.4 * 1.2 * 1000.0), "solid": 0.6 * 2.0 / (0.6 * 2000.0 * 900.0)}
 
     def exact(phase, x, t):
         return 300.0 + slope * t + slope * x * (x - length) / (2.0 * diffusivity[phase])
@@ -76,9 +81,10 @@ def test_ramp_of_prescribed_walls_is_exact(tmp_path):
     rows = np.column_stack([x, exact("fluid", x, 0.0), exact("solid", x, 0.0)])
     text = "x [m],T_fluid [K],T_solid [K]\n" + "\n".join(",".join(f"{v:.17g}" for v in row) for row in rows)
     (tmp_path / "start.csv").write_text(text)
-    wall = {phase: {"fixed": ramp(300.0, slope, 1000.0)} for phase in ("fluid", "solid")}
+    rise = {"fixed_temperature": ramp(300.0, slope, 1000.0)}
+    wall = {"gas": rise, "solids": {"particles": rise}}
     scene = changed(SLAB, boundary={"left": wall, "right": wall})
-    scene["time"] |= {"initial_fluid": {"file": "start.csv"}, "initial_solid": {"file": "start.csv"}}
+    scene["initial"] = started({"file": "start.csv"}, {"file": "start.csv"})
     result = run(scene, tmp_path)
     for phase in ("fluid", "solid"):
         found = last(result, f"T_{phase} [K]")
@@ -94,15 +100,17 @@ def test_thin_bed_follows_what_its_wall_gives(kind):
     """
     h, length, end = 10.0, 0.01, 2000.0
     scene = changed(SLAB, mesh={"type": "line", "length": length, "cells": 4}, output={"positions": [0.5 * length]})
-    scene["solid"] |= {"conductivity": 1e3}
+    scene["solids"]["particles"] |= {"conductivity": 1e3}
     content = 0.6 * 2000.0 * 900.0 * length
     if kind == "ambient":
-        scene["boundary"] = {"left": {"solid": {"coefficient": h, "ambient": ramp(300.0, 0.05, end)}}}
+        scene["boundary"] = {"left": {"solids": {"particles": {"coefficient": h, "ambient": ramp(300.0, 0.05, end)}}}}
         rate = h / content
         expected = 300.0 + 0.05 * (end - (1.0 - np.exp(-rate * end)) / rate)
     else:
         times, values = [0.0, 500.0, 1000.0], [0.0, 400.0, 100.0]
-        scene["boundary"] = {"left": {"solid": {"flux": {"times": times, "values": values, "form": "step"}}}}
+        scene["boundary"] = {
+            "left": {"solids": {"particles": {"heat_flux": {"times": times, "values": values, "form": "step"}}}}
+        }
         expected = 300.0 + (500.0 * 400.0 + 1000.0 * 100.0) / content
     scene["time"] |= {"end": end, "tolerance": 1e-7}
     assert last(run(scene), "T_solid [K]")[0] == pytest.approx(expected, rel=0, abs=5e-3)
@@ -110,10 +118,11 @@ def test_thin_bed_follows_what_its_wall_gives(kind):
 
 def test_series_with_equal_values_change_nothing():
     """Series that hold the same number at all times give what the number gives, to the tolerance of the steps."""
-    scene = changed(STORE, flow={"velocity": 1e-3}, boundary={"left": {"fluid": {"inflow": 400.0}}})
+    scene = changed(STORE, boundary={"left": {"gas": {"velocity": 1e-3, "temperature": 400.0}}})
     constant = run(scene)
-    scene["flow"] = {"velocity": {"times": [0.0, 700.0], "values": [1e-3, 1e-3]}}
-    scene["boundary"]["left"] = {"fluid": {"inflow": {"times": [0.0, 500.0, 1500.0], "values": [400.0] * 3}}}
+    velocity = {"times": [0.0, 700.0], "values": [1e-3, 1e-3]}
+    temperature = {"times": [0.0, 500.0, 1500.0], "values": [400.0] * 3}
+    scene["boundary"]["left"] = {"gas": {"velocity": velocity, "temperature": temperature}}
     series = run(scene)
     np.testing.assert_allclose(last(series, "T_fluid [K]"), last(constant, "T_fluid [K]"), rtol=0, atol=3e-4 * 100.0)
     assert series.balances["energy"]["in"] == pytest.approx(constant.balances["energy"]["in"], rel=1e-5)
@@ -122,13 +131,7 @@ def test_series_with_equal_values_change_nothing():
 def test_reversal_is_symmetric():
     """The bed mirrored, with mirrored velocities and inlets, has mirrored temperatures, to rounding."""
     result = run(STORE)
-    flow = STORE["flow"]["velocity"]
-    mirrored = changed(
-        STORE,
-        flow={"velocity": flow | {"values": [-v for v in flow["values"]]}},
-        boundary={"left": STORE["boundary"]["right"], "right": STORE["boundary"]["left"]},
-    )
-    other = run(mirrored)
+    other = run(changed(STORE, boundary={"left": STORE["boundary"]["right"], "right": STORE["boundary"]["left"]}))
     for name in ("T_fluid [K]", "T_solid [K]"):
         a, b = (r.profiles[name].reshape(3, -1) for r in (result, other))
         np.testing.assert_allclose(a, b[:, ::-1], rtol=0, atol=1e-8)
@@ -175,7 +178,10 @@ def test_charge_rest_and_discharge_against_method_of_lines():
 def test_jump_of_a_prescribed_wall_is_in_the_balance():
     """The heat that prescribed nodes take when they jump is supplied by their wall: the balance closes to 1e-12."""
     step = {"times": [0.0, 300.0, 600.0], "values": [350.0, 320.0, 360.0], "form": "step"}
-    scene = changed(SLAB, boundary={"left": {"solid": {"fixed": step}, "fluid": {"fixed": 300.0}}})
+    scene = changed(
+        SLAB,
+        boundary={"left": {"solids": {"particles": {"fixed_temperature": step}}, "gas": {"fixed_temperature": 300.0}}},
+    )
     balance = run(scene).balances["energy"]
     assert abs(balance["relative_residual"]) < 1e-12
     assert balance["stored"] > 0.0
@@ -215,12 +221,12 @@ def test_initial_profile_of_an_earlier_run(tmp_path):
 
     profiles.csv has the temperatures at 1001 positions; interpolation between them is below 1e-3 K here.
     """
-    first = changed(STORE, flow={"velocity": 1e-3}, boundary={"left": {"fluid": {"inflow": 400.0}}})
+    first = changed(STORE, boundary={"left": {"gas": {"velocity": 1e-3, "temperature": 400.0}}})
     first["time"] |= {"end": 600.0, "times": []}
     cb.run(from_dict(first), tmp_path / "first", quiet=True)
     start = {"file": "first/profiles.csv"}
     second = changed(first)
-    second["time"] |= {"initial_fluid": start, "initial_solid": start}
+    second["initial"] = started(start, start)
     long = changed(first)
     long["time"] |= {"end": 1200.0}
     a, b = run(second, tmp_path), run(long)
@@ -230,25 +236,33 @@ def test_initial_profile_of_an_earlier_run(tmp_path):
 @pytest.mark.parametrize(
     ("table", "value", "words"),
     [
-        ("inflow", {"times": [0.0, 5.0, 5.0], "values": [1.0, 2.0, 3.0]}, "times must increase"),
-        ("inflow", {"times": [1.0, 5.0], "values": [300.0, 310.0]}, "a series begins at 0 s"),
-        ("inflow", {"times": [0.0, 5.0], "values": [300.0, 310.0]}, "before the run; give a later value, or a period"),
-        ("inflow", {"times": [0.0, 5.0], "values": [300.0]}, "2 times and 1 values"),
-        ("inflow", {"times": [0.0, 5.0], "values": ["3 m", 300.0]}, "expected a temperature"),
-        ("inflow", {"times": [0.0], "values": [300.0], "form": "spline"}, "unknown choice"),
-        ("inflow", {"times": [0.0, 8.0], "values": [300.0, 310.0], "period": 4.0}, "beyond the period"),
-        ("inflow", {"times": [0.0], "values": [300.0], "period": 1e-9}, "repeats more than"),
-        ("inflow", {"file": "missing.csv"}, "no such file"),
-        ("inflow", {"file": "text.csv"}, "text.csv:3: column 'T': expected a number, found 'warm'"),
-        ("inflow", {"file": "unit.csv"}, "no column with a temperature"),
-        ("inflow", {"file": "short.csv"}, "short.csv:3: 1 cells, the header in line 1 has 2"),
-        ("inflow", {"file": "sheet.csv"}, "sheet.csv:1: columns are separated by semicolons; commas between columns"),
-        ("inflow", {"file": "tabs.csv"}, "tabs.csv:2: columns are separated by tabs"),
-        ("inflow", {"file": "long.csv"}, "long.csv:2: no line of a table: field larger than field limit"),
-        ("inflow", {"file": "good.csv", "column": "T_in"}, "no column 'T_in'"),
-        ("inflow", {}, "give times and values, or a file"),
+        ("temperature", {"times": [0.0, 5.0, 5.0], "values": [1.0, 2.0, 3.0]}, "times must increase"),
+        ("temperature", {"times": [1.0, 5.0], "values": [300.0, 310.0]}, "a series begins at 0 s"),
+        (
+            "temperature",
+            {"times": [0.0, 5.0], "values": [300.0, 310.0]},
+            "before the run; give a later value, or a period",
+        ),
+        ("temperature", {"times": [0.0, 5.0], "values": [300.0]}, "2 times and 1 values"),
+        ("temperature", {"times": [0.0, 5.0], "values": ["3 m", 300.0]}, "expected a temperature"),
+        ("temperature", {"times": [0.0], "values": [300.0], "form": "spline"}, "unknown choice"),
+        ("temperature", {"times": [0.0, 8.0], "values": [300.0, 310.0], "period": 4.0}, "beyond the period"),
+        ("temperature", {"times": [0.0], "values": [300.0], "period": 1e-9}, "repeats more than"),
+        ("temperature", {"file": "missing.csv"}, "no such file"),
+        ("temperature", {"file": "text.csv"}, "text.csv:3: column 'T': expected a number, found 'warm'"),
+        ("temperature", {"file": "unit.csv"}, "no column with a temperature"),
+        ("temperature", {"file": "short.csv"}, "short.csv:3: 1 cells, the header in line 1 has 2"),
+        (
+            "temperature",
+            {"file": "sheet.csv"},
+            "sheet.csv:1: columns are separated by semicolons; commas between columns",
+        ),
+        ("temperature", {"file": "tabs.csv"}, "tabs.csv:2: columns are separated by tabs"),
+        ("temperature", {"file": "long.csv"}, "long.csv:2: no line of a table: field larger than field limit"),
+        ("temperature", {"file": "good.csv", "column": "T_in"}, "no column 'T_in'"),
+        ("temperature", {}, "give times and values, or a file"),
         ("velocity", {"times": [0.0, 5.0], "values": [1e-3, -1e-3], "form": "linear"}, "unknown choice"),
-        ("velocity", {"times": [0.0, 5.0], "values": [1e-3, -1e-3]}, "the fluid enters here without a temperature"),
+        ("velocity", {"times": [0.0, 5.0], "values": [1e-3, -1e-3]}, "the gas enters here without a temperature"),
     ],
 )
 def test_bad_series(tmp_path, table, value, words):
@@ -260,11 +274,8 @@ def test_bad_series(tmp_path, table, value, words):
     (tmp_path / "tabs.csv").write_text("# measured\nt [s]\tT [K]\n0\t300\n")
     (tmp_path / "long.csv").write_text("t [s],T [K]\n0," + 200_000 * "3" + "\n")
     (tmp_path / "good.csv").write_text("t [h],T [degC]\n0,20\n1,30\n")
-    scene = changed(STORE, flow={"velocity": 1e-3}, boundary={"left": {"fluid": {"inflow": 400.0}}})
-    if table == "inflow":
-        scene["boundary"]["left"]["fluid"]["inflow"] = value
-    else:
-        scene["flow"]["velocity"] = value
+    scene = changed(STORE, boundary={"left": {"gas": {"velocity": 1e-3, "temperature": 400.0}}})
+    scene["boundary"]["left"]["gas"][table] = value
     with pytest.raises(SceneError, match="scene") as caught:
         from_dict(scene, base=tmp_path)
     assert words in str(caught.value), str(caught.value)
@@ -281,7 +292,7 @@ def test_bad_profiles(tmp_path):
         ("none.csv", "no column with a length"),
     ):
         scene = changed(STORE)
-        scene["time"]["initial_solid"] = {"file": name}
+        scene["initial"]["solids"]["particles"]["temperature"] = {"file": name}
         with pytest.raises(SceneError) as caught:
             from_dict(scene, base=tmp_path)
         assert words in str(caught.value)
@@ -292,16 +303,16 @@ def test_a_profile_of_a_shorter_bed_is_told(tmp_path):
     for rows, told in (("0,300\n0.5,310\n", True), ("0.3,300\n1,310\n", True), ("0.04,300\n0.96,310\n", False)):
         (tmp_path / "start.csv").write_text("z [m],T [K]\n" + rows)
         scene = changed(STORE)
-        scene["time"]["initial_solid"] = {"file": "start.csv"}
+        scene["initial"]["solids"]["particles"]["temperature"] = {"file": "start.csv"}
         warned = run(scene, tmp_path).warnings
-        assert any("time.initial_solid: positions from" in text for text in warned) == told, warned
+        assert any("initial.solids.particles.temperature: positions from" in text for text in warned) == told, warned
 
 
 def test_a_steady_scene_has_no_series():
     """A series without a [time] table is a mistake, told at its key."""
     scene = changed(STORE)
     del scene["time"]
-    with pytest.raises(SceneError, match=r"flow\.velocity.*changes with time, and the scene is steady"):
+    with pytest.raises(SceneError, match=r"boundary\.left\.gas\.velocity.*changes with time, and the scene is steady"):
         from_dict(scene)
 
 
@@ -333,7 +344,7 @@ def test_restart_across_a_jump_is_bit_for_bit(tmp_path, monkeypatch):
 
 def test_a_key_that_takes_a_number_or_a_series_explains_both():
     """The data sheet of such a key has the unit of the number and the keys of the series."""
-    text = explain("boundary.NAME.fluid.inflow")
+    text = explain("boundary.NAME.gas.temperature")
     assert "allowed: a number > 0 K, or a table with times, values" in text
     assert "period: a number > 0 s" in text
 
@@ -346,7 +357,7 @@ def test_profiles_have_the_flow_of_their_time(tmp_path):
     """
     result = cb.run(from_dict(STORE), tmp_path, quiet=True)
     again = cb.run(from_dict(STORE), tmp_path, quiet=True, restart=tmp_path)
-    d, eps = STORE["bed"]["particle_diameter"], STORE["bed"]["porosity"]
+    d, eps = STORE["solids"]["particles"]["diameter"], STORE["packed_bed"]["porosity"]
     K, c_F = d**2 * eps**3 / (150.0 * (1.0 - eps) ** 2), 1.75 / (150.0 * eps**3) ** 0.5
     drop = (1e-3 / K + 800.0 * c_F / K**0.5 * 1e-3) * 1e-3
     t = result.profiles["t [s]"]

@@ -12,21 +12,15 @@ from contbed.packed_bed.sides import error_without_sides
 
 def round_bed(coefficient=None, flux=None, **more):
     """Bed of spheres 0.5 m long and 0.1 m wide, G c = 1000 W/m2/K, heated through its wall."""
-    wall = {"coefficient": coefficient, "ambient": 500.0} if flux is None else {"flux": flux}
+    wall = {"coefficient": coefficient, "ambient": 500.0} if flux is None else {"heat_flux": flux}
     scene = {
         "mesh": {"type": "axisymmetric", "length": 0.5, "radius": 0.05},
-        "fluid": {
-            "model": "constant",
-            "density": 1.0,
-            "heat_capacity": 1000.0,
-            "conductivity": 0.03,
-            "viscosity": 2e-5,
-        },
-        "solid": {"density": 2000.0, "heat_capacity": 800.0, "conductivity": 1.0},
-        "bed": {"porosity": 0.4, "particle_diameter": 0.005},
-        "heat": {"nusselt": 20.0, "conductivity_solid": 1.0, "conductivity_fluid": 1.0},
-        "flow": {"velocity": 1.0},
-        "boundary": {"bottom": {"fluid": {"inflow": 300.0}}, "wall": {"fluid": wall}},
+        "gas": {"model": "constant", "density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.03, "viscosity": 2e-5},
+        "solids": {"particles": {"density": 2000.0, "heat_capacity": 800.0, "conductivity": 1.0, "diameter": 0.005}},
+        "packed_bed": {"porosity": 0.4},
+        "closures": {"nusselt": 20.0, "conductivity_solids": 1.0, "conductivity_gas": 1.0},
+        "heat": {},
+        "boundary": {"bottom": {"gas": {"velocity": 1.0, "temperature": 300.0}}, "wall": {"gas": wall}},
     }
     return {**scene, **more}
 
@@ -36,8 +30,8 @@ def test_bound_is_the_number_of_transfer_units_of_the_wall():
     # h 2 L/R/(G c) = 3 x 20/1000
     assert error_without_sides(scene, plan(scene).medium) == pytest.approx(0.06, rel=1e-12)
     # a flux alone has no temperature to compare with, but for what enters with moving solids
-    moving = round_bed(flux=50.0, flow={"velocity": 1.0, "velocity_solid": 1e-3})
-    moving["boundary"]["bottom"]["solid"] = {"inflow": 400.0}
+    moving = round_bed(flux=50.0)
+    moving["boundary"]["bottom"]["solids"] = {"particles": {"velocity": 1e-3, "temperature": 400.0}}
     scene = cb.load(moving)
     assert error_without_sides(scene, plan(scene).medium) == pytest.approx(50.0 * 20 / (1000.0 * 100.0), rel=1e-12)
 
@@ -46,11 +40,13 @@ def test_bound_is_the_number_of_transfer_units_of_the_wall():
 def test_what_leaves_is_within_the_bound(seed):
     random = np.random.default_rng(seed)
     keys = round_bed(10.0 ** random.uniform(-1.0, 1.5))
-    keys["heat"]["conductivity_solid"] = 10.0 ** random.uniform(-1.0, 1.0)
-    keys["boundary"]["wall"]["solid"] = {"coefficient": 10.0 ** random.uniform(-1.0, 1.5), "ambient": 500.0}
+    keys["closures"]["conductivity_solids"] = 10.0 ** random.uniform(-1.0, 1.0)
+    keys["boundary"]["wall"]["solids"] = {
+        "particles": {"coefficient": 10.0 ** random.uniform(-1.0, 1.5), "ambient": 500.0}
+    }
     if seed % 2:
-        keys["flow"]["velocity_solid"] = 10.0 ** random.uniform(-4.0, -3.0)
-        keys["boundary"]["bottom"]["solid"] = {"inflow": 300.0}
+        velocity = 10.0 ** random.uniform(-4.0, -3.0)
+        keys["boundary"]["bottom"]["solids"] = {"particles": {"velocity": velocity, "temperature": 300.0}}
     keys["mesh"]["cells"] = [12, 40]
     scene = cb.load(keys)
     bound = error_without_sides(scene, plan(scene).medium)
@@ -77,23 +73,23 @@ def test_a_line_is_taken_only_where_the_accuracy_is_stated_and_met():
     assert found.mesh.skfem.dim() == 2
 
 
-@pytest.mark.parametrize("what", ["fixed", "flux and coefficient", "source"])
+@pytest.mark.parametrize("what", ["fixed_temperature", "flux and coefficient", "source"])
 def test_sides_without_a_bound_are_resolved(what):
     keys = round_bed(0.1, solver={"accuracy": 0.05})
-    if what == "fixed":
-        keys["boundary"]["wall"]["solid"] = {"fixed": 500.0}
+    if what == "fixed_temperature":
+        keys["boundary"]["wall"]["solids"] = {"particles": {"fixed_temperature": 500.0}}
     elif what == "source":
-        keys["region"] = {"bed": {"source_solid": 1e5}}
+        keys["region"] = {"bed": {"solids": {"heat_source": 1e5}}}
     else:
-        keys["boundary"]["wall"]["solid"] = {"flux": 1.0}
+        keys["boundary"]["wall"]["solids"] = {"particles": {"heat_flux": 1.0}}
     found = plan(cb.load(keys))
     assert found.mesh.skfem.dim() == 2 and "changes what leaves" not in str(found)
 
 
 def test_a_transient_without_sides_runs_and_closes_its_balance():
     keys = round_bed(0.1, solver={"accuracy": 0.05})
-    keys["boundary"]["bottom"]["fluid"]["inflow"] = 400.0
-    keys["time"] = {"end": 600.0, "initial_fluid": 300.0, "initial_solid": 300.0, "tolerance": 1e-3}
+    keys["boundary"]["bottom"]["gas"]["temperature"] = 400.0
+    keys |= {"time": {"end": 600.0, "tolerance": 1e-3}, "initial": {"temperature": 300.0}}
     found = cb.run(cb.load(keys))
     assert found.plan.mesh.skfem.dim() == 1
     assert abs(found.balances["energy"]["relative_residual"]) < 1e-10

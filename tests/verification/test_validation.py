@@ -15,17 +15,36 @@ from contbed.many.validate.score import Validated, validate
 
 SCENE = """\
 mesh = { type = "line", length = 0.01, cells = 4 }
-fluid = { density = 1.2, heat_capacity = 1000.0, conductivity = 0.03, viscosity = 2e-5 }
-solid = { density = 2000.0, heat_capacity = 900.0, conductivity = 1e3 }
-bed = { porosity = 0.4, particle_diameter = "1 mm" }
-flow = { velocity = 0.0 }
-heat = { nusselt = 0.0 }
+
+[gas]
+density = 1.2
+heat_capacity = 1000.0
+conductivity = 0.03
+viscosity = 2e-5
+
+[solids.particles]
+density = 2000.0
+heat_capacity = 900.0
+conductivity = 1e3
+diameter = "1 mm"
+
+[packed_bed]
+porosity = 0.4
+
+[closures]
+nusselt = 0.0
+
+[heat]
+
 [boundary.left]
-solid = { flux = 500.0 }
+solids.particles.heat_flux = 500.0
+
+[initial]
+gas.temperature = 300
+solids.particles.temperature = 300
+
 [time]
 end = 100
-initial_fluid = 300
-initial_solid = 300
 """
 # a thin bed that a flux heats: dT/dt = q/(C L), the same everywhere
 RATE = 500.0 / (0.6 * 2000.0 * 900.0 * 0.01)
@@ -46,8 +65,8 @@ position = "x"
 positions = [0.004]
 times = [300.0]
 [uncertain]
-boundary.left.solid.flux = 50.0
-solid.heat_capacity = "1 %"
+boundary.left.solids.particles.heat_flux = 50.0
+solids.particles.heat_capacity = "1 %"
 """
 
 
@@ -88,7 +107,7 @@ def test_band_is_the_propagated_uncertainty(tank):
     done = validate(read_case(str(tank)))
     rise = RATE * done.case.points.t
     np.testing.assert_allclose(done.compared.band, rise * np.hypot(0.1, 0.01), rtol=5e-4)
-    assert done.compared.influence["boundary.left.solid.flux"] == pytest.approx(
+    assert done.compared.influence["boundary.left.solids.particles.heat_flux"] == pytest.approx(
         0.1 * np.sqrt(np.mean(rise**2)), rel=5e-4
     )
 
@@ -123,8 +142,8 @@ def test_command_writes_table_picture_and_summary(tank, tmp_path, capsys):
         ("[report]", 'where = { kind = "exp" }\n[report]', "measured.csv:1: no column 'kind'"),
         ('each = "time"', 'each = "depth"', "case.toml:7: each"),
         ('title = "a tank"', "", "title"),
-        ("solid.heat_capacity = ", "solid.heat = ", "uncertain.solid.heat: the scene has no number"),
-        ('"1 %"', '"1 K"', "uncertain.solid.heat_capacity: expected a number > 0 in SI, or a share"),
+        ("particles.heat_capacity = ", "particles.heat = ", "uncertain.solids.particles.heat: the scene has no number"),
+        ('"1 %"', '"1 K"', "uncertain.solids.particles.heat_capacity: expected a number > 0 in SI, or a share"),
         ('file = "measured.csv"', 'file = "none.csv"', "no such file"),
     ],
 )

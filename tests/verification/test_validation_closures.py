@@ -11,17 +11,38 @@ from contbed.runner import run
 
 SCENE = """\
 mesh = { type = "line", length = 0.05, cells = 10 }
-fluid = { density = 1.2, heat_capacity = 1000.0, conductivity = 0.03, viscosity = 2e-5 }
-solid = { density = 2000.0, heat_capacity = 900.0, conductivity = 5.0 }
-bed = { porosity = 0.4, particle_diameter = "1 mm" }
-flow = { velocity = 0.0 }
-heat = { nusselt = 0.0, conductivity_fluid = 0.0, conductivity_solid = "conductivity_parallel" }
+
+[gas]
+density = 1.2
+heat_capacity = 1000.0
+conductivity = 0.03
+viscosity = 2e-5
+
+[solids.particles]
+density = 2000.0
+heat_capacity = 900.0
+conductivity = 5.0
+diameter = "1 mm"
+
+[packed_bed]
+porosity = 0.4
+
+[closures]
+nusselt = 0.0
+conductivity_gas = 0.0
+conductivity_solids = "conductivity_parallel"
+
+[heat]
+
 [boundary.left]
-solid = { fixed = 400.0 }
+solids.particles.fixed_temperature = 400.0
+
+[initial]
+gas.temperature = 300
+solids.particles.temperature = 300
+
 [time]
 end = 100
-initial_fluid = 300
-initial_solid = 300
 """
 CASE = """\
 title = "a slab"
@@ -55,7 +76,7 @@ def test_band_is_that_of_both_conductivities(slab):
     low, high = (
         at(
             case,
-            run(case.scene(**{"solid.conductivity": 5.0 * factor, "fluid.conductivity": 0.03 * factor})),
+            run(case.scene(**{"solids.particles.conductivity": 5.0 * factor, "gas.conductivity": 0.03 * factor})),
             case.points.t,
             case.points.x,
         )

@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from moving_beds import moving
 
 from contbed.fem.tensor_error import TensorGrid
 from contbed.loading import from_dict
@@ -46,31 +47,35 @@ def scene(seed: int, **solver: Any) -> Any:
         biot = spread(0.1, 100.0)
         kind = int(rng.integers(5))
         if kind == 0:
-            return {"solid": {"fixed": ambient}, "fluid": {"fixed": ambient}}
+            return {"solids": {"particles": {"fixed_temperature": ambient}}, "gas": {"fixed_temperature": ambient}}
         if kind == 1:
-            return {"solid": {"fixed": ambient}}
+            return {"solids": {"particles": {"fixed_temperature": ambient}}}
         if kind == 2:
-            return {"fluid": {"coefficient": biot * k_fluid / width, "ambient": ambient}}
+            return {"gas": {"coefficient": biot * k_fluid / width, "ambient": ambient}}
         if kind == 3:
-            return {"solid": {"coefficient": biot * k_solid / width, "ambient": ambient}}
-        return {"solid": {"flux": float(rng.uniform(0.0, 300.0)) * k_solid / width}}
+            return {"solids": {"particles": {"coefficient": biot * k_solid / width, "ambient": ambient}}}
+        return {"solids": {"particles": {"heat_flux": float(rng.uniform(0.0, 300.0)) * k_solid / width}}}
 
     boundary: dict[str, Any] = {name: wall() for name in walls if rng.random() < 0.8}
     boundary = boundary or {walls[0]: wall()}
-    boundary[start] = {"fluid": {"inflow": 300.0}}
+    boundary[start] = {"gas": {"temperature": 300.0}}
     if solid:
         entrance = start if solid > 0 else end
-        boundary.setdefault(entrance, {})["solid"] = {"inflow" if rng.random() < 0.5 else "fixed": 900.0}
+        boundary.setdefault(entrance, {})["solids"] = {
+            "particles": {"temperature" if rng.random() < 0.5 else "fixed_temperature": 900.0}
+        }
     mesh = {"type": "axisymmetric", "radius": width} if round_bed else {"type": "rectangle", "height": width}
     return from_dict(
         {
             "mesh": mesh | {"length": length},
-            "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": k_fluid, "viscosity": 2e-5},
-            "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": k_solid},
-            "bed": {"porosity": 0.4, "particle_diameter": 0.01},
-            "flow": {"velocity": velocity, "velocity_solid": solid},
-            "heat": {"nusselt": spread(0.02, 200.0)},
-            "boundary": boundary,
+            "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": k_fluid, "viscosity": 2e-5},
+            "solids": {
+                "particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": k_solid, "diameter": 0.01}
+            },
+            "packed_bed": {"porosity": 0.4},
+            "closures": {"nusselt": spread(0.02, 200.0)},
+            "heat": {},
+            "boundary": moving(mesh, boundary, velocity, solid),
             "solver": solver,
             "output": {"plots": False, "fields": False},
         }

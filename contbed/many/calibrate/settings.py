@@ -3,14 +3,14 @@
     title = "Thermocline, first hour"
 
     [keys]                                     # keys of the scene and what is known of them before
-    solid.conductivity = { median = "5 W/m/K", factor = 1.5 }
-    flow.velocity = { mean = 5.28e-4, deviation = 1e-5 }
-    bed.porosity = { from = 0.2, to = 0.3 }
+    solids.rock.conductivity = { median = "5 W/m/K", factor = 1.5 }
+    boundary.right.gas.velocity = { mean = 5.28e-4, deviation = 1e-5 }
+    packed_bed.porosity = { from = 0.2, to = 0.3 }
 
     [[experiment]]
     name = "discharge"                         # by default the name of the scene's file
     scene = "scene.toml"
-    set = { "solid.density" = 2600 }           # keys of the scene in this experiment
+    set = { "solids.rock.density" = 2600 }           # keys of the scene in this experiment
     file = "measured.csv"
     where = { kind = "exp" }                   # rows with these texts only
     time = "time"                              # columns with time and place of a measured value, with their units
@@ -22,7 +22,7 @@
     [[experiment]]                             # a run for each row
     scene = "drop.toml"
     file = "drops.csv"
-    keys = { "flow.velocity" = "u" }           # keys of the scene that columns give
+    keys = { "boundary.left.gas.velocity" = "u" }           # keys of the scene that columns give
     values = [{ quantity = "pressure_drop_Pa", column = "dp", error_column = "dp_error" }]
 
     [posterior]                                # sampled only if this table is there

@@ -18,9 +18,9 @@
     scatter_conduction = "15 %"              # of measured beds about the laws: what all of them may miss
 
     [uncertain]                              # standard uncertainty of numbers of the scene, in SI or as a share
-    solid.conductivity = "10 %"
+    solids.pebbles.conductivity = "10 %"
 
-`laws.conduction` gives heat.conductivity_solid, `laws.exchange` gives heat.nusselt; of a bubbling bed they give
+`laws.conduction` gives closures.conductivity_solids, `laws.exchange` closures.nusselt; of a bubbling bed they give
 bubbling_bed.conductivity and the nusselt of each solid phase. What is absent stays as the scene has it, and the
 particles are not asked for it. The scene gets the porosity of the packings.
 """

@@ -16,7 +16,7 @@ from contbed.bubbling_bed.scene import BubblingScene
 from contbed.packed_bed.scene import Scene
 
 CONDUCTIVITY, NUSSELT = "conductivity", "nusselt"  # kinds of the closures
-POROSITY, SOLIDS_FRACTION = "bed.porosity", "bubbling_bed.solids_fraction"
+POROSITY, SOLIDS_FRACTION = "packed_bed.porosity", "bubbling_bed.solids_fraction"
 
 
 @dataclass(frozen=True)
@@ -45,9 +45,9 @@ def reactor(scene: Scene | BubblingScene) -> Reactor:
     """Return what packings give a scene; of a bubbling bed each solid phase has the mean diameter of all."""
     places: dict[str, tuple[str, ...]]
     if isinstance(scene, Scene):
-        assert scene.solid is not None
-        places = {CONDUCTIVITY: ("heat.conductivity_solid",), NUSSELT: ("heat.nusselt",)}
-        return Reactor(places, scene.bed.particle_diameter, scene.solid.density, scene.bed.porosity, False)
+        assert scene.solid.density is not None  # `heat` needs it
+        places = {CONDUCTIVITY: ("closures.conductivity_solids",), NUSSELT: ("closures.nusselt",)}
+        return Reactor(places, scene.diameter, scene.solid.density, scene.packed_bed.porosity, False)
     present = scene.present
     places = {
         CONDUCTIVITY: ("bubbling_bed.conductivity",),
@@ -67,6 +67,6 @@ def why_not(scene: Any) -> str:
         return f"coefficients of a bed with {inlet}.capacity_flow are numbers; give {inlet}.mass_flow"
     if not isinstance(scene, Scene) or scene.heat is None:
         return "a cascade ends in a packed or moving bed with [heat], or in a bubbling bed"
-    if scene.bed.shape != "spheres":
-        return f"the packings are of spheres, but bed.shape is {scene.bed.shape!r}"
+    if scene.solid.shape != "spheres":
+        return f"the packings are of spheres, but the shape of the solid is {scene.solid.shape!r}"
     return ""

@@ -79,7 +79,7 @@ def gradient(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str], engine: 
     ----------
     scene : from `contbed.load`
     qoi : named results, as in summary.json, "T_fluid_out_K"
-    keys : continuous keys that the scene gives, "bed.porosity", "boundary.left.fluid.inflow", "flow.velocity[1]"
+    keys : continuous keys that the scene gives, "packed_bed.porosity", "gas.viscosity", "boundary.left.gas.velocity[1]"
     engine : as of `contbed.run`; "dolfinx" is called on all ranks; all but rank 0 return None
 
     Raises

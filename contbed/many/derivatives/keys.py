@@ -1,6 +1,6 @@
 """Continuous keys of a scene: numbers whose small changes change the results a little.
 
-A key is written as in scenes and sweeps, "bed.porosity", and one item of a list as "flow.velocity[1]". Integers,
+A key is written as in scenes and sweeps, "packed_bed.porosity", one item of a list as "gas.T_range[1]". Integers,
 names, switches and choices have no derivative; numerical settings (solver, output, mesh cells, tolerances, time
 steps) have one that says nothing about the bed. `continuous` lists those that a scene gives.
 """
@@ -52,7 +52,7 @@ class Key:
 
     def on(self, scene: SceneBase, value: float) -> SceneBase:
         """Return the scene with another value of this key; material data that were taken at it follow."""
-        if self.path[-1] == "temperature":
+        if self.path[-1] == "material_temperature":
             table = _at(scene, self.path[:-1])
             if getattr(table, "material", None) is not None:
                 again: SceneBase = with_value(scene, self.path[:-1], _at_temperature(table, value))
@@ -70,7 +70,7 @@ def key(scene: SceneBase, name: str) -> Key:
     """
     path = _path(name)
     if path is None:
-        raise SceneError(f"{name!r} is not a dotted key; write it as in the scene: bed.porosity, flow.velocity[1]")
+        raise SceneError(f"{name!r} is not a dotted key; write it as in the scene: packed_bed.porosity, gas.T_range[1]")
     where = scene.origin.at(path)
     root = schema.of(model_of(scene).scene)
     value, problem = _at(scene, path), None
@@ -227,10 +227,10 @@ def _at_temperature(table: Any, temperature: float) -> Any:
     """
     about = {"material": table.material, "model": getattr(table, "model", None)}
     about = {name: value for name, value in about.items() if value is not None}
-    library = type(table).model_validate(about | {"temperature": table.temperature})
+    library = type(table).model_validate(about | {"material_temperature": table.material_temperature})
     own = {
         name: value
         for name in type(table).model_fields
-        if name not in (*about, "temperature") and (value := getattr(table, name)) != getattr(library, name)
+        if name not in (*about, "material_temperature") and (value := getattr(table, name)) != getattr(library, name)
     }
-    return type(table).model_validate(about | own | {"temperature": temperature})
+    return type(table).model_validate(about | own | {"material_temperature": temperature})

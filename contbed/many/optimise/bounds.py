@@ -2,7 +2,7 @@
 
 [keys]
 mesh.length = { from = "0.2 m", to = "2 m" }
-bed.particle_diameter = { from = "4 mm", to = "16 mm", start = "12 mm" }      # start: that of the scene if left out
+solids.pebbles.diameter = { from = "4 mm", to = "16 mm", start = "12 mm" }      # start: that of the scene if left out
 tubes.count = { from = 4, to = 20, integer = true }
 """
 

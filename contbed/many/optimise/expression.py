@@ -1,7 +1,7 @@
 """Objectives and constraints of a design: formulas of keys of the scene and named results, with units.
 
     mesh.length
-    pressure_drop_Pa * flow.velocity
+    pressure_drop_Pa * boundary.left.gas.velocity
     0.5*"k_eff [W/m/K]" + 0.1
 
 A name with a point is a key of the scene, any other a named result; one whose name has a unit in brackets stands in

@@ -7,7 +7,7 @@
 
     [keys]
     mesh.length = { from = "0.2 m", to = "2 m" }
-    flow.velocity_solid = { from = "-2 mm/s", to = "-0.2 mm/s" }
+    boundary.right.solids.pebbles.velocity = { from = "0.2 mm/s", to = "2 mm/s" }
 
 `minimise = { formula = "120*tubes.perimeter - 3e-5*tubes_W", unit = "EUR/h" }` has prices in its numbers: the units of
 its parts are then not compared. `runs` is the most points that are computed. `method` is "gradient" or "surrogate", the

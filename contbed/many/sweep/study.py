@@ -5,8 +5,8 @@
     qoi = ["T_fluid_out_K", "heat_wall_W"]               # results to plot; the first four that vary if left out
 
     [parameters]                                         # every combination of these
-    flow.velocity_solid = ["-0.6 mm/s", "-0.8 mm/s"]
-    bed.particle_diameter = { from = "3 mm", to = "12 mm", count = 4 }
+    boundary.right.solids.pebbles.velocity = ["0.6 mm/s", "0.8 mm/s"]
+    solids.pebbles.diameter = { from = "3 mm", to = "12 mm", count = 4 }
 
     [[zipped]]                                           # taken together, one value of each at a time
     fluid.density = [1.2, 0.6]
@@ -18,7 +18,7 @@
     seed = 1                                             # 0 if left out
     gradients = true                                     # uncertainty by derivatives at the means beside the samples
     [sample.parameters]
-    bed.porosity = { from = 0.36, to = 0.44 }
+    packed_bed.porosity = { from = 0.36, to = 0.44 }
 
 `design` describes values and distributions. Parts that stand side by side are combined, each with each.
 """
@@ -127,7 +127,7 @@ def read_study(path: str | Path, trust: bool = False, allow_large: bool = False)
     reader = _Reader(file)
     groups = [*reader.parameters(), *reader.zipped(), *reader.sample()]
     if not groups and not file.problems:
-        file.say(("parameters",), "missing; give lists: [parameters], flow.velocity = [0.1, 0.2]")
+        file.say(("parameters",), "missing; give lists: [parameters], mesh.length = [0.1, 0.2]")
     if not file.problems and (count := prod(map(len, groups))) > value_sets.MOST_RUNS:
         file.say(("parameters",), f"{count} runs; at most {value_sets.MOST_RUNS}")
     file.stop()
@@ -186,7 +186,7 @@ class _Reader:
         say = self.file.say
         spreads = dict(self.entries(("sample", "parameters"), table.parameters, *_DISTRIBUTIONS))
         if not spreads and not self.file.problems:
-            say(("sample", "parameters"), "missing; give distributions, bed.porosity = { from = 0.36, to = 0.44 }")
+            say(("sample", "parameters"), "missing; give distributions, mesh.length = { from = 0.36, to = 0.44 }")
         others = sorted({"parameters", "zipped"} & self.file.values.keys())
         if table.method in value_sets.BY_THEMSELVES and others:
             say(("sample", "method"), f'"{table.method}" stands alone; leave out {" and ".join(others)}')

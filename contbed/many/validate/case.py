@@ -18,7 +18,7 @@ where = { kind = "exp" }                # rows with these texts only
 positions = [0.073]
 times = [1000, 2000]
 [uncertain]                             # standard uncertainty of inputs of the scene, in SI or as a share
-bed.porosity = 0.01
+packed_bed.porosity = 0.01
 solid.conductivity = "20 %"
 [uncertain_closures]                    # that of the closures of a kind, as a share of their value
 conductivity = "9 %"

@@ -18,11 +18,12 @@ scene_file, solver, *options = sys.argv[1:]
 ng.SetNumThreads(1)
 condense = "condense" in options
 scene = tomllib.loads(Path(scene_file).read_text(encoding="utf-8"))
-fluid, solid, bed, grid = (scene[name] for name in ("fluid", "solid", "bed", "mesh"))
-length, height, eps = grid["length"], grid["height"], bed["porosity"]
+fluid, solid, grid = scene["gas"], scene["solids"]["particles"], scene["mesh"]
+length, height, eps = grid["length"], grid["height"], scene["packed_bed"]["porosity"]
+left = scene["boundary"]["left"]
 rho, mu = fluid["density"], fluid["viscosity"]
 K, c_F, ha = 2.025e-5, 0.16735113224353035, 3581.039775375903  # the closures of the scene
-plug, moving = ng.CF((scene["flow"]["velocity"], 0)), ng.CF((scene["flow"]["velocity_solid"], 0))
+plug, moving = ng.CF((left["gas"]["velocity"], 0)), ng.CF((left["solids"]["particles"]["velocity"], 0))
 
 
 def compiled(integrand: ng.CoefficientFunction) -> ng.CoefficientFunction:
@@ -81,8 +82,8 @@ space = scalar * scalar
 (f, s), (a, b) = space.TnT()
 T = ng.GridFunction(space)
 T_fluid, T_solid = T.components
-T_fluid.Set(scene["boundary"]["left"]["fluid"]["fixed"], definedon=inlet)
-T_solid.Set(scene["boundary"]["left"]["solid"]["fixed"], definedon=inlet)
+T_fluid.Set(scene["boundary"]["left"]["gas"]["fixed_temperature"], definedon=inlet)
+T_solid.Set(scene["boundary"]["left"]["solids"]["particles"]["fixed_temperature"], definedon=inlet)
 heat = ng.BilinearForm(space, condense=condense)
 terms = rho * fluid["heat_capacity"] * (velocity * ng.grad(f)) * a
 terms += eps * fluid["conductivity"] * ng.grad(f) * ng.grad(a)
