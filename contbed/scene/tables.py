@@ -1,4 +1,4 @@
-"""Tables that scenes of several physics share: fluids, solids, closures by name, numerics, output.
+"""Tables that scenes of several physics share: closures by name, numerics, output.
 
 Absent keys take the default that stands here, once. Values are in SI behind `quantities`.
 """
@@ -19,7 +19,6 @@ from contbed.scene.quantities import (
     FiniteFloat,
     Fraction,
     HeatCapacity,
-    Length,
     NonNegative,
     Number,
     Order,
@@ -125,45 +124,11 @@ class FluidCantera(Table):
     mechanism: str = Field("gri30.yaml", description="Cantera mechanism with the species: a name or a YAML file")
 
 
-class FluidCoolProp(Table):
-    """A real fluid at constant pressure from CoolProp."""
-
-    model: Literal["coolprop"] = Field(description="pure real fluid with properties by CoolProp")
-    name: str = Field(description="name of the fluid in CoolProp")
-    pressure: Pressure = Field(101325.0, description="absolute pressure of the fluid")
-    T_range: tuple[Temperature, Temperature] = Field(description="temperatures to tabulate, one phase only")
-
-
-Fluid = Annotated[FluidConstant | FluidCantera | FluidCoolProp, Field(discriminator="model")]
-
 Polynomial = Annotated[
     tuple[FiniteFloat, ...],
     Tag("list"),
     Field(min_length=1, max_length=12, json_schema_extra={schema.POWERS_OF: "K"}),
 ]
-
-
-class Solid(Table):
-    """The particles' material: by name, numbers, or polynomials a0 + a1 T + a2 T^2 + ... with T in K."""
-
-    material: str | None = Field(None, description="solid of the library; keys that are given replace its properties")
-    temperature: Temperature | None = Field(
-        None, description="of the material, at which its properties are taken as constants; absent: they vary"
-    )
-    density: Density = Field(description="density of the solid material")
-    heat_capacity: Annotated[Annotated[HeatCapacity, Tag("number")] | Polynomial, Discriminator(form)] = Field(
-        description="specific heat capacity of the solid: a number, or coefficients of a polynomial in T"
-    )
-    conductivity: Annotated[Annotated[Conductivity, Tag("number")] | Polynomial, Discriminator(form)] = Field(
-        description="thermal conductivity of the solid: a number, or coefficients of a polynomial in T"
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _material(cls, values: Any) -> Any:
-        if isinstance(values, dict) and "temperature" in values and "material" not in values:
-            raise ValueError("temperature has no use without material")
-        return from_library("solid", values, "temperature") | values if names_material(values) else values
 
 
 class Closure(Table):
@@ -180,16 +145,6 @@ NonNegativeOrClosure = Annotated[Annotated[NonNegative, Tag("number")] | NamedOr
 ConductivityOrClosure = Annotated[Annotated[Conductivity, Tag("number")] | NamedOrFile, Discriminator(form)]
 NumberOrClosure = Annotated[Annotated[Number, Tag("number")] | NamedOrFile, Discriminator(form)]
 WallCoefficientOrClosure = Annotated[Annotated[WallCoefficient, Tag("number")] | NamedOrFile, Discriminator(form)]
-
-
-class Packing(Table):
-    """Particles that fill a bed."""
-
-    porosity: Fraction = Field(description="share of the bed volume between the particles")
-    particle_diameter: Length = Field(description="diameter of the particles")
-    shape: Literal["spheres", "rods"] = Field(
-        "spheres", description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods"
-    )
 
 
 class Solver(Table):
