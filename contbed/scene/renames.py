@@ -30,20 +30,6 @@ def take_former_keys(values: dict[str, Any], renamed: Mapping[str, str]) -> list
     return list(found.items())
 
 
-def present_key(key: KeyPath, renamed: Mapping[str, str]) -> str | None:
-    """Return the present name of a former key; None if it is none or has no single successor."""
-    for pattern, new in renamed.items():
-        steps = pattern.split(".")
-        same_length = len(steps) == len(key)
-        if (
-            same_length
-            and " " not in new
-            and all(_is_name(step) or step == part for step, part in zip(steps, key, strict=True))
-        ):
-            return _substituted(pattern, new, key)
-    return None
-
-
 def _matches(values: Any, steps: tuple[str, ...], path: KeyPath = ()) -> Iterator[KeyPath]:
     """Yield the paths of the values that a pattern fits."""
     if not steps:

@@ -14,7 +14,7 @@ HERE = Path(__file__).parent
 SILICA_IN = 973.15
 WITHIN = 10.0
 DIAMETER, VELOCITY = "solids.silica.diameter [m]", "boundary.top.solids.silica.velocity [m/s]"
-STEAM, SILICA, HOT = "T_fluid_out [K]", "T_solid_out [K]", "boundary.top.solid.fixed [K]"
+STEAM, SILICA, HOT = "T_fluid_out [K]", "T_solid_out [K]", "boundary.top.solids.silica.fixed_temperature [K]"
 NOT_COMPARED = ("estimated_error [-]", "heat_bottom [W]", "heat_top [W]", "theta_overshoot [-]")
 
 

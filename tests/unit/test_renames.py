@@ -6,7 +6,7 @@ import pytest
 
 from contbed.models import MODELS
 from contbed.scene import schema
-from contbed.scene.renames import present_key, take_former_keys
+from contbed.scene.renames import take_former_keys
 
 RENAMED = {
     "fluid": "gas",
@@ -43,12 +43,6 @@ def test_former_keys_are_taken_out_with_tables_that_become_empty() -> None:
     assert len(texts) == 4
     assert texts["flow", "velocity"] == RENAMED["flow.velocity"]
     assert values == {"boundary": {"left": {"gas": {"velocity": 1.0}}}}
-
-
-def test_a_key_by_itself() -> None:
-    assert present_key(("boundary", "left", "fluid", "inflow"), RENAMED) == "boundary.left.gas.temperature"
-    assert present_key(("flow", "velocity"), RENAMED) is None
-    assert present_key(("solids", "sand", "density"), RENAMED) is None
 
 
 @pytest.mark.parametrize("kind", ["two_fluid", "developed_flow", "bubbling_bed", "single_particle", "reacting_bed"])
