@@ -110,6 +110,10 @@ def _is_bubbling_bed(values: Mapping[str, Any]) -> bool:
     return any(get_close_matches(name.lower(), ["bubbling_bed"], n=1, cutoff=0.6) for name in values)
 
 
+def _is_particles_in_gas(values: Mapping[str, Any]) -> bool:
+    return "particles" in values and _has("boundary", "time", "fluid")(values)
+
+
 def _is_particles(values: Mapping[str, Any]) -> bool:
     return _has("particles", "lattice", "packing")(values) or ("mesh" not in values and "conduction" in values)
 
@@ -186,7 +190,7 @@ MODELS: dict[str, Model] = {
         "cfd_dem",
         "particles",
         "GasScene",
-        lambda values: "particles" in values and "gas" in values,
+        _is_particles_in_gas,
         {"particles_gas": "gas"},
         compiles=True,
         scatters=True,

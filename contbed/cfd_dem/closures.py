@@ -17,7 +17,7 @@ AT_TUBE = frozenset({"Re", "Pr"})
 
 def bound(scene: g.GasScene) -> dict[str, BoundClosure]:
     """Bind the closures of a scene; return them by kind."""
-    return {kind: bind(getattr(scene.gas, kind), kind, gives, scene.origin.base) for kind, gives in GIVES.items()}
+    return {kind: bind(getattr(scene.closures, kind), kind, gives, scene.origin.base) for kind, gives in GIVES.items()}
 
 
 def bound_tube(tube: g.GasTube) -> BoundClosure:

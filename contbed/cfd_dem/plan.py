@@ -14,7 +14,7 @@ import numpy as np
 
 from contbed.cfd_dem.closures import bound_tube
 from contbed.cfd_dem.grid import Grid
-from contbed.cfd_dem.scene import GasFlow, GasParticles, GasScene, GasTube
+from contbed.cfd_dem.scene import GasParticles, GasScene, GasSolid, GasTube
 from contbed.cfd_dem.tubes import BedTube, beside, blocked
 from contbed.dem.contact import hertz_impact
 from contbed.dem.packing import SETTLED_OVERLAP, pack
@@ -82,11 +82,11 @@ def plan(scene: GasScene) -> GasPlan:
     SceneError : the file of particles cannot be used, or particles are outside of the box
     """
     table, particles, inside = scene.particles, None, 0
-    tubes = tubes_of(scene.tubes, table)
+    tubes = tubes_of(table)
     if table.file is not None:
-        particles, inside = at_start(table, tubes, scene.origin.base)
-        require_room(table, scene.gas, particles, scene.origin)
-    grid = grid_of(table, scene.gas, particles, tubes)
+        particles, inside = at_start(table, scene.solid, tubes, scene.origin.base)
+        require_room(table, particles, scene.origin)
+    grid = grid_of(table, scene.solid, particles, tubes)
     number = f"{table.count}, settled from a random start" if particles is None else f"{len(particles)}"
     if tubes and particles is None:
         number += " before those in tubes are taken out"
@@ -99,9 +99,9 @@ def plan(scene: GasScene) -> GasPlan:
     skipped: list[tuple[str, str]] = []
     for there, what, how, why in (
         (scene.heat is not None, "energy", "gas and particles", "no [heat] table: one temperature"),
-        (table.emissivity > 0.0, "radiation", "to the neighbours", "particles.emissivity is 0"),
-        (scene.closure is not None, "closure file", "power of Re", "no [closure] table"),
-        (bool(tubes), "tubes", ", ".join(scene.tubes), "no [tubes] table"),
+        (scene.solid.emissivity > 0.0, "radiation", "to the neighbours", "emissivity of the particles is 0"),
+        (table.closure is not None, "closure file", "power of Re", "no [particles.closure] table"),
+        (bool(tubes), "tubes", ", ".join(table.tubes), "no [particles.tubes] table"),
     ):
         (built if there else skipped).append((what, how if there else why))
     return GasPlan(scene, particles, grid, tuple(built), tuple(skipped), tubes=tubes)
@@ -123,21 +123,24 @@ def settled(plan: GasPlan, quiet: bool, start: Mapping[str, Any] | None = None) 
     """
     if plan.particles is not None:
         return plan
-    table = plan.scene.particles
+    table, solid = plan.scene.particles, plan.scene.solid
     if start is not None:
-        assert table.radius is not None
-        return replace(plan, particles=Particles(start["particles_position"], table.radius))
-    particles = _settle(table, quiet, plan.engine)
-    require_room(table, plan.scene.gas, particles, plan.scene.origin)
+        assert solid.radius is not None
+        return replace(plan, particles=Particles(start["particles_position"], solid.radius))
+    particles = _settle(table, solid, quiet, plan.engine)
+    require_room(table, particles, plan.scene.origin)
     return replace(plan, particles=_outside_of_tubes(particles, plan.tubes, LARGEST_OVERLAP)[0])
 
 
-def tubes_of(tables: Mapping[str, GasTube], particles: GasParticles) -> tuple[BedTube, ...]:
+def tubes_of(table: GasParticles) -> tuple[BedTube, ...]:
     """Build the tubes of a scene, which cross the whole depth of the bed."""
-    return tuple(
-        BedTube(name, *tube.centre, 0.5 * tube.diameter, particles.width[1], bound_tube(tube), tube.T)
-        for name, tube in tables.items()
-    )
+    depth = table.width[1]
+    return tuple(_tube(name, tube, depth) for name, tube in table.tubes.items())
+
+
+def _tube(name: str, table: GasTube, depth: float) -> BedTube:
+    """Build one tube."""
+    return BedTube(name, *table.centre, 0.5 * table.diameter, depth, bound_tube(table), table.temperature)
 
 
 def _outside_of_tubes(particles: Particles, tubes: Sequence[BedTube], overlap: float) -> tuple[Particles, int]:
@@ -153,7 +156,7 @@ def _outside_of_tubes(particles: Particles, tubes: Sequence[BedTube], overlap: f
 
 def simulation_of(
     table: GasParticles,
-    gas: GasFlow,
+    solid: GasSolid,
     particles: Particles,
     engine: Literal["contbed", "cuda"] = "contbed",
     tubes: Sequence[BedTube] = (),
@@ -168,25 +171,25 @@ def simulation_of(
     domain = _domain(table)
     return Simulation(
         particles,
-        [Material.of(table)],
+        [Material.of(solid, table.modulus)],
         [*box(domain), *(tube.wall for tube in tubes)],
         domain,
         impact_speed=IMPACT_SPEED,
         skin=SKIN * float(particles.radius.min()),
-        gravity=(0.0, 0.0, -GRAVITY if gas.gravity else 0.0),
-        largest_overlap=SETTLED_OVERLAP if table.file is None else _largest_overlap(table, particles),
+        gravity=(0.0, 0.0, -GRAVITY if table.gravity else 0.0),
+        largest_overlap=SETTLED_OVERLAP if table.file is None else _largest_overlap(table, solid, particles),
         most_halvings=MOST_HALVINGS,
         engine=engine,
     )
 
 
-def _largest_overlap(table: GasParticles, particles: Particles) -> float:
+def _largest_overlap(table: GasParticles, solid: GasSolid, particles: Particles) -> float:
     """Return the overlap over the smaller radius up to which particles of a file are accepted at their stiffness.
 
     It is that of an impact at `SPEED_OF_FILES`: soft particles of a bed that runs or has settled overlap as deeply,
     and larger overlaps would throw them apart faster.
     """
-    radius, material = float(particles.radius.min()), Material.of(table)
+    radius, material = float(particles.radius.min()), Material.of(solid, table.modulus)
     mass = 4.0 / 3.0 * np.pi * radius**3 * material.density
     deep = hertz_impact(mass / 2.0, radius / 2.0, material.contact_modulus, SPEED_OF_FILES)[1] / radius
     return float(np.clip(deep, LARGEST_OVERLAP, SETTLED_OVERLAP))
@@ -197,7 +200,7 @@ def _domain(table: GasParticles) -> Domain:
 
 
 def grid_of(
-    table: GasParticles, gas: GasFlow, particles: Particles | None = None, tubes: Sequence[BedTube] = ()
+    table: GasParticles, solid: GasSolid, particles: Particles | None = None, tubes: Sequence[BedTube] = ()
 ) -> Grid:
     """Lay cells of about the asked size that fill the box; those in tubes are blocked.
 
@@ -205,12 +208,12 @@ def grid_of(
     ------
     SceneError : cells are too coarse for a tube
     """
-    radius = table.radius
+    radius = solid.radius
     smallest, largest = (radius, radius) if particles is None else (particles.radius.min(), particles.radius.max())
     assert smallest is not None and largest is not None
     diameter = 2.0 * float(largest)
-    wide, high = (scale * diameter for scale in gas.cell)
-    lengths = (*table.width, gas.height)
+    wide, high = (scale * diameter for scale in table.cell)
+    lengths = (*table.width, table.height)
     nx, ny, nz = (max(1, round(length / size)) for length, size in zip(lengths, (wide, wide, high), strict=True))
     size, count = np.array(lengths) / (nx, ny, nz), (nx, ny, nz)
     shut = blocked(size, count, tubes, 2.0 * float(smallest))
@@ -220,14 +223,15 @@ def grid_of(
     return grid
 
 
-def _settle(table: GasParticles, quiet: bool, engine: Literal["contbed", "cuda"]) -> Particles:
-    assert table.radius is not None
+def _settle(table: GasParticles, solid: GasSolid, quiet: bool, engine: Literal["contbed", "cuda"]) -> Particles:
+    """Settle the particles from a random start."""
+    assert solid.radius is not None
     packing = pack(
         table.width,
-        radius=table.radius,
+        radius=solid.radius,
         count=table.count,
         seed=table.seed,
-        material=Material.of(table),
+        material=Material.of(solid, table.modulus),
         periodic=(table.periodic, table.periodic),
         quiet=quiet,
         engine=engine,
@@ -235,32 +239,32 @@ def _settle(table: GasParticles, quiet: bool, engine: Literal["contbed", "cuda"]
     return Particles(packing.position, packing.radius)
 
 
-def read(table: GasParticles, base: Path) -> Particles:
+def read(table: GasParticles, solid: GasSolid, base: Path) -> Particles:
     """Read the particles of the file, looked for in `base`: at rest if the scene or the file says so.
 
     Their positions count from the lower corner of the box of a dump.
     """
     assert table.file is not None
-    found = read_particles(base / table.file, table.radius)
+    found = read_particles(base / table.file, solid.radius)
     velocity = 0.0 if table.fixed or found.velocity is None else found.velocity
     return Particles(found.x - (0.0 if found.low is None else found.low), found.radius, velocity=velocity)
 
 
-def at_start(table: GasParticles, tubes: Sequence[BedTube], base: Path) -> tuple[Particles, int]:
+def at_start(table: GasParticles, solid: GasSolid, tubes: Sequence[BedTube], base: Path) -> tuple[Particles, int]:
     """Read the particles of the file, and leave out those that lie in tubes, whose number follows."""
-    found = read(table, base)
-    return _outside_of_tubes(found, tubes, _largest_overlap(table, found))
+    found = read(table, solid, base)
+    return _outside_of_tubes(found, tubes, _largest_overlap(table, solid, found))
 
 
-def require_room(table: GasParticles, gas: GasFlow, particles: Particles, origin: Origin) -> None:
+def require_room(table: GasParticles, particles: Particles, origin: Origin) -> None:
     """Refuse particles whose centres are outside of the box.
 
     Raises
     ------
     SceneError : names the key that is too small and its line
     """
-    room = (*table.width, gas.height)
-    for axis, key in enumerate(("particles.width", "particles.width", "gas.height")):
+    room = (*table.width, table.height)
+    for axis, key in enumerate(("particles.width", "particles.width", "particles.height")):
         centre = particles.position[:, axis]
         if centre.min() < 0.0 or centre.max() > room[axis]:
             where = origin.at(tuple(key.split(".")))

@@ -40,7 +40,7 @@ def fill(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
         "porosities_raised": bed.gas.counts["raised"],
     }
     for what, number in (
-        ("particles above the grid of the gas, where they feel none; enlarge gas.height", bed.above),
+        ("particles above the grid of the gas, where they feel none; enlarge particles.height", bed.above),
         ("porosities below 0.2, raised", bed.gas.counts["raised"]),
     ):
         if number:

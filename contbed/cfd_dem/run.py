@@ -24,7 +24,7 @@ from contbed.cfd_dem.tubes import TubeAverage, TubeHeat
 from contbed.dem import extract
 from contbed.output.progress import Progress
 from contbed.result import Result, timed
-from contbed.scene.tables import FluidConstant
+from contbed.scene.gas import GasConstant, GasCoolProp
 
 if TYPE_CHECKING:
     from contbed.output.checkpoint import Keeper
@@ -58,7 +58,7 @@ def run(
         result.plan = plan = settled(plan, quiet, None if start is None else start[0])
     bed, solid = build(plan)
     history = History(
-        Average(solid, scene.particles.emissivity, scene.gas.T),
+        Average(solid, scene.solid.emissivity, scene.inlet.temperature),
         probes_of(plan.grid, scene.output.probes),
         Levels(plan.grid, scene.output.levels),
         tuple(TubeAverage(tube) for tube in bed.tubes),
@@ -76,7 +76,7 @@ def run(
                 history.write_particles(files, bed)
         if folder is not None:
             keeper.offer(bed.state() | history.state())
-    if scene.closure is not None:
+    if scene.particles.closure is not None:
         _fit_closure(plan, result, folder)
 
 
@@ -84,30 +84,30 @@ def build(plan: GasPlan) -> tuple[Bed, Solid]:
     """Build the bed of a plan whose particles have settled, with its inlet open, and how its particles conduct."""
     scene = plan.scene
     assert plan.particles is not None
-    table, gas = scene.particles, scene.gas
-    simulation = simulation_of(table, gas, plan.particles, plan.engine, plan.tubes)
-    solid = Solid(table.conductivity, table.heat_capacity, table.modulus_real, table.exponents)
-    T = None if scene.heat is None else scene.heat.T
+    table, grains = scene.particles, scene.solid
+    simulation = simulation_of(table, grains, plan.particles, plan.engine, plan.tubes)
+    solid = Solid(grains.conductivity, grains.heat_capacity, grains.youngs_modulus, table.exponents)
+    T = scene.T_start
     closures = bound(scene)
     flow = Gas(
         plan.grid,
         _fluid(scene),
         closures["drag"],
         closures["nusselt"],
-        T or gas.T,
+        T or scene.inlet.temperature,
         T is None,
         simulation.gravity,
-        gas.no_slip,
+        scene.boundary.sides.gas.wall == "no_slip",
         tolerance=scene.solver.pressure_tolerance,
     )
     heat: dict[str, Any] = {} if scene.heat is None else {"T": T, "heat_interval": scene.heat.interval}
     bed = Bed(
         simulation,
         flow,
-        gas.step,
-        heat_capacity=table.heat_capacity,
+        scene.time.step,
+        heat_capacity=grains.heat_capacity,
         solid=solid,
-        emissivity=table.emissivity,
+        emissivity=grains.emissivity,
         moving=not table.fixed,
         tubes=[TubeHeat(tube, plan.grid, solid) for tube in plan.tubes],
         **heat,
@@ -118,20 +118,21 @@ def build(plan: GasPlan) -> tuple[Bed, Solid]:
 
 def _open_inlet(scene: GasScene, bed: Bed) -> None:
     """Set the inlet as it is at the time of the bed: with the jet until it ends."""
-    gas, jet = scene.gas, scene.gas.jet
-    if jet is None or (jet.end is not None and bed.time >= jet.end * (1.0 - 1e-9)):
-        bed.gas.inlet(gas.velocity, gas.T)
+    inlet, jet = scene.inlet, scene.boundary.jet
+    if jet is None or (jet.until is not None and bed.time >= jet.until * (1.0 - 1e-9)):
+        bed.gas.inlet(inlet.velocity, inlet.temperature)
         return
-    speed = jet.mass_flux / float(bed.gas.fluid.density(jet.T))
-    bed.gas.inlet(gas.velocity, gas.T, jet.slot, speed, jet.T)
+    T, slot = jet.gas.temperature, (jet.start, jet.end)
+    speed = jet.gas.mass_flux / float(bed.gas.fluid.density(T))
+    bed.gas.inlet(inlet.velocity, inlet.temperature, slot, speed, T)
 
 
 def _march(scene: GasScene, bed: Bed, history: History, quiet: bool, save: Callable[[], None]) -> None:
     """Advance from sample to sample, and to the end of the jet; average, record and save at each."""
-    time, jet = scene.time, scene.gas.jet
+    time, jet = scene.time, scene.boundary.jet
     stops = np.arange(1, round(time.end / time.sample) + 1) * time.sample
-    if jet is not None and jet.end is not None:
-        stops = np.union1d(stops, jet.end)
+    if jet is not None and jet.until is not None:
+        stops = np.union1d(stops, jet.until)
     with Progress(time.end, "s", quiet) as progress:
         for stop in stops[stops > bed.time * (1.0 + 1e-9)]:
             bed.run(stop - bed.time, reached=progress.advance_to)
@@ -158,25 +159,31 @@ def _fit_closure(plan: GasPlan, result: Result, folder: Path | None) -> None:
     from contbed.scene.identity import scene_hash
 
     scene = plan.scene
-    assert scene.closure is not None
+    table = scene.particles.closure
+    assert table is not None
     points = []
-    for velocity in scene.closure.velocities:
+    for velocity in table.velocities:
         bed, solid = build(plan)
-        points.append(bed_nusselt(bed, velocity, scene.gas.T, solid, scene.closure.of))
+        points.append(bed_nusselt(bed, velocity, scene.inlet.temperature, solid, table.of))
     fit = extract.fit_power(*np.array(points).T)
     result.qoi["closure_residual"] = fit.content["residuals"]["largest"]
     if folder is not None:
         name = Path(scene.origin.name).name
-        fit.write(folder / "closure.toml", {"scene": name, "scene_hash": scene_hash(scene), "of": scene.closure.of})
+        fit.write(folder / "closure.toml", {"scene": name, "scene_hash": scene_hash(scene), "of": table.of})
 
 
 def _fluid(scene: GasScene) -> Any:
-    table = scene.fluid
-    if isinstance(table, FluidConstant):
+    """Return the properties of the gas as functions of temperature."""
+    table = scene.gas
+    if isinstance(table, GasConstant):
         from contbed.materials.constant import ConstantFluid
 
         assert table.heat_capacity is not None and table.conductivity is not None
         return ConstantFluid(table.density, table.heat_capacity, table.viscosity, table.conductivity)
+    if isinstance(table, GasCoolProp):
+        from contbed.materials.coolprop import real_fluid
+
+        return real_fluid(table.name, table.pressure, table.T_range)
     from contbed.materials.gas import gas_mixture
     from contbed.scene.mechanism import find_mechanism
 

@@ -104,7 +104,7 @@ def run(
         Literal["skfem", "dolfinx", "lammps", "cuda"] | None,
         Option(
             "--engine",
-            help="dolfinx: PETSc, the default under mpirun; lammps: settles a [packing]; cuda: particles on a GPU",
+            help="dolfinx: PETSc, the default under mpirun; lammps: settles a packing; cuda: particles on a GPU",
         ),
     ] = None,
     threads: Threads = None,

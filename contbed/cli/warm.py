@@ -34,19 +34,22 @@ _BOX = {
     "boundary": _BED["boundary"] | {name: {"type": "wall"} for name in ("front", "back")},  # type: ignore[operator]
 }
 _PARTICLES = {
-    "particles": {
-        "count": 150,
-        "radius": 1e-3,
-        "width": [0.009, 0.009],
-        "density": 2500.0,
-        "conductivity": 0.84,
-        "emissivity": 0.9,
-        "sliding_friction": 0.3,
-        "rolling_friction": 0.04,
+    "particles": {"count": 150, "width": [0.009, 0.009], "height": 0.04},
+    "solids": {
+        "beads": {
+            "diameter": 2e-3,
+            "density": 2500.0,
+            "conductivity": 0.84,
+            "emissivity": 0.9,
+            "sliding_friction": 0.3,
+            "rolling_friction": 0.04,
+        }
     },
-    "fluid": _GAS | {"model": "constant", "heat_capacity": 1005.0, "conductivity": 0.026},
-    "gas": {"velocity": 0.6, "height": 0.04, "nusselt": "gunn"},
-    "heat": {"T": 400.0},
+    "gas": _GAS | {"heat_capacity": 1005.0, "conductivity": 0.026},
+    "closures": {"nusselt": "gunn"},
+    "boundary": {"bottom": {"gas": {"velocity": 0.6}}},
+    "heat": {},
+    "initial": {"solids": {"beads": {"temperature": 400.0}}},
     "time": {"end": 2e-3, "sample": 1e-3},
 }
 _LINE = {

@@ -2,224 +2,318 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from contbed.dem import dumps
 from contbed.dem import scene as p
 from contbed.dem.heat import VORONOI
-from contbed.dem.particle_files import FileParticles, missing_step, read_particles, tells_radii
+from contbed.dem.particle_files import (
+    FileParticles,
+    missing_step,
+    read_particles,
+    tells_radii,
+)
 from contbed.dem.particles import Material
 from contbed.dem.plan import porosity_of
 from contbed.dem.sizes import CUT
 from contbed.dem.softness import DENSER, too_soft
 from contbed.dem.walls import REACHES, SKIN
 from contbed.scene.checking import Check, Mistakes, See
-from contbed.scene.toml_lines import Origin
+from contbed.scene.toml_lines import KeyPath, Origin
 
 LOWEST = 5.0  # diameters: a packing has hot and cold layers of three together, and a slope is read between them
+LATTICE: KeyPath = ("particles", "lattice")
+PACKING: KeyPath = ("particles", "packing")
+LAYERS: KeyPath = ("particles", "layers")
+PATHS: KeyPath = ("particles", "paths")
+Solids = Mapping[str, p.Solid]
 
 
-def one_source(
-    lattice: p.Lattice | None, particles: p.Particles | None, packing: p.Packing | None, see: See
-) -> Mistakes:
+def the_only(solids: Solids) -> tuple[str, p.Solid]:
+    """Return the only solid phase with its name."""
+    return next(iter(solids.items()))
+
+
+def one_source(particles: p.Particles) -> Mistakes:
     """Require one of a lattice, a file of particles and a packing."""
-    if packing is not None:
-        for name, other in (("lattice", lattice), ("particles", particles)):
-            if other is not None:
-                yield ("packing",), f"the particles are given already; remove one; see {see(name)}"
-    if lattice is not None and particles is not None:
-        yield ("particles",), f"there is a lattice already; remove one; see {see('lattice')}"
-    if lattice is None and particles is None and packing is None:
-        yield ("particles",), "this table is missing; give [particles] with a file, [packing] or [lattice]"
+    sources = ("file", "lattice", "packing")
+    given = [name for name in sources if getattr(particles, name) is not None]
+    if not given:
+        yield ("particles",), "give one of file, lattice, packing"
+    for name in given[1:]:
+        yield ("particles", name), f"there is a {given[0]} already; remove one"
 
 
-def lattice_has_no_layers(lattice: p.Lattice | None, layers: p.Layers | None, see: See) -> Mistakes:
+def lattice_has_no_layers(particles: p.Particles, see: See) -> Mistakes:
     """Refuse layers of fixed temperature in a lattice, which is a periodic cell."""
-    if lattice is not None and layers is not None:
-        yield ("layers",), f"a lattice is a periodic cell and has no layers; see {see('lattice')}"
+    if particles.lattice is not None and particles.layers is not None:
+        lattice = see("particles.lattice")
+        yield LAYERS, f"a lattice is a periodic cell and has no layers; see {lattice}"
 
 
-def contact_is_small(lattice: p.Lattice | None, see: See) -> Mistakes:
+def spheres_have_a_diameter(particles: p.Particles, solids: Solids) -> Mistakes:
+    """Require the diameter of spheres that the scene places."""
+    name, solid = the_only(solids)
+    placed = particles.lattice is not None or particles.packing is not None
+    if placed and solid.diameter is None:
+        yield ("solids", name, "diameter"), "missing; allowed: a number > 0 m"
+    if particles.packing is None and solid.size_spread:
+        yield ("solids", name, "size_spread"), "is for spheres of a packing"
+
+
+def contact_is_small(particles: p.Particles, solids: Solids, see: See) -> Mistakes:
     """Require contacts smaller than the spheres of a lattice."""
-    if lattice is not None and lattice.contact_radius >= lattice.radius:
-        yield ("lattice", "contact_radius"), f"is not below the radius; see {see('lattice.radius')}"
+    (name, solid), lattice = the_only(solids), particles.lattice
+    if lattice is None or solid.radius is None:
+        return
+    if lattice.contact_radius >= solid.radius:
+        diameter = see(f"solids.{name}.diameter")
+        text = f"is not below the radius of the particles; see {diameter}"
+        yield (*LATTICE, "contact_radius"), text
 
 
-def packing_is_complete(packing: p.Packing | None, see: See) -> Mistakes:
+def packing_is_complete(particles: p.Particles, solids: Solids, see: See) -> Mistakes:
     """Require one size of the bed and one number of spheres, in a bed that they fit into."""
+    packing, (name, solid) = particles.packing, the_only(solids)
     if packing is None:
         return
     if (packing.count is None) == (packing.height is None):
-        yield ("packing",), "give either count, the number of spheres, or height"
+        yield PACKING, "give either count, the number of spheres, or height"
     if (packing.width is None) == (packing.cylinder is None):
-        yield ("packing",), "give either width, of a box, or cylinder, the radius of a round bed"
+        text = "give either width, of a box, or cylinder, the radius of a round bed"
+        yield PACKING, text
         return
     if packing.cylinder is not None and packing.periodic:
-        yield ("packing", "periodic"), f"a cylinder has no periodic sides; see {see('packing.cylinder')}"
+        cylinder = see("particles.packing.cylinder")
+        yield (*PACKING, "periodic"), f"a cylinder has no periodic sides; see {cylinder}"
+    if solid.diameter is not None:
+        yield from _fits_into_the_bed(packing, name, solid, see)
+
+
+def _fits_into_the_bed(packing: p.Packing, name: str, solid: p.Solid, see: See) -> Mistakes:
+    """Require a bed that is wide enough for its spheres, and high enough to measure heat."""
+    diameter = solid.diameter or 0.0
     key = "width" if packing.width is not None else "cylinder"
-    narrow = min(packing.width) if packing.width is not None else 2.0 * (packing.cylinder or 0.0)
-    largest = 2.0 * packing.radius * (1.0 + CUT * packing.spread)
-    least = REACHES * largest * (1.0 + 0.5 * SKIN) if packing.periodic else largest
+    narrow = 2.0 * (packing.cylinder or 0.0)
+    if packing.width is not None:
+        narrow = min(packing.width)
+    largest = diameter * (1.0 + CUT * solid.size_spread)
+    least, what = largest, "one of the largest spheres"
+    if packing.periodic:
+        least = REACHES * largest * (1.0 + 0.5 * SKIN)
+        what = "three of the largest spheres and room"
     if narrow < least:
         yield (
-            ("packing", key),
+            (*PACKING, key),
             f"the bed is {narrow:.4g} m wide; it must be {least:.4g} m at least, "
-            f"{'three of the largest spheres and room' if packing.periodic else 'one of the largest spheres'}; "
-            f"see {see('packing.radius')}",
+            f"{what}; see {see(f'solids.{name}.diameter')}",
         )
         return
-    if packing.number and packing.expected_height < LOWEST * 2.0 * packing.radius:
+    number = packing.number(solid)
+    if not number:
+        return
+    height = packing.expected_height(solid)
+    if height < LOWEST * diameter:
         yield (
-            ("packing", "height" if packing.count is None else "count"),
-            f"{packing.number} spheres make a bed about {packing.expected_height:.3g} m high; heat is measured in "
-            f"beds of {LOWEST:g} diameters, {LOWEST * 2.0 * packing.radius:.3g} m, at least",
+            (*PACKING, "height" if packing.count is None else "count"),
+            f"{number} spheres make a bed about {height:.3g} m high; heat is measured "
+            f"in beds of {LOWEST:g} diameters, {LOWEST * diameter:.3g} m, at least",
         )
 
 
-def packing_conducts(
-    packing: p.Packing | None, layers: p.Layers | None, conduction: p.Conduction, particles: p.Particles | None
-) -> Mistakes:
+def packing_conducts(particles: p.Particles, solids: Solids) -> Mistakes:
     """Require paths of heat that a packing has, and the area of a bed from a file."""
-    if layers is not None and particles is not None and layers.area is None:
-        yield ("layers", "area"), "missing; give the cross-section of the bed in m2"
+    layers, packing, paths = particles.layers, particles.packing, particles.paths
+    if layers is not None and particles.file is not None and layers.area is None:
+        text = "missing; give the cross-section of the bed in m2"
+        yield (*LAYERS, "area"), text
     if packing is None:
         return
+    name, solid = the_only(solids)
     if layers is not None and layers.area is not None:
-        yield ("layers", "area"), f"is that of the packing, {packing.area:.4g} m2; remove this line"
-    if conduction.paths in VORONOI and packing.spread > 0.0:
-        yield ("conduction", "paths"), f"{conduction.paths} are for equal particles; use cones, or packing.spread = 0"
-    if conduction.paths in VORONOI and packing.cylinder is not None:
-        yield ("conduction", "paths"), f"{conduction.paths} end at flat walls; use cones, or a packing in a box"
+        text = f"is that of the packing, {packing.area:.4g} m2; remove this line"
+        yield (*LAYERS, "area"), text
+    if paths in VORONOI and solid.size_spread > 0.0:
+        spread = f"solids.{name}.size_spread"
+        yield PATHS, f"{paths} are for equal particles; use cones, or {spread} = 0"
+    if paths in VORONOI and packing.cylinder is not None:
+        yield PATHS, f"{paths} end at flat walls; use cones, or a packing in a box"
 
 
-def layers_are_apart(layers: p.Layers | None, see: See) -> Mistakes:
+def layers_are_apart(particles: p.Particles, see: See) -> Mistakes:
     """Require that the hot layer lies below the cold one and is hotter."""
+    layers = particles.layers
     if layers is None:
         return
     if layers.bottom >= layers.top:
-        yield ("layers", "bottom"), f"is not below the top; see {see('layers.top')}"
+        top = see("particles.layers.top")
+        yield (*LAYERS, "bottom"), f"is not below the top; see {top}"
     if layers.T_hot <= layers.T_cold:
-        yield ("layers", "T_hot"), f"is not above T_cold = {layers.T_cold:g} K; see {see('layers.T_cold')}"
+        cold = see("particles.layers.T_cold")
+        yield (*LAYERS, "T_hot"), f"is not above T_cold = {layers.T_cold:g} K; see {cold}"
 
 
-def fluid_is_there(conduction: p.Conduction, closure: p.Closure | None, see: See) -> Mistakes:
-    """Require a fluid where columns or a closure need one."""
-    if conduction.fluid is not None:
+def gas_is_there(particles: p.Particles, gas: p.Gas | None) -> Mistakes:
+    """Require a gas where columns or a closure need one."""
+    if gas is not None:
         return
-    if conduction.paths in VORONOI:
-        yield ("conduction", "paths"), f"{conduction.paths} lead through a fluid; see {see('conduction.fluid')}"
-    if closure is not None:
-        yield ("closure",), f"its ratios are those to the fluid, which is missing; see {see('conduction.fluid')}"
+    if particles.paths in VORONOI:
+        yield PATHS, f"{particles.paths} lead through a gas; give gas.conductivity"
+    if particles.closure is not None:
+        text = "its ratios are those to the gas, which is missing; give gas.conductivity"
+        yield ("particles", "closure"), text
 
 
-def closure_has_points(closure: p.Closure | None, see: See) -> Mistakes:
+def closure_has_points(particles: p.Particles, see: See) -> Mistakes:
     """Require more ratios than the polynomial of a closure has terms."""
-    if closure is not None and len(set(closure.ratios)) < closure.degree + 2:
-        yield (
-            ("closure", "ratios"),
-            f"{len(set(closure.ratios))} ratios cannot give {closure.degree + 1} terms and their errors; "
-            f"see {see('closure.degree')}",
-        )
-
-
-def columns_have_no_radiation(conduction: p.Conduction, radiation: p.Radiation | None, see: See) -> Mistakes:
-    """Refuse columns together with radiation."""
-    if conduction.paths == "columns" and radiation is not None:
-        yield (
-            ("conduction", "paths"),
-            f"columns are for equal particles without [radiation]; use cones; see {see('radiation')}",
-        )
-
-
-def spreading_suits(
-    conduction: p.Conduction, surface: p.Surface | None, closure: p.Closure | None, see: See
-) -> Mistakes:
-    """Require particles that conduct no worse than the fluid, and spreading paths for rough surfaces."""
-    if surface is not None and conduction.paths != "spreading":
-        yield ("surface",), f'is for paths = "spreading" alone; see {see("conduction.paths")}'
-    if conduction.paths != "spreading" or conduction.fluid is None:
+    closure = particles.closure
+    if closure is None:
         return
-    if conduction.particles < conduction.fluid:
+    count = len(set(closure.ratios))
+    if count < closure.degree + 2:
+        degree = see("particles.closure.degree")
         yield (
-            ("conduction", "particles"),
-            f"is below that of the fluid; spreading paths are for better conductors; see {see('conduction.fluid')}",
+            ("particles", "closure", "ratios"),
+            f"{count} ratios cannot give {closure.degree + 1} terms and their errors; see {degree}",
         )
+
+
+def radiation_suits(particles: p.Particles, solids: Solids, radiation: p.Radiation | None, see: See) -> Mistakes:
+    """Refuse columns together with radiation, and radiation without an emissivity."""
+    if radiation is None:
+        return
+    if particles.paths == "columns":
+        text = "columns are for equal particles without [radiation]; use cones"
+        yield PATHS, f"{text}; see {see('radiation')}"
+    name, solid = the_only(solids)
+    if solid.emissivity is None:
+        text = f"missing; radiation needs it; see {see('radiation')}"
+        yield ("solids", name, "emissivity"), text
+
+
+def spreading_suits(particles: p.Particles, solids: Solids, gas: p.Gas | None, see: See) -> Mistakes:
+    """Require particles that conduct no worse than the gas where heat spreads into them."""
+    if particles.paths != "spreading" or gas is None:
+        return
+    name, solid = the_only(solids)
+    if solid.conductivity < gas.conductivity:
+        yield (
+            ("solids", name, "conductivity"),
+            f"is below that of the gas; spreading paths are for better conductors; see {see('gas.conductivity')}",
+        )
+    closure = particles.closure
     if closure is not None and min(closure.ratios) < 1.0:
-        yield ("closure", "ratios"), f"go below 1, where spreading paths end; see {see('conduction.paths')}"
+        text = f"go below 1, where spreading paths end; see {see('particles.paths')}"
+        yield ("particles", "closure", "ratios"), text
 
 
-def file_can_be_used(
-    particles: p.Particles | None, layers: p.Layers | None, conduction: p.Conduction, origin: Origin
-) -> Mistakes:
-    """Read the file as for a run, so that both say the same."""
-    if particles is None:
+def rough_surfaces_are_complete(particles: p.Particles, solids: Solids, gas: p.Gas | None, see: See) -> Mistakes:
+    """Require spreading paths for rough particles, and all properties of their contacts."""
+    name, solid = the_only(solids)
+    keys = ("asperity_slope", "microhardness")
+    roughness = see(f"solids.{name}.roughness")
+    if solid.roughness is None:
+        for key in keys:
+            if getattr(solid, key) is not None:
+                yield ("solids", name, key), "has no use without a roughness"
         return
-    path = origin.base / particles.file
+    if particles.paths != "spreading":
+        path = see("particles.paths")
+        text = f'is for paths = "spreading" alone; see {path}'
+        yield ("solids", name, "roughness"), text
+    for key in (*keys, "youngs_modulus"):
+        if getattr(solid, key) is None:
+            yield ("solids", name, key), f"missing; rough contacts need it; see {roughness}"
+    if gas is None or gas.mean_free_path is None:
+        text = f"missing; rough contacts need it; see {roughness}"
+        yield ("gas", "mean_free_path"), text
+
+
+def file_can_be_used(particles: p.Particles, solids: Solids, origin: Origin) -> Mistakes:
+    """Read the file as for a run, so that both say the same."""
+    if particles.file is None:
+        return
+    name, solid = the_only(solids)
+    path, key = origin.base / particles.file, ("particles", "file")
     if "\0" in particles.file or not path.is_file():
-        yield ("particles", "file"), f"no such file; looked for {path.absolute()}"
+        yield key, f"no such file; looked for {path.absolute()}"
         return
     if particles.step is not None and dumps.is_dump(path):
         frames = dumps.read_dump(path)
         if particles.step not in [frame.step for frame in frames]:
             yield ("particles", "step"), missing_step(frames)
             return
-    if particles.radius is None and not tells_radii(path):
-        yield ("particles", "radius"), f"missing; {particles.file} has none"
+    if solid.diameter is None and not tells_radii(path):
+        text = f"missing; {particles.file} has no radii"
+        yield ("solids", name, "diameter"), text
         return
-    found = read_particles(path, particles.radius, particles.step)
-    yield from _fits(found, particles, layers, conduction)
+    found = read_particles(path, solid.radius, particles.step)
+    yield from _fits(found, particles)
 
 
-def _fits(found: FileParticles, particles: p.Particles, layers: p.Layers | None, conduction: p.Conduction) -> Mistakes:
+def _fits(found: FileParticles, particles: p.Particles) -> Mistakes:
     """Require that the other tables suit the particles of the file."""
-    if conduction.paths in VORONOI and np.ptp(found.radius) > 0:
-        yield ("conduction", "paths"), f"{conduction.paths} are for equal particles without [radiation]; use cones"
+    layers = particles.layers
+    if particles.paths in VORONOI and np.ptp(found.radius) > 0:
+        text = "are for equal particles without [radiation]; use cones"
+        yield PATHS, f"{particles.paths} {text}"
     if layers is not None and layers.area is None:
         return
     if layers is None:
         if not all(found.periodic):
-            yield (
-                ("layers",),
-                f"this table is missing; the box of {particles.file} is not periodic on all sides",
-            )
+            text = "this table is missing; the box of"
+            yield LAYERS, f"{text} {particles.file} is not periodic on all sides"
         return
-    hot, cold = found.x[:, 2] < layers.bottom, found.x[:, 2] > layers.top
+    z = found.x[:, 2]
+    hot, cold = z < layers.bottom, z > layers.top
     if not hot.any() or not cold.any():
         yield (
-            ("layers", "top" if hot.any() else "bottom"),
-            f"layers of {hot.sum()} hot and {cold.sum()} cold particles; each needs particles of its own; "
-            f"centres are from {found.x[:, 2].min():.4g} to {found.x[:, 2].max():.4g} m",
+            (*LAYERS, "top" if hot.any() else "bottom"),
+            f"layers of {hot.sum()} hot and {cold.sum()} cold particles; each needs "
+            f"particles of its own; centres are from {z.min():.4g} to {z.max():.4g} m",
         )
-    elif conduction.porosity is None and not 0.0 < (eps := porosity_of(layers, *found[:2], found.box)) < 1.0:
-        yield ("layers", "area"), f"gives a porosity of {eps:.3g} between the layers; it must lie in (0, 1)"
+    elif particles.porosity is None:
+        eps = porosity_of(layers, *found[:2], found.box)
+        if not 0.0 < eps < 1.0:
+            text = f"gives a porosity of {eps:.3g} between the layers"
+            yield (*LAYERS, "area"), f"{text}; it must lie in (0, 1)"
 
 
 CHECKS = (
     one_source,
     lattice_has_no_layers,
+    spheres_have_a_diameter,
     contact_is_small,
     packing_is_complete,
     packing_conducts,
     layers_are_apart,
-    fluid_is_there,
+    gas_is_there,
     closure_has_points,
-    columns_have_no_radiation,
+    radiation_suits,
     spreading_suits,
+    rough_surfaces_are_complete,
     file_can_be_used,
 )
 
 
-def packing_bears_itself(packing: p.Packing | None) -> Mistakes:
+def packing_bears_itself(particles: p.Particles, solids: Solids) -> Mistakes:
     """Look for spheres so soft that the packing is denser under its weight than one of hard spheres."""
-    if packing is None or not packing.number:
+    packing, solid = particles.packing, the_only(solids)[1]
+    radius, modulus = solid.radius, particles.simulated_modulus
+    if packing is None or radius is None or modulus is None:
         return
-    material = Material(packing.density, packing.modulus, packing.poisson_ratio)
-    if found := too_soft(packing.expected_height, packing.radius, material):
+    if not packing.number(solid):
+        return
+    height = packing.expected_height(solid)
+    if found := too_soft(height, radius, Material.of(solid, modulus)):
         denser, enough = found
         yield (
-            ("packing", "modulus"),
-            f"so soft that a packing about {packing.expected_height:.2g} m high is {denser:.1%} denser by its weight, "
-            f"with more and larger contacts; {enough:.2g} Pa keep that to {DENSER:.0%}",
+            ("particles", "modulus"),
+            f"so soft that a packing about {height:.2g} m high is {denser:.1%} denser "
+            f"by its weight, with more and larger contacts; {enough:.2g} Pa keep that "
+            f"to {DENSER:.0%}",
         )
 
 

@@ -88,7 +88,7 @@ def contact_commands(material: Material, walls: Sequence[Wall]) -> list[str]:
 def rolling_refused(friction: float) -> str:
     """Say that LAMMPS has another law of rolling."""
     return (
-        f"packing.rolling_friction = {friction:g}: LAMMPS has another law of rolling (a spring with a slider); "
+        f"rolling_friction = {friction:g}: LAMMPS has another law of rolling (a spring with a slider); "
         "set it to 0, or settle without --engine lammps"
     )
 

@@ -68,7 +68,7 @@ def _read(path: Path, radius: float | None, step: int | None, stamp: tuple[int, 
         table = read_table(path)
         given = table.radius if radius is None else np.full(len(table.x), radius)
         if given is None:
-            raise SceneError(f"{path}:1: no radius; set particles.radius, or add a column radius")
+            raise SceneError(f"{path}:1: no radius; set solids.NAME.diameter, or add a column radius")
         return FileParticles(table.x, given, table.velocity)
     frames = dumps.read_dump(path)
     frame = frames[-1] if step is None else next((frame for frame in frames if frame.step == step), None)

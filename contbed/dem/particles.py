@@ -50,11 +50,11 @@ class Material:
             raise SceneError(problems)
 
     @classmethod
-    def of(cls, table: Any) -> Material:
-        """Return the material that a table of a scene gives to its particles."""
+    def of(cls, table: Any, modulus: float) -> Material:
+        """Return the material of a table [solids.NAME], with the `modulus` of a simulation [Pa]."""
         return cls(
             table.density,
-            table.modulus,
+            modulus,
             table.poisson_ratio,
             table.restitution,
             table.sliding_friction,

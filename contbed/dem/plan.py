@@ -11,16 +11,18 @@ from numpy.typing import NDArray
 
 from contbed.dem.particle_files import read_particles
 from contbed.dem.particles import Material, Particles
-from contbed.dem.scene import Lattice, Layers, ParticleScene
+from contbed.dem.scene import Lattice, Layers, Packing, ParticleScene
 from contbed.dem.sizes import random_radii
 from contbed.dem.softness import GRAVITY
 from contbed.errors import EngineError, SceneError
 from contbed.models import Plan
 from contbed.plan_text import duration, plan_text
+from contbed.scene.toml_lines import dotted
 from contbed.solvers.memory import MemoryPerUnknown
 
 Array = NDArray[np.float64]
 
+PACKING = ("particles", "packing")  # key of the table
 BOTTOM, TOP = 1.0, 2.0  # diameters from the floor and from the surface, where the layers of a packing end
 
 # bytes for each temperature, with the paths of its particle: 2000 by contacts, 3700 through a fluid
@@ -59,8 +61,8 @@ class ParticlePlan:
 
     def unknowns(self) -> dict[str, int]:
         """Count the unknowns: the temperatures."""
-        packing = self.scene.packing
-        return {"heat": len(self.x) if packing is None else packing.number}
+        packing = self.scene.particles.packing
+        return {"heat": len(self.x) if packing is None else packing.number(self.scene.solid)}
 
     def seconds(self) -> float | None:
         """Predict the processor time of settling and of the networks [s]; None where LAMMPS or a GPU settles.
@@ -69,7 +71,8 @@ class ParticlePlan:
         """
         if self.engine != "contbed":
             return None
-        networks = 1 if self.scene.closure is None else 1 + len(self.scene.closure.ratios)
+        closure = self.scene.particles.closure
+        networks = 1 if closure is None else 1 + len(closure.ratios)
         return _settling(self.scene) + NETWORK * self.unknowns()["heat"] * networks
 
     def on_gpu(self) -> ParticlePlan:
@@ -79,16 +82,16 @@ class ParticlePlan:
         ------
         EngineError : the scene has no packing
         """
-        if self.scene.packing is None:
+        if self.scene.particles.packing is None:
             raise EngineError(
-                f"{self.scene.origin.name}: --engine cuda settles the [packing] of a scene of particles; "
+                f"{self.scene.origin.name}: --engine cuda settles the [particles.packing] of a scene; "
                 "this scene has none, leave the option out"
             )
         return replace(self, engine="cuda", built=particles_by(self.built, "on a GPU"))
 
     def __str__(self) -> str:
         seconds = self.seconds()
-        if self.scene.packing is None or seconds is None:
+        if self.scene.particles.packing is None or seconds is None:
             return plan_text(self)
         return plan_text(self, f"time: about {duration(seconds)} of processor")
 
@@ -105,25 +108,26 @@ def plan(scene: ParticleScene) -> ParticlePlan:
     ------
     SceneError : the file of particles cannot be used
     """
-    if scene.packing is not None:
+    table = scene.particles
+    if table.packing is not None:
         x, radius, porosity = np.empty((0, 3)), np.empty(0), float("nan")
         box = np.zeros(3), np.zeros(3)
-        periodic: tuple[bool, ...] = (scene.packing.periodic, scene.packing.periodic, False)
-        what = f"{scene.packing.number}, settled from a random start"
+        periodic: tuple[bool, ...] = (table.packing.periodic, table.packing.periodic, False)
+        what = f"{table.packing.number(scene.solid)}, settled from a random start"
     else:
-        x, radius, box, periodic = _lattice(scene.lattice) if scene.lattice is not None else _from_file(scene)
-        porosity = scene.conduction.porosity or porosity_of(scene.layers, x, radius, box)
+        x, radius, box, periodic = _from_file(scene) if table.lattice is None else _lattice(table.lattice, scene)
+        porosity = table.porosity or porosity_of(table.layers, x, radius, box)
         what = f"{len(x)}, porosity {porosity:.4g}"
-    is_cell = scene.layers is None and scene.packing is None
+    is_cell = table.layers is None and table.packing is None
     built = [("particles", what), ("network", "periodic cell, full tensor" if is_cell else "between layers")]
     skipped: list[tuple[str, str]] = []
     for there, what, how, why in (
-        (scene.conduction.fluid is not None, "heat through the fluid", scene.conduction.paths, "no conduction.fluid"),
+        (scene.gas is not None, "heat through the gas", table.paths, "no [gas] table"),
         (scene.radiation is not None, "radiation", "reciprocal, linear", "no [radiation] table"),
-        (scene.closure is not None, "closure file", "log-polynomial", "no [closure] table"),
+        (table.closure is not None, "closure file", "log-polynomial", "no [particles.closure] table"),
     ):
         (built if there else skipped).append((what, how if there else why))
-    return ParticlePlan(scene, x, radius, box, periodic, porosity, scene.layers, tuple(built), tuple(skipped))
+    return ParticlePlan(scene, x, radius, box, periodic, porosity, table.layers, tuple(built), tuple(skipped))
 
 
 def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePlan:
@@ -143,13 +147,13 @@ def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePla
     """
     from contbed.dem.packing import pack
 
-    scene, table = plan.scene, plan.scene.packing
+    scene, table = plan.scene, plan.scene.particles.packing
     assert table is not None
     bed = pack(
         table.width,
         cylinder=table.cylinder,
-        radius=random_radii(table.radius, table.spread, table.number, table.seed),
-        material=Material.of(table),
+        radius=_radii(scene, table),
+        material=_material(scene),
         periodic=(table.periodic, table.periodic),
         seed=table.seed,
         quiet=quiet,
@@ -158,15 +162,17 @@ def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePla
     )
     x, radius = bed.position, bed.radius
     low, high = np.array(bed.domain.lower), np.array([*bed.domain.upper[:2], float((x[:, 2] + radius).max())])
-    diameter = 2.0 * table.radius
-    layers = scene.layers or Layers(bottom=BOTTOM * diameter, top=bed.statistics["surface"] - TOP * diameter)
+    diameter = scene.solid.diameter
+    assert diameter is not None
+    layers = scene.particles.layers or Layers(bottom=BOTTOM * diameter, top=bed.statistics["surface"] - TOP * diameter)
     layers = layers.model_copy(update={"area": table.area})
     if not layers.bottom < layers.top < high[2]:
         raise SceneError(
-            f"{scene.origin.at(('packing',))}: packing: the bed is {bed.statistics['surface']:.4g} m high, too low for "
-            f"layers below {layers.bottom:.4g} m and above {layers.top:.4g} m; take more spheres, or a narrower bed"
+            f"{scene.origin.at(PACKING)}: {dotted(PACKING)}: the bed is {bed.statistics['surface']:.4g} m high, "
+            f"too low for layers below {layers.bottom:.4g} m and above {layers.top:.4g} m; "
+            "take more spheres, or a narrower bed"
         )
-    porosity = scene.conduction.porosity or porosity_of(layers, x, radius, (low, high))
+    porosity = scene.particles.porosity or porosity_of(layers, x, radius, (low, high))
     return replace(plan, x=x, radius=radius, box=(low, high), porosity=porosity, layers=layers)
 
 
@@ -175,12 +181,26 @@ def _settling(scene: ParticleScene) -> float:
     from contbed.dem.packing import AT_REST, loose_height
     from contbed.dem.settling import settling_time, stages_of
 
-    table = scene.packing
+    table = scene.particles.packing
     if table is None:
         return 0.0
-    radii = np.array(random_radii(table.radius, table.spread, table.number, table.seed))
-    stages = stages_of(Particles(np.zeros((len(radii), 3)), radii), Material.of(table), AT_REST, GRAVITY)
+    radii = np.array(_radii(scene, table))
+    stages = stages_of(Particles(np.zeros((len(radii), 3)), radii), _material(scene), AT_REST, GRAVITY)
     return settling_time(stages, len(radii), loose_height(radii, table.area), GRAVITY)
+
+
+def _radii(scene: ParticleScene, table: Packing) -> Array:
+    """Draw the radii of a packing [m]."""
+    solid = scene.solid
+    assert solid.radius is not None
+    return random_radii(solid.radius, solid.size_spread, table.number(solid), table.seed)
+
+
+def _material(scene: ParticleScene) -> Material:
+    """Return the material of the simulation of a packing."""
+    modulus = scene.particles.simulated_modulus
+    assert modulus is not None
+    return Material.of(scene.solid, modulus)
 
 
 def on_lammps(plan: Plan) -> ParticlePlan:
@@ -195,33 +215,36 @@ def on_lammps(plan: Plan) -> ParticlePlan:
     from contbed.dem.lammps_run import find_program
 
     scene = plan.scene
-    if not isinstance(plan, ParticlePlan) or plan.scene.packing is None:
+    if not isinstance(plan, ParticlePlan) or plan.scene.particles.packing is None:
         raise EngineError(
-            f"{scene.origin.name}: --engine lammps settles the [packing] of a scene of particles; this scene of kind "
+            f"{scene.origin.name}: --engine lammps settles the [particles.packing] of a scene; this scene of kind "
             f"{scene.kind} has none, leave the option out"
         )
-    table = plan.scene.packing
-    if table.rolling_friction > 0.0:
-        where = scene.origin.at(("packing", "rolling_friction"))
-        raise SceneError(f"{where}: {rolling_refused(table.rolling_friction)}")
+    friction = plan.scene.solid.rolling_friction
+    if friction > 0.0:
+        where = scene.origin.at(("solids", *scene.solids, "rolling_friction"))
+        raise SceneError(f"{where}: {rolling_refused(friction)}")
     find_program()
     return replace(plan, engine="lammps", built=particles_by(plan.built, "by LAMMPS"))
 
 
-def _lattice(table: Lattice) -> tuple[Array, Array, tuple[Array, Array], tuple[bool, ...]]:
-    edge = _EDGE[table.type] * table.radius
+def _lattice(table: Lattice, scene: ParticleScene) -> tuple[Array, Array, tuple[Array, Array], tuple[bool, ...]]:
+    """Return centres, radii, box and periodic sides of a lattice."""
+    radius = scene.solid.radius
+    assert radius is not None
+    edge = _EDGE[table.type] * radius
     steps = np.arange(table.cells)
     origins = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), -1).reshape(-1, 1, 3)
     x = ((origins + np.array(_CORNERS[table.type])) * edge).reshape(-1, 3)
-    return x, np.full(len(x), table.radius), (np.zeros(3), np.full(3, edge * table.cells)), (True, True, True)
+    return x, np.full(len(x), radius), (np.zeros(3), np.full(3, edge * table.cells)), (True, True, True)
 
 
 def _from_file(scene: ParticleScene) -> tuple[Array, Array, tuple[Array, Array], tuple[bool, ...]]:
     """Read centres, radii, box and periodic sides; layers open the axis that heat flows along."""
     table = scene.particles
-    assert table is not None
-    found = read_particles(scene.origin.base / table.file, table.radius, table.step)
-    periodic = found.periodic if scene.layers is None else (*found.periodic[:2], False)
+    assert table.file is not None
+    found = read_particles(scene.origin.base / table.file, scene.solid.radius, table.step)
+    periodic = found.periodic if table.layers is None else (*found.periodic[:2], False)
     return found.x, found.radius, found.box, periodic
 
 

@@ -24,13 +24,14 @@ def fill(result: Result, plan: ParticlePlan, found: Layers | Cell, contacts: int
         _fill_layers(result, plan, found)
     k = found.mean
     result.qoi |= {"porosity": plan.porosity, "coordination": 2.0 * contacts / len(plan.x), "k_eff [W/m/K]": k}
-    if scene.packing is not None:
+    if scene.particles.packing is not None:
         result.qoi["height [m]"] = surface(plan.x, plan.radius)
-    if scene.conduction.fluid is not None:
-        result.qoi["k_eff_over_k_fluid"] = k / scene.conduction.fluid
-    if scene.lattice is not None:
-        scale = scene.conduction.particles * scene.lattice.contact_radius * factor
-        result.qoi["k_eff_over_contact_scale"] = k * scene.lattice.radius / scale
+    if scene.gas is not None:
+        result.qoi["k_eff_over_k_fluid"] = k / scene.gas.conductivity
+    lattice, radius = scene.particles.lattice, scene.solid.radius
+    if lattice is not None and radius is not None:
+        scale = scene.solid.conductivity * lattice.contact_radius * factor
+        result.qoi["k_eff_over_contact_scale"] = k * radius / scale
 
 
 def _fill_cell(result: Result, cell: Cell) -> None:

@@ -34,7 +34,7 @@ def run(plan: ParticlePlan, result: Result, folder: Path | None, quiet: bool, st
     EngineError, ConvergenceError : the packing does not settle
     """
     scene = plan.scene
-    if scene.packing is not None:
+    if scene.particles.packing is not None:
         with result.timed("packing"):
             plan = settled(plan, folder, quiet)
         if folder is not None:
@@ -47,36 +47,39 @@ def _conduct(plan: ParticlePlan, result: Result, folder: Path | None) -> None:
     """Solve the network of the particles and fill the result."""
     scene = plan.scene
     pairs = _pairs(plan)
-    parts = _conductances(plan, pairs, scene.conduction.particles)
+    parts = _conductances(plan, pairs, scene.solid.conductivity)
     fill(result, plan, _solve(plan, pairs, parts), int((parts["contact"] > 0).sum()), _correction(scene))
-    if scene.closure is not None:
+    if scene.particles.closure is not None:
         _fit_closure(plan, pairs, result, folder)
 
 
 def _pairs(plan: ParticlePlan) -> heat.Pairs:
     """Find the pairs that exchange heat: with a fluid or radiation within 1.5 diameters, else those that touch."""
-    table = plan.scene.conduction
+    table = plan.scene.particles
     if table.paths in heat.VORONOI:
         if np.ptp(plan.radius) > 0:
-            where = plan.scene.origin.at(("conduction", "paths")) + ": conduction.paths"
+            where = plan.scene.origin.at(("particles", "paths")) + ": particles.paths"
             raise SceneError(f"{where}: {table.paths} are for equal particles without [radiation]; use cones")
         return heat.voronoi_pairs(plan.x, plan.box, plan.periodic)
     reach = 2.0 * float(plan.radius.max())
-    reach *= heat.VIEW if table.fluid is not None or plan.scene.radiation is not None else 1.0 + TOUCH
+    reach *= heat.VIEW if plan.scene.gas is not None or plan.scene.radiation is not None else 1.0 + TOUCH
     return heat.near_pairs(plan.x, reach, plan.box, plan.periodic)
 
 
 def _conductances(plan: ParticlePlan, pairs: heat.Pairs, k: float) -> dict[str, Array]:
     """Find the conductances [W/K] by mechanism of particles of conductivity k [W/m/K]."""
     scene = plan.scene
-    table, radius = scene.conduction, None if scene.lattice is None else scene.lattice.contact_radius
-    how = heat.Conduction(k, table.fluid, plan.porosity, _correction(scene), radius, table.paths, _surface(scene))
+    lattice, paths = scene.particles.lattice, scene.particles.paths
+    radius = None if lattice is None else lattice.contact_radius
+    how = heat.Conduction(k, scene.k_gas, plan.porosity, _correction(scene), radius, paths, _surface(scene))
     equal = np.ptp(plan.radius) == 0
     parts = heat.conductances(pairs, plan.radius[0] if equal else plan.radius, how)
     if scene.radiation is not None:
         d = 2.0 * float(plan.radius.mean())
+        emissivity = scene.solid.emissivity
+        assert emissivity is not None
         parts["radiation"] = heat.radiation_conductance(
-            pairs, len(plan.x), scene.radiation.temperature, d, scene.radiation.emissivity, plan.porosity
+            pairs, len(plan.x), scene.radiation.temperature, d, emissivity, plan.porosity
         )
     return parts
 
@@ -91,12 +94,32 @@ def _solve(plan: ParticlePlan, pairs: heat.Pairs, parts: dict[str, Array]) -> ne
 
 
 def _correction(scene: ParticleScene) -> float:
-    table = scene.conduction.correction
-    return 1.0 if table is None else float(correction(table.simulated, table.real, table.exponent))
+    """Return the contact radius of the material over that of a softer simulation."""
+    simulated, real = scene.particles.simulated_modulus, scene.solid.youngs_modulus
+    if simulated is None or real is None:
+        return 1.0
+    return float(correction(simulated, real, scene.particles.exponents[0]))
 
 
 def _surface(scene: ParticleScene) -> Surface | None:
-    return None if scene.surface is None else Surface(**scene.surface.model_dump())
+    """Return the rough surface of the particles and the gas at it; None of smooth ones."""
+    solid, gas = scene.solid, scene.gas
+    if solid.roughness is None:
+        return None
+    assert solid.asperity_slope is not None and solid.microhardness is not None
+    assert solid.youngs_modulus is not None
+    assert gas is not None and gas.mean_free_path is not None
+    return Surface(
+        solid.roughness,
+        solid.asperity_slope,
+        solid.microhardness,
+        solid.youngs_modulus,
+        solid.poisson_ratio,
+        gas.mean_free_path,
+        gas.accommodation,
+        gas.heat_capacity_ratio,
+        gas.prandtl,
+    )
 
 
 def _fit_closure(plan: ParticlePlan, pairs: heat.Pairs, result: Result, folder: Path | None) -> None:
@@ -104,7 +127,7 @@ def _fit_closure(plan: ParticlePlan, pairs: heat.Pairs, result: Result, folder: 
     from contbed.scene.identity import scene_hash
 
     scene = plan.scene
-    table, fluid = scene.closure, scene.conduction.fluid
+    table, fluid = scene.particles.closure, scene.k_gas
     assert table is not None and fluid is not None
     ratios = np.unique(table.ratios)
     k = [_solve(plan, pairs, _conductances(plan, pairs, ratio * fluid)).mean / fluid for ratio in ratios]

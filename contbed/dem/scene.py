@@ -1,22 +1,26 @@
-"""The vocabulary of a scene of particles: conduction through a lattice or a packing from a file, in SI.
+"""Tables of a scene of particles without flow: conduction through a lattice or a packing, in SI.
 
-[lattice]       touching spheres in a periodic cell, or
-[particles]     a table of positions or a dump of LIGGGHTS or LAMMPS, or
-[packing]       spheres that settle in a box or a cylinder
-[conduction]    materials and mechanisms
-[surface]       roughness and rarefied gas at the contacts; absent: smooth spheres, no temperature jump
-[layers]        which particles are held at temperatures; absent: a periodic cell, in a packing those at both ends
-[radiation]     between the particles; absent: none
-[closure]       ratios of conductivity for which a closure file is fitted; absent: none
+[particles]           a file with a table of positions or a dump of LIGGGHTS or LAMMPS,
+                      and how heat passes
+[particles.lattice]   touching spheres in a periodic cell, in place of a file
+[particles.packing]   spheres that settle in a box or a cylinder, in place of a file
+[particles.layers]    which particles are held at temperatures; absent: a periodic cell,
+                      in a packing those at both ends
+[particles.closure]   ratios of conductivity for which a closure file is fitted
+[solids.NAME]         the particles and their material, with the roughness of contacts
+[gas]                 between the particles; absent: a vacuum
+[radiation]           between the particles; absent: none
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import pi
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
+from contbed.dem.renamed import RENAMED
 from contbed.scene.quantities import (
     Density,
     Emissivity,
@@ -33,6 +37,7 @@ from contbed.scene.quantities import (
     Whole,
     unit,
 )
+from contbed.scene.solids import SolidPhase, one_solid
 from contbed.scene.tables import SceneBase
 
 Area = Annotated[float, *unit("m**2"), Field(gt=0)]
@@ -40,101 +45,100 @@ Above = Annotated[float, *unit("W/m/K"), Field(gt=0)]
 Ratio = Annotated[Number, Field(gt=0)]
 
 SOLID_SHARE = 0.59  # of a settled bed, which turns a height into a number of spheres
+SOFT = 1e7  # Young's modulus of a simulation of spheres where the scene gives none [Pa]
+
+
+class Spheres(SolidPhase):
+    """Spheres with the contacts of a material, as all scenes of particles have them."""
+
+    conductivity: Above = Field(description="thermal, of the material")
+    youngs_modulus: Pressure | None = Field(
+        None,
+        description="of the material, for which contacts of a softer simulation are corrected",
+    )
+    # re-entrant foams reach -0.7: Lakes 1987, Science 235, 1038,
+    # doi:10.1126/science.235.4792.1038
+    poisson_ratio: Annotated[Number, Field(ge=-0.7, le=0.5)] = Field(
+        0.3,
+        description="0.1 to 0.5 of solids; only foams made for it are negative, down to -0.7",
+    )
+    restitution: Annotated[Number, Field(gt=0, le=1)] = Field(0.9, description="of contacts")
+    sliding_friction: NonNegative = Field(0.3, description="coefficient, of contacts")
+    rolling_friction: NonNegative = Field(0.0, description="arm over the effective radius")
+
+    @property
+    def radius(self) -> float | None:
+        """Half of the diameter [m]; None where a file brings radii."""
+        return None if self.diameter is None else 0.5 * self.diameter
+
+
+class Solid(Spheres):
+    """The particles: roughness and slope are those of one particle."""
+
+    diameter: Length | None = Field(None, description="of equal spheres, or the mean one; a dump brings its own")
+    size_spread: Annotated[Number, Field(ge=0, le=0.3)] = Field(
+        0.0,
+        description="of a packing: standard deviation of the diameters over their mean; normal, cut at two deviations",
+    )
+    density: Density = Field(2500.0, description="of the particles")
+    emissivity: Emissivity | None = Field(None, description="needed with [radiation]")
+    roughness: Length | None = Field(None, description="root mean square; absent: smooth, no temperature jump")
+    asperity_slope: Positive | None = Field(None, description="mean slope of the asperities, with roughness")
+    microhardness: Pressure | None = Field(None, description="with roughness")
+
+
+class Gas(Table):
+    """Gas or liquid between the particles."""
+
+    conductivity: Above = Field(description="thermal")
+    mean_free_path: Length | None = Field(None, description="needed with a roughness of the particles")
+    accommodation: Annotated[Number, Field(gt=0, le=1)] = Field(0.9, description="thermal, of the gas on the surface")
+    heat_capacity_ratio: Annotated[Number, Field(gt=1, lt=2)] = Field(
+        1.4, description="at constant pressure and volume"
+    )
+    prandtl: Positive = Field(0.71, description="Prandtl number")
 
 
 class Lattice(Table):
     """Equal spheres that touch, with contacts of a given size, in a periodic cell."""
 
     type: Literal["sc", "bcc", "fcc"] = Field(description="simple, body-centred or face-centred cubic lattice")
-    radius: Length = Field(description="radius of the spheres")
-    contact_radius: Length = Field(description="radius of the contact circle of neighbours")
+    contact_radius: Length = Field(description="of the contact circle of neighbours")
     cells: Annotated[Whole, Field(ge=1, le=20)] = Field(1, description="unit cells along each axis")
 
 
-class Particles(Table):
-    """Spheres from a file: x,y,z in metres with commas, a .vtu of contbed, or a dump (`ITEM: TIMESTEP` first)."""
-
-    file: str = Field(description="path relative to the scene")
-    radius: Length | None = Field(None, description="of equal spheres; a dump brings its own")
-    step: Annotated[Whole, Field(ge=0)] | None = Field(None, description="of a dump; the last one if absent")
-
-
 class Packing(Table):
-    """Spheres placed at random that settle under gravity on a floor, in a box or a cylinder, and conduct then."""
+    """Spheres placed at random that settle on a floor, in a box or a cylinder."""
 
     count: Annotated[Whole, Field(ge=1)] | None = Field(None, description="of spheres; or height")
     height: Length | None = Field(None, description="in place of count: about as many as fill the bed to there")
-    radius: Length = Field(description="of equal spheres, or the mean one")
-    spread: Annotated[Number, Field(ge=0, le=0.3)] = Field(
-        0.0, description="standard deviation of the radii over their mean; normal, cut at two deviations"
-    )
     width: tuple[Length, Length] | None = Field(None, description="of the bed in x and y")
     cylinder: Length | None = Field(None, description="in place of width: radius of a round bed")
     periodic: Switch = Field(False, description="sides of a box")
-    seed: Annotated[Whole, Field(ge=0)] = Field(0, description="seed of the random start")
-    density: Density = Field(2500.0, description="density of the spheres")
-    modulus: Pressure = Field(1e7, description="Young's modulus of the simulation")
-    poisson_ratio: Annotated[Number, Field(ge=-0.7, le=0.5)] = Field(0.3, description="Poisson's ratio of the spheres")
-    restitution: Annotated[Number, Field(gt=0, le=1)] = Field(0.9, description="coefficient of restitution of contacts")
-    sliding_friction: NonNegative = Field(0.3, description="coefficient of sliding friction of contacts")
-    rolling_friction: NonNegative = Field(0.0, description="arm over the effective radius")
+    seed: Annotated[Whole, Field(ge=0)] = Field(0, description="of the random start")
 
     @property
     def area(self) -> float:
-        """Cross-section of the bed [m2]; 0 as long as neither width nor cylinder is given."""
+        """Cross-section of the bed [m2]; 0 without width and cylinder."""
         if self.cylinder is not None:
             return pi * self.cylinder**2
         return self.width[0] * self.width[1] if self.width is not None else 0.0
 
-    @property
-    def number(self) -> int:
-        """Number of spheres: `count`, or what fills the bed to `height`."""
+    def number(self, solid: Solid) -> int:
+        """Return the number of spheres: `count`, or what fills the bed to `height`."""
         if self.count is not None or self.height is None:
             return self.count or 0
-        return round(SOLID_SHARE * self.area * self.height / self._mean_volume)
+        return round(SOLID_SHARE * self.area * self.height / _mean_volume(solid))
 
-    @property
-    def expected_height(self) -> float:
-        """Height of the settled bed [m], about."""
-        return self.number * self._mean_volume / (SOLID_SHARE * self.area)
-
-    @property
-    def _mean_volume(self) -> float:
-        return 4.0 / 3.0 * pi * self.radius**3 * (1.0 + 3.0 * self.spread**2)
+    def expected_height(self, solid: Solid) -> float:
+        """Return the height of the settled bed [m], about."""
+        return self.number(solid) * _mean_volume(solid) / (SOLID_SHARE * self.area)
 
 
-class Correction(Table):
-    """Contacts of a softer simulation reduced to those of the material: radius times (simulated/real)^exponent."""
-
-    simulated: Pressure = Field(description="modulus of the simulation")
-    real: Pressure = Field(description="Young's modulus of the real material")
-    exponent: Positive = Field(1 / 3, description="1/3 at a given load; the paper takes 1/5, an impact's")
-
-
-class Conduction(Table):
-    """Steady conduction from particle to particle."""
-
-    particles: Above = Field(description="conductivity of the particles")
-    fluid: Above | None = Field(None, description="conductivity of the fluid between them; absent: a vacuum")
-    paths: Literal["cones", "columns", "spreading"] = Field(
-        "cones", description="of heat: the paper's; exact at equal conductivities; that and Batchelor-O'Brien at large"
-    )
-    porosity: Fraction | None = Field(None, description="around all pairs; absent: counted")
-    correction: Correction | None = None
-
-
-class Surface(Table):
-    """Rough particles with a gas between, for spreading paths; roughness and slope are those of one particle."""
-
-    roughness: Length = Field(description="root mean square")
-    slope: Positive = Field(description="mean slope of the asperities")
-    microhardness: Pressure = Field(description="microhardness of the softer surface")
-    youngs_modulus: Pressure = Field(description="of the material, not of a softer simulation")
-    poisson_ratio: Annotated[Number, Field(gt=-1, le=0.5)] = Field(0.3, description="Poisson's ratio of the spheres")
-    mean_free_path: Length = Field(description="of the gas")
-    accommodation: Annotated[Number, Field(gt=0, le=1)] = Field(0.9, description="thermal, of the gas on the surface")
-    heat_capacity_ratio: Annotated[Number, Field(gt=1, lt=2)] = Field(1.4, description="of the gas")
-    prandtl: Positive = Field(0.71, description="of the gas")
+def _mean_volume(solid: Solid) -> float:
+    """Return the mean volume of spheres of spread sizes [m3]."""
+    radius = solid.radius or 0.0
+    return 4.0 / 3.0 * pi * radius**3 * (1.0 + 3.0 * solid.size_spread**2)
 
 
 class Layers(Table):
@@ -143,22 +147,57 @@ class Layers(Table):
     bottom: Position = Field(description="particles with a lower centre are hot")
     top: Position = Field(description="particles with a higher centre are cold")
     area: Area | None = Field(None, description="cross-section of the bed; that of a packing is known")
-    T_hot: Temperature = Field(398.15, description="temperature of the hot layer")
-    T_cold: Temperature = Field(298.15, description="temperature of the cold layer")
-
-
-class Radiation(Table):
-    """Exchange with the neighbours within 1.5 diameters, linear about a temperature."""
-
-    emissivity: Emissivity = Field(description="emissivity of the particles")
-    temperature: Temperature = Field(description="mean temperature, about which radiation is linearised")
+    T_hot: Temperature = Field(398.15, description="of the hot layer")
+    T_cold: Temperature = Field(298.15, description="of the cold layer")
 
 
 class Closure(Table):
     """Effective conductivity fitted over the ratio of conductivities, written as closure.toml."""
 
-    ratios: Annotated[tuple[Ratio, ...], Field(min_length=3)] = Field(description="of particles to fluid")
+    ratios: Annotated[tuple[Ratio, ...], Field(min_length=3)] = Field(description="of particles to gas")
     degree: Annotated[Whole, Field(ge=1, le=6)] = Field(3, description="of the polynomial of logarithms")
+
+
+class Particles(Table):
+    """Spheres of a file, a lattice or a packing, and steady conduction between them.
+
+    A file has x,y,z in metres with commas, or is a .vtu of contbed, or a dump
+    (`ITEM: TIMESTEP` first).
+    """
+
+    file: str | None = Field(None, description="path relative to the scene")
+    step: Annotated[Whole, Field(ge=0)] | None = Field(None, description="of a dump; the last one if absent")
+    lattice: Lattice | None = None
+    packing: Packing | None = None
+    modulus: Pressure | None = Field(
+        None,
+        description="Young's modulus of the simulation that the contacts are of; "
+        "absent: 1e7 Pa in a packing, else that of the material",
+    )
+    exponents: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=2)] = Field(
+        (1 / 3,),
+        description="of the correction of contacts from modulus to "
+        "solids.NAME.youngs_modulus: 1/3 at a given load; the second, of impacts, is "
+        "that of beds with gas",
+    )
+    paths: Literal["cones", "columns", "spreading"] = Field(
+        "cones",
+        description="of heat: the paper's; exact at equal conductivities; that and Batchelor-O'Brien at large",
+    )
+    porosity: Fraction | None = Field(None, description="around all pairs; absent: counted")
+    layers: Layers | None = None
+    closure: Closure | None = None
+
+    @property
+    def simulated_modulus(self) -> float | None:
+        """Young's modulus of the simulation [Pa]; None where it is not known."""
+        return SOFT if self.modulus is None and self.packing is not None else self.modulus
+
+
+class Radiation(Table):
+    """Exchange with the neighbours within 1.5 diameters, linear about a temperature."""
+
+    temperature: Temperature = Field(description="mean temperature, about which radiation is linearised")
 
 
 class Solver(Table):
@@ -181,14 +220,21 @@ class ParticleScene(SceneBase):
 
     kind: ClassVar[str] = "particles"
     time: ClassVar[None] = None
+    renamed: ClassVar[Mapping[str, str]] = RENAMED
 
-    lattice: Lattice | None = None
-    particles: Particles | None = None
-    packing: Packing | None = None
-    conduction: Conduction
-    surface: Surface | None = None
-    layers: Layers | None = None
+    particles: Particles
+    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)] = Field(description="the particles, by name")
+    gas: Gas | None = Field(None, description="absent: a vacuum")
     radiation: Radiation | None = None
-    closure: Closure | None = None
     solver: Solver = Solver()
     output: Output = Output()
+
+    @property
+    def solid(self) -> Solid:
+        """The only solid phase."""
+        return next(iter(self.solids.values()))
+
+    @property
+    def k_gas(self) -> float | None:
+        """Conductivity between the particles [W/m/K]; None in a vacuum."""
+        return None if self.gas is None else self.gas.conductivity

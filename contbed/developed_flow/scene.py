@@ -30,11 +30,11 @@ from contbed.scene.quantities import (
     takes,
     unit,
 )
-from contbed.scene.solids import SolidPhase
+from contbed.scene.solids import SolidPhase, one_solid
 from contbed.scene.tables import SceneBase
 from contbed.two_fluid.conditions import Flux
 from contbed.two_fluid.renames import CLOSURES, SOLID
-from contbed.two_fluid.scene import ConstantsAt, Named, one_solid
+from contbed.two_fluid.scene import ConstantsAt, Named
 
 if TYPE_CHECKING:
     from contbed.materials.constants import Constants

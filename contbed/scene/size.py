@@ -54,23 +54,30 @@ def counts(parts: Mapping[str, Any]) -> Iterator[tuple[KeyPath, str, float]]:
         dimension = getattr(mesh, "dimension", 1)
         cells *= 2.0 ** (dimension * getattr(mesh, "refine", 0)) * _SPLIT.get(getattr(mesh, "shape", ""), 1)
         yield ("mesh", "cells"), _CELLS[dimension], float(cells)
-    particles, gas = parts.get("particles"), parts.get("gas")
-    count = getattr(particles, "count", None)
-    if isinstance(count, int):
-        yield ("particles", "count"), "particles", float(count)
-    packing = parts.get("packing")
-    if packing is not None:
-        yield ("packing", "height" if packing.count is None else "count"), "particles", float(packing.number)
-    radius, cell = getattr(particles, "radius", None), getattr(gas, "cell", None)
-    if radius and cell and isinstance(getattr(gas, "height", None), float):
-        wide, high = (2.0 * radius * factor for factor in cell)
-        width = getattr(particles, "width", ())
-        yield ("gas", "cell"), "cells of the gas", prod(width) / wide**2 * gas.height / high  # type: ignore[union-attr]
+    particles, solids = parts.get("particles"), parts.get("solids")
+    if particles is not None and solids:
+        yield from _of_particles(particles, next(iter(solids.values())))
     end = getattr(time, "end", None)
     for key, what in (("sample", "rows of profiles.csv"), ("fields", "files of fields"), ("step", "time steps")):
         interval = getattr(time, key, None)
         if isinstance(end, float) and isinstance(interval, float) and interval > 0.0:
             yield ("time", key), what, end / interval
+
+
+def _of_particles(particles: Any, solid: Any) -> Iterator[tuple[KeyPath, str, float]]:
+    """Yield the number of particles, and of the cells of a gas around them."""
+    count = getattr(particles, "count", None)
+    if isinstance(count, int):
+        yield ("particles", "count"), "particles", float(count)
+    packing = getattr(particles, "packing", None)
+    if packing is not None and solid.diameter:
+        key = "height" if packing.count is None else "count"
+        yield ("particles", "packing", key), "particles", float(packing.number(solid))
+    cell = getattr(particles, "cell", None)
+    if cell and solid.diameter:
+        wide, high = (solid.diameter * factor for factor in cell)
+        cells = prod(particles.width) / wide**2 * particles.height / high
+        yield ("particles", "cell"), "cells of the gas", cells
 
 
 def available_bytes() -> float:

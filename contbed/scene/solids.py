@@ -57,3 +57,16 @@ def _require_constants(known: dict[str, Any], values: dict[str, Any]) -> None:
         if isinstance(value, tuple) and key not in values:
             name = values["material"]
             raise ValueError(f"the {key} of {name} varies: give material_temperature, or {key} itself")
+
+
+def one_solid(solids: dict[str, Any]) -> dict[str, Any]:
+    """Return the table of solids of a model that has one solid phase.
+
+    Raises
+    ------
+    ValueError : it has none, or several
+    """
+    if len(solids) != 1:
+        found = ", ".join(solids) or "none"
+        raise ValueError(f"this model has one solid phase, [solids.NAME]; found {found}")
+    return solids

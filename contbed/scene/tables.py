@@ -67,35 +67,6 @@ def names_material(values: Any) -> bool:
     return isinstance(values, dict) and isinstance(values.get("material"), str)
 
 
-class OfMaterial(Table):
-    """Particles whose properties may come from a material of the library, as constants.
-
-    `of_material` gives the key of each property that the table has.
-    """
-
-    of_material: ClassVar[dict[str, str]] = {"density": "density"}
-
-    material: str | None = Field(None, description="solid of the library; keys that are given replace its properties")
-    material_temperature: Temperature | None = Field(
-        None, description="at which properties of the material that vary are taken as constants"
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _material(cls, values: Any) -> Any:
-        if isinstance(values, dict) and "material_temperature" in values and "material" not in values:
-            raise ValueError("material_temperature has no use without material")
-        if not names_material(values):
-            return values
-        properties = from_library("solid", values)
-        known = {key: properties[name] for name, key in cls.of_material.items() if name in properties}
-        for key, value in known.items():
-            if isinstance(value, tuple) and key not in values:
-                name = values["material"]
-                raise ValueError(f"the {key} of {name} varies: give material_temperature, or {key} itself")
-        return known | values
-
-
 class FluidConstant(Table):
     """A fluid with constant properties, given or those of a material at a temperature."""
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field
 
@@ -42,7 +42,7 @@ from contbed.scene.quantities import (
     takes,
     unit,
 )
-from contbed.scene.solids import SolidPhase
+from contbed.scene.solids import SolidPhase, one_solid
 from contbed.scene.tables import NonNegativeOrClosure, SceneBase
 from contbed.two_fluid.conditions import Boundary, Initial, Inlet
 from contbed.two_fluid.renames import RENAMED
@@ -163,19 +163,6 @@ class Solid(SolidPhase):
     )
     packing_limit: Annotated[Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
     friction: Friction = Field(Friction(), description="frictional stress near packing")
-
-
-def one_solid(solids: dict[str, Any]) -> dict[str, Any]:
-    """Return the table of solids of a model that has one solid phase.
-
-    Raises
-    ------
-    ValueError : it has none, or several
-    """
-    if len(solids) != 1:
-        found = ", ".join(solids) or "none"
-        raise ValueError(f"this model has one solid phase, [solids.NAME]; found {found}")
-    return solids
 
 
 class Heat(Table):

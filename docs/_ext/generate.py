@@ -229,7 +229,7 @@ def correlations(folder: Path, figures: Path) -> None:
     page(
         folder / "materials.md",
         "Materials",
-        "For `material` in `[gas]` and `[solids.NAME]`, and in `[fluid]` and `[particles]` with gas.",
+        "For `material` in `[gas]` and `[solids.NAME]`, and in `[fluid]`.",
         *(f"## `{name}`\n\n```text\n{data_sheet(name)}\n```" for name in MATERIALS),
     )
 

@@ -111,7 +111,7 @@ def carried_share(scene: cb.Scene) -> float:
 
 
 def _particles(velocity: float) -> float:
-    result = cb.run(cb.load(HERE / "particles.toml", {"gas.velocity": velocity}))
+    result = cb.run(cb.load(HERE / "particles.toml", {"boundary.bottom.gas.velocity": velocity}))
     return float(result.qoi["pressure_drop [Pa]"] / result.qoi["bed_weight [Pa]"])
 
 

@@ -37,26 +37,27 @@ COLOURS = dict(zip(EXCESS, (gallery.BLUE, gallery.GREEN, gallery.ORANGE, gallery
 
 def settled() -> Path:
     """File of the bed before it is fluidized, settled once for all velocities and with strong damping."""
-    file, table = raw(HERE.name) / "packing.csv", cb.load(SCENE).particles
+    scene: Any = cb.load(SCENE)
+    file, table, solid = raw(HERE.name) / "packing.csv", scene.particles, scene.solid
     if not file.is_file():
         sides = (table.periodic, table.periodic)
-        damped = replace(Material.of(table), restitution=0.3)
-        bed = pack(table.width, radius=table.radius, count=table.count, periodic=sides, material=damped, at_rest=1e-3)
+        damped = replace(Material.of(solid, table.modulus), restitution=0.3)
+        bed = pack(table.width, radius=solid.radius, count=table.count, periodic=sides, material=damped, at_rest=1e-3)
         file.parent.mkdir(parents=True, exist_ok=True)
         np.savetxt(file, bed.position, delimiter=",", header="x,y,z", comments="")
     return file.absolute()
 
 
-def scene_of(excess: str, file: Path | None = None) -> cb.Scene:
+def scene_of(excess: str, file: Path | None = None) -> Any:
     """Scene at a velocity above that of minimum fluidization [m/s]; it settles its bed, or takes that of a file."""
     start = {} if file is None else {"particles.file": str(file), "particles.count": None}
-    return cb.load(SCENE, {"gas.velocity": U_MF + float(excess), **start})
+    return cb.load(SCENE, {"boundary.bottom.gas.velocity": U_MF + float(excess), **start})
 
 
 def reference(excess: str) -> tuple[float, float]:
     """Coefficients of the bed by correlations for fluidized beds [W/m2/K]: at this velocity, and the largest at any."""
     scene = scene_of(excess)
-    fluid, d_p, rho_s = scene.fluid, 2.0 * scene.particles.radius, scene.particles.density
+    fluid, d_p, rho_s = scene.gas, scene.solid.diameter, scene.solid.density
     Ar = d_p**3 * fluid.density * (rho_s - fluid.density) * 9.81 / fluid.viscosity**2
     at_velocity = bed_tube_molerus_wirth(
         Ar=Ar,
@@ -68,7 +69,7 @@ def reference(excess: str) -> tuple[float, float]:
         cp_gas=fluid.heat_capacity,
         k_gas=fluid.conductivity,
         rho_solid=rho_s,
-        cp_solid=scene.particles.heat_capacity,
+        cp_solid=scene.solid.heat_capacity,
     )
     return float(at_velocity), float(bed_tube_zabrodsky(d_p=d_p, rho_solid=rho_s, k_gas=fluid.conductivity))
 
@@ -80,7 +81,7 @@ def compute(cases: Sequence[str] = EXCESS) -> Tables:
         scene = scene_of(excess, settled())
         result = resumed(scene, raw(HERE.name) / excess)
         # as measured: heat flux over the difference of tube and bed, whose particles beside the tube have warmed up
-        colder = scene.tubes["tube"].T - result.qoi["T_solid_mean_K"]
+        colder = scene.particles.tubes["tube"].temperature - result.qoi["T_solid_mean_K"]
         table = result.tables["tube_tube"] | {"h of the bed [W/m2/K]": result.tables["tube_tube"]["q [W/m2]"] / colder}
         sectors += [(float(excess), *row) for row in zip(*(table[name] for name in list(SECTORS)[1:]), strict=True)]
         means = [table[name].sum() if name.startswith("contacts") else table[name].mean() for name in PARTS]

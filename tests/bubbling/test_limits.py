@@ -28,13 +28,13 @@ def test_two_energy_model_of_a_packed_bed():
     bed = cb.run(one(inert={"release": {"rate": source}}))
     packed = cb.run(from_dict({
         "mesh": {"type": "line", "length": 0.6},
-        "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
-        "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0},
-        "bed": {"porosity": 0.5, "particle_diameter": 1e-3},
-        "flow": {"velocity": flow / section / 1000.0},
-        "heat": {"nusselt": 100.0 * 1e-3 / 0.05, "conductivity_fluid": 0.0, "conductivity_solid": 5.0},
-        "region": {"bed": {"source_solid": source}},
-        "boundary": {"left": {"fluid": {"inflow": 300.0}}},
+        "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
+        "solids": {"inert": {"diameter": 1e-3, "density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0}},
+        "packed_bed": {"porosity": 0.5},
+        "heat": {},
+        "closures": {"nusselt": 100.0 * 1e-3 / 0.05, "conductivity_gas": 0.0, "conductivity_solids": 5.0},
+        "region": {"bed": {"solids": {"heat_source": source}}},
+        "boundary": {"left": {"gas": {"velocity": flow / section / 1000.0, "temperature": 300.0}}},
         "solver": {"tolerance": 1e-7},
         "output": QUIET | {"positions": list(np.linspace(0.0, 0.6, 61))},
     }))  # fmt: skip

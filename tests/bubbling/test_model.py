@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -160,12 +161,10 @@ def test_plan_and_convergence_from_the_command_line(tmp_path, capsys):
 
 
 def test_other_scenes_do_not_pay():
+    scene = Path(cb.__file__).parent / "packed_bed" / "template.toml"
     code = (
-        "import sys; import contbed as cb; from contbed.loading import from_dict\n"
-        "cb.run(from_dict({'mesh': {'type': 'line', 'length': 1.0}, 'fluid': {'density': 1.0, 'heat_capacity': 1e3,"
-        " 'conductivity': 0.05, 'viscosity': 2e-5}, 'solid': {'density': 2e3, 'heat_capacity': 900.0, 'conductivity':"
-        " 1.0}, 'bed': {'porosity': 0.4, 'particle_diameter': 0.01}, 'flow': {'velocity': 0.3},"
-        " 'heat': {'nusselt': 10}, 'boundary': {'left': {'fluid': {'inflow': 300.0}}}}))\n"
+        "import sys; import contbed as cb\n"
+        f"cb.run(cb.load({str(scene)!r}, {{'output.plots': False}}))\n"
         "print(*[name for name in sys.modules if 'bubbling' in name])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -36,30 +36,34 @@ NU = partial(nusselt_power, a=1.2, b=0.5)
 SCENE = """
 [particles]
 file = "bed.csv"
-radius = "1 mm"
 width = [0.017982, 0.017982]
 periodic = true
 fixed = true
+height = 0.029970
+cell = [2.997, 2.997]
+gravity = false
+
+[solids.glass]
+diameter = "2 mm"
 density = 2500.0
 conductivity = 30.0
 
-[fluid]
+[gas]
 density = 1.2
 viscosity = 1.8e-5
 heat_capacity = 1005.0
 conductivity = 0.026
 
-[gas]
-velocity = 0.5
-height = 0.029970
-gravity = false
+[closures]
 nusselt = { name = "power", a = 1.2, b = 0.5 }
-cell = [2.997, 2.997]
-step = 1e-2
+
+[boundary.bottom]
+gas.velocity = 0.5
 
 [time]
 end = 0.1
 sample = 0.05
+step = 1e-2
 """
 
 
@@ -154,7 +158,7 @@ def test_a_fresh_contact_conducts_as_an_impact():
 
 
 def test_a_scene_gives_coefficients_and_a_closure_that_scenes_use(folder, tmp_path):
-    text = SCENE + "\n[closure]\nvelocities = [0.1, 0.3, 0.6, 1.0]\n"
+    text = SCENE + "\n[particles.closure]\nvelocities = [0.1, 0.3, 0.6, 1.0]\n"
     result = cb.run(loads(text, base=folder), out=tmp_path / "out")
     assert result.qoi["h_convection [W/m2/K]"] == pytest.approx(float(NU(Re=RE, Pr=PR)) * 0.026 / D, rel=1e-6)
     assert result.qoi["coordination"] == pytest.approx(6 - 2 / 15, rel=1e-12)
@@ -169,16 +173,19 @@ def test_a_scene_gives_coefficients_and_a_closure_that_scenes_use(folder, tmp_pa
         "checkpoint.npz",
         "closure.toml",
     }
-    assert json.loads((tmp_path / "out/summary.json").read_text())["scene"]["gas"]["velocity"] == 0.5
+    assert (
+        json.loads((tmp_path / "out/summary.json").read_text())["scene"]["boundary"]["bottom"]["gas"]["velocity"] == 0.5
+    )
     # where every particle sees the same gas the fit is the law that went in
     packed = """
 mesh = {{ type = "line", length = 0.1 }}
-fluid = {{ density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = 0.026 }}
-solid = {{ density = 2500.0, heat_capacity = 840.0, conductivity = 0.84 }}
-bed = {{ porosity = 0.475, particle_diameter = "2 mm" }}
-flow = {{ velocity = 0.5, velocity_solid = -1e-4 }}
-heat = {{ nusselt = {} }}
-boundary = {{ left = {{ fluid = {{ fixed = 300.0 }} }}, right = {{ solid = {{ fixed = 400.0 }} }} }}
+gas = {{ density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = 0.026 }}
+solids.glass = {{ diameter = "2 mm", density = 2500.0, heat_capacity = 840.0, conductivity = 0.84 }}
+packed_bed.porosity = 0.475
+heat = {{}}
+closures.nusselt = {}
+boundary.left.gas = {{ velocity = 0.5, fixed_temperature = 300.0 }}
+boundary.right.solids.glass = {{ velocity = 1e-4, fixed_temperature = 400.0 }}
 """
     with_file = cb.run(loads(packed.format('{ file = "closure.toml" }'), base=tmp_path / "out"))
     named = cb.run(loads(packed.format('{ name = "power", a = 1.2, b = 0.5 }')))
@@ -191,13 +198,16 @@ def test_a_dump_of_another_program_gives_the_same(folder):
         assert dumped[name] == pytest.approx(plain[name], rel=1e-9)
 
 
+JET = "[boundary.jet]\nstart = {}\nend = {}\ngas.mass_flux = 1.0\ngas.temperature = {}\n[time]"
 STIRRED = """
-particles = { count = 200, radius = "1 mm", width = ["12 mm", "12 mm"], density = 2500.0, conductivity = 0.84, \
-modulus = "1 MPa", modulus_real = "50 GPa", restitution = 0.5, seed = 3 }
-fluid = { model = "cantera", composition = "N2:0.79, O2:0.21" }
-gas = { velocity = 1.0, T = 400.0, height = "60 mm", nusselt = "gunn", \
-jet = { slot = [0.004, 0.008], mass_flux = 4.0, T = 600.0, end = 0.012 } }
-heat = { T = 300.0 }
+particles = { count = 200, width = ["12 mm", "12 mm"], height = "60 mm", modulus = "1 MPa", seed = 3 }
+solids.glass = { diameter = "2 mm", density = 2500, conductivity = 0.84, youngs_modulus = "50 GPa", restitution = 0.5 }
+gas = { composition = "N2:0.79, O2:0.21" }
+closures.nusselt = "gunn"
+boundary.bottom.gas = { velocity = 1.0, temperature = 400.0 }
+boundary.jet = { start = 0.004, end = 0.008, until = 0.012, gas = { mass_flux = 4.0, temperature = 600.0 } }
+heat = {}
+initial.solids.glass.temperature = 300.0
 time = { end = 0.04, average_from = 0.01, sample = 0.01 }
 output = { plots = false, fields = false }
 """
@@ -232,18 +242,22 @@ def test_an_interrupted_scene_continues_bit_for_bit(tmp_path, monkeypatch):
     [
         ('file = "bed.csv"', 'file = "none.csv"', "scene.toml:3: particles.file"),
         ('file = "bed.csv"', "", "particles: give either count"),
-        ('radius = "1 mm"\n', "", "particles.radius: missing; bed.csv has none"),
-        ("velocity = 0.5", 'velocity = 0.5\ndrag = "ergon"', "unknown drag closure"),
-        ("step = 1e-2", "jet = { slot = [0.01, 0.5], mass_flux = 1.0, T = 300.0 }", "gas.jet.slot"),
-        ("step = 1e-2", "jet = { slot = [0.0, 0.01], mass_flux = 1.0, T = 500.0 }", "gas.jet.T"),
-        ("fixed = true", "fixed = true\npoisson_ratio = -0.99", "particles.poisson_ratio = -0.99: out of range"),
-        ("cell = [2.997, 2.997]", "cell = [2.997, 20.0]", "gas.cell[1] = 20.0: cells of 0.04 m leave 1 in the height"),
-        ("end = 0.1", "end = 0.1\naverage_from = 0.2", "scene.toml:27: time.average_from"),
-        ("fixed = true", "fixed = false\n[closure]\nvelocities = [0.1, 0.2, 0.3, 0.4]\n[particlez]", "closure"),
-        ("conductivity = 0.026", "", "fluid.conductivity: missing"),
-        ("height = 0.029970", "height = 0.02", "gas.height: centres from"),
-        ("velocity = 0.5", "velocity = -0.5", "gas.velocity = -0.5: out of range"),
-        ("width = [0.017982, 0.017982]", "width = [0.01, 0.01]", "scene.toml:5: particles.width: centres from"),
+        ('diameter = "2 mm"\n', "", "solids.glass.diameter: missing; bed.csv has no radii"),
+        ("[closures]", '[closures]\ndrag = "ergon"', "unknown drag closure"),
+        ("[time]", JET.format(0.01, 0.5, 300.0), "boundary.jet: start to end is not a piece"),
+        ("[time]", JET.format(0.0, 0.01, 500.0), "boundary.jet.gas.temperature"),
+        ("density", "poisson_ratio = -0.99\ndensity", "solids.glass.poisson_ratio = -0.99: out of range"),
+        (
+            "cell = [2.997, 2.997]",
+            "cell = [2.997, 20.0]",
+            "particles.cell[1] = 20.0: cells of 0.04 m leave 1 in the height",
+        ),
+        ("end = 0.1", "end = 0.1\naverage_from = 0.2", "scene.toml:30: time.average_from"),
+        ("fixed = true", "closure.velocities = [0.1, 0.2, 0.3, 0.4]", "a Nusselt number is fitted to a bed at rest"),
+        ("conductivity = 0.026", "", "gas.conductivity: missing"),
+        ("height = 0.029970", "height = 0.02", "particles.height: centres from"),
+        ("velocity = 0.5", "velocity = -0.5", "boundary.bottom.gas.velocity = -0.5: out of range"),
+        ("width = [0.017982, 0.017982]", "width = [0.01, 0.01]", "scene.toml:4: particles.width: centres from"),
     ],
 )
 def test_mistakes_are_named_with_their_line(folder, old, new, wanted):
@@ -253,9 +267,12 @@ def test_mistakes_are_named_with_their_line(folder, old, new, wanted):
 
 
 def test_what_is_seldom_meant_is_a_warning(folder, tmp_path):
-    doubtful = SCENE.replace("fixed = true", "fixed = true\npoisson_ratio = -0.1").replace("[2.997", "[12.0")
+    doubtful = SCENE.replace("density = 2500.0", "density = 2500.0\npoisson_ratio = -0.1").replace("[2.997", "[12.0")
     scene = loads(doubtful, "scene.toml", base=folder)
-    for told in ("particles.poisson_ratio = -0.1: is negative", "gas.cell[0] = 12.0: 0.024 m in x, the bed is 0.018 m"):
+    for told in (
+        "solids.glass.poisson_ratio = -0.1: is negative",
+        "particles.cell[0] = 12.0: 0.024 m in x, the bed is 0.018 m",
+    ):
         assert any(text.startswith("scene.toml:") and told in text for text in scene.warnings), scene.warnings
     assert set(scene.warnings) <= set(cb.run(scene).warnings)
     (tmp_path / "scene.toml").write_text(doubtful.replace("bed.csv", str(folder / "bed.csv")))
@@ -269,7 +286,7 @@ def test_the_check_refuses_particles_that_the_run_refuses(folder):
     (folder / "close.csv").write_text("0.004,0.004,0.004\n0.0045,0.004,0.004\n")
     for old, new, wanted in (
         ('"bed.csv"', '"close.csv"', "particles 0 and 1 overlap by"),
-        ("height = 0.029970", "height = 0.02", "gas.height: centres from"),
+        ("height = 0.029970", "height = 0.02", "particles.height: centres from"),
         ('"bed.csv"', '"empty.dump"', "empty.dump:4: step 7 has no particles"),
     ):
         text = (folder / "bed.dump").read_text()

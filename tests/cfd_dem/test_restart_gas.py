@@ -15,11 +15,13 @@ from contbed.loading import loads
 from contbed.output import checkpoint
 
 SCENE = """
-particles = { count = 60, radius = "1 mm", width = ["8 mm", "8 mm"], density = 2500.0, conductivity = 0.84, \
-modulus = "1 MPa", restitution = 0.5, seed = 3 }
-fluid = { density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = 0.026 }
-gas = { velocity = 1.0, T = 400.0, height = "60 mm", nusselt = "gunn" }
-heat = { T = 300.0 }
+particles = { count = 60, width = ["8 mm", "8 mm"], height = "60 mm", modulus = "1 MPa", seed = 3 }
+solids.glass = { diameter = "2 mm", density = 2500.0, conductivity = 0.84, restitution = 0.5 }
+gas = { density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = 0.026 }
+closures.nusselt = "gunn"
+boundary.bottom.gas = { velocity = 1.0, temperature = 400.0 }
+heat = {}
+initial.solids.glass.temperature = 300.0
 time = { end = 0.04, average_from = 0.01, sample = 0.005, fields = 0.01, checkpoint_every = 1e-9 }
 output = { plots = false, levels = [0.004] }
 """

@@ -3,6 +3,7 @@
 import pytest
 
 import contbed as cb
+from contbed.cfd_dem.run import _fluid
 from contbed.errors import SceneError
 from contbed.loading import loads
 from tests.cfd_dem.test_probes import SCENE
@@ -34,8 +35,57 @@ def test_a_restart_does_not_settle_again(tmp_path, monkeypatch):
 
 
 def test_a_bed_higher_than_the_box_is_told_by_the_run(tmp_path):
-    with pytest.raises(SceneError, match=r"gas.height: centres from .* the box from 0 to 0.005 m"):
+    with pytest.raises(SceneError, match=r"particles.height: centres from .* the box from 0 to 0.005 m"):
         cb.run(loads(SCENE.replace('height = "60 mm"', 'height = "5 mm", cell = [1, 1]').split("output")[0]), tmp_path)
+
+
+def test_former_keys_name_the_present_ones():
+    text = """[particles]
+count = 60
+radius = 1e-3
+[fluid]
+density = 1.2
+[gas]
+velocity = 1.0
+jet = { slot = [0.0, 0.1], T = 300.0 }
+[heat]
+T = 300.0
+"""
+    with pytest.raises(SceneError) as error:
+        loads(text)
+    for told in (
+        "scene.toml:3: particles.radius = 0.001: solids.NAME.diameter takes the place of a radius",
+        "scene.toml:4: fluid: this key is called 'gas' now",
+        "scene.toml:7: gas.velocity = 1.0: this key is called 'boundary.bottom.gas.velocity' now",
+        "scene.toml:8: gas.jet.slot = [0.0, 0.1]: boundary.jet.start and boundary.jet.end take its place",
+        "scene.toml:10: heat.T = 300.0: this key is called 'initial.solids.NAME.temperature' now",
+    ):
+        assert told in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("gas", "density"),
+    [
+        ("density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = 0.026", 1.2),
+        ('composition = "N2:0.79, O2:0.21"', 1.17197),
+        ('model = "coolprop", name = "Air", T_range = [250, 400]', 1.1769),
+    ],
+)
+def test_a_gas_by_constants_composition_or_name(gas, density):
+    """Density of air at 300 K and 1 atm: an ideal gas of 28.85 g/mol, and Lemmon et al. 2000 to four digits."""
+    constants = "density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = 0.026"
+    scene = loads(SCENE.replace(constants, gas))
+    assert float(_fluid(scene).density(300.0)) == pytest.approx(density, rel=1e-4)
+
+
+def test_a_start_temperature_belongs_to_an_energy_equation():
+    start = "initial.solids.glass.temperature = 300.0\n"
+    with pytest.raises(SceneError, match=r"initial\.solids\.glass\.temperature.* no use without a \[heat\] table"):
+        loads(SCENE + start)
+    with pytest.raises(SceneError, match=r"initial\.solids\.glass\.temperature: missing"):
+        loads(SCENE + "heat = {}\n")
+    with pytest.raises(SceneError, match=r"initial\.solids\.sand: no such solid phase"):
+        loads(SCENE + start.replace("glass", "sand"))
 
 
 @pytest.mark.parametrize(

@@ -30,12 +30,14 @@ COUNT = (12, 2, 15)
 SIZE = np.array([WIDTH, DEPTH, HEIGHT]) / COUNT
 
 SCENE = """
-particles = { count = 150, radius = "1 mm", width = ["24 mm", "6.5 mm"], periodic = false, density = 2600.0, \
-conductivity = 1.1, modulus = "1 MPa", modulus_real = "50 GPa", restitution = 0.5, seed = 3 }
-fluid = { density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = 0.026 }
-gas = { velocity = 1.5, T = 300.0, height = "60 mm", nusselt = "gunn", cell = [2.0, 2.0] }
-heat = { T = 310.0 }
-tubes = { low = { diameter = "8 mm", centre = ["12 mm", "7 mm"], T = 350.0 } }
+particles = { count = 150, width = ["24 mm", "6.5 mm"], height = "60 mm", modulus = "1 MPa", seed = 3, \
+cell = [2.0, 2.0], tubes = { low = { diameter = "8 mm", centre = ["12 mm", "7 mm"], temperature = 350.0 } } }
+solids.glass = { diameter = "2 mm", density = 2600.0, conductivity = 1.1, youngs_modulus = "50 GPa", restitution = 0.5 }
+gas = { density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = 0.026 }
+closures.nusselt = "gunn"
+boundary.bottom.gas = { velocity = 1.5, temperature = 300.0 }
+heat = {}
+initial.solids.glass.temperature = 310.0
 time = { end = 0.012, sample = 0.002, average_from = 0.004, checkpoint_every = 0.0001 }
 output = { plots = false }
 """
@@ -157,7 +159,9 @@ def test_heat_of_a_tube_is_in_the_balance(tmp_path):
 
 
 def test_a_tube_as_warm_as_the_bed_gives_no_heat():
-    scene = SCENE.replace("heat = { T = 310.0 }", "heat = { T = 300.0 }").replace("T = 350.0", "T = 300.0")
+    scene = SCENE.replace("temperature = 310.0", "temperature = 300.0").replace(
+        "temperature = 350.0", "temperature = 300.0"
+    )
     assert cb.run(loads(scene)).profiles["low heat_tube [W]"] == pytest.approx(0.0, abs=1e-12)  # of 1 W
 
 
@@ -179,11 +183,11 @@ def test_a_restart_goes_on_bit_for_bit(tmp_path):
     [
         ('"7 mm"]', '"3 mm"]', "reaches out of the box"),
         ('"7 mm"]', '"58 mm"]', "reaches out of the box"),
-        ("heat = { T = 310.0 }\n", "", "needs a [heat] table"),
-        ("T = 350.0 }", 'T = 350.0, nusselt = "gunn" }', "tubes.low.nusselt"),
+        ("heat = {}\n", "", "needs a [heat] table"),
+        ("350.0 }", '350.0, nusselt = "gunn" }', "tubes.low.nusselt"),
         ("tubes = { low =", 'tubes = { "../low" =', "names a file"),
         ("cell = [2.0, 2.0]", "cell = [6.0, 9.0]", "too coarse"),
-        ("T = 350.0 } }", 'T = 350.0 }, other = { diameter = "3 mm", centre = ["9 mm", "9 mm"] } }', "overlaps low"),
+        ("350.0 } }", '350.0 }, other = { diameter = "3 mm", centre = ["9 mm", "9 mm"] } }', "overlaps low"),
         ("plots = false", "plots = false, probes = { a = [0.012, 0.003, 0.008] }", "lies in the tube low"),
         ('diameter = "8 mm"', "diameter = 0.0", "tubes.low.diameter"),
     ],
@@ -211,4 +215,4 @@ def test_particles_of_a_file_that_lie_in_a_tube_are_left_out(tmp_path):
 def test_the_schema_knows_the_law_of_tubes():
     from contbed.explain.closure_keys import closure_keys
 
-    assert closure_keys()["tubes.NAME.nusselt"] == "nusselt_cylinder"
+    assert closure_keys()["particles.tubes.NAME.nusselt"] == "nusselt_cylinder"

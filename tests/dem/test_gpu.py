@@ -141,15 +141,15 @@ def test_too_little_memory_is_told(folder):
 
 
 SCENE = """
-[packing]
+[particles.packing]
 count = 70
-radius = "1 mm"
 width = ["6 mm", "6 mm"]
 
-[conduction]
-particles = 1.4
+[solids.spheres]
+diameter = "2 mm"
+conductivity = 1.4
 """
-LATTICE = SCENE.replace("[packing]\ncount = 70", '[lattice]\ntype = "sc"\ncontact_radius = "0.1 mm"').replace(
+LATTICE = SCENE.replace("packing]\ncount = 70", 'lattice]\ntype = "sc"\ncontact_radius = "0.1 mm"').replace(
     'width = ["6 mm", "6 mm"]\n', ""
 )
 

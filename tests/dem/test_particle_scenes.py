@@ -21,17 +21,22 @@ STUDIES = Path(__file__).parents[2] / "studies"
 BED = """
 [particles]
 file = "bed.csv"
-radius = 0.5
 
-[conduction]
-particles = 10.0
-fluid = 1.0
-
-[layers]
+[particles.layers]
 bottom = 0.6
 top = 4.4
 area = 9.0
+
+[solids.spheres]
+diameter = 1.0
+conductivity = 10.0
+
+[gas]
+conductivity = 1.0
 """
+LAYERS = "[particles.layers]\nbottom = 0.6\ntop = 4.4\narea = 9.0\n"
+RADIATING = BED.replace("diameter", "emissivity = 0.9\ndiameter") + "[radiation]\ntemperature = 1500.0\n"
+VACUUM = BED.replace("[gas]\nconductivity = 1.0\n", "").replace('csv"\n', 'csv"\npaths = "columns"\n')
 
 
 @pytest.fixture
@@ -55,7 +60,7 @@ def problems(text, folder="."):
 @pytest.mark.parametrize("cells", [1, 2])
 def test_lattices(name, wanted, cells):
     # exact: all contacts are alike, and the mean gradient solves the network
-    scene = cb.load(STUDIES / f"lattices/{name}.toml", {"lattice.cells": cells})
+    scene = cb.load(STUDIES / f"lattices/{name}.toml", {"particles.lattice.cells": cells})
     result = cb.run(scene)
     assert result.qoi["k_eff_over_contact_scale"] == pytest.approx(wanted, rel=1e-12)
     assert result.qoi["k_xx [W/m/K]"] == pytest.approx(result.qoi["k_zz [W/m/K]"], rel=1e-12)
@@ -65,7 +70,7 @@ def test_lattices(name, wanted, cells):
 
 
 def test_a_lattice_of_fluid_conducts_as_fluid():
-    scene = cb.load(STUDIES / "lattices/fcc.toml", {"conduction.fluid": 26.0, "conduction.paths": "columns"})
+    scene = cb.load(STUDIES / "lattices/fcc.toml", {"gas.conductivity": 26.0, "particles.paths": "columns"})
     assert cb.run(scene).qoi["k_eff_over_k_fluid"] == pytest.approx(1.0, rel=1e-13)
 
 
@@ -80,9 +85,9 @@ def test_a_bed_of_positions(folder):
 
 def test_layers_of_a_periodic_dump_are_its_cell(folder):
     # the sides stay periodic, the axis of the heat does not: then both ways are the same, to round-off
-    layers = BED.replace("bed.csv", "bed.dump").replace("radius = 0.5\n", "")
-    cell = layers[: layers.index("[layers]")]
-    eps = {"conduction.porosity": 0.4764}
+    layers = BED.replace("bed.csv", "bed.dump").replace("diameter = 1.0\n", "")
+    cell = layers.replace(LAYERS, "")
+    eps = {"particles.porosity": 0.4764}
     found = cb.run(loads(layers, overrides=eps, base=folder)).qoi["k_eff [W/m/K]"]
     assert found == pytest.approx(cb.run(loads(cell, overrides=eps, base=folder)).qoi["k_zz [W/m/K]"], rel=1e-12)
     assert cb.run(loads(cell, base=folder)).qoi["porosity"] == pytest.approx(1 - np.pi / 6, rel=1e-12)
@@ -90,7 +95,7 @@ def test_layers_of_a_periodic_dump_are_its_cell(folder):
 
 def test_radiation_adds_to_the_conductivity(folder):
     cold = cb.run(loads(BED, base=folder)).qoi
-    hot = cb.run(loads(BED + "[radiation]\nemissivity = 0.9\ntemperature = 1500.0\n", base=folder)).qoi
+    hot = cb.run(loads(RADIATING, base=folder)).qoi
     assert hot["k_eff [W/m/K]"] > cold["k_eff [W/m/K]"]
     assert hot["share_radiation"] > 0.5 and "share_radiation" not in cold
 
@@ -117,36 +122,42 @@ def test_the_particles_are_part_of_the_scene(folder):
 
 
 def test_mistakes(folder):
-    assert problems("[conduction]\nparticles = 1.0\n") == [
-        "scene.toml:1: particles: this table is missing; give [particles] with a file, [packing] or [lattice]"
+    assert problems("[particles]\n[solids.a]\nconductivity = 1.0\n") == [
+        "scene.toml:1: particles: give one of file, lattice, packing"
     ]
-    lattice = '[lattice]\ntype = "hcp"\nradius = 1.0\ncontact_radius = 0.1\n[conduction]\nparticles = 0\nfluids = 1\n'
-    assert problems(lattice) == [
-        'scene.toml:2: lattice.type = "hcp": unknown choice; allowed: sc, bcc, fcc',
-        "scene.toml:6: conduction.particles = 0: out of range; allowed: a number > 0 W/m/K",
-        "scene.toml:7: conduction.fluids = 1: unknown key; allowed: particles, fluid, paths, porosity, correction; "
-        "did you mean 'fluid'?",
+    lattice = '[particles.lattice]\ntype = "hcp"\ncontact_radius = 0.1\n[solids.a]\nconductivity = 0\ndiametr = 1\n'
+    found = problems(lattice)
+    assert found[:2] == [
+        'scene.toml:2: particles.lattice.type = "hcp": unknown choice; allowed: sc, bcc, fcc',
+        "scene.toml:5: solids.a.conductivity = 0: out of range; allowed: a number > 0 W/m/K",
     ]
-    both = '[lattice]\ntype = "sc"\nradius = 1.0\ncontact_radius = 2.0\n' + BED + "[closure]\nratios = [1, 2, 3]\n"
-    assert [text.split(": ", 2)[1] for text in problems(both, folder)] == [
-        "lattice.contact_radius = 2.0",
-        "particles",
-        "layers",
-        "closure.ratios = [1, 2, 3]",
+    assert found[2].startswith("scene.toml:6: solids.a.diametr = 1: unknown key; allowed: ")
+    more = '[particles.lattice]\ntype = "sc"\ncontact_radius = 2.0\n[particles.closure]\nratios = [1, 2, 3]\n'
+    assert sorted(text.split(": ", 2)[1] for text in problems(BED + more, folder)) == [
+        "particles.closure.ratios = [1, 2, 3]",
+        "particles.lattice",
+        "particles.lattice.contact_radius = 2.0",
+        "particles.layers",
     ]
     line = BED.splitlines().index("bottom = 0.6") + 1
-    assert problems(BED.replace("0.6", "4.5"), folder)[0].startswith(f"scene.toml:{line}: layers.bottom = 4.5: is not")
+    assert problems(BED.replace("0.6", "4.5"), folder)[0].startswith(
+        f"scene.toml:{line}: particles.layers.bottom = 4.5: is not"
+    )
     assert problems(BED.replace("bed.csv", "no.csv"), folder) == [
         f'scene.toml:3: particles.file = "no.csv": no such file; looked for {folder / "no.csv"}'
     ]
-    assert "columns lead through a fluid" in problems(BED.replace("fluid = 1.0", 'paths = "columns"'), folder)[0]
+    assert "columns lead through a gas" in problems(VACUUM, folder)[0]
 
 
 def test_mistakes_that_the_file_shows(folder):
-    dump = BED.replace("bed.csv", "bed.dump").replace("radius = 0.5", "step = 9")
-    assert problems(dump, folder) == ["scene.toml:4: particles.step = 9: not in the dump; it has 7"]
-    assert "particles.radius: missing" in problems(BED.replace("radius = 0.5\n", ""), folder)[0]
-    assert "layers: this table is missing" in problems(BED[: BED.index("[layers]")], folder)[0]
+    dump = (
+        BED.replace("bed.csv", "bed.dump")
+        .replace("[particles.layers]", "step = 9\n[particles.layers]")
+        .replace("diameter = 1.0\n", "")
+    )
+    assert problems(dump, folder) == ["scene.toml:5: particles.step = 9: not in the dump; it has 7"]
+    assert "solids.spheres.diameter: missing" in problems(BED.replace("diameter = 1.0\n", ""), folder)[0]
+    assert "layers: this table is missing" in problems(BED.replace(LAYERS, ""), folder)[0]
     assert "0 hot and 9 cold" in problems(BED.replace("0.6", "-1.0"), folder)[0]
     text = (folder / "bed.dump").read_text()
     (folder / "bed.dump").write_text(text[:-100])
@@ -170,7 +181,7 @@ def test_mistakes_that_the_file_shows(folder):
 def test_dumps_that_cannot_be_used_are_refused_by_the_check(folder, change, wanted):
     path = folder / "bed.dump"
     path.write_text(change(path.read_text()))
-    text = BED.replace("bed.csv", "bed.dump").replace("radius = 0.5\n", "")
+    text = BED.replace("bed.csv", "bed.dump").replace("diameter = 1.0\n", "")
     with pytest.raises(SceneError) as error:
         loads(text, "scene.toml", base=folder)
     assert error.value.problems[0].startswith(f"{path}:{wanted}")
@@ -178,11 +189,11 @@ def test_dumps_that_cannot_be_used_are_refused_by_the_check(folder, change, want
 
 def test_the_check_sees_what_the_run_would_refuse(folder):
     for text, wanted in (
-        (BED.replace("radius = 0.5\n", ""), "particles.radius: missing; bed.csv has none"),
-        (BED[: BED.index("[layers]")], "layers: this table is missing"),
+        (BED.replace("diameter = 1.0\n", ""), "solids.spheres.diameter: missing; bed.csv has no radii"),
+        (BED.replace(LAYERS, ""), "layers: this table is missing"),
         (BED.replace("0.6", "-1.0"), "0 hot and 9 cold particles"),
         (BED.replace("area = 9.0", "area = 0.1"), "layers.area = 0.1: gives a porosity of"),
-        (BED.replace("1.0\n", '1.0\npaths = "columns"\n') + "[radiation]\nemissivity = 0.9\ntemperature = 900.0\n",
+        (RADIATING.replace('csv"\n', 'csv"\npaths = "columns"\n'),
          "columns are for equal particles without [radiation]"),
     ):  # fmt: skip
         with pytest.raises(SceneError) as error:
@@ -192,7 +203,7 @@ def test_the_check_sees_what_the_run_would_refuse(folder):
 
 def test_unwrapped_positions_of_a_dump_are_brought_into_its_periodic_box(folder):
     text = (folder / "bed.dump").read_text()
-    scene = BED.replace("bed.csv", "bed.dump").replace("radius = 0.5\n", "")
+    scene = BED.replace("bed.csv", "bed.dump").replace("diameter = 1.0\n", "")
     inside = cb.run(loads(scene, base=folder)).qoi
     # id 3 is at (0, 0, 3): the same sphere one period to the left
     (folder / "bed.dump").write_text(text.replace("\n3 0.0 0.0 3.0", "\n3 -3.0 0.0 3.0").replace("x y z", "xu yu zu"))
@@ -213,3 +224,39 @@ def test_other_scenes_import_no_particles():
         "assert not [name for name in sys.modules if name.startswith('contbed.dem')]\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_former_keys_name_the_present_ones():
+    text = """[lattice]
+type = "sc"
+radius = 1.0
+[conduction]
+particles = 1.0
+fluid = 0.1
+[conduction.correction]
+real = 1e9
+[layers]
+bottom = 0.1
+"""
+    found = problems(text)
+    for told in (
+        "scene.toml:1: lattice: this key is called 'particles.lattice' now",
+        "scene.toml:3: lattice.radius = 1.0: solids.NAME.diameter takes the place of a radius, with twice the value",
+        "scene.toml:5: conduction.particles = 1.0: this key is called 'solids.NAME.conductivity' now",
+        "scene.toml:6: conduction.fluid = 0.1: this key is called 'gas.conductivity' now",
+        "scene.toml:8: conduction.correction.real = 1000000000.0: this key is called 'solids.NAME.youngs_modulus' now",
+        "scene.toml:9: layers: this key is called 'particles.layers' now",
+    ):
+        assert told in found
+
+
+def test_rough_contacts_need_all_their_properties(folder):
+    text = BED.replace("conductivity = 10.0", "conductivity = 10.0\nroughness = 1e-6")
+    keys = [line.split(": ", 2)[1].split(" = ")[0] for line in problems(text, folder)]
+    assert set(keys) == {
+        "solids.spheres.roughness",
+        "solids.spheres.asperity_slope",
+        "solids.spheres.microhardness",
+        "solids.spheres.youngs_modulus",
+        "gas.mean_free_path",
+    }

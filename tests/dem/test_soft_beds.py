@@ -21,14 +21,16 @@ from contbed.loading import loads
 
 RADIUS = 1e-3
 PACKING = """
-[packing]
-count = 700
-radius = "1 mm"
-width = ["12 mm", "12 mm"]
+[particles]
 modulus = "10 MPa"
 
-[conduction]
-particles = 1.4
+[particles.packing]
+count = 700
+width = ["12 mm", "12 mm"]
+
+[solids.spheres]
+diameter = "2 mm"
+conductivity = 1.4
 """
 GAS = (Path(cb.__file__).parent / "cfd_dem" / "template.toml").read_text()
 
@@ -52,7 +54,7 @@ def test_soft_packings_are_denser():
     assert heights[1] / heights[0] - 1.0 == pytest.approx(estimates[0] - estimates[1], rel=1.0 / 3.0)
 
 
-@pytest.mark.parametrize(("text", "key"), [(PACKING, "packing.modulus"), (GAS, "particles.modulus")])
+@pytest.mark.parametrize(("text", "key"), [(PACKING, "particles.modulus"), (GAS, "particles.modulus")])
 def test_scenes_of_soft_beds_are_told_the_modulus_that_is_enough(text, key):
     """A tenth more than the modulus of the warning, which has two digits, is enough, and a tenth less is not."""
 

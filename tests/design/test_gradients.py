@@ -144,15 +144,16 @@ def test_pressure_drop_by_its_closed_form():
 def test_conduction_of_a_lattice_by_its_closed_form():
     """k = c a k_p/R: the conductivity goes with contact radius and particles, and against the radius."""
     text = """
-[lattice]
+[particles.lattice]
 type = "bcc"
-radius = 1e-3
 contact_radius = 1e-5
-[conduction]
-particles = 26.0
+[solids.spheres]
+diameter = 2e-3
+conductivity = 26.0
 """
-    made = gradient(loads(text), ["k_xx [W/m/K]"], ["lattice.radius", "lattice.contact_radius", "conduction.particles"])
+    keys = ["solids.spheres.diameter", "particles.lattice.contact_radius", "solids.spheres.conductivity"]
+    made = gradient(loads(text), ["k_xx [W/m/K]"], keys)
     # four steps of 2.5 to 5 % leave an error of their fourth power
     assert made.logarithmic[0] == pytest.approx([-1.0, 1.0, 1.0], abs=1e-4)
     assert (made.standard_errors >= 0.0).all()
-    assert made.standard_errors[0, 0] * 1e-3 < 1e-4
+    assert made.standard_errors[0, 0] * 2e-3 < 1e-4

@@ -211,7 +211,7 @@ def test_version_and_help(capsys):
         ("nusselt_gunn", "Gunn (1978)"),
         ("wakao_kaguei", "dispersion_wakao_kaguei_transverse"),
         ("two_energy", "energy equations"),
-        ("heat", "nusselt: a number >= 0, or a closure's name"),
+        ("closures", "nusselt: a number >= 0, or a closure's name"),
         ("closures.nusselt", "contbed closures --for closures.nusselt"),
         ("mesh.length", "allowed: a number > 0 m"),
         ("mesh.box", "width: a number > 0 m; required"),

@@ -32,12 +32,10 @@ FILE = '[mesh]\ntype = "file"\nfile = "bed.msh"\n' + BED
 PARTICLES = """\
 [particles]
 file = "pack.csv.gz"
-radius = 1e-3
-
-[conduction]
-particles = 1.0
-
-[layers]
+[solids.spheres]
+diameter = 2e-3
+conductivity = 1.0
+[particles.layers]
 bottom = 0.0
 top = 0.1
 area = 1e-2

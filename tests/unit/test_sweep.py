@@ -44,7 +44,7 @@ scene = "scene.toml"
 boundary.left.gas.velocity = [0.1, "20 cm/s"]
 "solids.particles.diameter" = ["1 mm", "2 mm"]
 """
-CONDUCTION = "[conduction]\nparticles = 1.0\n[output]\nplots = false\n"
+SPHERES = '[solids.spheres]\ndiameter = "2 mm"\nconductivity = 1.0\n[output]\nplots = false\n'
 ALONE = 'scene = "scene.toml"\n[parameters]\n'
 SAMPLE = """\
 scene = "scene.toml"
@@ -200,8 +200,10 @@ def test_the_same_scene_twice_is_one_run(folder):
 
 
 def test_scenes_of_every_kind(folder):
-    (folder / "scene.toml").write_text('[lattice]\ntype = "sc"\nradius = "1 mm"\ncontact_radius = 1e-5\n' + CONDUCTION)
-    (folder / "study.toml").write_text('scene = "scene.toml"\n[parameters]\nlattice.type = ["sc", "bcc", "fcc"]\n')
+    (folder / "scene.toml").write_text('[particles.lattice]\ntype = "sc"\ncontact_radius = 1e-5\n' + SPHERES)
+    (folder / "study.toml").write_text(
+        'scene = "scene.toml"\n[parameters]\nparticles.lattice.type = ["sc", "bcc", "fcc"]\n'
+    )
     assert sweep() == 0
     found = [float(row["k_eff [W/m/K]"]) for row in rows(folder)]
     assert found[0] < found[1] < found[2]  # more contacts conduct more
