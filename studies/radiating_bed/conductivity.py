@@ -25,8 +25,8 @@ def scene(T: float, radiates: bool) -> cb.Scene:
     """The bed around a mean temperature [K]."""
     overrides: dict[str, object] = {}
     for side, plate in (("left", T + APART / 2), ("right", T - APART / 2)):
-        overrides[f"boundary.{side}.fluid.fixed"] = plate
-        overrides[f"boundary.{side}.solid.fixed"] = plate
+        overrides[f"boundary.{side}.gas.fixed_temperature"] = plate
+        overrides[f"boundary.{side}.solids.particles.fixed_temperature"] = plate
         overrides[f"boundary.{side}.radiation.temperature"] = plate
     loaded = cb.load(HERE / "bed.toml", overrides)
     if radiates:
@@ -43,9 +43,9 @@ def conductivity(loaded: cb.Scene) -> float:
 def reference(T: float) -> float:
     """Rise of the conductivity [W/m/K] by the radiation term of the closure at a mean temperature [K]."""
     loaded = scene(T, True)
-    bed, fluid, solid = loaded.bed, loaded.fluid, loaded.solid
-    phases = {"k_fluid": fluid.conductivity, "k_solid": solid.conductivity, "eps": bed.porosity}
-    radiating = conductivity_zehner_bauer_schluender(**phases, T=T, d_p=bed.particle_diameter, emissivity=EMISSIVITY)
+    gas, solid = loaded.gas, loaded.solid
+    phases = {"k_fluid": gas.conductivity, "k_solid": solid.conductivity, "eps": loaded.packed_bed.porosity}
+    radiating = conductivity_zehner_bauer_schluender(**phases, T=T, d_p=loaded.diameter, emissivity=EMISSIVITY)
     return float(radiating - conductivity_zehner_schluender(**phases))
 
 
