@@ -305,7 +305,7 @@ def test_formulas_with_prices_and_whole_numbers(folder, runner):
         (
             "boundary.left.gas.velocity = {",
             "boundary.left.gas.velosity = {",
-            "toml:6: boundary.left.gas.velosity: the scene has no such key; allowed: veloc",
+            "toml:6: boundary.left.gas.velosity: the scene has no such key; allowed: temperature",
         ),
         (
             "boundary.left.gas.velocity = {",
@@ -340,7 +340,7 @@ def test_all_mistakes_at_once(folder):
     change(
         folder,
         ("boundary.left.gas.velosity = {", "boundary.left.gas.velocity = {"),
-        ('maximise = "flow', 'maximise = "flo'),
+        ('maximise = "boundary', 'maximise = "boundar'),
     )
     with pytest.raises(SceneError) as caught:
         read_design("design.toml")

@@ -34,8 +34,9 @@ def worst(scene, count=None, seed=0):
     solve = frozen_results(result, qoi)
     centre = picked(scene, result.qoi, qoi)
     found = np.array([differences.slope(scene, one, solve, centre, 3e-4).values for one in chosen]).T
-    weights = np.abs(found * made.at)
-    return (np.abs(made.derivatives - found) * np.abs(made.at) / weights.max(axis=1, keepdims=True)).max()
+    weights = np.abs(found * made.at).max(axis=1)
+    weights = np.maximum(weights, 1e-9 * np.abs(centre))  # of a result that none of the keys changes
+    return (np.abs(made.derivatives - found) * np.abs(made.at) / weights[:, None]).max()
 
 
 def slip_case(values):

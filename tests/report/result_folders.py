@@ -70,7 +70,7 @@ def of_optimum(folder):
     _bed(folder)
     (folder / "design.toml").write_text(
         'scene = "bed.toml"\nmaximise = "T_fluid_out_K"\nconstraints = ["pressure_drop_Pa <= 1.5 kPa"]\n'
-        "[keys]\nflow.velocity = { from = 0.49, to = 0.51 }\n"
+        "[keys]\nboundary.left.gas.velocity = { from = 0.49, to = 0.51 }\n"
     )
     optimise(folder / "design.toml", folder / "optimum")
     return folder / "optimum", "summary.json"

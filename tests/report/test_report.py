@@ -120,7 +120,9 @@ def test_two_runs_side_by_side(plane):
 @pytest.mark.slow
 def test_a_sweep_has_linked_plots(plane):
     (plane / "bed.toml").write_text(editor.template("packed_bed"))
-    (plane / "sweep.toml").write_text('scene = "bed.toml"\n[parameters]\nflow.velocity = [0.4, 0.5, 0.6]\n')
+    (plane / "sweep.toml").write_text(
+        'scene = "bed.toml"\n[parameters]\nboundary.left.gas.velocity = [0.4, 0.5, 0.6]\n'
+    )
     assert cli.main(["sweep", str(plane / "sweep.toml"), "--out", str(plane / "sweep"), "--jobs", "1", "--quiet"]) == 0
     text = write([plane / "sweep"]).read_text()
     found = {chart["kind"]: chart for chart in charts_of(text)}

@@ -16,9 +16,10 @@ from typing import Any
 from contbed.errors import SceneError
 from contbed.models import model_of
 from contbed.scene import schema
+from contbed.scene.library import MATERIALS
 from contbed.scene.names import near_names
 from contbed.scene.quantities import Table
-from contbed.scene.tables import Closure, SceneBase
+from contbed.scene.tables import Closure, SceneBase, from_library
 from contbed.scene.toml_lines import KeyPath, dotted, parse_key
 from contbed.scene.values import with_value
 
@@ -225,12 +226,7 @@ def _at_temperature(table: Any, temperature: float) -> Any:
 
     Properties that the scene gives in place of the library's stay.
     """
-    about = {"material": table.material, "model": getattr(table, "model", None)}
-    about = {name: value for name, value in about.items() if value is not None}
-    library = type(table).model_validate(about | {"material_temperature": table.material_temperature})
-    own = {
-        name: value
-        for name in type(table).model_fields
-        if name not in (*about, "material_temperature") and (value := getattr(table, name)) != getattr(library, name)
-    }
-    return type(table).model_validate(about | own | {"material_temperature": temperature})
+    given = {name: getattr(table, name) for name in table.model_fields_set}
+    library = from_library(MATERIALS[table.material].phase, given)
+    own = {name: value for name, value in given.items() if value != library.get(name)}
+    return type(table).model_validate(own | {"material_temperature": temperature})
