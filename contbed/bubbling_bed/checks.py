@@ -125,7 +125,7 @@ def bubbles_carry_their_gas(bubbling_bed: BubblingBed, see: See) -> Mistakes:
 
 def the_gas_fits_its_flow(gas: GasCantera | None, boundary: b.Boundary, see: See) -> Mistakes:
     """Check that a mass flow has a [gas], and a capacity flow none."""
-    computed = boundary.bottom.gas.mass_flow is not None
+    computed = boundary.bottom.gas.computed
     if computed and gas is None:
         text = "this table is missing; its composition gives the properties of the gas"
         yield ("gas",), f"{text}; see {see(MASS_FLOW)}"
@@ -147,7 +147,7 @@ def coefficients_fit_the_gas(
     With a capacity flow all are numbers. With a mass flow closures exist and have the
     properties that they need.
     """
-    computed = boundary.bottom.gas.mass_flow is not None
+    computed = boundary.bottom.gas.computed
     freeboard = bubbling_bed.freeboard
     if not computed and freeboard is not None and freeboard.height is not None:
         text = f"a freeboard needs the properties of the gas: give {MASS_FLOW}"
@@ -240,7 +240,7 @@ def settling_has_what_it_needs(
 ) -> Mistakes:
     """Check the keys from which the height of the bed and the sizes of its particles follow."""
     settles = bubbling_bed.settled_height is not None
-    if boundary.bottom.gas.mass_flow is None and settles:
+    if settles and not boundary.bottom.gas.computed:
         text = f"needs the properties of the gas; see {see(CAPACITY_FLOW)}"
         yield ("bubbling_bed", "settled_height"), text
     if closures.expansion is not None and not settles:
@@ -312,7 +312,7 @@ def something_fixes_the_plate(bubbling_bed: BubblingBed, boundary: b.Boundary, r
     if plate is None:
         return
     gas = boundary.bottom.gas
-    flow = gas.mass_flow or gas.capacity_flow
+    flow = gas.mass_flow or gas.capacity_flow or gas.velocity
     if not flow and bubbles is not None:
         flow = bubbles.capacity_flow
     radiates = radiation.level in ("p1", "two_flux") and plate.emissivity is not None
@@ -326,7 +326,7 @@ def something_fixes_the_temperatures(boundary: b.Boundary, bubbling_bed: Bubblin
     gas, bubbles = boundary.bottom.gas, bubbling_bed.bubbles
     feeds = [item.inert_feed for item in solids.values()]
     flows = [feed.capacity_flow or feed.mass_flow for feed in feeds if feed is not None]
-    flows += [gas.capacity_flow, gas.mass_flow]
+    flows += [gas.capacity_flow, gas.mass_flow, gas.velocity]
     flows += [bubbles.capacity_flow] if bubbles is not None else []
     surfaces = [item.coefficient for item in bubbling_bed.surfaces.values()]
     if not any(flows) and not any(surfaces):

@@ -52,8 +52,7 @@ class Computed:
         self.ranges: list[Any] | None = None
         self.smoothed = SMOOTHED
         self.mixtures: Callable[[Any], dict[str, Any]] = lambda u: {"emulsion": gas, "bubble": gas}
-        flow = scene.inlet.mass_flow
-        self.flow = 0.0 if flow is None else flow
+        self.flow = scene.gas_flow
         bed, present = scene.bubbling_bed, scene.present
         base = scene.origin.base
         self.bubbling = bed.bubbling

@@ -24,9 +24,9 @@ or a number, and flows are mass flows.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, model_validator
 
 from contbed.bubbling_bed.chemistry.scene import Reactions
 from contbed.bubbling_bed.renamed import RENAMED
@@ -35,6 +35,7 @@ from contbed.bubbling_bed.tables import (
     BubblingBed,
     CapacityFlow,
     MassFlow,
+    Speed,
     SpeedOrClosure,
 )
 from contbed.scene.gas import GasCantera, GasOfComposition
@@ -49,6 +50,7 @@ from contbed.scene.quantities import (
     Temperature,
     Whole,
     form,
+    given_one,
 )
 from contbed.scene.tables import NamedOrFile, Output, SceneBase
 
@@ -60,13 +62,18 @@ class EnteringGas(Table):
 
     capacity_flow: CapacityFlow | None = Field(None, description="of the emulsion's gas; coefficients are numbers")
     mass_flow: MassFlow | None = Field(None, description="of all gas, with [gas]; coefficients may be closures")
+    velocity: Speed | None = Field(None, description="superficial, in place of mass_flow")
     temperature: Temperature = Field(description="of the gas that enters")
 
     @model_validator(mode="after")
     def _one(self) -> EnteringGas:
-        if (self.capacity_flow is None) == (self.mass_flow is None):
-            raise ValueError("give one of capacity_flow, mass_flow")
+        given_one(self, "capacity_flow", "mass_flow", "velocity")
         return self
+
+    @property
+    def computed(self) -> bool:
+        """Whether coefficients follow from the properties of gas and particles."""
+        return self.capacity_flow is None
 
 
 class Bottom(Table):
@@ -132,10 +139,17 @@ class Continuation(Table):
     first_fold: Switch = Field(False, description="end at the first fold, where only its distance is wanted")
 
 
+def _along_the_height(cells: Any) -> Any:
+    """Return the last of the numbers of cells of a rectangle or box."""
+    return cells[-1] if isinstance(cells, list) and cells else cells
+
+
 class Mesh(Table):
     """Cells along the height, graded to the layers at both ends."""
 
-    cells: Cells | None = Field(None, description="absent: by solver.tolerance")
+    cells: Annotated[Cells | None, BeforeValidator(_along_the_height)] = Field(
+        None, description="of a list the last; absent: by solver.tolerance"
+    )
     refine: Whole = Field(0, ge=0, le=12, description="uniform refinements after construction")
 
 
@@ -191,7 +205,18 @@ class BubblingScene(SceneBase):
     @property
     def computed(self) -> bool:
         """Whether coefficients follow from the properties of gas and particles."""
-        return self.inlet.mass_flow is not None
+        return self.inlet.computed
+
+    @property
+    def gas_flow(self) -> float:
+        """Mass flow of all gas that enters [kg/s]; 0 where coefficients are frozen."""
+        inlet = self.inlet
+        if inlet.velocity is None:
+            return inlet.mass_flow or 0.0
+        from contbed.materials.constants import constants_of
+
+        gas = constants_of(self.mixture, inlet.temperature, self.origin.base)
+        return inlet.velocity * gas.density * self.bubbling_bed.section
 
     @property
     def present(self) -> dict[str, Solid]:

@@ -114,7 +114,7 @@ class Solid(SolidPhase):
     """One solid phase: particles with one temperature at a height."""
 
     volume_share: Annotated[Number, Field(ge=0, le=1)] = Field(
-        description="of the volume of all particles; 0: this phase is left out"
+        1.0, description="of the volume of all particles; 0: this phase is left out"
     )
     diameter: Length = Field(description="Sauter mean, of spheres of the particles' volumes; or sizes")
     sizes: Sizes | None = None

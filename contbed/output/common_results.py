@@ -13,10 +13,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.integrate import trapezoid
 
 ALONG = ("x [m]", "z [m]", "height [m]")  # coordinates along the bed
+TIME = "t [s]"
 NAME = "NAME"
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -129,13 +132,23 @@ def _means(
         along = next((header for header in ALONG if header in table), None)
         for header in headers:
             if along is not None and header in table:
-                return {quantity.name: _mean(table[along], table[header])}
+                last = _rows_at_the_end(table)
+                x = np.asarray(table[along], dtype=float)[last]
+                values = np.asarray(table[header], dtype=float)[last]
+                return {quantity.name: _mean(x, values)}
     return {}
 
 
-def _mean(along: Any, values: Any) -> float:
-    """Return the mean of values over a coordinate; points without a value are left out."""
-    x, y = np.asarray(along, dtype=float), np.asarray(values, dtype=float)
+def _rows_at_the_end(table: Mapping[str, Any]) -> Any:
+    """Return which rows of a table are those of its last time, all without times."""
+    if TIME not in table:
+        return slice(None)
+    times = np.asarray(table[TIME], dtype=float)
+    return times == times.max()
+
+
+def _mean(x: Array, y: Array) -> float:
+    """Return the mean of y over x; points without a value are left out."""
     known = np.isfinite(x) & np.isfinite(y)
     order = np.argsort(x[known], kind="stable")
     x, y = x[known][order], y[known][order]

@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from contbed.packed_bed.renamed import RENAMED
 from contbed.radiation.scene import RadiatingSolid, Radiation, RadiationCondition, Tubes
@@ -155,12 +155,21 @@ class PhaseCondition(ThermalCondition):
         return self.emissivity is None
 
 
+def _slip_of_symmetry(kind: str) -> str:
+    """Return "slip" for a plane of symmetry, which is the same without heat."""
+    return "slip" if kind == "symmetry" else kind
+
+
+Side = Annotated[
+    Literal["inlet", "outlet", "no_slip", "slip", "symmetry"],
+    AfterValidator(_slip_of_symmetry),
+]
+
+
 class Boundary(Table):
     """Conditions on one named boundary; what is absent is adiabatic, and a frictionless wall for the flow."""
 
-    type: Literal["inlet", "outlet", "no_slip", "slip"] | None = Field(
-        None, description="absent: inlet or outlet by the sign of the velocity, slip on walls"
-    )
+    type: Side | None = Field(None, description="absent: inlet or outlet by the sign of the velocity, slip on walls")
     gas: PhaseCondition | None = Field(None, description="conditions of the gas")
     solids: dict[str, PhaseCondition] = Field(default_factory=dict, description="of the solid that fills the bed")
     radiation: RadiationCondition | None = Field(None, description="absent: a mirror")

@@ -257,7 +257,7 @@ def chemistry(scene: Any, mixing: dict[str, Any], exchange: Any) -> Chemistry:
     drain = bed.drain
     velocity = 0.0 if drain is None else bed.height / drain.time * (1.0 if drain.end == "top" else -1.0)
     mean = sum(species[name].molar_mass * x for name, x in inlet.items())
-    moles = scene.inlet.mass_flow / mean
+    moles = scene.gas_flow / mean
     solids, ash = _solids(scene, data, running, inlet, moles)
     part = model.Species(
         gases,
