@@ -117,8 +117,6 @@ def mistakes_of(model: type[BaseModel], values: dict[str, Any]) -> list[tuple[Ke
 def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any]) -> Any:
     problems: list[tuple[KeyPath, str]] = []
     origin = _override(values, origin, overrides, problems)
-    if isinstance(fluid := values.get("fluid"), dict):
-        fluid.setdefault("model", "constant")
     if not values:
         raise SceneError(f"{origin.name}:1: the scene is empty; it needs [mesh], [gas], [solids.NAME] and [packed_bed]")
     _require_a_scene(values, origin)

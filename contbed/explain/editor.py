@@ -107,7 +107,7 @@ def _parts(node: Node) -> Iterator[Node]:
 def _add_names(table: str, key: str, node: Node) -> None:
     """Name the closures that an editor may offer where a text stands for one."""
     if key == "material":
-        phase = "fluid" if table.startswith(("Fluid", "Gas")) else "solid"
+        phase = "fluid" if table.startswith("Gas") else "solid"
         names = [entry.name for entry in MATERIALS.values() if entry.phase == phase]
         node["anyOf"] = [{"enum": names}]
         return

@@ -6,30 +6,25 @@ Absent keys take the default that stands here, once. Values are in SI behind `qu
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar
 
-from pydantic import ConfigDict, Discriminator, Field, PrivateAttr, Tag, model_validator
+from pydantic import ConfigDict, Discriminator, Field, PrivateAttr, Tag
 
 from contbed.errors import SceneError
 from contbed.scene import schema
 from contbed.scene.quantities import (
     ClosureFile,
     Conductivity,
-    Density,
     FiniteFloat,
     Fraction,
-    HeatCapacity,
     NonNegative,
     Number,
     Order,
     Permeability,
     Position,
     Positive,
-    Pressure,
     Switch,
     Table,
-    Temperature,
-    Viscosity,
     WallCoefficient,
     Whole,
     form,
@@ -37,8 +32,8 @@ from contbed.scene.quantities import (
 from contbed.scene.toml_lines import KeyPath, Origin
 
 
-def from_library(phase: str, values: Any, temperature: str = "material_temperature") -> Any:
-    """Return the data of the library for a table's `material`, at the temperature under the key `temperature` if given.
+def from_library(phase: str, values: Any) -> Any:
+    """Return the data of the library for a table's `material`, at its `material_temperature` if given.
 
     Raises
     ------
@@ -51,13 +46,13 @@ def from_library(phase: str, values: Any, temperature: str = "material_temperatu
     except SceneError as error:
         raise ValueError(str(error)) from None
     properties: dict[str, Any] = dict(found.properties())
-    if (given := values.get(temperature)) is not None:
+    if (given := values.get("material_temperature")) is not None:
         from contbed.scene.units import to_si
 
         low, high = found.T_range
         T = to_si(given, "K") if isinstance(given, str) else given
         if isinstance(T, bool) or not isinstance(T, int | float) or not low <= T <= high:
-            raise ValueError(f"{temperature} = {given!r}: {found.name} is known from {low:g} to {high:g} K")
+            raise ValueError(f"material_temperature = {given!r}: {found.name} is known from {low:g} to {high:g} K")
         properties = dict(found.at(float(T)))
     return {key: a[0] if isinstance(a, tuple) and len(a) == 1 else a for key, a in properties.items()}
 
@@ -65,34 +60,6 @@ def from_library(phase: str, values: Any, temperature: str = "material_temperatu
 def names_material(values: Any) -> bool:
     """Return whether a table takes properties of a material of the library."""
     return isinstance(values, dict) and isinstance(values.get("material"), str)
-
-
-class FluidConstant(Table):
-    """A fluid with constant properties, given or those of a material at a temperature."""
-
-    model: Literal["constant"] = Field(description="gas or liquid with constant properties")
-    material: str | None = Field(None, description="liquid of the library; keys that are given replace its properties")
-    temperature: Temperature | None = Field(None, description="of the material, at which its properties are taken")
-    density: Density = Field(description="density of the fluid")
-    viscosity: Viscosity = Field(description="dynamic viscosity of the fluid")
-    heat_capacity: HeatCapacity | None = Field(None, description="needed with a [heat] table")
-    conductivity: Conductivity | None = Field(None, description="needed with a [heat] table")
-
-    @model_validator(mode="before")
-    @classmethod
-    def _material(cls, values: Any) -> Any:
-        if isinstance(values, dict) and ("material" in values) != ("temperature" in values):
-            raise ValueError("material and temperature belong together")
-        return from_library("fluid", values, "temperature") | values if names_material(values) else values
-
-
-class FluidCantera(Table):
-    """An ideal-gas mixture with the polynomials of a Cantera mechanism."""
-
-    model: Literal["cantera"] = Field(description="ideal gas mixture with properties by Cantera")
-    composition: str = Field(description='mole fractions, "N2:0.79, O2:0.21"')
-    pressure: Pressure = Field(101325.0, description="absolute pressure of the gas")
-    mechanism: str = Field("gri30.yaml", description="Cantera mechanism with the species: a name or a YAML file")
 
 
 Polynomial = Annotated[

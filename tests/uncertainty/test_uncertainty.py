@@ -329,7 +329,7 @@ def test_a_sample_has_indices_by_polynomial_chaos(folder, capsys):
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("[sample]", "[parameters]\nflow.velocity = [0.1, 0.2]\n[sample]",
+        ("[sample]", "[parameters]\npacked_bed.porosity = [0.4, 0.5]\n[sample]",
          'study.toml:6: sample.method: "sobol_indices" stands alone; leave out parameters'),
         ("gradients = true", "gradients = 1", "study.toml:7: sample.gradients = 1: wrong kind of value"),
         ("count = 8", "count = 3", "not a power of two; Sobol points fill the space evenly at 2 or 4"),
