@@ -220,7 +220,7 @@ Parameter = Annotated[
 ]
 
 
-KindOrKinds = Annotated[Annotated[str, Tag("name")] | Annotated[tuple[str, ...], Tag("list")], Discriminator(form)]
+PhaseOrPhases = Annotated[Annotated[str, Tag("name")] | Annotated[tuple[str, ...], Tag("list")], Discriminator(form)]
 
 
 class Reaction(Table):
@@ -235,7 +235,7 @@ class Reaction(Table):
     b: Number = Field(0.0, description="exponent of the temperature in k = A T^b exp(-E/(R T))")
     E: ActivationEnergy | None = Field(None, description="activation energy")
     orders: dict[str, Number] | None = Field(None, description="in concentrations; absent: 1 for each reactant gas")
-    solid: KindOrKinds | None = Field(
+    solid: PhaseOrPhases | None = Field(
         None, description="phase, or list of phases, of [solids] in which it runs; absent: those that hold what reacts"
     )
     basis: Literal["gas", "catalyst", "particle", "bed"] | None = Field(

@@ -132,7 +132,7 @@ def test_a_bed_that_adsorbs_and_is_flushed_against_marching(isotherm):
 
 @pytest.mark.slow
 def test_a_gas_in_the_pores_against_marching():
-    scene = isothermal("A:1", species(A=0.028, B=0.028), mass={"dispersion": 0.1})
+    scene = isothermal("A:1", species(A=0.028, B=0.028), closures={"dispersion_mass": 0.1})
     scene["boundary"]["left"]["gas"]["composition"] = switched(["A:1", "B:1"], 0.4)
     scene["time"] = {"end": 0.8, "tolerance": 1e-3, "cycle": {}}
     scene["packed_bed"]["gas_storage"] = "stored"

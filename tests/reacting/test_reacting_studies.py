@@ -38,7 +38,7 @@ def test_moving_bed_of_iron_oxide():
 @pytest.mark.parametrize(
     "changes",
     [
-        {"flow.molar_flux": 5.2, "mesh.length": 3.0},
+        {"boundary.left.gas.molar_flux": 5.2, "mesh.length": 3.0},
         {"boundary.left.gas.molar_flux": 4.6, "mesh.length": 2.0, "solids.carrier.diameter": 2e-3},
     ],
 )
@@ -52,7 +52,7 @@ def test_moving_bed_with_more_methane_than_oxide_burns(changes):
 @pytest.mark.slow
 @pytest.mark.parametrize("case", dri.CASES)
 def test_hydrogen_shaft(case):
-    result = cb.run(cb.load(dri.HERE / "h2_5m.toml", {"flow.molar_flux": dri.CASES[case]}))
+    result = cb.run(cb.load(dri.HERE / "h2_5m.toml", {"boundary.left.gas.molar_flux": dri.CASES[case]}))
     # of the span of each result; the upwind cells of the reference are less sure than that where heat is short
     spans = {"metallization": 1.0, "reduction": 1.0, "T_solid_out_K": 1e3, "T_fluid_out_K": 1e3, "x_H2_out": 1.0}
     for key, value in zip(spans, dri.reference(case)[: len(spans)], strict=True):
