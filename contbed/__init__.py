@@ -3,8 +3,9 @@
 >>> import contbed as cb
 >>> result = cb.run(cb.load("scene.toml"))  # doctest: +SKIP
 
-`load` reads and checks a scene, `plan` says what will be built, `run` solves it and returns a `Result`; `gradient`
-returns derivatives of results with respect to keys. Everything heavy is imported when it is first used.
+`load` reads and checks a scene, `plan` says what will be built, `run` solves it and
+returns a `Result`; `gradient` returns derivatives of results with respect to keys.
+Everything heavy is imported when it is first used.
 """
 
 from __future__ import annotations
@@ -39,7 +40,10 @@ if TYPE_CHECKING:
 
 
 if os.name == "nt":
-    raise ImportError("contbed locks files and yields cores by calls of POSIX: on Windows, run it in WSL")
+    raise ImportError(
+        "contbed locks files and yields cores by calls of POSIX: on Windows, run it in "
+        "WSL"
+    )
 choose_cache()
 
 

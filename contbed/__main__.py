@@ -1,4 +1,6 @@
-"""`contbed`, also as `python -m contbed`: starts the command line, which can be interrupted from the first moment."""
+"""`contbed`, also as `python -m contbed`: starts the command line, which can be
+interrupted from the first moment.
+"""
 
 import gc
 import os
@@ -11,7 +13,9 @@ INTERRUPTED = 130
 
 
 def _end(number: int, frame: FrameType | None) -> None:
-    """End at once: while modules are imported nothing has begun, and no module need survive half an import."""
+    """End at once: while modules are imported nothing has begun, and no module need
+    survive half an import.
+    """
     os.write(2, b"interrupted\n")
     os._exit(INTERRUPTED)
 
@@ -19,8 +23,9 @@ def _end(number: int, frame: FrameType | None) -> None:
 def main() -> int:
     """Run the command line and return its exit code.
 
-    Reference cycles are not collected while modules are imported, nor when Python ends: 0.3 s of 1.4 s of a small run.
-    Runs collect them, see `contbed.runner`. OpenBLAS starts with the one thread that runs allow it, 0.1 s.
+    Reference cycles are not collected while modules are imported, nor when Python ends:
+    0.3 s of 1.4 s of a small run. Runs collect them, see `contbed.runner`. OpenBLAS
+    starts with the one thread that runs allow it, 0.1 s.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.disable()
@@ -32,12 +37,14 @@ def main() -> int:
 
 def _command() -> int:
     default = signal.getsignal(signal.SIGINT)
-    if default is not signal.default_int_handler:  # a shell lets what it starts in the background ignore interrupts
+    # a shell lets what it starts in the background ignore interrupts
+    if default is not signal.default_int_handler:
         from contbed.cli import main as command
 
         return command()
     signal.signal(signal.SIGINT, _end)
-    if not sys.warnoptions:  # of numpy, about numbers that contbed checks and reports itself
+    # of numpy, about numbers that contbed checks and reports itself
+    if not sys.warnoptions:
         warnings.simplefilter("ignore", RuntimeWarning)
     from contbed.cli import main as command
 
@@ -45,7 +52,8 @@ def _command() -> int:
     try:
         return command()
     finally:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # only Python itself still has to end
+        # only Python itself still has to end
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,8 @@ Found = TypeVar("Found")
 
 
 class Engine:
-    """One process with scikit-fem and compiled loops; other engines replace some of its methods.
+    """One process with scikit-fem and compiled loops; other engines replace some of its
+    methods.
 
     Attributes
     ----------
@@ -25,7 +26,9 @@ class Engine:
     tangents = True
 
     def run(self, main: Callable[[], Found]) -> Found:
-        """Run what plans, solves and writes; on several ranks only the first one returns a result."""
+        """Run what plans, solves and writes; on several ranks only the first one
+        returns a result.
+        """
         return main()
 
     def plan(self, scene: SceneBase) -> Any:
@@ -43,13 +46,16 @@ class Engine:
         return {}
 
     def write(self, path: Path, mesh: Any, nodal: Mapping[str, Any]) -> str:
-        """Write nodal fields on a mesh, see `output.vtu.write_fields`; return the name of the file to open."""
+        """Write nodal fields on a mesh, see `output.vtu.write_fields`; return the
+        name of the file to open.
+        """
         from contbed.output.vtu import write_fields
 
         return write_fields(path, mesh, nodal)
 
     def require_all(self, scene: SceneBase) -> None:
-        """Require that further runs of a scene can start now, from the process that calls this.
+        """Require that further runs of a scene can start now, from the process that
+        calls this.
 
         Raises
         ------
@@ -70,5 +76,7 @@ class Elsewhere(Engine):
         self.name, self._move = name, move
 
     def plan(self, scene: SceneBase) -> Any:
-        """Return the plan of a scene for this engine; raises what `Engine.plan` does."""
+        """Return the plan of a scene for this engine; raises what `Engine.plan`
+        does.
+        """
         return self._move(super().plan(scene))

@@ -1,4 +1,6 @@
-"""Errors, each with its exit code. A message says what went wrong, where, the numbers, and what to try."""
+"""Errors, each with its exit code. A message says what went wrong, where, the
+numbers, and what to try.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +8,17 @@ from typing import Any
 
 
 class ContbedError(Exception):
-    """Base of all errors that a user can meet; `exit_code` is what the command line returns."""
+    """Base of all errors that a user can meet; `exit_code` is what the command line
+    returns.
+    """
 
     exit_code = 1
 
 
 class SceneError(ContbedError):
-    """The scene, its mesh or its materials cannot be used; `problems` holds one line for each mistake."""
+    """The scene, its mesh or its materials cannot be used; `problems` holds one line
+    for each mistake.
+    """
 
     exit_code = 2
 
@@ -22,11 +28,15 @@ class SceneError(ContbedError):
 
 
 class ConvergenceError(ContbedError):
-    """Newton, a time step or a linear solve failed; `history` of residual norms, `state` the last state."""
+    """Newton, a time step or a linear solve failed; `history` of residual norms,
+    `state` the last state.
+    """
 
     exit_code = 3
 
-    def __init__(self, message: str, history: list[float] | None = None, state: Any = None):
+    def __init__(
+        self, message: str, history: list[float] | None = None, state: Any = None
+    ):
         self.history = history or []
         self.state = state
         super().__init__(message)
@@ -51,13 +61,17 @@ class EngineError(ContbedError):
 
 
 class UnlikeError(ContbedError):
-    """A changed value gives a problem with other unknowns or conditions, so that it is no small change."""
+    """A changed value gives a problem with other unknowns or conditions, so that it
+    is no small change.
+    """
 
     exit_code = 2
 
 
 def interrupt_in(error: BaseException) -> KeyboardInterrupt | None:
-    """Return the interrupt that an error comes from; compiled code turns Ctrl-C into errors of other kinds."""
+    """Return the interrupt that an error comes from; compiled code turns Ctrl-C into
+    errors of other kinds.
+    """
     found: BaseException | None = error
     while found is not None:
         if isinstance(found, KeyboardInterrupt):

@@ -1,4 +1,6 @@
-"""TOML -> settings.Scene. All mistakes are collected and reported at once, each with file, line, key and remedy."""
+"""TOML -> settings.Scene. All mistakes are collected and reported at once, each with
+file, line, key and remedy.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,15 @@ from contbed.scene.other_models import take_keys_of_others
 from contbed.scene.renames import take_former_keys
 from contbed.scene.size import too_large
 from contbed.scene.tables import SceneBase
-from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse, parse_key, read
+from contbed.scene.toml_lines import (
+    KeyPath,
+    Origin,
+    dotted,
+    one_line,
+    parse,
+    parse_key,
+    read,
+)
 
 _Table = TypeVar("_Table", bound=BaseModel)
 _STUDY = "a study; run it with `contbed {} FILE`, which checks it first"
@@ -44,13 +54,16 @@ def load(
     trust: bool = False,
     allow_large: bool = False,
 ) -> SceneBase:
-    """Return the scene of a file or of nested dicts, whose tables name its kind; see `contbed.models.MODELS`.
+    """Return the scene of a file or of nested dicts, whose tables name its kind; see
+    `contbed.models.MODELS`.
 
     Parameters
     ----------
-    source : a TOML file, or its tables as dicts, whose files are looked for in the working directory
+    source : a TOML file, or its tables as dicts, whose files are looked for in the
+        working directory
     overrides : such as {"mesh.refine": 2}, replace values before anything is checked
-    trust : files that the scene names may run programs: a geometry of gmsh, a mechanism of Cantera
+    trust : files that the scene names may run programs: a geometry of gmsh, a mechanism
+        of Cantera
     allow_large : sizes beyond what this computer or contbed's limits hold are meant
 
     Raises
@@ -61,7 +74,9 @@ def load(
         values, origin = deepcopy(dict(source)), Origin("scene", Path.cwd())
     else:
         values, origin = read(source)
-    return _build(values, replace(origin, trust=trust, allow_large=allow_large), overrides or {})
+    return _build(
+        values, replace(origin, trust=trust, allow_large=allow_large), overrides or {}
+    )
 
 
 def loads(
@@ -73,9 +88,13 @@ def loads(
     trust: bool = False,
     allow_large: bool = False,
 ) -> SceneBase:
-    """`load` for a TOML text; `name` stands in messages and a mesh file is looked for in `base`."""
+    """`load` for a TOML text; `name` stands in messages and a mesh file is looked
+    for in `base`.
+    """
     values, origin = parse(text, name, Path(base).absolute())
-    return _build(values, replace(origin, trust=trust, allow_large=allow_large), overrides or {})
+    return _build(
+        values, replace(origin, trust=trust, allow_large=allow_large), overrides or {}
+    )
 
 
 def from_dict(
@@ -99,12 +118,22 @@ def table_of(model: type[_Table], values: dict[str, Any], origin: Origin) -> _Ta
     SceneError : all mistakes, each with file and line
     """
     if found := mistakes_of(model, values):
-        raise SceneError(list(dict.fromkeys(one_line(f"{origin.at(path)}: {text}") for path, text in found)))
+        raise SceneError(
+            list(
+                dict.fromkeys(
+                    one_line(f"{origin.at(path)}: {text}") for path, text in found
+                )
+            )
+        )
     return model.model_validate(values)
 
 
-def mistakes_of(model: type[BaseModel], values: dict[str, Any]) -> list[tuple[KeyPath, str]]:
-    """Return the mistakes in a table that should be a `model`: path, and key, value and what is wrong."""
+def mistakes_of(
+    model: type[BaseModel], values: dict[str, Any]
+) -> list[tuple[KeyPath, str]]:
+    """Return the mistakes in a table that should be a `model`: path, and key, value
+    and what is wrong.
+    """
     try:
         model.model_validate(values)
     except ValidationError as invalid:
@@ -118,7 +147,10 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     problems: list[tuple[KeyPath, str]] = []
     origin = _override(values, origin, overrides, problems)
     if not values:
-        raise SceneError(f"{origin.name}:1: the scene is empty; it needs [mesh], [gas], [solids.NAME] and [packed_bed]")
+        raise SceneError(
+            f"{origin.name}:1: the scene is empty; it needs [mesh], [gas], "
+            "[solids.NAME] and [packed_bed]"
+        )
     _require_a_scene(values, origin)
     _require_a_model(values, origin)
     kind = kind_of(values)
@@ -130,7 +162,13 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     problems += mistakes(parts, broken, origin, checks)
     if problems:
         problems.sort(key=lambda problem: origin.line(problem[0]))
-        raise SceneError(list(dict.fromkeys(_line(origin, values, path, text) for path, text in problems)))
+        raise SceneError(
+            list(
+                dict.fromkeys(
+                    _line(origin, values, path, text) for path, text in problems
+                )
+            )
+        )
     scene = model(**{name: part for name, part in parts.items() if part is not None})
     scene._origin = origin
     scene._ignored = ignored
@@ -169,12 +207,21 @@ def _schemas_of_others(model: Any) -> list[schema.Node]:
 def _require_a_scene(values: Mapping[str, Any], origin: Origin) -> None:
     """Refuse a file that is meant for another place or command."""
     meant = [key for key in _NO_SCENE if key in values]
-    if meant and not any(values.keys() & (model.scene.model_fields.keys() - {"title"}) for model in MODELS.values()):
-        raise SceneError(f"{origin.at((meant[0],))}: {meant[0]}: this is no scene but {_NO_SCENE[meant[0]]}")
+    if meant and not any(
+        values.keys() & (model.scene.model_fields.keys() - {"title"})
+        for model in MODELS.values()
+    ):
+        raise SceneError(
+            f"{origin.at((meant[0],))}: {meant[0]}: this is no scene but "
+            f"{_NO_SCENE[meant[0]]}"
+        )
 
 
 def _override(
-    values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any], problems: list[tuple[KeyPath, str]]
+    values: dict[str, Any],
+    origin: Origin,
+    overrides: Mapping[str, Any],
+    problems: list[tuple[KeyPath, str]],
 ) -> Origin:
     """Put the overrides into `values`, creating tables on the way."""
     paths: list[KeyPath] = []
@@ -191,7 +238,9 @@ def _override(
             # numpy's numbers become Python's
             table[str(path[-1])] = value.item() if hasattr(value, "item") else value
         else:
-            problems.append((path, "cannot be set: a key on the way to it is not a table"))
+            problems.append(
+                (path, "cannot be set: a key on the way to it is not a table")
+            )
     return replace(origin, overrides=tuple(paths))
 
 
@@ -207,7 +256,9 @@ def _validate(
     current = deepcopy(values)
     ignored: tuple[KeyPath, ...] = ()
     scene, errors = _checked(model, current)
-    if "model" in values and any(error["type"] == "extra_forbidden" for error in errors):
+    if "model" in values and any(
+        error["type"] == "extra_forbidden" for error in errors
+    ):
         others = _schemas_of_others(model)
         ignored = tuple(take_keys_of_others(current, schema.of(model), others))
     former = take_former_keys(current, model.renamed)
@@ -215,7 +266,11 @@ def _validate(
         scene, errors = _checked(model, current)
     problems += former
     if scene is not None and not former:
-        return {name: getattr(scene, name) for name in model.model_fields}, set(), ignored
+        return (
+            {name: getattr(scene, name) for name in model.model_fields},
+            set(),
+            ignored,
+        )
     broken = {str(path[0]) for path, _ in former}
     if former:  # what is absent may stand under a former name
         broken.update(name for name in model.model_fields if name not in current)
@@ -227,20 +282,26 @@ def _validate(
         if not (former and error["type"] == "missing"):
             problems.append((path, text))
         # A misspelt table is not an absent one: what it breaks is reported once.
-        broken.update({str(path[0]), *near_names(str(path[0]), list(model.model_fields))})
+        broken.update(
+            {str(path[0]), *near_names(str(path[0]), list(model.model_fields))}
+        )
     for name, field in model.model_fields.items():
         if name in broken:
             continue
         if name in current:
             # the annotation without its field description is all that a table needs
-            parts[name] = TypeAdapter(field.rebuild_annotation()).validate_python(current[name])
+            parts[name] = TypeAdapter(field.rebuild_annotation()).validate_python(
+                current[name]
+            )
         else:
             parts[name] = field.get_default(call_default_factory=True)
     return parts, broken, ignored
 
 
 def _checked(model: Any, values: dict[str, Any]) -> tuple[Any, list[Mapping[str, Any]]]:
-    """Return the scene, None if the schema of its model refuses it, and the mistakes."""
+    """Return the scene, None if the schema of its model refuses it, and the
+    mistakes.
+    """
     try:
         return model.model_validate(values), []
     except ValidationError as invalid:
@@ -248,17 +309,24 @@ def _checked(model: Any, values: dict[str, Any]) -> tuple[Any, list[Mapping[str,
 
 
 def _own(errors: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Return the errors without those of lists that are too short only because an item of theirs is refused."""
+    """Return the errors without those of lists that are too short only because an
+    item of theirs is refused.
+    """
     places = [error["loc"] for error in errors]
     return [
         error
         for error, here in zip(errors, places, strict=True)
-        if error["type"] != "too_short" or not any(place != here and place[: len(here)] == here for place in places)
+        if error["type"] != "too_short"
+        or not any(place != here and place[: len(here)] == here for place in places)
     ]
 
 
-def _translate(error: Mapping[str, Any], values: dict[str, Any], root: dict[str, Any]) -> tuple[KeyPath, str]:
-    """Return the key path without pydantic's union tags, and what is wrong in our words."""
+def _translate(
+    error: Mapping[str, Any], values: dict[str, Any], root: dict[str, Any]
+) -> tuple[KeyPath, str]:
+    """Return the key path without pydantic's union tags, and what is wrong in our
+    words.
+    """
     path, node = _locate(error["loc"], root)
     kind, context = error["type"], error.get("ctx", {})
     found = _value(values, path)
@@ -266,21 +334,34 @@ def _translate(error: Mapping[str, Any], values: dict[str, Any], root: dict[str,
         known = schema.keys(_locate(error["loc"][:-1], root)[1])
         return path, f"unknown key; {nearest(str(path[-1]), known)}"
     if kind == "missing":
-        table = node.get("type") == "object" or "$ref" in node or "discriminator" in node
+        table = (
+            node.get("type") == "object" or "$ref" in node or "discriminator" in node
+        )
         needs = schema.allowed(node)
-        return path, f"this table is missing; it is {needs}" if table else f"missing; allowed: {needs}"
+        return (
+            path,
+            f"this table is missing; it is {needs}"
+            if table
+            else f"missing; allowed: {needs}",
+        )
     if kind in ("union_tag_not_found", "union_tag_invalid") and "discriminator" in node:
         selector = node["discriminator"]["propertyName"]
         known = list(node["discriminator"]["mapping"])
         if kind == "union_tag_not_found":
             meant = (
-                [key for key in found if key in near_names(selector, list(found))] if isinstance(found, dict) else []
+                [key for key in found if key in near_names(selector, list(found))]
+                if isinstance(found, dict)
+                else []
             )
             if meant:
                 return (
-                    *path,
-                    meant[0],
-                ), f"unknown key; did you mean '{selector}'? allowed: {', '.join(map(repr, known))}"
+                    (
+                        *path,
+                        meant[0],
+                    ),
+                    f"unknown key; did you mean '{selector}'? allowed: "
+                    f"{', '.join(map(repr, known))}",
+                )
             return (*path, selector), f"missing; allowed: {', '.join(map(repr, known))}"
         tag = found.get(selector) if isinstance(found, dict) else None
         return (*path, selector), f"unknown choice; {nearest(str(tag), known)}"
@@ -297,8 +378,12 @@ def _translate(error: Mapping[str, Any], values: dict[str, Any], root: dict[str,
     return path, f"wrong kind of value; allowed: {schema.allowed(node)}"
 
 
-def _locate(loc: tuple[Any, ...], root: dict[str, Any]) -> tuple[KeyPath, dict[str, Any]]:
-    """Follow pydantic's location through the schema; a step at a union is the tag of a member, not a key."""
+def _locate(
+    loc: tuple[Any, ...], root: dict[str, Any]
+) -> tuple[KeyPath, dict[str, Any]]:
+    """Follow pydantic's location through the schema; a step at a union is the tag of
+    a member, not a key.
+    """
     path: KeyPath = ()
     node = root
     steps = list(loc)
@@ -306,14 +391,19 @@ def _locate(loc: tuple[Any, ...], root: dict[str, Any]) -> tuple[KeyPath, dict[s
         step = steps.pop(0)
         members = schema.options(node)
         if len(members) > 1:
-            # Each further step looks into the members, so only the tag itself is left out.
+            # Each further step looks into the members, so only the tag itself is left
+            # out.
             mapping = node.get("discriminator", {}).get("mapping")
             if mapping:
                 node = {"$ref": mapping[step]}
             else:
-                wanted = {"number": "number", "name": "string", "list": "array"}.get(step, "object")
+                wanted = {"number": "number", "name": "string", "list": "array"}.get(
+                    step, "object"
+                )
                 fits = [m for m in members if m.get("type") == wanted]
-                named = [m for m in fits if schema.is_closure(m) == (step == "parameters")]
+                named = [
+                    m for m in fits if schema.is_closure(m) == (step == "parameters")
+                ]
                 node = (named or fits or members)[0]
             continue
         path += (step,)

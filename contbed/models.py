@@ -1,4 +1,5 @@
-"""The physics of contbed: the package of each, and the choice of the physics for a scene.
+"""The physics of contbed: the package of each, and the choice of the physics for a
+scene.
 
 Every physics is a package with the same modules, which are imported when they are used:
 
@@ -46,7 +47,9 @@ class Plan(Protocol):
 
     @property
     def steps(self) -> bool:
-        """Whether the run takes time steps, so that it can be restarted from a checkpoint."""
+        """Whether the run takes time steps, so that it can be restarted from a
+        checkpoint.
+        """
 
     @property
     def policy(self) -> Any:
@@ -61,15 +64,17 @@ class Model:
     """One physics.
 
     package : its folder in contbed
-    name : of the key `model` in a scene; several physics that are one model to a user have
-        the same, and the tables decide between them
+    name : of the key `model` in a scene; several physics that are one model to a user
+        have the same, and the tables decide between them
     settings : name of the pydantic model of its scenes in scene.py
     means : whether the top-level tables of a file make it a scene of this physics
     equations : modules in the package whose docstrings `contbed explain` shows, by name
     compiles : whether its loops are compiled at their first use, which takes a while
-    scatters : whether its results scatter with the start of the particles, so that small changes cannot be
+    scatters : whether its results scatter with the start of the particles, so that
+        small changes cannot be
     distinguished
-    refuses_early : module and name of a function that refuses what a plan would, for `contbed check`; empty: none
+    refuses_early : module and name of a function that refuses what a plan would, for
+        `contbed check`; empty: none
     """
 
     package: str
@@ -98,7 +103,10 @@ class Model:
     def sheets(self) -> dict[str, Path]:
         """Return the file of each set of equations by name, without importing it."""
         folder = Path(__file__).parent / self.package
-        return {name: folder / f"{module.replace('.', '/')}.py" for name, module in self.equations.items()}
+        return {
+            name: folder / f"{module.replace('.', '/')}.py"
+            for name, module in self.equations.items()
+        }
 
 
 def _has(*tables: str) -> Callable[[Mapping[str, Any]], bool]:
@@ -107,7 +115,10 @@ def _has(*tables: str) -> Callable[[Mapping[str, Any]], bool]:
 
 def _is_bubbling_bed(values: Mapping[str, Any]) -> bool:
     # a misspelt name is reported itself, rather than all tables of the bed as unknown
-    return any(get_close_matches(name.lower(), ["bubbling_bed"], n=1, cutoff=0.6) for name in values)
+    return any(
+        get_close_matches(name.lower(), ["bubbling_bed"], n=1, cutoff=0.6)
+        for name in values
+    )
 
 
 def _is_particles_in_gas(values: Mapping[str, Any]) -> bool:
@@ -115,32 +126,53 @@ def _is_particles_in_gas(values: Mapping[str, Any]) -> bool:
 
 
 def _is_particles(values: Mapping[str, Any]) -> bool:
-    return _has("particles", "lattice", "packing")(values) or ("mesh" not in values and "conduction" in values)
+    return _has("particles", "lattice", "packing")(values) or (
+        "mesh" not in values and "conduction" in values
+    )
 
 
 def _is_one_particle(values: Mapping[str, Any]) -> bool:
     boundary = values.get("boundary")
-    return _has("single_particle", "surroundings")(values) or (isinstance(boundary, dict) and "surface" in boundary)
+    return _has("single_particle", "surroundings")(values) or (
+        isinstance(boundary, dict) and "surface" in boundary
+    )
 
 
 def _only_radiates(values: Mapping[str, Any]) -> bool:
-    return "radiation" in values and not _has("heat", "gas", "fluid", "flow", "solid", "time", "region")(values)
+    return "radiation" in values and not _has(
+        "heat", "gas", "fluid", "flow", "solid", "time", "region"
+    )(values)
 
 
 def _reacts(values: Mapping[str, Any]) -> bool:
-    """Return whether the tables of a packed bed speak of species, and not of heat alone."""
+    """Return whether the tables of a packed bed speak of species, and not of heat
+    alone.
+    """
     if any(get_close_matches(name, ["reactions"], cutoff=0.8) for name in values):
         return True
-    if _has("mass", "adsorption", "guess")(values):  # former names, which the reacting bed reports
+    # former names, which the reacting bed reports
+    if _has("mass", "adsorption", "guess")(values):
         return True
     gas = _tables(values.get("gas"), values.get("fluid"))
     solids = _tables(values.get("solid"), *_items(values.get("solids")))
-    entering = _tables(values.get("flow"), *(each.get("gas") for each in _tables(*_items(values.get("boundary")))))
+    entering = _tables(
+        values.get("flow"),
+        *(each.get("gas") for each in _tables(*_items(values.get("boundary")))),
+    )
     return (
         any(each.get("model") == "ideal_gas" or "species" in each for each in gas)
-        or any({"composition", "constituent", "adsorption"} & each.keys() for each in solids)
-        or any({"mass_flux", "molar_flux", "composition"} & each.keys() for each in entering)
-        or any({"sherwood", "dispersion_mass"} & each.keys() for each in _tables(values.get("closures")))
+        or any(
+            {"composition", "constituent", "adsorption"} & each.keys()
+            for each in solids
+        )
+        or any(
+            {"mass_flux", "molar_flux", "composition"} & each.keys()
+            for each in entering
+        )
+        or any(
+            {"sherwood", "dispersion_mass"} & each.keys()
+            for each in _tables(values.get("closures"))
+        )
     )
 
 
@@ -262,7 +294,9 @@ def model_of(scene: Kind) -> Model:
 
 
 def solver_of(scene: Kind) -> Callable[..., None]:
-    """Return what runs plans of the physics of a scene, with one thread of BLAS, see `threads.single_blas`."""
+    """Return what runs plans of the physics of a scene, with one thread of BLAS, see
+    `threads.single_blas`.
+    """
     from contbed.compiled.blas import single_blas
 
     run: Callable[..., None] = model_of(scene).find("run", "run")
@@ -286,7 +320,8 @@ def kind_of(values: Mapping[str, Any]) -> str:
 
 
 def require_buildable(scene: Kind) -> None:
-    """Refuse what a plan would refuse, where this is known without solving or meshing anything.
+    """Refuse what a plan would refuse, where this is known without solving or meshing
+    anything.
 
     Raises
     ------

@@ -40,7 +40,10 @@ def plan_text(plan: DescribedPlan, *more: str) -> str:
     rows = [("MODEL", model_of(plan.scene).name, _reason_for_the_model(plan.scene))]
     rows += [("BUILT", what, why) for what, why in plan.built]
     rows += [("SKIPPED", what, why) for what, why in plan.skipped]
-    rows += [("IGNORED", dotted(path), "only other models have this key") for path in plan.scene.ignored]
+    rows += [
+        ("IGNORED", dotted(path), "only other models have this key")
+        for path in plan.scene.ignored
+    ]
     width = max(len(what) for _, what, _ in rows)
     lines = [f"{state:8}{what:{width}}  {why}" for state, what, why in rows]
     for part, size in plan.unknowns().items():

@@ -1,4 +1,6 @@
-"""Result of a run: profiles, named results, balances, closure ranges, cost; and how it is written."""
+"""Result of a run: profiles, named results, balances, closure ranges, cost; and how
+it is written.
+"""
 
 from __future__ import annotations
 
@@ -27,18 +29,21 @@ REPR_RESULTS = 4  # named results that a repr shows, in one line of a terminal
 class Result:
     """Everything that a run computed.
 
-    `profiles` maps CSV headers to columns; `nodal` maps field names to (Space, values) at the last time; `series` holds
-    (time, nodal) of a transient; `engine` computed the run, and `usage` is the cost of each of its ranks; `summary` is
-    the content of summary.json.
+    `profiles` maps CSV headers to columns; `nodal` maps field names to (Space, values)
+    at the last time; `series` holds (time, nodal) of a transient; `engine` computed the
+    run, and `usage` is the cost of each of its ranks; `summary` is the content of
+    summary.json.
     """
 
     plan: models.Plan
     profiles: dict[str, Any] = field(default_factory=dict)
-    tables: dict[str, dict[str, Any]] = field(default_factory=dict)  # further tables, written as NAME.csv
+    # further tables, written as NAME.csv
+    tables: dict[str, dict[str, Any]] = field(default_factory=dict)
     nodal: dict[str, Any] = field(default_factory=dict)
     series: list[tuple[float, dict[str, Any]]] = field(default_factory=list)
     qoi: dict[str, Any] = field(default_factory=dict)
-    units: dict[str, str] = field(default_factory=dict)  # of named results whose unit depends on the scene
+    # of named results whose unit depends on the scene
+    units: dict[str, str] = field(default_factory=dict)
     balances: dict[str, dict[str, Any]] = field(default_factory=dict)
     closures: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
@@ -47,20 +52,27 @@ class Result:
     history: list[float] = field(default_factory=list)
     engine: Engine = field(default_factory=Engine)
     usage: dict[str, Any] = field(default_factory=dict)
-    solved: Any = None  # problem and state of a steady run, for the `tangent` of its physics
+    # problem and state of a steady run, for the `tangent` of its physics
+    solved: Any = None
     status: str = "ok"
 
     def __post_init__(self) -> None:
-        # as it was written; the plan may move to another scene, such as that of a bed that has settled
+        # as it was written; the plan may move to another scene, such as that of a bed
+        # that has settled
         self.scene: Any = getattr(self.plan, "scene", None)
 
     def __repr__(self) -> str:
         """Return kind, status and first named results in one line."""
-        shown = [f"{key} = {value:.6g}" for key, value in self.qoi.items() if isinstance(value, int | float)][
-            :REPR_RESULTS
-        ]
+        shown = [
+            f"{key} = {value:.6g}"
+            for key, value in self.qoi.items()
+            if isinstance(value, int | float)
+        ][:REPR_RESULTS]
         more = ", ..." if len(self.qoi) > len(shown) else ""
-        return f"<Result of a {self.plan.scene.kind} scene: {self.status}; {', '.join(shown)}{more}>"
+        return (
+            f"<Result of a {self.plan.scene.kind} scene: {self.status}; "
+            f"{', '.join(shown)}{more}>"
+        )
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -80,7 +92,9 @@ class Result:
             "skipped": [{"what": what, "why": why} for what, why in self.plan.skipped],
             "warnings": self.warnings,
             "qoi": self.qoi,
-            "units": {key: self.units.get(key) or unit_of(key) or "1" for key in self.qoi},
+            "units": {
+                key: self.units.get(key) or unit_of(key) or "1" for key in self.qoi
+            },
             "adaptations": self.adaptations,
             "newton": self.history,
             **({"engine": self.usage} if self.usage else {}),
@@ -93,19 +107,25 @@ class Result:
         return html(self)
 
     def to_xarray(self, table: str = "profiles") -> xarray.Dataset:
-        """Return "profiles", another table, or "fields" as an xarray Dataset; see `contbed.output.frames.dataset`."""
+        """Return "profiles", another table, or "fields" as an xarray Dataset; see
+        `contbed.output.frames.dataset`.
+        """
         from contbed.output.frames import dataset
 
         return dataset(self, table)
 
     def to_pandas(self, table: str = "profiles") -> pandas.DataFrame:
-        """Return "profiles", another table, or the named "results" as a pandas DataFrame."""
+        """Return "profiles", another table, or the named "results" as a pandas
+        DataFrame.
+        """
         from contbed.output.frames import frame
 
         return frame(self, table)
 
     def plot(self, *names: str, table: str = "profiles") -> Figure:
-        """Return a matplotlib figure of columns of a table, "T_fluid", all if none are named; a panel for each unit."""
+        """Return a matplotlib figure of columns of a table, "T_fluid", all if none
+        are named; a panel for each unit.
+        """
         from contbed.output.frames import figure
 
         made: Figure = figure(self, *names, table=table)
@@ -118,20 +138,26 @@ class Result:
         return table(self.summary)
 
     def write(self, out: Path) -> list[ContbedError]:
-        """Write tables, fields and plots into `out`; return the errors of parts that cannot be written."""
+        """Write tables, fields and plots into `out`; return the errors of parts that
+        cannot be written.
+        """
         from contbed.output.tables import write_table
 
         settings = self.plan.scene.output
         parts: dict[str, Callable[[], Any]] = {}
         # not every physics lets its profiles be left out
         if self.profiles and getattr(settings, "profiles", True):
-            parts["profiles.csv"] = lambda: write_table(out / "profiles.csv", self.profiles)
+            parts["profiles.csv"] = lambda: write_table(
+                out / "profiles.csv", self.profiles
+            )
         for name, columns in self.tables.items():
             parts[f"{name}.csv"] = partial(write_table, out / f"{name}.csv", columns)
         if settings.fields and self.nodal:
             parts["fields"] = lambda: self._write_fields(out)
         if settings.plots and self.profiles:
-            parts["plots"] = lambda: models.model_of(self.plan.scene).find("plots", "plot")(self, out)
+            parts["plots"] = lambda: models.model_of(self.plan.scene).find(
+                "plots", "plot"
+            )(self, out)
         failed: list[ContbedError] = []
         for name, part in parts.items():
             try:
@@ -139,7 +165,11 @@ class Result:
             except ContbedError as error:
                 failed.append(error)
             except Exception as error:
-                failed.append(ContbedError(f"{name} cannot be written: {type(error).__name__}: {error}"))
+                failed.append(
+                    ContbedError(
+                        f"{name} cannot be written: {type(error).__name__}: {error}"
+                    )
+                )
                 failed[-1].__cause__ = error
         return failed
 
@@ -163,11 +193,15 @@ class Result:
         try:
             yield
         finally:
-            self.timings[phase] = self.timings.get(phase, 0.0) + clock.perf_counter() - start
+            self.timings[phase] = (
+                self.timings.get(phase, 0.0) + clock.perf_counter() - start
+            )
 
 
 def timed(phase: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Decorate a `run(plan, result, ...)` so that its wall time is added to `result.timings` as `phase`."""
+    """Decorate a `run(plan, result, ...)` so that its wall time is added to
+    `result.timings` as `phase`.
+    """
 
     def decorate(run: Callable[..., None]) -> Callable[..., None]:
         @wraps(run)
@@ -193,5 +227,11 @@ def outside(closure: Mapping[str, Any]) -> str:
 def _span(low: float | None, high: float | None) -> str:
     """Return a range as words; None is no bound."""
     if low is None or high is None:
-        return f"at least {low:.4g}" if low is not None else f"at most {high:.4g}" if high is not None else "any"
+        return (
+            f"at least {low:.4g}"
+            if low is not None
+            else f"at most {high:.4g}"
+            if high is not None
+            else "any"
+        )
     return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"

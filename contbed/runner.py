@@ -1,4 +1,6 @@
-"""Run one scene: plan, solve, verdict on balances and ranges, files. Whatever stops a run, its last state is kept."""
+"""Run one scene: plan, solve, verdict on balances and ranges, files. Whatever stops
+a run, its last state is kept.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,14 @@ import numpy as np
 from contbed import models
 from contbed.compiled.threads import using
 from contbed.engine import Elsewhere, Engine
-from contbed.errors import BalanceError, ClosureRangeError, ContbedError, ConvergenceError, SceneError, interrupt_in
+from contbed.errors import (
+    BalanceError,
+    ClosureRangeError,
+    ContbedError,
+    ConvergenceError,
+    SceneError,
+    interrupt_in,
+)
 from contbed.fields import field, name_of
 from contbed.result import Result, outside
 from contbed.scene.identity import identity
@@ -52,13 +61,17 @@ def run(
     out : folder for the results; nothing is written, plotted or imported for it if None
     quiet : no progress bar
     restart : folder of an earlier run of the same scene whose checkpoint is continued
-    engine : one of `engine_named`; under "dolfinx" only rank 0 returns a result, other ranks None
-    threads : cores to compute on; None: all that may be used, where that is faster. The numbers do not depend on it
+    engine : one of `engine_named`; under "dolfinx" only rank 0 returns a result, other
+        ranks None
+    threads : cores to compute on; None: all that may be used, where that is faster. The
+        numbers do not depend on it
 
     Raises
     ------
-    SceneError, ConvergenceError, ClosureRangeError, BalanceError : after what was found has been written to `out`
-    ContbedError : a file cannot be written, after all others have been; another run is writing to `out`
+    SceneError, ConvergenceError, ClosureRangeError, BalanceError : after what was found
+        has been written to `out`
+    ContbedError : a file cannot be written, after all others have been; another run is
+        writing to `out`
     """
     with using(threads):
         chosen = engine_named(engine)
@@ -70,8 +83,9 @@ def engine_named(name: str) -> Engine:
 
     Parameters
     ----------
-    name : "skfem", this process; "dolfinx", several ranks by DOLFINx and PETSc; "lammps", which settles the packing of
-        a scene of particles; "cuda", particles on a GPU
+    name : "skfem", this process; "dolfinx", several ranks by DOLFINx and PETSc;
+        "lammps", which settles the packing of a scene of particles; "cuda", particles
+        on a GPU
     """
     if name == "dolfinx":
         from contbed.ranks.engine import Ranks
@@ -88,19 +102,31 @@ def engine_named(name: str) -> Engine:
     return Engine()
 
 
-def _run(scene: SceneBase, out: str | Path | None, quiet: bool, restart: str | Path | None, engine: Engine) -> Result:
-    if restart is not None and not Path(restart).is_dir():  # before it is made for the results
+def _run(
+    scene: SceneBase,
+    out: str | Path | None,
+    quiet: bool,
+    restart: str | Path | None,
+    engine: Engine,
+) -> Result:
+    # before it is made for the results
+    if restart is not None and not Path(restart).is_dir():
         from contbed.output.checkpoint import require_there
 
         require_there(restart)
-    folder = Path(out) if out is not None else Path(restart) if restart is not None else None
+    folder = (
+        Path(out) if out is not None else Path(restart) if restart is not None else None
+    )
     if folder is None:
         result, failure = _found(scene, None, quiet, restart, engine)
     else:
         from contbed.output.folder import occupied, require_inputs_elsewhere
 
         origin = scene.origin
-        named = ((f"{origin.at(path)}: {dotted(path)}", file) for path, file in inputs_by_key(scene, origin.base))
+        named = (
+            (f"{origin.at(path)}: {dotted(path)}", file)
+            for path, file in inputs_by_key(scene, origin.base)
+        )
         require_inputs_elsewhere(folder, named)
         with occupied(folder) as place:
             result, failure = _found(scene, place, quiet, restart, engine)
@@ -110,14 +136,24 @@ def _run(scene: SceneBase, out: str | Path | None, quiet: bool, restart: str | P
 
 
 def _found(
-    scene: SceneBase, place: RunFolder | None, quiet: bool, restart: str | Path | None, engine: Engine
+    scene: SceneBase,
+    place: RunFolder | None,
+    quiet: bool,
+    restart: str | Path | None,
+    engine: Engine,
 ) -> tuple[Result, BaseException | None]:
     """Plan, solve and write; the result and what went wrong."""
     start = clock.perf_counter()
-    goes_on = place is not None and restart is not None and place.path.resolve() == Path(restart).resolve()
+    goes_on = (
+        place is not None
+        and restart is not None
+        and place.path.resolve() == Path(restart).resolve()
+    )
     try:
         plan = engine.plan(scene)
-        checkpoint = None if restart is None else _checkpoint(scene, plan, Path(restart))
+        checkpoint = (
+            None if restart is None else _checkpoint(scene, plan, Path(restart))
+        )
     except Exception as error:
         if place is not None and not goes_on:
             place.mark_failed(_status(error), str(error))
@@ -126,9 +162,14 @@ def _found(
     result.warnings += scene.warnings
     result.timings["plan"] = clock.perf_counter() - start
     if place is not None:
-        about = {key: result.summary[key] for key in ("versions", "scene", "dofs", "built", "skipped")}
+        about = {
+            key: result.summary[key]
+            for key in ("versions", "scene", "dofs", "built", "skipped")
+        }
         place.begin(about, keep=goes_on, inputs=all_inputs(scene, scene.origin.base))
-    failure = _solve(scene, result, place.path if place is not None else None, quiet, checkpoint)
+    failure = _solve(
+        scene, result, place.path if place is not None else None, quiet, checkpoint
+    )
     if place is not None and goes_on and isinstance(failure, SceneError):
         place.give_back()
         return result, failure
@@ -141,7 +182,9 @@ def _found(
 
 
 def _clock(plan: Any, quiet: bool) -> AbstractContextManager[None]:
-    """Return what shows the elapsed time of a run without steps; runs with steps have a bar of their own."""
+    """Return what shows the elapsed time of a run without steps; runs with steps
+    have a bar of their own.
+    """
     if quiet or plan.steps:
         return nullcontext()
     from contbed.output.progress import waiting
@@ -151,7 +194,9 @@ def _clock(plan: Any, quiet: bool) -> AbstractContextManager[None]:
 
 @contextmanager
 def _collecting_garbage() -> Iterator[None]:
-    """Collect reference cycles for the block; the command line switches this off for its imports."""
+    """Collect reference cycles for the block; the command line switches this off for
+    its imports.
+    """
     postponed = not gc.isenabled()
     if postponed and gc.get_freeze_count() == 0:
         gc.freeze()  # the imported modules have no garbage
@@ -164,7 +209,11 @@ def _collecting_garbage() -> Iterator[None]:
 
 
 def _solve(
-    scene: SceneBase, result: Result, folder: Path | None, quiet: bool, checkpoint: tuple[Any, Any] | None
+    scene: SceneBase,
+    result: Result,
+    folder: Path | None,
+    quiet: bool,
+    checkpoint: tuple[Any, Any] | None,
 ) -> BaseException | None:
     """Fill the result; what stopped the run is returned, and stands in the result."""
     try:
@@ -180,17 +229,23 @@ def _solve(
             result.warnings.append(str(error))
             _keep_last(scene, error, folder)
         elif result.status == FAILED:
-            name = "" if isinstance(error, ContbedError) else f"{type(error).__name__}: "
+            name = (
+                "" if isinstance(error, ContbedError) else f"{type(error).__name__}: "
+            )
             result.warnings.append(f"{name}{error}")
         return error
     return None
 
 
 def _status(error: BaseException) -> str:
-    return next((text for kind, text in STATUS.items() if isinstance(error, kind)), FAILED)
+    return next(
+        (text for kind, text in STATUS.items() if isinstance(error, kind)), FAILED
+    )
 
 
-def _write(result: Result, place: RunFolder, failure: BaseException | None) -> BaseException | None:
+def _write(
+    result: Result, place: RunFolder, failure: BaseException | None
+) -> BaseException | None:
     """Write all that can be written, the summary last; returns what could not."""
     interrupt: BaseException | None = None
     failed: list[ContbedError] = []
@@ -200,7 +255,9 @@ def _write(result: Result, place: RunFolder, failure: BaseException | None) -> B
     except KeyboardInterrupt as error:
         interrupt = error
     if failure is None and (failed or interrupt):
-        result.status = "output incomplete" if interrupt is None else STATUS[KeyboardInterrupt]
+        result.status = (
+            "output incomplete" if interrupt is None else STATUS[KeyboardInterrupt]
+        )
     result.warnings += [str(error) for error in failed]
     try:
         place.end(result.summary)
@@ -212,18 +269,23 @@ def _write(result: Result, place: RunFolder, failure: BaseException | None) -> B
     if len(texts) == 1:
         return failed[0]
     every = ContbedError("\n".join(texts))
-    every.__cause__ = failed[0].__cause__  # distinguishes a full disk from a fault of the scene
+    # distinguishes a full disk from a fault of the scene
+    every.__cause__ = failed[0].__cause__
     return every
 
 
 def _verdict(scene: Any, result: Result) -> None:
-    """Turn temperatures below 0 K, an open balance, or in strict mode a closure out of its range, into an error."""
+    """Turn temperatures below 0 K, an open balance, or in strict mode a closure out
+    of its range, into an error.
+    """
     _require_temperatures(result)
     for name, balance in result.balances.items():
         if not abs(balance["relative_residual"]) <= scene.solver.balance_tolerance:
             raise BalanceError(
-                f"balance of {name} is open by {balance['relative_residual']:.2g} of its largest part, allowed "
-                f"{scene.solver.balance_tolerance:.2g}; lower solver.newton_tolerance or raise solver.balance_tolerance"
+                f"balance of {name} is open by {balance['relative_residual']:.2g} of "
+                "its largest part, allowed "
+                f"{scene.solver.balance_tolerance:.2g}; lower solver.newton_tolerance "
+                "or raise solver.balance_tolerance"
             )
     beyond = [closure for closure in result.closures if closure["share_outside"] > 0]
     if scene.solver.strict and beyond:
@@ -231,17 +293,23 @@ def _verdict(scene: Any, result: Result) -> None:
 
 
 def _require_temperatures(result: Result) -> None:
-    """Raise ConvergenceError where a temperature of profiles or tables is not above 0 K."""
-    for header, column in chain(result.profiles.items(), *(table.items() for table in result.tables.values())):
+    """Raise ConvergenceError where a temperature of profiles or tables is not above
+    0 K.
+    """
+    for header, column in chain(
+        result.profiles.items(), *(table.items() for table in result.tables.values())
+    ):
         name = name_of(header)
         quantity = field(name)
         if quantity is None or quantity.unit != "K":
             continue
         known = np.asarray(column, dtype=float)
-        coldest = float(np.min(known[~np.isnan(known)], initial=np.inf))  # absent phases have no temperature
+        # absent phases have no temperature
+        coldest = float(np.min(known[~np.isnan(known)], initial=np.inf))
         if coldest <= quantity.lower:
             raise ConvergenceError(
-                f"{name} falls to {coldest:.4g} K: a source, a flux or a wall takes more heat than the bed holds; "
+                f"{name} falls to {coldest:.4g} K: a source, a flux or a wall takes "
+                "more heat than the bed holds; "
                 "this is no steady or reachable state"
             )
 
@@ -251,11 +319,22 @@ def _checkpoint(scene: SceneBase, plan: Any, folder: Path) -> tuple[Any, Any]:
     from contbed.output import checkpoint
 
     if not plan.steps:
-        why = "the scene takes no time steps" if getattr(scene, "time", None) is None else "its runs keep no checkpoint"
-        raise SceneError(f"{scene.origin.name}: nothing to restart, {why}; leave out --restart")
+        why = (
+            "the scene takes no time steps"
+            if getattr(scene, "time", None) is None
+            else "its runs keep no checkpoint"
+        )
+        raise SceneError(
+            f"{scene.origin.name}: nothing to restart, {why}; leave out --restart"
+        )
     arrays, meta = checkpoint.load(folder)
-    origin, may_change = scene.origin, models.model_of(scene).find("run", "RESTART_MAY_CHANGE")
-    checkpoint.require_same(meta, identity(scene), may_change, lambda key: origin.at(tuple(key.split("."))))
+    origin, may_change = (
+        scene.origin,
+        models.model_of(scene).find("run", "RESTART_MAY_CHANGE"),
+    )
+    checkpoint.require_same(
+        meta, identity(scene), may_change, lambda key: origin.at(tuple(key.split(".")))
+    )
     return arrays, meta
 
 
@@ -265,4 +344,6 @@ def _keep_last(scene: Any, error: ConvergenceError, folder: Path | None) -> None
         return
     from contbed.output import checkpoint
 
-    checkpoint.save(folder, {"state": np.asarray(error.state)}, {"identity": identity(scene)})
+    checkpoint.save(
+        folder, {"state": np.asarray(error.state)}, {"identity": identity(scene)}
+    )

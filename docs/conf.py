@@ -1,8 +1,9 @@
-"""The manual: Sphinx with myst. `make docs` builds it; pages of `generated/` are written first, by `_ext/generate.py`.
+"""The manual: Sphinx with myst. `make docs` builds it; pages of `generated/` are
+written first, by `_ext/generate.py`.
 
-Sphinx, as most of the manual is docstrings in the numpy convention and data of the package: it reads them, checks all
-references, and takes warnings as errors. Equations are literal blocks, so that neither
-building nor reading needs a network.
+Sphinx, as most of the manual is docstrings in the numpy convention and data of the
+package: it reads them, checks all references, and takes warnings as errors. Equations
+are literal blocks, so that neither building nor reading needs a network.
 """
 
 import sys

@@ -1,6 +1,7 @@
-"""One thread for each worker, as BLAS threads on shared cores slow small problems down many times; and every quantity
-that a run of a test reports must have an entry in `contbed.fields`. Generated cases have no deadline and may be slow to
-draw, as a machine under load must not fail a test.
+"""One thread for each worker, as BLAS threads on shared cores slow small problems down
+many times; and every quantity that a run of a test reports must have an entry in
+`contbed.fields`. Generated cases have no deadline and may be slow to draw, as a machine
+under load must not fail a test.
 """
 
 import os
@@ -15,7 +16,9 @@ try:
 except ImportError:  # the tests that draw cases say so themselves
     pass
 else:
-    settings.register_profile("contbed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+    settings.register_profile(
+        "contbed", deadline=None, suppress_health_check=[HealthCheck.too_slow]
+    )
     settings.load_profile("contbed")
 
 
@@ -32,7 +35,8 @@ def every_quantity_has_an_entry(monkeypatch):
             for header in columns:
                 name, _, unit = header.rstrip("]").partition(" [")
                 found = fields.field(name)
-                if "." not in name and (found is None or found.unit != unit):  # a key of the scene has its own unit
+                # a key of the scene has its own unit
+                if "." not in name and (found is None or found.unit != unit):
                     unknown.append(header)
         assert not unknown, f"not in contbed.fields, or with another unit: {unknown}"
         verdict(scene, result)

@@ -1,10 +1,13 @@
-"""Branch of the steady states of a bubbling bed over one value p of its scene, its folds and how they move.
+"""Branch of the steady states of a bubbling bed over one value p of its scene, its
+folds and how they move.
 
-At a fold (x_1, p_1) of R(x, p, q) = 0 the left null vector w of dR/dx leaves of a small change of another value q
+At a fold (x_1, p_1) of R(x, p, q) = 0 the left null vector w of dR/dx leaves of a small
+change of another value q
 
     w . dR/dp dp_1 = -w . dR/dq dq
 
-Source: Govaerts 2000, Numerical Methods for Bifurcations of Dynamical Equilibria, SIAM, doi:10.1137/1.9780898719543
+Source: Govaerts 2000, Numerical Methods for Bifurcations of Dynamical Equilibria, SIAM,
+    doi:10.1137/1.9780898719543
 """
 
 from __future__ import annotations
@@ -29,28 +32,38 @@ from contbed.solvers.linear import Solver, bordered
 from contbed.solvers.tangent import STEP
 
 NEARBY = 1.01  # factor to another value at which recorded forms have to be right
-ALIKE = 1e-10  # share of the terms of a balance that rounding of recorded residuals stays far below
+# share of the terms of a balance that rounding of recorded residuals stays far below
+ALIKE = 1e-10
 
 
 class Family:
     """The equations of a bed as functions of one value of its scene, on one mesh.
 
-    From the second Jacobian on they are recorded with the value as parameter, where coefficients allow it.
+    From the second Jacobian on they are recorded with the value as parameter, where
+    coefficients allow it.
     """
 
     def __init__(self, problem: BubblingProblem, key: str):
         self.problem, self.key = problem, key
         computed = problem.c.computed
-        # layers of the mesh are predicted from these numbers; they cost as much as a residual, and the mesh stays
-        self.typical = None if computed is None else typical_numbers(problem.plan.scene, computed)
-        self.recorded: RecordedForms | None = None  # over the value, where that is possible
+        # layers of the mesh are predicted from these numbers; they cost as much as a
+        # residual, and the mesh stays
+        self.typical = (
+            None if computed is None else typical_numbers(problem.plan.scene, computed)
+        )
+        # over the value, where that is possible
+        self.recorded: RecordedForms | None = None
         self._jacobians, self._tried = 0, False
 
     def at(self, value: Any) -> BubblingProblem:
         """Return the problem with that value, a number or the parameter of a graph."""
-        scene: b.BubblingScene = with_value(self.problem.plan.scene, parse_key(self.key), value)
+        scene: b.BubblingScene = with_value(
+            self.problem.plan.scene, parse_key(self.key), value
+        )
         c, _ = coefficients(scene, self.typical)
-        return self.problem.with_coefficients(replace(self.problem.plan, scene=scene, coefficients=c))
+        return self.problem.with_coefficients(
+            replace(self.problem.plan, scene=scene, coefficients=c)
+        )
 
     def assemble(self, x: Any, value: float, jacobian: bool) -> tuple[Any, Any]:
         """Assemble the residual and the Jacobian."""
@@ -65,10 +78,12 @@ class Family:
 
     @np.errstate(all="ignore")  # a branch that no state takes may have no value
     def _record(self, x: Any, value: float) -> None:
-        """Record the weak forms once for all values, if coefficients do not ask for the value.
+        """Record the weak forms once for all values, if coefficients do not ask for the
+        value.
 
-        Some coefficients might take the parameter for something else, or hold what follows from one value: forms with
-        another residual, there or at a value nearby, are not used.
+        Some coefficients might take the parameter for something else, or hold what
+        follows from one value: forms with another residual, there or at a value nearby,
+        are not used.
         """
         self._tried = True
         if value == 0.0:
@@ -78,7 +93,8 @@ class Family:
             forms = self.at(graph.parameter()).recorded_over(graph)
             if all(self._same(forms, x, other) for other in (NEARBY * value, value)):
                 self.recorded = forms
-        except (TypeError, ValueError, SceneError):  # NotRecordableError, what takes numbers alone, a value too far
+        # NotRecordableError, what takes numbers alone, a value too far
+        except (TypeError, ValueError, SceneError):
             return
 
     def _same(self, forms: RecordedForms, x: Any, value: float) -> bool:
@@ -86,7 +102,9 @@ class Family:
         forms.set_parameter(value)
         expected, _ = self.at(value).steady(x, False)
         found, matrix = self.problem.steady_of(forms, x, True)
-        return bool((np.abs(found - expected) <= ALIKE * (abs(matrix) @ np.abs(x))).all())
+        return bool(
+            (np.abs(found - expected) <= ALIKE * (abs(matrix) @ np.abs(x))).all()
+        )
 
 
 def follow(problem: BubblingProblem, state: Any, result: Result) -> Branch:
@@ -120,10 +138,14 @@ def follow(problem: BubblingProblem, state: Any, result: Result) -> Branch:
     return branch
 
 
-def distance(scene: b.BubblingScene, folds: list[float], complete: bool) -> dict[str, float]:
-    """Return the relative distance of the scene from the first fold, or from the end of a branch without one.
+def distance(
+    scene: b.BubblingScene, folds: list[float], complete: bool
+) -> dict[str, float]:
+    """Return the relative distance of the scene from the first fold, or from the end of
+    a branch without one.
 
-    There is none where the value of the scene is 0, or where the branch was given up before a fold.
+    There is none where the value of the scene is 0, or where the branch was given up
+    before a fold.
     """
     table = scene.continuation
     assert table is not None
@@ -134,49 +156,80 @@ def distance(scene: b.BubblingScene, folds: list[float], complete: bool) -> dict
 
 
 class Fold:
-    """A fold (x, p) of a bed, with the left null vector w of its Jacobian, where w . dR/dp = 1."""
+    """A fold (x, p) of a bed, with the left null vector w of its Jacobian, where w .
+    dR/dp = 1.
+    """
 
     def __init__(self, family: Family, solved: Any, p: float, x: Any):
         self.family, self.p, self.x = family, p, x
         _, matrix = family.assemble(x, p, True)
         step = STEP * abs(p)
-        slope = (family.assemble(x, p + step, False)[0] - family.assemble(x, p - step, False)[0]) / (2.0 * step)
-        # any direction will do that is not across the null vector; scaled as the rows of the matrix
+        slope = (
+            family.assemble(x, p + step, False)[0]
+            - family.assemble(x, p - step, False)[0]
+        ) / (2.0 * step)
+        # any direction will do that is not across the null vector; scaled as the rows
+        # of the matrix
         along = as_large_as(matrix, x - solved)
         policy = family.problem.plan.policy
         border = bordered(matrix.T.tocsc(), along, slope, 0.0)
         self.null = Solver(border, policy)(np.append(np.zeros(len(x)), 1.0))[:-1]
 
     def values(self, problems: list[BubblingProblem]) -> list[float]:
-        """Return where the fold lies for the scenes of two problems, a little below and above the solved one."""
-        low, high = (Family(one, self.family.key).assemble(self.x, self.p, False)[0] for one in problems)
+        """Return where the fold lies for the scenes of two problems, a little below
+        and above the solved one.
+        """
+        low, high = (
+            Family(one, self.family.key).assemble(self.x, self.p, False)[0]
+            for one in problems
+        )
         shift = -0.5 * float(self.null @ (high - low))
         return [self.p - shift, self.p + shift]
 
 
 def as_large_as(matrix: Any, direction: Any) -> Any:
-    """Return a direction as long as the largest row of a matrix, so that both are one system of like numbers."""
-    return direction * float(abs(matrix).sum(axis=1).max()) / (float(np.abs(direction).max()) or 1.0)
+    """Return a direction as long as the largest row of a matrix, so that both are
+    one system of like numbers.
+    """
+    return (
+        direction
+        * float(abs(matrix).sum(axis=1).max())
+        / (float(np.abs(direction).max()) or 1.0)
+    )
 
 
 def columns(problem: BubblingProblem, family: Family, branch: Branch) -> dict[str, Any]:
-    """Return parameter, folds passed, mean temperatures and duties along a branch, folds included as points."""
+    """Return parameter, folds passed, mean temperatures and duties along a branch,
+    folds included as points.
+    """
     points = list(zip(branch.parameter, branch.states, strict=True))
     turns = [index + k for k, (index, _, _) in enumerate(branch.folds)]
     for place, (_, p, x) in zip(turns, branch.folds, strict=True):
         points.insert(place, (p, x))
-    unit = schema.unit(schema.of(type(problem.plan.scene)), parse_key(family.key)) or "1"
+    unit = (
+        schema.unit(schema.of(type(problem.plan.scene)), parse_key(family.key)) or "1"
+    )
     rows = []
     for k, (p, x) in enumerate(points):
         at = family.at(p)
         state = at._state(x)
-        row = {"point [1]": float(k), f"{family.key} [{unit}]": p, "turns [1]": float(sum(turn < k for turn in turns))}
+        row = {
+            "point [1]": float(k),
+            f"{family.key} [{unit}]": p,
+            "turns [1]": float(sum(turn < k for turn in turns)),
+        }
         row |= {f"T_{name} [K]": mean(at, state, f"T_{name}") for name in at.c.species}
-        row |= {f"{name.removesuffix('_W')} [W]": value for name, value in at.duties(state).items()}
+        row |= {
+            f"{name.removesuffix('_W')} [W]": value
+            for name, value in at.duties(state).items()
+        }
         rows.append(row)
     return {header: np.array([row[header] for row in rows]) for header in rows[0]}
 
 
 def mean(problem: BubblingProblem, state: Any, name: str) -> float:
     """Return the mean of a field over the height."""
-    return problem.total(lambda u, o: getattr(u, name), state) / problem.plan.scene.bubbling_bed.height
+    return (
+        problem.total(lambda u, o: getattr(u, name), state)
+        / problem.plan.scene.bubbling_bed.height
+    )

@@ -1,4 +1,6 @@
-"""Checks of the scene of a bubbling bed: mistakes that remain although every single value is valid."""
+"""Checks of the scene of a bubbling bed: mistakes that remain although every single
+value is valid.
+"""
 
 from __future__ import annotations
 
@@ -88,7 +90,9 @@ def pairs_are_given_once(solids: Solids) -> Mistakes:
                 yield path, text
 
 
-def feeds_lie_in_the_bed(bubbling_bed: BubblingBed, solids: Solids, see: See) -> Mistakes:
+def feeds_lie_in_the_bed(
+    bubbling_bed: BubblingBed, solids: Solids, see: See
+) -> Mistakes:
     """Check that particles are fed below the surface of the bed."""
     for name, item in solids.items():
         if item.feed is not None and item.feed.height > bubbling_bed.height:
@@ -110,7 +114,9 @@ def absent_phases_do_nothing(solids: Solids, see: See) -> Mistakes:
 
 
 def bubbles_carry_their_gas(bubbling_bed: BubblingBed, see: See) -> Mistakes:
-    """Check that bubbles with gas have a volume, and that their temperature is determined."""
+    """Check that bubbles with gas have a volume, and that their temperature is
+    determined.
+    """
     bubbles = bubbling_bed.bubbles
     if bubbles is None or (not bubbles.capacity_flow and bubbles.fraction == 0):
         return
@@ -123,7 +129,9 @@ def bubbles_carry_their_gas(bubbling_bed: BubblingBed, see: See) -> Mistakes:
         yield (*BUBBLES, "exchange"), text
 
 
-def the_gas_fits_its_flow(gas: GasCantera | None, boundary: b.Boundary, see: See) -> Mistakes:
+def the_gas_fits_its_flow(
+    gas: GasCantera | None, boundary: b.Boundary, see: See
+) -> Mistakes:
     """Check that a mass flow has a [gas], and a capacity flow none."""
     computed = boundary.bottom.gas.computed
     if computed and gas is None:
@@ -153,7 +161,9 @@ def coefficients_fit_the_gas(
         text = f"a freeboard needs the properties of the gas: give {MASS_FLOW}"
         yield (*FREEBOARD, "height"), f"{text}; see {see(CAPACITY_FLOW)}"
         return
-    tables = SimpleNamespace(bubbling_bed=bubbling_bed, solids=solids, closures=closures)
+    tables = SimpleNamespace(
+        bubbling_bed=bubbling_bed, solids=solids, closures=closures
+    )
     if computed:
         yield from _closures_can_be_bound(uses(tables), bubbling_bed.bubbling, origin)
     else:
@@ -161,7 +171,9 @@ def coefficients_fit_the_gas(
     yield from _flows_fit_the_gas(computed, bubbling_bed, solids, see)
 
 
-def _closures_can_be_bound(places: Iterable[Use], bubbling: bool, origin: Origin) -> Mistakes:
+def _closures_can_be_bound(
+    places: Iterable[Use], bubbling: bool, origin: Origin
+) -> Mistakes:
     """Check that closures exist and have the properties that they need."""
     for path, spec, kind in places:
         if not named(spec):
@@ -175,7 +187,9 @@ def _closures_can_be_bound(places: Iterable[Use], bubbling: bool, origin: Origin
 def _coefficients_are_numbers(
     places: Iterable[Use], bubbling_bed: BubblingBed, closures: b.Closures, see: See
 ) -> Mistakes:
-    """Check that frozen coefficients are numbers, and that none is given without use."""
+    """Check that frozen coefficients are numbers, and that none is given without
+    use.
+    """
     which = f"see {see(CAPACITY_FLOW)}"
     for path, spec, _ in places:
         table: Table | None = bubbling_bed
@@ -192,11 +206,14 @@ def _coefficients_are_numbers(
         elif named(spec):
             yield (
                 path,
-                f"a closure needs the properties of the gas: give a number, or {MASS_FLOW}; {which}",
+                "a closure needs the properties of the gas: give a number, or "
+                f"{MASS_FLOW}; {which}",
             )
 
 
-def _flows_fit_the_gas(computed: bool, bubbling_bed: BubblingBed, solids: Solids, see: See) -> Mistakes:
+def _flows_fit_the_gas(
+    computed: bool, bubbling_bed: BubblingBed, solids: Solids, see: See
+) -> Mistakes:
     """Check that streams are mass flows or capacity flows as that of the gas is."""
     bubbles = bubbling_bed.bubbles
     which = f"see {see(MASS_FLOW if computed else CAPACITY_FLOW)}"
@@ -220,14 +237,17 @@ def _flows_fit_the_gas(computed: bool, bubbling_bed: BubblingBed, solids: Solids
             yield ("solids", name, "feed"), f"give {right}, not {wrong}; {which}"
 
 
-def particles_exchange_heat_with_the_gas(solids: Solids, closures: b.Closures) -> Mistakes:
+def particles_exchange_heat_with_the_gas(
+    solids: Solids, closures: b.Closures
+) -> Mistakes:
     """Check that each solid phase has a coefficient of heat transfer to the gas."""
     for name, item in solids.items():
         known = (item.nusselt, item.gas_coefficient, closures.nusselt)
         if all(value is None for value in known):
             yield (
                 ("solids", name),
-                "gives no heat transfer to the gas: give nusselt, gas_coefficient, or closures.nusselt",
+                "gives no heat transfer to the gas: give nusselt, gas_coefficient, or "
+                "closures.nusselt",
             )
 
 
@@ -238,7 +258,9 @@ def settling_has_what_it_needs(
     solids: Solids,
     see: See,
 ) -> Mistakes:
-    """Check the keys from which the height of the bed and the sizes of its particles follow."""
+    """Check the keys from which the height of the bed and the sizes of its particles
+    follow.
+    """
     settles = bubbling_bed.settled_height is not None
     if settles and not boundary.bottom.gas.computed:
         text = f"needs the properties of the gas; see {see(CAPACITY_FLOW)}"
@@ -259,7 +281,9 @@ def settling_has_what_it_needs(
             yield path, f"needs solids.{name}.feed with a mass_flow; or give bed"
 
 
-def the_gas_is_known(gas: GasCantera | None, boundary: b.Boundary, solids: Solids, origin: Origin) -> Mistakes:
+def the_gas_is_known(
+    gas: GasCantera | None, boundary: b.Boundary, solids: Solids, origin: Origin
+) -> Mistakes:
     """Check that the composition of the gas is valid and that its species are known."""
     if gas is None:
         return
@@ -276,7 +300,9 @@ def the_gas_is_known(gas: GasCantera | None, boundary: b.Boundary, solids: Solid
         text = f"mole fractions sum to {sum(amounts):.8g}, not to 1"
         yield ("gas", "composition"), text
     hottest = known.T_range[1]
-    entering: list[tuple[KeyPath, float]] = [((*BOTTOM, "temperature"), boundary.bottom.gas.temperature)]
+    entering: list[tuple[KeyPath, float]] = [
+        ((*BOTTOM, "temperature"), boundary.bottom.gas.temperature)
+    ]
     for name, item in solids.items():
         feed = item.inert_feed
         if feed is not None:
@@ -285,11 +311,14 @@ def the_gas_is_known(gas: GasCantera | None, boundary: b.Boundary, solids: Solid
         if hottest < T:
             yield (
                 path,
-                f"hotter than the properties of the gas hold, {hottest:g} K by {gas.mechanism}",
+                f"hotter than the properties of the gas hold, {hottest:g} K by "
+                f"{gas.mechanism}",
             )
 
 
-def radiation_has_its_emissivities(radiation: b.Radiation, solids: Solids, see: See) -> Mistakes:
+def radiation_has_its_emissivities(
+    radiation: b.Radiation, solids: Solids, see: See
+) -> Mistakes:
     """Check that radiating particles have an emissivity, and the keys of the level."""
     level = radiation.level
     if level == "none":
@@ -299,14 +328,19 @@ def radiation_has_its_emissivities(radiation: b.Radiation, solids: Solids, see: 
             text = f"missing; radiation needs it; see {see('radiation')}"
             yield ("solids", name, "emissivity"), text
     if level in ("paper", "pairwise") and radiation.correction == "close_packed":
-        text = "exchange at one place is that of the surfaces: independent, or leave it out"
+        text = (
+            "exchange at one place is that of the surfaces: independent, or leave "
+            "it out"
+        )
         yield ("radiation", "correction"), text
     if level == "two_flux" and radiation.anisotropy:
         text = f"the two-flux method ignores it; see {see('radiation.level')}"
         yield ("radiation", "anisotropy"), text
 
 
-def something_fixes_the_plate(bubbling_bed: BubblingBed, boundary: b.Boundary, radiation: b.Radiation) -> Mistakes:
+def something_fixes_the_plate(
+    bubbling_bed: BubblingBed, boundary: b.Boundary, radiation: b.Radiation
+) -> Mistakes:
     """Check that the temperature of the distributor is determined."""
     plate, bubbles = bubbling_bed.distributor, bubbling_bed.bubbles
     if plate is None:
@@ -317,11 +351,16 @@ def something_fixes_the_plate(bubbling_bed: BubblingBed, boundary: b.Boundary, r
         flow = bubbles.capacity_flow
     radiates = radiation.level in ("p1", "two_flux") and plate.emissivity is not None
     if not plate.coefficient and not plate.preheat_NTU * (flow or 0.0) and not radiates:
-        text = "nothing exchanges heat with it: give coefficient or preheat_NTU, or leave out the table"
+        text = (
+            "nothing exchanges heat with it: give coefficient or preheat_NTU, or "
+            "leave out the table"
+        )
         yield ("bubbling_bed", "distributor", "coefficient"), text
 
 
-def something_fixes_the_temperatures(boundary: b.Boundary, bubbling_bed: BubblingBed, solids: Solids) -> Mistakes:
+def something_fixes_the_temperatures(
+    boundary: b.Boundary, bubbling_bed: BubblingBed, solids: Solids
+) -> Mistakes:
     """Check that a stream or a surface carries heat away."""
     gas, bubbles = boundary.bottom.gas, bubbling_bed.bubbles
     feeds = [item.inert_feed for item in solids.values()]
@@ -336,7 +375,9 @@ def something_fixes_the_temperatures(boundary: b.Boundary, bubbling_bed: Bubblin
         )
 
 
-def positions_lie_in_the_bed(bubbling_bed: BubblingBed, output: Output, see: See) -> Mistakes:
+def positions_lie_in_the_bed(
+    bubbling_bed: BubblingBed, output: Output, see: See
+) -> Mistakes:
     """Check that the output positions lie in the bed."""
     height = bubbling_bed.height
     for index, position in enumerate(output.positions):
@@ -353,7 +394,9 @@ def the_parameter_is_a_number(
     gas: GasCantera | None,
     solids: Solids,
 ) -> Mistakes:
-    """Check that the parameter of the continuation is a number of the scene that may vary."""
+    """Check that the parameter of the continuation is a number of the scene that may
+    vary.
+    """
     if continuation is None:
         return
     from contbed.scene.values import value_at
@@ -376,14 +419,19 @@ def the_parameter_is_a_number(
         )
     elif found == continuation.to:
         yield ("continuation", "to"), "is the value that the scene has"
-    elif continuation.back_to is not None and (continuation.back_to - found) * (continuation.to - found) > 0:
+    elif (
+        continuation.back_to is not None
+        and (continuation.back_to - found) * (continuation.to - found) > 0
+    ):
         yield (
             ("continuation", "back_to"),
             f"lies on the same side of the value in the scene, {found:g}, as `to`",
         )
 
 
-def particles_pass_between_the_tubes(bubbling_bed: BubblingBed, solids: Solids, see: See) -> Mistakes:
+def particles_pass_between_the_tubes(
+    bubbling_bed: BubblingBed, solids: Solids, see: See
+) -> Mistakes:
     """Check that particles are smaller than 2 A/p.
 
     That is the width of slits whose walls have the surface of the tubes.
@@ -423,7 +471,9 @@ CHECKS: tuple[Callable[..., Mistakes], ...] = (
 
 
 def tubes_fit_in_the_section(bubbling_bed: BubblingBed, see: See) -> Mistakes:
-    """Look for more surface than tubes have that touch each other, even those of the least diameter."""
+    """Look for more surface than tubes have that touch each other, even those of the
+    least diameter.
+    """
     section, above = bubbling_bed.section, bubbling_bed.freeboard
     most = 4.0 * DENSEST / LEAST_TUBE * section
     given: list[tuple[KeyPath, Surface | FreeboardSurface | None]] = [

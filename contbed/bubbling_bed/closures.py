@@ -1,4 +1,6 @@
-"""Closures of a bubbling bed: where a scene names them, and the arguments available to them at each place."""
+"""Closures of a bubbling bed: where a scene names them, and the arguments available
+to them at each place.
+"""
 
 from __future__ import annotations
 
@@ -17,13 +19,18 @@ CONDUCTIVITY: KeyPath = ("bubbling_bed", "conductivity")
 BUBBLES: KeyPath = ("bubbling_bed", "bubbles")
 FREEBOARD: KeyPath = ("bubbling_bed", "freeboard")
 
-_GAS = frozenset({"T", "rho_gas", "mu", "cp_gas", "k_gas", "k_fluid", "Pr", "eps", "D_bed"})
+_GAS = frozenset(
+    {"T", "rho_gas", "mu", "cp_gas", "k_gas", "k_fluid", "Pr", "eps", "D_bed"}
+)
 _PARTICLES = frozenset({"d_p", "sphericity", "rho_solid", "Ar"})
 _BED = _GAS | _PARTICLES | {"p", "molar_mass", "eps_mf", "cp_solid", "k_solid"}
 _FLOW = _BED | {"u_mf", "u", "u_excess", "slip"}
 _BUBBLES = _FLOW | {"d_b", "u_b", "delta"}
-_PAIR = frozenset(f"{name}_{k}" for name in ("f", "d", "rho", "cp", "k") for k in (1, 2))
-# the coefficients of bubbles follow from each other: rise, fraction, gas of the emulsion
+_PAIR = frozenset(
+    f"{name}_{k}" for name in ("f", "d", "rho", "cp", "k") for k in (1, 2)
+)
+# the coefficients of bubbles follow from each other: rise, fraction, gas of the
+# emulsion
 _IN_TURN = {
     "rise": _FLOW | {"d_b"},
     "fraction": _FLOW | {"d_b", "u_b"},
@@ -125,7 +132,9 @@ class Coefficient:
         self.value = None if self.closure is not None else spec
 
     def __call__(self, state: Mapping[str, Any], ranges: list[Any] | None) -> Any:
-        """Return the value at a state; a list in `ranges` collects how the closure was used."""
+        """Return the value at a state; a list in `ranges` collects how the closure
+        was used.
+        """
         if self.closure is None:
             return self.value
         if ranges is not None:

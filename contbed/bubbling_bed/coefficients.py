@@ -1,8 +1,11 @@
-"""Coefficients of a bubbling bed as functions of its state: properties of gas and particles, and closures by name.
+"""Coefficients of a bubbling bed as functions of its state: properties of gas and
+particles, and closures by name.
 
-Everything in the emulsion is taken at the mean temperature of the particles, weighted with their volumes: gas meets it
-within millimetres of the distributor. Only the volume of the bubbles' gas follows its own temperature. Properties of
-the mixture of particles: density by volume, heat capacity by mass, diameter and conductivity as the surface sees them.
+Everything in the emulsion is taken at the mean temperature of the particles, weighted
+with their volumes: gas meets it within millimetres of the distributor. Only the volume
+of the bubbles' gas follows its own temperature. Properties of the mixture of particles:
+density by volume, heat capacity by mass, diameter and conductivity as the surface sees
+them.
 """
 
 from __future__ import annotations
@@ -31,8 +34,11 @@ from contbed.closures.reactions_solid import diffusion_in_nitrogen
 from contbed.materials.common import integrated, polynomial
 from contbed.scene.toml_lines import KeyPath
 
-SMOOTHED = 1e-3  # share of u_mf over which the excess of gas bends to zero where there is none
-LEAST = 1e-6  # share of u_mf that bubbles and emulsion carry at least, so that both have a temperature
+# share of u_mf over which the excess of gas bends to zero where there is none
+SMOOTHED = 1e-3
+# share of u_mf that bubbles and emulsion carry at least, so that both have a
+# temperature
+LEAST = 1e-6
 STEPS = 200  # of the march that gives a first guess of the bubbles
 
 
@@ -45,38 +51,56 @@ def mixture(composition: str, pressure: float, mechanism: str) -> Any:
 
 
 class Computed:
-    """`Local` of models.bubbling_bed from a scene; a list in `ranges` collects how closures were used."""
+    """`Local` of models.bubbling_bed from a scene; a list in `ranges` collects how
+    closures were used.
+    """
 
     def __init__(self, scene: b.BubblingScene, gas: Any):
         self.scene, self.gas = scene, gas
         self.ranges: list[Any] | None = None
         self.smoothed = SMOOTHED
-        self.mixtures: Callable[[Any], dict[str, Any]] = lambda u: {"emulsion": gas, "bubble": gas}
+        self.mixtures: Callable[[Any], dict[str, Any]] = lambda u: {
+            "emulsion": gas,
+            "bubble": gas,
+        }
         self.flow = scene.gas_flow
         bed, present = scene.bubbling_bed, scene.present
         base = scene.origin.base
         self.bubbling = bed.bubbling
         self.coefficients = {
-            path: Coefficient(path, spec, kind, self.bubbling, base) for path, spec, kind in uses(scene)
+            path: Coefficient(path, spec, kind, self.bubbling, base)
+            for path, spec, kind in uses(scene)
         }
         self.section, self.solids = bed.section, bed.solids_fraction
         self.eps = 1.0 - bed.solids_fraction
         self.D_bed = float(np.sqrt(4.0 * bed.section / np.pi))
         self.names = list(present)
         self.share = {name: item.volume_share for name, item in present.items()}
-        self.density = {name: float(item.density or 0.0) for name, item in present.items()}
-        self.capacity = {name: _coefficients(item.heat_capacity) for name, item in present.items()}
+        self.density = {
+            name: float(item.density or 0.0) for name, item in present.items()
+        }
+        self.capacity = {
+            name: _coefficients(item.heat_capacity) for name, item in present.items()
+        }
         self.surface = {
-            name: 6.0 * self.solids * item.volume_share / (item.sphericity * item.diameter)
+            name: 6.0
+            * self.solids
+            * item.volume_share
+            / (item.sphericity * item.diameter)
             for name, item in present.items()
         }
         total = sum(item.volume_share / item.diameter for item in present.values())
         self.d_p = 1.0 / total
         self.sphericity = total / sum(
-            item.volume_share / (item.sphericity * item.diameter) for item in present.values()
+            item.volume_share / (item.sphericity * item.diameter)
+            for item in present.values()
         )
-        self.rho_solid = sum(self.share[name] * self.density[name] for name in self.names)
-        self.k_solid = self._by_surface({name: item.conductivity for name, item in present.items()})
+        self.rho_solid = sum(
+            self.share[name] * self.density[name] for name in self.names
+        )
+        self.k_solid = self._by_surface(
+            {name: item.conductivity for name, item in present.items()}
+        )
         self.grows = self.bubbling and self.coefficients[*BUBBLES, "size"].value is None
         self.chemistry = self._chemistry() if scene.reactions is not None else None
         self.above = None
@@ -95,9 +119,13 @@ class Computed:
         return found
 
     def _dispersion(self, name: str, local: model.Local) -> Any:
-        """Axial mixing of a solid phase [m2/s]: its conductivity over its heat capacity per height."""
+        """Axial mixing of a solid phase [m2/s]: its conductivity over its heat
+        capacity per height.
+        """
         emulsion = self.section * (1.0 - local.delta) * self.solids * self.share[name]
-        content = emulsion * self.density[name] * self.heat_capacity(name, local.state["T"])
+        content = (
+            emulsion * self.density[name] * self.heat_capacity(name, local.state["T"])
+        )
         return local.state["conduction"][name] / content
 
     def _gas_exchange(self, local: model.Local, state: Any) -> Any:
@@ -112,7 +140,9 @@ class Computed:
         return tuple(name for name, wanted in there if wanted)
 
     def _by_surface(self, values: dict[str, float]) -> float:
-        return sum(self.surface[name] * value for name, value in values.items()) / sum(self.surface.values())
+        return sum(self.surface[name] * value for name, value in values.items()) / sum(
+            self.surface.values()
+        )
 
     def heat_capacity(self, name: str, T: Any) -> Any:
         """[J/kg/K] of a solid phase."""
@@ -127,11 +157,24 @@ class Computed:
         return sum(self.share[name] * getattr(u, f"T_{name}") for name in self.names)
 
     def state(self, u: Any, flow: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return what closures may ask for, and the gases, where all gas flows at `flow` [kg/s]."""
+        """Return what closures may ask for, and the gases, where all gas flows at
+        `flow` [kg/s].
+        """
         T, gases = self.temperature(u), self.mixtures(u)
         gas = gases["emulsion"]
-        rho, mu, cp, k = gas.density(T), gas.viscosity(T), gas.heat_capacity(T), gas.conductivity(T)
-        cp_solid = sum(self.share[n] * self.density[n] * self.heat_capacity(n, T) for n in self.names) / self.rho_solid
+        rho, mu, cp, k = (
+            gas.density(T),
+            gas.viscosity(T),
+            gas.heat_capacity(T),
+            gas.conductivity(T),
+        )
+        cp_solid = (
+            sum(
+                self.share[n] * self.density[n] * self.heat_capacity(n, T)
+                for n in self.names
+            )
+            / self.rho_solid
+        )
         state = {
             "T": T,
             "p": gas.pressure,
@@ -157,16 +200,26 @@ class Computed:
         state["u_mf"] = found if given else found * mu / (rho * self.d_p)
         if not self.bubbling:
             state["u"] = state["u_e"] = flow / (rho * self.section)
-            state["u_excess"] = _positive(state["u"] - state["u_mf"], self.smoothed * state["u_mf"])
+            state["u_excess"] = _positive(
+                state["u"] - state["u_mf"], self.smoothed * state["u_mf"]
+            )
         state["slip"] = state.get("u_excess")
         return state, gases
 
-    def bubbles(self, state: dict[str, Any], rho_bubble: Any, flow: Any, flow_bubble: Any, d_b: Any) -> Any:
-        """Put velocities and volume of bubbles into the state; the flow of bubbles that the closures give [kg/s].
+    def bubbles(
+        self,
+        state: dict[str, Any],
+        rho_bubble: Any,
+        flow: Any,
+        flow_bubble: Any,
+        d_b: Any,
+    ) -> Any:
+        """Put velocities and volume of bubbles into the state; the flow of bubbles that
+        the closures give [kg/s].
 
-        Where the emulsion would take more gas than there is, the bed is not fluidized: all gas flows through the
-        emulsion. Where a closure lets gas flow down it rests; `u_emulsion_closure` keeps that, by which such a bed is
-        refused.
+        Where the emulsion would take more gas than there is, the bed is not fluidized:
+        all gas flows through the emulsion. Where a closure lets gas flow down it rests;
+        `u_emulsion_closure` keeps that, by which such a bed is refused.
         """
         rho, A = state["rho_gas"], self.section
         state["u"] = (flow - flow_bubble) / (rho * A) + flow_bubble / (rho_bubble * A)
@@ -177,7 +230,10 @@ class Computed:
         state["u_b"] = self._call((*BUBBLES, "rise"), state)
         state["delta"] = self._call((*BUBBLES, "fraction"), state)
         state["u_emulsion_closure"] = self._call((*BUBBLES, "emulsion_gas"), state)
-        least, all_gas = LEAST * state["u_mf"], flow / (rho * A * (1.0 - state["delta"]))
+        least, all_gas = (
+            LEAST * state["u_mf"],
+            flow / (rho * A * (1.0 - state["delta"])),
+        )
         rising = least + _bent(state["u_emulsion_closure"] - least, bend)
         bubbles = least + _bent(all_gas - rising - least, bend)
         state["u_e"] = all_gas - bubbles
@@ -194,17 +250,29 @@ class Computed:
         if part is not None and part.known(u):
             flow = sum(part.mass(u, phase) for phase in part.phases)
         state, gases = self.state(u, flow)
-        flows, slopes, crossing, unknown = {"T_emulsion": flow}, {"T_emulsion": 0.0}, None, None
-        heat = 1e3 * gases["emulsion"].heat_capacity(scene.initial.temperature)  # a kg of gas heated by 1000 K
+        flows, slopes, crossing, unknown = (
+            {"T_emulsion": flow},
+            {"T_emulsion": 0.0},
+            None,
+            None,
+        )
+        # a kg of gas heated by 1000 K
+        heat = 1e3 * gases["emulsion"].heat_capacity(scene.initial.temperature)
         if self.bubbling:
-            d_b = u.d_bubble if self.grows else self.coefficients[*BUBBLES, "size"].value
-            target = self.bubbles(state, gases["bubble"].density(u.T_bubble), flow, u.flow_bubble, d_b)
+            d_b = (
+                u.d_bubble if self.grows else self.coefficients[*BUBBLES, "size"].value
+            )
+            target = self.bubbles(
+                state, gases["bubble"].density(u.T_bubble), flow, u.flow_bubble, d_b
+            )
             growth = self._call((*BUBBLES, "size"), state) if self.grows else None
             start = self._call((*BUBBLES, "start"), state) if self.grows else None
             flows = {"T_emulsion": flow - u.flow_bubble, "T_bubble": u.flow_bubble}
             crossing = o.grad(u.flow_bubble)[0]
             slopes = {"T_emulsion": -crossing, "T_bubble": crossing}
-            unknown = bubbling_flow.Local(target, growth, start, heat, heat * self.flow / self.D_bed)
+            unknown = bubbling_flow.Local(
+                target, growth, start, heat, heat * self.flow / self.D_bed
+            )
         delta = state.get("delta", 0.0)
         state["eps_bed"] = 1.0 - (1.0 - delta) * self.solids
         changes = {}
@@ -212,10 +280,16 @@ class Computed:
             state["entering"] = (
                 {"T_emulsion": self.flow}
                 if not self.bubbling
-                else {"T_emulsion": self.flow - u.flow_bubble, "T_bubble": u.flow_bubble}
+                else {
+                    "T_emulsion": self.flow - u.flow_bubble,
+                    "T_bubble": u.flow_bubble,
+                }
             )
             flows = {f"T_{phase}": part.mass(u, phase) for phase in part.phases}
-            changes = {f"T_{phase}": partial(part.changed, u, phase, o) for phase in part.phases}
+            changes = {
+                f"T_{phase}": partial(part.changed, u, phase, o)
+                for phase in part.phases
+            }
         local = model.Local(
             delta,
             {name: self._to_gas(name, state) for name in self.names},
@@ -237,7 +311,9 @@ class Computed:
         return local
 
     def _inventory(self, u: Any, local: model.Local) -> None:
-        """Scale what goes by the surface of the fuel from its volume_share to what the bed holds."""
+        """Scale what goes by the surface of the fuel from its volume_share to what
+        the bed holds.
+        """
         state = local.state
         assert self.chemistry is not None
         state["conduction"] = dict(local.conduction)
@@ -245,13 +321,21 @@ class Computed:
             share = surface / (self.section * (1.0 - local.delta) * self.surface[name])
             local.gas[name] = share * local.gas[name]
             local.conduction[name] = share * local.conduction[name]
-            local.pairs = {pair: share * value if name in pair else value for pair, value in local.pairs.items()}
+            local.pairs = {
+                pair: share * value if name in pair else value
+                for pair, value in local.pairs.items()
+            }
             local.shares[name] = share
 
     def recorded(self, values: dict[str, Any], z: Any) -> tuple[model.Local, list[Any]]:
-        """Return the coefficients at heights where the unknowns have `values`, and how they used their closures."""
+        """Return the coefficients at heights where the unknowns have `values`, and
+        how they used their closures.
+        """
         self.ranges = []
-        local = self(SimpleNamespace(**values), SimpleNamespace(grad=lambda field: (np.zeros_like(z),), x=(z,)))
+        local = self(
+            SimpleNamespace(**values),
+            SimpleNamespace(grad=lambda field: (np.zeros_like(z),), x=(z,)),
+        )
         found, self.ranges = self.ranges, None
         return local, found
 
@@ -289,8 +373,14 @@ class Computed:
             for other in self.scene.solids[name].exchange:
                 if other not in self.names:
                     continue
-                pair = state | self._of_pair(name, 1, state) | self._of_pair(other, 2, state)
-                out[name, other] = self.coefficients["solids", name, "exchange", other](pair, self.ranges)
+                pair = (
+                    state
+                    | self._of_pair(name, 1, state)
+                    | self._of_pair(other, 2, state)
+                )
+                out[name, other] = self.coefficients["solids", name, "exchange", other](
+                    pair, self.ranges
+                )
         return out
 
     def _of_pair(self, name: str, k: int, state: dict[str, Any]) -> dict[str, Any]:
@@ -304,11 +394,17 @@ class Computed:
         }
 
     def _contact(self, key: str, state: dict[str, Any]) -> Any:
-        return self.coefficients[*surface_key(key), "coefficient"](state | {"eps": state["eps_bed"]}, self.ranges)
+        return self.coefficients[*surface_key(key), "coefficient"](
+            state | {"eps": state["eps_bed"]}, self.ranges
+        )
 
     def surface_state(self, T: float) -> dict[str, Any]:
         """Return what closures see at the surface of a bed of one temperature."""
-        u = SimpleNamespace(**{f"T_{name}": np.full(1, T) for name in self.names}, T_emulsion=T, T_bubble=T)
+        u = SimpleNamespace(
+            **{f"T_{name}": np.full(1, T) for name in self.names},
+            T_emulsion=T,
+            T_bubble=T,
+        )
         state, gases = self.state(u, self.flow)
         if self.bubbling:
             flows, sizes = self.march(T, np.array([self.scene.bubbling_bed.height]))
@@ -316,25 +412,40 @@ class Computed:
         return state
 
     def march(self, T: float, z: Any) -> tuple[Any, Any]:
-        """Flow and size of bubbles over the height in a bed of one temperature: where Newton's method starts."""
-        u = SimpleNamespace(**{f"T_{name}": np.full(1, T) for name in self.names}, T_emulsion=T, T_bubble=T)
+        """Flow and size of bubbles over the height in a bed of one temperature:
+        where Newton's method starts.
+        """
+        u = SimpleNamespace(
+            **{f"T_{name}": np.full(1, T) for name in self.names},
+            T_emulsion=T,
+            T_bubble=T,
+        )
         flow = self.flow
         heights = np.linspace(0.0, float(np.max(z)), STEPS + 1)
         steps, sizes, bubbles = np.diff(heights), [], []
-        d_b: Any = 0.01 * self.D_bed if self.grows else self.coefficients[*BUBBLES, "size"].value
+        d_b: Any = (
+            0.01 * self.D_bed
+            if self.grows
+            else self.coefficients[*BUBBLES, "size"].value
+        )
         flow_bubble: Any = 0.5 * flow
         state, gases = self.state(u, flow)
         rho_bubble = gases["bubble"].density(T)
         for k in range(STEPS + 1):
             for _ in range(40 if k == 0 else 2):
                 wanted = self.bubbles(state, rho_bubble, flow, flow_bubble, d_b)
-                flow_bubble = 0.5 * flow_bubble + 0.5 * np.clip(wanted, 0.02 * flow, 0.98 * flow)
+                flow_bubble = 0.5 * flow_bubble + 0.5 * np.clip(
+                    wanted, 0.02 * flow, 0.98 * flow
+                )
                 if k == 0 and self.grows:
                     d_b = self._call((*BUBBLES, "start"), state)
             sizes.append(float(np.squeeze(d_b)))
             bubbles.append(float(np.squeeze(flow_bubble)))
             if self.grows and k < STEPS:
-                d_b = np.maximum(d_b + steps[k] * self._call((*BUBBLES, "size"), state), 1e-3 * self.D_bed)
+                d_b = np.maximum(
+                    d_b + steps[k] * self._call((*BUBBLES, "size"), state),
+                    1e-3 * self.D_bed,
+                )
         return np.interp(z, heights, bubbles), np.interp(z, heights, sizes)
 
     @property
@@ -361,7 +472,9 @@ class Computed:
     @property
     def parts(self) -> tuple[Any, ...]:
         """Physics joined to the bed."""
-        return tuple(item.part for item in (self.chemistry, self.above) if item is not None)
+        return tuple(
+            item.part for item in (self.chemistry, self.above) if item is not None
+        )
 
 
 def _positive(x: Any, bend: Any) -> Any:
@@ -370,7 +483,9 @@ def _positive(x: Any, bend: Any) -> Any:
 
 
 def _bent(x: Any, bend: Any) -> Any:
-    """Return exactly x above `bend`, zero below -`bend`, and a parabola with the same slopes between."""
+    """Return exactly x above `bend`, zero below -`bend`, and a parabola with the
+    same slopes between.
+    """
     between = np.minimum(np.maximum(x, -bend), bend)
     return (between + bend) ** 2 / (4.0 * bend) + np.maximum(x - bend, 0.0)
 

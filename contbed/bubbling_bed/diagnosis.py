@@ -1,4 +1,6 @@
-"""Why a bubbling bed has no solution: what the last state says, where, and what to change."""
+"""Why a bubbling bed has no solution: what the last state says, where, and what to
+change.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +13,14 @@ from contbed.scene.toml_lines import dotted
 
 BARELY = 0.05  # excess gas over u_mf below which a place counts as barely fluidized
 WIDE = 2.0  # diameter of bubbles over that of the bed beyond which the run warns
-SHOWN = 20.0  # temperatures are looked at this many kelvin beyond the properties of the gas
+# temperatures are looked at this many kelvin beyond the properties of the gas
+SHOWN = 20.0
 
 
 def explain(problem: Any, states: list[Any]) -> str:
-    """Return a sentence on states [K and other unknowns] at which Newton's method has failed: the first known cause."""
+    """Return a sentence on states [K and other unknowns] at which Newton's method
+    has failed: the first known cause.
+    """
     for x in states:
         for cause in (temperatures, fluidization):
             if (text := cause(problem, x)) is not None:
@@ -24,40 +29,62 @@ def explain(problem: Any, states: list[Any]) -> str:
 
 
 def temperatures(problem: Any, x: Any) -> str | None:
-    """Say where a temperature has left the properties of the gas; None where none has."""
+    """Say where a temperature has left the properties of the gas; None where none
+    has.
+    """
     if problem.c.computed is None:
         return None
     z = problem.space.points[0]
     low, high = problem.c.computed.gas.T_range
     for name in problem.c.streams:
         T = problem.system.part(x, name)
-        for k, beyond in ((int(np.argmax(T)), T.max() > high + SHOWN), (int(np.argmin(T)), T.min() < low - SHOWN)):
+        for k, beyond in (
+            (int(np.argmax(T)), T.max() > high + SHOWN),
+            (int(np.argmin(T)), T.min() < low - SHOWN),
+        ):
             if beyond:
-                more = "less heat release, or more cooling or gas" if T[k] > high else "hotter gas, or less cooling"
+                more = (
+                    "less heat release, or more cooling or gas"
+                    if T[k] > high
+                    else "hotter gas, or less cooling"
+                )
                 return (
-                    f"{name} reaches {T[k]:.4g} K at {z[k]:.3g} m, beyond the properties of the gas, {low:g} to "
+                    f"{name} reaches {T[k]:.4g} K at {z[k]:.3g} m, beyond the "
+                    f"properties of the gas, {low:g} to "
                     f"{high:g} K: {more}"
                 )
     return None
 
 
 def fluidization(problem: Any, x: Any) -> str | None:
-    """Say where gas flows down through the emulsion, or barely fluidizes the bed; None where it does neither."""
+    """Say where gas flows down through the emulsion, or barely fluidizes the bed;
+    None where it does neither.
+    """
     computed = problem.c.computed
     if computed is None or not computed.bubbling:
         return None
     z, state = problem.space.points[0], problem._state(x)
-    values: dict[str, Any] = {name: problem.system.part(state, name) for name in problem.c.fields}
-    values |= {name: float(problem.system.part(state, name)[0]) for name in problem.c.scalars}
+    values: dict[str, Any] = {
+        name: problem.system.part(state, name) for name in problem.c.fields
+    }
+    values |= {
+        name: float(problem.system.part(state, name)[0]) for name in problem.c.scalars
+    }
     with np.errstate(all="ignore"):
         found = computed.recorded(values, z)[0].state
-    if (text := flows_down(problem.plan.scene, np.broadcast_to(found["u_emulsion_closure"], z.shape), z)) is not None:
+    if (
+        text := flows_down(
+            problem.plan.scene, np.broadcast_to(found["u_emulsion_closure"], z.shape), z
+        )
+    ) is not None:
         return text
     D, d_b = computed.D_bed, np.broadcast_to(found["d_b"], z.shape)
     if (widest := float(np.nanmax(d_b))) > WIDE * D:
         return (
-            f"bubbles of {widest:.3g} m at {z[int(np.nanargmax(d_b))]:.3g} m do not fit into a bed of {D:.3g} m: they "
-            "are slugs, for which the closures do not hold; give less gas.mass_flow, or bubbles.size as a number"
+            f"bubbles of {widest:.3g} m at {z[int(np.nanargmax(d_b))]:.3g} m do not "
+            f"fit into a bed of {D:.3g} m: they "
+            "are slugs, for which the closures do not hold; give less gas.mass_flow, "
+            "or bubbles.size as a number"
         )
     u_mf = np.broadcast_to(found["u_mf"], z.shape)
     excess = np.broadcast_to(found["u_excess"], z.shape) / u_mf
@@ -67,22 +94,29 @@ def fluidization(problem: Any, x: Any) -> str | None:
     T = float(np.broadcast_to(found["T"], z.shape)[k])
     return (
         "boundary.bottom.gas.mass_flow barely fluidizes the bed or not at all between "
-        f"{z[bare].min():.3g} and {z[bare].max():.3g} m: at {z[k]:.3g} m u_mf is {u_mf[k]:.3g} m/s in particles "
+        f"{z[bare].min():.3g} and {z[bare].max():.3g} m: at {z[k]:.3g} m u_mf is "
+        f"{u_mf[k]:.3g} m/s in particles "
         f"of {T:.4g} K, and mixing by bubbles vanishes; give "
-        "more gas, hotter gas, a smaller bubbling_bed.distributor.coefficient, or a bubbling_bed.conductivity of the "
+        "more gas, hotter gas, a smaller bubbling_bed.distributor.coefficient, or a "
+        "bubbling_bed.conductivity of the "
         "resting emulsion"
     )
 
 
 def flows_down(scene: Any, u_e: Any, z: Any) -> str | None:
-    """Say where a closure lets gas flow down, by `u_e` [m/s] in the emulsion at heights `z` [m]; None where nowhere."""
+    """Say where a closure lets gas flow down, by `u_e` [m/s] in the emulsion at
+    heights `z` [m]; None where nowhere.
+    """
     if not np.any(u_e <= 0):
         return None
     k, key = int(np.nanargmin(u_e)), (*BUBBLES, "emulsion_gas")
     return (
-        f"{scene.origin.at(key)}: {dotted(key)}: the gas would flow down through the emulsion "
-        f"between {z[u_e <= 0].min():.3g} and {z[u_e <= 0].max():.3g} m, {u_e[k]:.3g} m/s at {z[k]:.3g} m, "
-        "which the model does not hold for; take another closure, a smaller wake, a number, or less gas"
+        f"{scene.origin.at(key)}: {dotted(key)}: the gas would flow down through the "
+        "emulsion "
+        f"between {z[u_e <= 0].min():.3g} and {z[u_e <= 0].max():.3g} m, {u_e[k]:.3g} "
+        f"m/s at {z[k]:.3g} m, "
+        "which the model does not hold for; take another closure, a smaller wake, a "
+        "number, or less gas"
     )
 
 
@@ -93,7 +127,8 @@ def _residual(problem: Any, x: Any) -> str:
         residual, matrix = problem.steady(x, True)
     terms = abs(matrix) @ np.abs(x)
     share = {
-        name: np.abs(problem.system.part(residual, name)) / np.maximum(problem.system.part(terms, name), 1e-300)
+        name: np.abs(problem.system.part(residual, name))
+        / np.maximum(problem.system.part(terms, name), 1e-300)
         for name in problem.c.fields
     }
     worst = max(share, key=lambda name: float(np.nanmax(share[name], initial=0.0)))

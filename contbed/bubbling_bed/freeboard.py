@@ -1,4 +1,6 @@
-"""The freeboard of a bubbling bed from its scene: coefficients, a first guess, heat duties."""
+"""The freeboard of a bubbling bed from its scene: coefficients, a first guess, heat
+duties.
+"""
 
 from __future__ import annotations
 
@@ -15,20 +17,40 @@ from contbed.closures.optics import SIGMA
 
 
 class FreeboardProblem:
-    """The freeboard above a bed: the `part` of the model, typical values of its unknowns and a first guess."""
+    """The freeboard above a bed: the `part` of the model, typical values of its
+    unknowns and a first guess.
+    """
 
     def __init__(self, scene: Any, computed: Any):
-        self.scene, self.computed, self.table = scene, computed, scene.bubbling_bed.freeboard
+        self.scene, self.computed, self.table = (
+            scene,
+            computed,
+            scene.bubbling_bed.freeboard,
+        )
         self.coefficients = computed.coefficients
         names = computed.names
         total = sum(computed.share[name] * computed.density[name] for name in names)
-        self.shares = {name: computed.share[name] * computed.density[name] / total for name in names}
+        self.shares = {
+            name: computed.share[name] * computed.density[name] / total
+            for name in names
+        }
         surface = sum(computed.surface.values()) / computed.solids
         radiates = scene.radiation.level in ("p1", "two_flux")
-        emissivity = sum(computed.surface[name] * (scene.solids[name].emissivity or 0.0) for name in names)
+        emissivity = sum(
+            computed.surface[name] * (scene.solids[name].emissivity or 0.0)
+            for name in names
+        )
         surfaces = {
-            name: model.Surface(item.perimeter, item.coefficient, item.temperature, item.emissivity or 0.0)
-            for name, item in (("freeboard_tubes", self.table.tubes), ("freeboard_walls", self.table.walls))
+            name: model.Surface(
+                item.perimeter,
+                item.coefficient,
+                item.temperature,
+                item.emissivity or 0.0,
+            )
+            for name, item in (
+                ("freeboard_tubes", self.table.tubes),
+                ("freeboard_walls", self.table.walls),
+            )
             if item is not None
         }
         above = self.table.temperature_above
@@ -71,13 +93,25 @@ class FreeboardProblem:
         moles = {name: getattr(u, out) for out, name in self._out.items()}
         mass = sum(gases[name].molar_mass * amount for name, amount in moles.items())
         per_kg = {name: amount / mass for name, amount in moles.items()}
-        return mass, Mixture(self.computed.gas, self.computed.gas.pressure, mass / sum(moles.values()), per_kg)
+        return mass, Mixture(
+            self.computed.gas,
+            self.computed.gas.pressure,
+            mass / sum(moles.values()),
+            per_kg,
+        )
 
     def state(self, u: Any) -> tuple[dict[str, Any], Any, Any]:
-        """Return the arguments for closures at the temperature of the gas, its mass flow and its properties."""
+        """Return the arguments for closures at the temperature of the gas, its mass
+        flow and its properties.
+        """
         flow, gas = self.gas(u)
         computed, T = self.computed, u.T_freeboard
-        rho, mu, cp, k = gas.density(T), gas.viscosity(T), gas.heat_capacity(T), gas.conductivity(T)
+        rho, mu, cp, k = (
+            gas.density(T),
+            gas.viscosity(T),
+            gas.heat_capacity(T),
+            gas.conductivity(T),
+        )
         u_gas = flow / (rho * computed.section)
         state = {
             "T": T,
@@ -96,16 +130,31 @@ class FreeboardProblem:
     def _of(self, state: dict[str, Any], name: str, diameter: float) -> dict[str, Any]:
         """Return the state with particles of one solid phase and size."""
         item, rho = self.scene.solids[name], self.computed.density[name]
-        Ar = diameter**3 * state["rho_gas"] * (rho - state["rho_gas"]) * GRAVITY / state["mu"] ** 2
-        return state | {"d_p": diameter, "sphericity": item.sphericity, "rho_solid": rho, "Ar": Ar}
+        Ar = (
+            diameter**3
+            * state["rho_gas"]
+            * (rho - state["rho_gas"])
+            * GRAVITY
+            / state["mu"] ** 2
+        )
+        return state | {
+            "d_p": diameter,
+            "sphericity": item.sphericity,
+            "rho_solid": rho,
+            "Ar": Ar,
+        }
 
     def rates(self, u: Any, name: str) -> list[Any]:
-        """Return the elutriation rate constants of the sizes of a solid phase [kg/m2/s]."""
+        """Return the elutriation rate constants of the sizes of a solid
+        phase [kg/m2/s].
+        """
         return self._rates(self.state(u)[0], name)
 
     def _rates(self, state: dict[str, Any], name: str) -> list[Any]:
         item, out = self.scene.solids[name], []
-        for diameter in (item.diameter,) if item.sizes is None else item.sizes.diameters:
+        for diameter in (
+            (item.diameter,) if item.sizes is None else item.sizes.diameters
+        ):
             own = self._of(state, name, diameter)
             own["u_t"] = self._call("terminal_velocity", own)
             out.append(self._call("elutriation", own))
@@ -123,7 +172,10 @@ class FreeboardProblem:
             shares = (1.0,) if item.sizes is None else item.sizes.bed or item.sizes.feed
             for part, rate in zip(shares, self._rates(state, name), strict=True):
                 carried = carried + share * part * rate
-        mixed = state | {"d_p": computed.d_p, "Re": state["rho_gas"] * state["u_gas"] * computed.d_p / state["mu"]}
+        mixed = state | {
+            "d_p": computed.d_p,
+            "Re": state["rho_gas"] * state["u_gas"] * computed.d_p / state["mu"],
+        }
         nusselt = self.coefficients[*FREEBOARD, "gas_coefficient"]
         exchange = nusselt(mixed, computed.ranges)
         if nusselt.value is None:
@@ -152,32 +204,52 @@ class FreeboardProblem:
         return out
 
     def start(self, T: float, z: Any) -> dict[str, Any]:
-        """Return a first guess: particles that fall back at the decay rate of the guess, gas as it enters."""
+        """Return a first guess: particles that fall back at the decay rate of the
+        guess, gas as it enters.
+        """
         flow = self.computed.flow
         out: dict[str, Any] = {}
         if self._reacts:
             part = self.computed.chemistry.part
-            mean = sum(part.gases[name].molar_mass * x for name, x in part.inlet.items())
-            out |= {key: np.array([flow * part.inlet.get(name, 0.0) / mean]) for key, name in self._out.items()}
-        here = self.local_coefficients(SimpleNamespace(T_freeboard=np.full(1, T), **out), None)
+            mean = sum(
+                part.gases[name].molar_mass * x for name, x in part.inlet.items()
+            )
+            out |= {
+                key: np.array([flow * part.inlet.get(name, 0.0) / mean])
+                for key, name in self._out.items()
+            }
+        here = self.local_coefficients(
+            SimpleNamespace(T_freeboard=np.full(1, T), **out), None
+        )
         ejected = self._call("ejection", self.computed.surface_state(T))
         y = (self.scene.bubbling_bed.height - z) * self.part.stretch
-        out["flow_up"] = here.carried + (ejected - here.carried) * np.exp(-here.decay * y)
+        out["flow_up"] = here.carried + (ejected - here.carried) * np.exp(
+            -here.decay * y
+        )
         return out | {"carryover": out["flow_up"][np.argmax(y)]}
 
     def duties(self, problem: Any, state: Any) -> dict[str, float]:
-        """Return the heat that leaves the freeboard by mechanism [W]; positive outward."""
+        """Return the heat that leaves the freeboard by mechanism [W]; positive
+        outward.
+        """
         part, out = self.part, {}
         for name in part.surfaces:
-            out[f"{name}_convection_W"] = part.stretch * problem.total(lambda u, o, n=name: part.convected(u, n), state)
-            out[f"{name}_radiation_W"] = part.stretch * problem.total(lambda u, o, n=name: part.radiated(u, n), state)
-        out["freeboard_top_radiation_W"] = problem.at(lambda u, o: part.exit_radiation(u), problem.bottom, state)
+            out[f"{name}_convection_W"] = part.stretch * problem.total(
+                lambda u, o, n=name: part.convected(u, n), state
+            )
+            out[f"{name}_radiation_W"] = part.stretch * problem.total(
+                lambda u, o, n=name: part.radiated(u, n), state
+            )
+        out["freeboard_top_radiation_W"] = problem.at(
+            lambda u, o: part.exit_radiation(u), problem.bottom, state
+        )
         return out
 
     def carried(self, problem: Any, state: Any) -> dict[str, tuple[float, float]]:
         """Return the heat [W] that the gas takes away, and that of the particles.
 
-        Particles bring heat from the bed, where it is part of the drain, and take away what is carried over.
+        Particles bring heat from the bed, where it is part of the drain, and take away
+        what is carried over.
         """
         part = self.part
 
@@ -188,7 +260,11 @@ class FreeboardProblem:
         def brought(u: Any, o: Any) -> Any:
             return part.section * u.carryover * part.ejected_enthalpy(u)
 
-        taken = problem.at(lambda u, o: part.section * u.flow_up * part.solids(u.T_up), problem.bottom, state)
+        taken = problem.at(
+            lambda u, o: part.section * u.flow_up * part.solids(u.T_up),
+            problem.bottom,
+            state,
+        )
         return {
             "freeboard": (0.0, problem.at(gas, problem.bottom, state)),
             "carryover": (problem.at(brought, problem.top, state), taken),

@@ -1,4 +1,6 @@
-"""Coefficients of a bubbling bed as numbers, from which its layers are predicted before there is a mesh."""
+"""Coefficients of a bubbling bed as numbers, from which its layers are predicted
+before there is a mesh.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,14 @@ import numpy as np
 from contbed.bubbling_bed.coefficients import Computed
 from contbed.errors import SceneError
 
-QUOTED = {"u": "m/s", "u_mf": "m/s", "u_e": "m/s", "u_b": "m/s", "d_b": "m", "delta": ""}
+QUOTED = {
+    "u": "m/s",
+    "u_mf": "m/s",
+    "u_e": "m/s",
+    "u_b": "m/s",
+    "d_b": "m",
+    "delta": "",
+}
 COEFFICIENTS = {
     "delta": "the volume of the bubbles",
     "gas": "heat transfer to the gas",
@@ -23,13 +32,16 @@ COEFFICIENTS = {
 
 
 def frozen(computed: Computed, T: float, height: float) -> dict[str, Any]:
-    """Return the coefficients half way up a bed of one temperature [K] and a height [m].
+    """Return the coefficients half way up a bed of one temperature [K] and a
+    height [m].
 
     Raises
     ------
     SceneError : names the coefficient that has no value there
     """
-    at: dict[str, Any] = {f"T_{name}": np.full(1, T) for name in (*computed.names, "emulsion", "bubble")}
+    at: dict[str, Any] = {
+        f"T_{name}": np.full(1, T) for name in (*computed.names, "emulsion", "bubble")
+    }
     if computed.bubbling:
         flows, sizes = computed.march(T, np.array([0.0, 0.5 * height]))
         at |= {"flow_bubble": flows[1:], "d_bubble": sizes[1:]}
@@ -53,15 +65,30 @@ def frozen(computed: Computed, T: float, height: float) -> dict[str, Any]:
     for key, value in found.items():
         for name, each in value.items() if isinstance(value, dict) else (("", value),):
             if not np.isfinite(each):
-                _refuse(computed, T, key, name, {k: number(v) for k, v in local.state.items() if np.size(v) == 1})
+                _refuse(
+                    computed,
+                    T,
+                    key,
+                    name,
+                    {k: number(v) for k, v in local.state.items() if np.size(v) == 1},
+                )
     return found
 
 
-def _refuse(computed: Computed, T: float, key: str, name: Any, state: dict[str, float]) -> NoReturn:
-    """Name the coefficient that has no value at the temperature at which layers are predicted."""
-    of = f" of {' and '.join(name) if isinstance(name, tuple) else name}" if name else ""
-    known = ", ".join(f"{k} = {state[k]:.3g} {unit}" for k, unit in QUOTED.items() if k in state)
+def _refuse(
+    computed: Computed, T: float, key: str, name: Any, state: dict[str, float]
+) -> NoReturn:
+    """Name the coefficient that has no value at the temperature at which layers are
+    predicted.
+    """
+    of = (
+        f" of {' and '.join(name) if isinstance(name, tuple) else name}" if name else ""
+    )
+    known = ", ".join(
+        f"{k} = {state[k]:.3g} {unit}" for k, unit in QUOTED.items() if k in state
+    )
     raise SceneError(
-        f"{computed.scene.origin.at(('solids',))}: {COEFFICIENTS[key]}{of} has no value in a bed of {T:g} K, where "
+        f"{computed.scene.origin.at(('solids',))}: {COEFFICIENTS[key]}{of} has no "
+        f"value in a bed of {T:g} K, where "
         f"{known}; choose other closures, or change boundary.bottom.gas.mass_flow"
     )

@@ -1,4 +1,6 @@
-"""Plan of a bubbling bed: coefficients from the scene, a graded line, what is solved and what is left out."""
+"""Plan of a bubbling bed: coefficients from the scene, a graded line, what is solved
+and what is left out.
+"""
 
 from __future__ import annotations
 
@@ -25,11 +27,15 @@ from contbed.scene.toml_lines import dotted
 from contbed.solvers.linear import Policy
 
 COARSE = 16  # cells of an automatic mesh away from layers
-ERROR = {1: 3e-3, 2: 1e-4, 3: 1e-5}  # relative error of temperatures on a mesh of grading scale 1, by degree
-HOT = 1000.0  # temperature at which layers are predicted where the scene gives lower ones [K]
+# relative error of temperatures on a mesh of grading scale 1, by degree
+ERROR = {1: 3e-3, 2: 1e-4, 3: 1e-5}
+# temperature at which layers are predicted where the scene gives lower ones [K]
+HOT = 1000.0
 THIN = 1e-9  # share of the height below which a layer is not resolved
 FLOW = ("boundary", "bottom", "gas", "mass_flow")  # key of the gas that enters
-CONTINUUM = 1e-2  # share of the least diameter of particles to which thinner layers are resolved: no continuum is finer
+# share of the least diameter of particles to which thinner layers are resolved: no
+# continuum is finer
+CONTINUUM = 1e-2
 
 
 @dataclass(frozen=True)
@@ -53,22 +59,41 @@ class BubblingPlan:
 
     @property
     def fields(self) -> dict[str, tuple[int, int]]:
-        """Degree and components of each unknown field; the distributor is one number."""
-        along: dict[str, tuple[int, int]] = dict.fromkeys(self.coefficients.fields, (self.scene.solver.degree, 0))
+        """Degree and components of each unknown field; the distributor is one
+        number.
+        """
+        along: dict[str, tuple[int, int]] = dict.fromkeys(
+            self.coefficients.fields, (self.scene.solver.degree, 0)
+        )
         return along | dict.fromkeys(self.coefficients.scalars, (0, 0))
 
     @property
     def guesses(self) -> int:
-        """Number of guesses that are solved from: a cold and a hot one as well where several states are possible."""
+        """Number of guesses that are solved from: a cold and a hot one as well where
+        several states are possible.
+        """
         items: tuple[Any, ...] = (self.scene.bubbling_bed, *self.scene.present.values())
-        return 3 if any(item.release is not None and item.release.activation for item in items) else 1
+        return (
+            3
+            if any(
+                item.release is not None and item.release.activation for item in items
+            )
+            else 1
+        )
 
     def unknowns(self) -> dict[str, int]:
         """Return the number of unknowns of each part that is solved."""
         size = self.scene.solver.degree * self.mesh.skfem.nelements + 1
-        out = {"heat": len(self.coefficients.streams) * size + (self.coefficients.plate is not None)}
+        out = {
+            "heat": len(self.coefficients.streams) * size
+            + (self.coefficients.plate is not None)
+        }
         out |= {"radiation": size} if self.coefficients.level == "field" else {}
-        others = len(self.coefficients.fields) - len(self.coefficients.streams) - (self.coefficients.level == "field")
+        others = (
+            len(self.coefficients.fields)
+            - len(self.coefficients.streams)
+            - (self.coefficients.level == "field")
+        )
         return out | ({"gas flow": others * size} if others else {})
 
     def __str__(self) -> str:
@@ -78,21 +103,47 @@ class BubblingPlan:
 def plan(scene: b.BubblingScene) -> BubblingPlan:
     """Decide what a scene needs and build its mesh."""
     c, albedo = coefficients(scene)
-    finest = CONTINUUM * min(item.diameter for item in scene.present.values()) if c.computed is not None else 0.0
+    finest = (
+        CONTINUUM * min(item.diameter for item in scene.present.values())
+        if c.computed is not None
+        else 0.0
+    )
     layers = predicted_layers(c, scene.bubbling_bed.height, _hot(scene), finest)
     mesh = _mesh(scene, layers)
-    built = [("mesh, 1-D", f"{mesh.skfem.nelements} cells, graded to {len(layers)} layers")]
+    built = [
+        ("mesh, 1-D", f"{mesh.skfem.nelements} cells, graded to {len(layers)} layers")
+    ]
     built += [(f"solids {name}", f"degree {scene.solver.degree}") for name in c.species]
-    skipped = [(f"solids {name}", "volume_share is 0") for name in scene.solids if name not in c.species]
+    skipped = [
+        (f"solids {name}", "volume_share is 0")
+        for name in scene.solids
+        if name not in c.species
+    ]
     levels = {
         "paper": "among the solid phases at one height, algebraic",
         "pairwise": "between pairs of solid phases at one height",
-        "field": f"{'two-flux' if scene.radiation.level == 'two_flux' else 'P1'}, one field",
+        "field": f"{'two-flux' if scene.radiation.level == 'two_flux' else 'P1'}, one "
+        "field",
     }
     for there, what, how, why in (
-        (c.computed is not None, "closures", "coefficients by the local state", "coefficients are numbers"),
-        (c.bubbles is not None, "bubble gas", "exchange with the emulsion gas", "no bubbles"),
-        (c.plate is not None, "distributor", "one temperature", "no [bubbling_bed.distributor] table"),
+        (
+            c.computed is not None,
+            "closures",
+            "coefficients by the local state",
+            "coefficients are numbers",
+        ),
+        (
+            c.bubbles is not None,
+            "bubble gas",
+            "exchange with the emulsion gas",
+            "no bubbles",
+        ),
+        (
+            c.plate is not None,
+            "distributor",
+            "one temperature",
+            "no [bubbling_bed.distributor] table",
+        ),
         (
             bool(c.surfaces),
             "immersed surfaces",
@@ -119,14 +170,23 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
 def coefficients(
     scene: b.BubblingScene, typical: dict[str, Any] | None = None
 ) -> tuple[model.Coefficients, float | None]:
-    """Return the coefficients of the model, and the albedo of the emulsion where it radiates.
+    """Return the coefficients of the model, and the albedo of the emulsion where it
+    radiates.
 
-    `typical` are known numbers in place of those that layers are predicted from, where coefficients follow the state.
+    `typical` are known numbers in place of those that layers are predicted from, where
+    coefficients follow the state.
     """
     bed, present, level = scene.bubbling_bed, scene.present, scene.radiation.level
     names = list(present)
-    fractions = np.array([bed.solids_fraction * item.volume_share for item in present.values()])
-    surface = 6.0 * fractions / np.array([item.sphericity * item.diameter for item in present.values()])  # a_m
+    fractions = np.array(
+        [bed.solids_fraction * item.volume_share for item in present.values()]
+    )
+    # a_m
+    surface = (
+        6.0
+        * fractions
+        / np.array([item.sphericity * item.diameter for item in present.values()])
+    )
     absorption, diffusion, albedo, eps_bed = np.zeros(len(names)), 0.0, None, 0.0
     if level != "none":
         found = _optics(scene, fractions)
@@ -145,7 +205,9 @@ def coefficients(
         number = typical_numbers(scene, computed)
     species = {
         name: model.Species(
-            _solids(name, item, bed.height, section, number["conduction"][name], computed),
+            _solids(
+                name, item, bed.height, section, number["conduction"][name], computed
+            ),
             number["gas"][name],
             float(surface[k] / surface.sum()),
             float(absorption[k]),
@@ -158,15 +220,23 @@ def coefficients(
             item.perimeter,
             number["contact"][name],
             HOT if item.temperature is None else item.temperature,
-            float(optics.emissivity_immersed(eps_bed, item.emissivity)) if eps_bed and item.emissivity else 0.0,
+            float(optics.emissivity_immersed(eps_bed, item.emissivity))
+            if eps_bed and item.emissivity
+            else 0.0,
             None if item.steam is None else f"T_{name}",
         )
         for name, item in bed.surfaces.items()
     }
     plate = None
     if (table := bed.distributor) is not None:
-        plate = model.Plate(table.coefficient, float(-np.expm1(-table.preheat_NTU)), table.emissivity or 0.0)
-    gases = {name: model.Stream(constant(flow)) for name, flow in number["flows"].items()}
+        plate = model.Plate(
+            table.coefficient,
+            float(-np.expm1(-table.preheat_NTU)),
+            table.emissivity or 0.0,
+        )
+    gases = {
+        name: model.Stream(constant(flow)) for name, flow in number["flows"].items()
+    }
     emulsion = replace(gases["T_emulsion"], release=_release(bed.release, section))
     return model.Coefficients(
         section,
@@ -190,7 +260,9 @@ def coefficients(
 
 
 def typical_numbers(scene: b.BubblingScene, computed: Any) -> dict[str, Any]:
-    """Return coefficients that follow the state at the highest temperature that the scene gives."""
+    """Return coefficients that follow the state at the highest temperature that the
+    scene gives.
+    """
     from contbed.bubbling_bed.frozen import frozen
 
     found: dict[str, Any] = frozen(computed, _hot(scene), scene.bubbling_bed.height)
@@ -226,7 +298,9 @@ def _water(scene: b.BubblingScene) -> tuple[Any, ...]:
 
 
 def _computed(scene: b.BubblingScene) -> Any:
-    """Return the coefficients as functions of the state; None where the scene gives frozen ones."""
+    """Return the coefficients as functions of the state; None where the scene gives
+    frozen ones.
+    """
     if not scene.computed:
         return None
     from contbed.bubbling_bed.coefficients import Computed, mixture
@@ -237,13 +311,18 @@ def _computed(scene: b.BubblingScene) -> Any:
 
 
 def _fluidized(scene: b.BubblingScene, computed: Any) -> None:
-    """Raise SceneError if the gas does not fluidize the bed at the temperature where Newton's method starts."""
+    """Raise SceneError if the gas does not fluidize the bed at the temperature where
+    Newton's method starts.
+    """
     T, flow = scene.initial.temperature, computed.flow
-    state, _ = computed.state(SimpleNamespace(**{f"T_{name}": T for name in scene.present}), flow)
+    state, _ = computed.state(
+        SimpleNamespace(**{f"T_{name}": T for name in scene.present}), flow
+    )
     needed = float(state["rho_gas"] * state["u_mf"]) * scene.bubbling_bed.section
     if scene.bubbling_bed.bubbles is not None and flow <= needed:
         raise SceneError(
-            f"{scene.origin.at(FLOW)}: {dotted(FLOW)} = {flow:g}: below minimum fluidization, "
+            f"{scene.origin.at(FLOW)}: {dotted(FLOW)} = {flow:g}: below minimum "
+            "fluidization, "
             f"{needed:.4g} kg/s at {T:g} K (initial.temperature); allowed: more, or no "
             "[bubbling_bed.bubbles]"
         )
@@ -258,9 +337,13 @@ def _frozen(scene: b.BubblingScene, surface: Any) -> dict[str, Any]:
     return {
         "delta": bubbles.fraction if bubbles else 0.0,
         "gas": {
-            name: float(a * item.gas_coefficient) for a, (name, item) in zip(surface, present.items(), strict=True)
+            name: float(a * item.gas_coefficient)
+            for a, (name, item) in zip(surface, present.items(), strict=True)
         },
-        "conduction": {name: bed.section * item.mixing_conductivity for name, item in present.items()},
+        "conduction": {
+            name: bed.section * item.mixing_conductivity
+            for name, item in present.items()
+        },
         "pairs": {
             (name, other): value
             for name, item in present.items()
@@ -269,17 +352,26 @@ def _frozen(scene: b.BubblingScene, surface: Any) -> dict[str, Any]:
         },
         "exchange": bubbles.exchange if bubbles else 0.0,
         "contact": {name: item.coefficient for name, item in bed.surfaces.items()},
-        "flows": {"T_emulsion": scene.inlet.capacity_flow} | ({"T_bubble": bubbles.capacity_flow} if bubbles else {}),
+        "flows": {"T_emulsion": scene.inlet.capacity_flow}
+        | ({"T_bubble": bubbles.capacity_flow} if bubbles else {}),
     }
 
 
 def _optics(scene: b.BubblingScene, fractions: Any) -> optics.Optics:
     particles = [
-        optics.Species(name, float(fraction), item.diameter, float(item.emissivity or 0.0))
+        optics.Species(
+            name, float(fraction), item.diameter, float(item.emissivity or 0.0)
+        )
         for (name, item), fraction in zip(scene.present.items(), fractions, strict=True)
     ]
-    default = "independent" if scene.radiation.level in ("paper", "pairwise") else "close_packed"
-    return optics.optics(particles, scene.radiation.correction or default, scene.radiation.anisotropy)
+    default = (
+        "independent"
+        if scene.radiation.level in ("paper", "pairwise")
+        else "close_packed"
+    )
+    return optics.optics(
+        particles, scene.radiation.correction or default, scene.radiation.anisotropy
+    )
 
 
 def constant(value: float) -> Any:
@@ -287,10 +379,23 @@ def constant(value: float) -> Any:
     return lambda z: value + 0.0 * z
 
 
-def _solids(name: str, item: Solid, height: float, section: float, conduction: float, computed: Any) -> model.Stream:
-    heat: dict[str, Any] = {"conduction": conduction, "release": _release(item.release, section)}
+def _solids(
+    name: str,
+    item: Solid,
+    height: float,
+    section: float,
+    conduction: float,
+    computed: Any,
+) -> model.Stream:
+    heat: dict[str, Any] = {
+        "conduction": conduction,
+        "release": _release(item.release, section),
+    }
     if computed is not None:
-        heat |= {"enthalpy": partial(computed.enthalpy, name), "heat_capacity": partial(computed.heat_capacity, name)}
+        heat |= {
+            "enthalpy": partial(computed.enthalpy, name),
+            "heat_capacity": partial(computed.heat_capacity, name),
+        }
     feed = item.inert_feed
     flow = 0.0 if feed is None else feed.capacity_flow or feed.mass_flow
     if feed is None or not flow:
@@ -302,7 +407,11 @@ def _solids(name: str, item: Solid, height: float, section: float, conduction: f
     drained = flow if feed.drain == "bottom" else 0.0
     return model.Stream(
         lambda z: rate * (ndtr((z - feed.height) / feed.width) - below) - drained,
-        lambda z: rate / (feed.width * np.sqrt(2.0 * np.pi)) * np.exp(-0.5 * ((z - feed.height) / feed.width) ** 2),
+        lambda z: (
+            rate
+            / (feed.width * np.sqrt(2.0 * np.pi))
+            * np.exp(-0.5 * ((z - feed.height) / feed.width) ** 2)
+        ),
         feed.temperature,
         **heat,
     )
@@ -313,7 +422,12 @@ def _release(table: Release | None, section: float) -> Any:
         return None
 
     def release(z: Any, T: Any) -> Any:
-        rate = section * table.rate * (1.0 if table.length is None else np.exp(-z / table.length)) + 0.0 * z
+        rate = (
+            section
+            * table.rate
+            * (1.0 if table.length is None else np.exp(-z / table.length))
+            + 0.0 * z
+        )
         if table.activation is None or table.reference is None:
             return rate
         return rate * np.exp(-table.activation * (1.0 / T - 1.0 / table.reference))
@@ -324,7 +438,11 @@ def _release(table: Release | None, section: float) -> Any:
 def _radiosity(table: Freeboard | None) -> float | None:
     if table is None or table.height is not None:
         return None
-    return table.radiosity if table.temperature is None else optics.SIGMA * table.temperature**4
+    return (
+        table.radiosity
+        if table.temperature is None
+        else optics.SIGMA * table.temperature**4
+    )
 
 
 def _hot(scene: b.BubblingScene) -> float:
@@ -339,10 +457,11 @@ def _hot(scene: b.BubblingScene) -> float:
 def predicted_layers(
     c: model.Coefficients, height: float, hot: float, finest: float = 0.0
 ) -> list[tuple[float, float]]:
-    """Return position and width [m], `finest` at least, of the modes exp(rate z) of the equations at a temperature.
+    """Return position and width [m], `finest` at least, of the modes exp(rate z) of the
+    equations at a temperature.
 
-    (-K rate^2 + W rate + S) x = 0 for temperatures scaled with 16 sigma T^3 where G takes part; modes that decay
-    upward start at the distributor, the others at the top.
+    (-K rate^2 + W rate + S) x = 0 for temperatures scaled with 16 sigma T^3 where G
+    takes part; modes that decay upward start at the distributor, the others at the top.
     """
     from scipy.linalg import eig
 
@@ -379,12 +498,17 @@ def predicted_layers(
         K[place["G"], place["G"]] = c.section * c.diffusion * power
     unit, zero = np.eye(len(names)), np.zeros_like(S)
     alpha, beta = eig(
-        np.block([[zero, unit], [S, W]]), np.block([[unit, zero], [zero, K]]), right=False, homogeneous_eigvals=True
+        np.block([[zero, unit], [S, W]]),
+        np.block([[unit, zero], [zero, K]]),
+        right=False,
+        homogeneous_eigvals=True,
     )
     finite = np.abs(beta) > 1e-14 * np.abs(alpha)
     rates = np.real(alpha[finite] / beta[finite])
     kept = [rate for rate in rates if 1.0 < abs(rate) * height < 1.0 / THIN]
-    return [(0.0 if rate < 0 else height, max(1.0 / abs(rate), finest)) for rate in kept]
+    return [
+        (0.0 if rate < 0 else height, max(1.0 / abs(rate), finest)) for rate in kept
+    ]
 
 
 def _mesh(scene: b.BubblingScene, layers: list[tuple[float, float]]) -> Mesh:
@@ -392,10 +516,16 @@ def _mesh(scene: b.BubblingScene, layers: list[tuple[float, float]]) -> Mesh:
     if scene.mesh.cells is not None:
         nodes = equidistributed(height, layers, scene.mesh.cells, options.degree)
     else:
-        scale = min(1.0, (options.tolerance / ERROR[options.degree]) ** (1.0 / (options.degree + 1)))
+        scale = min(
+            1.0,
+            (options.tolerance / ERROR[options.degree]) ** (1.0 / (options.degree + 1)),
+        )
         nodes = graded(height, layers, coarse=height / COARSE, scale=scale)
     if not np.all(np.diff(nodes) > 0):
-        raise SceneError(f"{scene.origin.name}: mesh: a layer is too thin to resolve; check the coefficients")
+        raise SceneError(
+            f"{scene.origin.name}: mesh: a layer is too thin to resolve; check the "
+            "coefficients"
+        )
     return refine(line(nodes), scene.mesh.refine)
 
 

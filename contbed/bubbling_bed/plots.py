@@ -1,4 +1,6 @@
-"""Plots of a bubbling bed: one page of profiles and heat flows, and branches of steady states."""
+"""Plots of a bubbling bed: one page of profiles and heat flows, and branches of
+steady states.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,8 @@ def plot(result: Result, folder: Path) -> None:
 
 
 def branch_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -> None:
-    """Plot the mean temperatures of the species along a branch; the unstable part between two folds is dashed.
+    """Plot the mean temperatures of the species along a branch; the unstable part
+    between two folds is dashed.
 
     Parameters
     ----------
@@ -40,7 +43,9 @@ def branch_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -
     p, turns = np.asarray(columns[headers[1]]), np.asarray(columns["turns [1]"])
     with styled_figure(path, 4.2, title) as figure:
         axes = figure.subplots()
-        for k, header in enumerate(header for header in headers if header.startswith("T_")):
+        for k, header in enumerate(
+            header for header in headers if header.startswith("T_")
+        ):
             T = np.asarray(columns[header])
             for turn in np.unique(turns):
                 part = np.flatnonzero(turns == turn)
@@ -57,9 +62,13 @@ def branch_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -
 
 
 def bubbling_plot(
-    path: Path | str, columns: Mapping[str, Any], title: str = "", results: Mapping[str, Any] | None = None
+    path: Path | str,
+    columns: Mapping[str, Any],
+    title: str = "",
+    results: Mapping[str, Any] | None = None,
 ) -> None:
-    """Plot temperatures of all phases, radiation, bubbles and gases over the height, and heat flows, on one page.
+    """Plot temperatures of all phases, radiation, bubbles and gases over the height,
+    and heat flows, on one page.
 
     Quantities that the run did not solve for are left out.
 
@@ -82,8 +91,12 @@ def bubbling_plot(
     panels += [(partial(_single, name), 0.7) for name in _BUBBLES if name in values]
     panels += [(_gases, 1.3)] if any(name.startswith("x_") for name in values) else []
     panels += [(_heat, 1.5)] if flows else []
-    with styled_figure(path, 5.6, title, width=max(7.0, 2.6 * sum(width for _, width in panels))) as figure:
-        axes = figure.subplots(1, len(panels), squeeze=False, width_ratios=[width for _, width in panels])[0]
+    with styled_figure(
+        path, 5.6, title, width=max(7.0, 2.6 * sum(width for _, width in panels))
+    ) as figure:
+        axes = figure.subplots(
+            1, len(panels), squeeze=False, width_ratios=[width for _, width in panels]
+        )[0]
         for panel, (draw, _) in zip(axes, panels, strict=True):
             if draw is _heat:
                 _heat(panel, flows)
@@ -94,14 +107,26 @@ def bubbling_plot(
 
 
 def _temperatures(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
-    """Plot solids, the first with the widest line so that equal temperatures show; gases are dashed."""
-    dashed = {"T_emulsion": "emulsion gas", "T_bubble": "bubble gas", "T_freeboard": "freeboard gas"}
+    """Plot solids, the first with the widest line so that equal temperatures show;
+    gases are dashed.
+    """
+    dashed = {
+        "T_emulsion": "emulsion gas",
+        "T_bubble": "bubble gas",
+        "T_freeboard": "freeboard gas",
+    }
     colours = dict(zip(dashed, ("#0072B2", "#56B4E9", "#0072B2"), strict=True))
     others = {"T_up": "rising particles", "T_down": "falling particles"}
     k = 0
     for name in (name for name in values if name.startswith("T_")):
         if name in dashed:
-            axes.plot(values[name], z, color=colours[name], linestyle=(0, (4, 2)), label=dashed[name])
+            axes.plot(
+                values[name],
+                z,
+                color=colours[name],
+                linestyle=(0, (4, 2)),
+                label=dashed[name],
+            )
         else:
             axes.plot(
                 values[name],
@@ -135,7 +160,11 @@ def _single(name: str, axes: Any, z: Any, values: Mapping[str, Any]) -> None:
 
 def _gases(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
     """Plot mole fractions except nitrogen's; those in bubbles are dashed."""
-    names = [name for name in values if name.startswith("x_") and not name.startswith("x_N2_")]
+    names = [
+        name
+        for name in values
+        if name.startswith("x_") and not name.startswith("x_N2_")
+    ]
     colours: dict[str, str] = {}
     for name in names:
         gas, _, phase = name.removeprefix("x_").rpartition("_")

@@ -1,4 +1,6 @@
-"""A bubbling bed on a mesh: assembly, solution, energy balance and heat duties; see `equations.bed`."""
+"""A bubbling bed on a mesh: assembly, solution, energy balance and heat duties; see
+`equations.bed`.
+"""
 
 from __future__ import annotations
 
@@ -23,53 +25,90 @@ from contbed.solvers.linear import Solver, scaled
 from contbed.solvers.newton import newton
 
 Array = Any
-EXTRA = 4  # order of quadrature beyond the product of two basis functions, for powers of T and Arrhenius factors
-CAPACITY = 5e5  # heat capacity of a phase, only to approach a steady state in time [J/m3/K]
+# order of quadrature beyond the product of two basis functions, for powers of T and
+# Arrhenius factors
+EXTRA = 4
+# heat capacity of a phase, only to approach a steady state in time [J/m3/K]
+CAPACITY = 5e5
 TYPICAL = 1e3  # temperature [K]
-MISSED = 0.01  # share of a typical flow or inventory by which Newton's method may undershoot zero
-ROUNDED = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003)  # shares of u_mf over which the excess of gas bends, one after another
-FAR_STEP = 1e-5  # relative step from which a residual of rounding does not count as converged: see `_newton`
-PATIENCE = 16  # steps in time, none longer than one before, after which closures have no steady state or none is found
-MAX_ITERATIONS = 15  # of Newton's method in such a step: one that needs more is shortened
-# relative change of unknowns by Newton's method at which a step in time from the guess ends: the next one starts there,
-# and the steady state is solved to solver.newton_tolerance
+# share of a typical flow or inventory by which Newton's method may undershoot zero
+MISSED = 0.01
+# shares of u_mf over which the excess of gas bends, one after another
+ROUNDED = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003)
+# relative step from which a residual of rounding does not count as converged: see
+# `_newton`
+FAR_STEP = 1e-5
+# steps in time, none longer than one before, after which closures have no steady state
+# or none is found
+PATIENCE = 16
+# of Newton's method in such a step: one that needs more is shortened
+MAX_ITERATIONS = 15
+# relative change of unknowns by Newton's method at which a step in time from the guess
+# ends: the next one starts there, and the steady state is solved to
+# solver.newton_tolerance
 STARTING_TOLERANCE = 0.1
-RECORDED_FROM = 2  # Jacobian with the same coefficients: recording costs as much as two of them by dual numbers
-AWAY = 1e3  # times its rounding a residual may have after such a step: more follows from a singular Jacobian
-SHARPENED = 2  # Newton steps at the end: rounding in thin cells hides what is left of a smooth error
+# Jacobian with the same coefficients: recording costs as much as two of them by dual
+# numbers
+RECORDED_FROM = 2
+# times its rounding a residual may have after such a step: more follows from a singular
+# Jacobian
+AWAY = 1e3
+# Newton steps at the end: rounding in thin cells hides what is left of a smooth error
+SHARPENED = 2
 
 
 class BubblingProblem:
-    """Unknowns and equations of a plan; a `solvers.timestep.Problem` in temperatures at all nodes."""
+    """Unknowns and equations of a plan; a `solvers.timestep.Problem` in temperatures
+    at all nodes.
+    """
 
     linear = False
 
     def __init__(self, plan: BubblingPlan):
         self.plan, self.c = plan, plan.coefficients
-        self.watch: Callable[[float, str], None] = unwatched  # is called with the progress to a steady state
-        self.system = make_system(plan.mesh, plan.fields, 2 * plan.scene.solver.degree + EXTRA)
-        (self.bottom,), (self.top,) = self.system.boundary("bottom"), self.system.boundary("top")
+        # is called with the progress to a steady state
+        self.watch: Callable[[float, str], None] = unwatched
+        self.system = make_system(
+            plan.mesh, plan.fields, 2 * plan.scene.solver.degree + EXTRA
+        )
+        (self.bottom,), (self.top,) = (
+            self.system.boundary("bottom"),
+            self.system.boundary("top"),
+        )
         self.fixed = np.empty(0, dtype=np.int64)
-        self.radiant = [name for name in ("G", "G_freeboard") if name in self.system.fields]
-        self.unrecorded = ""  # why Jacobians are computed by dual numbers, where forms cannot be recorded
+        self.radiant = [
+            name for name in ("G", "G_freeboard") if name in self.system.fields
+        ]
+        # why Jacobians are computed by dual numbers, where forms cannot be recorded
+        self.unrecorded = ""
         self._record_from = RECORDED_FROM
         self._forget()
-        self.weights = np.ones(self.system.size)  # what compares steps of flows and sizes with those of temperatures
-        for name, size in (self.c.computed.sizes if self.c.computed is not None else {}).items():
+        # what compares steps of flows and sizes with those of temperatures
+        self.weights = np.ones(self.system.size)
+        for name, size in (
+            self.c.computed.sizes if self.c.computed is not None else {}
+        ).items():
             self.system.part(self.weights, name)[:] = TYPICAL / size
         self.lower = np.zeros(self.system.size)
         chemistry = self.c.computed.chemistry if self.c.computed is not None else None
         for name, size in (chemistry.sizes if chemistry is not None else {}).items():
-            self.system.part(self.lower, name)[:] = -MISSED * size  # what is exhausted may be missed by little
+            # what is exhausted may be missed by little
+            self.system.part(self.lower, name)[:] = -MISSED * size
 
     @property
     def forms(self) -> list[Any]:
         """The weak forms with their domains."""
-        ends = ((model.residual, self.system.cells), (model.bottom, self.bottom), (model.top, self.top))
+        ends = (
+            (model.residual, self.system.cells),
+            (model.bottom, self.bottom),
+            (model.top, self.top),
+        )
         return [(form, where, self.c) for form, where in ends]
 
     def with_coefficients(self, plan: BubblingPlan) -> BubblingProblem:
-        """Return this problem with the coefficients of another plan, on the same mesh."""
+        """Return this problem with the coefficients of another plan, on the same
+        mesh.
+        """
         other = copy(self)
         other.plan, other.c = plan, plan.coefficients
         other._record_from = RECORDED_FROM
@@ -77,7 +116,8 @@ class BubblingProblem:
         return other
 
     def recorded_over(self, graph: Graph) -> RecordedForms:
-        """Return the weak forms recorded in the graph of a parameter on which coefficients depend.
+        """Return the weak forms recorded in the graph of a parameter on which
+        coefficients depend.
 
         Raises
         ------
@@ -86,7 +126,9 @@ class BubblingProblem:
         """
         return RecordedForms(self.system, self.forms, graph)
 
-    def steady_of(self, recorded: RecordedForms, x: Array, jacobian: bool) -> tuple[Array, Any]:
+    def steady_of(
+        self, recorded: RecordedForms, x: Array, jacobian: bool
+    ) -> tuple[Array, Any]:
         """Assemble recorded forms as `steady` assembles those of the coefficients."""
         return self._in_temperatures(recorded.assemble(self._state(x), jacobian), x)
 
@@ -137,13 +179,16 @@ class BubblingProblem:
             self.unrecorded = str(error)
 
     def solve(self, guess: float | None = None) -> tuple[Array, list[float]]:
-        """Solve by Newton's method from a uniform temperature, that of the scene if absent.
+        """Solve by Newton's method from a uniform temperature, that of the scene if
+        absent.
 
-        Instead of G at a node the unknown is the temperature of its equilibrium, (G/(4 sigma))^(1/4): emission and
-        absorption of the species are then curved alike, and far from the solution a step leaves their difference small.
+        Instead of G at a node the unknown is the temperature of its equilibrium, (G/(4
+        sigma))^(1/4): emission and absorption of the species are then curved alike, and
+        far from the solution a step leaves their difference small.
         """
         x = self._start(self.plan.scene.initial.temperature if guess is None else guess)
-        if self.chemistry is not None:  # heat and char take hours to settle, gas a second: no guess serves both
+        # heat and char take hours to settle, gas a second: no guess serves both
+        if self.chemistry is not None:
             self._record_from = 1  # steps in time need twenty Jacobians
             try:
                 with np.errstate(all="ignore"):
@@ -159,12 +204,16 @@ class BubblingProblem:
                         watch=self.watch,
                     )
             except ConvergenceError as error:
-                raise self._explained([x if error.state is None else error.state], error.history) from error
+                raise self._explained(
+                    [x if error.state is None else error.state], error.history
+                ) from error
         return self.solve_from(x)
 
-    @np.errstate(all="ignore")  # states that no method accepts may leave the range of a property
+    # states that no method accepts may leave the range of a property
+    @np.errstate(all="ignore")
     def solve_from(self, x: Array) -> tuple[Array, list[float]]:
-        """Solve by Newton's method from known temperatures and other unknowns, or by what is slower and safer.
+        """Solve by Newton's method from known temperatures and other unknowns, or by
+        what is slower and safer.
 
         Raises
         ------
@@ -175,7 +224,9 @@ class BubblingProblem:
         history: list[float] = []
         failed: list[Array] = []
         for way in (self._newton, self._unbent, self._marched):
-            if way == self._marched and any(not temperatures(self, x) and fluidization(self, x) for x in failed):
+            if way == self._marched and any(
+                not temperatures(self, x) and fluidization(self, x) for x in failed
+            ):
                 break  # steps in time would come to rest at the same edge
             try:
                 found, steps = way(x)
@@ -187,14 +238,19 @@ class BubblingProblem:
 
     def _explained(self, failed: list[Array], history: list[float]) -> ConvergenceError:
         """Return the error of states at which no method went on."""
-        text = f"{self.plan.scene.origin.at(('bubbling_bed',))}: bubbling_bed: no steady state is found: "
+        text = (
+            f"{self.plan.scene.origin.at(('bubbling_bed',))}: bubbling_bed: no "
+            "steady state is found: "
+        )
         return ConvergenceError(text + explain(self, failed), history, failed[-1])
 
     def _unbent(self, x: Array) -> tuple[Array, list[float]]:
-        """Solve with the edge between a fluidized bed and one at rest rounded, less and less.
+        """Solve with the edge between a fluidized bed and one at rest rounded, less and
+        less.
 
-        Where the bed comes to rest at a height that is not known beforehand, bubbles and mixing end within a cell, and
-        Newton's method finds the place only from a state near by.
+        Where the bed comes to rest at a height that is not known beforehand, bubbles
+        and mixing end within a cell, and Newton's method finds the place only from a
+        state near by.
         """
         if self.c.computed is None or not self.c.computed.bubbling:
             raise ConvergenceError("coefficients have no edge to round", [], x)
@@ -211,8 +267,14 @@ class BubblingProblem:
 
     def _marched(self, x: Array) -> tuple[Array, list[float]]:
         """Solve by steps in time."""
-        bounds = {"patience": PATIENCE, "iterations": MAX_ITERATIONS} if self.c.computed is not None else {}
-        return self._newton(relax(self, x, self.plan.policy, self.lower, watch=self.watch, **bounds))
+        bounds = (
+            {"patience": PATIENCE, "iterations": MAX_ITERATIONS}
+            if self.c.computed is not None
+            else {}
+        )
+        return self._newton(
+            relax(self, x, self.plan.policy, self.lower, watch=self.watch, **bounds)
+        )
 
     def _sharpened(self, x: Array) -> Array:
         for _ in range(SHARPENED):
@@ -223,7 +285,9 @@ class BubblingProblem:
                 break  # the residual is rounding, which no factors reduce
             before = max(float(np.linalg.norm(residual)), _rounding(matrix, x))
             if not np.linalg.norm(self.steady(better, False)[0]) <= AWAY * before:
-                raise ConvergenceError("the Jacobian of what was found is all but singular", [], x)
+                raise ConvergenceError(
+                    "the Jacobian of what was found is all but singular", [], x
+                )
             x = better
         return self._state(x)
 
@@ -251,7 +315,8 @@ class BubblingProblem:
             iterations=options.newton_iterations,
             lower=self.lower,
             floor=_rounding(matrix, x),
-            # conduction over thin cells rounds one balance by more than another whole balance is worth
+            # conduction over thin cells rounds one balance by more than another whole
+            # balance is worth
             far_step=FAR_STEP if self.c.computed is not None else np.inf,
             weights=self.weights,
             what="bubbling bed",
@@ -266,16 +331,24 @@ class BubblingProblem:
         return state
 
     def steady(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
-        """Assemble the residual and its Jacobian with respect to temperatures at all nodes."""
+        """Assemble the residual and its Jacobian with respect to temperatures at all
+        nodes.
+        """
         return self._in_temperatures(self.assemble(self._state(x), jacobian), x)
 
-    def _in_temperatures(self, assembled: tuple[Array, Any], x: Array) -> tuple[Array, Any]:
-        """Return a residual with its Jacobian to fields as one to temperatures at all nodes."""
+    def _in_temperatures(
+        self, assembled: tuple[Array, Any], x: Array
+    ) -> tuple[Array, Any]:
+        """Return a residual with its Jacobian to fields as one to temperatures at
+        all nodes.
+        """
         residual, matrix = assembled
         if matrix is not None and self.radiant:
             slope = np.ones_like(x)
             for name in self.radiant:
-                self.system.part(slope, name)[:] = 16.0 * SIGMA * self.system.part(x, name) ** 3
+                self.system.part(slope, name)[:] = (
+                    16.0 * SIGMA * self.system.part(x, name) ** 3
+                )
             matrix = scaled(matrix, slope)
         return residual, matrix
 
@@ -284,14 +357,23 @@ class BubblingProblem:
         capacity = CAPACITY * self.c.section
 
         def form(unknowns: Any, tests: Any, names: tuple[str, ...], o: Any) -> Any:
-            return capacity * sum((getattr(unknowns, name) * getattr(tests, name) for name in names), start=0.0)
+            return capacity * sum(
+                (getattr(unknowns, name) * getattr(tests, name) for name in names),
+                start=0.0,
+            )
 
         parts = [(part.content, self.system.cells, None) for part in self.c.parts]
-        plate = [(form, self.bottom, ("T_distributor",))] if self.c.plate is not None else []
+        plate = (
+            [(form, self.bottom, ("T_distributor",))]
+            if self.c.plate is not None
+            else []
+        )
         return [(form, self.system.cells, tuple(self.c.streams)), *plate, *parts]
 
     def content(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
-        """Assemble a heat content of all phases, by which the bed approaches its steady state in time."""
+        """Assemble a heat content of all phases, by which the bed approaches its
+        steady state in time.
+        """
         if self._recorded_content is not None:
             return self._recorded_content.assemble(x, jacobian)
         return self.system.assemble(self._content_forms, x, jacobian)
@@ -305,11 +387,17 @@ class BubblingProblem:
         return self.system.integrate(expression, [end], state)
 
     def duties(self, state: Array) -> dict[str, float]:
-        """Return the heat that leaves the particles by mechanism [W]; positive out of the bed."""
+        """Return the heat that leaves the particles by mechanism [W]; positive out
+        of the bed.
+        """
         c, out = self.c, {}
         for name, x in c.surfaces.items():
-            out[f"{name}_convection_W"] = self.total(lambda u, o, n=name: model.convected(u, c, n, c.at(u, o)), state)
-            out[f"{name}_radiation_W"] = self.total(lambda u, o, x=x: model.radiated(u, c, x), state)
+            out[f"{name}_convection_W"] = self.total(
+                lambda u, o, n=name: model.convected(u, c, n, c.at(u, o)), state
+            )
+            out[f"{name}_radiation_W"] = self.total(
+                lambda u, o, x=x: model.radiated(u, c, x), state
+            )
         if c.plate is not None:
             out["distributor_convection_W"] = self.at(
                 lambda u, o: model.heat_to_distributor(u, c)[0], self.bottom, state
@@ -318,16 +406,22 @@ class BubblingProblem:
                 lambda u, o: model.heat_to_distributor(u, c)[1], self.bottom, state
             )
         if self.above is None:
-            out["top_radiation_W"] = self.at(lambda u, o: model.to_freeboard(u, c), self.top, state)
+            out["top_radiation_W"] = self.at(
+                lambda u, o: model.to_freeboard(u, c), self.top, state
+            )
             return out
-        out["top_radiation_W"] = self.at(lambda u, o: self.above.part.surface_radiation(u), self.top, state)
+        out["top_radiation_W"] = self.at(
+            lambda u, o: self.above.part.surface_radiation(u), self.top, state
+        )
         above: dict[str, float] = self.above.duties(self, state)
         return out | above
 
     def releases(self, state: Array) -> dict[str, float]:
         """Return the heat release of each phase [W]."""
         return {
-            name.removeprefix("T_"): self.total(lambda u, o, n=name, s=stream: model.released(u, s, n, o), state)
+            name.removeprefix("T_"): self.total(
+                lambda u, o, n=name, s=stream: model.released(u, s, n, o), state
+            )
             for name, stream in self.c.streams.items()
             if stream.release is not None
         }
@@ -336,17 +430,36 @@ class BubblingProblem:
         """Return the heat above 0 K that each stream brings and takes away [W]."""
         c, out = self.c, {}
         for name in c.gases:
-            brought = self.at(lambda u, o, n=name: c.at(u, o).flows[n] * c.at(u, o).h(n, c.inlet), self.bottom, state)
-            taken = self.at(lambda u, o, n=name: c.at(u, o).flows[n] * c.at(u, o).h(n, getattr(u, n)), self.top, state)
+            brought = self.at(
+                lambda u, o, n=name: c.at(u, o).flows[n] * c.at(u, o).h(n, c.inlet),
+                self.bottom,
+                state,
+            )
+            taken = self.at(
+                lambda u, o, n=name: (
+                    c.at(u, o).flows[n] * c.at(u, o).h(n, getattr(u, n))
+                ),
+                self.top,
+                state,
+            )
             out[name] = (brought, taken if self.above is None else 0.0)
         for name, stream in c.streams.items():
             if stream.fed is None:
                 continue
             ends = [
-                self.at(lambda u, o, n=name, s=stream: s.flow(o.x[0]) * s.enthalpy(getattr(u, n)), end, state)
+                self.at(
+                    lambda u, o, n=name, s=stream: (
+                        s.flow(o.x[0]) * s.enthalpy(getattr(u, n))
+                    ),
+                    end,
+                    state,
+                )
                 for end in (self.bottom, self.top)
             ]
-            brought = self.total(lambda u, o, s=stream: s.fed(o.x[0]) * s.enthalpy(s.feed_temperature), state)
+            brought = self.total(
+                lambda u, o, s=stream: s.fed(o.x[0]) * s.enthalpy(s.feed_temperature),
+                state,
+            )
             out[name] = (brought, ends[1] - ends[0])
         if self.chemistry is not None:
             from contbed.bubbling_bed.chemistry import results as chemistry_findings
@@ -356,5 +469,9 @@ class BubblingProblem:
 
 
 def _rounding(matrix: Any, x: Array) -> float:
-    """Return the rounding of a residual: that of each temperature times what it multiplies."""
-    return float(np.finfo(float).eps * float((abs(matrix) @ np.abs(x)).max()) * len(x) ** 0.5)
+    """Return the rounding of a residual: that of each temperature times what it
+    multiplies.
+    """
+    return float(
+        np.finfo(float).eps * float((abs(matrix) @ np.abs(x)).max()) * len(x) ** 0.5
+    )

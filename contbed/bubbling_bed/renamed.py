@@ -1,4 +1,6 @@
-"""Former names of the tables and keys of a bubbling bed, see `contbed.scene.renames`."""
+"""Former names of the tables and keys of a bubbling bed, see
+`contbed.scene.renames`.
+"""
 
 RENAMED = {
     "gas.mass_flow": "boundary.bottom.gas.mass_flow",

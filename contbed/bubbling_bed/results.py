@@ -18,20 +18,27 @@ from contbed.errors import ConvergenceError
 from contbed.fem.probe import Probe, line_along
 from contbed.result import Result
 
-UNFLUIDIZED = 2e-3  # share of u_mf: with less excess gas a place counts as not fluidized
+# share of u_mf: with less excess gas a place counts as not fluidized
+UNFLUIDIZED = 2e-3
 EVEN = 201  # heights at which the use of closures is counted
 
 
-def fill(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: Result) -> None:
+def fill(
+    plan: BubblingPlan, problem: BubblingProblem, state: Any, result: Result
+) -> None:
     """Fill in profiles, named results and the energy balance of a state."""
     scene, c, space = plan.scene, plan.coefficients, problem.space
     nodal = {name: problem.system.part(state, name) for name in c.fields}
     line = line_along(plan.mesh, scene.output.positions)
     positions, probe = line.positions, line.probe
-    result.profiles = {"z [m]": positions} | {f"{name} [K]": probe(space, nodal[name]) for name in c.streams}
+    result.profiles = {"z [m]": positions} | {
+        f"{name} [K]": probe(space, nodal[name]) for name in c.streams
+    }
     if "G" in nodal:
         result.profiles["G [W/m2]"] = probe(space, nodal["G"])
-        result.profiles["q_radiation [W/m2]"] = -c.diffusion * probe.slope(space, nodal["G"], 0)
+        result.profiles["q_radiation [W/m2]"] = -c.diffusion * probe.slope(
+            space, nodal["G"], 0
+        )
     chemistry = c.computed.chemistry if c.computed is not None else None
     if chemistry is not None:
         from contbed.bubbling_bed.chemistry import results as chemistry_results
@@ -40,28 +47,51 @@ def fill(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: Resul
         result.profiles |= chemistry_results.profiles(chemistry, along)
     if c.computed is not None:
         values: dict[str, Any] = {name: probe(space, nodal[name]) for name in c.fields}
-        values |= {name: float(problem.system.part(state, name)[0]) for name in c.scalars}
+        values |= {
+            name: float(problem.system.part(state, name)[0]) for name in c.scalars
+        }
         even = np.linspace(0.0, scene.bubbling_bed.height, EVEN)
         evenly = Probe(plan.mesh, even[None, :])
         at: dict[str, Any] = {
-            name: evenly(space, nodal[name]) if name in nodal else value for name, value in values.items()
+            name: evenly(space, nodal[name]) if name in nodal else value
+            for name, value in values.items()
         }
         used = c.computed.recorded(at, even)[1]
         _computed(plan, values, positions, used, result)
     above = problem.above.part.fields if problem.above is not None else ()
-    result.nodal |= {name: (space, values) for name, values in nodal.items() if name not in above}
+    result.nodal |= {
+        name: (space, values) for name, values in nodal.items() if name not in above
+    }
 
     height = scene.bubbling_bed.height
-    middle, top = Probe(plan.mesh, np.array([[0.5 * height]])), Probe(plan.mesh, np.array([[height]]))
+    middle, top = (
+        Probe(plan.mesh, np.array([[0.5 * height]])),
+        Probe(plan.mesh, np.array([[height]])),
+    )
     if c.plate is not None:
-        result.qoi["T_distributor_K"] = float(problem.system.part(state, "T_distributor")[0])
-    result.qoi |= {f"T_{name}_mid_K": float(middle(space, nodal[f"T_{name}"])[0]) for name in c.species}
-    result.qoi |= {f"{name}_top_K": float(top(space, nodal[name])[0]) for name in c.gases}
+        result.qoi["T_distributor_K"] = float(
+            problem.system.part(state, "T_distributor")[0]
+        )
+    result.qoi |= {
+        f"T_{name}_mid_K": float(middle(space, nodal[f"T_{name}"])[0])
+        for name in c.species
+    }
+    result.qoi |= {
+        f"{name}_top_K": float(top(space, nodal[name])[0]) for name in c.gases
+    }
     for name, item in scene.bubbling_bed.surfaces.items():
         if item.steam is not None:
-            _water(problem, name, state, result, {key: probe(space, nodal[f"{key}_{name}"]) for key in ("h", "T")})
+            _water(
+                problem,
+                name,
+                state,
+                result,
+                {key: probe(space, nodal[f"{key}_{name}"]) for key in ("h", "T")},
+            )
     duties, releases = problem.duties(state), problem.releases(state)
-    result.qoi |= duties | {f"release_{name}_W": value for name, value in releases.items()}
+    result.qoi |= duties | {
+        f"release_{name}_W": value for name, value in releases.items()
+    }
     result.balances["energy"] = _balance(problem, state, duties, releases)
     if chemistry is not None:
         chemistry_results.fill(problem, chemistry, state, result)
@@ -70,11 +100,25 @@ def fill(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: Resul
         result.closures.append(use.to_dict())
 
 
-FREEBOARD = {"T_freeboard": "K", "T_up": "K", "T_down": "K", "flow_up": "kg/m2/s", "G_freeboard": "W/m2"}
+FREEBOARD = {
+    "T_freeboard": "K",
+    "T_up": "K",
+    "T_down": "K",
+    "flow_up": "kg/m2/s",
+    "G_freeboard": "W/m2",
+}
 
 
-def _water(problem: BubblingProblem, name: str, state: Any, result: Result, values: dict[str, Any]) -> None:
-    """Fill in the results of water inside a surface: profiles, outlet, and its own balance."""
+def _water(
+    problem: BubblingProblem,
+    name: str,
+    state: Any,
+    result: Result,
+    values: dict[str, Any],
+) -> None:
+    """Fill in the results of water inside a surface: profiles, outlet, and its own
+    balance.
+    """
     from contbed.materials.steam import steam
 
     table = problem.plan.scene.bubbling_bed.surfaces[name].steam
@@ -92,7 +136,9 @@ def _water(problem: BubblingProblem, name: str, state: Any, result: Result, valu
     end = problem.top if table.direction == "up" else problem.bottom
     h_out = problem.at(lambda u, o: getattr(u, f"h_{name}"), end, state)
     gained = sum(
-        value for key, value in problem.duties(state).items() if key in (f"{name}_convection_W", f"{name}_radiation_W")
+        value
+        for key, value in problem.duties(state).items()
+        if key in (f"{name}_convection_W", f"{name}_radiation_W")
     )
     flow = 1e3 * table.mass_flow
     result.qoi |= {
@@ -103,8 +149,12 @@ def _water(problem: BubblingProblem, name: str, state: Any, result: Result, valu
     if (quality := water.quality(h_out)) is not None:
         result.qoi[f"{name}_water_out_quality"] = quality
     if not water.h_range[0] <= h_out <= water.h_range[1]:
-        result.warnings.append(f"{name}: water leaves at {h_out:g} kJ/kg, outside of its table")
-    result.balances[f"water in {name}"] = Balance(flow * h_in, flow * h_out, "W", gained).as_dict()
+        result.warnings.append(
+            f"{name}: water leaves at {h_out:g} kJ/kg, outside of its table"
+        )
+    result.balances[f"water in {name}"] = Balance(
+        flow * h_in, flow * h_out, "W", gained
+    ).as_dict()
 
 
 HYDRODYNAMICS = {
@@ -118,17 +168,22 @@ HYDRODYNAMICS = {
 }
 
 
-def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, used: list[Any], result: Result) -> None:
+def _computed(
+    plan: BubblingPlan, values: dict[str, Any], z: Any, used: list[Any], result: Result
+) -> None:
     """Fill in the values of closures over the height.
 
-    Warn where they, as used at equally spaced heights, or the properties of the gas leave their range.
+    Warn where they, as used at equally spaced heights, or the properties of the gas
+    leave their range.
     """
     computed = plan.coefficients.computed
     local, _ = computed.recorded(values, z)
     found = local.state | {"flow_bubble": values.get("flow_bubble")}
     for name, unit in HYDRODYNAMICS.items():
         if found.get(name) is not None:
-            result.profiles[f"{name} [{unit}]"] = np.broadcast_to(found[name], z.shape).copy()
+            result.profiles[f"{name} [{unit}]"] = np.broadcast_to(
+                found[name], z.shape
+            ).copy()
     if computed.above is not None:
         used += _freeboard(computed.above, values, local, z, result)
     result.closures += used
@@ -139,31 +194,40 @@ def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, used: list[Any
                 f"{100 * use['share_outside']:.3g} % of the height"
             )
     for name, value in local.contact.items():
-        result.qoi[f"{name}_coefficient_W_m2K"] = float(trapezoid(np.broadcast_to(value, z.shape), z) / np.ptp(z))
+        result.qoi[f"{name}_coefficient_W_m2K"] = float(
+            trapezoid(np.broadcast_to(value, z.shape), z) / np.ptp(z)
+        )
     if computed.bubbling:
         emulsion = 1.0 - np.broadcast_to(local.delta, z.shape)
         result.qoi["height_at_minimum_fluidization_m"] = float(trapezoid(emulsion, z))
-        text = flows_down(plan.scene, np.broadcast_to(local.state["u_emulsion_closure"], z.shape), z)
+        text = flows_down(
+            plan.scene, np.broadcast_to(local.state["u_emulsion_closure"], z.shape), z
+        )
         if text is not None:
             raise ConvergenceError(text, result.history)
     bare = found["u"] - found["u_mf"] <= UNFLUIDIZED * found["u_mf"]
     if computed.bubbling and np.any(bare):
         low, high = z[np.broadcast_to(bare, z.shape)][[0, -1]]
         result.warnings.append(
-            f"{100 * float(np.mean(bare)):.3g} % of the height is not fluidized, between {low:.3g} and {high:.3g} m: "
-            "all gas flows through the emulsion there, and u is that of u_mf; more gas.mass_flow or hotter gas "
+            f"{100 * float(np.mean(bare)):.3g} % of the height is not fluidized, "
+            f"between {low:.3g} and {high:.3g} m: "
+            "all gas flows through the emulsion there, and u is that of u_mf; more "
+            "gas.mass_flow or hotter gas "
             "fluidizes it"
         )
     for gas in {phase for phase in ("T_emulsion", "T_bubble") if phase in values}:
         if (share := computed.gas.share_outside(values[gas])) > 0:
             low, high = computed.gas.T_range
             result.warnings.append(
-                f"{gas}: {100 * share:.3g} % of the height is outside of the properties of the gas, "
+                f"{gas}: {100 * share:.3g} % of the height is outside of the "
+                "properties of the gas, "
                 f"{low:g} to {high:g} K"
             )
 
 
-def _freeboard(above: Any, values: dict[str, Any], local: Any, z: Any, result: Result) -> list[Any]:
+def _freeboard(
+    above: Any, values: dict[str, Any], local: Any, z: Any, result: Result
+) -> list[Any]:
     """Fill in profiles above the bed; return how the freeboard used its closures.
 
     The freeboard is upside down on the mesh of the bed.
@@ -174,23 +238,34 @@ def _freeboard(above: Any, values: dict[str, Any], local: Any, z: Any, result: R
     ejected = float(np.broadcast_to(above.ejected(local), z.shape)[-1])
     used: list[Any] = computed.ranges
     computed.ranges = None
-    result.qoi |= {"ejected_kg_m2s": ejected, "carryover_kg_s": part.section * values["carryover"]}
+    result.qoi |= {
+        "ejected_kg_m2s": ejected,
+        "carryover_kg_s": part.section * values["carryover"],
+    }
     feeds = [item.inert_feed for item in computed.scene.present.values()]
     fed = sum(feed.mass_flow or 0.0 for feed in feeds if feed is not None)
     sized = any(item.sizes is not None for item in computed.scene.present.values())
-    if not sized and computed.chemistry is None and part.section * values["carryover"] > fed:
+    if (
+        not sized
+        and computed.chemistry is None
+        and part.section * values["carryover"] > fed
+    ):
         result.warnings.append(
-            f"gas carries away {part.section * values['carryover']:.3g} kg/s of particles, "
+            f"gas carries away {part.section * values['carryover']:.3g} kg/s of "
+            "particles, "
             f"{fed:.3g} kg/s are fed: give solids.NAME.sizes"
         )
     if values["carryover"] > ejected:
         result.warnings.append(
-            "gas carries away more particles than bubbles throw up: bubbling_bed.freeboard.elutriation"
+            "gas carries away more particles than bubbles throw up: "
+            "bubbling_bed.freeboard.elutriation"
         )
     above_bed = part.bed + (part.bed - z[::-1]) * part.stretch
     nothing = np.full(len(z) - 1, np.nan)
     for header, column in result.profiles.items():
-        result.profiles[header] = np.append(column, above_bed[1:] if header == "z [m]" else nothing)
+        result.profiles[header] = np.append(
+            column, above_bed[1:] if header == "z [m]" else nothing
+        )
     for name, unit in FREEBOARD.items():
         if name in values:
             rising = values[name][::-1]
@@ -199,13 +274,23 @@ def _freeboard(above: Any, values: dict[str, Any], local: Any, z: Any, result: R
 
 
 def _balance(
-    problem: BubblingProblem, state: Any, duties: dict[str, float], releases: dict[str, float]
+    problem: BubblingProblem,
+    state: Any,
+    duties: dict[str, float],
+    releases: dict[str, float],
 ) -> dict[str, Any]:
-    """Return the energy balance [W]: heat above 0 K of streams, heat to surfaces and freeboard, and release of phases.
+    """Return the energy balance [W]: heat above 0 K of streams, heat to surfaces and
+    freeboard, and release of phases.
 
     The gas carries away the heat that the distributor takes.
     """
-    parts = [value for brought, taken in problem.carried(state).values() for value in (brought, -taken)]
-    inside = ("distributor",) if problem.above is None else ("distributor", "top_radiation")
+    parts = [
+        value
+        for brought, taken in problem.carried(state).values()
+        for value in (brought, -taken)
+    ]
+    inside = (
+        ("distributor",) if problem.above is None else ("distributor", "top_radiation")
+    )
     parts += [-value for name, value in duties.items() if not name.startswith(inside)]
     return Balance.of_fluxes(parts, "W", sum(releases.values())).as_dict()

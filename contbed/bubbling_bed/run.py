@@ -1,4 +1,6 @@
-"""Run of a bubbling bed: steady state, height and sizes that settle with it, branches, other steady states."""
+"""Run of a bubbling bed: steady state, height and sizes that settle with it,
+branches, other steady states.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ from contbed.errors import ConvergenceError
 from contbed.result import Result, timed
 from contbed.solvers.branch import Branch
 
-COLD, HOT = 400.0, 2000.0  # temperatures from which other steady states are looked for [K]
+# temperatures from which other steady states are looked for [K]
+COLD, HOT = 400.0, 2000.0
 APART = 1.0  # difference of temperatures of two steady states [K]
 
 
@@ -32,8 +35,12 @@ class Solved:
 
 
 @timed("heat")
-def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
-    """Solve and fill the result; a steady run cannot resume, so `folder` and `start` are ignored."""
+def run(
+    plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any
+) -> None:
+    """Solve and fill the result; a steady run cannot resume, so `folder` and `start`
+    are ignored.
+    """
     from contbed.output.progress import Progress
 
     with Progress(100.0, "% of the way", quiet) as progress:
@@ -53,7 +60,8 @@ def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None
             plan = result.plan = problem.plan
     if problem.unrecorded:
         result.warnings.append(
-            "Jacobians are computed by dual numbers, some five times slower than recorded forms: " + problem.unrecorded
+            "Jacobians are computed by dual numbers, some five times slower than "
+            "recorded forms: " + problem.unrecorded
         )
     fill(plan, problem, state, result)
     result.solved = Solved(problem, state)
@@ -76,16 +84,25 @@ def _steady_states(problem: BubblingProblem, state: Any, result: Result) -> int:
         try:
             other, _ = problem.solve(guess)
         except ConvergenceError:
-            result.warnings.append(f"no steady state was found from a uniform {guess:g} K")
+            result.warnings.append(
+                f"no steady state was found from a uniform {guess:g} K"
+            )
             continue
         if all(_distance(problem, other, known) > APART for known in found):
             here, there = (
-                np.mean([problem.system.part(each, f"T_{name}") for name in problem.c.species])
+                np.mean(
+                    [
+                        problem.system.part(each, f"T_{name}")
+                        for name in problem.c.species
+                    ]
+                )
                 for each in (state, other)
             )
             result.warnings.append(
-                f"this is the {'ignited' if here > there else 'extinguished'} one of several steady states: its "
-                f"particles are at {here:.6g} K on average, those of another at {there:.6g} K; initial.temperature = "
+                f"this is the {'ignited' if here > there else 'extinguished'} one of "
+                "several steady states: its "
+                f"particles are at {here:.6g} K on average, those of another at "
+                f"{there:.6g} K; initial.temperature = "
                 f"{guess:g} leads there"
             )
             found.append(other)
@@ -95,4 +112,7 @@ def _steady_states(problem: BubblingProblem, state: Any, result: Result) -> int:
 def _distance(problem: BubblingProblem, a: Any, b: Any) -> float:
     """Return the largest difference of a temperature [K]."""
     names = problem.c.streams
-    return max(float(np.abs(problem.system.part(a, name) - problem.system.part(b, name)).max()) for name in names)
+    return max(
+        float(np.abs(problem.system.part(a, name) - problem.system.part(b, name)).max())
+        for name in names
+    )

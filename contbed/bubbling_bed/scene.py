@@ -60,9 +60,15 @@ NamedClosure = Annotated[NamedOrFile, Discriminator(form)]
 class EnteringGas(Table):
     """What enters below the distributor, all at one temperature."""
 
-    capacity_flow: CapacityFlow | None = Field(None, description="of the emulsion's gas; coefficients are numbers")
-    mass_flow: MassFlow | None = Field(None, description="of all gas, with [gas]; coefficients may be closures")
-    velocity: Speed | None = Field(None, description="superficial, in place of mass_flow")
+    capacity_flow: CapacityFlow | None = Field(
+        None, description="of the emulsion's gas; coefficients are numbers"
+    )
+    mass_flow: MassFlow | None = Field(
+        None, description="of all gas, with [gas]; coefficients may be closures"
+    )
+    velocity: Speed | None = Field(
+        None, description="superficial, in place of mass_flow"
+    )
     temperature: Temperature = Field(description="of the gas that enters")
 
     @model_validator(mode="after")
@@ -91,21 +97,26 @@ class Boundary(Table):
 class Closures(Table):
     """Closures by name, which other models have under the same keys."""
 
-    minimum_fluidization: SpeedOrClosure = Field("minimum_fluidization_grace", description="superficial velocity")
+    minimum_fluidization: SpeedOrClosure = Field(
+        "minimum_fluidization_grace", description="superficial velocity"
+    )
     expansion: NamedClosure | None = Field(
         None,
         description="height over settled_height; absent: by the volume of the bubbles",
     )
     nusselt: NamedClosure | None = Field(
         None,
-        description="particles to the gas of the emulsion, of all solid phases that give none",
+        description="particles to the gas of the emulsion, of all solid phases that "
+        "give none",
     )
 
 
 class Initial(Table):
     """Where Newton's method starts."""
 
-    temperature: Annotated[Temperature, Field(ge=200)] = Field(1100.0, description="of everything")
+    temperature: Annotated[Temperature, Field(ge=200)] = Field(
+        1100.0, description="of everything"
+    )
 
 
 class Radiation(Table):
@@ -118,9 +129,12 @@ class Radiation(Table):
     )
     correction: Literal["close_packed", "independent"] | None = Field(
         None,
-        description="extinction over the voidage, the default, or the limit of points far apart; pairwise, paper: that",
+        description="extinction over the voidage, the default, or the limit of points "
+        "far apart; pairwise, paper: that",
     )
-    anisotropy: Annotated[Number, Field(ge=-1, le=1)] = Field(0.0, description="mean cosine of scattering")
+    anisotropy: Annotated[Number, Field(ge=-1, le=1)] = Field(
+        0.0, description="mean cosine of scattering"
+    )
 
 
 class Continuation(Table):
@@ -134,9 +148,13 @@ class Continuation(Table):
         '"boundary.bottom.gas.temperature" or "bubbling_bed.walls.coefficient"'
     )
     to: Number = Field(description="in SI")
-    back_to: Number | None = Field(None, description="end of the other side; absent: the value in this scene")
+    back_to: Number | None = Field(
+        None, description="end of the other side; absent: the value in this scene"
+    )
     points: Annotated[Whole, Field(ge=3, le=10_000)] = Field(200, description="at most")
-    first_fold: Switch = Field(False, description="end at the first fold, where only its distance is wanted")
+    first_fold: Switch = Field(
+        False, description="end at the first fold, where only its distance is wanted"
+    )
 
 
 def _along_the_height(cells: Any) -> Any:
@@ -150,7 +168,9 @@ class Mesh(Table):
     cells: Annotated[Cells | None, BeforeValidator(_along_the_height)] = Field(
         None, description="of a list the last; absent: by solver.tolerance"
     )
-    refine: Whole = Field(0, ge=0, le=12, description="uniform refinements after construction")
+    refine: Whole = Field(
+        0, ge=0, le=12, description="uniform refinements after construction"
+    )
 
 
 class Solver(Table):
@@ -163,12 +183,19 @@ class Solver(Table):
     )
     newton_tolerance: Fraction = Field(
         1e-10,
-        description="residual norm, relative to the scale of the equations, at which Newton's method has converged",
+        description="residual norm, relative to the scale of the equations, at which "
+        "Newton's method has converged",
     )
-    newton_iterations: Whole = Field(60, ge=1, le=1000, description="most iterations of Newton's method")
-    balance_tolerance: Positive = Field(1e-10, description="largest relative residual of a balance that a run accepts")
+    newton_iterations: Whole = Field(
+        60, ge=1, le=1000, description="most iterations of Newton's method"
+    )
+    balance_tolerance: Positive = Field(
+        1e-10, description="largest relative residual of a balance that a run accepts"
+    )
     strict: Switch = Field(False, description="a closure out of its range is an error")
-    memory_GB: Positive | None = Field(None, description="refuse a factorisation predicted above this")
+    memory_GB: Positive | None = Field(
+        None, description="refuse a factorisation predicted above this"
+    )
 
 
 class BubblingScene(SceneBase):
@@ -179,7 +206,9 @@ class BubblingScene(SceneBase):
     renamed: ClassVar[Mapping[str, str]] = RENAMED
 
     bubbling_bed: BubblingBed
-    gas: GasOfComposition | None = Field(None, description="absent: coefficients are numbers")
+    gas: GasOfComposition | None = Field(
+        None, description="absent: coefficients are numbers"
+    )
     boundary: Boundary
     solids: dict[str, Solid] = Field(description="solid phases by name")
     reactions: Reactions | None = Field(None, description="absent: an inert gas")
@@ -221,7 +250,9 @@ class BubblingScene(SceneBase):
     @property
     def present(self) -> dict[str, Solid]:
         """The solid phases with a volume share above zero."""
-        return {name: item for name, item in self.solids.items() if item.volume_share > 0}
+        return {
+            name: item for name, item in self.solids.items() if item.volume_share > 0
+        }
 
     @property
     def fuel(self) -> str | None:
@@ -231,4 +262,6 @@ class BubblingScene(SceneBase):
     @property
     def limestone(self) -> str | None:
         """Name of the solid phase that is the limestone; None without one."""
-        return next((name for name, item in self.solids.items() if item.limestone), None)
+        return next(
+            (name for name, item in self.solids.items() if item.limestone), None
+        )

@@ -1,4 +1,5 @@
-"""Sizes of the particles of a bed by feed, drain and carry-over, and height of the bed, which follow from its state.
+"""Sizes of the particles of a bed by feed, drain and carry-over, and height of the bed,
+which follow from its state.
 
     F x_f,i = F_d x_i + A w K_i x_i,   sum_i x_i = 1          mass of size i of one solid phase
     int (1 - delta) dz = H_mf,  or  H = H_mf R                height by its bubbles, or by a closure's mean ratio R
@@ -7,9 +8,9 @@ F, F_d   feed and drain [kg/s]            x_f,i, x_i   share of size i in the fe
 A        section [m2]                     w            share of the phase in the mass of the bed
 K_i      elutriation rate constant at the end of the freeboard [kg/m2/s]
 
-The drain keeps the inventory, whose share `volume_share` the scene gives; particles neither shrink nor
-break. Both follow from the state and change its coefficients: bed and settling are solved in turn on one stretched
-mesh until neither changes.
+The drain keeps the inventory, whose share `volume_share` the scene gives; particles
+neither shrink nor break. Both follow from the state and change its coefficients: bed
+and settling are solved in turn on one stretched mesh until neither changes.
 """
 
 from __future__ import annotations
@@ -32,12 +33,19 @@ ROUNDS = 60
 
 def unsettled(scene: Any) -> bool:
     """Return whether sizes or the height of the bed follow from its state."""
-    sized = any(item.sizes is not None and item.sizes.bed is None for item in scene.present.values())
+    sized = any(
+        item.sizes is not None and item.sizes.bed is None
+        for item in scene.present.values()
+    )
     return sized or scene.bubbling_bed.settled_height is not None
 
 
-def settle(problem: BubblingProblem, state: Any, result: Result) -> tuple[BubblingProblem, Any]:
-    """Solve for sizes, height and state in turn until none changes; return the problem and its state."""
+def settle(
+    problem: BubblingProblem, state: Any, result: Result
+) -> tuple[BubblingProblem, Any]:
+    """Solve for sizes, height and state in turn until none changes; return the
+    problem and its state.
+    """
     for _ in range(ROUNDS):
         scene, change = settled(problem, state, result)
         watch, problem = problem.watch, stretched(problem.plan, scene)
@@ -46,21 +54,33 @@ def settle(problem: BubblingProblem, state: Any, result: Result) -> tuple[Bubbli
         result.history += history[1:]
         if change < CHANGE:
             return problem, state
-    raise ConvergenceError(f"sizes and height of the bed still change by {change:.2g}", result.history, state)
+    raise ConvergenceError(
+        f"sizes and height of the bed still change by {change:.2g}",
+        result.history,
+        state,
+    )
 
 
-def stretched(plan: BubblingPlan, scene: Any, typical: dict[str, Any] | None = None) -> BubblingProblem:
-    """Return the problem of a scene on the mesh of a plan, stretched to its height; `typical` as in `coefficients`."""
+def stretched(
+    plan: BubblingPlan, scene: Any, typical: dict[str, Any] | None = None
+) -> BubblingProblem:
+    """Return the problem of a scene on the mesh of a plan, stretched to its height;
+    `typical` as in `coefficients`.
+    """
     ratio = scene.bubbling_bed.height / plan.scene.bubbling_bed.height
     mesh = plan.mesh
     if ratio != 1.0:
         mesh = line(ratio * np.sort(mesh.skfem.p[0]))
     c, albedo = coefficients(scene, typical)
-    return BubblingProblem(replace(plan, scene=scene, coefficients=c, mesh=mesh, albedo=albedo))
+    return BubblingProblem(
+        replace(plan, scene=scene, coefficients=c, mesh=mesh, albedo=albedo)
+    )
 
 
 def settled(problem: BubblingProblem, state: Any, result: Result) -> tuple[Any, float]:
-    """Return the scene with sizes and height by a state, and the largest relative change."""
+    """Return the scene with sizes and height by a state, and the largest relative
+    change.
+    """
     scene: Any = problem.plan.scene
     changes, solids = [0.0], dict(scene.solids)
     for name, item in scene.present.items():
@@ -92,8 +112,13 @@ def sizes_in_bed(problem: BubblingProblem, state: Any, name: str) -> tuple[Any, 
     item: Any = problem.plan.scene.solids[name]
     above = problem.above
     # the first node is the end of the freeboard
-    end = {key: problem.system.part(state, key)[:1] for key in ("T_freeboard", *problem.c.scalars)}
-    rates = np.array([float(np.squeeze(rate)) for rate in above.rates(SimpleNamespace(**end), name)])
+    end = {
+        key: problem.system.part(state, key)[:1]
+        for key in ("T_freeboard", *problem.c.scalars)
+    }
+    rates = np.array(
+        [float(np.squeeze(rate)) for rate in above.rates(SimpleNamespace(**end), name)]
+    )
     carried = above.computed.section * above.shares[name] * rates
     feed, given = item.feed.mass_flow, np.array(item.sizes.feed)
 
@@ -103,12 +128,17 @@ def sizes_in_bed(problem: BubblingProblem, state: Any, name: str) -> tuple[Any, 
     least = 1e-12 * feed
     if excess(least) < 0:
         raise ConvergenceError(
-            f"solids {name}: gas carries away {feed:.3g} kg/s and more at the given inventory; feed more or coarser "
+            f"solids {name}: gas carries away {feed:.3g} kg/s and more at the given "
+            "inventory; feed more or coarser "
             "particles",
             [],
             state,
         )
-    drain = feed if excess(feed) >= 0 else brentq(excess, least, feed, xtol=1e-15 * feed, rtol=1e-14)
+    drain = (
+        feed
+        if excess(feed) >= 0
+        else brentq(excess, least, feed, xtol=1e-15 * feed, rtol=1e-14)
+    )
     return feed * given / (drain + carried), float(drain)
 
 
@@ -117,7 +147,9 @@ def height_of(problem: BubblingProblem, state: Any) -> float:
     bed: Any = problem.plan.scene.bubbling_bed
     c = problem.c
     if problem.plan.scene.closures.expansion is not None:
-        ratio = problem.total(lambda u, o: c.computed.expansion(u, o), state) / bed.height
+        ratio = (
+            problem.total(lambda u, o: c.computed.expansion(u, o), state) / bed.height
+        )
         return float(bed.settled_height * ratio)
     filled = problem.total(lambda u, o: 1.0 - c.at(u, o).delta, state)
     return float(bed.height * bed.settled_height / filled)

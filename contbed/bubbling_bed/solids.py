@@ -40,14 +40,21 @@ Nusselt = Annotated[NamedOrFile, Discriminator(form)]
 class Feed(Table):
     """Particles that enter around a height, Gaussian, and leave the bed at one end."""
 
-    capacity_flow: CapacityFlow | None = Field(None, description="with boundary.bottom.gas.capacity_flow")
+    capacity_flow: CapacityFlow | None = Field(
+        None, description="with boundary.bottom.gas.capacity_flow"
+    )
     mass_flow: MassFlow | None = Field(
         None,
-        description="with boundary.bottom.gas.mass_flow; of fuel and limestone as received",
+        description="with boundary.bottom.gas.mass_flow; of fuel and limestone as "
+        "received",
     )
     temperature: Temperature = Field(description="of the particles that enter")
-    height: Annotated[Position, Field(ge=0)] = Field(description="above the distributor, around which they enter")
-    width: Length = Field(description="standard deviation; what it puts beyond the ends enters inside")
+    height: Annotated[Position, Field(ge=0)] = Field(
+        description="above the distributor, around which they enter"
+    )
+    width: Length = Field(
+        description="standard deviation; what it puts beyond the ends enters inside"
+    )
     drain: Literal["top", "bottom"] = Field(
         "top",
         description="end where particles leave that are neither fuel nor limestone",
@@ -60,8 +67,12 @@ class Sizes(Table):
     The first need [bubbling_bed.freeboard] with a height.
     """
 
-    diameters: Annotated[tuple[Length, ...], Field(min_length=2)] = Field(description="of the sizes")
-    feed: tuple[NonNegative, ...] | None = Field(None, description="mass fractions, which sum to one")
+    diameters: Annotated[tuple[Length, ...], Field(min_length=2)] = Field(
+        description="of the sizes"
+    )
+    feed: tuple[NonNegative, ...] | None = Field(
+        None, description="mass fractions, which sum to one"
+    )
     bed: tuple[NonNegative, ...] | None = Field(None, description="instead of `feed`")
 
     @model_validator(mode="after")
@@ -71,7 +82,10 @@ class Sizes(Table):
             raise ValueError("give one of feed, bed")
         for shares in given:
             if len(shares) != len(self.diameters) or abs(sum(shares) - 1.0) > 1e-6:
-                raise ValueError(f"{len(self.diameters)} mass fractions that sum to 1; found {sum(shares):.8g}")
+                raise ValueError(
+                    f"{len(self.diameters)} mass fractions that sum to 1; found "
+                    f"{sum(shares):.8g}"
+                )
         return self
 
 
@@ -96,18 +110,27 @@ class Fuel(Table):
     ultimate: Ultimate
     heating_value: HeatingValue | None = Field(
         None,
-        description="higher, of the dry fuel; absent: by Channiwala and Parikh from the analysis",
+        description="higher, of the dry fuel; absent: by Channiwala and Parikh from "
+        "the analysis",
     )
     char_density: Density = Field(800.0, description="of unburnt char")
-    char_diameter: Length | None = Field(None, description="of unburnt char; absent: that of the solid phase")
-    char_model: Literal["shrinking", "density"] = Field("shrinking", description="what burning does to a particle")
-    sherwood: Annotated[Number, Field(gt=0)] = Field(1.5, description="of char in the emulsion")
+    char_diameter: Length | None = Field(
+        None, description="of unburnt char; absent: that of the solid phase"
+    )
+    char_model: Literal["shrinking", "density"] = Field(
+        "shrinking", description="what burning does to a particle"
+    )
+    sherwood: Annotated[Number, Field(gt=0)] = Field(
+        1.5, description="of char in the emulsion"
+    )
 
 
 class Limestone(Table):
     """Limestone, fed by solids.NAME.feed."""
 
-    purity: Annotated[Number, Field(gt=0, le=1)] = Field(1.0, description="mass fraction of CaCO3; the rest is inert")
+    purity: Annotated[Number, Field(gt=0, le=1)] = Field(
+        1.0, description="mass fraction of CaCO3; the rest is inert"
+    )
 
 
 class Solid(SolidPhase):
@@ -116,22 +139,36 @@ class Solid(SolidPhase):
     volume_share: Annotated[Number, Field(ge=0, le=1)] = Field(
         1.0, description="of the volume of all particles; 0: this phase is left out"
     )
-    diameter: Length = Field(description="Sauter mean, of spheres of the particles' volumes; or sizes")
+    diameter: Length = Field(
+        description="Sauter mean, of spheres of the particles' volumes; or sizes"
+    )
     sizes: Sizes | None = None
-    sphericity: Annotated[Number, Field(gt=0, le=1)] = Field(1.0, description="surface of such spheres over the true")
-    density: Density | None = Field(None, description="needed with boundary.bottom.gas.mass_flow")
-    heat_capacity: HeatCapacityOfSolid | None = Field(None, description="needed with boundary.bottom.gas.mass_flow")
+    sphericity: Annotated[Number, Field(gt=0, le=1)] = Field(
+        1.0, description="surface of such spheres over the true"
+    )
+    density: Density | None = Field(
+        None, description="needed with boundary.bottom.gas.mass_flow"
+    )
+    heat_capacity: HeatCapacityOfSolid | None = Field(
+        None, description="needed with boundary.bottom.gas.mass_flow"
+    )
     conductivity: Conductivity = Field(1.0, description="of the material")
     emissivity: Emissivity | None = Field(None, description="needed with [radiation]")
-    nusselt: Nusselt | None = Field(None, description="of a particle in the gas of the emulsion; or gas_coefficient")
-    gas_coefficient: GasCoefficient | None = Field(None, description="particle to the gas of the emulsion; or nusselt")
+    nusselt: Nusselt | None = Field(
+        None, description="of a particle in the gas of the emulsion; or gas_coefficient"
+    )
+    gas_coefficient: GasCoefficient | None = Field(
+        None, description="particle to the gas of the emulsion; or nusselt"
+    )
     mixing_conductivity: ConductivityOrClosure = Field(
-        description="of axial mixing, on the whole section, or a closure of the dispersion of the particles",
+        description="of axial mixing, on the whole section, or a closure of the "
+        "dispersion of the particles",
         json_schema_extra=takes("solids_mixing"),
     )
     exchange: dict[str, ExchangeOrClosure] = Field(
         default_factory=dict,
-        description="with other solid phases by name, per emulsion volume; each pair once",
+        description="with other solid phases by name, per emulsion volume; each pair "
+        "once",
         json_schema_extra=takes("solid_exchange"),
     )
     feed: Feed | None = None

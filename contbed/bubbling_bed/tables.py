@@ -1,4 +1,6 @@
-"""Tables [bubbling_bed] and [bubbling_bed.NAME] of a scene, in SI: what only a bubbling bed has."""
+"""Tables [bubbling_bed] and [bubbling_bed.NAME] of a scene, in SI: what only a
+bubbling bed has.
+"""
 
 from __future__ import annotations
 
@@ -44,13 +46,25 @@ BubbleFraction = Annotated[
     Annotated[Number, Field(ge=0, lt=1), Tag("number")] | NamedOrFile,
     Discriminator(form),
 ]
-ExchangeOrClosure = Annotated[Annotated[Exchange, Tag("number")] | NamedOrFile, Discriminator(form)]
-RateOrClosure = Annotated[Annotated[Frequency, Tag("number")] | NamedOrFile, Discriminator(form)]
+ExchangeOrClosure = Annotated[
+    Annotated[Exchange, Tag("number")] | NamedOrFile, Discriminator(form)
+]
+RateOrClosure = Annotated[
+    Annotated[Frequency, Tag("number")] | NamedOrFile, Discriminator(form)
+]
 EjectionOrClosure = Annotated[MassFluxOfSolids | NamedOrFile, Discriminator(form)]
-RateOfDecayOrClosure = Annotated[Annotated[Extinction, Tag("number")] | NamedOrFile, Discriminator(form)]
-SpeedOrClosure = Annotated[Annotated[Speed, Tag("number")] | NamedOrFile, Discriminator(form)]
-LengthOrClosure = Annotated[Annotated[Length, Tag("number")] | NamedOrFile, Discriminator(form)]
-GasCoefficientOrClosure = Annotated[Annotated[GasCoefficient, Tag("number")] | NamedOrFile, Discriminator(form)]
+RateOfDecayOrClosure = Annotated[
+    Annotated[Extinction, Tag("number")] | NamedOrFile, Discriminator(form)
+]
+SpeedOrClosure = Annotated[
+    Annotated[Speed, Tag("number")] | NamedOrFile, Discriminator(form)
+]
+LengthOrClosure = Annotated[
+    Annotated[Length, Tag("number")] | NamedOrFile, Discriminator(form)
+]
+GasCoefficientOrClosure = Annotated[
+    Annotated[GasCoefficient, Tag("number")] | NamedOrFile, Discriminator(form)
+]
 
 
 class Release(Table):
@@ -60,9 +74,15 @@ class Release(Table):
     """
 
     rate: HeatSource = Field(description="negative where heat is consumed")
-    length: Length | None = Field(None, description="decay along the height; absent: uniform")
-    activation: Annotated[Kelvin, Field(ge=0)] | None = Field(None, description="E/R; absent: none")
-    reference: Temperature | None = Field(None, description="temperature at which the rate holds")
+    length: Length | None = Field(
+        None, description="decay along the height; absent: uniform"
+    )
+    activation: Annotated[Kelvin, Field(ge=0)] | None = Field(
+        None, description="E/R; absent: none"
+    )
+    reference: Temperature | None = Field(
+        None, description="temperature at which the rate holds"
+    )
 
     @model_validator(mode="after")
     def _both(self) -> Release:
@@ -74,8 +94,12 @@ class Release(Table):
 class Bubbles(Table):
     """Gas that passes as bubbles free of particles."""
 
-    fraction: BubbleFraction = Field("bubble_fraction_kunii_levenspiel", description="share of the bed's volume")
-    capacity_flow: CapacityFlow | None = Field(None, description="with boundary.bottom.gas.capacity_flow only")
+    fraction: BubbleFraction = Field(
+        "bubble_fraction_kunii_levenspiel", description="share of the bed's volume"
+    )
+    capacity_flow: CapacityFlow | None = Field(
+        None, description="with boundary.bottom.gas.capacity_flow only"
+    )
     exchange: ExchangeOrClosure = Field(
         "bubble_heat_kunii_levenspiel",
         description="with the gas of the emulsion, per volume of bubbles",
@@ -84,9 +108,15 @@ class Bubbles(Table):
         "gas_exchange_sit_grace",
         description="of gas with the emulsion, where it reacts",
     )
-    size: LengthOrClosure = Field("bubble_growth_mori_wen", description="diameter, or how it grows")
-    start: LengthOrClosure = Field("bubble_start_porous_plate", description="diameter at the distributor")
-    rise: SpeedOrClosure = Field("bubble_rise_davidson_harrison", description="velocity of the bubbles")
+    size: LengthOrClosure = Field(
+        "bubble_growth_mori_wen", description="diameter, or how it grows"
+    )
+    start: LengthOrClosure = Field(
+        "bubble_start_porous_plate", description="diameter at the distributor"
+    )
+    rise: SpeedOrClosure = Field(
+        "bubble_rise_davidson_harrison", description="velocity of the bubbles"
+    )
     emulsion_gas: SpeedOrClosure = Field(
         "emulsion_gas_two_phase",
         description="gas through the emulsion per its section; the rest is bubbles",
@@ -97,10 +127,16 @@ class Steam(Table):
     """Water, boiling water or steam inside of a surface."""
 
     pressure: Pressure = Field(description="of the water or steam")
-    temperature: Temperature = Field(description="of what enters; it does not boil there")
+    temperature: Temperature = Field(
+        description="of what enters; it does not boil there"
+    )
     mass_flow: MassFlow = Field(description="of the water or steam")
-    coefficient: Annotated[WallCoefficient, Field(gt=0)] = Field(description="inside, on the outer surface")
-    direction: Literal["up", "down"] = Field("up", description="in which the water or steam flows")
+    coefficient: Annotated[WallCoefficient, Field(gt=0)] = Field(
+        description="inside, on the outer surface"
+    )
+    direction: Literal["up", "down"] = Field(
+        "up", description="in which the water or steam flows"
+    )
 
 
 class Surface(Table):
@@ -111,7 +147,9 @@ class Surface(Table):
         description="convective, split over the solid phases by their surface",
         json_schema_extra=takes("bed_tube"),
     )
-    temperature: Temperature | None = Field(None, description="of the surface; or steam")
+    temperature: Temperature | None = Field(
+        None, description="of the surface; or steam"
+    )
     emissivity: Emissivity | None = Field(None, description="absent: a mirror")
     steam: Steam | None = Field(None, description="instead of `temperature`")
 
@@ -128,8 +166,12 @@ class Distributor(Table):
     Absent: the bed ends at a mirror.
     """
 
-    coefficient: WallCoefficient = Field(description="to the particles, split over the solid phases by their surface")
-    preheat_NTU: NonNegative = Field(description="transfer units of the gas inside of the plate")
+    coefficient: WallCoefficient = Field(
+        description="to the particles, split over the solid phases by their surface"
+    )
+    preheat_NTU: NonNegative = Field(
+        description="transfer units of the gas inside of the plate"
+    )
     emissivity: Emissivity | None = Field(None, description="absent: a mirror")
 
 
@@ -150,16 +192,32 @@ class Freeboard(Table):
     """
 
     radiosity: Irradiance | None = Field(None, description="of what is above the bed")
-    temperature: Temperature | None = Field(None, description="of a black space above the bed")
-    height: Length | None = Field(None, description="of the freeboard above the bed, which is solved for")
-    temperature_above: Temperature | None = Field(None, description="black, above `height`; absent: a mirror")
+    temperature: Temperature | None = Field(
+        None, description="of a black space above the bed"
+    )
+    height: Length | None = Field(
+        None, description="of the freeboard above the bed, which is solved for"
+    )
+    temperature_above: Temperature | None = Field(
+        None, description="black, above `height`; absent: a mirror"
+    )
     tubes: FreeboardSurface | None = Field(None, description="absent: none")
     walls: FreeboardSurface | None = Field(None, description="absent: adiabatic")
-    ejection: EjectionOrClosure = Field("ejection_pemberton_davidson", description="flow of particles thrown up")
-    decay: RateOfDecayOrClosure = Field("decay_kunii_levenspiel", description="of that flow over the height")
-    terminal_velocity: SpeedOrClosure = Field("terminal_velocity_haider_levenspiel", description="of each solid phase")
-    elutriation: EjectionOrClosure = Field("elutriation_geldart", description="rate constant of each solid phase")
-    gas_coefficient: GasCoefficientOrClosure = Field("nusselt_ranz_marshall", description="particles to gas")
+    ejection: EjectionOrClosure = Field(
+        "ejection_pemberton_davidson", description="flow of particles thrown up"
+    )
+    decay: RateOfDecayOrClosure = Field(
+        "decay_kunii_levenspiel", description="of that flow over the height"
+    )
+    terminal_velocity: SpeedOrClosure = Field(
+        "terminal_velocity_haider_levenspiel", description="of each solid phase"
+    )
+    elutriation: EjectionOrClosure = Field(
+        "elutriation_geldart", description="rate constant of each solid phase"
+    )
+    gas_coefficient: GasCoefficientOrClosure = Field(
+        "nusselt_ranz_marshall", description="particles to gas"
+    )
 
     @model_validator(mode="after")
     def _one(self) -> Freeboard:
@@ -176,44 +234,69 @@ class Freeboard(Table):
 class Drain(Table):
     """Bed material that leaves at one end with what char and limestone it holds."""
 
-    time: Seconds = Field(description="residence time of the bed, its solids over what is drained")
-    end: Literal["top", "bottom"] = Field("top", description="of the bed where it leaves")
+    time: Seconds = Field(
+        description="residence time of the bed, its solids over what is drained"
+    )
+    end: Literal["top", "bottom"] = Field(
+        "top", description="of the bed where it leaves"
+    )
 
 
 class BubblingBed(Table):
-    """The bed between distributor and freeboard; z is the height above the distributor."""
+    """The bed between distributor and freeboard; z is the height above the
+    distributor.
+    """
 
     height: Length = Field(description="of the bubbling bed; or settled_height")
-    settled_height: Length | None = Field(None, description="at minimum fluidization, from which the height follows")
+    settled_height: Length | None = Field(
+        None, description="at minimum fluidization, from which the height follows"
+    )
     section: Area = Field(description="cross-section of the bed")
-    solids_fraction: Fraction = Field(description="share of the emulsion's volume, one minus its voidage")
+    solids_fraction: Fraction = Field(
+        description="share of the emulsion's volume, one minus its voidage"
+    )
     conductivity: ConductivityOrClosure | None = Field(
         None,
-        description="of the resting emulsion, added to the mixing and split by volume; absent: none",
+        description="of the resting emulsion, added to the mixing and split by volume; "
+        "absent: none",
         json_schema_extra=takes("conductivity"),
     )
     mixing_time: Annotated[float, *unit("s"), Field(ge=0)] = Field(
         1e-3, description="of gases, which react no faster than they mix"
     )
-    release: Release | None = Field(None, description="heat released in the gas of the emulsion")
-    bubbles: Bubbles | None = Field(None, description="absent: all gas flows through the emulsion")
+    release: Release | None = Field(
+        None, description="heat released in the gas of the emulsion"
+    )
+    bubbles: Bubbles | None = Field(
+        None, description="absent: all gas flows through the emulsion"
+    )
     tubes: Surface | None = Field(None, description="immersed; absent: none")
     walls: Surface | None = Field(None, description="absent: adiabatic")
-    distributor: Distributor | None = Field(None, description="absent: the bed ends at a mirror")
-    freeboard: Freeboard | None = Field(None, description="absent: no radiation leaves upward")
-    drain: Drain | None = Field(None, description="absent: char and limestone leave by reaction alone")
+    distributor: Distributor | None = Field(
+        None, description="absent: the bed ends at a mirror"
+    )
+    freeboard: Freeboard | None = Field(
+        None, description="absent: no radiation leaves upward"
+    )
+    drain: Drain | None = Field(
+        None, description="absent: char and limestone leave by reaction alone"
+    )
 
     @model_validator(mode="before")
     @classmethod
     def _initial_height(cls, values: Any) -> Any:
-        """Return the table with an initial height where it follows from the settled bed."""
+        """Return the table with an initial height where it follows from the settled
+        bed.
+        """
         given = values.get("settled_height") if isinstance(values, dict) else None
         if given is None or "height" in values:
             return values
         from contbed.scene.units import to_si
 
         number = to_si(given, "m") if isinstance(given, str) else given
-        return values | {"height": 1.3 * number if isinstance(number, float | int) else given}
+        return values | {
+            "height": 1.3 * number if isinstance(number, float | int) else given
+        }
 
     @property
     def surfaces(self) -> dict[str, Surface]:

@@ -1,10 +1,12 @@
-"""Linear response of a solved bubbling bed to small changes of its scene: the discrete tangent.
+"""Linear response of a solved bubbling bed to small changes of its scene: the discrete
+tangent.
 
     R(u, s, p) = 0,   s = S(u, s, p):      du = -A^-1 (R(u, s+, p + h) - R(u, s-, p - h))/2,   A = dR/du
 
-s are the sizes of the particles and the height of the bed, which follow from its state; they and u change in turn until
-both agree, as in `settling`. The nodes of the mesh move with the height of the bed, their number stays; see
-`solvers.tangent`. Folds of the continuation move as `branch` says.
+s are the sizes of the particles and the height of the bed, which follow from its state;
+they and u change in turn until both agree, as in `settling`. The nodes of the mesh move
+with the height of the bed, their number stays; see `solvers.tangent`. Folds of the
+continuation move as `branch` says.
 """
 
 from __future__ import annotations
@@ -39,7 +41,9 @@ class Tangent:
         self.state: Array = result.solved.state
         self.x = self.problem.unknowns(self.state)
         plan, computed = self.problem.plan, self.problem.c.computed
-        self.typical = None if computed is None else typical_numbers(plan.scene, computed)
+        self.typical = (
+            None if computed is None else typical_numbers(plan.scene, computed)
+        )
         self.settles = unsettled(result.scene)
         self.branch = result.solved.branch
 
@@ -51,7 +55,9 @@ class Tangent:
 
     @cached_property
     def folds(self) -> list[Fold]:
-        """The folds of the branch that was followed, found when they are first needed."""
+        """The folds of the branch that was followed, found when they are first
+        needed.
+        """
         if self.branch is None:
             return []
         table = self.problem.plan.scene.continuation
@@ -60,7 +66,8 @@ class Tangent:
         return [Fold(family, self.x, p, x) for _, p, x in self.branch.folds]
 
     def results(self, below: Any, above: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the named results of two scenes with a key a little below and above that of the solved one.
+        """Return the named results of two scenes with a key a little below and above
+        that of the solved one.
 
         Raises
         ------
@@ -75,12 +82,17 @@ class Tangent:
             states = self._states(problems)
             if not self.settles:
                 break
-            scenes = [settled(*each)[0] for each in zip(problems, states, found, strict=True)]
+            scenes = [
+                settled(*each)[0] for each in zip(problems, states, found, strict=True)
+            ]
             change, moved = abs(_apart(scenes) - moved), _apart(scenes)
             if change <= CHANGE * max(moved, CHANGE):
                 break
         else:
-            raise ConvergenceError("the response of sizes and height to a key does not settle; use contbed sweep")
+            raise ConvergenceError(
+                "the response of sizes and height to a key does not settle; use "
+                "contbed sweep"
+            )
         for result, problem, state in zip(found, problems, states, strict=True):
             result.plan = problem.plan
             fill(problem.plan, problem, state, result)
@@ -99,11 +111,15 @@ class Tangent:
         solved: Any = self.problem.plan.scene
         solids = {
             name: item
-            if item.sizes is None or item.sizes.feed is None or name not in solved.present
+            if item.sizes is None
+            or item.sizes.feed is None
+            or name not in solved.present
             else item.model_copy(
                 update={
                     "diameter": solved.solids[name].diameter,
-                    "sizes": item.sizes.model_copy(update={"bed": solved.solids[name].sizes.bed}),
+                    "sizes": item.sizes.model_copy(
+                        update={"bed": solved.solids[name].sizes.bed}
+                    ),
                 }
             )
             for name, item in scene.solids.items()
@@ -117,7 +133,9 @@ class Tangent:
         plan = self.problem.plan
         if scene.bubbling_bed.height == plan.scene.bubbling_bed.height:
             c, albedo = coefficients(scene, self.typical)
-            made = self.problem.with_coefficients(replace(plan, scene=scene, coefficients=c, albedo=albedo))
+            made = self.problem.with_coefficients(
+                replace(plan, scene=scene, coefficients=c, albedo=albedo)
+            )
         else:
             made = stretched(plan, scene, self.typical)
         if made.plan.fields != plan.fields:
@@ -132,10 +150,15 @@ class Tangent:
 
 
 def _apart(scenes: list[Any]) -> float:
-    """Return how far sizes and heights of two scenes are from each other, relative to their values."""
+    """Return how far sizes and heights of two scenes are from each other, relative
+    to their values.
+    """
     low, high = scenes
     far = [abs(high.bubbling_bed.height / low.bubbling_bed.height - 1.0)]
-    far += [abs(item.diameter / low.solids[name].diameter - 1.0) for name, item in high.present.items()]
+    far += [
+        abs(item.diameter / low.solids[name].diameter - 1.0)
+        for name, item in high.present.items()
+    ]
     return float(max(far))
 
 

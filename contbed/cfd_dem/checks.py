@@ -1,4 +1,6 @@
-"""What is wrong with a scene of particles in a gas although every single value is right."""
+"""What is wrong with a scene of particles in a gas although every single value is
+right.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ def the_only(solids: Solids) -> tuple[str, g.GasSolid]:
     return next(iter(solids.items()))
 
 
-def one_source(particles: g.GasParticles, solids: Solids, origin: Origin, see: See) -> Mistakes:
+def one_source(
+    particles: g.GasParticles, solids: Solids, origin: Origin, see: See
+) -> Mistakes:
     """Require either a count or a file of particles, with all that it needs."""
     if (particles.count is None) == (particles.file is None):
         yield ("particles",), "give either count, to settle a bed, or file"
@@ -48,7 +52,9 @@ def one_source(particles: g.GasParticles, solids: Solids, origin: Origin, see: S
         yield key, f"missing; {particles.file} has no radii"
 
 
-def cells_fit_into_the_box(particles: g.GasParticles, solids: Solids, origin: Origin, see: See) -> Mistakes:
+def cells_fit_into_the_box(
+    particles: g.GasParticles, solids: Solids, origin: Origin, see: See
+) -> Mistakes:
     """Require at least two cells of the gas above each other."""
     if particles.file is not None and not _is_file(particles.file, origin):
         return
@@ -68,7 +74,9 @@ def _is_file(name: str, origin: Origin) -> bool:
 
 
 def gas_is_complete(gas: GasConstant | GasCantera | GasCoolProp) -> Mistakes:
-    """Require heat capacity and conductivity of constant properties, and fractions that sum to one."""
+    """Require heat capacity and conductivity of constant properties, and fractions
+    that sum to one.
+    """
     if isinstance(gas, GasConstant):
         for name in ("heat_capacity", "conductivity"):
             if not getattr(gas, name):
@@ -83,7 +91,9 @@ def gas_is_complete(gas: GasConstant | GasCantera | GasCoolProp) -> Mistakes:
 
 
 def closures_exist(closures: g.Closures, origin: Origin) -> Mistakes:
-    """Require closures that exist and whose arguments the gas around a particle gives."""
+    """Require closures that exist and whose arguments the gas around a particle
+    gives.
+    """
     for kind, gives in GIVES.items():
         try:
             bind(getattr(closures, kind), kind, gives, origin.base)
@@ -91,7 +101,9 @@ def closures_exist(closures: g.Closures, origin: Origin) -> Mistakes:
             yield ("closures", kind), str(error)
 
 
-def jet_is_in_the_floor(boundary: g.Boundary, particles: g.GasParticles, see: See) -> Mistakes:
+def jet_is_in_the_floor(
+    boundary: g.Boundary, particles: g.GasParticles, see: See
+) -> Mistakes:
     """Require that the slot of the jet lies in the floor of the bed."""
     jet = boundary.jet
     if jet is not None and not 0.0 <= jet.start < jet.end <= particles.width[0]:
@@ -100,7 +112,9 @@ def jet_is_in_the_floor(boundary: g.Boundary, particles: g.GasParticles, see: Se
         yield ("boundary", "jet"), text
 
 
-def jet_has_its_own_temperature(boundary: g.Boundary, heat: g.GasHeat | None, see: See) -> Mistakes:
+def jet_has_its_own_temperature(
+    boundary: g.Boundary, heat: g.GasHeat | None, see: See
+) -> Mistakes:
     """Refuse a jet of another temperature where no energy equation is solved."""
     jet, T = boundary.jet, boundary.bottom.gas.temperature
     if jet is not None and heat is None and jet.gas.temperature != T:
@@ -111,7 +125,9 @@ def jet_has_its_own_temperature(boundary: g.Boundary, heat: g.GasHeat | None, se
         )
 
 
-def particles_have_a_temperature(heat: g.GasHeat | None, initial: g.Initial, solids: Solids, see: See) -> Mistakes:
+def particles_have_a_temperature(
+    heat: g.GasHeat | None, initial: g.Initial, solids: Solids, see: See
+) -> Mistakes:
     """Require the temperature of the particles at the start where it is solved for."""
     name, _ = the_only(solids)
     for other in initial.solids:
@@ -127,7 +143,9 @@ def particles_have_a_temperature(heat: g.GasHeat | None, initial: g.Initial, sol
 
 
 def times_are_in_order(time: g.GasTime, see: See) -> Mistakes:
-    """Require at least one sample between the start of the averages and the end of the run."""
+    """Require at least one sample between the start of the averages and the end of
+    the run.
+    """
     end = see("time.end")
     if time.average_from >= time.end:
         yield ("time", "average_from"), f"is not before the end; see {end}"
@@ -144,8 +162,12 @@ def closure_is_of_a_fixed_bed(particles: g.GasParticles, see: See) -> Mistakes:
         yield ("particles", "closure"), text
 
 
-def tubes_are_in_the_box(particles: g.GasParticles, solids: Solids, heat: g.GasHeat | None, see: See) -> Mistakes:
-    """Require tubes that lie in the box side by side, with known closures; those with a temperature need [heat]."""
+def tubes_are_in_the_box(
+    particles: g.GasParticles, solids: Solids, heat: g.GasHeat | None, see: See
+) -> Mistakes:
+    """Require tubes that lie in the box side by side, with known closures; those
+    with a temperature need [heat].
+    """
     tubes, (wide, _), high = particles.tubes, particles.width, particles.height
     for name, tube in tubes.items():
         key = ("particles", "tubes", name)
@@ -184,7 +206,9 @@ def tubes_are_in_the_box(particles: g.GasParticles, solids: Solids, heat: g.GasH
             yield ("particles", "cell"), str(error)
 
 
-def probes_are_outside_of_tubes(output: g.GasOutput, particles: g.GasParticles, see: See) -> Mistakes:
+def probes_are_outside_of_tubes(
+    output: g.GasOutput, particles: g.GasParticles, see: See
+) -> Mistakes:
     """Require that probes lie in the gas."""
     for name, (x, _, z) in output.probes.items():
         for tube, table in particles.tubes.items():
@@ -195,8 +219,12 @@ def probes_are_outside_of_tubes(output: g.GasOutput, particles: g.GasParticles, 
                 yield ("output", "probes", name), text
 
 
-def file_can_be_used(particles: g.GasParticles, solids: Solids, origin: Origin) -> Mistakes:
-    """Read the file and set up its particles as for a run, so that both say the same."""
+def file_can_be_used(
+    particles: g.GasParticles, solids: Solids, origin: Origin
+) -> Mistakes:
+    """Read the file and set up its particles as for a run, so that both say the
+    same.
+    """
     if particles.file is None or particles.count is not None:
         return
     solid = the_only(solids)[1]
@@ -223,7 +251,9 @@ def file_can_be_used(particles: g.GasParticles, solids: Solids, origin: Origin) 
         yield ("particles", "file"), str(error)
 
 
-def probes_are_in_the_box(output: g.GasOutput, particles: g.GasParticles, see: See) -> Mistakes:
+def probes_are_in_the_box(
+    output: g.GasOutput, particles: g.GasParticles, see: See
+) -> Mistakes:
     """Require that probes lie in the box."""
     room = (*particles.width, particles.height)
     for name, point in output.probes.items():
@@ -237,7 +267,9 @@ def probes_are_in_the_box(output: g.GasOutput, particles: g.GasParticles, see: S
             )
 
 
-def levels_are_in_the_box(output: g.GasOutput, particles: g.GasParticles, see: See) -> Mistakes:
+def levels_are_in_the_box(
+    output: g.GasOutput, particles: g.GasParticles, see: See
+) -> Mistakes:
     """Require that heights for averages across the bed lie in the box."""
     high = particles.height
     for k, height in enumerate(output.levels):
@@ -253,11 +285,14 @@ def poisson_ratio_is_of_a_solid(solids: Solids) -> Mistakes:
     if solid.poisson_ratio < 0.0:
         yield (
             ("solids", name, "poisson_ratio"),
-            "is negative: only re-entrant foams have this; glass, metals, rock and polymers have 0.1 to 0.5",
+            "is negative: only re-entrant foams have this; glass, metals, rock and "
+            "polymers have 0.1 to 0.5",
         )
 
 
-def cells_lie_inside_of_the_bed(particles: g.GasParticles, solids: Solids, origin: Origin) -> Mistakes:
+def cells_lie_inside_of_the_bed(
+    particles: g.GasParticles, solids: Solids, origin: Origin
+) -> Mistakes:
     """Look for cells of the gas wider than the bed, which become one cell."""
     cell = _cell(particles, solids, origin)[0]
     for axis, width in zip("xy", particles.width, strict=True):
@@ -270,7 +305,9 @@ def cells_lie_inside_of_the_bed(particles: g.GasParticles, solids: Solids, origi
 
 
 def cells_are_larger_than_particles(particles: g.GasParticles) -> Mistakes:
-    """Look for cells of the gas in which a particle counts as a whole though it is larger than they are."""
+    """Look for cells of the gas in which a particle counts as a whole though it is
+    larger than they are.
+    """
     for axis, cell in enumerate(particles.cell):
         if cell < 1.0 - ROUNDING:
             yield (
@@ -282,7 +319,9 @@ def cells_are_larger_than_particles(particles: g.GasParticles) -> Mistakes:
 
 
 def spheres_bear_the_bed(particles: g.GasParticles, solids: Solids) -> Mistakes:
-    """Look for spheres so soft that the bed packs denser under its weight, and lets less gas through."""
+    """Look for spheres so soft that the bed packs denser under its weight, and lets
+    less gas through.
+    """
     solid, count = the_only(solids)[1], particles.count
     radius = solid.radius
     if particles.fixed or not particles.gravity or radius is None or count is None:
@@ -299,8 +338,12 @@ def spheres_bear_the_bed(particles: g.GasParticles, solids: Solids) -> Mistakes:
         )
 
 
-def _cell(particles: g.GasParticles, solids: Solids, origin: Origin) -> tuple[float, float]:
-    """Return width and height of the cells of the gas [m] that the scene asks for; 0 where no radius is known."""
+def _cell(
+    particles: g.GasParticles, solids: Solids, origin: Origin
+) -> tuple[float, float]:
+    """Return width and height of the cells of the gas [m] that the scene asks for; 0
+    where no radius is known.
+    """
     radius = the_only(solids)[1].radius
     if radius is None and particles.file is not None:
         path = origin.base / particles.file

@@ -1,4 +1,6 @@
-"""Closures of particles in a gas, and the arguments that the gas around each particle gives them."""
+"""Closures of particles in a gas, and the arguments that the gas around each
+particle gives them.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,10 @@ AT_TUBE = frozenset({"Re", "Pr"})
 
 def bound(scene: g.GasScene) -> dict[str, BoundClosure]:
     """Bind the closures of a scene; return them by kind."""
-    return {kind: bind(getattr(scene.closures, kind), kind, gives, scene.origin.base) for kind, gives in GIVES.items()}
+    return {
+        kind: bind(getattr(scene.closures, kind), kind, gives, scene.origin.base)
+        for kind, gives in GIVES.items()
+    }
 
 
 def bound_tube(tube: g.GasTube) -> BoundClosure:

@@ -1,4 +1,6 @@
-"""What passes between particles and gas, and between the phases of a step of the gas."""
+"""What passes between particles and gas, and between the phases of a step of the
+gas.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ Array = NDArray[np.float64]
 
 @dataclass
 class Motion:
-    """The particles as the gas sees them: positions, velocities (n, 3), radii, temperatures [K] or None (n,)."""
+    """The particles as the gas sees them: positions, velocities (n, 3), radii,
+    temperatures [K] or None (n,).
+    """
 
     x: Array
     v: Array
@@ -28,9 +32,11 @@ class Motion:
 
 @dataclass
 class Local:
-    """The gas around each particle (n,): porosity, superficial Reynolds number of the slip, Pr, mu, k, T [SI].
+    """The gas around each particle (n,): porosity, superficial Reynolds number of the
+    slip, Pr, mu, k, T [SI].
 
-    `inside` is the part of each particle that is in the gas, less than 1 where it reaches above the grid.
+    `inside` is the part of each particle that is in the gas, less than 1 where it
+    reaches above the grid.
     """
 
     eps: Array
@@ -43,11 +49,13 @@ class Local:
 
 
 class Places(NamedTuple):
-    """Where the particles are: cells (n, k) and shares in them, faces (n, 3, 8) and weights on them, porosities.
+    """Where the particles are: cells (n, k) and shares in them, faces (n, 3, 8) and
+    weights on them, porosities.
 
-    `volume` (n,) [m3] is what of each particle is below the top of the grid, `inside` the part of its own that this is.
-    `eps` (c,) of the cells, `eps_at` (n,) at the particles, `eps_face` (f,) on faces; `solid` (f,) [m3] is the volume
-    of particles that belongs to a face.
+    `volume` (n,) [m3] is what of each particle is below the top of the grid, `inside`
+    the part of its own that this is. `eps` (c,) of the cells, `eps_at` (n,) at the
+    particles, `eps_face` (f,) on faces; `solid` (f,) [m3] is the volume of particles
+    that belongs to a face.
     """
 
     where: NDArray[np.int32]
@@ -65,8 +73,9 @@ class Places(NamedTuple):
 class Drag(NamedTuple):
     """Drag of the superficial slip q - eps v, implicit in q.
 
-    `coefficient` [kg/s] (n,) and eps v [m/s], `carried` (n, 3), of each particle; sums on faces (f,) of the
-    coefficients, `resisted` [kg/s], and of their products with eps v, `pushed` [N].
+    `coefficient` [kg/s] (n,) and eps v [m/s], `carried` (n, 3), of each particle; sums
+    on faces (f,) of the coefficients, `resisted` [kg/s], and of their products with eps
+    v, `pushed` [N].
     """
 
     coefficient: Array
@@ -76,7 +85,9 @@ class Drag(NamedTuple):
 
 
 class Prediction(NamedTuple):
-    """Velocity without the pressure gradient (f,) [m/s], and what a gradient is divided by to correct it [kg/m3/s]."""
+    """Velocity without the pressure gradient (f,) [m/s], and what a gradient is
+    divided by to correct it [kg/m3/s].
+    """
 
     u: Array
     resistance: Array

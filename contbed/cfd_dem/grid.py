@@ -1,15 +1,19 @@
-"""Coarse staggered grid under the particles: cells, faces, who is next to whom, and the particles' shares in both.
+"""Coarse staggered grid under the particles: cells, faces, who is next to whom, and the
+particles' shares in both.
 
-Scalars live in cells, velocities on faces. Faces and cells are numbered through, so that periodic sides, walls and
-blocked cells are entries of tables and no kernel knows an axis by name.
+Scalars live in cells, velocities on faces. Faces and cells are numbered through, so
+that periodic sides, walls and blocked cells are entries of tables and no kernel knows
+an axis by name.
 
-A sphere is in a cell with the part of its volume that planes cut off, the product over the axes of
+A sphere is in a cell with the part of its volume that planes cut off, the product over
+the axes of
 
     F(b) - F(a),  F(s) = (2 + 3 s - s^3)/4 for s = (plane - x)/R in [-1, 1]
 
-and what lies beyond a wall counts in the cell at the wall, so that no solid leaves the bed through it. The top is open:
-what lies above it is not in the gas, and the shares, which sum to 1, are those of the part within. On faces a particle
-has trilinear weights, over the faces on which a velocity is solved for, normalised.
+and what lies beyond a wall counts in the cell at the wall, so that no solid leaves the
+bed through it. The top is open: what lies above it is not in the gas, and the shares,
+which sum to 1, are those of the part within. On faces a particle has trilinear weights,
+over the faces on which a velocity is solved for, normalised.
 """
 
 from __future__ import annotations
@@ -27,11 +31,14 @@ from contbed.errors import SceneError
 Array = NDArray[np.float64]
 
 INNER, INLET, OUTLET, WALL = range(4)  # what a face is
-SAMPLES = 4  # points along each axis of a cell for the volumes of faces; exact without blocked cells
+# points along each axis of a cell for the volumes of faces; exact without blocked cells
+SAMPLES = 4
 
 
 class Tables(NamedTuple):
-    """A grid as kernels read it: the tables of `Grid`, `size` (3,) [m] of a cell, `shape` in cells."""
+    """A grid as kernels read it: the tables of `Grid`, `size` (3,) [m] of a cell,
+    `shape` in cells.
+    """
 
     size: Array
     cell_face: NDArray[np.int64]
@@ -45,7 +52,9 @@ class Tables(NamedTuple):
 
 
 class Box(NamedTuple):
-    """Cells of a grid as kernels count them: lower corner [m], size [m], number and periodic sides, each (3,)."""
+    """Cells of a grid as kernels count them: lower corner [m], size [m], number and
+    periodic sides, each (3,).
+    """
 
     lower: Array
     size: Array
@@ -54,7 +63,9 @@ class Box(NamedTuple):
 
 
 class Shares(NamedTuple):
-    """Cells (n, k) around each sphere, shares (n, k) in them, and the part (n,) of the sphere below the top."""
+    """Cells (n, k) around each sphere, shares (n, k) in them, and the part (n,) of
+    the sphere below the top.
+    """
 
     cells: NDArray[np.int32]
     share: Array
@@ -63,13 +74,16 @@ class Shares(NamedTuple):
 
 @dataclass(frozen=True)
 class Grid:
-    """Cells from `lower`, of `size` [m], `count` along each axis; z points up, inlet below, outlet above.
+    """Cells from `lower`, of `size` [m], `count` along each axis; z points up, inlet
+    below, outlet above.
 
-    `periodic` sides in x and y, otherwise walls. `blocked` cells (count) hold no gas, such as those inside of a tube.
+    `periodic` sides in x and y, otherwise walls. `blocked` cells (count) hold no gas,
+    such as those inside of a tube.
 
-    Tables: `cell_face` (c, 6) faces of a cell, low and high in x, y, z; `face_cell` (f, 2) cells of a face or -1;
-    `face_next` (f, 6) faces beside a face or -1; `face_axis`, `face_kind` (f,); `face_volume` (f,) [m3], the volume
-    whose particles belong to a face.
+    Tables: `cell_face` (c, 6) faces of a cell, low and high in x, y, z; `face_cell` (f,
+        2) cells of a face or -1;
+    `face_next` (f, 6) faces beside a face or -1; `face_axis`, `face_kind` (f,);
+    `face_volume` (f,) [m3], the volume whose particles belong to a face.
     """
 
     lower: Array
@@ -88,13 +102,29 @@ class Grid:
     tables: Tables = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        lower, size = np.array(self.lower, dtype=float), np.array(self.size, dtype=float)
+        lower, size = (
+            np.array(self.lower, dtype=float),
+            np.array(self.size, dtype=float),
+        )
         if not (size > 0.0).all() or min(self.count) < 1:
-            raise SceneError(f"gas: {self.count} cells of {size} m; numbers and sizes must be positive")
-        opened = np.ones(self.count, bool) if self.blocked is None else ~np.asarray(self.blocked, dtype=bool)
+            raise SceneError(
+                f"gas: {self.count} cells of {size} m; numbers and sizes must be "
+                "positive"
+            )
+        opened = (
+            np.ones(self.count, bool)
+            if self.blocked is None
+            else ~np.asarray(self.blocked, dtype=bool)
+        )
         if opened.shape != tuple(self.count):
-            raise SceneError(f"gas: blocked cells of shape {opened.shape}, the grid has {self.count}")
-        for name, value in (("lower", lower), ("size", size), ("open_cells", opened.ravel())):
+            raise SceneError(
+                f"gas: blocked cells of shape {opened.shape}, the grid has {self.count}"
+            )
+        for name, value in (
+            ("lower", lower),
+            ("size", size),
+            ("open_cells", opened.ravel()),
+        ):
             object.__setattr__(self, name, value)
         self._connect()
         object.__setattr__(self, "face_volume", self._volumes())
@@ -136,7 +166,10 @@ class Grid:
     @property
     def centres(self) -> Array:
         """Centres of all cells [m], (c, 3)."""
-        axes = [low + (np.arange(n) + 0.5) * s for low, n, s in zip(self.lower, self.count, self.size, strict=True)]
+        axes = [
+            low + (np.arange(n) + 0.5) * s
+            for low, n, s in zip(self.lower, self.count, self.size, strict=True)
+        ]
         return np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
 
     @property
@@ -144,22 +177,32 @@ class Grid:
         return Box(self.lower, self.size, np.array(self.count), self.sides)
 
     def shares(self, x: Array, reach: Array) -> Shares:
-        """Find the cells (n, k) around spheres of radius `reach` [m], shares in them and the part below the top (n,).
+        """Find the cells (n, k) around spheres of radius `reach` [m], shares in them
+        and the part below the top (n,).
 
-        The shares are those of that part; a sphere above the top has shares of the uppermost cells and no such part.
+        The shares are those of that part; a sphere above the top has shares of the
+        uppermost cells and no such part.
         """
         width = int(np.ceil(2.0 * reach.max() / self.size.min())) + 1
         shape = len(x), width**3
         out = Shares(np.empty(shape, np.int32), np.empty(shape), np.ones(len(x)))
-        threads.parallel(_cell_shares, len(x), x, reach, self._box, self.open_cells, width, out)
+        threads.parallel(
+            _cell_shares, len(x), x, reach, self._box, self.open_cells, width, out
+        )
         return out
 
-    def weights(self, x: Array, room: tuple[NDArray[np.int32], Array] | None = None) -> tuple[NDArray[np.int32], Array]:
-        """Find the faces (n, 3, 8) across x, y, z around each point, and its weights on them, in `room` if given."""
+    def weights(
+        self, x: Array, room: tuple[NDArray[np.int32], Array] | None = None
+    ) -> tuple[NDArray[np.int32], Array]:
+        """Find the faces (n, 3, 8) across x, y, z around each point, and its weights
+        on them, in `room` if given.
+        """
         shape = len(x), 3, 8
         if room is None or room[0].shape != shape:
             room = np.empty(shape, np.int32), np.empty(shape)
-        threads.parallel(_face_weights, len(x), x, self._box, self.face_first, self.active, *room)
+        threads.parallel(
+            _face_weights, len(x), x, self._box, self.face_first, self.active, *room
+        )
         return room
 
     def _connect(self) -> None:
@@ -187,9 +230,15 @@ class Grid:
             for b in range(3):
                 ordered, to = np.moveaxis(faces, b, 0), np.moveaxis(beside, b, 0)
                 if sides[b]:
-                    to[..., 2 * b], to[..., 2 * b + 1] = np.roll(ordered, 1, axis=0), np.roll(ordered, -1, axis=0)
+                    to[..., 2 * b], to[..., 2 * b + 1] = (
+                        np.roll(ordered, 1, axis=0),
+                        np.roll(ordered, -1, axis=0),
+                    )
                 else:
-                    to[1:, ..., 2 * b], to[:-1, ..., 2 * b + 1] = ordered[:-1], ordered[1:]
+                    to[1:, ..., 2 * b], to[:-1, ..., 2 * b + 1] = (
+                        ordered[:-1],
+                        ordered[1:],
+                    )
             around = around.reshape(-1, 2)
             kind = np.full(len(around), INNER)
             kind[around[:, 0] < 0] = INLET if a == 2 else WALL
@@ -210,7 +259,12 @@ class Grid:
 
     def _volumes(self) -> Array:
         offsets = (np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5
-        inner = np.stack(np.meshgrid(offsets, offsets, offsets, indexing="ij"), -1).reshape(-1, 3) * self.size
+        inner = (
+            np.stack(np.meshgrid(offsets, offsets, offsets, indexing="ij"), -1).reshape(
+                -1, 3
+            )
+            * self.size
+        )
         volume = np.zeros(len(self.face_kind))
         centres = self.centres[self.open_cells]
         for offset in inner:
@@ -221,9 +275,18 @@ class Grid:
 
 @entry(nogil=True, cache=True)
 def _cell_shares(
-    begin: int, end: int, x: Array, reach: Array, box: Box, opened: NDArray[np.bool_], width: int, out: Shares
+    begin: int,
+    end: int,
+    x: Array,
+    reach: Array,
+    box: Box,
+    opened: NDArray[np.bool_],
+    width: int,
+    out: Shares,
 ) -> None:
-    """Set the shares `out` of spheres in cells; `width` is the most cells that a sphere spans along an axis."""
+    """Set the shares `out` of spheres in cells; `width` is the most cells that a
+    sphere spans along an axis.
+    """
     lower, size, count, periodic = box
     cells, share, inside = out
     at, part = np.empty((3, width), np.int64), np.empty((3, width))
@@ -252,11 +315,14 @@ def _cell_shares(
                 for r in range(width):
                     c = (at[0, p] * count[1] + at[1, q]) * count[2] + at[2, r]
                     cells[i, k] = c
-                    share[i, k] = part[0, p] * part[1, q] * part[2, r] if opened[c] else 0.0
+                    share[i, k] = (
+                        part[0, p] * part[1, q] * part[2, r] if opened[c] else 0.0
+                    )
                     total += share[i, k]
                     k += 1
         if total > 0.0 and total != 1.0:
-            # one by one: for a slice numba would compile the message of shapes that differ, 1.4 s
+            # one by one: for a slice numba would compile the message of shapes that
+            # differ, 1.4 s
             for k in range(width**3):
                 share[i, k] /= total
 
@@ -274,7 +340,8 @@ def _face_weights(
 ) -> None:
     """Set the `faces` (n, 3, 8) around each point and its `weight` on them."""
     lower, size, count, periodic = box
-    # along each axis the two faces (0) and the two centres (1) around a point, as numbers along it, and its parts
+    # along each axis the two faces (0) and the two centres (1) around a point, as
+    # numbers along it, and its parts
     at, part = np.empty((2, 3, 2), np.int64), np.empty((2, 3, 2))
     many = np.empty((2, 3), np.int64)
     for b in range(3):
@@ -290,15 +357,28 @@ def _face_weights(
                 if 0 <= k < last:
                     at[kind, b, 0], at[kind, b, 1] = k, k + 1
                 elif periodic[b]:
-                    at[kind, b, 0], at[kind, b, 1] = k % (last + 1), (k + 1) % (last + 1)
+                    at[kind, b, 0], at[kind, b, 1] = (
+                        k % (last + 1),
+                        (k + 1) % (last + 1),
+                    )
                 else:
-                    at[kind, b, 0], at[kind, b, 1] = min(max(k, 0), last), min(max(k + 1, 0), last)
+                    at[kind, b, 0], at[kind, b, 1] = (
+                        min(max(k, 0), last),
+                        min(max(k + 1, 0), last),
+                    )
         for a in range(3):
-            kx, ky, kz = (0 if a == 0 else 1), (0 if a == 1 else 1), (0 if a == 2 else 1)
+            kx, ky, kz = (
+                (0 if a == 0 else 1),
+                (0 if a == 1 else 1),
+                (0 if a == 2 else 1),
+            )
             total, corner = 0.0, 0
             for p in range(2):
                 for q in range(2):
-                    row = first[a] + (at[kx, 0, p] * many[ky, 1] + at[ky, 1, q]) * many[kz, 2]
+                    row = (
+                        first[a]
+                        + (at[kx, 0, p] * many[ky, 1] + at[ky, 1, q]) * many[kz, 2]
+                    )
                     both = part[kx, 0, p] * part[ky, 1, q]
                     for r in range(2):
                         f = row + at[kz, 2, r]

@@ -1,8 +1,9 @@
 """Heat transfer coefficients of particles, by mechanism.
 
-h_i = (h_convection A_i + sum over j of G_ij)/A_i: what particle i loses per area and kelvin when it is hotter than a
-bed and a gas of one temperature. Conduction is that of `conduction`, radiation that of Eqs. 8-9 of Zhou, Hou and Yu
-2011 at small differences of temperature.
+h_i = (h_convection A_i + sum over j of G_ij)/A_i: what particle i loses per area and
+kelvin when it is hotter than a bed and a gas of one temperature. Conduction is that of
+`conduction`, radiation that of Eqs. 8-9 of Zhou, Hou and Yu 2011 at small differences
+of temperature.
 """
 
 from __future__ import annotations
@@ -21,25 +22,34 @@ from contbed.dem.sizes import sauter_mean
 Array = NDArray[np.float64]
 
 
-def coefficients(bed: Bed, solid: Solid, emissivity: float = 0.0, T: float = 300.0) -> dict[str, Array]:
-    """Evaluate the coefficients of all particles by mechanism [W/m2/K], (n,); `T` [K] is that of radiation."""
+def coefficients(
+    bed: Bed, solid: Solid, emissivity: float = 0.0, T: float = 300.0
+) -> dict[str, Array]:
+    """Evaluate the coefficients of all particles by mechanism [W/m2/K], (n,);
+    `T` [K] is that of radiation.
+    """
     simulation, around = bed.simulation, bed.gas.around(bed.motion)
     n, d_p = len(simulation.position), 2.0 * simulation.radius
     pairs, parts = solid.exchange(simulation, around)
     if emissivity > 0.0:
-        parts["radiation"] = heat.radiation_conductance(pairs, n, T, float(d_p.mean()), emissivity, around.eps)
+        parts["radiation"] = heat.radiation_conductance(
+            pairs, n, T, float(d_p.mean()), emissivity, around.eps
+        )
     area = np.pi * d_p**2
     found = {
-        name: (np.bincount(pairs.i, part, n) + np.bincount(pairs.j, part, n)) / area for name, part in parts.items()
+        name: (np.bincount(pairs.i, part, n) + np.bincount(pairs.j, part, n)) / area
+        for name, part in parts.items()
     }
     return {"convection": bed.gas.convection(around, d_p)} | found
 
 
 class Average:
-    """Time average of the coefficients of every particle: call it with a bed at even intervals.
+    """Time average of the coefficients of every particle: call it with a bed at even
+    intervals.
 
-    `mean` maps mechanisms to (n,) [W/m2/K], `coordination` is the mean number of touching neighbours; `Re`, `eps` are
-    those at the particles (n,), `Pr` their mean, averaged over the calls.
+    `mean` maps mechanisms to (n,) [W/m2/K], `coordination` is the mean number of
+    touching neighbours; `Re`, `eps` are those at the particles (n,), `Pr` their mean,
+    averaged over the calls.
     """
 
     def __init__(self, solid: Solid, emissivity: float = 0.0, T: float = 300.0):
@@ -60,18 +70,25 @@ class Average:
         """Continue from the arrays of `state`."""
         count, self.coordination, self.Pr = state["numbers"].tolist()
         self.count, self.Re, self.eps = int(count), state["Re"], state["eps"]
-        self.mean = {name[5:]: value for name, value in state.items() if name.startswith("mean_")}
+        self.mean = {
+            name[5:]: value for name, value in state.items() if name.startswith("mean_")
+        }
 
     @deferred_interrupt()
     def __call__(self, bed: Bed) -> None:
         """Take the bed as it is now into the average."""
         found = coefficients(bed, self.solid, self.emissivity, self.T)
-        around, z = bed.gas.around(bed.motion), 2.0 * len(bed.simulation.contacts()) / len(bed.simulation.position)
+        around, z = (
+            bed.gas.around(bed.motion),
+            2.0 * len(bed.simulation.contacts()) / len(bed.simulation.position),
+        )
         old = self.count / (self.count + 1.0)
         self.count += 1
         new = 1.0 - old
         for name, h in found.items():
-            self.mean[name] = old * self.mean[name] + new * h if name in self.mean else h
+            self.mean[name] = (
+                old * self.mean[name] + new * h if name in self.mean else h
+            )
         self.coordination = old * self.coordination + new * z
         self.Re, self.eps = (
             new * now + (old * past if len(past) else 0.0)
@@ -92,11 +109,13 @@ class Average:
 def bed_nusselt(
     bed: Bed, velocity: float, T: float, solid: Solid, of: str = "convection"
 ) -> tuple[float, float, float]:
-    """Find Re and Pr of a superficial velocity [m/s] through a bed at rest, and Nu of its mean coefficient.
+    """Find Re and Pr of a superficial velocity [m/s] through a bed at rest, and Nu of
+    its mean coefficient.
 
-    The gas enters at T [K], that of the bed, and has crossed the grid once. `of` "total" adds what `solid` conducts.
-    The length of both numbers is the Sauter mean diameter, the coefficient the mean over the surface: with them a bed
-    of one size exchanges what the particles of all sizes do.
+    The gas enters at T [K], that of the bed, and has crossed the grid once. `of`
+    "total" adds what `solid` conducts. The length of both numbers is the Sauter mean
+    diameter, the coefficient the mean over the surface: with them a bed of one size
+    exchanges what the particles of all sizes do.
     """
     gas, grid, d_p = bed.gas, bed.gas.grid, 2.0 * bed.simulation.radius
     gas.inlet(velocity, T)
@@ -105,7 +124,12 @@ def bed_nusselt(
     average(bed)
     h = average.mean["convection"] if of == "convection" else average.total
     rho, mu, k, c = (
-        float(getattr(gas.fluid, name)(T)) for name in ("density", "viscosity", "conductivity", "heat_capacity")
+        float(getattr(gas.fluid, name)(T))
+        for name in ("density", "viscosity", "conductivity", "heat_capacity")
     )
     d_32, surface = sauter_mean(d_p), d_p**2
-    return rho * velocity * d_32 / mu, mu * c / k, float((h * surface).sum() / surface.sum()) * d_32 / k
+    return (
+        rho * velocity * d_32 / mu,
+        mu * c / k,
+        float((h * surface).sum() / surface.sum()) * d_32 / k,
+    )

@@ -1,4 +1,6 @@
-"""What a run records on its way, and continues after a restart: rows over time, averages, files of particles."""
+"""What a run records on its way, and continues after a restart: rows over time,
+averages, files of particles.
+"""
 
 from __future__ import annotations
 
@@ -20,13 +22,15 @@ from contbed.fields import header
 
 Array = NDArray[np.float64]
 
-ISOTHERMAL = ("t", "pressure_drop", "height", "height_max", "coordination")  # columns of profiles.csv
+# columns of profiles.csv
+ISOTHERMAL = ("t", "pressure_drop", "height", "height_max", "coordination")
 WITH_HEAT = (*ISOTHERMAL, "T_fluid", "T_solid")
 
 
 @dataclass
 class History:
-    """Rows of profiles.csv, averages, probed points, and the times [s] at which files of particles were written.
+    """Rows of profiles.csv, averages, probed points, and the times [s] at which files
+    of particles were written.
 
     `given` heat [J] of each tube at the last row, 0 before the first.
     """
@@ -51,7 +55,13 @@ class History:
         simulation = bed.simulation
         contacts = 2.0 * len(simulation.contacts()) / len(simulation.position)
         x = simulation.position
-        row = [bed.time, bed.gas.pressure_drop, surface(x, simulation.radius), float(x[:, 2].max()), contacts]
+        row = [
+            bed.time,
+            bed.gas.pressure_drop,
+            surface(x, simulation.radius),
+            float(x[:, 2].max()),
+            contacts,
+        ]
         if bed.T is not None:
             held = bed.gas.mass.sum()
             row += [float(bed.gas.mass @ bed.gas.T / held), float(bed.T.mean())]
@@ -62,36 +72,61 @@ class History:
         since = self.rows[-1][0] if self.rows else 0.0
         mean = (bed.from_tubes - self.given) / (bed.time - since)
         self.given = bed.from_tubes.copy()
-        return [float(heat) for tube, heat in zip(bed.tubes, mean, strict=True) if tube.tube.T is not None]
+        return [
+            float(heat)
+            for tube, heat in zip(bed.tubes, mean, strict=True)
+            if tube.tube.T is not None
+        ]
 
     @property
     def heating(self) -> list[str]:
         """Names of the tubes that heat the bed."""
-        return [average.heat.tube.name for average in self.tubes if average.heat.tube.T is not None]
+        return [
+            average.heat.tube.name
+            for average in self.tubes
+            if average.heat.tube.T is not None
+        ]
 
     @property
     def columns(self) -> dict[str, Array]:
         """Columns of profiles.csv by header; none before the first row."""
         if not self.rows:
             return {}
-        more = [*(f"{name} {header('heat_tube')}" for name in self.heating), *self.probes.columns]
-        names = WITH_HEAT if len(self.rows[0]) == len(WITH_HEAT) + len(more) else ISOTHERMAL
+        more = [
+            *(f"{name} {header('heat_tube')}" for name in self.heating),
+            *self.probes.columns,
+        ]
+        names = (
+            WITH_HEAT if len(self.rows[0]) == len(WITH_HEAT) + len(more) else ISOTHERMAL
+        )
         headers = [*(header(name) for name in names), *more]
         return dict(zip(headers, np.array(self.rows).T.copy(), strict=True))
 
     def write_particles(self, folder: Path, bed: Bed) -> None:
-        """Write the particles as they are now, once for each time, and the list of all files in the folder."""
+        """Write the particles as they are now, once for each time, and the list of
+        all files in the folder.
+        """
         from contbed.output.vtu import write_series
 
         if bed.time not in self.file_times:
             simulation = bed.simulation
-            columns = {"radius": simulation.radius, "velocity": simulation.velocity, "force": bed.force}
+            columns = {
+                "radius": simulation.radius,
+                "velocity": simulation.velocity,
+                "force": bed.force,
+            }
             if bed.T is not None:
                 columns["T_solid"] = bed.T
-            write_particles(folder / _name(len(self.file_times)), simulation.position, columns)
+            write_particles(
+                folder / _name(len(self.file_times)), simulation.position, columns
+            )
             self.file_times.append(bed.time)
         # a restart into another folder leaves the earlier files where they are
-        files = [(time, _name(k)) for k, time in enumerate(self.file_times) if (folder / _name(k)).is_file()]
+        files = [
+            (time, _name(k))
+            for k, time in enumerate(self.file_times)
+            if (folder / _name(k)).is_file()
+        ]
         write_series(folder / "particles.pvd", files)
 
     def state(self) -> dict[str, Array]:
@@ -99,7 +134,10 @@ class History:
         kept = self.average.state() | self.levels.state() | {"given": self.given}
         for tube in self.tubes:
             kept |= tube.state()
-        return kept | {"rows": np.array(self.rows), "file_times": np.array(self.file_times)}
+        return kept | {
+            "rows": np.array(self.rows),
+            "file_times": np.array(self.file_times),
+        }
 
     def restore(self, state: Mapping[str, Array]) -> None:
         """Continue from the arrays of `state`."""
@@ -108,7 +146,10 @@ class History:
         self.given = np.array(state["given"])
         for tube in self.tubes:
             tube.restore(state)
-        self.rows, self.file_times = state["rows"].tolist(), state["file_times"].tolist()
+        self.rows, self.file_times = (
+            state["rows"].tolist(),
+            state["file_times"].tolist(),
+        )
 
 
 def _name(number: int) -> str:

@@ -1,7 +1,9 @@
-"""Compiled parts of the gas: sums over the particles' shares, momentum on faces, slopes of the pressure.
+"""Compiled parts of the gas: sums over the particles' shares, momentum on faces, slopes
+of the pressure.
 
-Kernels run over the tables of a `grid.Grid`; arrays are of cells (c,), faces (f,) or particles (n,). Those over
-particles run in several threads; sums are taken in an order that does not depend on how many there are.
+Kernels run over the tables of a `grid.Grid`; arrays are of cells (c,), faces (f,) or
+particles (n,). Those over particles run in several threads; sums are taken in an order
+that does not depend on how many there are.
 """
 
 from __future__ import annotations
@@ -28,7 +30,9 @@ def gather(where: Places, weight: Array, values: Array) -> Array:
 
 
 @entry(nogil=True, cache=True)
-def _gather(begin: int, end: int, where: Places, weight: Array, values: Array, out: Array) -> None:
+def _gather(
+    begin: int, end: int, where: Places, weight: Array, values: Array, out: Array
+) -> None:
     for i in range(begin, end):
         found = 0.0
         for k in range(where.shape[1]):
@@ -38,25 +42,33 @@ def _gather(begin: int, end: int, where: Places, weight: Array, values: Array, o
 
 def scatter(where: Places, weight: Array, values: Array, size: int) -> Array:
     """Sum `values` (n,) over the particles, shape (size,)."""
-    return np.asarray(threads.scattered(_scatter, len(where), (size,), where, weight, values))
+    return np.asarray(
+        threads.scattered(_scatter, len(where), (size,), where, weight, values)
+    )
 
 
 @entry(nogil=True, cache=True)
-def _scatter(begin: int, end: int, where: Places, weight: Array, values: Array, out: Array) -> None:
+def _scatter(
+    begin: int, end: int, where: Places, weight: Array, values: Array, out: Array
+) -> None:
     for i in range(begin, end):
         for k in range(where.shape[1]):
             out[where[i, k]] += weight[i, k] * values[i]
 
 
 def gather_faces(faces: Places, weight: Array, values: Array) -> Array:
-    """Find the vector at each particle from values normal to the faces, shape (n, 3)."""
+    """Find the vector at each particle from values normal to the faces, shape (n,
+    3).
+    """
     out = np.empty((len(faces), 3))
     threads.parallel(_gather_faces, len(faces), faces, weight, values, out)
     return out
 
 
 @entry(nogil=True, cache=True)
-def _gather_faces(begin: int, end: int, faces: Places, weight: Array, values: Array, out: Array) -> None:
+def _gather_faces(
+    begin: int, end: int, faces: Places, weight: Array, values: Array, out: Array
+) -> None:
     for i in range(begin, end):
         for a in range(3):
             found = 0.0
@@ -66,26 +78,46 @@ def _gather_faces(begin: int, end: int, faces: Places, weight: Array, values: Ar
 
 
 def scatter_faces(faces: Places, weight: Array, values: Array, size: int) -> Array:
-    """Sum `values` (n,) over the particles, on the faces across each axis, shape (size,)."""
-    return np.asarray(threads.scattered(_scatter_faces, len(faces), (size,), faces, weight, values))
+    """Sum `values` (n,) over the particles, on the faces across each axis, shape
+    (size,).
+    """
+    return np.asarray(
+        threads.scattered(_scatter_faces, len(faces), (size,), faces, weight, values)
+    )
 
 
 @entry(nogil=True, cache=True)
-def _scatter_faces(begin: int, end: int, faces: Places, weight: Array, values: Array, out: Array) -> None:
+def _scatter_faces(
+    begin: int, end: int, faces: Places, weight: Array, values: Array, out: Array
+) -> None:
     for i in range(begin, end):
         for a in range(3):
             for k in range(8):
                 out[faces[i, a, k]] += weight[i, a, k] * values[i]
 
 
-def scatter_drag(faces: Places, weight: Array, coefficient: Array, carried: Array, size: int) -> Array:
-    """Sum `coefficient` (n,), and its products with `carried` (n, 3) by direction, shape (2, size)."""
-    return np.asarray(threads.scattered(_scatter_drag, len(faces), (2, size), faces, weight, coefficient, carried))
+def scatter_drag(
+    faces: Places, weight: Array, coefficient: Array, carried: Array, size: int
+) -> Array:
+    """Sum `coefficient` (n,), and its products with `carried` (n, 3) by direction,
+    shape (2, size).
+    """
+    return np.asarray(
+        threads.scattered(
+            _scatter_drag, len(faces), (2, size), faces, weight, coefficient, carried
+        )
+    )
 
 
 @entry(nogil=True, cache=True)
 def _scatter_drag(
-    begin: int, end: int, faces: Places, weight: Array, coefficient: Array, carried: Array, out: Array
+    begin: int,
+    end: int,
+    faces: Places,
+    weight: Array,
+    coefficient: Array,
+    carried: Array,
+    out: Array,
 ) -> None:
     for i in range(begin, end):
         for a in range(3):
@@ -97,12 +129,16 @@ def _scatter_drag(
 
 
 def force_on_particles(places: Any, drag: Any, q: Array, slope: Array) -> Array:
-    """Find the force on each particle (n, 3) [N]: drag by q (f,) [m/s] and buoyancy by the slope (f,) of p [Pa/m].
+    """Find the force on each particle (n, 3) [N]: drag by q (f,) [m/s] and buoyancy by
+    the slope (f,) of p [Pa/m].
 
     `places` and `drag` are those of `gas_quantities`.
     """
     out = np.empty((len(places.faces), 3))
-    drag_on_each, at = (drag.coefficient, drag.carried), (places.faces, places.weight, places.volume)
+    drag_on_each, at = (
+        (drag.coefficient, drag.carried),
+        (places.faces, places.weight, places.volume),
+    )
     threads.parallel(_force, len(out), at, drag_on_each, q, slope, out)
     return out
 
@@ -117,7 +153,9 @@ def _force(
     slope: Array,
     out: Array,
 ) -> None:
-    """Set the force `out` (n, 3); `at` are faces, weights and volumes of the particles, `drag` its two parts."""
+    """Set the force `out` (n, 3); `at` are faces, weights and volumes of the
+    particles, `drag` its two parts.
+    """
     faces, weight, volume = at
     coefficient, carried = drag
     for i in range(begin, end):
@@ -132,7 +170,9 @@ def _force(
 
 @entry(cache=True)
 def face_means(cell: Array, face_cell: Indices) -> Array:
-    """Interpolate cell values to faces: the mean of both sides, at the rim the value of the only cell."""
+    """Interpolate cell values to faces: the mean of both sides, at the rim the value
+    of the only cell.
+    """
     out = np.empty(len(face_cell))
     for f in range(len(face_cell)):
         low, high = face_cell[f]
@@ -147,14 +187,24 @@ def face_means(cell: Array, face_cell: Indices) -> Array:
 
 @entry(cache=True)
 def limited(T: Array, T_inlet: Array, flux: Array, tables: Tables) -> Array:
-    """Reconstruct upwind temperatures on faces, second order (MUSCL) with the limiter of van Leer (1974).
+    """Reconstruct upwind temperatures on faces, second order (MUSCL) with the limiter
+    of van Leer (1974).
 
-    `T_inlet` (f,) [K] are those beyond the inlet, nan elsewhere; `flux` (f,) gives the direction.
+    `T_inlet` (f,) [K] are those beyond the inlet, nan elsewhere; `flux` (f,) gives the
+    direction.
     """
-    cell_face, face_cell, face_axis = tables.cell_face, tables.face_cell, tables.face_axis
+    cell_face, face_cell, face_axis = (
+        tables.cell_face,
+        tables.face_cell,
+        tables.face_axis,
+    )
     out = T_inlet.copy()
     for f in range(len(face_cell)):
-        up, down = (face_cell[f, 0], face_cell[f, 1]) if flux[f] >= 0.0 else (face_cell[f, 1], face_cell[f, 0])
+        up, down = (
+            (face_cell[f, 0], face_cell[f, 1])
+            if flux[f] >= 0.0
+            else (face_cell[f, 1], face_cell[f, 0])
+        )
         if up < 0:
             if down >= 0 and T_inlet[f] != T_inlet[f]:
                 out[f] = T[down]
@@ -182,15 +232,25 @@ def divergence(flux: Array, cell_face: Indices) -> Array:
     out = np.empty(len(cell_face))
     for c in range(len(cell_face)):
         g = cell_face[c]
-        out[c] = flux[g[1]] - flux[g[0]] + flux[g[3]] - flux[g[2]] + flux[g[5]] - flux[g[4]]
+        out[c] = (
+            flux[g[1]] - flux[g[0]] + flux[g[3]] - flux[g[2]] + flux[g[5]] - flux[g[4]]
+        )
     return out
 
 
 @entry(cache=True)
 def momentum(
-    u: Array, mass: Array, eps: Array, rho: Array, mu: Array, gravity: Array, tables: Tables, no_slip: bool
+    u: Array,
+    mass: Array,
+    eps: Array,
+    rho: Array,
+    mu: Array,
+    gravity: Array,
+    tables: Tables,
+    no_slip: bool,
 ) -> Array:
-    """Sum convection (first-order upwind), viscous stress and weight on staggered faces [N/m3 of gas].
+    """Sum convection (first-order upwind), viscous stress and weight on staggered
+    faces [N/m3 of gas].
 
     Parameters
     ----------
@@ -201,7 +261,12 @@ def momentum(
     tables : `grid.Tables`
     no_slip : whether the gas sticks to the sides
     """
-    cell_face, face_cell, face_next, size = tables.cell_face, tables.face_cell, tables.face_next, tables.size
+    cell_face, face_cell, face_next, size = (
+        tables.cell_face,
+        tables.face_cell,
+        tables.face_next,
+        tables.size,
+    )
     face_axis, active = tables.face_axis, tables.active
     out = np.zeros(len(u))
     for f in range(len(u)):
@@ -218,7 +283,9 @@ def momentum(
             elif high < 0:
                 through = mass[cell_face[low, side]]
             else:
-                through = 0.5 * (mass[cell_face[low, side]] + mass[cell_face[high, side]])
+                through = 0.5 * (
+                    mass[cell_face[low, side]] + mass[cell_face[high, side]]
+                )
             inward = through if side % 2 == 0 else -through
             if near >= 0:
                 other, distance = u[near], size[b]
@@ -237,7 +304,9 @@ def momentum(
 
 @entry(cache=True)
 def slopes(p: Array, tables: Tables) -> Array:
-    """Find the pressure gradient on the faces with unknown velocities [Pa/m]; p = 0 at the outlet face."""
+    """Find the pressure gradient on the faces with unknown velocities [Pa/m]; p = 0
+    at the outlet face.
+    """
     size, face_cell, face_axis = tables.size, tables.face_cell, tables.face_axis
     face_kind, active = tables.face_kind, tables.active
     out = np.zeros(len(face_cell))

@@ -1,7 +1,9 @@
-"""Velocities of particles across the bed at several heights, averaged over the samples of a run.
+"""Velocities of particles across the bed at several heights, averaged over the samples
+of a run.
 
-Particles count whose centres are within one cell of the gas above or below the height, in the column of cells along x
-that they are in. Averages are those over particles: the speed of the particles, not that of their mean motion.
+Particles count whose centres are within one cell of the gas above or below the height,
+in the column of cells along x that they are in. Averages are those over particles: the
+speed of the particles, not that of their mean motion.
 """
 
 from __future__ import annotations
@@ -18,7 +20,9 @@ Array = NDArray[np.float64]
 
 
 class Levels:
-    """Sums over particles at heights [m], `sums` (heights, columns, 3): their number, speeds and upward velocities."""
+    """Sums over particles at heights [m], `sums` (heights, columns, 3): their
+    number, speeds and upward velocities.
+    """
 
     def __init__(self, grid: Grid, heights: Sequence[float]):
         self.grid, self.heights = grid, tuple(heights)
@@ -30,13 +34,17 @@ class Levels:
         count = grid.count[0]
         for sums, height in zip(self.sums, self.heights, strict=True):
             near = np.abs(x[:, 2] - height) <= grid.size[2]
-            column = np.clip((x[near, 0] - grid.lower[0]) / grid.size[0], 0, count - 1).astype(np.int64)
+            column = np.clip(
+                (x[near, 0] - grid.lower[0]) / grid.size[0], 0, count - 1
+            ).astype(np.int64)
             speed, up = np.linalg.norm(velocity[near], axis=1), velocity[near, 2]
             for k, weight in enumerate((np.ones(len(column)), speed, up)):
                 sums[:, k] += np.bincount(column, weight, count)
 
     def table(self) -> dict[str, Array]:
-        """Return the columns of levels.csv; a column of cells that no particle passed has no row."""
+        """Return the columns of levels.csv; a column of cells that no particle
+        passed has no row.
+        """
         level, column = np.nonzero(self.sums[..., 0])
         number, speed, up = self.sums[level, column].T
         return {

@@ -1,4 +1,6 @@
-"""Pictures of particles in a gas: pressure drop, height, coordination and temperatures over time, heat around tubes."""
+"""Pictures of particles in a gas: pressure drop, height, coordination and
+temperatures over time, heat around tubes.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +24,11 @@ def plot(result: Result, folder: Path) -> None:
             tube_plot(folder / f"{name}.png", table, title)
 
 
-def history_plot(path: Path | str, columns: Mapping[str, NDArray[np.float64]], title: str = "") -> None:
-    """Draw pressure drop, height, coordination and temperatures over time, one below the other.
+def history_plot(
+    path: Path | str, columns: Mapping[str, NDArray[np.float64]], title: str = ""
+) -> None:
+    """Draw pressure drop, height, coordination and temperatures over time, one below
+    the other.
 
     Parameters
     ----------
@@ -49,8 +54,11 @@ def history_plot(path: Path | str, columns: Mapping[str, NDArray[np.float64]], t
         panels[-1].set_xlabel(FIELDS["t"].label)
 
 
-def tube_plot(path: Path | str, table: Mapping[str, NDArray[np.float64]], title: str = "") -> None:
-    """Draw the heat transfer coefficients of a tube over the angle from its bottom, by mechanism, and the porosity.
+def tube_plot(
+    path: Path | str, table: Mapping[str, NDArray[np.float64]], title: str = ""
+) -> None:
+    """Draw the heat transfer coefficients of a tube over the angle from its bottom, by
+    mechanism, and the porosity.
 
     Parameters
     ----------
@@ -69,14 +77,20 @@ def tube_plot(path: Path | str, table: Mapping[str, NDArray[np.float64]], title:
         ):
             upper.plot(angle, table[header(name)], "o-", color=colour, label=text)
         # room for the legend above the curves
-        upper.set(ylabel=FIELDS["h"].label, ylim=(0.0, 1.35 * float(table[header("h")].max())))
+        upper.set(
+            ylabel=FIELDS["h"].label, ylim=(0.0, 1.35 * float(table[header("h")].max()))
+        )
         upper.legend(loc="upper center", ncols=2)
         lower.plot(angle, table[header("eps")], "o-", color="#0072B2")
-        lower.set(ylabel=_label("eps"), xlabel=FIELDS["angle"].label, xticks=range(0, 361, 60))
+        lower.set(
+            ylabel=_label("eps"), xlabel=FIELDS["angle"].label, xticks=range(0, 361, 60)
+        )
 
 
 def _label(name: str) -> str:
-    """Return the label of a column, "middle p" of a probe with the name of the probe before it."""
+    """Return the label of a column, "middle p" of a probe with the name of the probe
+    before it.
+    """
     found, probe = field(name), name.rpartition(" ")[0]
     assert found is not None, "every column is a field"
     return f"{probe} {found.label}".strip()

@@ -1,7 +1,8 @@
-"""Pressure equation of the gas, sum over faces of conductance (p - p_beyond) = source, with p = 0 beyond outlets.
+"""Pressure equation of the gas, sum over faces of conductance (p - p_beyond) = source,
+with p = 0 beyond outlets.
 
-Solved by conjugate gradients with multigrid by aggregation, which knows no axes: sides may be periodic, and cells may
-hold no gas. It takes 3 to 8 % of a run.
+Solved by conjugate gradients with multigrid by aggregation, which knows no axes: sides
+may be periodic, and cells may hold no gas. It takes 3 to 8 % of a run.
 """
 
 from __future__ import annotations
@@ -26,7 +27,9 @@ class Pressure:
         cells = np.concatenate((low[between], np.maximum(low, high)[outlets]))
         self._multigrid = Multigrid(cells, high[between], grid.cells)
 
-    def solve(self, guess: Array, conductance: Array, source: Array, tolerance: float) -> tuple[Array, int]:
+    def solve(
+        self, guess: Array, conductance: Array, source: Array, tolerance: float
+    ) -> tuple[Array, int]:
         """Solve for the pressure of the cells.
 
         Parameters
@@ -41,5 +44,7 @@ class Pressure:
         pressure (c,) [Pa], number of iterations, -1 without convergence
         """
         p = guess.copy()
-        iterations = self._multigrid.solve(conductance[self._faces], False, source, p, tolerance)
+        iterations = self._multigrid.solve(
+            conductance[self._faces], False, source, p, tolerance
+        )
         return p, iterations

@@ -1,4 +1,6 @@
-"""What a run of particles in a gas found: profiles over time, coefficients by mechanism, balances, closure ranges."""
+"""What a run of particles in a gas found: profiles over time, coefficients by
+mechanism, balances, closure ranges.
+"""
 
 from __future__ import annotations
 
@@ -17,14 +19,18 @@ from contbed.dem.simulation import Simulation
 from contbed.dem.softness import GRAVITY
 from contbed.result import Result
 
-ROUNDING = 0.01  # K; heat that warms the particles by less is not known to the ten digits that balances are held to
+# K; heat that warms the particles by less is not known to the ten digits that balances
+# are held to
+ROUNDING = 0.01
 PERCENTILES = (5, 50, 95)  # of the coefficients of single particles
 
 
 def fill(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
     """Fill the result with what is known at the end of a run, complete or not."""
     result.profiles |= history.columns
-    result.balances["gas"] = _balance(bed.mass_balance(), "kg", float(bed.gas.mass.sum()))
+    result.balances["gas"] = _balance(
+        bed.mass_balance(), "kg", float(bed.gas.mass.sum())
+    )
     if bed.T is not None and (heat := bed.balance()):
         floor = max(abs(bed.gas.sums["gained"]), ROUNDING * float(bed.capacity.sum()))
         result.balances["energy"] = _balance(heat, "J", floor)
@@ -35,12 +41,18 @@ def fill(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
         }
     result.qoi |= {
         "time [s]": bed.time,
-        "bed_weight [Pa]": float(bed.simulation.mass.sum()) * GRAVITY / float(np.prod(plan.scene.particles.width)),
+        "bed_weight [Pa]": float(bed.simulation.mass.sum())
+        * GRAVITY
+        / float(np.prod(plan.scene.particles.width)),
         "above_grid": bed.above,
         "porosities_raised": bed.gas.counts["raised"],
     }
     for what, number in (
-        ("particles above the grid of the gas, where they feel none; enlarge particles.height", bed.above),
+        (
+            "particles above the grid of the gas, where they feel none; enlarge "
+            "particles.height",
+            bed.above,
+        ),
         ("porosities below 0.2, raised", bed.gas.counts["raised"]),
     ):
         if number:
@@ -55,15 +67,19 @@ def _shorter(simulation: Simulation) -> str:
     """Say that the run went on with a shorter step of the particles."""
     halvings, step = simulation.halvings, simulation.time_step
     return (
-        f"particles were too fast for their time step, which was halved {halvings} time{'s' * (halvings > 1)}, "
-        f"to {step:.3g} s: it resolves speeds up to {STRIDE * simulation.radius.min() / step:.3g} m/s"
+        f"particles were too fast for their time step, which was halved {halvings} "
+        f"time{'s' * (halvings > 1)}, "
+        f"to {step:.3g} s: it resolves speeds up to "
+        f"{STRIDE * simulation.radius.min() / step:.3g} m/s"
     )
 
 
 def _fill_averages(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
     average = history.average
     total = average.total
-    result.qoi |= {f"h_{name} [W/m2/K]": value for name, value in average.bed_means().items()}
+    result.qoi |= {
+        f"h_{name} [W/m2/K]": value for name, value in average.bed_means().items()
+    }
     result.qoi |= {
         "h_total [W/m2/K]": float(total.mean()),
         "coordination": average.coordination,
@@ -71,8 +87,14 @@ def _fill_averages(result: Result, plan: GasPlan, bed: Bed, history: History) ->
         "samples": average.count,
     }
     conduction = total - average.mean["convection"] - average.mean.get("radiation", 0.0)
-    for name, values in (("convection", average.mean["convection"]), ("conduction", conduction), ("total", total)):
-        result.qoi[f"h_{name}_percentiles [W/m2/K]"] = np.percentile(values, PERCENTILES).tolist()
+    for name, values in (
+        ("convection", average.mean["convection"]),
+        ("conduction", conduction),
+        ("total", total),
+    ):
+        result.qoi[f"h_{name}_percentiles [W/m2/K]"] = np.percentile(
+            values, PERCENTILES
+        ).tolist()
     columns = history.columns
     late = columns["t [s]"] >= plan.scene.time.average_from * (1.0 - 1e-9)
     for name in ("pressure_drop [Pa]", "height [m]"):
@@ -83,15 +105,21 @@ def _fill_averages(result: Result, plan: GasPlan, bed: Bed, history: History) ->
         name = tube.heat.tube.name
         result.tables[f"tube_{name}"] = table = tube.table()
         for part in ("", "_contact", "_gap", "_convection"):
-            result.qoi[f"h_tube_{name}{part} [W/m2/K]"] = float(table[f"h{part} [W/m2/K]"].mean())
+            result.qoi[f"h_tube_{name}{part} [W/m2/K]"] = float(
+                table[f"h{part} [W/m2/K]"].mean()
+            )
         result.closures.append(tube.heat.tube.nusselt.use().to_dict())
     for name in history.heating:
-        result.qoi[f"heat_tube_{name} [W]"] = float(columns[f"{name} heat_tube [W]"][late].mean())
+        result.qoi[f"heat_tube_{name} [W]"] = float(
+            columns[f"{name} heat_tube [W]"][late].mean()
+        )
     _fill_ranges(result, plan, bed, history)
 
 
 def _fill_ranges(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
-    """Compare the averages at every particle with the ranges that drag and heat transfer are declared for."""
+    """Compare the averages at every particle with the ranges that drag and heat
+    transfer are declared for.
+    """
     average = history.average
     known = {
         "Re": average.Re,
@@ -105,5 +133,9 @@ def _fill_ranges(result: Result, plan: GasPlan, bed: Bed, history: History) -> N
 
 
 def _balance(parts: Mapping[str, float], unit: str, floor: float) -> dict[str, Any]:
-    """Balance the parts in, out, source and stored against the largest of them and `floor`."""
-    return Balance(parts["in"], parts["out"], unit, parts["source"], parts["stored"], floor=floor).as_dict()
+    """Balance the parts in, out, source and stored against the largest of them and
+    `floor`.
+    """
+    return Balance(
+        parts["in"], parts["out"], unit, parts["source"], parts["stored"], floor=floor
+    ).as_dict()

@@ -1,4 +1,6 @@
-"""Run of a scene of particles in a gas: the bed, its march from sample to sample, checkpoint and closure file."""
+"""Run of a scene of particles in a gas: the bed, its march from sample to sample,
+checkpoint and closure file.
+"""
 
 from __future__ import annotations
 
@@ -29,19 +31,29 @@ from contbed.scene.gas import GasConstant, GasCoolProp
 if TYPE_CHECKING:
     from contbed.output.checkpoint import Keeper
 
-RESTART_MAY_CHANGE = ("time.end", "time.checkpoint_every", "output.plots", "output.fields")
+RESTART_MAY_CHANGE = (
+    "time.end",
+    "time.checkpoint_every",
+    "output.plots",
+    "output.fields",
+)
 
 
 @timed("particles and gas")
 def run(
-    plan: GasPlan, result: Result, folder: Path | None, quiet: bool, start: tuple[Mapping[str, Any], Any] | None
+    plan: GasPlan,
+    result: Result,
+    folder: Path | None,
+    quiet: bool,
+    start: tuple[Mapping[str, Any], Any] | None,
 ) -> None:
     """Run the plan and fill the result.
 
     Parameters
     ----------
     plan : from `cfd_dem.plan.plan`
-    result : takes profiles, named results, balances and closure ranges, also of a run that is cut off
+    result : takes profiles, named results, balances and closure ranges, also of a run
+        that is cut off
     folder : for particles, checkpoint and closure file; None: nothing is written
     quiet : no progress bar
     start : arrays of a checkpoint to continue from, or None
@@ -69,7 +81,13 @@ def run(
     files = folder if scene.output.fields else None
     with Keeper(folder, identity(scene), scene.time.checkpoint_every) as keeper:
         try:
-            _march(scene, bed, history, quiet, partial(_save, scene, bed, history, folder, keeper))
+            _march(
+                scene,
+                bed,
+                history,
+                quiet,
+                partial(_save, scene, bed, history, folder, keeper),
+            )
         finally:
             fill(result, plan, bed, history)
             if files is not None:
@@ -81,12 +99,19 @@ def run(
 
 
 def build(plan: GasPlan) -> tuple[Bed, Solid]:
-    """Build the bed of a plan whose particles have settled, with its inlet open, and how its particles conduct."""
+    """Build the bed of a plan whose particles have settled, with its inlet open, and
+    how its particles conduct.
+    """
     scene = plan.scene
     assert plan.particles is not None
     table, grains = scene.particles, scene.solid
     simulation = simulation_of(table, grains, plan.particles, plan.engine, plan.tubes)
-    solid = Solid(grains.conductivity, grains.heat_capacity, grains.youngs_modulus, table.exponents)
+    solid = Solid(
+        grains.conductivity,
+        grains.heat_capacity,
+        grains.youngs_modulus,
+        table.exponents,
+    )
     T = scene.T_start
     closures = bound(scene)
     flow = Gas(
@@ -100,7 +125,9 @@ def build(plan: GasPlan) -> tuple[Bed, Solid]:
         scene.boundary.sides.gas.wall == "no_slip",
         tolerance=scene.solver.pressure_tolerance,
     )
-    heat: dict[str, Any] = {} if scene.heat is None else {"T": T, "heat_interval": scene.heat.interval}
+    heat: dict[str, Any] = (
+        {} if scene.heat is None else {"T": T, "heat_interval": scene.heat.interval}
+    )
     bed = Bed(
         simulation,
         flow,
@@ -127,8 +154,12 @@ def _open_inlet(scene: GasScene, bed: Bed) -> None:
     bed.gas.inlet(inlet.velocity, inlet.temperature, slot, speed, T)
 
 
-def _march(scene: GasScene, bed: Bed, history: History, quiet: bool, save: Callable[[], None]) -> None:
-    """Advance from sample to sample, and to the end of the jet; average, record and save at each."""
+def _march(
+    scene: GasScene, bed: Bed, history: History, quiet: bool, save: Callable[[], None]
+) -> None:
+    """Advance from sample to sample, and to the end of the jet; average, record and
+    save at each.
+    """
     time, jet = scene.time, scene.boundary.jet
     stops = np.arange(1, round(time.end / time.sample) + 1) * time.sample
     if jet is not None and jet.until is not None:
@@ -143,19 +174,27 @@ def _march(scene: GasScene, bed: Bed, history: History, quiet: bool, save: Calla
             save()
 
 
-def _save(scene: GasScene, bed: Bed, history: History, folder: Path | None, keeper: Keeper) -> None:
-    """Write the particles if their time has come, then the checkpoint, which counts them."""
+def _save(
+    scene: GasScene, bed: Bed, history: History, folder: Path | None, keeper: Keeper
+) -> None:
+    """Write the particles if their time has come, then the checkpoint, which counts
+    them.
+    """
     if folder is None:
         return
     every = scene.time.fields
-    due = every is not None and bed.time >= (len(history.file_times) + 1) * every * (1.0 - 1e-9)
+    due = every is not None and bed.time >= (len(history.file_times) + 1) * every * (
+        1.0 - 1e-9
+    )
     if scene.output.fields and due:
         history.write_particles(folder, bed)
     keeper.offer(bed.state() | history.state())
 
 
 def _fit_closure(plan: GasPlan, result: Result, folder: Path | None) -> None:
-    """Fit Nu over Re to bed averages of a fixed bed at several velocities and write closure.toml."""
+    """Fit Nu over Re to bed averages of a fixed bed at several velocities and write
+    closure.toml.
+    """
     from contbed.scene.identity import scene_hash
 
     scene = plan.scene
@@ -164,12 +203,17 @@ def _fit_closure(plan: GasPlan, result: Result, folder: Path | None) -> None:
     points = []
     for velocity in table.velocities:
         bed, solid = build(plan)
-        points.append(bed_nusselt(bed, velocity, scene.inlet.temperature, solid, table.of))
+        points.append(
+            bed_nusselt(bed, velocity, scene.inlet.temperature, solid, table.of)
+        )
     fit = extract.fit_power(*np.array(points).T)
     result.qoi["closure_residual"] = fit.content["residuals"]["largest"]
     if folder is not None:
         name = Path(scene.origin.name).name
-        fit.write(folder / "closure.toml", {"scene": name, "scene_hash": scene_hash(scene), "of": table.of})
+        fit.write(
+            folder / "closure.toml",
+            {"scene": name, "scene_hash": scene_hash(scene), "of": table.of},
+        )
 
 
 def _fluid(scene: GasScene) -> Any:
@@ -179,7 +223,9 @@ def _fluid(scene: GasScene) -> Any:
         from contbed.materials.constant import ConstantFluid
 
         assert table.heat_capacity is not None and table.conductivity is not None
-        return ConstantFluid(table.density, table.heat_capacity, table.viscosity, table.conductivity)
+        return ConstantFluid(
+            table.density, table.heat_capacity, table.viscosity, table.conductivity
+        )
     if isinstance(table, GasCoolProp):
         from contbed.materials.coolprop import real_fluid
 
@@ -187,4 +233,8 @@ def _fluid(scene: GasScene) -> Any:
     from contbed.materials.gas import gas_mixture
     from contbed.scene.mechanism import find_mechanism
 
-    return gas_mixture(table.composition, table.pressure, find_mechanism(table.mechanism, scene.origin.base))
+    return gas_mixture(
+        table.composition,
+        table.pressure,
+        find_mechanism(table.mechanism, scene.origin.base),
+    )

@@ -67,31 +67,43 @@ class GasTube(Table):
     )
     temperature: Temperature | None = Field(
         None,
-        description="at which it heats or cools the bed, with [heat]; absent: coefficients alone",
+        description="at which it heats or cools the bed, with [heat]; absent: "
+        "coefficients alone",
     )
 
 
 class NusseltClosure(Table):
-    """Nu = 2 + a Re^b Pr^(1/3) fitted to bed averages of a bed at rest, written as closure.toml."""
+    """Nu = 2 + a Re^b Pr^(1/3) fitted to bed averages of a bed at rest, written as
+    closure.toml.
+    """
 
-    velocities: Annotated[tuple[Annotated[float, *unit("m/s"), Field(gt=0)], ...], Field(min_length=4)] = Field(
-        description="superficial, at which the exchange is computed"
+    velocities: Annotated[
+        tuple[Annotated[float, *unit("m/s"), Field(gt=0)], ...], Field(min_length=4)
+    ] = Field(description="superficial, at which the exchange is computed")
+    of: Literal["convection", "total"] = Field(
+        "convection", description="total: conduction to neighbours as well"
     )
-    of: Literal["convection", "total"] = Field("convection", description="total: conduction to neighbours as well")
 
 
 class GasParticles(Table):
-    """Spheres in a box that is open above; those of a file keep their own radii and speeds."""
+    """Spheres in a box that is open above; those of a file keep their own radii and
+    speeds.
+    """
 
-    count: Annotated[Whole, Field(ge=1)] | None = Field(None, description="settled from a random start")
+    count: Annotated[Whole, Field(ge=1)] | None = Field(
+        None, description="settled from a random start"
+    )
     file: str | None = Field(
         None,
-        description="in place of count: x,y,z in metres with commas, a .vtu of contbed, or a dump",
+        description="in place of count: x,y,z in metres with commas, a .vtu of "
+        "contbed, or a dump",
     )
     width: Width
     height: Length = Field(description="of the box, with room above the bed")
     periodic: Switch = Field(False, description="sides")
-    seed: Annotated[Whole, Field(ge=0)] = Field(0, description="of the random start of the packing")
+    seed: Annotated[Whole, Field(ge=0)] = Field(
+        0, description="of the random start of the packing"
+    )
     fixed: Switch = Field(False, description="a packed bed that does not move")
     gravity: Switch = Field(True, description="whether it acts on the particles")
     modulus: Pressure = Field(SOFT, description="Young's modulus of the simulation")
@@ -102,9 +114,12 @@ class GasParticles(Table):
     )
     cell: tuple[Positive, Positive] = Field(
         (3.0, 1.0),
-        description="width and height of cells in diameters; high cells smear the surface, U_mf grows",
+        description="width and height of cells in diameters; high cells smear the "
+        "surface, U_mf grows",
     )
-    tubes: dict[str, GasTube] = Field(default_factory=dict, description="horizontal tubes by name")
+    tubes: dict[str, GasTube] = Field(
+        default_factory=dict, description="horizontal tubes by name"
+    )
     closure: NusseltClosure | None = None
 
 
@@ -113,7 +128,8 @@ class GasSolid(Spheres):
 
     diameter: Length | None = Field(
         None,
-        description="of equal spheres; a dump, a .vtu and a column radius bring their own",
+        description="of equal spheres; a dump, a .vtu and a column radius bring their "
+        "own",
     )
     density: Density = Field(description="of the particles")
     heat_capacity: HeatCapacity = Field(840.0, description="of the particles")
@@ -125,7 +141,9 @@ class GasSolid(Spheres):
 class Closures(Table):
     """Exchange of particles and gas."""
 
-    drag: Annotated[Named, Discriminator(form)] = Field("di_felice", description="of the gas on a particle")
+    drag: Annotated[Named, Discriminator(form)] = Field(
+        "di_felice", description="of the gas on a particle"
+    )
     nusselt: Annotated[NamedOrFile, Discriminator(form)] = Field(
         description="Nusselt number of the exchange between gas and particles"
     )
@@ -154,7 +172,9 @@ class JetGas(Table):
 class Jet(Table):
     """A slot in the floor across the whole depth."""
 
-    on: Literal["bottom"] = Field("bottom", description="boundary that it is a piece of")
+    on: Literal["bottom"] = Field(
+        "bottom", description="boundary that it is a piece of"
+    )
     start: Position = Field(description="of the slot in x")
     end: Position = Field(description="of the slot in x")
     until: Instant | None = Field(None, description="when it stops; absent: never")
@@ -164,7 +184,9 @@ class Jet(Table):
 class SidesGas(Table):
     """Gas at the sides."""
 
-    wall: Literal["slip", "no_slip"] = Field("slip", description="whether the gas sticks to the sides")
+    wall: Literal["slip", "no_slip"] = Field(
+        "slip", description="whether the gas sticks to the sides"
+    )
 
 
 class Sides(Table):
@@ -184,7 +206,9 @@ class Boundary(Table):
 class GasHeat(Table):
     """Temperatures that change."""
 
-    interval: Seconds = Field(5e-3, description="after which conductances between particles are found anew")
+    interval: Seconds = Field(
+        5e-3, description="after which conductances between particles are found anew"
+    )
 
 
 class SolidAtStart(Table):
@@ -196,7 +220,9 @@ class SolidAtStart(Table):
 class Initial(Table):
     """The bed at the start; the gas has the temperature of the particles."""
 
-    solids: dict[str, SolidAtStart] = Field(default_factory=dict, description="solid phases by name")
+    solids: dict[str, SolidAtStart] = Field(
+        default_factory=dict, description="solid phases by name"
+    )
 
 
 class GasTime(Table):
@@ -205,9 +231,15 @@ class GasTime(Table):
     end: Seconds = Field(description="time at which the run ends")
     average_from: Instant = Field(0.0, description="time from which averages are taken")
     step: Seconds = Field(2e-4, description="longest step of the gas")
-    sample: Seconds = Field(0.02, description="interval of samples and rows of profiles.csv")
-    fields: Seconds | None = Field(None, description="interval of particle files; absent: the end only")
-    checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
+    sample: Seconds = Field(
+        0.02, description="interval of samples and rows of profiles.csv"
+    )
+    fields: Seconds | None = Field(
+        None, description="interval of particle files; absent: the end only"
+    )
+    checkpoint_every: Seconds = Field(
+        10.0, description="wall-clock time between checkpoints"
+    )
 
 
 class GasOutput(Table):
@@ -218,13 +250,17 @@ class GasOutput(Table):
     probes: dict[str, tuple[Position, Position, Position]] = Field(
         default_factory=dict, description="points in x, y and z, for profiles.csv"
     )
-    levels: tuple[Position, ...] = Field((), description="heights, for averages across the bed in levels.csv")
+    levels: tuple[Position, ...] = Field(
+        (), description="heights, for averages across the bed in levels.csv"
+    )
 
 
 class GasSolver(Table):
     """Tolerances."""
 
-    balance_tolerance: Positive = Field(1e-10, description="largest relative residual of a balance that a run accepts")
+    balance_tolerance: Positive = Field(
+        1e-10, description="largest relative residual of a balance that a run accepts"
+    )
     pressure_tolerance: Annotated[Number, Field(gt=0, lt=1e-2)] = Field(
         1e-7, description="relative residual of the pressure equation"
     )
@@ -238,7 +274,9 @@ class GasScene(SceneBase):
     renamed: ClassVar[Mapping[str, str]] = RENAMED
 
     particles: GasParticles
-    solids: Annotated[dict[str, GasSolid], AfterValidator(one_solid)] = Field(description="the particles, by name")
+    solids: Annotated[dict[str, GasSolid], AfterValidator(one_solid)] = Field(
+        description="the particles, by name"
+    )
     gas: Gas
     closures: Closures
     boundary: Boundary

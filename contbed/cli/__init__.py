@@ -1,6 +1,7 @@
 """The command line.
 
-`commands` and `studies` run scenes, `lookup` shows data sheets, `terminal` holds what they share.
+`commands` and `studies` run scenes, `lookup` shows data sheets, `terminal` holds what
+they share.
 """
 
 from contbed.cli.commands import app, main

@@ -42,10 +42,16 @@ app = typer.Typer(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code. Errors are plain lines on stderr, never a traceback."""
+    """Run one command and return its exit code. Errors are plain lines on stderr,
+    never a traceback.
+    """
     resume.clear()
     try:
-        code = app(list(sys.argv[1:] if arguments is None else arguments), "contbed", standalone_mode=False)
+        code = app(
+            list(sys.argv[1:] if arguments is None else arguments),
+            "contbed",
+            standalone_mode=False,
+        )
         sys.stdout.flush()
         if code == 130:
             complain(interrupted())
@@ -70,9 +76,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             complain(interrupted())
             return 130
         if isinstance(error, OverflowError):
-            complain(f"contbed: too large for a computer, {error.args[-1]}: values are far from any bed")
+            complain(
+                f"contbed: too large for a computer, {error.args[-1]}: values are far "
+                "from any bed"
+            )
             return ConvergenceError.exit_code
-        # The base of typer's usage errors is private; they alone can describe themselves.
+        # The base of typer's usage errors is private; they alone can describe
+        # themselves.
         if not hasattr(error, "format_message"):
             raise
         complain(f"contbed: {error.format_message()}")
@@ -88,7 +98,10 @@ def _version(wanted: bool) -> None:
 
 @app.callback()
 def _options(
-    version: Annotated[bool, Option("--version", help="print the version", is_eager=True, callback=_version)] = False,
+    version: Annotated[
+        bool,
+        Option("--version", help="print the version", is_eager=True, callback=_version),
+    ] = False,
 ) -> None:
     pass
 
@@ -98,17 +111,23 @@ def run(
     scene: SceneFile,
     out: OutFolder = None,
     quiet: Annotated[bool, Option("--quiet", help="no progress, no table")] = False,
-    restart: Annotated[Path | None, Option("--restart", metavar="DIR", help="continue from its checkpoint")] = None,
+    restart: Annotated[
+        Path | None,
+        Option("--restart", metavar="DIR", help="continue from its checkpoint"),
+    ] = None,
     settings: Settings = None,
     engine: Annotated[
         Literal["skfem", "dolfinx", "lammps", "cuda"] | None,
         Option(
             "--engine",
-            help="dolfinx: PETSc, the default under mpirun; lammps: settles a packing; cuda: particles on a GPU",
+            help="dolfinx: PETSc, the default under mpirun; lammps: settles a packing; "
+            "cuda: particles on a GPU",
         ),
     ] = None,
     threads: Threads = None,
-    report: Annotated[bool, Option("--report", help="write report.html into DIR as well")] = False,
+    report: Annotated[
+        bool, Option("--report", help="write report.html into DIR as well")
+    ] = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
@@ -132,12 +151,22 @@ def run(
     options = [word for text in settings or [] for word in ("--set", text)]
     options += ["--engine", engine] if engine else []
     options += ["--trust"] * trust + ["--allow-large"] * allow_large
-    command = shlex.join(["contbed", "run", str(scene), *options, "--restart", str(folder)])
-    # a checkpoint that was there before is that of another run, which this one has not replaced yet
-    resume[:] = [(folder / "checkpoint.npz", 0.0 if folder == restart else time.time(), command)]
+    command = shlex.join(
+        ["contbed", "run", str(scene), *options, "--restart", str(folder)]
+    )
+    # a checkpoint that was there before is that of another run, which this one has not
+    # replaced yet
+    resume[:] = [
+        (folder / "checkpoint.npz", 0.0 if folder == restart else time.time(), command)
+    ]
     try:
         result = solve(
-            loaded, out=folder, quiet=quiet, restart=restart, engine=engine or usual_engine(), threads=threads
+            loaded,
+            out=folder,
+            quiet=quiet,
+            restart=restart,
+            engine=engine or usual_engine(),
+            threads=threads,
         )
     except ContbedError:
         if report and (folder / "summary.json").exists():
@@ -147,7 +176,10 @@ def run(
         _write_report([folder])
     if not quiet and result is not None:
         print(result.table())
-        print(f"results are in {folder}" + (f", and the report is {folder / 'report.html'}" if report else ""))
+        print(
+            f"results are in {folder}"
+            + (f", and the report is {folder / 'report.html'}" if report else "")
+        )
 
 
 @app.command()
@@ -181,7 +213,12 @@ def check(
 @app.command()
 def plan(
     scene: SceneFile,
-    quiet: Annotated[bool, Option("--quiet", help="nothing besides the plan, such as that loops are compiled")] = False,
+    quiet: Annotated[
+        bool,
+        Option(
+            "--quiet", help="nothing besides the plan, such as that loops are compiled"
+        ),
+    ] = False,
     settings: Settings = None,
     trust: Trust = False,
     allow_large: AllowLarge = False,
@@ -216,7 +253,9 @@ def warm() -> None:
 @app.command()
 def converge(
     scene: SceneFile,
-    levels: Annotated[int, Option("--levels", metavar="N", min=2, max=12, help="number of meshes")] = 4,
+    levels: Annotated[
+        int, Option("--levels", metavar="N", min=2, max=12, help="number of meshes")
+    ] = 4,
     out: OutFolder = None,
     trust: Trust = False,
     allow_large: AllowLarge = False,
@@ -227,14 +266,24 @@ def converge(
     """
     from contbed.many.converge import converge as study
 
-    print(study(scene, levels, out or Path("results") / f"{scene.stem}-converge", trust, allow_large))
+    print(
+        study(
+            scene,
+            levels,
+            out or Path("results") / f"{scene.stem}-converge",
+            trust,
+            allow_large,
+        )
+    )
 
 
 @app.command()
 def bench(
     study: Annotated[Path, Argument(metavar="STUDY", help="a study's folder")],
     out: OutFolder = None,
-    trust: Annotated[bool, Option("--trust", help="let it run the programs that the study names")] = False,
+    trust: Annotated[
+        bool, Option("--trust", help="let it run the programs that the study names")
+    ] = False,
 ) -> None:
     """Measure run time against error.
 
@@ -248,15 +297,23 @@ def bench(
 @app.command()
 def report(
     folders: Annotated[
-        list[Path], Argument(metavar="DIR...", help="folders of runs, or that of a command that makes many")
+        list[Path],
+        Argument(
+            metavar="DIR...",
+            help="folders of runs, or that of a command that makes many",
+        ),
     ],
     out: Annotated[
-        Path | None, Option("--out", metavar="FILE", help="file to write; report.html in DIR if absent")
+        Path | None,
+        Option(
+            "--out", metavar="FILE", help="file to write; report.html in DIR if absent"
+        ),
     ] = None,
 ) -> None:
     """Write one HTML file about runs.
 
-    Also about a sweep, an optimum and the like. The file needs no network and no server.
+    Also about a sweep, an optimum and the like. The file needs no network and no
+    server.
     """
     print(f"the report is {_write_report(folders, out)}")
 
@@ -265,10 +322,20 @@ def report(
 def animate(
     folder: Annotated[Path, Argument(metavar="DIR", help="folder of a transient run")],
     out: Annotated[
-        Path | None, Option("--out", metavar="FILE", help="a .gif or .mp4; animation.gif in DIR if absent")
+        Path | None,
+        Option(
+            "--out",
+            metavar="FILE",
+            help="a .gif or .mp4; animation.gif in DIR if absent",
+        ),
     ] = None,
-    field: Annotated[str | None, Option("--field", metavar="NAME", help="which field, such as T_solid")] = None,
-    rate: Annotated[int, Option("--rate", metavar="N", min=1, max=60, help="frames per second")] = 10,
+    field: Annotated[
+        str | None,
+        Option("--field", metavar="NAME", help="which field, such as T_solid"),
+    ] = None,
+    rate: Annotated[
+        int, Option("--rate", metavar="N", min=1, max=60, help="frames per second")
+    ] = 10,
 ) -> None:
     """Write a film of a transient run.
 
@@ -282,11 +349,16 @@ def animate(
 @app.command()
 def validate(
     names: Annotated[
-        list[str] | None, Argument(metavar="NAME...", help="measured beds; all short ones if absent")
+        list[str] | None,
+        Argument(metavar="NAME...", help="measured beds; all short ones if absent"),
     ] = None,
     out: OutFolder = None,
-    as_json: Annotated[bool, Option("--json", help="print summary.json instead of the table")] = False,
-    long: Annotated[bool, Option("--long", help="those that take more than a minute as well")] = False,
+    as_json: Annotated[
+        bool, Option("--json", help="print summary.json instead of the table")
+    ] = False,
+    long: Annotated[
+        bool, Option("--long", help="those that take more than a minute as well")
+    ] = False,
 ) -> None:
     """Compare the models with measured beds.
 
@@ -308,7 +380,10 @@ def validate(
             complain(f"{one.case.name}: warning: {text}")
     left = [one.name for one in cases if one not in chosen]
     if left:
-        complain(f"left out, as they take more than a minute: {', '.join(left)}; --long runs them")
+        complain(
+            f"left out, as they take more than a minute: {', '.join(left)}; --long "
+            "runs them"
+        )
     if not as_json:
         print(f"results are in {folder}")
 

@@ -1,4 +1,6 @@
-"""Commands that look something up: data sheets, lists, closures for a place, the JSON schema, a scene to begin with."""
+"""Commands that look something up: data sheets, lists, closures for a place, the
+JSON schema, a scene to begin with.
+"""
 
 from __future__ import annotations
 
@@ -32,13 +34,19 @@ def _places(incomplete: str) -> list[str]:
 
 
 KindOrNone = Annotated[
-    str | None, Argument(metavar="KIND", help="kind of scene, such as packed_bed", autocompletion=_kinds)
+    str | None,
+    Argument(
+        metavar="KIND", help="kind of scene, such as packed_bed", autocompletion=_kinds
+    ),
 ]
 
 
 def new(
     kind: KindOrNone = None,
-    out: Annotated[Path | None, Option("--out", metavar="FILE", help="file to write; absent: print")] = None,
+    out: Annotated[
+        Path | None,
+        Option("--out", metavar="FILE", help="file to write; absent: print"),
+    ] = None,
 ) -> None:
     """Write a commented scene to begin with.
 
@@ -59,7 +67,9 @@ def new(
         with open(out, "x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError:
-        raise typer.BadParameter(f"{out} is there already; choose another name", param_hint="--out") from None
+        raise typer.BadParameter(
+            f"{out} is there already; choose another name", param_hint="--out"
+        ) from None
     print(f"{out} is written; contbed run {out} solves it")
 
 
@@ -79,10 +89,19 @@ def explain(
     context: typer.Context,
     name: Annotated[
         list[str] | None,
-        Argument(metavar="NAME", help="nusselt_gunn, closures.nusselt, calcination, materials", autocompletion=_names),
+        Argument(
+            metavar="NAME",
+            help="nusselt_gunn, closures.nusselt, calcination, materials",
+            autocompletion=_names,
+        ),
     ] = None,
     search: Annotated[
-        str | None, Option("--search", metavar="WORDS", help="names whose data sheets have all the words")
+        str | None,
+        Option(
+            "--search",
+            metavar="WORDS",
+            help="names whose data sheets have all the words",
+        ),
     ] = None,
 ) -> None:
     """Show the data sheet of a name.
@@ -106,11 +125,19 @@ def closures(
     place: Annotated[
         str,
         Option(
-            "--for", metavar="PLACE", help="key that names a closure, closures.drag; or a kind", autocompletion=_places
+            "--for",
+            metavar="PLACE",
+            help="key that names a closure, closures.drag; or a kind",
+            autocompletion=_places,
         ),
     ],
     at: Annotated[
-        str | None, Option("--at", metavar="CONDITIONS", help='such as "d_p=300 um, rho_s=2600, T=850 degC"')
+        str | None,
+        Option(
+            "--at",
+            metavar="CONDITIONS",
+            help='such as "d_p=300 um, rho_s=2600, T=850 degC"',
+        ),
     ] = None,
 ) -> None:
     """Rank the closures for a key of a scene.

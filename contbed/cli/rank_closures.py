@@ -1,4 +1,6 @@
-"""Which closure for a place of a scene: those of its kind in order of how well given conditions lie in their ranges."""
+"""Which closure for a place of a scene: those of its kind in order of how well given
+conditions lie in their ranges.
+"""
 
 from __future__ import annotations
 
@@ -20,9 +22,17 @@ GRAVITY = 9.81  # [m/s2]
 LOOSE = 0.4  # porosity of a bed at minimum fluidization
 AMBIENT = 101325.0  # [Pa]
 AIR = "N2:0.79, O2:0.21"
-ALIASES = {"rho_s": "rho_solid", "rho_p": "rho_solid", "rho_g": "rho_gas", "k_s": "k_solid", "k_f": "k_fluid"}
+ALIASES = {
+    "rho_s": "rho_solid",
+    "rho_p": "rho_solid",
+    "rho_g": "rho_gas",
+    "k_s": "k_solid",
+    "k_f": "k_fluid",
+}
 SAME = (("rho", "rho_gas"), ("k_fluid", "k_gas"))  # one quantity under two names
-ROUNDED = 1e-3  # relative difference of two values of one quantity that is no more than rounding of what is written
+# relative difference of two values of one quantity that is no more than rounding of
+# what is written
+ROUNDED = 1e-3
 _PAIR = re.compile(r"\s*([A-Za-z_]\w*)\s*=\s*(.+?)\s*")
 
 
@@ -31,28 +41,41 @@ Spans = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True)
 class Choice:
-    """A closure at given conditions: arguments inside and outside of its range, those unknown, and its value."""
+    """A closure at given conditions: arguments inside and outside of its range,
+    those unknown, and its value.
+    """
 
     name: str
     inside: tuple[str, ...]
     outside: tuple[str, ...]
     unknown: tuple[str, ...]
-    distance: float  # sum over the arguments outside of the logarithm of how far they are beyond the bound
+    # sum over the arguments outside of the logarithm of how far they are beyond the
+    # bound
+    distance: float
     value: float | None
 
     @property
     def order(self) -> tuple[Any, ...]:
-        """Key to sort by: nothing outside first, then most known ranges, then the name."""
-        return (bool(self.outside), self.distance, len(self.unknown), -len(self.inside), self.name)
+        """Key to sort by: nothing outside first, then most known ranges, then the
+        name.
+        """
+        return (
+            bool(self.outside),
+            self.distance,
+            len(self.unknown),
+            -len(self.inside),
+            self.name,
+        )
 
 
 def conditions(text: str) -> dict[str, float]:
-    """Return the arguments of closures in SI that a text such as "d_p=300 um, T=850 degC" gives.
+    """Return the arguments of closures in SI that a text such as "d_p=300 um, T=850
+    degC" gives.
 
     Raises
     ------
-    SceneError : a part is no NAME=VALUE, a name or a unit is not known, a value is out of the bounds of its argument,
-        or two values contradict each other
+    SceneError : a part is no NAME=VALUE, a name or a unit is not known, a value is out
+        of the bounds of its argument, or two values contradict each other
     """
     found: dict[str, float] = {}
     for part in re.split(r"[,;]\s*(?=[A-Za-z_]\w*\s*=)", text.strip()):
@@ -61,7 +84,10 @@ def conditions(text: str) -> dict[str, float]:
             raise SceneError(f"--at: {part!r} is no NAME=VALUE such as d_p=300 um")
         name = ALIASES.get(match[1], match[1])
         if name not in ARGUMENTS:
-            raise SceneError(f"--at: {match[1]!r} is no argument of a closure; {nearest(name, sorted(ARGUMENTS))}")
+            raise SceneError(
+                f"--at: {match[1]!r} is no argument of a closure; "
+                f"{nearest(name, sorted(ARGUMENTS))}"
+            )
         if name in found:
             raise SceneError(f"--at: {name} is given twice; give it once")
         found[name] = _in_si(name, match[2])
@@ -71,20 +97,25 @@ def conditions(text: str) -> dict[str, float]:
 
 def _contradictions(found: Mapping[str, float]) -> None:
     """Raise SceneError where one quantity has two values."""
-    if {"eps", "eps_s"} <= found.keys() and not math.isclose(found["eps"] + found["eps_s"], 1.0, rel_tol=ROUNDED):
+    if {"eps", "eps_s"} <= found.keys() and not math.isclose(
+        found["eps"] + found["eps_s"], 1.0, rel_tol=ROUNDED
+    ):
         told = f"eps = {found['eps']:g} and eps_s = {found['eps_s']:g}"
         raise SceneError(f"--at: {told} must sum to 1; give one of them")
     for pair in SAME:
-        if set(pair) <= found.keys() and not math.isclose(*(found[name] for name in pair), rel_tol=ROUNDED):
+        if set(pair) <= found.keys() and not math.isclose(
+            *(found[name] for name in pair), rel_tol=ROUNDED
+        ):
             told = " and ".join(f"{name} = {found[name]:g}" for name in reversed(pair))
             raise SceneError(f"--at: {told} are one quantity; give one of them")
 
 
 def derived(given: Mapping[str, float]) -> tuple[dict[str, float], str]:
-    """Return the conditions with what follows from them, and a remark on what was assumed.
+    """Return the conditions with what follows from them, and a remark on what was
+    assumed.
 
-    With a temperature and no viscosity the gas is air at `p` or ambient pressure. Then k_fluid, Pr, Re, Pe and Ar
-    follow where d_p, u and rho_solid are given.
+    With a temperature and no viscosity the gas is air at `p` or ambient pressure. Then
+    k_fluid, Pr, Re, Pe and Ar follow where d_p, u and rho_solid are given.
     """
     known = dict(given)
     remark = ""
@@ -126,7 +157,8 @@ def derived(given: Mapping[str, float]) -> tuple[dict[str, float], str]:
 
 
 def kind_for(place: str) -> str:
-    """Return the kind of closure that a place of a scene takes, "closures.drag"; or the kind itself, "drag".
+    """Return the kind of closure that a place of a scene takes, "closures.drag"; or the
+    kind itself, "drag".
 
     Raises
     ------
@@ -139,44 +171,77 @@ def kind_for(place: str) -> str:
     pattern = re.sub(r"^(solids|boundary|region)\.[^.]+", r"\1.NAME", place)
     if pattern in known:
         return known[pattern]
-    raise SceneError(f"--for: no place {place!r} takes a closure; {nearest(place, [*known, *kinds])}")
+    raise SceneError(
+        f"--for: no place {place!r} takes a closure; {nearest(place, [*known, *kinds])}"
+    )
 
 
 def fluidized(known: Mapping[str, float]) -> dict[str, tuple[float, float]]:
-    """Return the Reynolds numbers and porosities that gas and particles of a fluidized bed meet; empty without Ar.
+    """Return the Reynolds numbers and porosities that gas and particles of a fluidized
+    bed meet; empty without Ar.
 
-    Re goes from minimum fluidization (Grace 1982) to the terminal velocity (Haider and Levenspiel 1989), eps from a
-    loose packing to the single particle.
+    Re goes from minimum fluidization (Grace 1982) to the terminal velocity (Haider and
+    Levenspiel 1989), eps from a loose packing to the single particle.
     """
     if not {"Ar", "d_p", "rho_solid", "rho", "mu"} <= known.keys():
         return {}
     least = float(registry.get("minimum_fluidization_grace")(Ar=known["Ar"]))
-    arguments = inspect.signature(terminal := registry.get("terminal_velocity_haider_levenspiel")).parameters
+    arguments = inspect.signature(
+        terminal := registry.get("terminal_velocity_haider_levenspiel")
+    ).parameters
     sphere = {"sphericity": 1.0} | dict(known)
     u_t = float(terminal(**{key: sphere[key] for key in arguments}))
-    return {"Re": (least, u_t * known["d_p"] * known["rho"] / known["mu"]), "eps": (LOOSE, 1.0)}
+    return {
+        "Re": (least, u_t * known["d_p"] * known["rho"] / known["mu"]),
+        "eps": (LOOSE, 1.0),
+    }
 
 
-def ranked(kind: str, known: Mapping[str, float], spans: Spans | None = None) -> list[Choice]:
-    """Return the closures of a kind, those first whose ranges hold the conditions and `spans`, low and high of each."""
+def ranked(
+    kind: str, known: Mapping[str, float], spans: Spans | None = None
+) -> list[Choice]:
+    """Return the closures of a kind, those first whose ranges hold the conditions
+    and `spans`, low and high of each.
+    """
     every = dict(spans or {}) | {name: (value, value) for name, value in known.items()}
-    return sorted((_choice(name, known, every) for name in registry.names(kind)), key=lambda choice: choice.order)
+    return sorted(
+        (_choice(name, known, every) for name in registry.names(kind)),
+        key=lambda choice: choice.order,
+    )
 
 
 def table(place: str, at: str | None) -> str:
-    """Return the closures for a place of a scene at the conditions `at` as lines for a terminal."""
+    """Return the closures for a place of a scene at the conditions `at` as lines for
+    a terminal.
+    """
     kind = kind_for(place)
     given = conditions(at) if at else {}
     known, remark = derived(given)
     unit = registry.sheet(registry.names(kind)[0]).unit
     lines = [f"closures of kind {kind} [{unit}], the best covered first"]
     if given:
-        lines.append("at " + ", ".join(f"{name} = {value:.4g}" for name, value in given.items()))
-        follows = [f"{name} = {value:.4g}" for name, value in known.items() if name not in given]
-        lines += [text for text in (remark, f"hence {', '.join(follows)}" if follows else "") if text]
-    spans = {key: span for key, span in fluidized(known).items() if key not in known} if kind == "drag" else {}
+        lines.append(
+            "at " + ", ".join(f"{name} = {value:.4g}" for name, value in given.items())
+        )
+        follows = [
+            f"{name} = {value:.4g}"
+            for name, value in known.items()
+            if name not in given
+        ]
+        lines += [
+            text
+            for text in (remark, f"hence {', '.join(follows)}" if follows else "")
+            if text
+        ]
+    spans = (
+        {key: span for key, span in fluidized(known).items() if key not in known}
+        if kind == "drag"
+        else {}
+    )
     if spans:
-        ends = ", ".join(f"{key} = {low:.4g} to {high:.4g}" for key, (low, high) in spans.items())
+        ends = ", ".join(
+            f"{key} = {low:.4g} to {high:.4g}" for key, (low, high) in spans.items()
+        )
         lines.append(f"from minimum fluidization to the terminal velocity {ends}")
     every = dict(spans) | {name: (value, value) for name, value in known.items()}
     lines.append("")
@@ -184,7 +249,10 @@ def table(place: str, at: str | None) -> str:
         value = "" if choice.value is None else f"  = {choice.value:.5g}"
         lines.append(f"{choice.name:42}{_verdict(choice, bool(given)):10}{value}")
         if choice.outside:
-            lines.append(f"    outside: {', '.join(_with_range(choice.name, key, every) for key in choice.outside)}")
+            lines.append(
+                "    outside: "
+                f"{', '.join(_with_range(choice.name, key, every) for key in choice.outside)}"
+            )
         if given and choice.unknown:
             lines.append(f"    not known: {', '.join(choice.unknown)}")
         lines.append(f"    {registry.sheet(choice.name).summary}")
@@ -209,10 +277,21 @@ def _choice(name: str, known: Mapping[str, float], spans: Spans) -> Choice:
         if any(part not in spans for part in key.split("/")):
             unknown.append(key)
             continue
-        beyond = [_beyond(value, low, high) for value in _of(key, spans) if not low <= value <= high]
+        beyond = [
+            _beyond(value, low, high)
+            for value in _of(key, spans)
+            if not low <= value <= high
+        ]
         (outside if beyond else inside).append(key)
         distance += sum(beyond)
-    return Choice(name, tuple(inside), tuple(outside), tuple(unknown), distance, _value(name, known))
+    return Choice(
+        name,
+        tuple(inside),
+        tuple(outside),
+        tuple(unknown),
+        distance,
+        _value(name, known),
+    )
 
 
 def _of(key: str, spans: Spans) -> tuple[float, float]:
@@ -225,7 +304,9 @@ def _of(key: str, spans: Spans) -> tuple[float, float]:
 
 
 def _beyond(value: float, low: float, high: float) -> float:
-    """Return how far a value is beyond its bound, as the logarithm of their ratio; 1 where a bound is zero."""
+    """Return how far a value is beyond its bound, as the logarithm of their ratio; 1
+    where a bound is zero.
+    """
     bound = low if value < low else high
     return abs(math.log(value / bound)) if value > 0.0 and bound > 0.0 else 1.0
 
@@ -233,11 +314,19 @@ def _beyond(value: float, low: float, high: float) -> float:
 def _value(name: str, known: Mapping[str, float]) -> float | None:
     """Return the value of a closure whose arguments are all known."""
     function = registry.get(name)
-    arguments = {key: known[key] for key in inspect.signature(function).parameters if key in known}
+    arguments = {
+        key: known[key]
+        for key in inspect.signature(function).parameters
+        if key in known
+    }
     if any(key not in arguments for key in registry.sheet(name).arguments):
         return None
     value = function(**arguments)
-    return float(value) if isinstance(value, int | float) or getattr(value, "ndim", 1) == 0 else None
+    return (
+        float(value)
+        if isinstance(value, int | float) or getattr(value, "ndim", 1) == 0
+        else None
+    )
 
 
 def _with_range(name: str, key: str, spans: Spans) -> str:
@@ -253,15 +342,23 @@ def _in_si(name: str, text: str) -> float:
     value = _converted(name, text, known)
     if known.bounds and value not in Interval.read(known.bounds):
         shown = f"{value:g}" if known.unit == "-" else f"{value:g} {known.unit}"
-        raise SceneError(f"--at: {name} = {text}: {shown}; {known.meaning} must be in {known.bounds}")
+        raise SceneError(
+            f"--at: {name} = {text}: {shown}; {known.meaning} must be in {known.bounds}"
+        )
     if not math.isfinite(value):
-        raise SceneError(f"--at: {name} = {text}: {known.meaning} must be a finite number")
+        raise SceneError(
+            f"--at: {name} = {text}: {known.meaning} must be a finite number"
+        )
     return value
 
 
 def _converted(name: str, text: str, known: Argument) -> float:
     """Return a value in SI as it is written."""
-    unit = "1" if known.unit == "-" else re.sub(r"([A-Za-z])(\d)", r"\1**\2", known.unit.replace(" ", "*"))
+    unit = (
+        "1"
+        if known.unit == "-"
+        else re.sub(r"([A-Za-z])(\d)", r"\1**\2", known.unit.replace(" ", "*"))
+    )
     try:
         return float(text)
     except ValueError:

@@ -1,4 +1,6 @@
-"""Commands that run a scene many times: sweeps, derivatives, optima, cascades from particles, calibrations."""
+"""Commands that run a scene many times: sweeps, derivatives, optima, cascades from
+particles, calibrations.
+"""
 
 from __future__ import annotations
 
@@ -24,15 +26,29 @@ from contbed.cli.terminal import (
     usual_engine,
 )
 
-RetryFailed = Annotated[bool, Option("--retry-failed", help="compute failed runs again")]
+RetryFailed = Annotated[
+    bool, Option("--retry-failed", help="compute failed runs again")
+]
 
 
 def sweep(
-    study: Annotated[Path, Argument(metavar="STUDY", help="a TOML file with a scene and values of its keys")],
-    jobs: Annotated[int, Option("--jobs", metavar="N", help="processes; -1 for one a core")] = -1,
+    study: Annotated[
+        Path,
+        Argument(
+            metavar="STUDY", help="a TOML file with a scene and values of its keys"
+        ),
+    ],
+    jobs: Annotated[
+        int, Option("--jobs", metavar="N", help="processes; -1 for one a core")
+    ] = -1,
     out: OutFolder = None,
     scheduler: Annotated[
-        str | None, Option("--scheduler", metavar="tcp://HOST:PORT", help="compute on this dask cluster")
+        str | None,
+        Option(
+            "--scheduler",
+            metavar="tcp://HOST:PORT",
+            help="compute on this dask cluster",
+        ),
     ] = None,
     retry_failed: RetryFailed = False,
     quiet: Annotated[bool, Option("--quiet", help="no progress")] = False,
@@ -44,14 +60,21 @@ def sweep(
     Runs that a former call finished are not repeated. Writes a table and plots.
     """
     _require_jobs(jobs)
-    if scheduler is not None and not re.fullmatch(r"([a-z]+://)?(\[[0-9a-fA-F:]+\]|[^\s:/\[\]]+):\d{1,5}", scheduler):
-        raise typer.BadParameter(f"{scheduler!r} is not an address like tcp://HOST:8786", param_hint="--scheduler")
+    if scheduler is not None and not re.fullmatch(
+        r"([a-z]+://)?(\[[0-9a-fA-F:]+\]|[^\s:/\[\]]+):\d{1,5}", scheduler
+    ):
+        raise typer.BadParameter(
+            f"{scheduler!r} is not an address like tcp://HOST:8786",
+            param_hint="--scheduler",
+        )
     _one_thread_a_process()
     from contbed.many.sweep.sweep import sweep as run_all
 
     folder = out or Path("results") / study.stem
     resume[:] = [(folder / "runs", 0.0, "the same command")]
-    done = run_all(study, folder, jobs, scheduler, retry_failed, quiet, trust, allow_large)
+    done = run_all(
+        study, folder, jobs, scheduler, retry_failed, quiet, trust, allow_large
+    )
     for text in done.warnings:
         complain(f"warning: {text}")
     for text in done.failures():
@@ -66,29 +89,45 @@ def sweep(
                 complain(f"warning: {text}")
             print(table(found))
     finished = len(done.rows) - len(done.failed)
-    print(f"{finished} of {len(done.rows)} runs are finished, {done.before} were before; see {folder / 'table.csv'}")
+    print(
+        f"{finished} of {len(done.rows)} runs are finished, {done.before} were before; "
+        f"see {folder / 'table.csv'}"
+    )
     if done.failed:
         raise typer.Exit(3)
 
 
 def compare(
     scene: SceneFile,
-    models: Annotated[str, Option("--models", metavar="A,B,C", help="packed_bed,two_fluid and the like")],
+    models: Annotated[
+        str,
+        Option("--models", metavar="A,B,C", help="packed_bed,two_fluid and the like"),
+    ],
     out: OutFolder = None,
     settings: Settings = None,
-    report: Annotated[bool, Option("--report", help="write report.html into DIR as well")] = False,
+    report: Annotated[
+        bool, Option("--report", help="write report.html into DIR as well")
+    ] = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
     """Run one reactor by several models.
 
-    Shows the results that more than one model has, their differences, the time of each run and what each leaves out.
+    Shows the results that more than one model has, their differences, the time of each
+    run and what each leaves out.
     """
     from contbed.many.compare import compare as run_all
 
     folder = out or Path("results") / f"{scene.stem}-compared"
     wanted = [name.strip() for name in models.split(",") if name.strip()]
-    found = run_all(scene, wanted, folder, overrides_of(settings), trust=trust, allow_large=allow_large)
+    found = run_all(
+        scene,
+        wanted,
+        folder,
+        overrides_of(settings),
+        trust=trust,
+        allow_large=allow_large,
+    )
     print(found.text())
     if report:
         from contbed.report.write import write
@@ -102,22 +141,36 @@ def compare(
 
 def sensitivities(
     scene: SceneFile,
-    qoi: Annotated[list[str], Option("--qoi", metavar="RESULT", help="T_fluid_out_K and the like; repeatable")],
+    qoi: Annotated[
+        list[str],
+        Option(
+            "--qoi", metavar="RESULT", help="T_fluid_out_K and the like; repeatable"
+        ),
+    ],
     to: Annotated[
-        list[str] | None, Option("--to", metavar="KEY", help="such as packed_bed.porosity; all that the scene gives")
+        list[str] | None,
+        Option(
+            "--to",
+            metavar="KEY",
+            help="such as packed_bed.porosity; all that the scene gives",
+        ),
     ] = None,
     out: OutFolder = None,
     settings: Settings = None,
-    as_json: Annotated[bool, Option("--json", help="print JSON instead of the table")] = False,
+    as_json: Annotated[
+        bool, Option("--json", help="print JSON instead of the table")
+    ] = False,
     engine: Annotated[
-        Literal["skfem", "dolfinx"] | None, Option("--engine", help="dolfinx: PETSc, the default under mpirun")
+        Literal["skfem", "dolfinx"] | None,
+        Option("--engine", help="dolfinx: PETSc, the default under mpirun"),
     ] = None,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
     """Show derivatives of results by keys.
 
-    All continuous keys that a scene gives are taken; the largest derivatives come first.
+    All continuous keys that a scene gives are taken; the largest derivatives come
+    first.
     """
     loaded = load_scene(scene, settings, trust, allow_large)
     import json
@@ -137,7 +190,12 @@ def sensitivities(
 
 
 def optimise(
-    design: Annotated[Path, Argument(metavar="DESIGN", help="a TOML file: scene, keys, objective and constraints")],
+    design: Annotated[
+        Path,
+        Argument(
+            metavar="DESIGN", help="a TOML file: scene, keys, objective and constraints"
+        ),
+    ],
     out: OutFolder = None,
     retry_failed: RetryFailed = False,
     quiet: Annotated[bool, Option("--quiet", help="no progress, no table")] = False,
@@ -154,21 +212,35 @@ def optimise(
 
     folder = out or Path("results") / design.stem
     resume[:] = [(folder / "runs", 0.0, "the same command")]
-    done = search(design, folder, retry_failed, quiet, trust, allow_large, lambda text: complain(f"warning: {text}"))
+    done = search(
+        design,
+        folder,
+        retry_failed,
+        quiet,
+        trust,
+        allow_large,
+        lambda text: complain(f"warning: {text}"),
+    )
     for text in done.found.remarks:
         complain(f"warning: {text}")
     if not quiet:
         print(done.text())
     print(f"{done.found.status}: {done.found.why}")
     print(
-        f"{len(done.evaluations)} evaluations, {done.before} were before, {done.failed} failed; results are in {folder}"
+        f"{len(done.evaluations)} evaluations, {done.before} were before, "
+        f"{done.failed} failed; results are in {folder}"
     )
     if done.found.status not in (OPTIMUM, SETTLED):
         raise typer.Exit(3)
 
 
 def cascade(
-    file: Annotated[Path, Argument(metavar="CASCADE", help="a TOML file: scene, packings, laws of a particle")],
+    file: Annotated[
+        Path,
+        Argument(
+            metavar="CASCADE", help="a TOML file: scene, packings, laws of a particle"
+        ),
+    ],
     out: OutFolder = None,
     retry_failed: RetryFailed = False,
     quiet: Annotated[bool, Option("--quiet", help="no progress, no table")] = False,
@@ -177,7 +249,8 @@ def cascade(
 ) -> None:
     """Compute a bed with closures from particles.
 
-    Packings of particles give the closures; their scatter gives each result a band, split by its causes.
+    Packings of particles give the closures; their scatter gives each result a band,
+    split by its causes.
     """
     from contbed.many.cascade.run import cascade as compute
 
@@ -192,8 +265,16 @@ def cascade(
 
 
 def calibrate(
-    data: Annotated[Path, Argument(metavar="DATA", help="a TOML file with scenes, measured tables and keys to fit")],
-    jobs: Annotated[int, Option("--jobs", metavar="N", help="processes; -1 for one a core")] = 1,
+    data: Annotated[
+        Path,
+        Argument(
+            metavar="DATA",
+            help="a TOML file with scenes, measured tables and keys to fit",
+        ),
+    ],
+    jobs: Annotated[
+        int, Option("--jobs", metavar="N", help="processes; -1 for one a core")
+    ] = 1,
     out: OutFolder = None,
     retry_failed: RetryFailed = False,
     quiet: Annotated[bool, Option("--quiet", help="no progress")] = False,
@@ -202,7 +283,8 @@ def calibrate(
 ) -> None:
     """Fit keys of scenes to measured values.
 
-    Gives the keys with intervals, what the data cannot determine, and predictions with bands.
+    Gives the keys with intervals, what the data cannot determine, and predictions with
+    bands.
     """
     _require_jobs(jobs)
     from contbed.many.calibrate import calibrate as command
@@ -210,25 +292,46 @@ def calibrate(
 
     folder = out or Path("results") / data.stem
     resume[:] = [(folder / "runs.jsonl", 0.0, "the same command")]
-    found = command.calibrate(data, folder, jobs, retry_failed, quiet, trust, allow_large)
+    found = command.calibrate(
+        data, folder, jobs, retry_failed, quiet, trust, allow_large
+    )
     for text in found.warnings:
         complain(f"warning: {text}")
     print(table(found))
-    print(f"{found.runs} runs, {found.before} were before, {len(found.failed)} failed; results are in {folder}")
+    print(
+        f"{found.runs} runs, {found.before} were before, {len(found.failed)} failed; "
+        f"results are in {folder}"
+    )
     command.require_converged(found)
 
 
 def _one_thread_a_process() -> None:
-    """Let libraries compute on one thread, so that results do not depend on the process to the last digit."""
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+    """Let libraries compute on one thread, so that results do not depend on the
+    process to the last digit.
+    """
+    for name in (
+        "OMP_NUM_THREADS",
+        "OPENBLAS_NUM_THREADS",
+        "MKL_NUM_THREADS",
+        "NUMBA_NUM_THREADS",
+    ):
         os.environ[name] = "1"
 
 
 def _require_jobs(jobs: int) -> None:
-    """Raise typer.BadParameter unless `jobs` is a number of processes, or -1 for one a core."""
+    """Raise typer.BadParameter unless `jobs` is a number of processes, or -1 for one
+    a core.
+    """
     if jobs == 0 or jobs < -1:
         raise typer.BadParameter("a number of processes, or -1", param_hint="--jobs")
 
 
-COMMANDS: tuple[Callable[..., Any], ...] = (compare, sweep, sensitivities, optimise, cascade, calibrate)
+COMMANDS: tuple[Callable[..., Any], ...] = (
+    compare,
+    sweep,
+    sensitivities,
+    optimise,
+    cascade,
+    calibrate,
+)
 """Commands that `contbed.cli.commands` registers."""

@@ -1,4 +1,6 @@
-"""What the commands share: their options, messages on stderr, how to resume after Ctrl-C."""
+"""What the commands share: their options, messages on stderr, how to resume after
+Ctrl-C.
+"""
 
 from __future__ import annotations
 
@@ -10,38 +12,70 @@ from typing import Annotated, Any
 import typer
 from typer import Argument, Option
 
-RANK = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID")  # number of a process, set by what started it
+# number of a process, set by what started it
+RANK = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID")
 SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE")  # how many processes mpirun started
 
-COARSE_CLOCK = 0.1  # s, by which the times of files may lag; systems count them in some 10 ms
-# what must exist to resume, not older than a time [s since 1970], and the command that does
+# s, by which the times of files may lag; systems count them in some 10 ms
+COARSE_CLOCK = 0.1
+# what must exist to resume, not older than a time [s since 1970], and the command that
+# does
 resume: list[tuple[Path, float, str]] = []
 
 SceneFile = Annotated[Path, Argument(metavar="SCENE", help="a TOML file")]
-OutFolder = Annotated[Path | None, Option("--out", metavar="DIR", help="folder for the results")]
+OutFolder = Annotated[
+    Path | None, Option("--out", metavar="DIR", help="folder for the results")
+]
 Settings = Annotated[
-    list[str] | None, Option("--set", metavar="KEY=VALUE", help="replace a value, such as mesh.refine=2; repeatable")
+    list[str] | None,
+    Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="replace a value, such as mesh.refine=2; repeatable",
+    ),
 ]
 
 
 Trust = Annotated[
-    bool, Option("--trust", help="let files of the scene run programs: commands in a .geo, extensions of Cantera")
+    bool,
+    Option(
+        "--trust",
+        help="let files of the scene run programs: commands in a .geo, extensions of "
+        "Cantera",
+    ),
 ]
 Threads = Annotated[
     int | None,
-    Option("--threads", metavar="N", min=1, help="cores to use; by default as many as are fastest"),
+    Option(
+        "--threads",
+        metavar="N",
+        min=1,
+        help="cores to use; by default as many as are fastest",
+    ),
 ]
 AllowLarge = Annotated[
-    bool, Option("--allow-large", help="take sizes that are refused otherwise: memory, numbers of cells, files")
+    bool,
+    Option(
+        "--allow-large",
+        help="take sizes that are refused otherwise: memory, numbers of cells, files",
+    ),
 ]
 
 
 def usual_engine() -> str:
-    """Return the engine that computes where none is asked for: that of several ranks under mpirun."""
-    return "dolfinx" if any(int(os.environ.get(name, "1")) > 1 for name in SIZE) else "skfem"
+    """Return the engine that computes where none is asked for: that of several ranks
+    under mpirun.
+    """
+    return (
+        "dolfinx"
+        if any(int(os.environ.get(name, "1")) > 1 for name in SIZE)
+        else "skfem"
+    )
 
 
-def load_scene(path: Path, settings: list[str] | None, trust: bool, allow_large: bool) -> Any:
+def load_scene(
+    path: Path, settings: list[str] | None, trust: bool, allow_large: bool
+) -> Any:
     """Return the scene of a file with the values of --set."""
     from contbed.loading import load
 
@@ -54,7 +88,9 @@ def overrides_of(settings: list[str] | None) -> dict[str, Any]:
 
 
 def _assignment(text: str) -> tuple[str, Any]:
-    """KEY=VALUE, the value as in TOML; what is not TOML is a text, so that units need no second pair of quotes."""
+    """KEY=VALUE, the value as in TOML; what is not TOML is a text, so that units
+    need no second pair of quotes.
+    """
     import tomllib
 
     key, equals, value = text.partition("=")
@@ -67,7 +103,9 @@ def _assignment(text: str) -> tuple[str, Any]:
 
 
 def interrupted() -> str:
-    """Return what to say after Ctrl-C: how to resume, where there is a state to resume from."""
+    """Return what to say after Ctrl-C: how to resume, where there is a state to
+    resume from.
+    """
     for needed, since, command in resume:
         if needed.exists() and needed.stat().st_mtime >= since - COARSE_CLOCK:
             return f"interrupted; to resume: {command}"
@@ -75,6 +113,8 @@ def interrupted() -> str:
 
 
 def complain(text: str) -> None:
-    """Print a message on stderr; of the processes that mpirun started the first speaks for all."""
+    """Print a message on stderr; of the processes that mpirun started the first
+    speaks for all.
+    """
     if not any(os.environ.get(name, "0").strip("0") for name in RANK):
         print(text, file=sys.stderr)

@@ -1,7 +1,9 @@
-"""Compile all kernels once, at install time, so that no run has to wait for it: `contbed warm`.
+"""Compile all kernels once, at install time, so that no run has to wait for it:
+`contbed warm`.
 
-Small scenes run through every compiled loop. Kernels that hold the closures of a scene are compiled with the default
-closures here, and with others when a scene first names them, which takes about a second.
+Small scenes run through every compiled loop. Kernels that hold the closures of a scene
+are compiled with the default closures here, and with others when a scene first names
+them, which takes about a second.
 """
 
 from __future__ import annotations
@@ -17,21 +19,42 @@ _BED = {
     "two_fluid": {},
     "gas": _GAS,
     "solids": {"beads": {"diameter": 275e-6, "density": 2500.0}},
-    "initial": {"layer": [{"end": 0.02, "solids": {"beads": {"volume_fraction": 0.5}}}]},
-    "boundary": _WALLS | {"bottom": {"type": "inlet", "gas": {"velocity": 0.3}}, "top": {"type": "outlet"}},
+    "initial": {
+        "layer": [{"end": 0.02, "solids": {"beads": {"volume_fraction": 0.5}}}]
+    },
+    "boundary": _WALLS
+    | {
+        "bottom": {"type": "inlet", "gas": {"velocity": 0.3}},
+        "top": {"type": "outlet"},
+    },
     "time": {"end": 1e-3, "sample": 5e-4, "average_from": 5e-4},
 }
 _HOT = {
     "heat": {},
     "gas": _GAS | {"heat_capacity": 1000.0, "conductivity": 0.025},
-    "solids": {"beads": {"diameter": 275e-6, "density": 2500.0, "heat_capacity": 800.0}},
-    "initial": {"layer": [{"end": 0.02, "solids": {"beads": {"volume_fraction": 0.5}}}], "gas": {"temperature": 300.0}},
+    "solids": {
+        "beads": {"diameter": 275e-6, "density": 2500.0, "heat_capacity": 800.0}
+    },
+    "initial": {
+        "layer": [{"end": 0.02, "solids": {"beads": {"volume_fraction": 0.5}}}],
+        "gas": {"temperature": 300.0},
+    },
     "boundary": _WALLS
-    | {"bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 400.0}}, "top": {"type": "outlet"}},
+    | {
+        "bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 400.0}},
+        "top": {"type": "outlet"},
+    },
 }
 _BOX = {
-    "mesh": {"type": "box", "length": 0.02, "width": 0.02, "height": 0.04, "cells": [8, 8, 16]},
-    "boundary": _BED["boundary"] | {name: {"type": "wall"} for name in ("front", "back")},  # type: ignore[operator]
+    "mesh": {
+        "type": "box",
+        "length": 0.02,
+        "width": 0.02,
+        "height": 0.04,
+        "cells": [8, 8, 16],
+    },
+    "boundary": _BED["boundary"]
+    | {name: {"type": "wall"} for name in ("front", "back")},  # type: ignore[operator]
 }
 _PARTICLES = {
     "particles": {"count": 150, "width": [0.009, 0.009], "height": 0.04},
@@ -54,7 +77,10 @@ _PARTICLES = {
 }
 _LINE = {
     "mesh": {"type": "line", "length": 0.04, "cells": 8},
-    "boundary": {"left": {"type": "inlet", "gas": {"velocity": 0.3}}, "right": {"type": "outlet"}},
+    "boundary": {
+        "left": {"type": "inlet", "gas": {"velocity": 0.3}},
+        "right": {"type": "outlet"},
+    },
 }
 SCENES: dict[str, dict[str, Any]] = {
     "two fluids": _BED,
@@ -67,7 +93,9 @@ SCENES: dict[str, dict[str, Any]] = {
 
 
 def warm() -> Iterator[tuple[str, float]]:
-    """Compile what runs need; yields the name of each physics and the CPU time that it took [s]."""
+    """Compile what runs need; yields the name of each physics and the CPU time that
+    it took [s].
+    """
     from contbed.loading import from_dict
     from contbed.runner import run
 

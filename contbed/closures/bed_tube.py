@@ -1,4 +1,6 @@
-"""Heat between a fluidized bed and immersed tubes or walls [W/m2/K], without radiation."""
+"""Heat between a fluidized bed and immersed tubes or walls [W/m2/K], without
+radiation.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +11,22 @@ from contbed.closures.registry import Value, closure
 
 GAS_CONSTANT = 8.314462618  # [J/mol/K]
 _INF = float("inf")
-_MOLERUS = "Molerus, Wirth 1997, Heat Transfer in Fluidized Beds, Chapman & Hall, London"
-_ZABRODSKY = "Zabrodsky 1966, Hydrodynamics and Heat Transfer in Fluidized Beds, MIT Press, Cambridge"
+_MOLERUS = (
+    "Molerus, Wirth 1997, Heat Transfer in Fluidized Beds, Chapman & Hall, London"
+)
+_ZABRODSKY = (
+    "Zabrodsky 1966, Hydrodynamics and Heat Transfer in Fluidized Beds, MIT "
+    "Press, Cambridge"
+)
 _MARTIN = "Martin 1984, Chem. Eng. Process. 18, 157-169 and 199-223"
 
 
-@closure(kind="bed_tube", unit="W/m2/K", ranges={"Ar": (0.0, 1e8), "u_excess": (0.0, _INF)}, source=_MOLERUS)
+@closure(
+    kind="bed_tube",
+    unit="W/m2/K",
+    ranges={"Ar": (0.0, 1e8), "u_excess": (0.0, _INF)},
+    source=_MOLERUS,
+)
 def bed_tube_molerus_wirth(
     Ar: Value,
     u_excess: Value,
@@ -35,10 +47,11 @@ def bed_tube_molerus_wirth(
         Nu = 0.125 p7 / (1 + p2 + 0.28 p2 p7^2 p4^(1/2) p5^2 / p6) / (1 + 33.3 / (p6^(1/3) p5))
              + 0.165 Pr^(1/3) p4^(1/3) / (1 + 0.05 / p6)
 
-    Ar : [-] Archimedes number d_p^3 rho (rho_solid - rho) g / mu^2; enters the range only
+    Ar : [-] Archimedes number d_p^3 rho (rho_solid - rho) g / mu^2; enters the range
+        only
 
-    Fitted to: vertical surfaces in beds of glass, sand, metals, up to 2 MPa. This equation covers the whole range;
-        simpler ones hold below Ar = 100 and above 1e5
+    Fitted to: vertical surfaces in beds of glass, sand, metals, up to 2 MPa. This
+        equation covers the whole range; simpler ones hold below Ar = 100 and above 1e5
     Limits: u_excess -> 0: 0.
     Source: Quoted from secondary sources.
 
@@ -48,12 +61,23 @@ def bed_tube_molerus_wirth(
     696.309
     """
     length = (mu / (GRAVITY**0.5 * (rho_solid - rho_gas))) ** (2 / 3)
-    p2, p4, p7 = k_gas / (2.0 * cp_gas * mu), rho_gas / (rho_solid - rho_gas), 1.0 - eps_mf
-    p5, p6 = (rho_solid * cp_solid / (k_gas * GRAVITY)) ** (1 / 3) * u_excess, u_excess / u_mf
+    p2, p4, p7 = (
+        k_gas / (2.0 * cp_gas * mu),
+        rho_gas / (rho_solid - rho_gas),
+        1.0 - eps_mf,
+    )
+    p5, p6 = (
+        (rho_solid * cp_solid / (k_gas * GRAVITY)) ** (1 / 3) * u_excess,
+        u_excess / u_mf,
+    )
     Pr = mu * cp_gas / k_gas
     turbulent = 1.0 + p2 + 0.28 * p2 * p7**2 * p4**0.5 * p5**2 / p6
     particles = 0.125 * p7 / turbulent / (1.0 + 33.3 / (p6 ** (1 / 3) * p5))
-    return k_gas / length * (particles + 0.165 * Pr ** (1 / 3) * p4 ** (1 / 3) / (1.0 + 0.05 / p6))
+    return (
+        k_gas
+        / length
+        * (particles + 0.165 * Pr ** (1 / 3) * p4 ** (1 / 3) / (1.0 + 0.05 / p6))
+    )
 
 
 @closure(kind="bed_tube", unit="W/m2/K", ranges={"Ar": (0.0, 1e2)}, source=_MOLERUS)
@@ -64,7 +88,8 @@ def bed_tube_molerus_laminar(
 
         h = 1 / (l / (0.09 k_gas) + l / (0.09 cp_gas mu)),  l = (mu / (g^(1/2) (rho_solid - rho_gas)))^(2/3)
 
-    Ar : [-] Archimedes number d_p^3 rho (rho_solid - rho) g / mu^2; enters the range only
+    Ar : [-] Archimedes number d_p^3 rho (rho_solid - rho) g / mu^2; enters the range
+        only
 
     Fitted to: fine particles well fluidized; without influence of diameter and velocity
     Limits: cp_gas -> inf: 0.09 k_gas / l.
@@ -78,14 +103,16 @@ def bed_tube_molerus_laminar(
     return 0.09 / length / (1.0 / k_gas + 1.0 / (cp_gas * mu))
 
 
-@closure(kind="bed_tube", unit="W/m2/K", ranges={"d_p": (5e-5, 1e-3)}, source=_ZABRODSKY)
+@closure(
+    kind="bed_tube", unit="W/m2/K", ranges={"d_p": (5e-5, 1e-3)}, source=_ZABRODSKY
+)
 def bed_tube_zabrodsky(d_p: Value, rho_solid: Value, k_gas: Value) -> Value:
     """Zabrodsky (1966): the largest coefficient over the velocity of the gas. In SI.
 
         h_max = 35.8 rho_solid^0.2 k_gas^0.6 d_p^-0.36
 
-    Fitted to: group A and B particles in air and other gases; conduction through gas around particles, so that coarse
-        ones with their convection of gas are outside
+    Fitted to: group A and B particles in air and other gases; conduction through gas
+        around particles, so that coarse ones with their convection of gas are outside
     Limits: d_p -> inf: 0.
     Source: Quoted from secondary sources.
 
@@ -128,7 +155,8 @@ def bed_tube_martin(
 
     Fitted to: `packets` to data of many authors, single tubes and walls
     Limits: delta -> 0: the gas's share alone.
-    Source: As in the VDI Heat Atlas, section M5, from secondary sources, not checked against it.
+    Source: As in the VDI Heat Atlas, section M5, from secondary sources, not checked
+        against it.
 
     >>> h = bed_tube_martin(Ar=700.0, Pr=0.7, delta=0.25, eps_mf=0.45, d_p=5e-4, T=1100.0, p=101325.0, molar_mass=0.029,
     ...                     cp_gas=1150.0, k_gas=0.075, rho_solid=2600.0, cp_solid=1000.0)

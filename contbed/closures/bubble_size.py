@@ -13,7 +13,9 @@ from contbed.closures.registry import Value, closure
 _INF = float("inf")
 _MORI_WEN = "Mori, Wen 1975, AIChE J. 21, 109-115, doi:10.1002/aic.690210114"
 _HORIO = "Horio, Nonaka 1987, AIChE J. 33, 1865-1872, doi:10.1002/aic.690331113"
-_DARTON = "Darton, LaNauze, Davidson, Harrison 1977, Trans. Inst. Chem. Eng. 55, 274-280"
+_DARTON = (
+    "Darton, LaNauze, Davidson, Harrison 1977, Trans. Inst. Chem. Eng. 55, 274-280"
+)
 _MIWA = "Miwa, Mori, Kato, Muchi 1972, Int. Chem. Eng. 12, 181-187"
 
 
@@ -29,13 +31,14 @@ def bubble_size_mori_wen(z: Value, d_b0: Value, u_excess: Value, D_bed: Value) -
 
         d_b = d_bm - (d_bm - d_b0) exp(-0.3 z / D_bed),  d_bm = 1.64 (A u_excess)^0.4,  A = pi D_bed^2 / 4
 
-    d_b0 : [m] diameter at the distributor; a perforated plate with N orifices per area gives
-        1.30 g^-0.2 (u_excess/N)^0.4 as long as bubbles do not touch, a porous plate 2.78 u_excess^2 / g
+    d_b0 : [m] diameter at the distributor; a perforated plate with N orifices per area
+        gives 1.30 g^-0.2 (u_excess/N)^0.4 as long as bubbles do not touch, a porous
+        plate 2.78 u_excess^2 / g
 
     Fitted to: data of several authors, u_mf 5 to 200 mm/s, particles of 60 to 450 um
     Limits: z -> 0: d_b0. z -> inf: d_bm.
-    Source: In SI, d_bm = 2.59 (A u_excess / sqrt(g))^0.4 of Kunii and Levenspiel 1991, Eq. 5.19; range quoted from
-        secondary sources.
+    Source: In SI, d_bm = 2.59 (A u_excess / sqrt(g))^0.4 of Kunii and Levenspiel 1991,
+        Eq. 5.19; range quoted from secondary sources.
 
     >>> round(float(bubble_size_mori_wen(z=0.5, d_b0=0.01, u_excess=0.3, D_bed=1.0)), 6)
     0.136774
@@ -44,9 +47,15 @@ def bubble_size_mori_wen(z: Value, d_b0: Value, u_excess: Value, D_bed: Value) -
     return d_bm - (d_bm - d_b0) * np.exp(-0.3 * z / D_bed)
 
 
-@closure(kind="bubble_growth", unit="-", ranges={"D_bed": (0.3, 1.3), "u_excess": (0.0, 0.48)}, source=_MORI_WEN)
+@closure(
+    kind="bubble_growth",
+    unit="-",
+    ranges={"D_bed": (0.3, 1.3), "u_excess": (0.0, 0.48)},
+    source=_MORI_WEN,
+)
 def bubble_growth_mori_wen(d_b: Value, u_excess: Value, D_bed: Value) -> Value:
-    """Mori and Wen (1975): slope of bubble_size_mori_wen over the height, at the excess of gas there.
+    """Mori and Wen (1975): slope of bubble_size_mori_wen over the height, at the excess
+    of gas there.
 
         d d_b / dz = 0.3 (d_bm - d_b) / D_bed,  d_bm = 1.64 (A u_excess)^0.4,  A = pi D_bed^2 / 4
 
@@ -60,14 +69,22 @@ def bubble_growth_mori_wen(d_b: Value, u_excess: Value, D_bed: Value) -> Value:
     return 0.3 * (d_bm - d_b) / D_bed
 
 
-@closure(kind="bubble_growth", unit="-", ranges={"D_bed": (0.05, 1.3), "u_excess": (0.0, 1.0)}, source=_HORIO)
-def bubble_growth_horio_nonaka(d_b: Value, u_excess: Value, u_mf: Value, D_bed: Value) -> Value:
+@closure(
+    kind="bubble_growth",
+    unit="-",
+    ranges={"D_bed": (0.05, 1.3), "u_excess": (0.0, 1.0)},
+    source=_HORIO,
+)
+def bubble_growth_horio_nonaka(
+    d_b: Value, u_excess: Value, u_mf: Value, D_bed: Value
+) -> Value:
     """Horio and Nonaka (1987): coalescence and splitting.
 
         d d_b / dz = 0.3 (d_bm - d_b - gamma (D_bed d_b)^(1/2)) / D_bed
         gamma = 0.0256 (D_bed / g)^(1/2) / u_mf,  d_bm = 1.64 (A u_excess)^0.4
 
-    Fitted to: beds of fine and coarse particles; the bounds of the data have not been seen
+    Fitted to: beds of fine and coarse particles; the bounds of the data have not been
+        seen
     Limits: u_mf -> inf: bubble_growth_mori_wen.
     Source: As quoted in the documentation of a process simulator.
 
@@ -79,7 +96,12 @@ def bubble_growth_horio_nonaka(d_b: Value, u_excess: Value, u_mf: Value, D_bed: 
     return 0.3 * (d_bm - d_b - gamma * (D_bed * d_b) ** 0.5) / D_bed
 
 
-@closure(kind="bubble_growth", unit="-", ranges={"u_excess": (0.0, _INF), "d_b/D_bed": (0.0, 0.3)}, source=_DARTON)
+@closure(
+    kind="bubble_growth",
+    unit="-",
+    ranges={"u_excess": (0.0, _INF), "d_b/D_bed": (0.0, 0.3)},
+    source=_DARTON,
+)
 def bubble_growth_darton(d_b: Value, u_excess: Value, D_bed: Value) -> Value:
     """Darton et al. (1977): pairwise coalescence without end.
 
@@ -99,7 +121,11 @@ def bubble_growth_darton(d_b: Value, u_excess: Value, D_bed: Value) -> Value:
 
 
 @closure(
-    kind="bubble_start", unit="m", ranges={"u_excess": (0.0, _INF)}, source=_MORI_WEN, bounds={"factor": "(0, inf)"}
+    kind="bubble_start",
+    unit="m",
+    ranges={"u_excess": (0.0, _INF)},
+    source=_MORI_WEN,
+    bounds={"factor": "(0, inf)"},
 )
 def bubble_start_porous_plate(u_excess: Value, factor: float = 2.78) -> Value:
     """Mori and Wen (1975): diameter of bubbles above a porous plate.
@@ -124,8 +150,8 @@ def bubble_start_orifices(u_excess: Value, area: Value) -> Value:
 
         d_b0 = 1.30 g^-0.2 (u_excess area)^0.4
 
-    Fitted to: plates whose bubbles do not touch, d_b0 below the pitch area^(1/2); above that the porous plate's
-        equation holds
+    Fitted to: plates whose bubbles do not touch, d_b0 below the pitch area^(1/2); above
+        that the porous plate's equation holds
     Limits: u_excess -> 0: 0.
     Source: As Kunii and Levenspiel 1991, Eq. 5.15.
 
@@ -135,7 +161,9 @@ def bubble_start_orifices(u_excess: Value, area: Value) -> Value:
     return 1.30 * GRAVITY**-0.2 * (u_excess * area) ** 0.4
 
 
-@closure(kind="bubble_start", unit="m", ranges={"u_excess": (0.0, _INF)}, source=_DARTON)
+@closure(
+    kind="bubble_start", unit="m", ranges={"u_excess": (0.0, _INF)}, source=_DARTON
+)
 def bubble_start_darton(u_excess: Value, area: Value) -> Value:
     """Darton et al. (1977): diameter of bubbles above the distributor.
 

@@ -1,8 +1,10 @@
-"""Closures for compiled kernels: functions of numbers, called by the names of their arguments.
+"""Closures for compiled kernels: functions of numbers, called by the names of their
+arguments.
 
-A kernel is written as a plain function that calls closures by global names. `kernel` compiles it with the closures that
-a scene names and keeps the machine code on disk, next to the kernel's module, for the next process. The entry is new
-for other closures and whenever a file changes that one of them comes from.
+A kernel is written as a plain function that calls closures by global names. `kernel`
+compiles it with the closures that a scene names and keeps the machine code on disk,
+next to the kernel's module, for the next process. The entry is new for other closures
+and whenever a file changes that one of them comes from.
 """
 
 from __future__ import annotations
@@ -23,18 +25,31 @@ from contbed.closures.binding import BoundClosure, Function
 def compiled(function: Function) -> Function:
     """Compile a closure for numbers, and with it the closures that it calls."""
     known = function.__globals__
-    called = {name: compiled(known[name]) for name in function.__code__.co_names if hasattr(known.get(name), "sheet")}
-    plain = FunctionType(function.__code__, known | called, function.__name__, function.__defaults__)
+    called = {
+        name: compiled(known[name])
+        for name in function.__code__.co_names
+        if hasattr(known.get(name), "sheet")
+    }
+    plain = FunctionType(
+        function.__code__, known | called, function.__name__, function.__defaults__
+    )
     return njit(plain, error_model="numpy")
 
 
 def own_values(closure: BoundClosure | None) -> tuple[float, ...]:
-    """Numbers that a closure takes besides the arguments of a model, in the order of `face`."""
-    return () if closure is None else tuple(float(value) for value in _own(closure).values())
+    """Numbers that a closure takes besides the arguments of a model, in the order of
+    `face`.
+    """
+    return (
+        ()
+        if closure is None
+        else tuple(float(value) for value in _own(closure).values())
+    )
 
 
 def face(closure: BoundClosure | None, names: tuple[str, ...]) -> Face:
-    """Compile the closure as a function of the arguments `names`, in this order, and of a tuple of `own_values`.
+    """Compile the closure as a function of the arguments `names`, in this order, and of
+    a tuple of `own_values`.
 
     Without a closure the function is 0.
     """
@@ -59,17 +74,25 @@ class Face:
         """What the compiled function follows from."""
         if self.function is None:
             return self.source
-        return f"{self.function.__name__} {_text(self.function.__code__.co_filename)} {self.source}"
+        return (
+            f"{self.function.__name__} {_text(self.function.__code__.co_filename)} "
+            f"{self.source}"
+        )
 
     def compile(self) -> Function:
         """Return the compiled function."""
         return _compiled_face(self.function, self.source)
 
 
-def kernel(template: Function, uses: Mapping[str, Face | Function], **constants: Any) -> Function:
-    """Compile a function whose global names in `uses` are closures, and in `constants` numbers or switches."""
+def kernel(
+    template: Function, uses: Mapping[str, Face | Function], **constants: Any
+) -> Function:
+    """Compile a function whose global names in `uses` are closures, and in
+    `constants` numbers or switches.
+    """
     parts = [
-        f"{name} {use.key if isinstance(use, Face) else _text(use.__code__.co_filename)}" for name, use in uses.items()
+        f"{name} {use.key if isinstance(use, Face) else _text(use.__code__.co_filename)}"
+        for name, use in uses.items()
     ]
     parts += [f"{name} {value!r}" for name, value in constants.items()]
     key = hashlib.sha1("\n".join(parts).encode()).hexdigest()
@@ -85,16 +108,29 @@ _kernels: dict[tuple[Function, str], Function] = {}
 
 def _kernel(template: Function, key: str, uses: Any, constants: Any) -> Function:
     if (template, key) not in _kernels:
-        functions = {name: use.compile() if isinstance(use, Face) else compiled(use) for name, use in uses}
-        plain = FunctionType(template.__code__, template.__globals__ | functions | dict(constants), template.__name__)
+        functions = {
+            name: use.compile() if isinstance(use, Face) else compiled(use)
+            for name, use in uses
+        }
+        plain = FunctionType(
+            template.__code__,
+            template.__globals__ | functions | dict(constants),
+            template.__name__,
+        )
         plain.__qualname__ = f"{template.__qualname__}_{key}"  # names the entry on disk
         _kernels[template, key] = njit(plain, cache=True, nogil=True)
     return _kernels[template, key]
 
 
 def _own(closure: BoundClosure) -> dict[str, Any]:
-    """Parameters of the scene, and options that neither the scene nor the model gives."""
-    options = {key: value for key, value in closure.sheet.options.items() if key not in closure.takes}
+    """Parameters of the scene, and options that neither the scene nor the model
+    gives.
+    """
+    options = {
+        key: value
+        for key, value in closure.sheet.options.items()
+        if key not in closure.takes
+    }
     return options | closure.parameters
 
 

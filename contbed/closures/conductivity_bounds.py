@@ -1,6 +1,8 @@
-"""Bounds of the effective thermal conductivity of any two-phase medium [W/m/K], and Maxwell's dilute limit.
+"""Bounds of the effective thermal conductivity of any two-phase medium [W/m/K], and
+Maxwell's dilute limit.
 
-All return k_fluid where k_solid = k_fluid, and none divides by the difference of the two.
+All return k_fluid where k_solid = k_fluid, and none divides by the difference of the
+two.
 """
 
 from __future__ import annotations
@@ -45,7 +47,9 @@ def conductivity_series(k_fluid: Value, k_solid: Value, eps: Value) -> Value:
 
 
 def _coated_spheres(k_matrix: Value, k_core: Value, share: Value) -> Value:
-    """Space filled with spheres of k_core, each coated with k_matrix; a quotient of sums, so no digits are lost."""
+    """Space filled with spheres of k_core, each coated with k_matrix; a quotient of
+    sums, so no digits are lost.
+    """
     return (
         k_matrix
         * (2 * (1 - share) * k_matrix + (1 + 2 * share) * k_core)
@@ -60,8 +64,8 @@ def conductivity_maxwell(k_fluid: Value, k_solid: Value, eps: Value) -> Value:
         k / k_fluid = 1 + 3 (1 - eps) (k_solid - k_fluid) / (3 k_fluid + eps (k_solid - k_fluid))
 
     Fitted to: nothing: exact to first order in 1 - eps
-    Limits: eps -> 1: k_fluid. For k_solid > k_fluid it is the lower Hashin-Shtrikman bound, so too low for a packed
-        bed.
+    Limits: eps -> 1: k_fluid. For k_solid > k_fluid it is the lower Hashin-Shtrikman
+        bound, so too low for a packed bed.
     Source: Article 314.
 
     >>> round(conductivity_maxwell(k_fluid=0.025, k_solid=1.0, eps=0.4), 6)
@@ -71,32 +75,44 @@ def conductivity_maxwell(k_fluid: Value, k_solid: Value, eps: Value) -> Value:
 
 
 @closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_HASHIN)
-def conductivity_hashin_shtrikman_lower(k_fluid: Value, k_solid: Value, eps: Value) -> Value:
+def conductivity_hashin_shtrikman_lower(
+    k_fluid: Value, k_solid: Value, eps: Value
+) -> Value:
     """Hashin and Shtrikman (1962): lower bound of an isotropic medium.
 
         k = k_m (1 + 3 s (k_c - k_m) / (3 k_m + (1 - s) (k_c - k_m)))
         with k_m the smaller and k_c the larger conductivity, s the volume share of k_c
 
     Fitted to: nothing: exact
-    Limits: eps -> 1: k_fluid. At k_solid = k_fluid value, slope and curvature are continuous.
+    Limits: eps -> 1: k_fluid. At k_solid = k_fluid value, slope and curvature are
+        continuous.
 
     >>> round(float(conductivity_hashin_shtrikman_lower(k_fluid=0.025, k_solid=1.0, eps=0.4)), 6)
     0.119355
     """
-    return np.minimum(_coated_spheres(k_fluid, k_solid, 1 - eps), _coated_spheres(k_solid, k_fluid, eps))
+    return np.minimum(
+        _coated_spheres(k_fluid, k_solid, 1 - eps),
+        _coated_spheres(k_solid, k_fluid, eps),
+    )
 
 
 @closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_HASHIN)
-def conductivity_hashin_shtrikman_upper(k_fluid: Value, k_solid: Value, eps: Value) -> Value:
+def conductivity_hashin_shtrikman_upper(
+    k_fluid: Value, k_solid: Value, eps: Value
+) -> Value:
     """Hashin and Shtrikman (1962): upper bound of an isotropic medium.
 
         k = k_m (1 + 3 s (k_c - k_m) / (3 k_m + (1 - s) (k_c - k_m)))
         with k_m the larger and k_c the smaller conductivity, s the volume share of k_c
 
     Fitted to: nothing: exact
-    Limits: eps -> 1: k_fluid. At k_solid = k_fluid value, slope and curvature are continuous.
+    Limits: eps -> 1: k_fluid. At k_solid = k_fluid value, slope and curvature are
+        continuous.
 
     >>> round(float(conductivity_hashin_shtrikman_upper(k_fluid=0.025, k_solid=1.0, eps=0.4)), 6)
     0.515528
     """
-    return np.maximum(_coated_spheres(k_fluid, k_solid, 1 - eps), _coated_spheres(k_solid, k_fluid, eps))
+    return np.maximum(
+        _coated_spheres(k_fluid, k_solid, 1 - eps),
+        _coated_spheres(k_solid, k_fluid, eps),
+    )

@@ -1,7 +1,9 @@
-"""Stagnant effective thermal conductivity of packed beds of spheres [W/m/K]: unit-cell models.
+"""Stagnant effective thermal conductivity of packed beds of spheres [W/m/K]: unit-cell
+models.
 
-The printed formulas are 0/0 at one ratio k_solid / k_fluid. They are coded with the removable part divided out,
-so that value and slope are exact there too; the remaining function is the tail of a logarithm series.
+The printed formulas are 0/0 at one ratio k_solid / k_fluid. They are coded with the
+removable part divided out, so that value and slope are exact there too; the remaining
+function is the tail of a logarithm series.
 """
 
 from __future__ import annotations
@@ -12,7 +14,9 @@ import numpy as np
 
 from contbed.closures.registry import Value, closure
 
-_ZEHNER = "Zehner, Schluender 1970, Chem. Ing. Tech. 42, 933-941, doi:10.1002/cite.330421408"
+_ZEHNER = (
+    "Zehner, Schluender 1970, Chem. Ing. Tech. 42, 933-941, doi:10.1002/cite.330421408"
+)
 _BAUER = "Bauer, Schluender 1978, Int. Chem. Eng. 18, 189-204"
 _KUNII = "Kunii, Smith 1960, AIChE J. 6, 71-78, doi:10.1002/aic.690060115"
 
@@ -20,10 +24,12 @@ _STEFAN_BOLTZMANN = 5.670374419e-8  # [W/m2/K4], CODATA 2018
 
 
 def _log_tail(q: Value, order: Value) -> Value:
-    """(-ln(q) - z - z^2/2 - ... - z^(order-1)/(order-1)) / z^order with z = 1 - q, regular at z = 0.
+    """(-ln(q) - z - z^2/2 - ... - z^(order-1)/(order-1)) / z^order with z = 1 - q,
+    regular at z = 0.
 
-    The series takes over at |z| < 0.1, where 16 terms and the closed form agree to better than 1e-12. Each side of the
-    `where` is evaluated at a harmless argument where it is not selected, so that no slope turns into nan.
+    The series takes over at |z| < 0.1, where 16 terms and the closed form agree to
+    better than 1e-12. Each side of the `where` is evaluated at a harmless argument
+    where it is not selected, so that no slope turns into nan.
     """
     near = np.abs(1 - q) < 0.1
     far_q = np.where(near, 0.5, q)
@@ -41,18 +47,28 @@ def _zehner_deformation(eps: Value, shape: Value) -> Value:
     return shape * ((1 - eps) / eps) ** (10 / 9)
 
 
-@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0.26, 0.6), "k_solid/k_fluid": (1, 1e3)}, source=_ZEHNER)
-def conductivity_zehner_schluender(k_fluid: Value, k_solid: Value, eps: Value, shape: float = 1.25) -> Value:
-    """Zehner and Schluender (1970): deformed particles in a cylindrical cell, no contact, no radiation.
+@closure(
+    kind="conductivity",
+    unit="W/m/K",
+    ranges={"eps": (0.26, 0.6), "k_solid/k_fluid": (1, 1e3)},
+    source=_ZEHNER,
+)
+def conductivity_zehner_schluender(
+    k_fluid: Value, k_solid: Value, eps: Value, shape: float = 1.25
+) -> Value:
+    """Zehner and Schluender (1970): deformed particles in a cylindrical cell, no
+    contact, no radiation.
 
         k / k_fluid = 1 - sqrt(1 - eps) + sqrt(1 - eps) c
         c = 2 / N (B (kappa - 1) / (N^2 kappa) ln(kappa / B) - (B + 1) / 2 - (B - 1) / N)
         N = 1 - B / kappa,  B = shape ((1 - eps) / eps)^(10/9),  kappa = k_solid / k_fluid
 
-    Fitted to: measurements on packed beds (shape). The authors print no bounds: those above are of random packings, and
-        of conductivity ratios where contact conduction is still small
-    Limits: k_solid = k_fluid: k_fluid. eps -> 1: k_fluid, the slope in eps is infinite there. kappa = B is regular. For
-        kappa < 1.05 it falls below the exact series bound, by less than 0.005 %.
+    Fitted to: measurements on packed beds (shape). The authors print no bounds: those
+        above are of random packings, and of conductivity ratios where contact
+        conduction is still small
+    Limits: k_solid = k_fluid: k_fluid. eps -> 1: k_fluid, the slope in eps is infinite
+        there. kappa = B is regular. For kappa < 1.05 it falls below the exact series
+        bound, by less than 0.005 %.
 
     >>> round(float(conductivity_zehner_schluender(k_fluid=0.025, k_solid=1.0, eps=0.4)), 6)
     0.163839
@@ -82,7 +98,8 @@ def conductivity_zehner_bauer_schluender(
     shape: float = 1.25,
     contact: float = 0.0,
 ) -> Value:
-    """Zehner, Bauer and Schluender (1978): the Zehner-Schluender cell with radiation and contact areas.
+    """Zehner, Bauer and Schluender (1978): the Zehner-Schluender cell with radiation
+    and contact areas.
 
         k / k_fluid = (1 - sqrt(1 - eps)) (1 + eps R) + sqrt(1 - eps) (contact kappa + (1 - contact) c)
         c = 2 / N (B (kappa + R - 1) / (N^2 kappa) ln((kappa + R) / B) + (B + 1) / (2 B) (R - B) - (B - 1) / N)
@@ -90,12 +107,16 @@ def conductivity_zehner_bauer_schluender(
         R = 4 sigma T^3 d_p / ((2 / emissivity - 1) k_fluid)
 
     T : [K] mean temperature of the bed
-    contact : [-] relative contact area, e.g. 0.0077 ceramic, 0.0013 steel, 0.0253 copper spheres
+    contact : [-] relative contact area, e.g. 0.0077 ceramic, 0.0013 steel, 0.0253
+        copper spheres
 
-    Fitted to: measurements on packed beds (shape, contact). The authors print no bounds: those above are of random
-        packings. The Smoluchowski effect is left out, so not for vacuum or very fine powders
-    Limits: emissivity -> 0 and contact = 0: conductivity_zehner_schluender. eps -> 1: diverges with radiation.
-    Source: As given in VDI Heat Atlas 2010, section D6.3, doi:10.1007/978-3-540-77877-6.
+    Fitted to: measurements on packed beds (shape, contact). The authors print no
+        bounds: those above are of random packings. The Smoluchowski effect is left out,
+        so not for vacuum or very fine powders
+    Limits: emissivity -> 0 and contact = 0: conductivity_zehner_schluender. eps -> 1:
+        diverges with radiation.
+    Source: As given in VDI Heat Atlas 2010, section D6.3,
+        doi:10.1007/978-3-540-77877-6.
 
     >>> k = conductivity_zehner_bauer_schluender(
     ...     k_fluid=0.06, k_solid=1.5, eps=0.4, T=1000.0, d_p=0.01, emissivity=0.8)
@@ -109,7 +130,10 @@ def conductivity_zehner_bauer_schluender(
     q = B / (kappa + radiation)
     r = kappa / (kappa + radiation)
     cell = r**2 * (1 + 2 * (B - q) * _log_tail(q, 3)) + r * radiation * (B + 1) / B
-    return k_fluid * ((1 - root) * (1 + eps * radiation) + root * (contact * kappa + (1 - contact) * cell))
+    return k_fluid * (
+        (1 - root) * (1 + eps * radiation)
+        + root * (contact * kappa + (1 - contact) * cell)
+    )
 
 
 def _kunii_resistance(kappa: Value, sine_squared: Value) -> Value:
@@ -125,8 +149,11 @@ def _kunii_resistance(kappa: Value, sine_squared: Value) -> Value:
     source=_KUNII,
     bounds={"beta": "(0, inf)"},
 )
-def conductivity_kunii_smith(k_fluid: Value, k_solid: Value, eps: Value, beta: float = 1.0) -> Value:
-    """Kunii and Smith (1960): contacts of spheres between loose and dense packing, no radiation.
+def conductivity_kunii_smith(
+    k_fluid: Value, k_solid: Value, eps: Value, beta: float = 1.0
+) -> Value:
+    """Kunii and Smith (1960): contacts of spheres between loose and dense packing, no
+    radiation.
 
         k / k_fluid = eps + beta (1 - eps) / (phi + 2 / (3 kappa)),  kappa = k_solid / k_fluid
         phi = phi_2 + (phi_1 - phi_2) (eps - 0.260) / 0.216
@@ -136,9 +163,9 @@ def conductivity_kunii_smith(k_fluid: Value, k_solid: Value, eps: Value, beta: f
     beta : [-] distance of particle centres over d_p, 1 loose to 0.895 dense
 
     Fitted to: measurements on beds of spheres and on porous rocks
-    Limits: k_solid = k_fluid: k_fluid for beta = 1. eps -> 1: k_fluid. phi is held constant beyond the range of eps,
-        which leaves a kink in eps at both ends. For kappa < 2 it falls below the exact series bound, by less than 1.6
-        %.
+    Limits: k_solid = k_fluid: k_fluid for beta = 1. eps -> 1: k_fluid. phi is held
+        constant beyond the range of eps, which leaves a kink in eps at both ends. For
+        kappa < 2 it falls below the exact series bound, by less than 1.6 %.
     Source: Constants quoted from secondary sources.
 
     >>> round(float(conductivity_kunii_smith(k_fluid=0.025, k_solid=1.0, eps=0.4)), 6)

@@ -1,13 +1,16 @@
-"""What a solid fuel consists of and what it releases: analyses as amounts of elements, yields that close each element.
+"""What a solid fuel consists of and what it releases: analyses as amounts of elements,
+yields that close each element.
 
-Fixed carbon of the proximate analysis is taken as pure carbon, char; all else of the dry, ash-free fuel is volatile.
-N leaves as N2, S as H2S, and C, H, O as CO, CO2, H2O, H2, CH4 and tar, written C6H6. The first guess of their amounts
-is a correlation of the volatile matter; of all amounts that hold the elements, the one of least relative entropy to it
-is taken,
+Fixed carbon of the proximate analysis is taken as pure carbon, char; all else of the
+dry, ash-free fuel is volatile. N leaves as N2, S as H2S, and C, H, O as CO, CO2, H2O,
+H2, CH4 and tar, written C6H6. The first guess of their amounts is a correlation of the
+volatile matter; of all amounts that hold the elements, the one of least relative
+entropy to it is taken,
 
     min sum_i y_i (ln(y_i/y_i0) - 1)  with  sum_i a_ei y_i = b_e:    y_i = y_i0 exp(sum_e a_ei m_e),
 
-which is positive and unique wherever a positive one exists; three multipliers m_e by Newton's method.
+which is positive and unique wherever a positive one exists; three multipliers m_e by
+Newton's method.
 """
 
 from __future__ import annotations
@@ -19,7 +22,15 @@ import numpy as np
 
 from contbed.errors import SceneError
 
-ATOMIC = {"C": 0.012011, "H": 0.001008, "O": 0.015999, "N": 0.014007, "S": 0.03206, "Ca": 0.040078}  # [kg/mol]
+# [kg/mol]
+ATOMIC = {
+    "C": 0.012011,
+    "H": 0.001008,
+    "O": 0.015999,
+    "N": 0.014007,
+    "S": 0.03206,
+    "Ca": 0.040078,
+}
 FORMULAS: dict[str, dict[str, float]] = {
     "CO": {"C": 1, "O": 1}, "CO2": {"C": 1, "O": 2}, "H2O": {"H": 2, "O": 1}, "H2": {"H": 2},
     "CH4": {"C": 1, "H": 4}, "C6H6": {"C": 6, "H": 6},
@@ -31,7 +42,8 @@ LOISON_CHAUVIN: dict[str, tuple[float, float, float]] = {
     "CO": (0.428, -2.653, 4.845), "H2O": (0.409, -2.389, 4.554), "C6H6": (-0.325, 7.279, -12.880),
 }  # fmt: skip
 LOISON_CHAUVIN_RANGE = (0.10, 0.45)
-LEAST = 1e-3  # share of the volatiles' mass that the first guess of a product has at least
+# share of the volatiles' mass that the first guess of a product has at least
+LEAST = 1e-3
 
 
 @dataclass(frozen=True)
@@ -49,17 +61,23 @@ def molar_mass(formula: Mapping[str, float]) -> float:
 
 
 def yields_loison_chauvin(volatile_matter: float) -> dict[str, float]:
-    """Shares of the volatiles' mass by the volatile matter of the dry, ash-free fuel, polynomials of second degree.
+    """Shares of the volatiles' mass by the volatile matter of the dry, ash-free fuel,
+    polynomials of second degree.
 
-    Fitted to coals of 10 to 45 % volatile matter; beyond, the polynomials are taken at that bound.
+    Fitted to coals of 10 to 45 % volatile matter; beyond, the polynomials are taken at
+    that bound.
     """
     low, high = LOISON_CHAUVIN_RANGE
     V = min(max(volatile_matter, low), high)
-    return {name: max(a + b * V + c * V * V, LEAST) for name, (a, b, c) in LOISON_CHAUVIN.items()}
+    return {
+        name: max(a + b * V + c * V * V, LEAST)
+        for name, (a, b, c) in LOISON_CHAUVIN.items()
+    }
 
 
 def volatiles(ultimate: Mapping[str, float], volatile_matter: float) -> Volatiles:
-    """Products per kg of volatile matter, from mass fractions of the dry, ash-free fuel.
+    """Products per kg of volatile matter, from mass fractions of the dry, ash-free
+    fuel.
 
     Raises
     ------
@@ -70,21 +88,36 @@ def volatiles(ultimate: Mapping[str, float], volatile_matter: float) -> Volatile
     carbon = ultimate["C"] - (1.0 - volatile_matter)
     if carbon < 0.0:
         raise SceneError(
-            f"fuel: carbon is {ultimate['C']:.4g} of the dry, ash-free fuel, less than the fixed carbon "
+            f"fuel: carbon is {ultimate['C']:.4g} of the dry, ash-free fuel, less than "
+            "the fixed carbon "
             f"{1.0 - volatile_matter:.4g}; check ultimate and volatile_matter"
         )
     mass = {**ultimate, "C": carbon}
-    elements = {name: mass[name] / ATOMIC[name] / volatile_matter for name in ("C", "H", "O", "N", "S")}
+    elements = {
+        name: mass[name] / ATOMIC[name] / volatile_matter
+        for name in ("C", "H", "O", "N", "S")
+    }
     bound = {**elements, "H": elements["H"] - 2.0 * elements["S"]}
-    guess = {name: share / molar_mass(FORMULAS[name]) for name, share in yields_loison_chauvin(volatile_matter).items()}
+    guess = {
+        name: share / molar_mass(FORMULAS[name])
+        for name, share in yields_loison_chauvin(volatile_matter).items()
+    }
     yields = balanced(guess, [bound[name] for name in BALANCED])
-    yields |= {name: amount for name, amount in (("N2", 0.5 * elements["N"]), ("H2S", elements["S"])) if amount > 0}
+    yields |= {
+        name: amount
+        for name, amount in (("N2", 0.5 * elements["N"]), ("H2S", elements["S"]))
+        if amount > 0
+    }
     return Volatiles(yields, guess, elements)
 
 
 def balanced(guess: Mapping[str, float], elements: list[float]) -> dict[str, float]:
-    """Return the amounts nearest to the guess that hold the elements C, H, O [mol]; see the module's docstring."""
-    A = np.array([[FORMULAS[name].get(element, 0.0) for name in guess] for element in BALANCED])
+    """Return the amounts nearest to the guess that hold the elements C, H, O [mol];
+    see the module's docstring.
+    """
+    A = np.array(
+        [[FORMULAS[name].get(element, 0.0) for name in guess] for element in BALANCED]
+    )
     b, start = np.array(elements), np.array(list(guess.values()))
     m = np.zeros(len(b))
 
@@ -99,7 +132,9 @@ def balanced(guess: Mapping[str, float], elements: list[float]) -> dict[str, flo
             break
         step = -np.linalg.lstsq((A * y) @ A.T, gap, rcond=None)[0]
         damping = 1.0
-        while damping > 1e-12 and not value(m + damping * step) <= value(m) + 1e-15 * abs(value(m)):
+        while damping > 1e-12 and not value(m + damping * step) <= value(
+            m
+        ) + 1e-15 * abs(value(m)):
             damping /= 2
         m = m + damping * step
         if np.abs(m).max() > 200.0:
@@ -107,8 +142,10 @@ def balanced(guess: Mapping[str, float], elements: list[float]) -> dict[str, flo
     y = start * np.exp(A.T @ m)
     if not np.abs(A @ y - b).max() <= 1e-10 * np.abs(b).max():
         raise SceneError(
-            "fuel: no amounts of CO, CO2, H2O, H2, CH4 and C6H6 hold the carbon, hydrogen and oxygen of its volatile "
-            f"matter, {b[0]:.4g}, {b[1]:.4g}, {b[2]:.4g} mol/kg; check ultimate and volatile_matter"
+            "fuel: no amounts of CO, CO2, H2O, H2, CH4 and C6H6 hold the carbon, "
+            "hydrogen and oxygen of its volatile "
+            f"matter, {b[0]:.4g}, {b[1]:.4g}, {b[2]:.4g} mol/kg; check ultimate and "
+            "volatile_matter"
         )
     return dict(zip(guess, y.tolist(), strict=True))
 
@@ -116,9 +153,15 @@ def balanced(guess: Mapping[str, float], elements: list[float]) -> dict[str, flo
 def heating_value_channiwala(dry: Mapping[str, float], ash: float) -> float:
     """Higher heating value [J/kg] from mass fractions of the dry fuel.
 
-    1e6 (34.91 C + 117.83 H + 10.05 S - 10.34 O - 1.51 N - 2.11 ash); 4.7 to 55 MJ/kg, 1.5 % mean error.
-    Channiwala, Parikh 2002, Fuel 81, 1051-1063, doi:10.1016/S0016-2361(01)00131-4.
+    1e6 (34.91 C + 117.83 H + 10.05 S - 10.34 O - 1.51 N - 2.11 ash); 4.7 to 55 MJ/kg,
+    1.5 % mean error. Channiwala, Parikh 2002, Fuel 81, 1051-1063,
+    doi:10.1016/S0016-2361(01)00131-4.
     """
     return 1e6 * (
-        34.91 * dry["C"] + 117.83 * dry["H"] + 10.05 * dry["S"] - 10.34 * dry["O"] - 1.51 * dry["N"] - 2.11 * ash
+        34.91 * dry["C"]
+        + 117.83 * dry["H"]
+        + 10.05 * dry["S"]
+        - 10.34 * dry["O"]
+        - 1.51 * dry["N"]
+        - 2.11 * ash
     )

@@ -1,7 +1,9 @@
-"""Thermal dispersion [W/m/K]: what the tortuous flow adds to the stagnant conductivity, along and across the flow.
+"""Thermal dispersion [W/m/K]: what the tortuous flow adds to the stagnant conductivity,
+along and across the flow.
 
-`Pe = Re Pr`, superficial velocity relative to the solid times d_p over the thermal diffusivity of the fluid; Pe >= 0.
-Each correlation is a pair NAME_axial and NAME_transverse; `registry.dispersion_pair` looks both up by the common stem.
+`Pe = Re Pr`, superficial velocity relative to the solid times d_p over the thermal
+diffusivity of the fluid; Pe >= 0. Each correlation is a pair NAME_axial and
+NAME_transverse; `registry.dispersion_pair` looks both up by the common stem.
 """
 
 from __future__ import annotations
@@ -19,9 +21,10 @@ def dispersion_wakao_kaguei_axial(Pe: Value, k_fluid: Value) -> Value:
         k = 0.5 Pe k_fluid
 
     Result: dispersion conductivity along the flow
-    Fitted to: packed-bed data of many authors; the upper bound is that of the heat transfer data used with it (Re <
-        8500)
-    Limits: Pe -> 0: 0. Linear in Pe throughout, although the data fall below the line for Pe < 10.
+    Fitted to: packed-bed data of many authors; the upper bound is that of the heat
+        transfer data used with it (Re < 8500)
+    Limits: Pe -> 0: 0. Linear in Pe throughout, although the data fall below the line
+        for Pe < 10.
     Source: As quoted by Pivem and de Lemos 2012, eq. 35.
 
     >>> round(dispersion_wakao_kaguei_axial(Pe=100.0, k_fluid=0.025), 6)
@@ -37,8 +40,8 @@ def dispersion_wakao_kaguei_transverse(Pe: Value, k_fluid: Value) -> Value:
         k = 0.1 Pe k_fluid
 
     Result: dispersion conductivity across the flow
-    Fitted to: packed-bed data of many authors; the upper bound is that of the heat transfer data used with it (Re <
-        8500)
+    Fitted to: packed-bed data of many authors; the upper bound is that of the heat
+        transfer data used with it (Re < 8500)
     Limits: Pe -> 0: 0.
     Source: The factor 0.1 is quoted from secondary sources.
 
@@ -55,7 +58,8 @@ def dispersion_vdi_axial(Pe: Value, k_fluid: Value) -> Value:
         k = Pe k_fluid / 2
 
     Result: dispersion conductivity along the flow
-    Fitted to: packed-bed data; the atlas prints no bound, this one is the reach of the usual data
+    Fitted to: packed-bed data; the atlas prints no bound, this one is the reach of the
+        usual data
     Limits: Pe -> 0: 0.
     Source: Quoted from secondary sources.
 
@@ -65,15 +69,24 @@ def dispersion_vdi_axial(Pe: Value, k_fluid: Value) -> Value:
     return 0.5 * Pe * k_fluid
 
 
-@closure(kind="dispersion", unit="W/m/K", ranges={"Pe": (0, 1e4), "d_p/D_bed": (0, 0.25)}, source=_VDI)
-def dispersion_vdi_transverse(Pe: Value, k_fluid: Value, d_p: Value, D_bed: Value) -> Value:
-    """VDI Heat Atlas (2010): transverse dispersion in a packed tube, uniform over the cross-section.
+@closure(
+    kind="dispersion",
+    unit="W/m/K",
+    ranges={"Pe": (0, 1e4), "d_p/D_bed": (0, 0.25)},
+    source=_VDI,
+)
+def dispersion_vdi_transverse(
+    Pe: Value, k_fluid: Value, d_p: Value, D_bed: Value
+) -> Value:
+    """VDI Heat Atlas (2010): transverse dispersion in a packed tube, uniform over the
+    cross-section.
 
         k = Pe k_fluid / (7 (2 - (1 - 2 d_p / D_bed)^2))
 
     Result: dispersion conductivity across the flow
-    Fitted to: heat transfer through the walls of packed tubes, to be used with a wall coefficient. The atlas prints no
-        bounds; beyond d_p / D_bed = 1/4 the formula still holds formally but a continuum does not
+    Fitted to: heat transfer through the walls of packed tubes, to be used with a wall
+        coefficient. The atlas prints no bounds; beyond d_p / D_bed = 1/4 the formula
+        still holds formally but a continuum does not
     Limits: Pe -> 0: 0. d_p / D_bed -> 0: Pe k_fluid / 7.
     Source: Quoted from secondary sources.
 

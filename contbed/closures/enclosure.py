@@ -1,25 +1,31 @@
-"""Radiation among the species at one place of a bed, without transport from place to place: three algebraic closures.
+"""Radiation among the species at one place of a bed, without transport from place to
+place: three algebraic closures.
 
     equilibrium   E_R,m = K_a,m (4 sigma T_m^4 - G),  G = (4 sigma / K_a) sum_n K_a,n T_n^4          eqs. 32 and 34
     pairwise      E_R,m = sum_n 4 kappa_m f''_n eps_mn sigma (T_m^4 - T_n^4),  eps_mn by eq. 3         eqs. 2-11
     enclosure     the same sum, 1/eps_mn = sum_k f''_k eps_k / (eps_m eps_n)       radiosities of N gray surfaces
 
-E_R,m is the heat that species m loses [W/m3 of emulsion] and sums to zero over the species; times the section of the
-emulsion it is the term of the paper [W/m]. f''_m = kappa_m / sum kappa is the share of m in the surface of all
-particles, and 4 kappa_m its surface per volume (coefficients of packing "independent"). All particles are bathed in one
-mixture, so the view factor from any species to n is f''_n. Then equilibrium is the enclosure, for any number of
-species; pairwise equals both for two and differs for more, since eq. 3 rewritten,
+E_R,m is the heat that species m loses [W/m3 of emulsion] and sums to zero over the
+species; times the section of the emulsion it is the term of the paper [W/m].
+f''_m = kappa_m / sum kappa is the share of m in the surface of all particles, and 4
+kappa_m its surface per volume (coefficients of packing "independent"). All particles
+are bathed in one mixture, so the view factor from any species to n is f''_n. Then
+equilibrium is the enclosure, for any number of species; pairwise equals both for two
+and differs for more, since eq. 3 rewritten,
 
     1/eps_mn = (f''_m eps_m + f''_n eps_n + (1 - f''_m - f''_n) eps_m eps_n) / (eps_m eps_n)
 
 counts every third species with the emissivity eps_m eps_n instead of its own.
 
-Temperatures and coefficients hold the species along their first axis; further axes are positions. A list of dual
-numbers, one for each species, gives a list of dual numbers. At least one emissivity must be above zero.
+Temperatures and coefficients hold the species along their first axis; further axes are
+positions. A list of dual numbers, one for each species, gives a list of dual numbers.
+At least one emissivity must be above zero.
 
-Source: Rabi, de Souza-Santos, Incorporation of a two-flux model for radiative heat transfer in a comprehensive
-fluidized bed simulator, part I. Areas and volumes in eqs. 5-7 are those of one particle, and the sums in the
-denominators of eq. 7 run over the species: printed otherwise there.
+Source: Rabi, de Souza-Santos, Incorporation of a two-flux model for radiative heat
+    transfer in a comprehensive
+fluidized bed simulator, part I. Areas and volumes in eqs. 5-7 are those of one
+particle, and the sums in the denominators of eq. 7 run over the species: printed
+otherwise there.
 """
 
 from __future__ import annotations
@@ -33,18 +39,22 @@ Emissivity = Callable[[Any, Any, Any, Any, Any], Any]
 
 
 def irradiation_equilibrium(absorption: Any, T: Any) -> Any:
-    """Incident radiation G [W/m2] at which all species together absorb what they emit, eq. 34.
+    """Incident radiation G [W/m2] at which all species together absorb what they emit,
+    eq. 34.
 
     Parameters
     ----------
     absorption : [1/m] K_a,m
     T : [K] temperature of each species
     """
-    return sum(K * (4 * SIGMA * t**4) for K, t in zip(absorption, T, strict=True)) / sum(absorption)
+    return sum(
+        K * (4 * SIGMA * t**4) for K, t in zip(absorption, T, strict=True)
+    ) / sum(absorption)
 
 
 def exchange_equilibrium(absorption: Any, T: Any) -> Any:
-    """Heat lost by each species [W/m3], eqs. 32 and 34; the cost grows with the number of species, not its square.
+    """Heat lost by each species [W/m3], eqs. 32 and 34; the cost grows with the number
+    of species, not its square.
 
     Example
     -------
@@ -53,11 +63,14 @@ def exchange_equilibrium(absorption: Any, T: Any) -> Any:
     array([ 61212800., -61212800.])
     """
     G = irradiation_equilibrium(absorption, T)
-    return per_species(T, [K * (4 * SIGMA * t**4 - G) for K, t in zip(absorption, T, strict=True)])
+    return per_species(
+        T, [K * (4 * SIGMA * t**4 - G) for K, t in zip(absorption, T, strict=True)]
+    )
 
 
 def exchange_pairwise(extinction: Any, emissivity: Any, T: Any) -> Any:
-    """Heat lost by each species [W/m3] by the older network of pairs, eqs. 2-11. Exact for two species only.
+    """Heat lost by each species [W/m3] by the older network of pairs, eqs. 2-11. Exact
+    for two species only.
 
     Parameters
     ----------
@@ -67,13 +80,19 @@ def exchange_pairwise(extinction: Any, emissivity: Any, T: Any) -> Any:
     """
 
     def of_pair(f_m: Any, f_n: Any, eps_m: Any, eps_n: Any, absorbing: Any) -> Any:
-        return eps_m * eps_n / (f_m * eps_m + f_n * eps_n + (1 - f_m - f_n) * eps_m * eps_n)
+        return (
+            eps_m
+            * eps_n
+            / (f_m * eps_m + f_n * eps_n + (1 - f_m - f_n) * eps_m * eps_n)
+        )
 
     return _exchange(extinction, emissivity, T, of_pair)
 
 
 def exchange_enclosure(extinction: Any, emissivity: Any, T: Any) -> Any:
-    """Heat lost by each species [W/m3] as N gray surfaces with view factors f''_n. Arguments: see exchange_pairwise."""
+    """Heat lost by each species [W/m3] as N gray surfaces with view factors f''_n.
+    Arguments: see exchange_pairwise.
+    """
 
     def of_pair(f_m: Any, f_n: Any, eps_m: Any, eps_n: Any, absorbing: Any) -> Any:
         return eps_m * eps_n / absorbing
@@ -82,7 +101,9 @@ def exchange_enclosure(extinction: Any, emissivity: Any, T: Any) -> Any:
 
 
 def _exchange(extinction: Any, emissivity: Any, T: Any, of_pair: Emissivity) -> Any:
-    """Sum over the pairs; each pair is computed once, so that what one species loses the other gains (eqs. 8 and 9)."""
+    """Sum over the pairs; each pair is computed once, so that what one species loses
+    the other gains (eqs. 8 and 9).
+    """
     total = sum(extinction)
     share = [kappa / total for kappa in extinction]
     absorbing = sum(f * eps for f, eps in zip(share, emissivity, strict=True))
@@ -90,7 +111,9 @@ def _exchange(extinction: Any, emissivity: Any, T: Any, of_pair: Emissivity) -> 
     lost = [0.0 * each for each in power]
     for m in range(len(power)):
         for n in range(m):
-            eps_mn = of_pair(share[m], share[n], emissivity[m], emissivity[n], absorbing)
+            eps_mn = of_pair(
+                share[m], share[n], emissivity[m], emissivity[n], absorbing
+            )
             passed = 4 * extinction[m] * share[n] * eps_mn * (power[m] - power[n])
             lost[m], lost[n] = lost[m] + passed, lost[n] - passed
     return per_species(T, lost)

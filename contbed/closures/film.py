@@ -1,11 +1,19 @@
-"""Films and dispersion of species in packed beds: Sherwood numbers and axial dispersion coefficients."""
+"""Films and dispersion of species in packed beds: Sherwood numbers and axial
+dispersion coefficients.
+"""
 
 from __future__ import annotations
 
 from contbed.closures.registry import Value, closure
 
-_FUNAZKRI = "Wakao, Funazkri 1978, Chem. Eng. Sci. 33, 1375-1384, doi:10.1016/0009-2509(78)85120-3"
-_EDWARDS = "Edwards, Richardson 1968, Chem. Eng. Sci. 23, 109-123, doi:10.1016/0009-2509(68)87056-3"
+_FUNAZKRI = (
+    "Wakao, Funazkri 1978, Chem. Eng. Sci. 33, 1375-1384, "
+    "doi:10.1016/0009-2509(78)85120-3"
+)
+_EDWARDS = (
+    "Edwards, Richardson 1968, Chem. Eng. Sci. 23, 109-123, "
+    "doi:10.1016/0009-2509(68)87056-3"
+)
 _LANGER = "Langer, Roethe, Roethe, Gelbin 1978, Int. J. Heat Mass Transfer 21, 751-759"
 _RANZ = "Ranz, Marshall 1952, Chem. Eng. Prog. 48, 141-146"
 
@@ -40,13 +48,16 @@ def sherwood_ranz_marshall(Re: Value, Sc: Value) -> Value:
     return 2 + 0.6 * Re**0.5 * Sc ** (1 / 3)
 
 
-@closure(kind="mass_dispersion", unit="m2/s", ranges={"D_gas": (0, 1e-2)}, source=_EDWARDS)
+@closure(
+    kind="mass_dispersion", unit="m2/s", ranges={"D_gas": (0, 1e-2)}, source=_EDWARDS
+)
 def mass_dispersion_edwards_richardson(v: Value, d_p: Value, D_gas: Value) -> Value:
     """Edwards and Richardson (1968): axial dispersion of a gas in a packed bed.
 
         D = 0.73 D_gas + 0.5 v d_p/(1 + 9.7 D_gas/(v d_p))
 
-    Result: coefficient on the velocity between the particles; the flux per area of bed carries the porosity
+    Result: coefficient on the velocity between the particles; the flux per area of bed
+        carries the porosity
     Fitted to: gases through beds of spheres, 0.008 < Re < 50
     Limits: v -> 0: 0.73 D_gas. v -> infinite: 0.5 v d_p, a Peclet number of 2.
     Source: Quoted from secondary sources.
@@ -58,17 +69,27 @@ def mass_dispersion_edwards_richardson(v: Value, d_p: Value, D_gas: Value) -> Va
     return 0.73 * D_gas + 0.5 * vd * vd / (vd + 9.7 * D_gas)
 
 
-@closure(kind="mass_dispersion", unit="m2/s", ranges={"v": (0, 1e3)}, source=_LANGER, bounds={"Pe_p": "(0, inf)"})
+@closure(
+    kind="mass_dispersion",
+    unit="m2/s",
+    ranges={"v": (0, 1e3)},
+    source=_LANGER,
+    bounds={"Pe_p": "(0, inf)"},
+)
 def mass_dispersion_peclet(v: Value, d_p: Value, Pe_p: Value = 2.0) -> Value:
-    """Langer, Roethe, Roethe and Gelbin (1978): axial dispersion of constant Peclet number on the particle.
+    """Langer, Roethe, Roethe and Gelbin (1978): axial dispersion of constant Peclet
+    number on the particle.
 
         D = v d_p/Pe_p
 
     Pe_p : [-] Peclet number v d_p/D
 
-    Result: coefficient on the velocity between the particles; the flux per area of bed carries the porosity
-    Fitted to: gases in beds of spheres at high Reynolds numbers, where 2 is the limit of all correlations
-    Limits: Re -> infinite: as it is. The flux of dispersion is that of the mass flux, whatever the density.
+    Result: coefficient on the velocity between the particles; the flux per area of bed
+        carries the porosity
+    Fitted to: gases in beds of spheres at high Reynolds numbers, where 2 is the limit
+        of all correlations
+    Limits: Re -> infinite: as it is. The flux of dispersion is that of the mass flux,
+        whatever the density.
 
     >>> mass_dispersion_peclet(v=1.0, d_p=2e-3)
     0.001

@@ -1,4 +1,6 @@
-"""A closure for the conductivity of a whole bed at rest, its fluid included, beside the conductivity of that fluid."""
+"""A closure for the conductivity of a whole bed at rest, its fluid included, beside
+the conductivity of that fluid.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +13,13 @@ from contbed.scene.toml_lines import KeyPath, dotted
 
 
 def fluid_conducts_twice(
-    solid: tuple[KeyPath, object], fluid: tuple[KeyPath, object], gives: Iterable[str], base: Path
+    solid: tuple[KeyPath, object],
+    fluid: tuple[KeyPath, object],
+    gives: Iterable[str],
+    base: Path,
 ) -> Mistakes:
-    """Yield the key of the conductivity of the solids where it holds that of the fluid, which is added.
+    """Yield the key of the conductivity of the solids where it holds that of the fluid,
+    which is added.
 
     Parameters
     ----------
@@ -28,6 +34,7 @@ def fluid_conducts_twice(
         what = "eps k_gas" if is_phase(other) else dotted(other_key)
         yield (
             key,
-            f"is that of the whole bed at rest, its gas included, and {what} is added: the gas conducts twice; "
+            f"is that of the whole bed at rest, its gas included, and {what} is added: "
+            "the gas conducts twice; "
             f"give {dotted(other_key)} = 0",
         )

@@ -1,4 +1,6 @@
-"""Particles above a fluidized bed: how many are thrown up, how they fall back, and what the gas carries away."""
+"""Particles above a fluidized bed: how many are thrown up, how they fall back, and
+what the gas carries away.
+"""
 
 from __future__ import annotations
 
@@ -10,21 +12,38 @@ from contbed.closures.registry import Value, closure
 _INF = float("inf")
 _PEMBERTON = "Pemberton, Davidson 1986, Chem. Eng. Sci. 41, 243-251 and 253-262"
 _WEN_CHEN = "Wen, Chen 1982, AIChE J. 28, 117-128, doi:10.1002/aic.690280117"
-_KL = "Kunii, Levenspiel 1991, Fluidization Engineering, 2nd edition, Butterworth-Heinemann, Boston"
-_GELDART = "Geldart, Cullinan, Georghiades, Gilvray, Pope 1979, Trans. Inst. Chem. Eng. 57, 269-275"
+_KL = (
+    "Kunii, Levenspiel 1991, Fluidization Engineering, 2nd edition, "
+    "Butterworth-Heinemann, Boston"
+)
+_GELDART = (
+    "Geldart, Cullinan, Georghiades, Gilvray, Pope 1979, Trans. Inst. Chem. "
+    "Eng. 57, 269-275"
+)
 _COLAKYAN = "Colakyan, Levenspiel 1984, Powder Technol. 38, 223-232"
-_HAIDER = "Haider, Levenspiel 1989, Powder Technol. 58, 63-70, doi:10.1016/0032-5910(89)80008-7"
+_HAIDER = (
+    "Haider, Levenspiel 1989, Powder Technol. 58, 63-70, "
+    "doi:10.1016/0032-5910(89)80008-7"
+)
 
 
-@closure(kind="terminal_velocity", unit="m/s", ranges={"Ar": (0.0, 1e9), "sphericity": (0.5, 1.0)}, source=_HAIDER)
-def terminal_velocity_haider_levenspiel(Ar: Value, mu: Value, rho_gas: Value, d_p: Value, sphericity: Value) -> Value:
+@closure(
+    kind="terminal_velocity",
+    unit="m/s",
+    ranges={"Ar": (0.0, 1e9), "sphericity": (0.5, 1.0)},
+    source=_HAIDER,
+)
+def terminal_velocity_haider_levenspiel(
+    Ar: Value, mu: Value, rho_gas: Value, d_p: Value, sphericity: Value
+) -> Value:
     """Haider and Levenspiel (1989): a single particle that falls through resting gas.
 
         u_t = mu / (rho_gas d_p) Ar^(1/3) u x,  x = Ar^(1/3),  u = 1 / (18 / x^2 + (2.335 - 1.744 phi) / x^(1/2))
 
     d_p : [m] particle diameter, of the sphere of equal volume
 
-    Fitted to: an approximation, explicit in the velocity, of drag measured on spheres and isometric particles
+    Fitted to: an approximation, explicit in the velocity, of drag measured on spheres
+        and isometric particles
     Limits: Ar -> 0: Stokes' law, mu Ar / (18 rho_gas d_p).
     Source: As in Kunii and Levenspiel 1991, Eqs. 3.32 and 3.33.
 
@@ -33,17 +52,23 @@ def terminal_velocity_haider_levenspiel(Ar: Value, mu: Value, rho_gas: Value, d_
     6.243238
     """
     x = Ar ** (1 / 3)
-    return mu / (rho_gas * d_p) * x / (18.0 / x**2 + (2.335 - 1.744 * sphericity) / x**0.5)
+    return (
+        mu / (rho_gas * d_p) * x / (18.0 / x**2 + (2.335 - 1.744 * sphericity) / x**0.5)
+    )
 
 
-@closure(kind="ejection", unit="kg/m2/s", ranges={"u_excess": (0.0, _INF)}, source=_PEMBERTON)
-def ejection_pemberton_davidson(rho_solid: Value, eps_mf: Value, u_excess: Value) -> Value:
+@closure(
+    kind="ejection", unit="kg/m2/s", ranges={"u_excess": (0.0, _INF)}, source=_PEMBERTON
+)
+def ejection_pemberton_davidson(
+    rho_solid: Value, eps_mf: Value, u_excess: Value
+) -> Value:
     """Pemberton and Davidson (1986): bubbles throw up their wakes.
 
         F_0 = 0.1 rho_solid (1 - eps_mf) u_excess
 
-    Fitted to: particles of groups B and D, with a tenth of the bubble's volume ejected; fine ones come from the
-        bubble's nose
+    Fitted to: particles of groups B and D, with a tenth of the bubble's volume ejected;
+        fine ones come from the bubble's nose
     Limits: u_excess -> 0: 0.
     Source: Quoted from a public implementation.
 
@@ -53,18 +78,22 @@ def ejection_pemberton_davidson(rho_solid: Value, eps_mf: Value, u_excess: Value
     return 0.1 * rho_solid * (1.0 - eps_mf) * u_excess
 
 
-@closure(kind="ejection", unit="kg/m2/s", ranges={"u_excess": (0.0, _INF)}, source=_WEN_CHEN)
+@closure(
+    kind="ejection", unit="kg/m2/s", ranges={"u_excess": (0.0, _INF)}, source=_WEN_CHEN
+)
 def ejection_wen_chen(d_b: Value, rho_gas: Value, mu: Value, u_excess: Value) -> Value:
-    """Wen and Chen (1982): what leaves the surface of the bed, of particles that the gas can carry. In SI.
+    """Wen and Chen (1982): what leaves the surface of the bed, of particles that the
+    gas can carry. In SI.
 
         F_0 = 3.07e-9 d_b rho_gas^3.5 g^0.5 u_excess^2.5 / mu^2.5
 
     d_b : [m] diameter of the bubbles at the surface
 
-    Fitted to: fine and coarse particles near ambient conditions; the power of rho_gas makes it small in hot beds
+    Fitted to: fine and coarse particles near ambient conditions; the power of rho_gas
+        makes it small in hot beds
     Limits: u_excess -> 0: 0.
-    Source: Quoted from secondary sources; the density of gas is also printed with the power 2.5, for which the units
-        fail.
+    Source: Quoted from secondary sources; the density of gas is also printed with the
+        power 2.5, for which the units fail.
 
     >>> round(float(ejection_wen_chen(d_b=0.1, rho_gas=1.2, mu=1.8e-5, u_excess=0.5)), 6)
     234.072821
@@ -72,9 +101,15 @@ def ejection_wen_chen(d_b: Value, rho_gas: Value, mu: Value, u_excess: Value) ->
     return 3.07e-9 * d_b * rho_gas**3.5 * GRAVITY**0.5 * u_excess**2.5 / mu**2.5
 
 
-@closure(kind="decay", unit="1/m", ranges={"u_gas": (0.1, 1.25), "d_p": (5e-5, 8e-4)}, source=_KL)
+@closure(
+    kind="decay",
+    unit="1/m",
+    ranges={"u_gas": (0.1, 1.25), "d_p": (5e-5, 8e-4)},
+    source=_KL,
+)
 def decay_kunii_levenspiel(u_gas: Value, d_p: Value) -> Value:
-    """Kunii and Levenspiel (1991): rate at which the flow of particles above a bed falls to what is carried away.
+    """Kunii and Levenspiel (1991): rate at which the flow of particles above a bed
+    falls to what is carried away.
 
         a = 0.03918 (d_p / 1 um)^0.65883 / u_gas
 
@@ -88,9 +123,15 @@ def decay_kunii_levenspiel(u_gas: Value, d_p: Value) -> Value:
     return 0.03918 * (1e6 * d_p) ** 0.65883 / u_gas
 
 
-@closure(kind="elutriation", unit="kg/m2/s", ranges={"u_gas": (0.1, 10.0), "u_t": (0.0, _INF)}, source=_GELDART)
+@closure(
+    kind="elutriation",
+    unit="kg/m2/s",
+    ranges={"u_gas": (0.1, 10.0), "u_t": (0.0, _INF)},
+    source=_GELDART,
+)
 def elutriation_geldart(u_gas: Value, u_t: Value, rho_gas: Value) -> Value:
-    """Geldart et al. (1979): what gas carries away of particles of one size, were the bed all of it.
+    """Geldart et al. (1979): what gas carries away of particles of one size, were the
+    bed all of it.
 
         K = 23.7 rho_gas u_gas exp(-5.4 u_t / u_gas)
 
@@ -104,9 +145,17 @@ def elutriation_geldart(u_gas: Value, u_t: Value, rho_gas: Value) -> Value:
     return 23.7 * rho_gas * u_gas * np.exp(-5.4 * u_t / u_gas)
 
 
-@closure(kind="elutriation", unit="kg/m2/s", ranges={"u_t/u_gas": (0.0, 1.0)}, source=_COLAKYAN)
-def elutriation_colakyan_levenspiel(u_gas: Value, u_t: Value, rho_solid: Value) -> Value:
-    """Colakyan and Levenspiel (1984): what gas carries away of particles of one size; none that fall faster than it.
+@closure(
+    kind="elutriation",
+    unit="kg/m2/s",
+    ranges={"u_t/u_gas": (0.0, 1.0)},
+    source=_COLAKYAN,
+)
+def elutriation_colakyan_levenspiel(
+    u_gas: Value, u_t: Value, rho_solid: Value
+) -> Value:
+    """Colakyan and Levenspiel (1984): what gas carries away of particles of one size;
+    none that fall faster than it.
 
         K = 0.011 rho_solid (1 - u_t / u_gas)^2  where u_t < u_gas, else 0
 

@@ -1,4 +1,5 @@
-"""Granular flow, where particles meet: radial distribution at contact, pressure of collisions.
+"""Granular flow, where particles meet: radial distribution at contact, pressure of
+collisions.
 
     theta [m2/s2] granular temperature, a third of the mean square of the fluctuating velocity
     eps_s, eps_max [-] fraction of the particles, at most
@@ -15,12 +16,20 @@ _SINCLAIR = "Sinclair, Jackson 1989, AIChE J. 35, 1473-1486, doi:10.1002/aic.690
 _LUN_SAVAGE = "Lun, Savage 1986, Acta Mech. 63, 15-44, doi:10.1007/BF01182538"
 _CARNAHAN = "Carnahan, Starling 1969, J. Chem. Phys. 51, 635-636, doi:10.1063/1.1672048"
 _MA = "Ma, Ahmadi 1986, J. Chem. Phys. 84, 3449, doi:10.1063/1.450229"
-_LUN = "Lun, Savage, Jeffrey, Chepurniy 1984, J. Fluid Mech. 140, 223-256, doi:10.1017/S0022112084000586"
-_SYAMLAL = "Syamlal, Rogers, O'Brien 1993, MFIX documentation: theory guide, DOE/METC-94/1004, doi:10.2172/10145548"
+_LUN = (
+    "Lun, Savage, Jeffrey, Chepurniy 1984, J. Fluid Mech. 140, 223-256, "
+    "doi:10.1017/S0022112084000586"
+)
+_SYAMLAL = (
+    "Syamlal, Rogers, O'Brien 1993, MFIX documentation: theory guide, "
+    "DOE/METC-94/1004, doi:10.2172/10145548"
+)
 _DENSE = {"eps_s": (0.0, 0.63), "e": (0.0, 1.0)}
 
 
-@closure(kind="radial_distribution", unit="-", ranges={"eps_s": (0, 0.63)}, source=_SINCLAIR)
+@closure(
+    kind="radial_distribution", unit="-", ranges={"eps_s": (0, 0.63)}, source=_SINCLAIR
+)
 def g0_sinclair_jackson(eps_s: Value, eps_max: Value) -> Value:
     """Sinclair and Jackson (1989): radial distribution, infinite at packing.
 
@@ -35,7 +44,12 @@ def g0_sinclair_jackson(eps_s: Value, eps_max: Value) -> Value:
     return 1.0 / (1.0 - (eps_s / eps_max) ** (1.0 / 3.0))
 
 
-@closure(kind="radial_distribution", unit="-", ranges={"eps_s": (0, 0.63)}, source=_LUN_SAVAGE)
+@closure(
+    kind="radial_distribution",
+    unit="-",
+    ranges={"eps_s": (0, 0.63)},
+    source=_LUN_SAVAGE,
+)
 def g0_lun_savage(eps_s: Value, eps_max: Value) -> Value:
     """Lun and Savage (1986): radial distribution, infinite at packing.
 
@@ -50,9 +64,12 @@ def g0_lun_savage(eps_s: Value, eps_max: Value) -> Value:
     return (1.0 - eps_s / eps_max) ** (-2.5 * eps_max)
 
 
-@closure(kind="radial_distribution", unit="-", ranges={"eps_s": (0, 0.5)}, source=_CARNAHAN)
+@closure(
+    kind="radial_distribution", unit="-", ranges={"eps_s": (0, 0.5)}, source=_CARNAHAN
+)
 def g0_carnahan_starling(eps_s: Value) -> Value:
-    """Carnahan and Starling (1969): radial distribution of the fluid of hard spheres, which knows no packing.
+    """Carnahan and Starling (1969): radial distribution of the fluid of hard spheres,
+    which knows no packing.
 
     g0 = 1/(1 - eps_s) + 3 eps_s/(2 (1 - eps_s)^2) + eps_s^2/(2 (1 - eps_s)^3)
 
@@ -70,7 +87,8 @@ def g0_carnahan_starling(eps_s: Value) -> Value:
 def g0_ma_ahmadi(eps_s: Value, eps_max: Value) -> Value:
     """Ma and Ahmadi (1986): radial distribution, infinite at packing.
 
-    g0 = (1 + 2.5 eps_s + 4.5904 eps_s^2 + 4.515439 eps_s^3)/(1 - (eps_s/eps_max)^3)^0.67802
+    g0 = (1 + 2.5 eps_s + 4.5904 eps_s^2 + 4.515439
+    eps_s^3)/(1 - (eps_s/eps_max)^3)^0.67802
 
     Fitted to: simulated hard spheres
     Limits: eps_s -> 0: 1. eps_s -> eps_max: infinite.
@@ -99,7 +117,8 @@ def granular_pressure_lun(eps_s: Value, g0: Value, e: Value) -> Value:
 
 @closure(kind="granular_pressure", unit="-", ranges=_DENSE, source=_LUN)
 def granular_pressure_dilute(eps_s: Value, g0: Value, e: Value) -> Value:
-    """Lun et al. (1984): pressure over rho_s theta in the dilute limit, without collisions.
+    """Lun et al. (1984): pressure over rho_s theta in the dilute limit, without
+    collisions.
 
         p = rho_s theta eps_s
 

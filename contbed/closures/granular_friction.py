@@ -11,8 +11,12 @@ import numpy as np
 
 from contbed.closures.registry import Value, closure
 
-_JOHNSON = "Johnson, Jackson 1987, J. Fluid Mech. 176, 67-93, doi:10.1017/S0022112087000570"
-_SCHAEFFER = "Schaeffer 1987, J. Differ. Equ. 66, 19-50, doi:10.1016/0022-0396(87)90038-6"
+_JOHNSON = (
+    "Johnson, Jackson 1987, J. Fluid Mech. 176, 67-93, doi:10.1017/S0022112087000570"
+)
+_SCHAEFFER = (
+    "Schaeffer 1987, J. Differ. Equ. 66, 19-50, doi:10.1016/0022-0396(87)90038-6"
+)
 _OPENFOAM = "OpenFOAM v1912, twoPhaseEulerFoam, frictionalStressModel JohnsonJackson"
 
 
@@ -24,7 +28,11 @@ _OPENFOAM = "OpenFOAM v1912, twoPhaseEulerFoam, frictionalStressModel JohnsonJac
     bounds={"strength": "[0, inf)", "gap": "(0, inf)"},
 )
 def friction_johnson_jackson(
-    eps_s: Value, eps_max: Value, eps_min: float = 0.5, strength: float = 0.05, gap: float = 0.01
+    eps_s: Value,
+    eps_max: Value,
+    eps_min: float = 0.5,
+    strength: float = 0.05,
+    gap: float = 0.01,
 ) -> Value:
     """Johnson and Jackson (1987): pressure of particles that rub, none below eps_min.
 
@@ -41,7 +49,11 @@ def friction_johnson_jackson(
     >>> round(float(friction_johnson_jackson(eps_s=0.6, eps_max=0.63)), 3)
     20576.132
     """
-    return strength * np.maximum(eps_s - eps_min, 0.0) ** 2 / np.maximum(eps_max - eps_s, gap) ** 5
+    return (
+        strength
+        * np.maximum(eps_s - eps_min, 0.0) ** 2
+        / np.maximum(eps_max - eps_s, gap) ** 5
+    )
 
 
 @closure(
@@ -51,7 +63,9 @@ def friction_johnson_jackson(
     source=_OPENFOAM,
     bounds={"time": "[0, inf)"},
 )
-def friction_viscosity_newtonian(p_friction: Value, angle: Value, time: float = 0.5) -> Value:
+def friction_viscosity_newtonian(
+    p_friction: Value, angle: Value, time: float = 0.5
+) -> Value:
     """OpenFOAM (2019): frictional viscosity that does not depend on the flow.
 
     mu = time p_friction sin(angle)
@@ -74,8 +88,11 @@ def friction_viscosity_newtonian(p_friction: Value, angle: Value, time: float = 
     source=_SCHAEFFER,
     bounds={"rate_min": "(0, inf)"},
 )
-def friction_viscosity_schaeffer(p_friction: Value, angle: Value, shear_rate: Value, rate_min: float = 0.05) -> Value:
-    """Schaeffer (1987): a yield stress p_friction sin(angle) that does not depend on the rate of shear.
+def friction_viscosity_schaeffer(
+    p_friction: Value, angle: Value, shear_rate: Value, rate_min: float = 0.05
+) -> Value:
+    """Schaeffer (1987): a yield stress p_friction sin(angle) that does not depend on
+    the rate of shear.
 
     mu = p_friction sin(angle)/(2 sqrt(shear_rate^2 + rate_min^2))
 

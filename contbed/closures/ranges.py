@@ -1,4 +1,6 @@
-"""How closures were used: declared and used range of each argument, of one call or collected over a run."""
+"""How closures were used: declared and used range of each argument, of one call or
+collected over a run.
+"""
 
 from __future__ import annotations
 
@@ -15,13 +17,16 @@ from numpy.typing import NDArray
 from contbed.closures import registry
 from contbed.closures.sheet import Sheet
 
-_ROUNDING = 1e-9  # relative excess of a value over a bound that is no more than rounding
+# relative excess of a value over a bound that is no more than rounding
+_ROUNDING = 1e-9
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class ArgumentUse:
-    """Declared and used range of one argument; `share_outside` is the share of points beyond the bounds or nan."""
+    """Declared and used range of one argument; `share_outside` is the share of
+    points beyond the bounds or nan.
+    """
 
     declared: tuple[float, float]
     used: tuple[float, float]
@@ -37,11 +42,15 @@ class RangeUse:
 
     @property
     def share_outside(self) -> float:
-        """The largest share of points that lie outside the range of any one argument."""
+        """The largest share of points that lie outside the range of any one
+        argument.
+        """
         return max((use.share_outside for use in self.arguments.values()), default=0.0)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain JSON data; a missing bound is None because JSON knows neither inf nor nan."""
+        """Plain JSON data; a missing bound is None because JSON knows neither inf
+        nor nan.
+        """
         return {
             "name": self.sheet.name,
             "kind": self.sheet.kind,
@@ -63,7 +72,8 @@ class RangeRecord:
 
     def __init__(self, sheet: Sheet):
         self.sheet = sheet
-        self.rows = np.zeros((len(sheet.ranges), 4))  # lowest, highest, points outside, points
+        # lowest, highest, points outside, points
+        self.rows = np.zeros((len(sheet.ranges), 4))
 
     @property
     def empty(self) -> bool:
@@ -72,7 +82,9 @@ class RangeRecord:
 
     def add(self, arguments: Mapping[str, Any]) -> None:
         """Add the arguments of one call."""
-        for row, (key, declared) in zip(self.rows, self.sheet.ranges.items(), strict=True):
+        for row, (key, declared) in zip(
+            self.rows, self.sheet.ranges.items(), strict=True
+        ):
             values = _values(key, arguments)
             use = _argument_use(values, declared)
             if row[3] == 0.0:
@@ -84,14 +96,22 @@ class RangeRecord:
     def use(self) -> RangeUse:
         """Return what was added so far."""
         uses = {
-            key: ArgumentUse(declared, (float(low), float(high)), float(outside / points) if points else 0.0)
-            for (key, declared), (low, high, outside, points) in zip(self.sheet.ranges.items(), self.rows, strict=True)
+            key: ArgumentUse(
+                declared,
+                (float(low), float(high)),
+                float(outside / points) if points else 0.0,
+            )
+            for (key, declared), (low, high, outside, points) in zip(
+                self.sheet.ranges.items(), self.rows, strict=True
+            )
         }
         return RangeUse(self.sheet, MappingProxyType(uses))
 
 
 def usage(function: Callable[..., Any] | str, **arguments: Any) -> RangeUse:
-    """Compare the arguments of a call, numbers or arrays that broadcast, with the declared ranges."""
+    """Compare the arguments of a call, numbers or arrays that broadcast, with the
+    declared ranges.
+    """
     if isinstance(function, str):
         function = registry.get(function)
     facts: Sheet = function.sheet  # type: ignore[attr-defined]
@@ -114,9 +134,15 @@ def _argument_use(values: Array, declared: tuple[float, float]) -> ArgumentUse:
     if values.size == 0:
         return ArgumentUse(declared, (math.nan, math.nan), 0.0)
     low, high = declared
-    # Written as "not inside" so that nan counts as outside. Rounding of a value at a bound is inside.
-    outside = ~((values >= low - _ROUNDING * abs(low)) & (values <= high + _ROUNDING * abs(high)))
-    return ArgumentUse(declared, (float(values.min()), float(values.max())), float(outside.mean()))
+    # Written as "not inside" so that nan counts as outside. Rounding of a value at a
+    # bound is inside.
+    outside = ~(
+        (values >= low - _ROUNDING * abs(low))
+        & (values <= high + _ROUNDING * abs(high))
+    )
+    return ArgumentUse(
+        declared, (float(values.min()), float(values.max())), float(outside.mean())
+    )
 
 
 def _finite(value: float) -> float | None:

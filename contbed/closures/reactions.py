@@ -1,17 +1,22 @@
-"""Rates of homogeneous reactions in the gas of fluidized beds: power laws with an Arrhenius factor, as data.
+"""Rates of homogeneous reactions in the gas of fluidized beds: power laws with an
+Arrhenius factor, as data.
 
     r = A T^b exp(-E/T) prod_i [i]^(n_i)      [mol/m3/s], concentrations [i] in mol/m3
 
-Orders below one have infinite slopes at zero, where nothing is left to react. They are continued as straight lines,
+Orders below one have infinite slopes at zero, where nothing is left to react. They are
+continued as straight lines,
 
     [i]^n  ->  [i] ([i]^2 + s^2)^((n - 1)/2),   s = 1e-5 of all molecules,
 
-which changes r where less than about s is left and lets a slightly negative [i] pull back; two of them do not.
+which changes r where less than about s is left and lets a slightly negative [i] pull
+back; two of them do not.
 
-Gases burn no faster than they mix: with a time tau of mixing, r/(1 + tau sum_i r/[i]) is at most [i]/tau of the
-scarcest. Reversible reactions run backward at the rate that thermodynamic equilibrium demands: r (1 - Q/K).
+Gases burn no faster than they mix: with a time tau of mixing, r/(1 + tau sum_i r/[i])
+is at most [i]/tau of the scarcest. Reversible reactions run backward at the rate that
+thermodynamic equilibrium demands: r (1 - Q/K).
 
-Constants are those quoted for the sources in secondary literature; `share_outside` reports where a run left `T_range`.
+Constants are those quoted for the sources in secondary literature; `share_outside`
+reports where a run left `T_range`.
 """
 
 from __future__ import annotations
@@ -28,7 +33,9 @@ SMALL = 1e-5  # share of all molecules below which fractional orders are straigh
 
 @dataclass(frozen=True)
 class Law:
-    """A rate law. `A` is in mol, m3 and s; for reactions of solids see the module that lists them."""
+    """A rate law. `A` is in mol, m3 and s; for reactions of solids see the module
+    that lists them.
+    """
 
     name: str
     reaction: str  # "CO + 0.5 O2 -> CO2"; "<->" where it is reversible
@@ -56,18 +63,28 @@ class Law:
         return k * T**self.b if self.b else k
 
     def rate(self, T: Any, concentration: Mapping[str, Any], small: Any) -> Any:
-        """Forward rate [mol/m3/s] at concentrations [mol/m3]; `small` is s of the module's docstring [mol/m3]."""
-        return self.constant(T) * product([power(concentration[name], n, small) for name, n in self.orders.items()])
+        """Forward rate [mol/m3/s] at concentrations [mol/m3]; `small` is s of the
+        module's docstring [mol/m3].
+        """
+        return self.constant(T) * product(
+            [power(concentration[name], n, small) for name, n in self.orders.items()]
+        )
 
     def frequency(self, T: Any, concentration: Mapping[str, Any], small: Any) -> Any:
-        """Sum over the reactants of forward rate over amount [1/s]; the scarcest decides."""
+        """Sum over the reactants of forward rate over amount [1/s]; the scarcest
+        decides.
+        """
         total: Any = 0.0
         for name in self.orders:
             others: Any = 1.0
             for other, n in self.orders.items():
                 c = concentration[other]
                 if other == name:
-                    others = others * (1.0 if n == 1.0 else (c * c + small * small) ** (0.5 * (n - 1.0)))
+                    others = others * (
+                        1.0
+                        if n == 1.0
+                        else (c * c + small * small) ** (0.5 * (n - 1.0))
+                    )
                 else:
                     others = others * np.maximum(power(c, n, small), 0.0)
             total = total + others
@@ -86,7 +103,9 @@ def stoichiometry(reaction: str) -> dict[str, float]:
 
 
 def product(factors: Sequence[Any]) -> Any:
-    """Their product where at most one is negative, else 0: what two reactants lack is not taken from both."""
+    """Their product where at most one is negative, else 0: what two reactants lack
+    is not taken from both.
+    """
     up = [np.maximum(factor, 0.0) for factor in factors]
     total: Any = 1.0
     for factor in up:
@@ -127,26 +146,30 @@ LAWS: dict[str, dict[str, Law]] = {
         "howard": Law(
             "howard", "CO + 0.5 O2 -> CO2", _from_cm(1.3e14, 2.0), 0.0, 30000 * _CAL,
             {"CO": 1.0, "O2": 0.5, "H2O": 0.5}, (840.0, 2360.0),
-            "Howard, Williams, Fine 1973, 14th Symp. (Int.) Combust., 975-986, doi:10.1016/S0082-0784(73)80089-X",
+            "Howard, Williams, Fine 1973, 14th Symp. (Int.) Combust., 975-986, "
+            "doi:10.1016/S0082-0784(73)80089-X",
         ),
         "dryer_glassman": Law(
             "dryer_glassman", "CO + 0.5 O2 -> CO2", _from_cm(3.98e14, 1.75), 0.0, 40000 * _CAL,
             {"CO": 1.0, "O2": 0.25, "H2O": 0.5}, (1030.0, 1230.0),
-            "Dryer, Glassman 1973, 14th Symp. (Int.) Combust., 987-1003, doi:10.1016/S0082-0784(73)80090-6",
+            "Dryer, Glassman 1973, 14th Symp. (Int.) Combust., 987-1003, "
+            "doi:10.1016/S0082-0784(73)80090-6",
         ),
     },
     "H2_oxidation": {
         "jones_lindstedt": Law(
             "jones_lindstedt", "H2 + 0.5 O2 -> H2O", _from_kmol(6.8e15, 1.75), -1.0, 20130.0,
             {"H2": 0.25, "O2": 1.5}, (900.0, 2500.0),
-            "Jones, Lindstedt 1988, Combust. Flame 73, 233-249, doi:10.1016/0010-2180(88)90021-1",
+            "Jones, Lindstedt 1988, Combust. Flame 73, 233-249, "
+            "doi:10.1016/0010-2180(88)90021-1",
         ),
     },
     "CH4_oxidation": {
         "dryer_glassman": Law(
             "dryer_glassman", "CH4 + 1.5 O2 -> CO + 2 H2O", _from_cm(10**13.2, 1.5), 0.0, 48400 * _CAL,
             {"CH4": 0.7, "O2": 0.8}, (1100.0, 1400.0),
-            "Dryer, Glassman 1973, 14th Symp. (Int.) Combust., 987-1003, doi:10.1016/S0082-0784(73)80090-6",
+            "Dryer, Glassman 1973, 14th Symp. (Int.) Combust., 987-1003, "
+            "doi:10.1016/S0082-0784(73)80090-6",
         ),
     },
     "tar_oxidation": {
@@ -159,20 +182,23 @@ LAWS: dict[str, dict[str, Law]] = {
     "H2S_oxidation": {
         "assumed_fast": Law(
             "assumed_fast", "H2S + 1.5 O2 -> SO2 + H2O", 1e4, 0.0, 5000.0, {"H2S": 1.0, "O2": 1.0}, (700.0, 1600.0),
-            "no measurement: fast beside the exchange of gas above 900 K, slow below 600 K",
+            "no measurement: fast beside the exchange of gas above 900 K, slow below "
+            "600 K",
         ),
     },
     "water_gas_shift": {
         "biba": Law(
             "biba", "CO + H2O <-> CO2 + H2", 2.78, 0.0, 12560.0 / R_GAS, {"CO": 1.0, "H2O": 1.0}, (800.0, 1400.0),
-            "Biba, Macak, Klose, Malecha 1978, Ind. Eng. Chem. Process Des. Dev. 17, 92-98, doi:10.1021/i260065a017",
+            "Biba, Macak, Klose, Malecha 1978, Ind. Eng. Chem. Process Des. Dev. 17, "
+            "92-98, doi:10.1021/i260065a017",
         ),
     },
     "reforming": {
         "jones_lindstedt": Law(
             "jones_lindstedt", "CH4 + H2O <-> CO + 3 H2", _from_kmol(3e8, 2.0), 0.0, 15100.0,
             {"CH4": 1.0, "H2O": 1.0}, (900.0, 2500.0),
-            "Jones, Lindstedt 1988, Combust. Flame 73, 233-249, doi:10.1016/0010-2180(88)90021-1",
+            "Jones, Lindstedt 1988, Combust. Flame 73, 233-249, "
+            "doi:10.1016/0010-2180(88)90021-1",
         ),
     },
 }  # fmt: skip

@@ -5,10 +5,12 @@
     CH4 + 2 H2O <-> CO2 + 4 H2    r3 = k3 (p_CH4 p_H2O^2 - p_H2^4 p_CO2/(K1 K2))/(p_H2^3.5 DEN^2)
     DEN = 1 + K_CO p_CO + K_H2 p_H2 + K_CH4 p_CH4 + K_H2O p_H2O/p_H2
 
-Pressures in bar. Equilibrium constants K1 [bar2] and K2 are those of the thermodynamics in use, so that the rates
-vanish where enthalpies and entropies say so. The rates have no limit without hydrogen: a trace has to enter.
+Pressures in bar. Equilibrium constants K1 [bar2] and K2 are those of the thermodynamics
+in use, so that the rates vanish where enthalpies and entropies say so. The rates have
+no limit without hydrogen: a trace has to enter.
 
-Source: Xu, Froment 1989, AIChE J. 35, 88-96, doi:10.1002/aic.690350109; constants in kmol/kg/h.
+Source: Xu, Froment 1989, AIChE J. 35, 88-96, doi:10.1002/aic.690350109; constants in
+    kmol/kg/h.
 """
 
 from __future__ import annotations
@@ -46,21 +48,35 @@ def denominator(T: Any, p: Mapping[str, Any]) -> Any:
     """Return DEN at partial pressures [bar]."""
     K = {name: A * np.exp(-H / (R_GAS * T)) for name, (A, H) in _ADSORPTION.items()}
     H2 = np.maximum(p["H2"], LEAST_H2)
-    return 1.0 + K["CO"] * p["CO"] + K["H2"] * p["H2"] + K["CH4"] * p["CH4"] + K["H2O"] * p["H2O"] / H2
+    return (
+        1.0
+        + K["CO"] * p["CO"]
+        + K["H2"] * p["H2"]
+        + K["CH4"] * p["CH4"]
+        + K["H2O"] * p["H2O"] / H2
+    )
 
 
 def rate(name: str, T: Any, p: Mapping[str, Any], K: Any) -> Any:
-    """Return a rate [mol/kg/s] at partial pressures [bar]; K in bar to the change of moles."""
+    """Return a rate [mol/kg/s] at partial pressures [bar]; K in bar to the change of
+    moles.
+    """
     A, E = _RATES[name]
     k = KMOL_PER_HOUR * A * np.exp(-E / (R_GAS * T))
     H2 = np.maximum(p["H2"], LEAST_H2)
     H2_1 = p["H2"]
     if name == "xu_froment_reforming":
-        driving, below = product([p["CH4"], p["H2O"]]) - H2_1 * H2_1 * H2_1 * p["CO"] / K, H2 * H2 * np.sqrt(H2)
+        driving, below = (
+            product([p["CH4"], p["H2O"]]) - H2_1 * H2_1 * H2_1 * p["CO"] / K,
+            H2 * H2 * np.sqrt(H2),
+        )
     elif name == "xu_froment_shift":
         driving, below = product([p["CO"], p["H2O"]]) - H2_1 * p["CO2"] / K, H2
     else:
         steam = p["H2O"] * p["H2O"]
-        driving, below = p["CH4"] * steam - H2_1 * H2_1 * H2_1 * H2_1 * p["CO2"] / K, H2 * H2 * H2 * np.sqrt(H2)
+        driving, below = (
+            p["CH4"] * steam - H2_1 * H2_1 * H2_1 * H2_1 * p["CO2"] / K,
+            H2 * H2 * H2 * np.sqrt(H2),
+        )
     den = denominator(T, p)
     return k * driving / (below * den * den)

@@ -1,12 +1,15 @@
-"""The register of closures: what each one is called, what it returns, where it is valid and who published it.
+"""The register of closures: what each one is called, what it returns, where it is valid
+and who published it.
 
-A closure stays a plain function. The decorator only hangs a data sheet on it and makes it known by name:
+A closure stays a plain function. The decorator only hangs a data sheet on it and makes
+it known by name:
 
     @closure(kind="nusselt", unit="-", ranges={"Re": (15, 8500)}, source="Author year, journal, doi:...")
     def nusselt_author(Re, Pr): ...
 
-A range belongs to an argument, or to the ratio of two arguments ("k_solid/k_fluid"); both bounds are inclusive.
-Nothing is checked while a closure is evaluated: `ranges.usage` compares the declared with the used range afterwards.
+A range belongs to an argument, or to the ratio of two arguments ("k_solid/k_fluid");
+both bounds are inclusive. Nothing is checked while a closure is evaluated:
+`ranges.usage` compares the declared with the used range afterwards.
 """
 
 from __future__ import annotations
@@ -39,9 +42,11 @@ def closure(
     source: str,
     bounds: Mapping[str, str] = MappingProxyType({}),
 ) -> Callable[[Function], Function]:
-    """Register a function as a closure; its data sheet becomes `function.sheet` and, as text, its docstring.
+    """Register a function as a closure; its data sheet becomes `function.sheet` and, as
+    text, its docstring.
 
-    `bounds` are the values that a scene may give to parameters of this law, such as {"exponent_Pr": "[0, inf)"}.
+    `bounds` are the values that a scene may give to parameters of this law, such as
+    {"exponent_Pr": "[0, inf)"}.
     """
 
     def decorate(function: Function) -> Function:
@@ -53,20 +58,33 @@ def closure(
             for key in keys:
                 if not set(key.split("/")) <= set(parameters):
                     raise ValueError(
-                        f"closure {name}: {what} {key!r} names no argument; it has {', '.join(parameters)}"
+                        f"closure {name}: {what} {key!r} names no argument; it has "
+                        f"{', '.join(parameters)}"
                     )
-        shared = {key: known.bounds for key in parameters if (known := argument(key, kind)) and known.bounds}
-        limits = MappingProxyType({key: Interval.read(text) for key, text in (shared | dict(bounds)).items()})
+        shared = {
+            key: known.bounds
+            for key in parameters
+            if (known := argument(key, kind)) and known.bounds
+        }
+        limits = MappingProxyType(
+            {key: Interval.read(text) for key, text in (shared | dict(bounds)).items()}
+        )
         doc = Docstring.read(inspect.getdoc(function) or "")
         given = {key: value.default for key, value in parameters.items()}
-        required = tuple(key for key, default in given.items() if default is inspect.Parameter.empty)
+        required = tuple(
+            key for key, default in given.items() if default is inspect.Parameter.empty
+        )
         sheet = Sheet(
             name=name,
             kind=kind,
             unit=unit,
             arguments=required,
-            options=MappingProxyType({key: value for key, value in given.items() if key not in required}),
-            ranges=MappingProxyType({key: (float(low), float(high)) for key, (low, high) in ranges.items()}),
+            options=MappingProxyType(
+                {key: value for key, value in given.items() if key not in required}
+            ),
+            ranges=MappingProxyType(
+                {key: (float(low), float(high)) for key, (low, high) in ranges.items()}
+            ),
             source=source,
             summary=doc.summary,
             equation=inspect.cleandoc(doc.equation),
@@ -83,7 +101,9 @@ def closure(
 
 @cache
 def _load() -> None:
-    """Import the modules of this package that hold closures; each closure registers itself."""
+    """Import the modules of this package that hold closures; each closure registers
+    itself.
+    """
     for file in sorted(Path(__file__).parent.glob("*.py")):
         if "\n@closure(" in file.read_text(encoding="utf-8"):
             import_module(f"{__package__}.{file.stem}")
@@ -92,18 +112,25 @@ def _load() -> None:
 def names(kind: str | None = None) -> tuple[str, ...]:
     """Return the names of all closures, or of one kind, in alphabetical order."""
     _load()
-    return tuple(sorted(name for name in _register if kind is None or _sheet(name).kind == kind))
+    return tuple(
+        sorted(name for name in _register if kind is None or _sheet(name).kind == kind)
+    )
 
 
 def get(name: str, kind: str | None = None) -> Callable[..., Any]:
-    """Return the closure of that name; an unknown one, or one of another kind, raises SceneError with the nearest."""
+    """Return the closure of that name; an unknown one, or one of another kind,
+    raises SceneError with the nearest.
+    """
     _load()
     function = _register.get(name)
     if function is None:
         raise unknown(name, names(kind), kind)
     found = _sheet(name).kind
     if kind is not None and found != kind:
-        raise SceneError(f"closure {name!r} is of kind {found!r}, wanted kind {kind!r}: {', '.join(names(kind))}")
+        raise SceneError(
+            f"closure {name!r} is of kind {found!r}, wanted kind {kind!r}: "
+            f"{', '.join(names(kind))}"
+        )
     return function
 
 
@@ -115,8 +142,14 @@ class DispersionPair(NamedTuple):
 
 
 def dispersion_pair(stem: str) -> DispersionPair:
-    """Return the axial and the transverse closure whose names begin with `stem`; SceneError names the nearest stems."""
-    known = [name.removesuffix("_axial") for name in names("dispersion") if name.endswith("_axial")]
+    """Return the axial and the transverse closure whose names begin with `stem`;
+    SceneError names the nearest stems.
+    """
+    known = [
+        name.removesuffix("_axial")
+        for name in names("dispersion")
+        if name.endswith("_axial")
+    ]
     if stem not in known:
         raise unknown(stem, known, "dispersion")
     return DispersionPair(get(f"{stem}_axial"), get(f"{stem}_transverse"))
@@ -140,7 +173,9 @@ def data_sheet(name: str) -> str:
 
 
 def unknown(name: str, known: Iterable[str], kind: str | None = None) -> SceneError:
-    """Return the error for a name that is not among the known ones: the nearest come first, else all are listed."""
+    """Return the error for a name that is not among the known ones: the nearest come
+    first, else all are listed.
+    """
     known = list(known)
     what = f"{kind} closure" if kind else "closure"
     if near := get_close_matches(name, known, n=3, cutoff=0.5):

@@ -1,4 +1,5 @@
-"""The data sheet of a closure, put together from its decorator, its docstring and `arguments`.
+"""The data sheet of a closure, put together from its decorator, its docstring and
+`arguments`.
 
 The docstring holds what only the closure itself can say:
 
@@ -6,7 +7,8 @@ The docstring holds what only the closure itself can say:
 
         the equation
 
-    name : [unit] a constant of this law, or an argument that means something special in it
+    name : [unit] a constant of this law, or an argument that means something special in
+        it
 
     Result: what it returns, where this differs from others of its kind
     Fitted to: the data behind it
@@ -31,7 +33,9 @@ _KEY = re.compile(r"(Result|Fitted to|Limits|Source): (.*)")
 
 
 class Interval(NamedTuple):
-    """Values that a parameter may have; written "[0, 1)", where a round bracket leaves the bound out."""
+    """Values that a parameter may have; written "[0, 1)", where a round bracket
+    leaves the bound out.
+    """
 
     text: str
     low: float
@@ -44,7 +48,9 @@ class Interval(NamedTuple):
         found = re.fullmatch(r"([\[(])(\S+), (\S+)([\])])", text)
         if found is None or not float(found[2]) < float(found[3]):
             raise ValueError(f"{text!r} is no interval such as '[0, 1)'")
-        return cls(text, float(found[2]), float(found[3]), (found[1] == "[", found[4] == "]"))
+        return cls(
+            text, float(found[2]), float(found[3]), (found[1] == "[", found[4] == "]")
+        )
 
     def __contains__(self, value: object) -> bool:
         assert isinstance(value, (int, float))
@@ -54,7 +60,9 @@ class Interval(NamedTuple):
 
 @dataclass(frozen=True)
 class Sheet:
-    """The data sheet of one closure. `options` are the arguments that have a default."""
+    """The data sheet of one closure. `options` are the arguments that have a
+    default.
+    """
 
     name: str
     kind: str
@@ -100,8 +108,12 @@ class Docstring(NamedTuple):
                     continue
                 if not line.strip() and part is not equation:
                     continue
-            part.append(line.strip() if part is not equation and part is not example else line)
-        return cls(summary, "\n".join(equation).strip("\n").rstrip(), rows, sections, example)
+            part.append(
+                line.strip() if part is not equation and part is not example else line
+            )
+        return cls(
+            summary, "\n".join(equation).strip("\n").rstrip(), rows, sections, example
+        )
 
 
 def assembled(
@@ -114,12 +126,17 @@ def assembled(
     source: str,
 ) -> str:
     """Return the text of a data sheet, a docstring in numpy's convention."""
-    rows = [line for name in parameters for line in doc.rows.get(name) or _row(name, kind)]
+    rows = [
+        line for name in parameters for line in doc.rows.get(name) or _row(name, kind)
+    ]
     result = doc.sections.get("Result") or [RESULTS.get(kind, kind.replace("_", " "))]
     sections = {
         "Parameters": rows,
         "Returns": [f"[{unit}] {result[0]}", *result[1:]],
-        "Range": [f"{key} : {_number(low)} to {_number(high)}" for key, (low, high) in ranges.items()],
+        "Range": [
+            f"{key} : {_number(low)} to {_number(high)}"
+            for key, (low, high) in ranges.items()
+        ],
         "Bounds": [f"{key} : {interval.text}" for key, interval in bounds.items()],
         "Fitted to": doc.sections.get("Fitted to", []),
         "Limits": doc.sections.get("Limits", []),
@@ -127,7 +144,12 @@ def assembled(
         "Source": [f"{source}.", *doc.sections.get("Source", [])],
     }
     head = [doc.summary, "", doc.equation] if doc.equation else [doc.summary]
-    body = [line for title, lines in sections.items() if lines for line in ("", title, "-" * len(title), *lines)]
+    body = [
+        line
+        for title, lines in sections.items()
+        if lines
+        for line in ("", title, "-" * len(title), *lines)
+    ]
     return "\n".join([*head, *body])
 
 

@@ -6,10 +6,18 @@ import numpy as np
 
 from contbed.closures.registry import Value, closure
 
-_AGU = "Agu, Pfeifer, Eikeland, Tokheim, Moldestad 2019, Energy Fuels 33, 7385, doi:10.1021/acs.energyfuels.9b01340"
+_AGU = (
+    "Agu, Pfeifer, Eikeland, Tokheim, Moldestad 2019, Energy Fuels 33, 7385, "
+    "doi:10.1021/acs.energyfuels.9b01340"
+)
 
 
-@closure(kind="solid_exchange", unit="W/m3/K", ranges={"d_1/d_2": (0.01, 100.0), "slip": (0.0, 5.0)}, source=_AGU)
+@closure(
+    kind="solid_exchange",
+    unit="W/m3/K",
+    ranges={"d_1/d_2": (0.01, 100.0), "slip": (0.0, 5.0)},
+    source=_AGU,
+)
 def solid_exchange_agu(
     f_1: Value,
     f_2: Value,
@@ -26,14 +34,16 @@ def solid_exchange_agu(
     modulus: float = 3e7,
     restitution: float = 0.9,
 ) -> Value:
-    """Agu et al. (2019): collisions of two kinds of spheres, each with the conduction of a Hertzian impact.
+    """Agu et al. (2019): collisions of two kinds of spheres, each with the conduction
+    of a Hertzian impact.
 
         H = 4.88 a / b (m / E)^0.6 (R slip)^0.7 (8 pi (w_1 + w_2))^(1/2)
         a = f_1 f_2 (d_1 + d_2)^2,  b = d_1^3 d_2^3 ((rho cp k)_1^(-1/2) + (rho cp k)_2^(-1/2))
         m = m_1 m_2 / (m_1 + m_2),  R = d_1 d_2 / (2 (d_1 + d_2)),  w = 2 slip^2 (d / D_bed)^2 / (15 (1 - restitution))
 
-    Fitted to: nothing: kinetic theory of collisions and the heat of one impact (Sun and Chen 1988, 0.91 x 5.36 = 4.88),
-        with moduli of soft spheres. Lasting contacts and conduction through the gas between neighbours are not in it
+    Fitted to: nothing: kinetic theory of collisions and the heat of one impact (Sun and
+        Chen 1988, 0.91 x 5.36 = 4.88), with moduli of soft spheres. Lasting contacts
+        and conduction through the gas between neighbours are not in it
     Limits: slip -> 0: 0.
     Source: Quoted from a public implementation.
 
@@ -45,6 +55,8 @@ def solid_exchange_agu(
     m_1, m_2 = np.pi / 6.0 * rho_1 * d_1**3, np.pi / 6.0 * rho_2 * d_2**3
     mass, radius = m_1 * m_2 / (m_1 + m_2), d_1 * d_2 / (2.0 * (d_1 + d_2))
     random = 2.0 / 15.0 * slip**2 / (1.0 - restitution) * (d_1**2 + d_2**2) / D_bed**2
-    rate = f_1 * f_2 * (d_1 + d_2) ** 2 / (d_1 * d_2) ** 3 * (8.0 * np.pi * random) ** 0.5
+    rate = (
+        f_1 * f_2 * (d_1 + d_2) ** 2 / (d_1 * d_2) ** 3 * (8.0 * np.pi * random) ** 0.5
+    )
     resistance = (rho_1 * cp_1 * k_1) ** -0.5 + (rho_2 * cp_2 * k_2) ** -0.5
     return 4.88 * rate * (mass / modulus) ** 0.6 * (radius * slip) ** 0.7 / resistance

@@ -1,6 +1,8 @@
-"""Closures fitted from particle models: what stands in a closure file, as a function like the published ones.
+"""Closures fitted from particle models: what stands in a closure file, as a function
+like the published ones.
 
-A closure file is TOML that `contbed.dem.extract` writes and `contbed.closures.file` reads:
+A closure file is TOML that `contbed.dem.extract` writes and `contbed.closures.file`
+reads:
 
     format = 1
     kind = "conductivity"                # or "nusselt"
@@ -21,9 +23,10 @@ Forms, both smooth inside of their range and differentiable by dual numbers:
     log_polynomial:  ln(y/unit) = sum of value * product of t_v^power,  t = ln(v/reference) or v - reference
     power:           Nu = base + a Re^b Pr^c, [parameters] base, a, b, c with value and interval
 
-with y = k and unit k_fluid for a conductivity, y = Nu and unit 1 for a nusselt. The range may bound
-further arguments on which the fit does not depend. It is declared, not enforced: like that of any closure its use
-outside is reported, or an error in strict mode.
+with y = k and unit k_fluid for a conductivity, y = Nu and unit 1 for a nusselt. The
+range may bound further arguments on which the fit does not depend. It is declared, not
+enforced: like that of any closure its use outside is reported, or an error in strict
+mode.
 """
 
 from __future__ import annotations
@@ -39,22 +42,35 @@ from contbed.closures.sheet import Sheet
 
 FORMAT = 1
 UNITS = {"conductivity": "W/m/K", "nusselt": "-"}
-ARGUMENTS = {"conductivity": ("k_fluid", "k_solid", "eps", "T", "d_p"), "nusselt": ("Re", "Pr", "eps")}
+ARGUMENTS = {
+    "conductivity": ("k_fluid", "k_solid", "eps", "T", "d_p"),
+    "nusselt": ("Re", "Pr", "eps"),
+}
 
 
 class Transferred:
-    """A closure from a file: callable with keywords, with a data sheet, as the registered closures are."""
+    """A closure from a file: callable with keywords, with a data sheet, as the
+    registered closures are.
+    """
 
     def __init__(self, name: str, content: Mapping[str, Any]):
         kind, form = content["kind"], content["form"]
         self.content = content
         provenance = content.get("provenance", {})
-        ranges = {key: (float(low), float(high)) for key, (low, high) in content["range"].items()}
-        used = {part for key in (*self._variables(), *ranges) for part in key.split("/")}
+        ranges = {
+            key: (float(low), float(high))
+            for key, (low, high) in content["range"].items()
+        }
+        used = {
+            part for key in (*self._variables(), *ranges) for part in key.split("/")
+        }
         if kind == "conductivity":
             used.add("k_fluid")
         arguments = tuple(argument for argument in ARGUMENTS[kind] if argument in used)
-        source = "; ".join(f"{key} {value}" for key, value in provenance.items()) or "no provenance given"
+        source = (
+            "; ".join(f"{key} {value}" for key, value in provenance.items())
+            or "no provenance given"
+        )
         self.sheet = Sheet(
             name=f"{kind} of {name}",
             kind=kind,
@@ -69,13 +85,18 @@ class Transferred:
             bounds=MappingProxyType({}),
         )
         self.__signature__ = inspect.Signature(
-            [inspect.Parameter(argument, inspect.Parameter.KEYWORD_ONLY) for argument in arguments]
+            [
+                inspect.Parameter(argument, inspect.Parameter.KEYWORD_ONLY)
+                for argument in arguments
+            ]
         )
 
     def __call__(self, **arguments: Any) -> Any:
         """Return the value of the fit for its arguments by name."""
         if self.content["form"] == "power":
-            value = {key: part["value"] for key, part in self.content["parameters"].items()}
+            value = {
+                key: part["value"] for key, part in self.content["parameters"].items()
+            }
             powers = arguments["Re"] ** value["b"] * arguments["Pr"] ** value["c"]
             return value["base"] + value["a"] * powers
         unit = arguments["k_fluid"] if self.sheet.kind == "conductivity" else 1.0
@@ -94,7 +115,11 @@ class Transferred:
         return unit * np.exp(exponent)
 
     def _variables(self) -> tuple[str, ...]:
-        return ("Re", "Pr") if self.content["form"] == "power" else tuple(self.content["variables"])
+        return (
+            ("Re", "Pr")
+            if self.content["form"] == "power"
+            else tuple(self.content["variables"])
+        )
 
 
 def _argument(key: str, arguments: Mapping[str, Any]) -> Any:

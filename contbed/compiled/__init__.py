@@ -1,1 +1,3 @@
-"""Compiled functions, where their code is kept on disk, and how they use several cores."""
+"""Compiled functions, where their code is kept on disk, and how they use several
+cores.
+"""

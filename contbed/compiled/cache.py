@@ -15,7 +15,8 @@ from zlib import crc32
 VARIABLE = "NUMBA_CACHE_DIR"
 ROOMS = ("compiled", "solvers", "dem", "cfd_dem", "two_fluid")  # with kernels
 COMPILING = (
-    "contbed: compiling for this processor, once for an installation and up to a minute; `contbed warm` does it "
+    "contbed: compiling for this processor, once for an installation and up to a "
+    "minute; `contbed warm` does it "
     "beforehand"
 )
 
@@ -34,7 +35,10 @@ def choose_cache() -> None:
         return
     import tempfile  # takes longer to import than all of this
 
-    folder = Path(tempfile.gettempdir()) / f"contbed-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
+    folder = (
+        Path(tempfile.gettempdir())
+        / f"contbed-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
+    )
     try:
         folder.mkdir(mode=0o700)
         made = True
@@ -66,7 +70,9 @@ def _layout() -> str:
 
 
 def tell_when_compiling() -> None:
-    """Say on stderr, once for a process, that kernels are compiled, as soon as the first one is."""
+    """Say on stderr, once for a process, that kernels are compiled, as soon as the
+    first one is.
+    """
     from numba.core import event
 
     class Teller(event.Listener):
@@ -84,7 +90,9 @@ def tell_when_compiling() -> None:
 
 
 def _cache_of_the_user() -> Path | None:
-    """Return the folder for caches of this user; None for an account without a home folder."""
+    """Return the folder for caches of this user; None for an account without a home
+    folder.
+    """
     if named := os.environ.get("XDG_CACHE_HOME"):
         return Path(named)
     try:
@@ -104,5 +112,7 @@ def _is_mine(folder: Path) -> bool:
         status = folder.lstat()
     except OSError:
         return False
-    mine = not hasattr(os, "getuid") or (status.st_uid == os.getuid() and not status.st_mode & 0o077)
+    mine = not hasattr(os, "getuid") or (
+        status.st_uid == os.getuid() and not status.st_mode & 0o077
+    )
     return stat.S_ISDIR(status.st_mode) and mine

@@ -1,11 +1,13 @@
-"""Compiled functions that call each other: without entries that are not needed, and anew when one of them changes.
+"""Compiled functions that call each other: without entries that are not needed, and
+anew when one of them changes.
 
-The entry from Python unpacks and checks each array of each argument, half of what a kernel of many arrays takes to
-compile. Python must not call a function without it: the process would end silently. Numba makes another entry
-from C for each function, which nothing here calls.
+The entry from Python unpacks and checks each array of each argument, half of what a
+kernel of many arrays takes to compile. Python must not call a function without it: the
+process would end silently. Numba makes another entry from C for each function, which
+nothing here calls.
 
-Code on disk holds that of all functions that it calls, but numba makes it anew only where the file of the calling one
-has changed.
+Code on disk holds that of all functions that it calls, but numba makes it anew only
+where the file of the calling one has changed.
 """
 
 from __future__ import annotations
@@ -21,13 +23,19 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 
 def entry(**options: Any) -> Callable[[Function], Function]:
-    """Make a decorator that compiles a function that Python calls, with numba's options."""
+    """Make a decorator that compiles a function that Python calls, with numba's
+    options.
+    """
     compiled: Callable[..., Any] = njit
-    return cast("Callable[[Function], Function]", compiled(no_cfunc_wrapper=True, **options))
+    return cast(
+        "Callable[[Function], Function]", compiled(no_cfunc_wrapper=True, **options)
+    )
 
 
 def inner(**options: Any) -> Callable[[Function], Function]:
-    """Make a decorator that compiles a function with numba's options and without an entry from Python."""
+    """Make a decorator that compiles a function with numba's options and without an
+    entry from Python.
+    """
     return entry(no_cpython_wrapper=True, **options)
 
 
@@ -40,7 +48,9 @@ def digest(files: Iterable[Path]) -> str:
 
 
 def tied(function: Function, content: str) -> Function:
-    """Let code on disk of a compiled function hold only as long as `content`, a digest of all files that it calls."""
+    """Let code on disk of a compiled function hold only as long as `content`, a
+    digest of all files that it calls.
+    """
     cache = getattr(getattr(function, "_cache", None), "_cache_file", None)
     if cache is not None:  # compiling may be switched off
         cache._source_stamp = (cache._source_stamp, content)

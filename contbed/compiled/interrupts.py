@@ -1,7 +1,8 @@
 """Ctrl-C while code runs that cannot pass it on.
 
-A signal that arrives while arrays go in and out of a compiled function would surface there as a SystemError. So the
-handler of Python only notes it, and KeyboardInterrupt is raised when the block is left, with all arrays complete.
+A signal that arrives while arrays go in and out of a compiled function would surface
+there as a SystemError. So the handler of Python only notes it, and KeyboardInterrupt is
+raised when the block is left, with all arrays complete.
 """
 
 from __future__ import annotations
@@ -13,10 +14,11 @@ from types import FrameType
 
 
 class deferred_interrupt(ContextDecorator):
-    """Hold an interrupt back until the block or function ends; it should take well below a second.
+    """Hold an interrupt back until the block or function ends; it should take well
+    below a second.
 
-    Blocks may be nested: the outermost one raises. Other threads than the main one, and handlers that are not Python's
-    own, are left as they are.
+    Blocks may be nested: the outermost one raises. Other threads than the main one, and
+    handlers that are not Python's own, are left as they are.
 
     Raises
     ------
@@ -34,7 +36,8 @@ class deferred_interrupt(ContextDecorator):
             and signal.getsignal(signal.SIGINT) is signal.default_int_handler
         )
         if self._outermost:
-            # in this order, as an interrupt may come between any two lines: `_held` is set only while it is noted
+            # in this order, as an interrupt may come between any two lines: `_held` is
+            # set only while it is noted
             cls._seen = False
             signal.signal(signal.SIGINT, _note)
             cls._held = True
@@ -49,7 +52,9 @@ class deferred_interrupt(ContextDecorator):
             raise KeyboardInterrupt
 
     def _recreate_cm(self) -> deferred_interrupt:
-        """Return a block of its own for each call: a decorated function may be entered again before it is left."""
+        """Return a block of its own for each call: a decorated function may be
+        entered again before it is left.
+        """
         return deferred_interrupt()
 
 

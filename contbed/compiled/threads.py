@@ -1,10 +1,12 @@
 """Compiled loops on several cores of one machine.
 
-A kernel is compiled with `nogil=True` and takes a range: `kernel(begin, end, *arguments)` computes the elements from
-begin to before end. `parallel` calls it for equal parts of the range, one for each thread; a kernel whose elements do
-not depend on each other gives the same bits for any number of threads. Sums need an order that does not depend on the
-number of threads: `sums` calls the kernel for parts of a fixed length and adds what it returns in the order of parts,
-`scattered` does so with arrays to which it adds.
+A kernel is compiled with `nogil=True` and takes a range: `kernel(begin, end,
+*arguments)` computes the elements from begin to before end. `parallel` calls it for
+equal parts of the range, one for each thread; a kernel whose elements do not depend on
+each other gives the same bits for any number of threads. Sums need an order that does
+not depend on the number of threads: `sums` calls the kernel for parts of a fixed length
+and adds what it returns in the order of parts, `scattered` does so with arrays to which
+it adds.
 
     @njit(nogil=True, cache=True)
     def squares(begin, end, x, out):
@@ -14,8 +16,9 @@ number of threads: `sums` calls the kernel for parts of a fixed length and adds 
     with threads.using(2):
         threads.parallel(squares, len(x), x, out)
 
-The calling thread takes the first part; the others wait for work in threads that are started once. A kernel is compiled
-once, whatever the number of threads, and no library for threads is needed.
+The calling thread takes the first part; the others wait for work in threads that are
+started once. A kernel is compiled once, whatever the number of threads, and no library
+for threads is needed.
 """
 
 from __future__ import annotations
@@ -33,33 +36,51 @@ import numpy as np
 from contbed.compiled.interrupts import deferred_interrupt
 from contbed.errors import SceneError
 
-VARIABLES = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS")  # the least of those set bounds the default
-PART = 4096  # elements of a part of `sums`; a kernel of 10 ns an element takes 40 us for it, a hand-over 10 us
+# the least of those set bounds the default
+VARIABLES = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS")
+# elements of a part of `sums`; a kernel of 10 ns an element takes 40 us for it, a
+# hand-over 10 us
+PART = 4096
 SCATTERED = 8  # most parts of `scattered`, each with an array of its own
-ALIGNED = 64  # parts of `parallel` begin at multiples of it, so that two threads seldom write to one cache line
-LEAST = 4096  # elements that a thread must have by default; below, handing over costs more than it saves
+# parts of `parallel` begin at multiples of it, so that two threads seldom write to one
+# cache line
+ALIGNED = 64
+# elements that a thread must have by default; below, handing over costs more than it
+# saves
+LEAST = 4096
 
-# of the calling thread: those that start runs at the same time do not change each other's
+# of the calling thread: those that start runs at the same time do not change each
+# other's
 _limit: ContextVar[int | None] = ContextVar("_limit", default=None)
 _in_use = threading.Lock()  # held while the workers compute for one caller
 _workers: list[_Worker] = []
 
 
 def available() -> int:
-    """Count the cores that this process may use, at most what the variables VARIABLES say."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    """Count the cores that this process may use, at most what the variables
+    VARIABLES say.
+    """
+    cores = (
+        len(os.sched_getaffinity(0))
+        if hasattr(os, "sched_getaffinity")
+        else os.cpu_count() or 1
+    )
     values = (os.environ.get(name, "") for name in VARIABLES)
     return max(1, min([cores, *(int(value) for value in values if value.isdigit())]))
 
 
 def count(elements: int | None = None, least: int = LEAST) -> int:
-    """Return how many threads to compute on: at most those that are allowed, each with `least` of the `elements`."""
+    """Return how many threads to compute on: at most those that are allowed, each
+    with `least` of the `elements`.
+    """
     allowed = _limit.get() or available()
     return allowed if elements is None else max(1, min(allowed, elements // least))
 
 
 def given() -> int | None:
-    """Return the number that a block of `using` allows, as `--threads` does; None where nothing was said."""
+    """Return the number that a block of `using` allows, as `--threads` does; None
+    where nothing was said.
+    """
     return _limit.get()
 
 
@@ -80,8 +101,11 @@ def using(number: int | None) -> Iterator[None]:
         _limit.reset(before)
 
 
-def parallel(kernel: Callable[..., Any], n: int, *arguments: Any, least: int = LEAST) -> list[Any]:
-    """Call `kernel(begin, end, *arguments)` for parts of the range 0 to n, one for each thread.
+def parallel(
+    kernel: Callable[..., Any], n: int, *arguments: Any, least: int = LEAST
+) -> list[Any]:
+    """Call `kernel(begin, end, *arguments)` for parts of the range 0 to n, one for each
+    thread.
 
     Parameters
     ----------
@@ -107,7 +131,8 @@ def parallel(kernel: Callable[..., Any], n: int, *arguments: Any, least: int = L
 
 
 def sums(kernel: Callable[..., Any], n: int, *arguments: Any, part: int = PART) -> Any:
-    """Add what `kernel(begin, end, *arguments)` returns for parts of a fixed length, in the order of the parts.
+    """Add what `kernel(begin, end, *arguments)` returns for parts of a fixed length, in
+    the order of the parts.
 
     Parameters
     ----------
@@ -134,8 +159,15 @@ def sums(kernel: Callable[..., Any], n: int, *arguments: Any, part: int = PART) 
     return np.sum(np.array(found, dtype=np.float64), axis=0)
 
 
-def scattered(kernel: Callable[..., Any], n: int, shape: tuple[int, ...], *arguments: Any, least: int = LEAST) -> Any:
-    """Add arrays to which `kernel(begin, end, *arguments, out)` adds for parts of the range, in the order of the parts.
+def scattered(
+    kernel: Callable[..., Any],
+    n: int,
+    shape: tuple[int, ...],
+    *arguments: Any,
+    least: int = LEAST,
+) -> Any:
+    """Add arrays to which `kernel(begin, end, *arguments, out)` adds for parts of the
+    range, in the order of the parts.
 
     Parameters
     ----------
@@ -143,7 +175,8 @@ def scattered(kernel: Callable[..., Any], n: int, shape: tuple[int, ...], *argum
     n : number of elements
     shape : of `out`, which is zero at the start of a part
     arguments : passed on to the kernel
-    least : elements of a part; their number depends on it and `n`, not on the number of threads
+    least : elements of a part; their number depends on it and `n`, not on the number of
+        threads
 
     Returns
     -------
@@ -156,7 +189,11 @@ def scattered(kernel: Callable[..., Any], n: int, shape: tuple[int, ...], *argum
     parts = max(1, min(SCATTERED, n // least))
     out, bounds = np.zeros((parts, *shape)), [n * k // parts for k in range(parts + 1)]
 
-    _each(lambda k: kernel(bounds[k], bounds[k + 1], *arguments, out[k]), parts, count(n, least))
+    _each(
+        lambda k: kernel(bounds[k], bounds[k + 1], *arguments, out[k]),
+        parts,
+        count(n, least),
+    )
     return out[0] if parts == 1 else out.sum(axis=0)
 
 
@@ -172,10 +209,11 @@ def _each(call: Callable[[int], Any], parts: int, most: int) -> None:
 
 
 def together(calls: list[tuple[Callable[..., Any], tuple[Any, ...]]]) -> list[Any]:
-    """Make calls at the same time, each in a thread of its own, the first in the calling one; return their results.
+    """Make calls at the same time, each in a thread of its own, the first in the
+    calling one; return their results.
 
-    Calls that come while others are under way, as from another thread, are made one after the other; so these may not
-    wait for each other.
+    Calls that come while others are under way, as from another thread, are made one
+    after the other; so these may not wait for each other.
 
     Raises
     ------
@@ -205,12 +243,18 @@ def _together(calls: list[tuple[Callable[..., Any], tuple[Any, ...]]]) -> list[A
     return [value for value, _ in outcomes]
 
 
-def team(crews: Callable[[int], list[Any]], kernel: Callable[..., Any], most: int, *arguments: Any) -> Any:
+def team(
+    crews: Callable[[int], list[Any]],
+    kernel: Callable[..., Any],
+    most: int,
+    *arguments: Any,
+) -> Any:
     """Call `kernel(member, *arguments)` for every member of a team at the same time.
 
     Parameters
     ----------
-    crews : makes the members of a team of a size, as `contbed.compiled.barrier.crews` does
+    crews : makes the members of a team of a size, as `contbed.compiled.barrier.crews`
+        does
     kernel : compiled with nogil=True; its threads may wait for each other
     most : size of the team; it is 1 while the workers compute for another caller
     arguments : passed on to the kernel
@@ -225,7 +269,9 @@ def team(crews: Callable[[int], list[Any]], kernel: Callable[..., Any], most: in
     """
     if most > 1 and _in_use.acquire(blocking=False):
         try:
-            return _together([(kernel, (member, *arguments)) for member in crews(most)])[0]
+            return _together(
+                [(kernel, (member, *arguments)) for member in crews(most)]
+            )[0]
         finally:
             _in_use.release()
     return kernel(crews(1)[0], *arguments)
@@ -245,7 +291,9 @@ class _Worker:
             self.done.put(_outcome(*self.work.get()))
 
 
-def _outcome(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, BaseException | None]:
+def _outcome(
+    function: Callable[..., Any], arguments: tuple[Any, ...]
+) -> tuple[Any, BaseException | None]:
     try:
         return function(*arguments), None
     except BaseException as error:
@@ -253,7 +301,9 @@ def _outcome(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[
 
 
 def _forget() -> None:
-    """Start anew in a process that was forked: threads of the parent do not exist there."""
+    """Start anew in a process that was forked: threads of the parent do not exist
+    there.
+    """
     global _in_use
     _in_use = threading.Lock()
     _workers.clear()

@@ -1,1 +1,3 @@
-"""Embedded discrete elements: spheres in motion, packings and heat between particles, for closures."""
+"""Embedded discrete elements: spheres in motion, packings and heat between
+particles, for closures.
+"""

@@ -23,7 +23,9 @@ from contbed.dem.walls import REACHES, SKIN
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.toml_lines import KeyPath, Origin
 
-LOWEST = 5.0  # diameters: a packing has hot and cold layers of three together, and a slope is read between them
+# diameters: a packing has hot and cold layers of three together, and a slope is read
+# between them
+LOWEST = 5.0
 LATTICE: KeyPath = ("particles", "lattice")
 PACKING: KeyPath = ("particles", "packing")
 LAYERS: KeyPath = ("particles", "layers")
@@ -75,7 +77,9 @@ def contact_is_small(particles: p.Particles, solids: Solids, see: See) -> Mistak
 
 
 def packing_is_complete(particles: p.Particles, solids: Solids, see: See) -> Mistakes:
-    """Require one size of the bed and one number of spheres, in a bed that they fit into."""
+    """Require one size of the bed and one number of spheres, in a bed that they fit
+    into.
+    """
     packing, (name, solid) = particles.packing, the_only(solids)
     if packing is None:
         return
@@ -87,13 +91,20 @@ def packing_is_complete(particles: p.Particles, solids: Solids, see: See) -> Mis
         return
     if packing.cylinder is not None and packing.periodic:
         cylinder = see("particles.packing.cylinder")
-        yield (*PACKING, "periodic"), f"a cylinder has no periodic sides; see {cylinder}"
+        yield (
+            (*PACKING, "periodic"),
+            f"a cylinder has no periodic sides; see {cylinder}",
+        )
     if solid.diameter is not None:
         yield from _fits_into_the_bed(packing, name, solid, see)
 
 
-def _fits_into_the_bed(packing: p.Packing, name: str, solid: p.Solid, see: See) -> Mistakes:
-    """Require a bed that is wide enough for its spheres, and high enough to measure heat."""
+def _fits_into_the_bed(
+    packing: p.Packing, name: str, solid: p.Solid, see: See
+) -> Mistakes:
+    """Require a bed that is wide enough for its spheres, and high enough to measure
+    heat.
+    """
     diameter = solid.diameter or 0.0
     key = "width" if packing.width is not None else "cylinder"
     narrow = 2.0 * (packing.cylinder or 0.0)
@@ -152,7 +163,10 @@ def layers_are_apart(particles: p.Particles, see: See) -> Mistakes:
         yield (*LAYERS, "bottom"), f"is not below the top; see {top}"
     if layers.T_hot <= layers.T_cold:
         cold = see("particles.layers.T_cold")
-        yield (*LAYERS, "T_hot"), f"is not above T_cold = {layers.T_cold:g} K; see {cold}"
+        yield (
+            (*LAYERS, "T_hot"),
+            f"is not above T_cold = {layers.T_cold:g} K; see {cold}",
+        )
 
 
 def gas_is_there(particles: p.Particles, gas: p.Gas | None) -> Mistakes:
@@ -162,7 +176,9 @@ def gas_is_there(particles: p.Particles, gas: p.Gas | None) -> Mistakes:
     if particles.paths in VORONOI:
         yield PATHS, f"{particles.paths} lead through a gas; give gas.conductivity"
     if particles.closure is not None:
-        text = "its ratios are those to the gas, which is missing; give gas.conductivity"
+        text = (
+            "its ratios are those to the gas, which is missing; give gas.conductivity"
+        )
         yield ("particles", "closure"), text
 
 
@@ -176,11 +192,14 @@ def closure_has_points(particles: p.Particles, see: See) -> Mistakes:
         degree = see("particles.closure.degree")
         yield (
             ("particles", "closure", "ratios"),
-            f"{count} ratios cannot give {closure.degree + 1} terms and their errors; see {degree}",
+            f"{count} ratios cannot give {closure.degree + 1} terms and their errors; "
+            f"see {degree}",
         )
 
 
-def radiation_suits(particles: p.Particles, solids: Solids, radiation: p.Radiation | None, see: See) -> Mistakes:
+def radiation_suits(
+    particles: p.Particles, solids: Solids, radiation: p.Radiation | None, see: See
+) -> Mistakes:
     """Refuse columns together with radiation, and radiation without an emissivity."""
     if radiation is None:
         return
@@ -193,15 +212,20 @@ def radiation_suits(particles: p.Particles, solids: Solids, radiation: p.Radiati
         yield ("solids", name, "emissivity"), text
 
 
-def spreading_suits(particles: p.Particles, solids: Solids, gas: p.Gas | None, see: See) -> Mistakes:
-    """Require particles that conduct no worse than the gas where heat spreads into them."""
+def spreading_suits(
+    particles: p.Particles, solids: Solids, gas: p.Gas | None, see: See
+) -> Mistakes:
+    """Require particles that conduct no worse than the gas where heat spreads into
+    them.
+    """
     if particles.paths != "spreading" or gas is None:
         return
     name, solid = the_only(solids)
     if solid.conductivity < gas.conductivity:
         yield (
             ("solids", name, "conductivity"),
-            f"is below that of the gas; spreading paths are for better conductors; see {see('gas.conductivity')}",
+            "is below that of the gas; spreading paths are for better conductors; see "
+            f"{see('gas.conductivity')}",
         )
     closure = particles.closure
     if closure is not None and min(closure.ratios) < 1.0:
@@ -209,8 +233,12 @@ def spreading_suits(particles: p.Particles, solids: Solids, gas: p.Gas | None, s
         yield ("particles", "closure", "ratios"), text
 
 
-def rough_surfaces_are_complete(particles: p.Particles, solids: Solids, gas: p.Gas | None, see: See) -> Mistakes:
-    """Require spreading paths for rough particles, and all properties of their contacts."""
+def rough_surfaces_are_complete(
+    particles: p.Particles, solids: Solids, gas: p.Gas | None, see: See
+) -> Mistakes:
+    """Require spreading paths for rough particles, and all properties of their
+    contacts.
+    """
     name, solid = the_only(solids)
     keys = ("asperity_slope", "microhardness")
     roughness = see(f"solids.{name}.roughness")
@@ -225,13 +253,18 @@ def rough_surfaces_are_complete(particles: p.Particles, solids: Solids, gas: p.G
         yield ("solids", name, "roughness"), text
     for key in (*keys, "youngs_modulus"):
         if getattr(solid, key) is None:
-            yield ("solids", name, key), f"missing; rough contacts need it; see {roughness}"
+            yield (
+                ("solids", name, key),
+                f"missing; rough contacts need it; see {roughness}",
+            )
     if gas is None or gas.mean_free_path is None:
         text = f"missing; rough contacts need it; see {roughness}"
         yield ("gas", "mean_free_path"), text
 
 
-def file_can_be_used(particles: p.Particles, solids: Solids, origin: Origin) -> Mistakes:
+def file_can_be_used(
+    particles: p.Particles, solids: Solids, origin: Origin
+) -> Mistakes:
     """Read the file as for a run, so that both say the same."""
     if particles.file is None:
         return
@@ -299,7 +332,9 @@ CHECKS = (
 
 
 def packing_bears_itself(particles: p.Particles, solids: Solids) -> Mistakes:
-    """Look for spheres so soft that the packing is denser under its weight than one of hard spheres."""
+    """Look for spheres so soft that the packing is denser under its weight than one
+    of hard spheres.
+    """
     packing, solid = particles.packing, the_only(solids)[1]
     radius, modulus = solid.radius, particles.simulated_modulus
     if packing is None or radius is None or modulus is None:

@@ -1,17 +1,20 @@
-"""Contact laws of spheres: Hertz-Mindlin with history, damping by restitution, rolling friction; the safe step.
+"""Contact laws of spheres: Hertz-Mindlin with history, damping by restitution, rolling
+friction; the safe step.
 
-Equations, with the unit normal n from j to i, overlap delta, a = sqrt(R* delta) and the velocity v of i against j at
-the contact, split into v_n = v.n and v_t = v - v_n n:
+Equations, with the unit normal n from j to i, overlap delta, a = sqrt(R* delta) and the
+velocity v of i against j at the contact, split into v_n = v.n and v_t = v - v_n n:
 
     F_n = 4/3 E* a delta - c_n sqrt(m* a) v_n               c = 2 sqrt(5/6) b sqrt(k / a), k_n = 2 E* a
     F_t = -k_t xi - c_t sqrt(m* a) v_t, |F_t| <= mu F_n     k_t = 8 G* a (Mindlin), dxi/dt = v_t, xi tangent
     T_r = -mu_r R* F_n w_t/|w_t|                            w_t : rolling part of the relative spin
 
-The normal force may pull at the end of an impact: only so the restitution is the one asked for. Friction never exceeds
-mu F_n, dashpot included, and is zero where F_n pulls. The rolling torque is at most what stops the rotation in
-ROLLING_STEPS steps, so that it neither chatters nor drives a particle with many contacts.
+The normal force may pull at the end of an impact: only so the restitution is the one
+asked for. Friction never exceeds mu F_n, dashpot included, and is zero where F_n pulls.
+The rolling torque is at most what stops the rotation in ROLLING_STEPS steps, so that it
+neither chatters nor drives a particle with many contacts.
 
-Sources: Zhou, Yu, Horio (2010 review, Table 1) as used by Hou, Zhou, Yu (2011) with signs and dimensions corrected;
+Sources: Zhou, Yu, Horio (2010 review, Table 1) as used by Hou, Zhou, Yu (2011) with
+    signs and dimensions corrected;
 damping: Tsuji, Tanaka, Ishida (1992), Powder Technology 71, 239.
 """
 
@@ -29,9 +32,11 @@ from contbed.errors import SceneError
 
 FAST = frozenset(("contract", "arcp", "nsz", "reassoc"))  # not nnan: a NaN must be seen
 ROLLING_STEPS = 8.0
-RAYLEIGH_SHARE = 0.2  # of the time that a surface wave needs around the smallest particle
+# of the time that a surface wave needs around the smallest particle
+RAYLEIGH_SHARE = 0.2
 STEPS_PER_IMPACT = 20.0  # up to 2.3e-3 error of the largest overlap
-DURATION = 2.868265699195  # t_c of a Hertz impact in units of (m*^2 / (R* E*^2 v))^(1/5)
+# t_c of a Hertz impact in units of (m*^2 / (R* E*^2 v))^(1/5)
+DURATION = 2.868265699195
 
 
 class Vector(NamedTuple):
@@ -43,7 +48,9 @@ class Vector(NamedTuple):
 
 
 class ContactConstants(NamedTuple):
-    """Effective radius [m] and mass [kg] of a contact, then its columns of the table of pairs of materials."""
+    """Effective radius [m] and mass [kg] of a contact, then its columns of the table
+    of pairs of materials.
+    """
 
     radius: float
     mass: float
@@ -55,7 +62,9 @@ class ContactConstants(NamedTuple):
 
 
 class ContactForce(NamedTuple):
-    """Force on i [N] and its normal part, the tangential spring [m] after the step and the normal speed [m/s]."""
+    """Force on i [N] and its normal part, the tangential spring [m] after the step
+    and the normal speed [m/s].
+    """
 
     force: Vector
     normal_force: float
@@ -65,9 +74,15 @@ class ContactForce(NamedTuple):
 
 @entry(error_model="numpy", fastmath=set(FAST), forceinline=True)
 def contact_law(
-    normal: Vector, overlap: float, velocity: Vector, spring: Vector, contact: ContactConstants, dt: float
+    normal: Vector,
+    overlap: float,
+    velocity: Vector,
+    spring: Vector,
+    contact: ContactConstants,
+    dt: float,
 ) -> ContactForce:
-    """Evaluate the Hertz-Mindlin force of a closed contact with history and dashpots (see the top of this file).
+    """Evaluate the Hertz-Mindlin force of a closed contact with history and dashpots
+    (see the top of this file).
 
     Without branches, so that loops over contacts turn into vector instructions.
 
@@ -89,11 +104,18 @@ def contact_law(
     ux, uy, uz = velocity.x - vn * nx, velocity.y - vn * ny, velocity.z - vn * nz
     a = sqrt(contact.radius * overlap)
     root = sqrt(contact.mass * a)
-    load = 4.0 / 3.0 * contact.youngs_modulus * a * overlap - contact.damping_normal * root * vn
+    load = (
+        4.0 / 3.0 * contact.youngs_modulus * a * overlap
+        - contact.damping_normal * root * vn
+    )
     limit = contact.sliding_friction * max(load, 0.0)
     kt, ct = 8.0 * contact.shear_modulus * a, contact.damping_tangential * root
     out = spring.x * nx + spring.y * ny + spring.z * nz
-    sx, sy, sz = spring.x - out * nx + dt * ux, spring.y - out * ny + dt * uy, spring.z - out * nz + dt * uz
+    sx, sy, sz = (
+        spring.x - out * nx + dt * ux,
+        spring.y - out * ny + dt * uy,
+        spring.z - out * nz + dt * uz,
+    )
     spring2 = kt * kt * (sx * sx + sy * sy + sz * sz)
     slips = spring2 > limit * limit
     shrink = limit / sqrt(spring2) if slips else 1.0
@@ -108,15 +130,27 @@ def contact_law(
 
 @inner(error_model="numpy", fastmath=set(FAST))
 def rolling_torque(
-    normal: Vector, spin: Vector, radius: float, inertia: float, friction: float, normal_force: float, dt: float
+    normal: Vector,
+    spin: Vector,
+    radius: float,
+    inertia: float,
+    friction: float,
+    normal_force: float,
+    dt: float,
 ) -> Vector:
-    """Evaluate the torque on i [N m] against the rolling part of the relative spin [rad/s], a `Vector`.
+    """Evaluate the torque on i [N m] against the rolling part of the relative
+    spin [rad/s], a `Vector`.
 
-    Constant directional torque mu_r R* F_n, bounded as said at the top of this file. `normal` is a unit `Vector`,
-    `radius` [m] and `inertia` [kg m2] are effective ones, `friction` is mu_r [-], `normal_force` [N].
+    Constant directional torque mu_r R* F_n, bounded as said at the top of this file.
+    `normal` is a unit `Vector`, `radius` [m] and `inertia` [kg m2] are effective ones,
+    `friction` is mu_r [-], `normal_force` [N].
     """
     along = spin.x * normal.x + spin.y * normal.y + spin.z * normal.z
-    wx, wy, wz = spin.x - along * normal.x, spin.y - along * normal.y, spin.z - along * normal.z
+    wx, wy, wz = (
+        spin.x - along * normal.x,
+        spin.y - along * normal.y,
+        spin.z - along * normal.z,
+    )
     rate = sqrt(wx * wx + wy * wy + wz * wz)
     if rate == 0.0 or normal_force <= 0.0:
         return Vector(0.0, 0.0, 0.0)
@@ -124,14 +158,20 @@ def rolling_torque(
     return Vector(-brake * wx, -brake * wy, -brake * wz)
 
 
-def hertz_impact(mass: float, radius: float, modulus: float, speed: float) -> tuple[float, float]:
-    """Find duration [s] and largest overlap [m] of an elastic impact of effective mass [kg], radius [m], modulus [Pa].
+def hertz_impact(
+    mass: float, radius: float, modulus: float, speed: float
+) -> tuple[float, float]:
+    """Find duration [s] and largest overlap [m] of an elastic impact of effective
+    mass [kg], radius [m], modulus [Pa].
 
-    t_c = 2.868266 (m*^2 / (R* E*^2 v))^(1/5), delta_max = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5)
+    t_c = 2.868266 (m*^2 / (R* E*^2 v))^(1/5), delta_max = (15 m* v^2 / (16 E*
+    sqrt(R*)))^(2/5)
     Source: Johnson, Contact Mechanics (1985), section 11.4.
     """
     duration = DURATION * (mass**2 / (radius * modulus**2 * speed)) ** 0.2
-    return duration, (15.0 * mass * speed**2 / (16.0 * modulus * np.sqrt(radius))) ** 0.4
+    return duration, (
+        15.0 * mass * speed**2 / (16.0 * modulus * np.sqrt(radius))
+    ) ** 0.4
 
 
 def rayleigh_time(radius: float, material: Material) -> float:
@@ -139,16 +179,23 @@ def rayleigh_time(radius: float, material: Material) -> float:
 
     t = pi R sqrt(rho / G) / (0.1631 nu + 0.8766)
 
-    Source: Thornton and Randall (1988), in: Micromechanics of Granular Materials, 133-142.
+    Source: Thornton and Randall (1988), in: Micromechanics of Granular Materials,
+        133-142.
     """
     factor = 0.1631 * material.poisson_ratio + 0.8766
-    return float(np.pi * radius * np.sqrt(material.density / material.shear_modulus) / factor)
+    return float(
+        np.pi * radius * np.sqrt(material.density / material.shear_modulus) / factor
+    )
 
 
-def largest_safe_step(particles: Particles, materials: Sequence[Material], impact_speed: float = 0.1) -> float:
-    """Find the largest time step [s]: 0.2 of the Rayleigh time, and 20 steps in an impact at `impact_speed` [m/s].
+def largest_safe_step(
+    particles: Particles, materials: Sequence[Material], impact_speed: float = 0.1
+) -> float:
+    """Find the largest time step [s]: 0.2 of the Rayleigh time, and 20 steps in an
+    impact at `impact_speed` [m/s].
 
-    Taken over the smallest particle of every material that occurs, in contact with its like.
+    Taken over the smallest particle of every material that occurs, in contact with its
+    like.
     """
     steps = []
     for index in np.unique(particles.material):
@@ -157,13 +204,19 @@ def largest_safe_step(particles: Particles, materials: Sequence[Material], impac
         mass = 4.0 / 3.0 * np.pi * radius**3 * material.density
         steps.append(RAYLEIGH_SHARE * rayleigh_time(radius, material))
         steps.append(
-            hertz_impact(mass / 2.0, radius / 2.0, material.contact_modulus, impact_speed)[0] / STEPS_PER_IMPACT
+            hertz_impact(
+                mass / 2.0, radius / 2.0, material.contact_modulus, impact_speed
+            )[0]
+            / STEPS_PER_IMPACT
         )
     return min(steps)
 
 
 def require_safe_step(
-    time_step: float, particles: Particles, materials: Sequence[Material], impact_speed: float
+    time_step: float,
+    particles: Particles,
+    materials: Sequence[Material],
+    impact_speed: float,
 ) -> None:
     """Refuse a time step that is not positive or larger than the largest safe one.
 

@@ -1,6 +1,8 @@
-"""From particles to closures: sweeps over packings, smooth fits with confidence intervals, closure files.
+"""From particles to closures: sweeps over packings, smooth fits with confidence
+intervals, closure files.
 
-The forms and the file are those of `contbed.closures.transferred`, which reads them back for a scene.
+The forms and the file are those of `contbed.closures.transferred`, which reads them
+back for a scene.
 """
 
 from __future__ import annotations
@@ -31,10 +33,11 @@ RATIO = "k_solid/k_fluid"
 
 
 class Packing(NamedTuple):
-    """A bed whose conductivity is measured between its particles below `bottom` and above `top` [m].
+    """A bed whose conductivity is measured between its particles below `bottom` and
+    above `top` [m].
 
-    `radius`: of all particles, or (n,). `box`: corners of a box that is periodic in x and y; None for walls at the
-    outermost particles.
+    `radius`: of all particles, or (n,). `box`: corners of a box that is periodic in x
+    and y; None for walls at the outermost particles.
     """
 
     x: Array
@@ -48,7 +51,9 @@ class Packing(NamedTuple):
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted closure: `content` is its file without provenance; `covariance` that of the fitted parameters."""
+    """A fitted closure: `content` is its file without provenance; `covariance` that
+    of the fitted parameters.
+    """
 
     content: dict[str, Any]
     covariance: Array
@@ -62,7 +67,9 @@ class Fit:
         """Draw closures whose parameters follow their joint normal distribution."""
         rng = np.random.default_rng(seed)
         parts = _fitted(self.content)
-        drawn = rng.multivariate_normal([part["value"] for part in parts], self.covariance, count)
+        drawn = rng.multivariate_normal(
+            [part["value"] for part in parts], self.covariance, count
+        )
         closures = []
         for values in drawn:
             content = json.loads(json.dumps(self.content))
@@ -78,20 +85,35 @@ class Fit:
             for name in ("base", "a"):
                 content["parameters"][name]["value"] *= factor
         else:
-            next(term for term in content["terms"] if not any(term["powers"]))["value"] += float(np.log(factor))
+            next(term for term in content["terms"] if not any(term["powers"]))[
+                "value"
+            ] += float(np.log(factor))
         return replace(self, content=content)
 
     def write(self, path: Path | str, provenance: Mapping[str, Any]) -> None:
-        """Write the closure file. The version and a hash of the fitted content are added to `provenance`."""
-        origin = {**provenance, "contbed": __version__, "hash": content_hash(self.content)}
+        """Write the closure file. The version and a hash of the fitted content are
+        added to `provenance`.
+        """
+        origin = {
+            **provenance,
+            "contbed": __version__,
+            "hash": content_hash(self.content),
+        }
         with atomic(path) as temporary:
-            temporary.write_text(toml_text({**self.content, "provenance": origin}), encoding="utf-8")
+            temporary.write_text(
+                toml_text({**self.content, "provenance": origin}), encoding="utf-8"
+            )
 
 
 def conductivity_sweep(
-    packings: Iterable[Packing], ratios: Sequence[float], k_fluid: float, factor: float, paths: str = "cones"
+    packings: Iterable[Packing],
+    ratios: Sequence[float],
+    k_fluid: float,
+    factor: float,
+    paths: str = "cones",
 ) -> dict[str, Array]:
-    """Find the effective conductivity of each packing at each ratio: columns `eps`, `k_solid/k_fluid`, `k/k_fluid`.
+    """Find the effective conductivity of each packing at each ratio: columns `eps`,
+    `k_solid/k_fluid`, `k/k_fluid`.
 
     `factor` is the correction c of the contact radius, `paths` as in `heat.Conduction`.
     """
@@ -107,14 +129,22 @@ def conductivity_sweep(
             pairs = heat.near_pairs(x, 3.0 * largest, box, (sides, sides, False))
         hot, cold = x[:, 2] < packing.bottom, x[:, 2] > packing.top
         for ratio in ratios:
-            how = heat.Conduction(ratio * k_fluid, k_fluid, packing.porosity, factor, paths=paths)  # type: ignore[arg-type]
-            result = network.between_layers(x, pairs, heat.conductances(pairs, R, how), hot, cold, packing.area)
+            how = heat.Conduction(
+                ratio * k_fluid, k_fluid, packing.porosity, factor, paths=paths
+            )  # type: ignore[arg-type]
+            result = network.between_layers(
+                x, pairs, heat.conductances(pairs, R, how), hot, cold, packing.area
+            )
             rows.append((packing.porosity, ratio, result.conductivity / k_fluid))
     return dict(zip(("eps", RATIO, "k/k_fluid"), np.array(rows).T.copy(), strict=True))
 
 
 def fit_log_polynomial(
-    kind: str, columns: Mapping[str, ArrayLike], y: ArrayLike, scales: Mapping[str, str], degrees: Sequence[int]
+    kind: str,
+    columns: Mapping[str, ArrayLike],
+    y: ArrayLike,
+    scales: Mapping[str, str],
+    degrees: Sequence[int],
 ) -> Fit:
     """Fit ln(y) by least squares in products of the variables up to these degrees.
 
@@ -133,17 +163,30 @@ def fit_log_polynomial(
     target = np.log(np.asarray(y, dtype=float))
     references = {name: _reference(data[name], scale) for name, scale in scales.items()}
     scaled = [
-        np.log(data[name] / references[name]) if scale == "log" else data[name] - references[name]
+        np.log(data[name] / references[name])
+        if scale == "log"
+        else data[name] - references[name]
         for name, scale in scales.items()
     ]
     powers = list(product(*(range(degree + 1) for degree in degrees)))
-    matrix = np.stack([np.prod([s**p for s, p in zip(scaled, term, strict=True)], axis=0) for term in powers], axis=1)
+    matrix = np.stack(
+        [
+            np.prod([s**p for s, p in zip(scaled, term, strict=True)], axis=0)
+            for term in powers
+        ],
+        axis=1,
+    )
     free = len(target) - len(powers)
     # columns of like size, so that the rank is a matter of the data alone
     size = np.abs(matrix).max(axis=0)
-    if free < 1 or (size == 0).any() or np.linalg.matrix_rank(matrix / size) < len(powers):
+    if (
+        free < 1
+        or (size == 0).any()
+        or np.linalg.matrix_rank(matrix / size) < len(powers)
+    ):
         raise SceneError(
-            f"{len(target)} points do not determine {len(powers)} terms of degrees {tuple(degrees)} in "
+            f"{len(target)} points do not determine {len(powers)} terms of degrees "
+            f"{tuple(degrees)} in "
             f"{', '.join(scales)}: lower a degree or add points"
         )
     values = np.linalg.lstsq(matrix / size, target, rcond=None)[0] / size
@@ -155,30 +198,53 @@ def fit_log_polynomial(
         "format": FORMAT,
         "kind": kind,
         "form": "log_polynomial",
-        "variables": {name: {"scale": scale, "reference": references[name]} for name, scale in scales.items()},
+        "variables": {
+            name: {"scale": scale, "reference": references[name]}
+            for name, scale in scales.items()
+        },
         "terms": [
-            {"powers": list(term), "value": float(v), "interval": [float(v - h), float(v + h)]}
+            {
+                "powers": list(term),
+                "value": float(v),
+                "interval": [float(v - h), float(v + h)],
+            }
             for term, v, h in zip(powers, values, half, strict=True)
         ],
-        "range": {name: [float(column.min()), float(column.max())] for name, column in data.items()},
-        "residuals": _summary(residuals, "of ln(k/k_fluid)" if kind == "conductivity" else "of ln(Nu)"),
+        "range": {
+            name: [float(column.min()), float(column.max())]
+            for name, column in data.items()
+        },
+        "residuals": _summary(
+            residuals, "of ln(k/k_fluid)" if kind == "conductivity" else "of ln(Nu)"
+        ),
     }
     return Fit(content, covariance, residuals)
 
 
-def fit_power(Re: ArrayLike, Pr: ArrayLike, Nu: ArrayLike, base: float = 2.0, c: float = 1 / 3) -> Fit:
-    """Fit a and b of Nu = base + a Re^b Pr^c by least squares; `base` and `c` are given."""
-    Re, Pr, Nu = np.broadcast_arrays(*(np.asarray(column, dtype=float) for column in (Re, Pr, Nu)))
+def fit_power(
+    Re: ArrayLike, Pr: ArrayLike, Nu: ArrayLike, base: float = 2.0, c: float = 1 / 3
+) -> Fit:
+    """Fit a and b of Nu = base + a Re^b Pr^c by least squares; `base` and `c` are
+    given.
+    """
+    Re, Pr, Nu = np.broadcast_arrays(
+        *(np.asarray(column, dtype=float) for column in (Re, Pr, Nu))
+    )
     free = Re.size - 2
     if free < 1 or np.ptp(Re) == 0:
-        raise SceneError(f"{Re.size} points from Re {Re.min():g} to {Re.max():g} do not determine a and b")
+        raise SceneError(
+            f"{Re.size} points from Re {Re.min():g} to {Re.max():g} do not determine a "
+            "and b"
+        )
 
     def model(Re: Array, a: float, b: float) -> Array:
         return base + a * Re**b * Pr**c
 
     lifted = np.maximum(Nu - base, 1e-3) / Pr**c
     b, log_a = np.polyfit(np.log(Re), np.log(lifted), 1)
-    (a, b), covariance = curve_fit(model, Re, Nu, p0=(np.exp(log_a), b), xtol=1e-14, ftol=1e-14)
+    (a, b), covariance = curve_fit(
+        model, Re, Nu, p0=(np.exp(log_a), b), xtol=1e-14, ftol=1e-14
+    )
     residuals = Nu - model(Re, a, b)
     half = _half_widths(covariance, free)
     fitted = {name: (v, h) for name, v, h in zip("ab", (a, b), half, strict=True)}
@@ -188,10 +254,16 @@ def fit_power(Re: ArrayLike, Pr: ArrayLike, Nu: ArrayLike, base: float = 2.0, c:
         "form": "power",
         "parameters": {
             "base": {"value": base, "given": True},
-            **{n: {"value": float(v), "interval": [float(v - h), float(v + h)]} for n, (v, h) in fitted.items()},
+            **{
+                n: {"value": float(v), "interval": [float(v - h), float(v + h)]}
+                for n, (v, h) in fitted.items()
+            },
             "c": {"value": c, "given": True},
         },
-        "range": {name: [float(column.min()), float(column.max())] for name, column in (("Re", Re), ("Pr", Pr))},
+        "range": {
+            name: [float(column.min()), float(column.max())]
+            for name, column in (("Re", Re), ("Pr", Pr))
+        },
         "residuals": _summary(residuals, "of Nu"),
     }
     return Fit(content, covariance, residuals)
@@ -203,13 +275,17 @@ def _fitted(content: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def _reference(column: Array, scale: str) -> float:
-    """Choose a round number in the middle of the data, so that the terms are little correlated."""
+    """Choose a round number in the middle of the data, so that the terms are little
+    correlated.
+    """
     middle = np.exp(np.log(column).mean()) if scale == "log" else column.mean()
     return float(f"{middle:.3g}")
 
 
 def _half_widths(covariance: Array, free: int) -> Array:
-    return np.asarray(student.ppf(0.5 + 0.5 * CONFIDENCE, free) * np.sqrt(np.diag(covariance)))
+    return np.asarray(
+        student.ppf(0.5 + 0.5 * CONFIDENCE, free) * np.sqrt(np.diag(covariance))
+    )
 
 
 def _summary(residuals: Array, what: str) -> dict[str, Any]:

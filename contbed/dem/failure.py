@@ -24,17 +24,21 @@ def place(point: Array) -> str:
     return "(" + ", ".join(f"{value:.6g}" for value in point) + ") m"
 
 
-def of_particle(status: int, particle: int, where: Array, velocity: Array, time: float) -> Failure:
+def of_particle(
+    status: int, particle: int, where: Array, velocity: Array, time: float
+) -> Failure:
     """Say what happened to a particle at `time` [s]."""
     speed = float(np.linalg.norm(velocity))
     what = {
-        loop.TOO_FAST: f"moves at {speed:.4g} m/s, more than {STRIDE:g} of the smallest radius in a step",
+        loop.TOO_FAST: f"moves at {speed:.4g} m/s, more than {STRIDE:g} of the "
+        "smallest radius in a step",
         loop.LOST: "left the domain",
         loop.BEYOND_WALL: "was pushed through a wall",
     }[status]
     text = (
         f"dem: particle {particle} at {place(where)} {what} at t = {time:.6g} s; "
-        "the state before this interval is kept; try a smaller time step or a closed domain"
+        "the state before this interval is kept; try a smaller time step or a closed "
+        "domain"
     )
     return Failure(status, text)
 
@@ -42,7 +46,8 @@ def of_particle(status: int, particle: int, where: Array, velocity: Array, time:
 def not_a_number(particle: int) -> Failure:
     """Say that the temperature of a particle is not a number."""
     text = (
-        f"dem: temperature of particle {particle} is not a number; a heat source, or a heat "
+        f"dem: temperature of particle {particle} is not a number; a heat source, or a "
+        "heat "
         "capacity too small for the time step"
     )
     return Failure(loop.OK, text)

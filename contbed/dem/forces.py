@@ -1,9 +1,11 @@
 """Forces, torques and heat of the contacts of a block of particles in one pass.
 
-Closed contacts are found along the Verlet list and copied, by column, into a batch that fits into the first cache. The
-laws then run over the batch in vector instructions, and the results are added to the particles and to the histories.
-What belongs to a particle of another block is left in `Crossing`, from where the thread that advances it takes it: so
-no two threads add to one number, and all sums are taken in an order that does not depend on the number of threads.
+Closed contacts are found along the Verlet list and copied, by column, into a batch that
+fits into the first cache. The laws then run over the batch in vector instructions, and
+the results are added to the particles and to the histories. What belongs to a particle
+of another block is left in `Crossing`, from where the thread that advances it takes it:
+so no two threads add to one number, and all sums are taken in an order that does not
+depend on the number of threads.
 """
 
 from __future__ import annotations
@@ -14,13 +16,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.compiled.functions import inner
-from contbed.dem.contact import FAST, ContactConstants, Vector, contact_law, rolling_torque
+from contbed.dem.contact import (
+    FAST,
+    ContactConstants,
+    Vector,
+    contact_law,
+    rolling_torque,
+)
 from contbed.dem.contact_heat import impact_conductance
 from contbed.dem.kernel_arrays import BLOCK, Array, Laws, Side, Spheres, Sums, Table
 from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK
 
-BATCH = 64  # contacts: 28 columns of 64 numbers are 14 kB, less than half of the first cache
-# where the columns of a batch start, all in one array, so that the compiler sees that they do not overlap
+# contacts: 28 columns of 64 numbers are 14 kB, less than half of the first cache
+BATCH = 64
+# where the columns of a batch start, all in one array, so that the compiler sees that
+# they do not overlap
 (
     DX, DY, DZ, DISTANCE2,  # vector from j to i and its square
     VX, VY, VZ,  # velocity of i against j at the contact
@@ -35,7 +45,8 @@ BATCH = 64  # contacts: 28 columns of 64 numbers are 14 kB, less than half of th
 
 
 class Batch(NamedTuple):
-    """Contacts that the law takes at a time: columns, and particle i, particle j and place in the list of each.
+    """Contacts that the law takes at a time: columns, and particle i, particle j and
+    place in the list of each.
 
     `new` : numbers in the batch of contacts that have closed in this step
     """
@@ -48,7 +59,9 @@ class Batch(NamedTuple):
 
 
 class Now(NamedTuple):
-    """Number of the step, its length [s], what a place exceeds that in `carried` by; -1 for pairs within a block."""
+    """Number of the step, its length [s], what a place exceeds that in `carried` by;
+    -1 for pairs within a block.
+    """
 
     step: float
     dt: float
@@ -59,23 +72,37 @@ class Now(NamedTuple):
 def empty_batch() -> Batch:
     """Allocate room for BATCH contacts, and for one more that is being looked at."""
     whole = np.empty((3, BATCH + 1), np.uint64)
-    return Batch(np.empty(28 * BATCH + 1), whole[0], whole[1], whole[2], np.empty(BATCH, np.int64))
+    return Batch(
+        np.empty(28 * BATCH + 1),
+        whole[0],
+        whole[1],
+        whole[2],
+        np.empty(BATCH, np.int64),
+    )
 
 
 @inner(error_model="numpy", fastmath=set(FAST), nogil=True)
-def pair_forces(block: int, side: Side, sums: Sums, laws: Laws, step: float, dt: float, batch: Batch) -> None:
+def pair_forces(
+    block: int, side: Side, sums: Sums, laws: Laws, step: float, dt: float, batch: Batch
+) -> None:
     """Find forces, torques and heat of the contacts of the rows of a block.
 
     Parameters
     ----------
     block : its number
     side : the particles in the present order of memory
-    sums : `load` and `gained` of the block become those of its contacts; `crossing` takes what is for other blocks
+    sums : `load` and `gained` of the block become those of its contacts; `crossing`
+        takes what is for other blocks
     laws : constants of contacts
     step, dt : number of the step, its length [s]
     batch : room
     """
-    x, radius, equal, b = side.bodies.position, side.spheres.radius, side.spheres.equal, batch.column
+    x, radius, equal, b = (
+        side.bodies.position,
+        side.spheres.radius,
+        side.spheres.equal,
+        batch.column,
+    )
     pairs, entry, image = side.pairs, side.pairs.entry, laws.image
     for i in range(block * BLOCK, min((block + 1) * BLOCK, len(x))):
         sums.load[i, 0], sums.load[i, 1], sums.load[i, 2] = 0.0, 0.0, 0.0
@@ -91,7 +118,8 @@ def pair_forces(block: int, side: Side, sums: Sums, laws: Laws, step: float, dt:
         now = Now(step, dt, base - block * pairs.room[1] if zone else -1)
         last, count, fresh = base + pairs.used[zone, block] - 1, 0, 0
         for k in range(base, last + 1):
-            # no branch depends on the image, or on whether the pair touches: it would often be mispredicted
+            # no branch depends on the image, or on whether the pair touches: it would
+            # often be mispredicted
             e, i = entry[k], pairs.row[k]
             j, shift = e & MASK, (e >> BITS) & IMAGE
             dx = x[i, 0] - x[j, 0] - image[shift, 0]
@@ -101,12 +129,21 @@ def pair_forces(block: int, side: Side, sums: Sums, laws: Laws, step: float, dt:
                 touch2 = (radius[i] + radius[j]) ** 2
             distance2 = dx * dx + dy * dy + dz * dz
             touches, touched = distance2 < touch2, e >= CLOSED
-            b[DX + count], b[DY + count], b[DZ + count], b[DISTANCE2 + count] = dx, dy, dz, distance2
+            b[DX + count], b[DY + count], b[DZ + count], b[DISTANCE2 + count] = (
+                dx,
+                dy,
+                dz,
+                distance2,
+            )
             batch.i[count], batch.j[count], batch.place[count] = i, j, k
             if touches != touched:
                 entry[k] = e ^ CLOSED
                 if touches:
-                    pairs.spring[k, 0], pairs.spring[k, 1], pairs.spring[k, 2] = 0.0, 0.0, 0.0
+                    pairs.spring[k, 0], pairs.spring[k, 1], pairs.spring[k, 2] = (
+                        0.0,
+                        0.0,
+                        0.0,
+                    )
                     batch.new[fresh] = count
                     fresh += 1
                 elif zone:
@@ -119,7 +156,14 @@ def pair_forces(block: int, side: Side, sums: Sums, laws: Laws, step: float, dt:
 
 
 @inner(error_model="numpy", fastmath=set(FAST), forceinline=True)
-def _set_constants(b: Array, k: int, i: int | np.uint64, j: int | np.uint64, spheres: Spheres, pairs: Table) -> None:
+def _set_constants(
+    b: Array,
+    k: int,
+    i: int | np.uint64,
+    j: int | np.uint64,
+    spheres: Spheres,
+    pairs: Table,
+) -> None:
     radius, mass = spheres.radius, spheres.mass
     pair = pairs[spheres.material[i], spheres.material[j]]
     b[TOUCH + k] = radius[i] + radius[j]
@@ -131,15 +175,26 @@ def _set_constants(b: Array, k: int, i: int | np.uint64, j: int | np.uint64, sph
 
 
 @inner(error_model="numpy", fastmath=set(FAST), forceinline=True)
-def _close_batch(batch: Batch, count: int, fresh: int, side: Side, sums: Sums, laws: Laws, now: Now) -> None:
-    """Gather velocities and springs, apply the laws, add. An arm is half the distance, MORE of it longer for i."""
-    b, motion, pairs, spheres = batch.column, side.bodies.motion, side.pairs, side.spheres
+def _close_batch(
+    batch: Batch, count: int, fresh: int, side: Side, sums: Sums, laws: Laws, now: Now
+) -> None:
+    """Gather velocities and springs, apply the laws, add. An arm is half the
+    distance, MORE of it longer for i.
+    """
+    b, motion, pairs, spheres = (
+        batch.column,
+        side.bodies.motion,
+        side.pairs,
+        side.spheres,
+    )
     unequal, more = not spheres.equal, 0.0
     if unequal:
         for k in range(count):
             i, j = batch.i[k], batch.j[k]
             _set_constants(b, k, i, j, spheres, laws.pairs)
-            b[MORE + k] = (spheres.radius[i] - spheres.radius[j]) / np.sqrt(b[DISTANCE2 + k])
+            b[MORE + k] = (spheres.radius[i] - spheres.radius[j]) / np.sqrt(
+                b[DISTANCE2 + k]
+            )
     for k in range(count):
         i, j, m = batch.i[k], batch.j[k], batch.place[k]
         dx, dy, dz = b[DX + k], b[DY + k], b[DZ + k]
@@ -160,7 +215,10 @@ def _close_batch(batch: Batch, count: int, fresh: int, side: Side, sums: Sums, l
         m = batch.place[k]
         pairs.onset[m, 0], pairs.onset[m, 1] = now.step, abs(b[NORMAL_SPEED + k])
     _add_contacts(batch, count, unequal, pairs.spring, sums, now.across)
-    if unequal or laws.pairs[spheres.material[0], spheres.material[0]].rolling_friction > 0.0:
+    if (
+        unequal
+        or laws.pairs[spheres.material[0], spheres.material[0]].rolling_friction > 0.0
+    ):
         for k in range(count):
             _roll(batch, k, side, sums, laws.pairs, now)
     if len(side.heat.T):
@@ -168,16 +226,36 @@ def _close_batch(batch: Batch, count: int, fresh: int, side: Side, sums: Sums, l
 
 
 @inner(error_model="numpy", fastmath=set(FAST))
-def _add_contacts(batch: Batch, count: int, unequal: bool, spring: Array, sums: Sums, across: int) -> None:
-    """Keep the springs; add forces and torques to particles i and j, or to what is carried to another block."""
+def _add_contacts(
+    batch: Batch, count: int, unequal: bool, spring: Array, sums: Sums, across: int
+) -> None:
+    """Keep the springs; add forces and torques to particles i and j, or to what is
+    carried to another block.
+    """
     b, load, carried, more = batch.column, sums.load, sums.crossing.carried, 0.0
     for k in range(count):
         i, j, m = batch.i[k], batch.j[k], batch.place[k]
         if unequal:
             more = b[MORE + k]
-        fx, fy, fz, tx, ty, tz = b[FX + k], b[FY + k], b[FZ + k], b[TX + k], b[TY + k], b[TZ + k]
-        spring[m, 0], spring[m, 1], spring[m, 2] = b[SPRING_X + k], b[SPRING_Y + k], b[SPRING_Z + k]
-        add(load, i, Vector(fx, fy, fz), Vector(tx + more * tx, ty + more * ty, tz + more * tz))
+        fx, fy, fz, tx, ty, tz = (
+            b[FX + k],
+            b[FY + k],
+            b[FZ + k],
+            b[TX + k],
+            b[TY + k],
+            b[TZ + k],
+        )
+        spring[m, 0], spring[m, 1], spring[m, 2] = (
+            b[SPRING_X + k],
+            b[SPRING_Y + k],
+            b[SPRING_Z + k],
+        )
+        add(
+            load,
+            i,
+            Vector(fx, fy, fz),
+            Vector(tx + more * tx, ty + more * ty, tz + more * tz),
+        )
         torque = Vector(tx - more * tx, ty - more * ty, tz - more * tz)
         if across < 0:
             add(load, j, Vector(-fx, -fy, -fz), torque)
@@ -188,9 +266,16 @@ def _add_contacts(batch: Batch, count: int, unequal: bool, spring: Array, sums: 
 
 
 @inner(error_model="numpy", fastmath=set(FAST), forceinline=True)
-def _exchange_heat(batch: Batch, count: int, side: Side, sums: Sums, laws: Laws, now: Now) -> None:
+def _exchange_heat(
+    batch: Batch, count: int, side: Side, sums: Sums, laws: Laws, now: Now
+) -> None:
     """Add the heat [W] that flows through the contacts of a batch."""
-    b, T, kind, onset = batch.column, side.heat.T, side.spheres.material, side.pairs.onset
+    b, T, kind, onset = (
+        batch.column,
+        side.heat.T,
+        side.spheres.material,
+        side.pairs.onset,
+    )
     for k in range(count):
         i, j, m = batch.i[k], batch.j[k], batch.place[k]
         pair = laws.heat[kind[i], kind[j]]
@@ -198,7 +283,9 @@ def _exchange_heat(batch: Batch, count: int, side: Side, sums: Sums, laws: Laws,
         speed, age = onset[m, 1], now.step - onset[m, 0]
         if speed > 0.0:
             contact = Vector(b[RADIUS + k], b[MASS + k], b[YOUNGS + k])
-            conductance = impact_conductance(conductance, pair, contact, speed, age, now.dt)
+            conductance = impact_conductance(
+                conductance, pair, contact, speed, age, now.dt
+            )
         flow = conductance * (T[j] - T[i])
         sums.gained[i] += flow
         if now.across < 0:
@@ -209,7 +296,9 @@ def _exchange_heat(batch: Batch, count: int, side: Side, sums: Sums, laws: Laws,
 
 @inner(error_model="numpy", fastmath=set(FAST))
 def _apply_law(b: Array, count: int, dt: float) -> None:
-    """Find the columns of forces, torques and springs from those of vectors and velocities."""
+    """Find the columns of forces, torques and springs from those of vectors and
+    velocities.
+    """
     for k in range(count):
         dx, dy, dz = b[DX + k], b[DY + k], b[DZ + k]
         distance = np.sqrt(b[DISTANCE2 + k])
@@ -243,11 +332,21 @@ def _apply_law(b: Array, count: int, dt: float) -> None:
 @inner(error_model="numpy", fastmath=set(FAST))
 def _roll(batch: Batch, k: int, side: Side, sums: Sums, pairs: Table, now: Now) -> None:
     """Add the torque against rolling of a contact of a batch."""
-    b, i, j, motion, spheres = batch.column, batch.i[k], batch.j[k], side.bodies.motion, side.spheres
+    b, i, j, motion, spheres = (
+        batch.column,
+        batch.i[k],
+        batch.j[k],
+        side.bodies.motion,
+        side.spheres,
+    )
     inertia, distance, load = spheres.inertia, np.sqrt(b[DISTANCE2 + k]), sums.load
     torque = rolling_torque(
         Vector(b[DX + k] / distance, b[DY + k] / distance, b[DZ + k] / distance),
-        Vector(motion[i, 3] - motion[j, 3], motion[i, 4] - motion[j, 4], motion[i, 5] - motion[j, 5]),
+        Vector(
+            motion[i, 3] - motion[j, 3],
+            motion[i, 4] - motion[j, 4],
+            motion[i, 5] - motion[j, 5],
+        ),
         b[RADIUS + k],
         inertia[i] * inertia[j] / (inertia[i] + inertia[j]),
         pairs[spheres.material[i], spheres.material[j]].rolling_friction,

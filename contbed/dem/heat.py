@@ -1,7 +1,9 @@
-"""Heat in an assembly of particles: who exchanges with whom, and how much by each mechanism.
+"""Heat in an assembly of particles: who exchanges with whom, and how much by each
+mechanism.
 
-Conduction follows Zhou, Hou and Yu 2011, Eqs. 5-6, radiation Eqs. 8-9, convection Eq. 4. A box is (low, high), its
-corners [m]; `periodic` says for each axis whether it closes on itself, other sides are adiabatic walls.
+Conduction follows Zhou, Hou and Yu 2011, Eqs. 5-6, radiation Eqs. 8-9, convection Eq.
+4. A box is (low, high), its corners [m]; `periodic` says for each axis whether it
+closes on itself, other sides are adiabatic walls.
 """
 
 from __future__ import annotations
@@ -22,16 +24,19 @@ Array = NDArray[np.float64]
 Box = tuple[ArrayLike, ArrayLike]
 
 STEFAN_BOLTZMANN = 5.670374419e-8  # [W/m2/K4]
-VIEW = 1.5  # radius of a particle's radiating environment over its diameter (below Eq. 9)
+# radius of a particle's radiating environment over its diameter (below Eq. 9)
+VIEW = 1.5
 CLOSED = (False, False, False)
 VORONOI = ("columns", "spreading")  # paths that need the faces of Voronoi cells
 
 
 @dataclass(frozen=True)
 class Pairs:
-    """Every pair once: indices `i`, `j` and the vector from i to j [m], through the periodic side if shorter.
+    """Every pair once: indices `i`, `j` and the vector from i to j [m], through the
+    periodic side if shorter.
 
-    `face` is the area [m2] that the Voronoi cells of i and j share, None if they were not asked for.
+    `face` is the area [m2] that the Voronoi cells of i and j share, None if they were
+    not asked for.
     """
 
     i: NDArray[np.intp]
@@ -46,12 +51,14 @@ class Pairs:
 
 
 class Conduction(NamedTuple):
-    """How particles conduct: conductivities [W/m/K], porosity at the particles (one or each), contact correction c.
+    """How particles conduct: conductivities [W/m/K], porosity at the particles (one or
+    each), contact correction c.
 
-    `k_fluid` None leaves out the fluid, `contact_radius` [m] is given to touching pairs instead of Hertz's. `paths`:
-    cones are the paper's Eq. 5; columns over Voronoi faces are exact where fluid and particles conduct alike; spreading
-    columns draw heat together at the contact as well, which counts where the particles conduct far better than the
-    fluid, and may have a rough `surface` with a gas between.
+    `k_fluid` None leaves out the fluid, `contact_radius` [m] is given to touching pairs
+    instead of Hertz's. `paths`: cones are the paper's Eq. 5; columns over Voronoi faces
+    are exact where fluid and particles conduct alike; spreading columns draw heat
+    together at the contact as well, which counts where the particles conduct far better
+    than the fluid, and may have a rough `surface` with a gas between.
     """
 
     k_particle: ArrayLike
@@ -63,14 +70,19 @@ class Conduction(NamedTuple):
     surface: Surface | None = None
 
 
-def near_pairs(x: Array, reach: float, box: Box | None = None, periodic: tuple[bool, ...] = CLOSED) -> Pairs:
-    """Find pairs not further apart than `reach` [m]; a small periodic cell may pair a particle with itself."""
+def near_pairs(
+    x: Array, reach: float, box: Box | None = None, periodic: tuple[bool, ...] = CLOSED
+) -> Pairs:
+    """Find pairs not further apart than `reach` [m]; a small periodic cell may pair
+    a particle with itself.
+    """
     x = np.asarray(x, dtype=float)
     if box is None or not any(periodic):
         i, j = cKDTree(x).query_pairs(reach, output_type="ndarray").T
         return Pairs(i, j, x[j] - x[i])
     where, owner, shift = _images(x, box, periodic, reach, mirror=False)
-    i, image = cKDTree(where).query_pairs(reach, output_type="ndarray").T  # i < image: copies come last
+    # i < image: copies come last
+    i, image = cKDTree(where).query_pairs(reach, output_type="ndarray").T
     order = np.lexsort((image, i))
     i, image = i[order], image[order]
     j = owner[image]
@@ -79,7 +91,9 @@ def near_pairs(x: Array, reach: float, box: Box | None = None, periodic: tuple[b
 
 
 def voronoi_pairs(x: Array, box: Box, periodic: tuple[bool, ...] = CLOSED) -> Pairs:
-    """Find pairs whose Voronoi cells share a face, with its area; mirrored particles close the cells at walls."""
+    """Find pairs whose Voronoi cells share a face, with its area; mirrored particles
+    close the cells at walls.
+    """
     x = np.asarray(x, dtype=float)
     low, high = (np.asarray(corner, dtype=float) for corner in box)
     reach = 4.0 * float(np.cbrt(np.prod(high - low) / len(x)))
@@ -88,19 +102,26 @@ def voronoi_pairs(x: Array, box: Box, periodic: tuple[bool, ...] = CLOSED) -> Pa
     first, second = cells.ridge_points.T
     inner = (first < len(x)) | (second < len(x))
     first, second = np.where(first < second, (first, second), (second, first))[:, inner]
-    loops = [loop for loop, kept in zip(cells.ridge_vertices, inner, strict=True) if kept]
+    loops = [
+        loop for loop, kept in zip(cells.ridge_vertices, inner, strict=True) if kept
+    ]
     area = _areas(cells.vertices, loops)
     j, moved = owner[second], shift[second]
-    # the particles themselves come first among the images; mirrored ones have the owner -1
-    once = (j >= 0) & ((second < len(x)) | (first < j) | ((first == j) & _positive(moved)))
+    # the particles themselves come first among the images; mirrored ones have the owner
+    # -1
+    once = (j >= 0) & (
+        (second < len(x)) | (first < j) | ((first == j) & _positive(moved))
+    )
     i = first[once]
     return Pairs(i, j[once], where[second[once]] - x[i], area[once])
 
 
 def conductances(pairs: Pairs, radius: ArrayLike, heat: Conduction) -> dict[str, Array]:
-    """Find the conductance [W/K] of each pair by mechanism: `contact`, `fluid_touching`, `fluid_apart`.
+    """Find the conductance [W/K] of each pair by mechanism: `contact`,
+    `fluid_touching`, `fluid_apart`.
 
-    The last two are the particle-fluid-particle path of pairs that do and do not touch; absent without a fluid.
+    The last two are the particle-fluid-particle path of pairs that do and do not touch;
+    absent without a fluid.
     """
     R = np.asarray(radius, dtype=float)
     R_i, R_j = (R, R) if R.ndim == 0 else (R[pairs.i], R[pairs.j])
@@ -118,34 +139,58 @@ def conductances(pairs: Pairs, radius: ArrayLike, heat: Conduction) -> dict[str,
         return found
     if heat.paths != "cones":
         if pairs.face is None or (R.ndim and np.ptp(R) > 0):
-            raise ValueError(f"{heat.paths} need equal particles and the Voronoi faces of `voronoi_pairs`")
+            raise ValueError(
+                f"{heat.paths} need equal particles and the Voronoi faces of "
+                "`voronoi_pairs`"
+            )
         if heat.paths == "spreading":
-            fluid, found["contact"] = _spreading(distance, pairs.face, float(R.flat[0]), r_c, heat)
+            fluid, found["contact"] = _spreading(
+                distance, pairs.face, float(R.flat[0]), r_c, heat
+            )
         else:
-            fluid = heat_pair.column_conductance(R_i, distance, pairs.face, k_i, k_j, heat.k_fluid)
+            fluid = heat_pair.column_conductance(
+                R_i, distance, pairs.face, k_i, k_j, heat.k_fluid
+            )
             found["contact"] = heat_pair.contact_excess(r_c, k_i, k_j, heat.k_fluid)
     else:
         eps = np.asarray(heat.eps, dtype=float)
         mean = eps if eps.ndim == 0 else 0.5 * (eps[pairs.i] + eps[pairs.j])
-        fluid = heat_pair.gap_conductance(R_i, R_j, distance, k_i, k_j, heat.k_fluid, mean, r_c)
-    return found | {"fluid_touching": np.where(touching, fluid, 0.0), "fluid_apart": np.where(touching, 0.0, fluid)}
+        fluid = heat_pair.gap_conductance(
+            R_i, R_j, distance, k_i, k_j, heat.k_fluid, mean, r_c
+        )
+    return found | {
+        "fluid_touching": np.where(touching, fluid, 0.0),
+        "fluid_apart": np.where(touching, 0.0, fluid),
+    }
 
 
-def _spreading(distance: Array, face: Array, R: float, r_contact: Array, heat: Conduction) -> tuple[Array, Array]:
+def _spreading(
+    distance: Array, face: Array, R: float, r_contact: Array, heat: Conduction
+) -> tuple[Array, Array]:
     """Find the conductances [W/K] through fluid and contact along spreading paths."""
     k, k_fluid = np.asarray(heat.k_particle, dtype=float), heat.k_fluid
     if k.ndim or k_fluid is None:
-        raise ValueError("spreading paths need a fluid and particles of one conductivity")
+        raise ValueError(
+            "spreading paths need a fluid and particles of one conductivity"
+        )
     if heat.surface is None:
-        return spreading_conductance(R, distance, face, float(k), float(k), k_fluid, r_contact)
+        return spreading_conductance(
+            R, distance, face, float(k), float(k), k_fluid, r_contact
+        )
     joint, jump = heat.surface.resistances(r_contact, R, float(k), k_fluid)
-    return spreading_conductance(R, distance, face, float(k), float(k), k_fluid, r_contact, joint, jump)
+    return spreading_conductance(
+        R, distance, face, float(k), float(k), k_fluid, r_contact, joint, jump
+    )
 
 
-def convection(Re: Any, Pr: Any, k_fluid: Any, d_p: Any, a: float = 1.2, b: float = 0.5) -> Any:
-    """Evaluate the coefficient between a particle and the fluid [W/m2/K], Nu = 2 + a Re^b Pr^(1/3) (Eq. 4).
+def convection(
+    Re: Any, Pr: Any, k_fluid: Any, d_p: Any, a: float = 1.2, b: float = 0.5
+) -> Any:
+    """Evaluate the coefficient between a particle and the fluid [W/m2/K], Nu = 2 + a
+    Re^b Pr^(1/3) (Eq. 4).
 
-    Re on the local superficial relative velocity; a is 0.6 to 1.8 in Kunii and Levenspiel (1991).
+    Re on the local superficial relative velocity; a is 0.6 to 1.8 in Kunii and
+    Levenspiel (1991).
     """
     return (2.0 + a * Re**b * Pr ** (1 / 3)) * k_fluid / d_p
 
@@ -159,7 +204,9 @@ def surroundings(
     box: Box | None = None,
     periodic: tuple[bool, ...] = CLOSED,
 ) -> Array:
-    """Find the temperature that each particle sees [K], eps T_f + (1 - eps) mean of those within 1.5 d_p (Eq. 9)."""
+    """Find the temperature that each particle sees [K], eps T_f + (1 - eps) mean of
+    those within 1.5 d_p (Eq. 9).
+    """
     pairs = near_pairs(x, VIEW * d_p, box, periodic)
     count = _gather(len(x), pairs, np.ones(len(pairs.i)), np.ones(len(pairs.i)))
     total = _gather(len(x), pairs, T[pairs.j], T[pairs.i])
@@ -167,23 +214,30 @@ def surroundings(
     return np.asarray(eps * T_fluid + (1.0 - eps) * seen, dtype=float)
 
 
-def radiation(T: Array, T_local: Array, d_p: Any, emissivity: Any) -> tuple[Array, float]:
-    """Find the heat that each particle receives by radiation [W] (Eq. 8) and the imbalance of the assembly.
+def radiation(
+    T: Array, T_local: Array, d_p: Any, emissivity: Any
+) -> tuple[Array, float]:
+    """Find the heat that each particle receives by radiation [W] (Eq. 8) and the
+    imbalance of the assembly.
 
-    Q = sigma e A (T_local^4 - T^4). What one particle emits is not what the others receive: the second value is the
-    sum of Q over the sum of |Q|, 0 if the assembly kept its energy. `radiation_conductance` is the reciprocal form.
+    Q = sigma e A (T_local^4 - T^4). What one particle emits is not what the others
+    receive: the second value is the sum of Q over the sum of |Q|, 0 if the assembly
+    kept its energy. `radiation_conductance` is the reciprocal form.
     """
     Q = STEFAN_BOLTZMANN * emissivity * np.pi * d_p**2 * (T_local**4 - T**4)
     largest = float(np.abs(Q).sum())
     return Q, float(Q.sum()) / largest if largest > 0 else 0.0
 
 
-def radiation_conductance(pairs: Pairs, count: int, T: float, d_p: float, emissivity: float, eps: ArrayLike) -> Array:
+def radiation_conductance(
+    pairs: Pairs, count: int, T: float, d_p: float, emissivity: float, eps: ArrayLike
+) -> Array:
     """Linearise Eqs. 8-9 to reciprocal conductances [W/K] of the pairs within 1.5 d_p.
 
         G_ij = 4 sigma e T^3 pi d^2 (1 - eps) (1/n_i + 1/n_j)/2
 
-    with n the number of neighbours and the fluid at the temperature of the particle; other pairs get 0.
+    with n the number of neighbours and the fluid at the temperature of the particle;
+    other pairs get 0.
     """
     seen = pairs.distance <= VIEW * d_p
     n = np.maximum(_gather(count, pairs, 1.0 * seen, 1.0 * seen), 1.0)
@@ -203,18 +257,26 @@ def total(parts: Mapping[str, Array]) -> Array:
 
 
 def _gather(count: int, pairs: Pairs, at_i: Any, at_j: Any) -> Array:
-    return np.add(np.bincount(pairs.i, at_i, count), np.bincount(pairs.j, at_j, count), dtype=np.float64)
+    return np.add(
+        np.bincount(pairs.i, at_i, count),
+        np.bincount(pairs.j, at_j, count),
+        dtype=np.float64,
+    )
 
 
 def _positive(shift: NDArray[np.int_]) -> NDArray[np.bool_]:
-    """Check whether the first component that is not 0 is positive: of a shift and its opposite exactly one is."""
+    """Check whether the first component that is not 0 is positive: of a shift and
+    its opposite exactly one is.
+    """
     return np.asarray(shift @ np.array([10000, 100, 1]) > 0)
 
 
 def _images(
     x: Array, box: Box, periodic: tuple[bool, ...], reach: float, mirror: bool
 ) -> tuple[Array, NDArray[np.intp], NDArray[np.int_]]:
-    """List the particles, then copies within `reach` of the box: positions, owners (-1 if mirrored), periods moved."""
+    """List the particles, then copies within `reach` of the box: positions, owners
+    (-1 if mirrored), periods moved.
+    """
     low, high = (np.asarray(corner, dtype=float) for corner in box)
     where, owner, shift = x, np.arange(len(x)), np.zeros((len(x), 3), dtype=int)
     for axis in range(3):
@@ -230,15 +292,21 @@ def _images(
                 image = where.copy()
                 image[:, axis] = 2.0 * wall - image[:, axis]
                 copies.append((image, np.full(len(where), -1), shift))
-        where, owner, shift = (np.concatenate(part) for part in zip(*copies, strict=True))
-        kept = (where[:, axis] >= low[axis] - reach) & (where[:, axis] <= high[axis] + reach)
+        where, owner, shift = (
+            np.concatenate(part) for part in zip(*copies, strict=True)
+        )
+        kept = (where[:, axis] >= low[axis] - reach) & (
+            where[:, axis] <= high[axis] + reach
+        )
         kept[: len(x)] = True
         where, owner, shift = where[kept], owner[kept], shift[kept]
     return where, owner, shift
 
 
 def _areas(vertices: Array, loops: list[list[int]]) -> Array:
-    """Find the areas of plane polygons given by the indices of their corners in order."""
+    """Find the areas of plane polygons given by the indices of their corners in
+    order.
+    """
     sizes = np.array([len(loop) for loop in loops])
     corners = np.concatenate([np.asarray(loop) for loop in loops])
     start = np.concatenate([[0], np.cumsum(sizes)[:-1]])

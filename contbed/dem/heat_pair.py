@@ -1,8 +1,10 @@
-"""Heat between two spheres: through the fluid around their contact, through the contact, and in one impact.
+"""Heat between two spheres: through the fluid around their contact, through the
+contact, and in one impact.
 
-Equation numbers are those of Zhou, Hou and Yu 2011 (Zhou, Yu, Zulli 2009, doi:10.1002/aic.11735; 2010,
-doi:10.1016/j.powtec.2009.10.012). All functions take numbers or arrays that broadcast and return conductances [W/K],
-symmetric in the two particles.
+Equation numbers are those of Zhou, Hou and Yu 2011 (Zhou, Yu, Zulli 2009,
+doi:10.1002/aic.11735; 2010, doi:10.1016/j.powtec.2009.10.012). All functions take
+numbers or arrays that broadcast and return conductances [W/K], symmetric in the two
+particles.
 """
 
 from __future__ import annotations
@@ -14,28 +16,38 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-REACH = 0.5  # half gaps above this many radii carry no heat (after Eq. 5: "2H greater than R")
-CONE = 0.560  # r_ij = CONE R (1 - eps)^(-1/3): mean radius of the double cone shared by two neighbours
-STATIC, IMPACT = 1 / 3, 1 / 5  # powers of the modulus: contact radius at a given load, and in a given collision
+# half gaps above this many radii carry no heat (after Eq. 5: "2H greater than R")
+REACH = 0.5
+# r_ij = CONE R (1 - eps)^(-1/3): mean radius of the double cone shared by two
+# neighbours
+CONE = 0.560
+# powers of the modulus: contact radius at a given load, and in a given collision
+STATIC, IMPACT = 1 / 3, 1 / 5
 
 _GAUSS = np.polynomial.legendre.leggauss(48)
 _NODES, _WEIGHTS = 0.5 * (1.0 + _GAUSS[0]), 0.5 * _GAUSS[1]
 
 
 def correction(modulus: Any, modulus_real: Any, exponent: float = STATIC) -> Any:
-    """Evaluate the factor c of a contact radius that was simulated with too soft a material [-].
+    """Evaluate the factor c of a contact radius that was simulated with too soft a
+    material [-].
 
         c = (E / E_0)^exponent
 
-    The paper has 1/5 (Eq. 14), Hertz's radius in a collision of given speed. A contact that carries a given load has
-    r_c ~ E^(-1/3) instead, so that beds at rest take STATIC, collisions IMPACT. `modulus` is E of the simulation,
-    `modulus_real` that of the material, both Young's or both reduced [Pa].
+    The paper has 1/5 (Eq. 14), Hertz's radius in a collision of given speed. A contact
+    that carries a given load has r_c ~ E^(-1/3) instead, so that beds at rest take
+    STATIC, collisions IMPACT. `modulus` is E of the simulation, `modulus_real` that of
+    the material, both Young's or both reduced [Pa].
     """
     return (modulus / modulus_real) ** exponent
 
 
-def contact_radius(R_i: ArrayLike, R_j: ArrayLike, distance: ArrayLike, factor: ArrayLike = 1.0) -> Array:
-    """Evaluate Hertz's contact radius c sqrt(R* delta) [m], R* = R_i R_j/(R_i + R_j); 0 without overlap (Eq. 13)."""
+def contact_radius(
+    R_i: ArrayLike, R_j: ArrayLike, distance: ArrayLike, factor: ArrayLike = 1.0
+) -> Array:
+    """Evaluate Hertz's contact radius c sqrt(R* delta) [m], R* = R_i
+    R_j/(R_i + R_j); 0 without overlap (Eq. 13).
+    """
     R_i, R_j = np.asarray(R_i, dtype=float), np.asarray(R_j, dtype=float)
     overlap = np.maximum(R_i + R_j - distance, 0.0)
     radius: Array = factor * np.sqrt(R_i * R_j / (R_i + R_j) * overlap)
@@ -43,11 +55,14 @@ def contact_radius(R_i: ArrayLike, R_j: ArrayLike, distance: ArrayLike, factor: 
 
 
 def contact_conductance(r_contact: ArrayLike, k_i: ArrayLike, k_j: ArrayLike) -> Array:
-    """Evaluate conduction through a contact at rest (Eq. 6; Batchelor, O'Brien 1977, doi:10.1098/rspa.1977.0100).
+    """Evaluate conduction through a contact at rest (Eq. 6; Batchelor, O'Brien 1977,
+    doi:10.1098/rspa.1977.0100).
 
     G = 4 r_c/(1/k_i + 1/k_j). Contact radius [m], conductivities [W/m/K].
     """
-    conductance: Array = 4.0 * np.asarray(r_contact, dtype=float) / _resistivity(k_i, k_j)
+    conductance: Array = (
+        4.0 * np.asarray(r_contact, dtype=float) / _resistivity(k_i, k_j)
+    )
     return conductance
 
 
@@ -61,15 +76,18 @@ def gap_conductance(
     eps: ArrayLike,
     r_contact: ArrayLike = 0.0,
 ) -> Array:
-    """Evaluate conduction from particle to particle through the fluid between them (Eq. 5).
+    """Evaluate conduction from particle to particle through the fluid between them (Eq.
+    5).
 
         G = int_r_c^r_sf 2 pi r dr/(s_i/k_i + s_j/k_j + gap/k_fluid),
         s_i = sqrt(R_i^2 - r^2) - r D_i/r_ij,  gap = D_i + D_j - sqrt(R_i^2 - r^2) - sqrt(R_j^2 - r^2)
 
-    The heat runs along parallel lines between the surfaces of two cones over the same disc, of radius r_ij in the
-    plane of equal power, D_i and D_j from the centres; at r_sf the lines within the particles have no length.
-    r_ij = 0.560 R (1 - eps)^(-1/3) of the smaller particle. Overlapping particles count as touching. Equal
-    particles: in closed form; others, and where it loses digits: quadrature. Relative error below 1e-12.
+    The heat runs along parallel lines between the surfaces of two cones over the same
+    disc, of radius r_ij in the plane of equal power, D_i and D_j from the centres; at
+    r_sf the lines within the particles have no length. r_ij = 0.560 R (1 - eps)^(-1/3)
+    of the smaller particle. Overlapping particles count as touching. Equal particles:
+    in closed form; others, and where it loses digits: quadrature. Relative error below
+    1e-12.
 
     Parameters
     ----------
@@ -78,14 +96,18 @@ def gap_conductance(
     k_i, k_j : conductivities of the particles [W/m/K]
     k_fluid : that of the fluid [W/m/K]
     eps : porosity around the pair [-]; the mean of both keeps G symmetric
-    r_contact : radius of the contact [m], 0 if there is none: the lower limit (the paper prints r_ij)
+    r_contact : radius of the contact [m], 0 if there is none: the lower limit (the
+        paper prints r_ij)
 
     Returns
     -------
     G [W/K]; 0 where the gap 2H exceeds the smaller radius.
     """
     R_i, R_j, distance, eps, r_contact, k_i, k_j = np.broadcast_arrays(
-        *(np.asarray(item, dtype=float) for item in (R_i, R_j, distance, eps, r_contact, k_i, k_j))
+        *(
+            np.asarray(item, dtype=float)
+            for item in (R_i, R_j, distance, eps, r_contact, k_i, k_j)
+        )
     )
     small, large = np.minimum(R_i, R_j), np.maximum(R_i, R_j)
     k_small, k_large = np.where(R_i <= R_j, k_i, k_j), np.where(R_i <= R_j, k_j, k_i)
@@ -98,26 +120,40 @@ def gap_conductance(
     equal = near & (small == large)
     if equal.any():
         out[equal] = _equal_spheres(
-            small[equal], D[equal], cone[equal], _resistivity(k_i, k_j)[equal], k_fluid, r_contact[equal], end[equal]
+            small[equal],
+            D[equal],
+            cone[equal],
+            _resistivity(k_i, k_j)[equal],
+            k_fluid,
+            r_contact[equal],
+            end[equal],
         )
     rest = near & ~equal
     if rest.any():
         first = small[rest], D[rest], k_small[rest]
         second = large[rest], apart[rest] - D[rest], k_large[rest]
-        out[rest] = _quadrature(first, second, cone[rest], k_fluid, r_contact[rest], end[rest])
+        out[rest] = _quadrature(
+            first, second, cone[rest], k_fluid, r_contact[rest], end[rest]
+        )
     return out
 
 
 def column_conductance(
-    R: ArrayLike, distance: ArrayLike, face: ArrayLike, k_i: ArrayLike, k_j: ArrayLike, k_fluid: float
+    R: ArrayLike,
+    distance: ArrayLike,
+    face: ArrayLike,
+    k_i: ArrayLike,
+    k_j: ArrayLike,
+    k_fluid: float,
 ) -> Array:
-    """Evaluate conduction between equal particles along parallel columns over their common Voronoi face.
+    """Evaluate conduction between equal particles along parallel columns over their
+    common Voronoi face.
 
         G = int_0^r_f 2 pi r dr/((d - gap) (1/k_i + 1/k_j)/2 + gap/k_fluid),  gap = max(d - 2 sqrt(R^2 - r^2), 0)
 
-    with sqrt(...) = 0 for r > R and r_f = sqrt(face/pi). Where all conductivities are equal this is k face/d, the
-    exact flux of a linear temperature between the cells, so that a bed conducts as the material does; Eq. 5 gives
-    36 % too much there.
+    with sqrt(...) = 0 for r > R and r_f = sqrt(face/pi). Where all conductivities are
+    equal this is k face/d, the exact flux of a linear temperature between the cells, so
+    that a bed conducts as the material does; Eq. 5 gives 36 % too much there.
 
     Parameters
     ----------
@@ -145,9 +181,16 @@ def column_conductance(
     return conductance
 
 
-def contact_excess(r_contact: ArrayLike, k_i: ArrayLike, k_j: ArrayLike, k_fluid: float) -> Array:
-    """Evaluate what a contact adds to columns: Eq. 6 less the same in fluid alone, 2 r_c (2/(1/k_i + 1/k_j) - k_f)."""
-    return contact_conductance(r_contact, k_i, k_j) - 2.0 * np.asarray(r_contact, dtype=float) * k_fluid
+def contact_excess(
+    r_contact: ArrayLike, k_i: ArrayLike, k_j: ArrayLike, k_fluid: float
+) -> Array:
+    """Evaluate what a contact adds to columns: Eq. 6 less the same in fluid alone, 2
+    r_c (2/(1/k_i + 1/k_j) - k_f).
+    """
+    return (
+        contact_conductance(r_contact, k_i, k_j)
+        - 2.0 * np.asarray(r_contact, dtype=float) * k_fluid
+    )
 
 
 def _resistivity(k_i: ArrayLike, k_j: ArrayLike) -> Any:
@@ -155,7 +198,9 @@ def _resistivity(k_i: ArrayLike, k_j: ArrayLike) -> Any:
 
 
 def _mean_over(start: Array, rise: Array, low: Array, high: Array) -> Array:
-    """Integrate u/(start + rise (u - low)/(high - low)) over u from low to high: logarithm, or its series."""
+    """Integrate u/(start + rise (u - low)/(high - low)) over u from low to high:
+    logarithm, or its series.
+    """
     span = high - low
     x = rise / start
     small = np.abs(x) < 1e-2
@@ -168,8 +213,12 @@ def _mean_over(start: Array, rise: Array, low: Array, high: Array) -> Array:
     return span / start * (low * zeroth + span * first)
 
 
-def _equal_spheres(R: Array, D: Array, cone: Array, K: Array, k_fluid: float, low: Array, high: Array) -> Array:
-    """Integrate Eq. 5 for equal particles in closed form, r = R sin(angle): 2 pi R^2 int s c/(A c + B s + C)."""
+def _equal_spheres(
+    R: Array, D: Array, cone: Array, K: Array, k_fluid: float, low: Array, high: Array
+) -> Array:
+    """Integrate Eq. 5 for equal particles in closed form, r = R sin(angle): 2 pi R^2
+    int s c/(A c + B s + C).
+    """
     A, B, C = R * (K - 2.0 / k_fluid), -R * D * K / cone, 2.0 * D / k_fluid
     M, p = A**2 + B**2, C - A
     sum_AC = R * K + 2.0 * (D - R) / k_fluid
@@ -184,20 +233,24 @@ def _equal_spheres(R: Array, D: Array, cone: Array, K: Array, k_fluid: float, lo
         J = np.where(
             w2 > 0,
             2.0 / w * (np.arctan(t1 / w) - np.arctan(t0 / w)),
-            (np.log(np.abs((t1 - w) / (t1 + w))) - np.log(np.abs((t0 - w) / (t0 + w)))) / w,
+            (np.log(np.abs((t1 - w) / (t1 + w))) - np.log(np.abs((t0 - w) / (t0 + w))))
+            / w,
         )
     turn = np.arctan2(s1 * c0 - c1 * s0, c1 * c0 + s1 * s0)
     arc = 2.0 * ((A * s1 - B * c1) - (A * s0 - B * c0) - C * turn + C**2 * J) - M * J
     # denominators P + C without cancellation where the particles touch
     D0, D1 = (
-        K * (R * c - s * R * D / cone) + 2.0 * ((D - R) + R * s**2 / (1.0 + c)) / k_fluid
+        K * (R * c - s * R * D / cone)
+        + 2.0 * ((D - R) + R * s**2 / (1.0 + c)) / k_fluid
         for s, c in ((s0, c0), (s1, c1))
     )
     line = P1 - P0 - C * np.log(D1 / D0)
     G = 2.0 * np.pi * R**2 / M**2 * (A * B * arc + (B - A) * (B + A) * line)
     if poor.any():
         R, D, cone, half = R[poor], D[poor], cone[poor], 2.0 / K[poor]
-        G[poor] = _quadrature((R, D, half), (R, D, half), cone, k_fluid, low[poor], high[poor])
+        G[poor] = _quadrature(
+            (R, D, half), (R, D, half), cone, k_fluid, low[poor], high[poor]
+        )
     return G
 
 
@@ -209,9 +262,11 @@ def _quadrature(
     low: Array,
     high: Array,
 ) -> Array:
-    """Integrate Eq. 5 by Gauss-Legendre in s, r = low + (high - low) s^3, which resolves the gap at the contact.
+    """Integrate Eq. 5 by Gauss-Legendre in s, r = low + (high - low) s^3, which
+    resolves the gap at the contact.
 
-    `first` and `second` are radius, distance to the face and conductivity of the particles of each pair.
+    `first` and `second` are radius, distance to the face and conductivity of the
+    particles of each pair.
     """
     R_i, D_i, k_i = (item[..., None] for item in first)
     R_j, D_j, k_j = (item[..., None] for item in second)
@@ -222,4 +277,6 @@ def _quadrature(
     gap = sum(D - R + r**2 / (R + u) for D, R, u in ((D_i, R_i, u_i), (D_j, R_j, u_j)))
     cone_j = D_j * high / np.sqrt((R_j - high) * (R_j + high))
     solid = (u_i - r * D_i / cone) / k_i + (u_j - r * D_j / cone_j) / k_j
-    return (2.0 * np.pi * r * 3.0 * _NODES**2 * span / (solid + gap / k_fluid)) @ _WEIGHTS
+    return (
+        2.0 * np.pi * r * 3.0 * _NODES**2 * span / (solid + gap / k_fluid)
+    ) @ _WEIGHTS

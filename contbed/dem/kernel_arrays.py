@@ -1,9 +1,12 @@
-"""The arrays that the compiled kernels share, grouped by role, and the columns of their tables by name.
+"""The arrays that the compiled kernels share, grouped by role, and the columns of their
+tables by name.
 
-Tables are structured arrays, one row a pair of materials or a wall: `pairs[i, j].shear_modulus`. All is in SI.
+Tables are structured arrays, one row a pair of materials or a wall: `pairs[i,
+j].shear_modulus`. All is in SI.
 
-Particles are computed in an order of memory in which neighbours in space are mostly neighbours in memory (`ordering`).
-BLOCK of them in a row are a block: the piece of work that a thread takes.
+Particles are computed in an order of memory in which neighbours in space are mostly
+neighbours in memory (`ordering`). BLOCK of them in a row are a block: the piece of work
+that a thread takes.
 """
 
 from __future__ import annotations
@@ -16,7 +19,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Entries = NDArray[np.int32]
-Unsigned = NDArray[np.uint32]  # as an index it needs no check whether it counts from the end
+# as an index it needs no check whether it counts from the end
+Unsigned = NDArray[np.uint32]
 Table = NDArray[np.void]
 Row = Any  # of a Table; its columns are attributes in compiled code
 
@@ -28,18 +32,38 @@ def _columns(*names: str) -> np.dtype:
     return np.dtype([(name, np.float64) for name in names], align=True)
 
 
-# effective moduli E*, G* [Pa], damping factors [Pa^0.5], Coulomb and rolling friction of a pair of materials [-]
+# effective moduli E*, G* [Pa], damping factors [Pa^0.5], Coulomb and rolling friction
+# of a pair of materials [-]
 PAIR = _columns(
-    "youngs_modulus", "shear_modulus", "damping_normal", "damping_tangential", "sliding_friction", "rolling_friction"
+    "youngs_modulus",
+    "shear_modulus",
+    "damping_normal",
+    "damping_tangential",
+    "sliding_friction",
+    "rolling_friction",
 )
-# of a pair of materials in `contact_heat`: 4 c/(1/k_i + 1/k_j) [W/m/K]; c^3 of impacts [-]; the smaller rho c over the
-# larger [-]; k/(rho c) of the smaller [m2/s]; 1/((rho c k)_i^(-1/2) + (rho c k)_j^(-1/2)) [W s^0.5/m2/K]
+# of a pair of materials in `contact_heat`: 4 c/(1/k_i + 1/k_j) [W/m/K]; c^3 of impacts
+# [-]; the smaller rho c over the larger [-]; k/(rho c) of the smaller [m2/s]; 1/((rho c
+# k)_i^(-1/2) + (rho c k)_j^(-1/2)) [W s^0.5/m2/K]
 HEAT_PAIR = _columns("at_rest", "impact", "capacity_ratio", "diffusivity", "effusivity")
-# `curvature` 0 of a plane, 1 of a cylinder around the bed, -1 of a tube in it; a point [m] of the plane or axis; the
-# unit normal into the bed or unit direction of the axis; radius [m] and index of the material
+# `curvature` 0 of a plane, 1 of a cylinder around the bed, -1 of a tube in it; a point
+# [m] of the plane or axis; the unit normal into the bed or unit direction of the axis;
+# radius [m] and index of the material
 WALL = np.dtype(
     [
-        *((name, np.float64) for name in ("curvature", "x", "y", "z", "unit_x", "unit_y", "unit_z", "radius")),
+        *(
+            (name, np.float64)
+            for name in (
+                "curvature",
+                "x",
+                "y",
+                "z",
+                "unit_x",
+                "unit_y",
+                "unit_z",
+                "radius",
+            )
+        ),
         ("material", np.int64),
     ],
     align=True,
@@ -47,9 +71,11 @@ WALL = np.dtype(
 
 
 class Spheres(NamedTuple):
-    """What a step leaves as it is, each (n,): radius [m], mass [kg], moment of inertia [kg m2], index of the material.
+    """What a step leaves as it is, each (n,): radius [m], mass [kg], moment of
+    inertia [kg m2], index of the material.
 
-    `equal` : whether all have one radius and one material, so that every contact has the same constants
+    `equal` : whether all have one radius and one material, so that every contact has
+    the same constants
     """
 
     radius: Array
@@ -62,8 +88,9 @@ class Spheres(NamedTuple):
 class Bodies(NamedTuple):
     """What moves, in the order of memory.
 
-    position (n, 3) [m]; motion (n, 6), velocity [m/s] and spin [rad/s] at the time of the position; half (n, 6), both
-    half a step earlier; pushed (n, 3), external force [N]; user (n,), the index that the particle has for the user
+    position (n, 3) [m]; motion (n, 6), velocity [m/s] and spin [rad/s] at the time of
+    the position; half (n, 6), both half a step earlier; pushed (n, 3), external
+    force [N]; user (n,), the index that the particle has for the user
     """
 
     position: Array
@@ -82,16 +109,18 @@ class Heat(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """Verlet list with the histories of closed contacts; each block of rows has a segment of its own.
+    """Verlet list with the histories of closed contacts; each block of rows has a
+    segment of its own.
 
-    A segment has two zones, for pairs within the block and for those whose j is in a later block, each sorted by row;
-    of zone z of a block the first `used[z, block]` of `room[z]` places hold pairs.
+    A segment has two zones, for pairs within the block and for those whose j is in a
+    later block, each sorted by row; of zone z of a block the first `used[z, block]` of
+    `room[z]` places hold pairs.
 
-    row, entry (m,) : i, and j as `neighbours` says
-    spring (m, 3) : tangential displacement [m]; onset (m, 2) : number of the step of first touch, normal impact speed
-    [m/s]; both meaningful for closed contacts only
-    start, stop (2, n) : those of row i in zone z are the places from `start[z, i]` to before `stop[z, i]`
-    listed (n, 3) : positions for which the list was made [m]
+    row, entry (m,) : i, and j as `neighbours` says spring (m, 3) : tangential
+    displacement [m]; onset (m, 2) : number of the step of first touch, normal impact
+    speed [m/s]; both meaningful for closed contacts only start, stop (2, n) : those of
+    row i in zone z are the places from `start[z, i]` to before `stop[z, i]` listed (n,
+    3) : positions for which the list was made [m]
     """
 
     room: tuple[int, int]
@@ -106,7 +135,8 @@ class Pairs(NamedTuple):
 
 
 class NearWalls(NamedTuple):
-    """Particles near to walls in segments by block: how many in each block, particle and wall, and their histories.
+    """Particles near to walls in segments by block: how many in each block, particle
+    and wall, and their histories.
 
     `onset` has the step -1 while the contact is open.
     """
@@ -119,7 +149,9 @@ class NearWalls(NamedTuple):
 
 
 class Side(NamedTuple):
-    """All arrays in one order of memory; a new list is made on the other side, in the order that fits it."""
+    """All arrays in one order of memory; a new list is made on the other side, in
+    the order that fits it.
+    """
 
     bodies: Bodies
     spheres: Spheres
@@ -129,10 +161,12 @@ class Side(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """What contacts between two blocks give to the particle j, so that every thread adds to particles of its own block.
+    """What contacts between two blocks give to the particle j, so that every thread
+    adds to particles of its own block.
 
-    carried (m, 7) : force [N], torque [N m] and heat [W] on j by place in the zones across blocks; zero while open
-    start (n + 1,), slot (m,) : the places that belong to particle j are `slot[start[j]:start[j + 1]]`
+    carried (m, 7) : force [N], torque [N m] and heat [W] on j by place in the zones
+    across blocks; zero while open start (n + 1,), slot (m,) : the places that belong to
+    particle j are `slot[start[j]:start[j + 1]]`
     """
 
     carried: Array
@@ -141,9 +175,11 @@ class Crossing(NamedTuple):
 
 
 class Sums(NamedTuple):
-    """Force [N] and torque [N m] (n, 6) and heat [W] (n,) or (0,) that particles get, and those that cross blocks.
+    """Force [N] and torque [N m] (n, 6) and heat [W] (n,) or (0,) that particles get,
+    and those that cross blocks.
 
-    Between intervals `load` is the whole sum; in a step that of the contacts within a block.
+    Between intervals `load` is the whole sum; in a step that of the contacts within a
+    block.
     """
 
     load: Array
@@ -152,7 +188,9 @@ class Sums(NamedTuple):
 
 
 class Sorting(NamedTuple):
-    """Room for sorting: cell of each particle, sorted order and its inverse (n,), first particle of each cell."""
+    """Room for sorting: cell of each particle, sorted order and its inverse (n,),
+    first particle of each cell.
+    """
 
     cell: Entries
     order: Entries
@@ -161,7 +199,8 @@ class Sorting(NamedTuple):
 
 
 class Blocks(NamedTuple):
-    """What is found for each block: largest speed squared or distance squared, particle to blame or -1, corners, needs.
+    """What is found for each block: largest speed squared or distance squared, particle
+    to blame or -1, corners, needs.
 
     largest, culprit : (blocks,)
     extent : (blocks, 6) lower and upper corner [m]
@@ -191,7 +230,9 @@ class Room(NamedTuple):
 
 
 class Laws(NamedTuple):
-    """Constants of contacts: tables of pairs of materials and of heat, walls (w,), shifts of images (27, 3) [m]."""
+    """Constants of contacts: tables of pairs of materials and of heat, walls (w,),
+    shifts of images (27, 3) [m].
+    """
 
     pairs: Table
     heat: Table
@@ -200,11 +241,13 @@ class Laws(NamedTuple):
 
 
 class Interval(NamedTuple):
-    """Steps of a run: gravity (3,) [m/s2], time step [s], how many steps after step `first`.
+    """Steps of a run: gravity (3,) [m/s2], time step [s], how many steps after step
+    `first`.
 
-    `enough` [m] is the move after which the list is made anew, `moved` [m] the farthest that a particle can have moved
-    since it was made, `begun` whether the first step has moved the particles already, `speed_limit` [m/s] of a
-    particle, `is_pushed` whether there are external forces.
+    `enough` [m] is the move after which the list is made anew, `moved` [m] the farthest
+    that a particle can have moved since it was made, `begun` whether the first step has
+    moved the particles already, `speed_limit` [m/s] of a particle, `is_pushed` whether
+    there are external forces.
     """
 
     gravity: Array

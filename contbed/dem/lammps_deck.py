@@ -1,4 +1,5 @@
-"""Input of LAMMPS for spheres under the contact law of `contact`: a data file, commands for contacts, walls, motion.
+"""Input of LAMMPS for spheres under the contact law of `contact`: a data file, commands
+for contacts, walls, motion.
 
     ours                                          LAMMPS (package GRANULAR)
     4/3 E* a delta                                normal     hertz/material E e nu
@@ -6,19 +7,26 @@
     8 G* a xi, friction mu F_n                    tangential mindlin NULL x mu
     c_t = c_n sqrt(8 G*) / sqrt(2 E*)             x = 2 sqrt(G* / E*) = sqrt(2 (1 - nu) / (2 - nu))
 
-Both are the same law as long as a contact sticks under load; b is that of `particles.damping_ratio`. They differ
+Both are the same law as long as a contact sticks under load; b is that of
+`particles.damping_ratio`. They differ
 
-* in gross sliding with damping: LAMMPS compares spring and dashpot together with mu F_n and leaves in the spring what
-  the dashpot is too much, here the spring alone is compared. That spring pushes the sphere on while the contact grows:
-  the friction of one slide falls short of mu times the normal impulse, by 2 % at a restitution of 0.7, 20 % at 0.3;
-* where F_n pulls, in the last part of a damped impact: LAMMPS lets friction act up to mu |F_n|, here it is zero;
-* in the arm of the spin: LAMMPS takes the radius for the velocity of the surface, at walls for the torque as well, here
-  it is the distance to the contact, smaller by half an overlap, at walls by one;
-* in the velocities of a step: LAMMPS takes those of its middle, here they are those of its end, both of first order.
+* in gross sliding with damping: LAMMPS compares spring and dashpot together with mu F_n
+  and leaves in the spring what the dashpot is too much, here the spring alone is
+  compared. That spring pushes the sphere on while the contact grows: the friction of
+  one slide falls short of mu times the normal impulse, by 2 % at a restitution of 0.7,
+  20 % at 0.3;
+* where F_n pulls, in the last part of a damped impact: LAMMPS lets friction act up to
+  mu |F_n|, here it is zero;
+* in the arm of the spin: LAMMPS takes the radius for the velocity of the surface, at
+  walls for the torque as well, here it is the distance to the contact, smaller by half
+  an overlap, at walls by one;
+* in the velocities of a step: LAMMPS takes those of its middle, here they are those of
+  its end, both of first order.
 
 Rolling friction is another law there (a spring with a slider), so that it is refused.
 
-Source: LAMMPS manual, pair_style granular and fix wall/gran; fix nve/sphere and fix halt.
+Source: LAMMPS manual, pair_style granular and fix wall/gran; fix nve/sphere and fix
+    halt.
 """
 
 from __future__ import annotations
@@ -33,26 +41,42 @@ from contbed.dem.walls import Cylinder, Domain, Plane, Wall
 from contbed.errors import SceneError
 
 SKIN = 0.2  # of the smallest radius: room of the neighbour lists
-HEADROOM = 2.0  # largest radii above the highest centre: no sphere that falls gets there
+# largest radii above the highest centre: no sphere that falls gets there
+HEADROOM = 2.0
 _AXES = {(1.0, 0.0, 0.0): "x", (0.0, 1.0, 0.0): "y", (0.0, 0.0, 1.0): "z"}
 
 
 def data_text(particles: Particles, material: Material, domain: Domain) -> str:
-    """Write the data file: box, diameters, density, centres, velocities and spins, all with 17 digits."""
+    """Write the data file: box, diameters, density, centres, velocities and spins,
+    all with 17 digits.
+    """
     x, top = particles.position, HEADROOM * float(particles.radius.max())
-    low = [low if np.isfinite(low) else float(x[:, k].min()) - top for k, low in enumerate(domain.lower)]
-    high = [high if np.isfinite(high) else float(x[:, k].max()) + top for k, high in enumerate(domain.upper)]
+    low = [
+        low if np.isfinite(low) else float(x[:, k].min()) - top
+        for k, low in enumerate(domain.lower)
+    ]
+    high = [
+        high if np.isfinite(high) else float(x[:, k].max()) + top
+        for k, high in enumerate(domain.upper)
+    ]
     lines = ["spheres of contbed, SI", "", f"{len(x)} atoms", "1 atom types", ""]
-    lines += [f"{low[k]!r} {high[k]!r} {name}lo {name}hi" for k, name in enumerate("xyz")]
+    lines += [
+        f"{low[k]!r} {high[k]!r} {name}lo {name}hi" for k, name in enumerate("xyz")
+    ]
     lines += ["", "Atoms # sphere", ""]
     diameter = 2.0 * particles.radius
     lines += [
         f"{k + 1} 1 {d!r} {material.density!r} {a!r} {b!r} {c!r}"
-        for k, (d, (a, b, c)) in enumerate(zip(diameter.tolist(), x.tolist(), strict=True))
+        for k, (d, (a, b, c)) in enumerate(
+            zip(diameter.tolist(), x.tolist(), strict=True)
+        )
     ]
     motion = np.hstack((particles.velocity, particles.spin)).tolist()
     lines += ["", "Velocities", ""]
-    lines += [f"{k + 1} " + " ".join(repr(value) for value in row) for k, row in enumerate(motion)]
+    lines += [
+        f"{k + 1} " + " ".join(repr(value) for value in row)
+        for k, row in enumerate(motion)
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -72,31 +96,43 @@ def start_commands(domain: Domain, data: str, skin: float) -> list[str]:
 
 
 def contact_commands(material: Material, walls: Sequence[Wall]) -> list[str]:
-    """Give the commands for contacts of pairs and with walls, the fixes wall0, wall1, and so on.
+    """Give the commands for contacts of pairs and with walls, the fixes wall0, wall1,
+    and so on.
 
     Raises
     ------
-    SceneError : rolling friction; a wall that is neither an axis' plane nor a cylinder around the z axis
+    SceneError : rolling friction; a wall that is neither an axis' plane nor a cylinder
+        around the z axis
     """
     if material.rolling_friction > 0.0:
         raise SceneError(rolling_refused(material.rolling_friction))
     law = _law(material)
     lines = ["pair_style granular", f"pair_coeff * * {law}"]
-    return lines + [f"fix wall{k} all wall/gran granular {law} {_place(wall)}" for k, wall in enumerate(walls)]
+    return lines + [
+        f"fix wall{k} all wall/gran granular {law} {_place(wall)}"
+        for k, wall in enumerate(walls)
+    ]
 
 
 def rolling_refused(friction: float) -> str:
     """Say that LAMMPS has another law of rolling."""
     return (
-        f"rolling_friction = {friction:g}: LAMMPS has another law of rolling (a spring with a slider); "
+        f"rolling_friction = {friction:g}: LAMMPS has another law of rolling (a spring "
+        "with a slider); "
         "set it to 0, or settle without --engine lammps"
     )
 
 
 def settling_deck(
-    domain: Domain, walls: Sequence[Wall], stages: Sequence[Stage], radius: float, gravity: float, scale: float
+    domain: Domain,
+    walls: Sequence[Wall],
+    stages: Sequence[Stage],
+    radius: float,
+    gravity: float,
+    scale: float,
 ) -> str:
-    """Write the input file: all stages one after the other, then the centres as `settled.dump`.
+    """Write the input file: all stages one after the other, then the centres as
+    `settled.dump`.
 
     Parameters
     ----------
@@ -125,14 +161,19 @@ def settling_deck(
             "set group all omega 0 0 0",
             f"timestep {stage.time_step!r}",
             "reset_timestep 0",
-            f"fix rest all halt {CHECK_EVERY} v_unrest < {stage.at_rest!r} error continue message no",
+            f"fix rest all halt {CHECK_EVERY} v_unrest < {stage.at_rest!r} error "
+            "continue message no",
             f"run {stage.steps}",
             "unfix rest",
-            # springs start anew in the next part, as they do in our loop; the same pair style would keep them
+            # springs start anew in the next part, as they do in our loop; the same pair
+            # style would keep them
             "pair_style none",
             *(f"unfix wall{k}" for k in range(len(walls))),
         ]
-    dump = "write_dump all custom settled.dump id x y z radius modify sort id format float %.17g"
+    dump = (
+        "write_dump all custom settled.dump id x y z radius modify sort id format "
+        "float %.17g"
+    )
     return "\n".join([*lines, "", dump]) + "\n"
 
 
@@ -141,7 +182,8 @@ def _law(material: Material) -> str:
     tangential = float(np.sqrt(2.0 * (1.0 - nu) / (2.0 - nu)))
     return (
         f"hertz/material {material.youngs_modulus!r} {material.restitution!r} {nu!r} "
-        f"tangential mindlin NULL {tangential!r} {material.sliding_friction!r} damping coeff_restitution"
+        f"tangential mindlin NULL {tangential!r} {material.sliding_friction!r} damping "
+        "coeff_restitution"
     )
 
 
@@ -154,9 +196,14 @@ def _place(wall: Wall) -> str:
                 return f"{axis}plane {at} NULL"
             if wall.normal == tuple(-n for n in normal):
                 return f"{axis}plane NULL {at}"
-    if isinstance(wall, Cylinder) and wall.axis == (0.0, 0.0, 1.0) and wall.point[:2] == (0.0, 0.0):
+    if (
+        isinstance(wall, Cylinder)
+        and wall.axis == (0.0, 0.0, 1.0)
+        and wall.point[:2] == (0.0, 0.0)
+    ):
         return f"zcylinder {float(wall.radius)!r}"
     raise SceneError(
-        "packing: LAMMPS is given planes across x, y or z and a cylinder around the z axis; "
+        "packing: LAMMPS is given planes across x, y or z and a cylinder around the z "
+        "axis; "
         f"settle without it for {type(wall).__name__.lower()} walls elsewhere"
     )

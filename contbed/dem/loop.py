@@ -1,12 +1,15 @@
-"""The time loop: velocity Verlet, contacts and their heat, blow-up detection in one compiled kernel; lists in another.
+"""The time loop: velocity Verlet, contacts and their heat, blow-up detection in one
+compiled kernel; lists in another.
 
-Each step kicks by half a step, moves, and finds the forces at the new positions with velocities extrapolated by half a
-step, so that dashpots are of second order too. The two half kicks between steps are rounded in the same way whether or
-not an interval ends there: a run cut into intervals gives what the uncut run gives, bit for bit.
+Each step kicks by half a step, moves, and finds the forces at the new positions with
+velocities extrapolated by half a step, so that dashpots are of second order too. The
+two half kicks between steps are rounded in the same way whether or not an interval ends
+there: a run cut into intervals gives what the uncut run gives, bit for bit.
 
-All threads of a team run the kernel; they share the blocks of particles of each phase (`contbed.compiled.barrier`).
-What they decide upon, such as a new list, each finds from the reports of all blocks. One thread advances
-a block as soon as its contacts are done, while it is in the cache: rows of later blocks do not look back at it.
+All threads of a team run the kernel; they share the blocks of particles of each phase
+(`contbed.compiled.barrier`). What they decide upon, such as a new list, each finds from
+the reports of all blocks. One thread advances a block as soon as its contacts are done,
+while it is in the cache: rows of later blocks do not look back at it.
 """
 
 from __future__ import annotations
@@ -21,15 +24,44 @@ import numpy as np
 from contbed.compiled import barrier
 from contbed.compiled.barrier import Crew, finish, take, wait
 from contbed.compiled.functions import entry, inner
-from contbed.dem import contact, contact_heat, forces, heat_impact, kernel_arrays, neighbours, ordering, wall_forces
+from contbed.dem import (
+    contact,
+    contact_heat,
+    forces,
+    heat_impact,
+    kernel_arrays,
+    neighbours,
+    ordering,
+    wall_forces,
+)
 from contbed.dem.forces import empty_batch, pair_forces
-from contbed.dem.kernel_arrays import BLOCK, Array, Blocks, Box, Indices, Interval, Laws, Room, Side, Sums, Table
-from contbed.dem.neighbours import carry_pairs, carry_walls, find_incoming, find_near_walls, find_pairs
+from contbed.dem.kernel_arrays import (
+    BLOCK,
+    Array,
+    Blocks,
+    Box,
+    Indices,
+    Interval,
+    Laws,
+    Room,
+    Side,
+    Sums,
+    Table,
+)
+from contbed.dem.neighbours import (
+    carry_pairs,
+    carry_walls,
+    find_incoming,
+    find_near_walls,
+    find_pairs,
+)
 from contbed.dem.ordering import cells_around, find_cells, reorder, sort, wrap
 from contbed.dem.wall_forces import wall_forces as add_wall_forces
 
-OK, LIST_IS_OLD, TOO_FAST, LOST, BEYOND_WALL, TOO_SMALL = range(6)  # how a kernel ends; TOO_SMALL: for the list
-# what `_advance` does: the first half of a step; the second and the first of the next; the second
+# how a kernel ends; TOO_SMALL: for the list
+OK, LIST_IS_OLD, TOO_FAST, LOST, BEYOND_WALL, TOO_SMALL = range(6)
+# what `_advance` does: the first half of a step; the second and the first of the next;
+# the second
 BEGIN, GO_ON, END = range(3)
 
 
@@ -46,14 +78,33 @@ class Outcome(NamedTuple):
 
 
 @inner(error_model="numpy", nogil=True)
-def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int | np.int64, blocks: Blocks) -> None:
-    """Take both half kicks of velocity Verlet, and move: after the second half of a step comes the first of the next.
+def _advance(
+    block: int,
+    side: Side,
+    sums: Sums,
+    interval: Interval,
+    phase: int | np.int64,
+    blocks: Blocks,
+) -> None:
+    """Take both half kicks of velocity Verlet, and move: after the second half of a
+    step comes the first of the next.
 
-    First what other blocks and external forces give is added to the sums, and the heat to the temperatures. `largest`
-    and `culprit` of the block become the largest speed squared and a particle above the limit or -1.
+    First what other blocks and external forces give is added to the sums, and the heat
+    to the temperatures. `largest` and `culprit` of the block become the largest speed
+    squared and a particle above the limit or -1.
     """
-    bodies, spheres, heat, crossing = side.bodies, side.spheres, side.heat, sums.crossing
-    load, half, motion, dt = sums.load, side.bodies.half, side.bodies.motion, interval.time_step
+    bodies, spheres, heat, crossing = (
+        side.bodies,
+        side.spheres,
+        side.heat,
+        sums.crossing,
+    )
+    load, half, motion, dt = (
+        sums.load,
+        side.bodies.half,
+        side.bodies.motion,
+        interval.time_step,
+    )
     h, top, worst, is_warm = 0.5 * interval.time_step, 0.0, -1, len(side.heat.T) > 0
     per_mass, per_inertia = 1.0 / spheres.mass[0], 1.0 / spheres.inertia[0]
     for i in range(block * BLOCK, min((block + 1) * BLOCK, len(bodies.position))):
@@ -69,10 +120,17 @@ def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int 
                 for a in range(3):
                     load[i, a] += bodies.pushed[i, a]
             if is_warm:
-                heat.T[i] += dt * (gained + sums.gained[i] + heat.source[i]) * heat.inverse_capacity[i]
+                heat.T[i] += (
+                    dt
+                    * (gained + sums.gained[i] + heat.source[i])
+                    * heat.inverse_capacity[i]
+                )
         speed2 = 0.0
         for a in range(3):
-            rate, turn = load[i, a] * per_mass + interval.gravity[a], load[i, 3 + a] * per_inertia
+            rate, turn = (
+                load[i, a] * per_mass + interval.gravity[a],
+                load[i, 3 + a] * per_inertia,
+            )
             v = motion[i, a] if phase == BEGIN else half[i, a] + h * rate
             w = motion[i, 3 + a] if phase == BEGIN else half[i, 3 + a] + h * turn
             if phase == END:
@@ -83,7 +141,8 @@ def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int 
             motion[i, a], motion[i, 3 + a] = u + h * rate, s + h * turn
             bodies.position[i, a] += dt * u
             speed2 += u * u
-        if not speed2 <= interval.speed_limit * interval.speed_limit:  # a NaN is never below
+        # a NaN is never below
+        if not speed2 <= interval.speed_limit * interval.speed_limit:
             worst = i
         top = max(top, speed2)
     blocks.largest[block], blocks.culprit[block] = top, worst
@@ -91,10 +150,17 @@ def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int 
 
 @inner(error_model="numpy", nogil=True)
 def _measure_move(block: int, x: Array, x0: Array, largest: Array) -> None:
-    """Find the largest distance squared from the positions at which the list was made [m2]."""
+    """Find the largest distance squared from the positions at which the list was
+    made [m2].
+    """
     top = 0.0
     for i in range(block * BLOCK, min((block + 1) * BLOCK, len(x))):
-        top = max(top, (x[i, 0] - x0[i, 0]) ** 2 + (x[i, 1] - x0[i, 1]) ** 2 + (x[i, 2] - x0[i, 2]) ** 2)
+        top = max(
+            top,
+            (x[i, 0] - x0[i, 0]) ** 2
+            + (x[i, 1] - x0[i, 1]) ** 2
+            + (x[i, 2] - x0[i, 2]) ** 2,
+        )
     largest[block] = top
 
 
@@ -108,16 +174,31 @@ def _culprit(culprits: Indices) -> int:
 
 
 def _step_kernel(stamp: int) -> Callable[..., Outcome]:
-    """Compile the steps, cached on disk for this content of its files: numba itself watches one of them."""
+    """Compile the steps, cached on disk for this content of its files: numba itself
+    watches one of them.
+    """
 
     @entry(cache=True, nogil=True)
-    def take_steps(crew: Crew, side: Side, laws: Laws, interval: Interval, sums: Sums, blocks: Blocks) -> Outcome:
+    def take_steps(
+        crew: Crew,
+        side: Side,
+        laws: Laws,
+        interval: Interval,
+        sums: Sums,
+        blocks: Blocks,
+    ) -> Outcome:
         """Take the steps of an interval, up to its end or until the list is too old."""
-        batch, pieces, moved, done = empty_batch(), len(blocks.largest), interval.moved, min(stamp, 0)
+        batch, pieces, moved, done = (
+            empty_batch(),
+            len(blocks.largest),
+            interval.moved,
+            min(stamp, 0),
+        )
         begun = interval.begun
         while done < interval.steps:
             if not begun:
-                # the first half of the first step; each later one is taken with the second half of the step before
+                # the first half of the first step; each later one is taken with the
+                # second half of the step before
                 if done == 0:
                     piece = take(crew)
                     while piece < pieces:
@@ -132,21 +213,33 @@ def _step_kernel(stamp: int) -> Callable[..., Outcome]:
                     wait(crew)
                     piece = take(crew)
                     while piece < pieces:
-                        _measure_move(piece, side.bodies.position, side.pairs.listed, blocks.largest)
+                        _measure_move(
+                            piece,
+                            side.bodies.position,
+                            side.pairs.listed,
+                            blocks.largest,
+                        )
                         piece = take(crew)
                     finish(crew, pieces)
                     moved = float(np.sqrt(blocks.largest.max()))
                 if moved > interval.enough:
                     return Outcome(LIST_IS_OLD, -1, done, moved)
             begun = False
-            phase, now = GO_ON if done < interval.steps - 1 else END, float(interval.first + done + 1)
+            phase, now = (
+                GO_ON if done < interval.steps - 1 else END,
+                float(interval.first + done + 1),
+            )
             stages = 1 if crew.size == 1 else 2
             for stage in range(stages):
                 piece = take(crew)
                 while piece < pieces:
                     if stage == 0:
-                        pair_forces(piece, side, sums, laws, now, interval.time_step, batch)
-                        add_wall_forces(piece, side, sums, laws, now, interval.time_step)
+                        pair_forces(
+                            piece, side, sums, laws, now, interval.time_step, batch
+                        )
+                        add_wall_forces(
+                            piece, side, sums, laws, now, interval.time_step
+                        )
                     if stage == stages - 1:
                         _advance(piece, side, sums, interval, phase, blocks)
                     piece = take(crew)
@@ -171,9 +264,15 @@ def _list_kernel(stamp: int) -> Callable[..., Outcome]:
         room: Room,
     ) -> Outcome:
         """Sort the particles and list pairs and near walls anew on the side `new`."""
-        blocks, sorting, n = room.blocks, room.sorting, max(len(old.bodies.position), min(stamp, 0))
+        blocks, sorting, n = (
+            room.blocks,
+            room.sorting,
+            max(len(old.bodies.position), min(stamp, 0)),
+        )
         pieces = len(blocks.largest)
-        widest = old.spheres.radius[0] if old.spheres.equal else old.spheres.radius.max()
+        widest = (
+            old.spheres.radius[0] if old.spheres.equal else old.spheres.radius.max()
+        )
         piece = take(crew)
         while piece < pieces:
             wrap(piece, old.bodies.position, box, blocks.culprit, blocks.extent)
@@ -199,16 +298,23 @@ def _list_kernel(stamp: int) -> Callable[..., Outcome]:
         x, radius = new.bodies.position, new.spheres.radius
         piece = take(crew)
         while piece < pieces:
-            needed = find_pairs(piece, x, radius, new.pairs, cells, sorting.first, box, skin)
+            needed = find_pairs(
+                piece, x, radius, new.pairs, cells, sorting.first, box, skin
+            )
             blocks.needed[piece, 0], blocks.needed[piece, 1] = needed
-            blocks.needed[piece, 2], blocks.culprit[piece] = find_near_walls(piece, x, radius, new.near, walls, skin)
+            blocks.needed[piece, 2], blocks.culprit[piece] = find_near_walls(
+                piece, x, radius, new.near, walls, skin
+            )
             piece = take(crew)
         finish(crew, pieces)
         lost = _culprit(blocks.culprit)
         if lost >= 0:
             return Outcome(BEYOND_WALL, int(np.int64(sorting.order[lost])), 0, 0.0)
         for piece in range(pieces):
-            enough = blocks.needed[piece, 0] <= new.pairs.room[0] and blocks.needed[piece, 1] <= new.pairs.room[1]
+            enough = (
+                blocks.needed[piece, 0] <= new.pairs.room[0]
+                and blocks.needed[piece, 1] <= new.pairs.room[1]
+            )
             if not enough or blocks.needed[piece, 2] > len(new.near.wall) // pieces:
                 return Outcome(TOO_SMALL, -1, 0, 0.0)
         if crew.number == 0:
@@ -225,8 +331,20 @@ def _list_kernel(stamp: int) -> Callable[..., Outcome]:
 
 
 def _content() -> int:
-    modules = (barrier, contact, contact_heat, forces, heat_impact, kernel_arrays, neighbours, ordering, wall_forces)
-    return zlib.crc32(b"".join(Path(str(module.__file__)).read_bytes() for module in modules))
+    modules = (
+        barrier,
+        contact,
+        contact_heat,
+        forces,
+        heat_impact,
+        kernel_arrays,
+        neighbours,
+        ordering,
+        wall_forces,
+    )
+    return zlib.crc32(
+        b"".join(Path(str(module.__file__)).read_bytes() for module in modules)
+    )
 
 
 take_steps, make_list = _step_kernel(_content()), _list_kernel(_content())

@@ -1,7 +1,9 @@
-"""The arrays of a simulation in the order of memory, and their passage from and to the order of the user.
+"""The arrays of a simulation in the order of memory, and their passage from and to the
+order of the user.
 
-Two sides hold the particles in two orders: the list of one is made from the other. `Record` is the list and the
-histories of closed contacts without the room between them, which checkpoints hold and a failed interval goes back to.
+Two sides hold the particles in two orders: the list of one is made from the other.
+`Record` is the list and the histories of closed contacts without the room between them,
+which checkpoints hold and a failed interval goes back to.
 """
 
 from __future__ import annotations
@@ -37,21 +39,30 @@ from contbed.dem.kernel_arrays import (
 from contbed.dem.neighbours import CLOSED, MASK, find_incoming
 from contbed.dem.ordering import CUBE, MOST_CELLS
 
-ROOM = (6, 2, 1)  # places for a particle at first: of pairs within its block, across blocks and near walls
+# places for a particle at first: of pairs within its block, across blocks and near
+# walls
+ROOM = (6, 2, 1)
 _EACH = ("radius", "mass", "inertia", "material")  # of `Spheres`, one for each particle
 MARGIN = 1.25  # of what was needed when there was too little room
-CHUNK = 2_000_000  # steps times particles of one call of the kernel, about 0.2 s, so that Ctrl-C is heard
-FEWEST = 8  # steps of one call; what goes in and out of it then costs a tenth of them for 1e6 particles, Ctrl-C 1 s
-LEAST = 2000  # particles that a thread must have; a step of them takes 0.1 ms, threads meet twice in it for 5 us
+# steps times particles of one call of the kernel, about 0.2 s, so that Ctrl-C is heard
+CHUNK = 2_000_000
+# steps of one call; what goes in and out of it then costs a tenth of them for 1e6
+# particles, Ctrl-C 1 s
+FEWEST = 8
+# particles that a thread must have; a step of them takes 0.1 ms, threads meet twice in
+# it for 5 us
+LEAST = 2000
 
 
 class Record(NamedTuple):
-    """What a step depends on besides positions, velocities and temperatures, in the order of memory.
+    """What a step depends on besides positions, velocities and temperatures, in the
+    order of memory.
 
-    user (n,) : index of each particle for the user
-    load (n, 6), listed (n, 3) : force and torque [N, N m], positions when the list was made [m]
-    row, entry (e,) : the Verlet list; spring (c, 3) [m] and onset (c, 2) of its closed contacts
-    wall_particle, wall (k,), wall_spring (k, 3), wall_onset (k, 2) : particles near to walls
+    user (n,) : index of each particle for the user load (n, 6), listed (n, 3) : force
+    and torque [N, N m], positions when the list was made [m] row, entry (e,) : the
+    Verlet list; spring (c, 3) [m] and onset (c, 2) of its closed contacts
+    wall_particle, wall (k,), wall_spring (k, 3), wall_onset (k, 2) : particles near to
+    walls
     """
 
     user: Entries
@@ -70,12 +81,28 @@ class Record(NamedTuple):
 def nothing_listed(n: int) -> Record:
     """Return the record of n particles in the order of the user with an empty list."""
     history = np.zeros((0, 3)), np.zeros((0, 2))
-    order, pairs, near = np.arange(n, dtype=np.int32), np.zeros(0, np.uint32), np.zeros(0, np.int32)
-    return Record(order, np.zeros((n, 6)), np.zeros((n, 3)), pairs, pairs, *history, near, near, *history)
+    order, pairs, near = (
+        np.arange(n, dtype=np.int32),
+        np.zeros(0, np.uint32),
+        np.zeros(0, np.int32),
+    )
+    return Record(
+        order,
+        np.zeros((n, 6)),
+        np.zeros((n, 3)),
+        pairs,
+        pairs,
+        *history,
+        near,
+        near,
+        *history,
+    )
 
 
 def halved(record: Record) -> Record:
-    """Return the record for half the time step, in which the steps of first touches count twice as many."""
+    """Return the record for half the time step, in which the steps of first touches
+    count twice as many.
+    """
     onset, wall_onset = record.onset.copy(), record.wall_onset.copy()
     for steps in (onset[:, 0], wall_onset[:, 0]):
         steps[steps >= 0.0] *= 2.0
@@ -83,7 +110,9 @@ def halved(record: Record) -> Record:
 
 
 class Particle(NamedTuple):
-    """One particle as it is in memory: index for the user, position [m], velocity [m/s]."""
+    """One particle as it is in memory: index for the user, position [m],
+    velocity [m/s].
+    """
 
     user: int
     position: Array
@@ -91,7 +120,9 @@ class Particle(NamedTuple):
 
 
 class Engine(Protocol):
-    """What computes the steps of a simulation, in an order of memory of its own: `Memory` on this machine's cores."""
+    """What computes the steps of a simulation, in an order of memory of its own:
+    `Memory` on this machine's cores.
+    """
 
     longest: int
 
@@ -99,19 +130,29 @@ class Engine(Protocol):
         """Begin with the order of the user and an empty list."""
 
     def grow(self) -> None:
-        """Make room for what the last list needed, with a margin. What was held is lost."""
+        """Make room for what the last list needed, with a margin. What was held is
+        lost.
+        """
 
-    def load(self, position: Array, velocity: Array, spin: Array, pushed: Array | None) -> None:
-        """Take positions [m], velocities [m/s], spins [rad/s] and external forces [N] in the user's order."""
+    def load(
+        self, position: Array, velocity: Array, spin: Array, pushed: Array | None
+    ) -> None:
+        """Take positions [m], velocities [m/s], spins [rad/s] and external
+        forces [N] in the user's order.
+        """
 
     def load_heat(self, T: Array, source: Array, capacity: Array) -> None:
-        """Take temperatures [K], heat sources [W] and heat capacities [J/K] in the user's order."""
+        """Take temperatures [K], heat sources [W] and heat capacities [J/K] in the
+        user's order.
+        """
 
     def store(self, position: Array, velocity: Array, spin: Array, T: Array) -> None:
         """Give positions, velocities, spins and temperatures in the user's order."""
 
     def make_list(self) -> loop.Outcome:
-        """Sort the particles and list pairs and near walls for their present positions."""
+        """Sort the particles and list pairs and near walls for their present
+        positions.
+        """
 
     def take_steps(self, interval: Interval) -> loop.Outcome:
         """Take steps up to the end of an interval, or until the list is too old."""
@@ -123,7 +164,9 @@ class Engine(Protocol):
         """Return what `back_to` goes back to."""
 
     def back_to(self, kept: Any) -> None:
-        """Go back to a state of `keep`; positions, velocities and temperatures are those of `load`."""
+        """Go back to a state of `keep`; positions, velocities and temperatures are
+        those of `load`.
+        """
 
     def read(self) -> Record:
         """Return what a step depends on, as copies."""
@@ -163,7 +206,9 @@ class Memory:
 
     @property
     def bytes(self) -> int:
-        """Size of all arrays; the operating system gives memory only to the part that is in use."""
+        """Size of all arrays; the operating system gives memory only to the part
+        that is in use.
+        """
         parts: list[Any] = [self.side, self.other, self.room, self.sums]
         found: dict[int, int] = {}
         while parts:
@@ -183,30 +228,54 @@ class Memory:
         self.side, self.other = self.other, self.side
 
     def grow(self) -> None:
-        """Make room for what the last list needed, with a margin. What the sides held is lost."""
+        """Make room for what the last list needed, with a margin. What the sides
+        held is lost.
+        """
         self._make_room(self.room.blocks.needed.max(axis=0).tolist())
 
-    def load(self, position: Array, velocity: Array, spin: Array, pushed: Array | None) -> None:
-        """Copy positions [m], velocities [m/s], spins [rad/s] and external forces [N] from the user's order."""
-        given = (np.ascontiguousarray(values, np.float64) for values in (position, velocity, spin))
+    def load(
+        self, position: Array, velocity: Array, spin: Array, pushed: Array | None
+    ) -> None:
+        """Copy positions [m], velocities [m/s], spins [rad/s] and external
+        forces [N] from the user's order.
+        """
+        given = (
+            np.ascontiguousarray(values, np.float64)
+            for values in (position, velocity, spin)
+        )
         threads.parallel(_load, len(position), self.side.bodies, *given)
         if pushed is not None:
             np.take(pushed, self.user, axis=0, out=self.side.bodies.pushed)
 
     def load_heat(self, T: Array, source: Array, capacity: Array) -> None:
-        """Copy temperatures [K], heat sources [W] and heat capacities [J/K] from the user's order."""
+        """Copy temperatures [K], heat sources [W] and heat capacities [J/K] from the
+        user's order.
+        """
         heat = self.side.heat
-        heat.T[:], heat.source[:], heat.inverse_capacity[:] = T[self.user], source[self.user], 1.0 / capacity[self.user]
+        heat.T[:], heat.source[:], heat.inverse_capacity[:] = (
+            T[self.user],
+            source[self.user],
+            1.0 / capacity[self.user],
+        )
 
     def store(self, position: Array, velocity: Array, spin: Array, T: Array) -> None:
         """Copy positions, velocities, spins and temperatures to the user's order."""
-        threads.parallel(_store, len(position), self.side.bodies, position, velocity, spin)
+        threads.parallel(
+            _store, len(position), self.side.bodies, position, velocity, spin
+        )
         if self._is_warm:
             T[self.user] = self.side.heat.T
 
     def make_list(self) -> loop.Outcome:
         """Sort the particles and make a list for their present positions."""
-        arrays = (self.side, self.other, self._laws.walls, self._box, self._skin, self.room)
+        arrays = (
+            self.side,
+            self.other,
+            self._laws.walls,
+            self._box,
+            self._skin,
+            self.room,
+        )
         found: loop.Outcome = barrier.run(loop.make_list, self._threads(), *arrays)
         if found.status == loop.OK:
             self.swap()
@@ -221,14 +290,18 @@ class Memory:
     def particle(self, place: int) -> Particle:
         """Return what is at a place of memory."""
         bodies = self.side.bodies
-        return Particle(int(bodies.user[place]), bodies.position[place], bodies.motion[place, :3])
+        return Particle(
+            int(bodies.user[place]), bodies.position[place], bodies.motion[place, :3]
+        )
 
     def keep(self) -> Record:
         """Return what `back_to` goes back to."""
         return self.read()
 
     def back_to(self, kept: Record) -> None:
-        """Go back to a state of `keep`; positions, velocities and temperatures are those of `load`."""
+        """Go back to a state of `keep`; positions, velocities and temperatures are
+        those of `load`.
+        """
         self.write(kept)
 
     def read(self) -> Record:
@@ -236,11 +309,17 @@ class Memory:
         pairs, near = self.side.pairs, self.side.near
         inner, across = pairs.room
         lane = np.arange(inner + across)
-        in_use = np.where(lane < inner, lane < pairs.used[0][:, None], lane - inner < pairs.used[1][:, None])
+        in_use = np.where(
+            lane < inner,
+            lane < pairs.used[0][:, None],
+            lane - inner < pairs.used[1][:, None],
+        )
         place = np.flatnonzero(in_use)
         entry = pairs.entry[place]
         closed = place[entry >= CLOSED]
-        close = np.flatnonzero(np.arange(len(near.wall) // self.blocks) < near.used[:, None])
+        close = np.flatnonzero(
+            np.arange(len(near.wall) // self.blocks) < near.used[:, None]
+        )
         return Record(
             self.user.copy(),
             self.sums.load.copy(),
@@ -257,11 +336,27 @@ class Memory:
 
     def write(self, record: Record) -> None:
         """Take up a state of `read`."""
-        block, across = record.row // BLOCK, record.row // BLOCK != (record.entry & MASK) // BLOCK
-        group, wall_block = 2 * block.astype(np.int64) + across, record.wall_particle.astype(np.int64) // BLOCK
-        used, close = np.bincount(group, minlength=2 * self.blocks), np.bincount(wall_block, minlength=self.blocks)
-        self._make_room([int(used[0::2].max()), int(used[1::2].max()), int(close.max())])
-        pairs, near, bodies, spheres = self.side.pairs, self.side.near, self.side.bodies, self.side.spheres
+        block, across = (
+            record.row // BLOCK,
+            record.row // BLOCK != (record.entry & MASK) // BLOCK,
+        )
+        group, wall_block = (
+            2 * block.astype(np.int64) + across,
+            record.wall_particle.astype(np.int64) // BLOCK,
+        )
+        used, close = (
+            np.bincount(group, minlength=2 * self.blocks),
+            np.bincount(wall_block, minlength=self.blocks),
+        )
+        self._make_room(
+            [int(used[0::2].max()), int(used[1::2].max()), int(close.max())]
+        )
+        pairs, near, bodies, spheres = (
+            self.side.pairs,
+            self.side.near,
+            self.side.bodies,
+            self.side.spheres,
+        )
         place = _places(group, used, pairs.room)
         pairs.used[0], pairs.used[1] = used[0::2], used[1::2]
         pairs.row[place], pairs.entry[place] = record.row, record.entry
@@ -272,7 +367,11 @@ class Memory:
         near.particle[place], near.wall[place] = record.wall_particle, record.wall
         near.spring[place], near.onset[place] = record.wall_spring, record.wall_onset
         find_incoming(pairs, self.sums.crossing)
-        self.sums.load[:], bodies.user[:], pairs.listed[:] = record.load, record.user, record.listed
+        self.sums.load[:], bodies.user[:], pairs.listed[:] = (
+            record.load,
+            record.user,
+            record.listed,
+        )
         if not spheres.equal:
             for name in _EACH:
                 getattr(spheres, name)[:] = getattr(self._given, name)[record.user]
@@ -281,21 +380,35 @@ class Memory:
         return threads.count(len(self._given.radius), LEAST)
 
     def _make_room(self, needed: list[int]) -> None:
-        if all(need <= places for need, places in zip(needed, self._places, strict=True)):
+        if all(
+            need <= places for need, places in zip(needed, self._places, strict=True)
+        ):
             return
         pairs = zip(needed, self._places, strict=True)
-        self._places = tuple(places if need <= places else int(MARGIN * need) + 1 for need, places in pairs)
+        self._places = tuple(
+            places if need <= places else int(MARGIN * need) + 1
+            for need, places in pairs
+        )
         self._allocate()
 
     def _allocate(self) -> None:
-        n, warm, blocks = len(self._given.radius), len(self._given.radius) if self._is_warm else 0, self.blocks
+        n, warm, blocks = (
+            len(self._given.radius),
+            len(self._given.radius) if self._is_warm else 0,
+            self.blocks,
+        )
         across, cells = blocks * self._places[1], MOST_CELLS * n + (1 << (3 * CUBE)) + 1
         self.side, self.other = self._make_side(), self._make_side()
         crossing = Crossing(np.empty((across, 7)), _whole(n + 1), _whole(across))
         self.sums = Sums(np.zeros((n, 6)), np.zeros(warm), crossing)
         self.room = Room(
             Sorting(_whole(n), _whole(n), _whole(n), _whole(cells)),
-            Blocks(np.zeros(blocks), np.full(blocks, -1), np.zeros((blocks, 6)), np.zeros((blocks, 3), np.int64)),
+            Blocks(
+                np.zeros(blocks),
+                np.full(blocks, -1),
+                np.zeros((blocks, 6)),
+                np.zeros((blocks, 3), np.int64),
+            ),
             crossing,
         )
 
@@ -305,8 +418,18 @@ class Memory:
         inner, across, near = self._places
         size, close = blocks * (inner + across), blocks * near
         return Side(
-            Bodies(np.zeros((n, 3)), np.zeros((n, 6)), np.zeros((n, 6)), np.zeros((n, 3)), _whole(n)),
-            given if given.equal else given._replace(**{name: given._asdict()[name].copy() for name in _EACH}),
+            Bodies(
+                np.zeros((n, 3)),
+                np.zeros((n, 6)),
+                np.zeros((n, 6)),
+                np.zeros((n, 3)),
+                _whole(n),
+            ),
+            given
+            if given.equal
+            else given._replace(
+                **{name: given._asdict()[name].copy() for name in _EACH}
+            ),
             Heat(np.empty(warm), np.empty(warm), np.empty(warm)),
             Pairs(
                 (inner, across),
@@ -320,13 +443,19 @@ class Memory:
                 np.zeros((n, 3)),
             ),
             NearWalls(
-                np.zeros(blocks, np.int32), _whole(close), _whole(close), np.empty((close, 3)), np.empty((close, 2))
+                np.zeros(blocks, np.int32),
+                _whole(close),
+                _whole(close),
+                np.empty((close, 3)),
+                np.empty((close, 2)),
             ),
         )
 
 
 @entry(nogil=True, cache=True)
-def _load(begin: int, end: int, bodies: Bodies, position: Array, velocity: Array, spin: Array) -> None:
+def _load(
+    begin: int, end: int, bodies: Bodies, position: Array, velocity: Array, spin: Array
+) -> None:
     for i in range(begin, end):
         k = bodies.user[i]
         for a in range(3):
@@ -335,7 +464,9 @@ def _load(begin: int, end: int, bodies: Bodies, position: Array, velocity: Array
 
 
 @entry(nogil=True, cache=True)
-def _store(begin: int, end: int, bodies: Bodies, position: Array, velocity: Array, spin: Array) -> None:
+def _store(
+    begin: int, end: int, bodies: Bodies, position: Array, velocity: Array, spin: Array
+) -> None:
     for i in range(begin, end):
         k = bodies.user[i]
         for a in range(3):
@@ -347,8 +478,12 @@ def _whole(size: int) -> Entries:
     return np.empty(size, np.int32)
 
 
-def _places(group: NDArray[np.int64], used: NDArray[np.int64], room: tuple[int, ...]) -> NDArray[np.int64]:
-    """Find the places of rows that are sorted by group, where the groups in turn have room for so many of them."""
+def _places(
+    group: NDArray[np.int64], used: NDArray[np.int64], room: tuple[int, ...]
+) -> NDArray[np.int64]:
+    """Find the places of rows that are sorted by group, where the groups in turn
+    have room for so many of them.
+    """
     sizes = np.tile(room, len(used) // len(room))
     first, begin = np.cumsum(used) - used, np.cumsum(sizes) - sizes
     found: NDArray[np.int64] = np.arange(len(group)) - first[group] + begin[group]

@@ -1,11 +1,14 @@
-"""Verlet list with a skin from sorted cells, every pair once (i < j in memory), and the contact histories kept with it.
+"""Verlet list with a skin from sorted cells, every pair once (i < j in memory), and the
+contact histories kept with it.
 
-An entry holds the index of j in its lower BITS, above them which periodic image of j is meant, and the highest bit is
-set while the contact is closed. Positions are wrapped into the periodic sides only when the list is made: images stay
-valid in between. Particles are sorted by cell (`ordering`), so that those of a cell follow each other in memory, and
-only cells with higher numbers are searched.
+An entry holds the index of j in its lower BITS, above them which periodic image of j is
+meant, and the highest bit is set while the contact is closed. Positions are wrapped
+into the periodic sides only when the list is made: images stay valid in between.
+Particles are sorted by cell (`ordering`), so that those of a cell follow each other in
+memory, and only cells with higher numbers are searched.
 
-Source: Allen and Tildesley (2017), Computer Simulation of Liquids, sections 5.3.1 (Verlet list) and 5.3.2 (cells).
+Source: Allen and Tildesley (2017), Computer Simulation of Liquids, sections 5.3.1
+    (Verlet list) and 5.3.2 (cells).
 """
 
 from __future__ import annotations
@@ -37,7 +40,9 @@ CLOSED = np.uint32(1 << 31)
 
 @entry(cache=True)
 def image_shifts(box: Box) -> Array:
-    """Find the vectors (27, 3) [m] to be added to j, by number of the image; 0 is j itself."""
+    """Find the vectors (27, 3) [m] to be added to j, by number of the image; 0 is j
+    itself.
+    """
     lower, upper, periodic = box.lower, box.upper, box.periodic
     table = np.zeros((27, 3))
     for image in range(27):
@@ -53,29 +58,50 @@ def image_shifts(box: Box) -> Array:
 
 @inner(nogil=True)
 def find_pairs(
-    block: int, x: Array, radius: Array, pairs: Pairs, cells: Cells, first: Entries, box: Box, skin: float
+    block: int,
+    x: Array,
+    radius: Array,
+    pairs: Pairs,
+    cells: Cells,
+    first: Entries,
+    box: Box,
+    skin: float,
 ) -> tuple[int, int]:
-    """Fill the rows of a block; return how many places it needs within the block and across blocks.
+    """Fill the rows of a block; return how many places it needs within the block and
+    across blocks.
 
     Where that is more than there is room for, the list is not complete.
     """
-    begin, end, image = block * BLOCK, min((block + 1) * BLOCK, len(x)), image_shifts(box)
+    begin, end, image = (
+        block * BLOCK,
+        min((block + 1) * BLOCK, len(x)),
+        image_shifts(box),
+    )
     base, count = np.empty(2, np.int64), np.zeros(2, np.int64)
     base[0] = block * (pairs.room[0] + pairs.room[1])
     base[1] = base[0] + pairs.room[0]
-    near = np.empty((28, 3), np.int64)  # first and last particle of each cell around, and its image
+    # first and last particle of each cell around, and its image
+    near = np.empty((28, 3), np.int64)
     home, groups = -1, 0
     for i in range(begin, end):
         for zone in range(2):
             pairs.start[zone, i] = base[zone] + min(count[zone], pairs.room[zone])
-        at = (place_of(cells, x[i, 0], 0), place_of(cells, x[i, 1], 1), place_of(cells, x[i, 2], 2))
+        at = (
+            place_of(cells, x[i, 0], 0),
+            place_of(cells, x[i, 1], 1),
+            place_of(cells, x[i, 2], 2),
+        )
         number = number_of(cells, at[0], at[1], at[2])
         if number != home:
             home = number
             groups = _cells_after(home, at, cells, first, box, near)
         for g in range(groups):
             shift = near[g, 2]
-            sx, sy, sz = x[i, 0] - image[shift, 0], x[i, 1] - image[shift, 1], x[i, 2] - image[shift, 2]
+            sx, sy, sz = (
+                x[i, 0] - image[shift, 0],
+                x[i, 1] - image[shift, 1],
+                x[i, 2] - image[shift, 2],
+            )
             for j in range(max(near[g, 0], i + 1), near[g, 1]):
                 dx, dy, dz = sx - x[j, 0], sy - x[j, 1], sz - x[j, 2]
                 reach = radius[i] + radius[j] + skin
@@ -93,8 +119,17 @@ def find_pairs(
 
 
 @inner(nogil=True)
-def _cells_after(home: int, at: tuple[int, int, int], cells: Cells, first: Entries, box: Box, near: Indices) -> int:
-    """Find the particles in the cell `home` and in those around with a higher number; return the number of cells."""
+def _cells_after(
+    home: int,
+    at: tuple[int, int, int],
+    cells: Cells,
+    first: Entries,
+    box: Box,
+    near: Indices,
+) -> int:
+    """Find the particles in the cell `home` and in those around with a higher
+    number; return the number of cells.
+    """
     groups = 0
     place = np.empty(3, np.int64)
     for step in range(27):
@@ -115,14 +150,20 @@ def _cells_after(home: int, at: tuple[int, int, int], cells: Cells, first: Entri
             continue
         number = number_of(cells, place[0], place[1], place[2])
         if number >= home and first[number] < first[number + 1]:
-            near[groups, 0], near[groups, 1], near[groups, 2] = first[number], first[number + 1], image
+            near[groups, 0], near[groups, 1], near[groups, 2] = (
+                first[number],
+                first[number + 1],
+                image,
+            )
             groups += 1
     return groups
 
 
 @entry(nogil=True, cache=True)
 def find_incoming(pairs: Pairs, crossing: Crossing) -> None:
-    """List for every particle the pairs across blocks in which it is j, in ascending order; nothing is carried yet."""
+    """List for every particle the pairs across blocks in which it is j, in ascending
+    order; nothing is carried yet.
+    """
     start, slot, n = crossing.start, crossing.slot, len(crossing.start) - 1
     inner, across = pairs.room
     for i in range(n + 1):
@@ -148,9 +189,11 @@ def find_incoming(pairs: Pairs, crossing: Crossing) -> None:
 
 @inner(nogil=True)
 def carry_pairs(block: int, old: Pairs, new: Pairs, place: Entries) -> None:
-    """Copy the histories of closed contacts of a block of the old order to the new list.
+    """Copy the histories of closed contacts of a block of the old order to the new
+    list.
 
-    The spring is the displacement of i against j: its sign changes where i and j change places.
+    The spring is the displacement of i against j: its sign changes where i and j change
+    places.
     """
     for zone in range(2):
         base = block * (old.room[0] + old.room[1]) + zone * old.room[0]
@@ -171,8 +214,12 @@ def carry_pairs(block: int, old: Pairs, new: Pairs, place: Entries) -> None:
 
 
 @inner(nogil=True)
-def find_near_walls(block: int, x: Array, radius: Array, near: NearWalls, walls: Table, skin: float) -> tuple[int, int]:
-    """List the particles of a block near to walls; return how many there are, and one beyond a wall or -1."""
+def find_near_walls(
+    block: int, x: Array, radius: Array, near: NearWalls, walls: Table, skin: float
+) -> tuple[int, int]:
+    """List the particles of a block near to walls; return how many there are, and
+    one beyond a wall or -1.
+    """
     room = len(near.wall) // len(near.used)
     total, lost, base = 0, -1, block * room
     for i in range(block * BLOCK, min((block + 1) * BLOCK, len(x))):
@@ -193,7 +240,9 @@ def find_near_walls(block: int, x: Array, radius: Array, near: NearWalls, walls:
 
 @inner(nogil=True)
 def carry_walls(block: int, old: NearWalls, new: NearWalls, place: Entries) -> None:
-    """Copy the histories of closed contacts with walls of a block of the old order to the new list."""
+    """Copy the histories of closed contacts with walls of a block of the old order
+    to the new list.
+    """
     room, room_new = len(old.wall) // len(old.used), len(new.wall) // len(new.used)
     for k in range(block * room, block * room + old.used[block]):
         if old.onset[k, 0] < 0.0:
@@ -216,8 +265,11 @@ def carry_walls(block: int, old: NearWalls, new: NearWalls, place: Entries) -> N
 
 
 @inner(error_model="numpy", forceinline=True, nogil=True)
-def wall_distance(x: float, y: float, z: float, wall: Row) -> tuple[float, float, float, float]:
-    """Find the distance [m] of a point from a wall, positive in the bed, and the unit normal into the bed.
+def wall_distance(
+    x: float, y: float, z: float, wall: Row
+) -> tuple[float, float, float, float]:
+    """Find the distance [m] of a point from a wall, positive in the bed, and the unit
+    normal into the bed.
 
     `wall` is a row of `kernel_arrays.WALL`.
     """
@@ -225,7 +277,11 @@ def wall_distance(x: float, y: float, z: float, wall: Row) -> tuple[float, float
     along = dx * wall.unit_x + dy * wall.unit_y + dz * wall.unit_z
     if wall.curvature == 0.0:
         return along, wall.unit_x, wall.unit_y, wall.unit_z
-    dx, dy, dz = dx - along * wall.unit_x, dy - along * wall.unit_y, dz - along * wall.unit_z
+    dx, dy, dz = (
+        dx - along * wall.unit_x,
+        dy - along * wall.unit_y,
+        dz - along * wall.unit_z,
+    )
     off = sqrt(dx * dx + dy * dy + dz * dz)
     if off == 0.0:
         return wall.curvature * wall.radius, 0.0, 0.0, 0.0

@@ -1,7 +1,9 @@
-"""Steady conduction through an assembly as a network of resistors: effective conductivity and what each part adds.
+"""Steady conduction through an assembly as a network of resistors: effective
+conductivity and what each part adds.
 
-Two ways: between two layers of particles held at temperatures, which is how a bed is measured, and in a periodic cell
-under a mean gradient, which gives the full tensor without end effects.
+Two ways: between two layers of particles held at temperatures, which is how a bed is
+measured, and in a periodic cell under a mean gradient, which gives the full tensor
+without end effects.
 """
 
 from __future__ import annotations
@@ -18,10 +20,15 @@ from scipy.sparse.linalg import splu
 from contbed.dem.heat import Pairs, total
 from contbed.errors import ConvergenceError, SceneError
 
-DIRECT = 5_000  # unknowns up to which factors are made: of 10,000 they take 1.1 s, of 40,000 25 s and 1.1 GB
-TOLERANCE = 1e-13  # residual over load of the iteration; balances of heat close to about 1e-14 then
+# unknowns up to which factors are made: of 10,000 they take 1.1 s, of 40,000 25 s and
+# 1.1 GB
+DIRECT = 5_000
+# residual over load of the iteration; balances of heat close to about 1e-14 then
+TOLERANCE = 1e-13
 MOST_ITERATIONS = 200  # 15 to 22 are needed from 10,000 to 1,000,000 particles
-STRENGTH = 0.05  # a_ij^2 over a_ii a_jj above which two particles are aggregated; 0 takes 2 to 5 iterations more
+# a_ij^2 over a_ii a_jj above which two particles are aggregated; 0 takes 2 to 5
+# iterations more
+STRENGTH = 0.05
 COARSEST = 500  # unknowns that are solved by a pseudo-inverse
 
 Array = NDArray[np.float64]
@@ -34,9 +41,11 @@ class Layers:
 
     Attributes
     ----------
-    conductivity : heat flux over the slope of temperature in the middle of the bed [W/m/K]
-    between : heat flux times the distance of the layers over their difference, the paper's q H_b/(T_b - T_t) [W/m/K]:
-        4 to 8 % lower, because heat runs on inside the layers
+    conductivity : heat flux over the slope of temperature in the middle of the
+        bed [W/m/K]
+    between : heat flux times the distance of the layers over their difference, the
+        paper's q H_b/(T_b - T_t) [W/m/K]: 4 to 8 % lower, because heat runs on inside
+        the layers
     heat : from the hot to the cold layer [W]
     T : of each particle [K], nan where nothing connects it to a layer
     shares : part of each mechanism in the dissipation, sum 1
@@ -60,7 +69,9 @@ class Layers:
 
 @dataclass(frozen=True)
 class Cell:
-    """Conductivity tensor of a periodic cell [W/m/K], and the tensors of the mechanisms, which sum to it."""
+    """Conductivity tensor of a periodic cell [W/m/K], and the tensors of the
+    mechanisms, which sum to it.
+    """
 
     conductivity: Array
     parts: dict[str, Array]
@@ -100,7 +111,8 @@ def between_layers(
     """
     if not hot.any() or not cold.any() or (hot & cold).any():
         raise SceneError(
-            f"layers of {hot.sum()} hot and {cold.sum()} cold particles, {(hot & cold).sum()} in both; "
+            f"layers of {hot.sum()} hot and {cold.sum()} cold particles, "
+            f"{(hot & cold).sum()} in both; "
             "each needs particles of its own"
         )
     G = total(parts)
@@ -116,7 +128,9 @@ def between_layers(
     # measured from the cold layer, so that rounding is relative to the difference
     lift = np.where(hot, T_hot - T_cold, 0.0)
     if free.any():
-        lift[free] = _solve(matrix[free][:, free], -(matrix[free][:, fixed] @ lift[fixed]))
+        lift[free] = _solve(
+            matrix[free][:, free], -(matrix[free][:, fixed] @ lift[fixed])
+        )
         T[free] = T_cold + lift[free]
     flow = matrix @ lift
     heat = float(flow[hot].sum())
@@ -126,7 +140,10 @@ def between_layers(
     core = tied & (z >= ends[0] + rim) & (z <= ends[1] - rim)
     slope = float(np.polyfit(z[core], lift[core], 1)[0])
     difference = lift[pairs.i] - lift[pairs.j]
-    shares = {name: float(part @ difference**2) / (heat * (T_hot - T_cold)) for name, part in parts.items()}
+    shares = {
+        name: float(part @ difference**2) / (heat * (T_hot - T_cold))
+        for name, part in parts.items()
+    }
     return Layers(
         conductivity=heat / area / abs(slope),
         between=heat / area * (ends[1] - ends[0]) / abs(T_hot - T_cold),
@@ -138,10 +155,14 @@ def between_layers(
     )
 
 
-def periodic_cell(count: int, pairs: Pairs, parts: Mapping[str, Array], volume: float) -> Cell:
-    """Solve for the conductivity tensor of a periodic cell with `count` particles in `volume` [m3].
+def periodic_cell(
+    count: int, pairs: Pairs, parts: Mapping[str, Array], volume: float
+) -> Cell:
+    """Solve for the conductivity tensor of a periodic cell with `count` particles in
+    `volume` [m3].
 
-    T_i = E.x_i + theta_i; with v the vector from i to j and D_a = v_a + theta_j - theta_i for E along a,
+    T_i = E.x_i + theta_i; with v the vector from i to j and
+    D_a = v_a + theta_j - theta_i for E along a,
 
         k_ab = sum over pairs of G D_a D_b/volume
     """
@@ -155,17 +176,27 @@ def periodic_cell(count: int, pairs: Pairs, parts: Mapping[str, Array], volume: 
     theta = np.zeros((count, 3))
     if free.any():
         load = np.stack(
-            [np.bincount(pairs.i, G * v[:, a], count) - np.bincount(pairs.j, G * v[:, a], count) for a in range(3)], 1
+            [
+                np.bincount(pairs.i, G * v[:, a], count)
+                - np.bincount(pairs.j, G * v[:, a], count)
+                for a in range(3)
+            ],
+            1,
         )
         theta[free] = _solve(matrix[free][:, free], load[free])
     D = v + theta[pairs.j] - theta[pairs.i]
-    tensors = {name: np.einsum("p,pa,pb->ab", part, D, D) / volume for name, part in parts.items()}
+    tensors = {
+        name: np.einsum("p,pa,pb->ab", part, D, D) / volume
+        for name, part in parts.items()
+    }
     return Cell(np.sum(list(tensors.values()), axis=0), tensors)
 
 
 def _edge(z: Array, layer: Mask, other: Mask) -> float:
     """Find where a layer ends towards the other one [m]."""
-    return float(z[layer].max() if z[layer].mean() < z[other].mean() else z[layer].min())
+    return float(
+        z[layer].max() if z[layer].mean() < z[other].mean() else z[layer].min()
+    )
 
 
 def _adjacency(n: int, pairs: Pairs, G: Array) -> csr_matrix:
@@ -179,16 +210,21 @@ def _laplacian(n: int, pairs: Pairs, G: Array) -> csr_matrix:
 
 
 def _solve(matrix: csr_matrix, load: Array) -> Array:
-    """Solve directly with one step of iterative refinement, or by multigrid where factors would be large."""
+    """Solve directly with one step of iterative refinement, or by multigrid where
+    factors would be large.
+    """
     if matrix.shape[0] > DIRECT:
         return _solve_by_multigrid(matrix.tocsr(), load)
-    factors = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    factors = splu(
+        matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}
+    )
     first = factors.solve(load)
     return np.asarray(first + factors.solve(load - matrix @ first))
 
 
 def _solve_by_multigrid(matrix: csr_matrix, load: Array) -> Array:
-    """Solve by conjugate gradients with a cycle of smoothed aggregation, in time and memory that grow with the size.
+    """Solve by conjugate gradients with a cycle of smoothed aggregation, in time and
+    memory that grow with the size.
 
     Source: Vanek, Mandel and Brezina, Computing 56 (1996) 179, doi:10.1007/BF02238511.
     """
@@ -208,12 +244,18 @@ def _solve_by_multigrid(matrix: csr_matrix, load: Array) -> Array:
     ).aspreconditioner()
     columns = []
     for column in load.reshape(len(load), -1).T:
-        found, status = cg(matrix, column, tol=TOLERANCE, maxiter=MOST_ITERATIONS, M=cycle)
+        found, status = cg(
+            matrix, column, tol=TOLERANCE, maxiter=MOST_ITERATIONS, M=cycle
+        )
         if status != 0:
-            left = float(np.linalg.norm(column - matrix @ found) / np.linalg.norm(column))
+            left = float(
+                np.linalg.norm(column - matrix @ found) / np.linalg.norm(column)
+            )
             raise ConvergenceError(
-                f"network: temperatures of {len(load)} particles are not found in {MOST_ITERATIONS} iterations, "
-                f"residual {left:.2g} of the heat, {TOLERANCE:g} is wanted; leave out contacts that hardly conduct"
+                f"network: temperatures of {len(load)} particles are not found in "
+                f"{MOST_ITERATIONS} iterations, "
+                f"residual {left:.2g} of the heat, {TOLERANCE:g} is wanted; leave out "
+                "contacts that hardly conduct"
             )
         columns.append(found)
     return np.stack(columns, axis=1).reshape(load.shape)

@@ -1,8 +1,10 @@
-"""The order of particles in memory: by cells along a Morton curve, so that neighbours in space are near in memory.
+"""The order of particles in memory: by cells along a Morton curve, so that neighbours
+in space are near in memory.
 
-Cells are as wide as a contact reaches. Up to 8 x 8 x 8 of them form a cube; cells in a cube, and cubes, are numbered by
-interleaving the bits of their places along x, y and z. Particles are sorted by the number of their cell each time that
-the Verlet list is made anew: a bed that mixes stays in order, and the list needs the sorted particles anyway.
+Cells are as wide as a contact reaches. Up to 8 x 8 x 8 of them form a cube; cells in a
+cube, and cubes, are numbered by interleaving the bits of their places along x, y and z.
+Particles are sorted by the number of their cell each time that the Verlet list is made
+anew: a bed that mixes stays in order, and the list needs the sorted particles anyway.
 
 Source: Morton (1966), A computer oriented geodetic data base, IBM.
 """
@@ -21,7 +23,8 @@ MOST_CELLS = 5  # times the number of particles, and as many as a cube has
 
 
 class Cells(NamedTuple):
-    """Cells of a box: origin and size [m], number `along` each axis (3,); what numbers them.
+    """Cells of a box: origin and size [m], number `along` each axis (3,); what numbers
+    them.
 
     inner : (3, 2^CUBE) bits that the place in a cube gives to the number
     cube : (cubes,) number of each cube along the curve, in row-major order
@@ -40,8 +43,15 @@ class Cells(NamedTuple):
 
 @inner(nogil=True)
 def cells_around(corners: Array, box: Box, width: float, n: int) -> Cells:
-    """Choose cells at least `width` [m] wide around n particles, not many more cells than particles."""
-    origin, size, extent, count = np.empty(3), np.empty(3), np.empty(3), np.ones(3, np.int64)
+    """Choose cells at least `width` [m] wide around n particles, not many more cells
+    than particles.
+    """
+    origin, size, extent, count = (
+        np.empty(3),
+        np.empty(3),
+        np.empty(3),
+        np.ones(3, np.int64),
+    )
     for axis in range(3):
         low, high = box.lower[axis], box.upper[axis]
         if not box.periodic[axis]:
@@ -74,7 +84,9 @@ def _bits(count: int) -> int:
 
 
 @inner(nogil=True)
-def _numbered(origin: Array, size: Array, count: Indices, bits: int | np.int64) -> Cells:
+def _numbered(
+    origin: Array, size: Array, count: Indices, bits: int | np.int64
+) -> Cells:
     """Give numbers to the cells of a cube, and to the cubes, along Morton curves."""
     inner, cubes = np.zeros((3, 1 << CUBE), np.int64), np.empty(3, np.int64)
     place = 0
@@ -107,17 +119,27 @@ def _numbered(origin: Array, size: Array, count: Indices, bits: int | np.int64) 
 @inner(nogil=True)
 def number_of(cells: Cells, x: int, y: int, z: int) -> int:
     """Return the number of the cell at a place."""
-    # an axis of few cells has cubes of fewer, so that the shift cannot be the constant CUBE
+    # an axis of few cells has cubes of fewer, so that the shift cannot be the constant
+    # CUBE
     sx, sy, sz = _bits(cells.along[0]), _bits(cells.along[1]), _bits(cells.along[2])
-    cube = cells.cube[((x >> sx) * cells.cubes[1] + (y >> sy)) * cells.cubes[2] + (z >> sz)]
+    cube = cells.cube[
+        ((x >> sx) * cells.cubes[1] + (y >> sy)) * cells.cubes[2] + (z >> sz)
+    ]
     inside = cells.inner[0, x & ((1 << sx) - 1)] + cells.inner[1, y & ((1 << sy) - 1)]
     return int((cube << cells.bits) + inside + cells.inner[2, z & ((1 << sz) - 1)])
 
 
 @inner(nogil=True)
 def place_of(cells: Any, position: float, axis: int) -> int:
-    """Return the place of a position [m] along an axis, from 0; of `Cells`, or others with origin, size and along."""
-    return int(min(int((position - cells.origin[axis]) / cells.size[axis]), cells.along[axis] - 1))
+    """Return the place of a position [m] along an axis, from 0; of `Cells`, or
+    others with origin, size and along.
+    """
+    return int(
+        min(
+            int((position - cells.origin[axis]) / cells.size[axis]),
+            cells.along[axis] - 1,
+        )
+    )
 
 
 @inner(nogil=True)
@@ -125,7 +147,10 @@ def find_cells(block: int, x: Array, cells: Cells, cell: Entries) -> None:
     """Find the number of the cell of each particle of a block."""
     for i in range(block * BLOCK, min((block + 1) * BLOCK, len(x))):
         cell[i] = number_of(
-            cells, place_of(cells, x[i, 0], 0), place_of(cells, x[i, 1], 1), place_of(cells, x[i, 2], 2)
+            cells,
+            place_of(cells, x[i, 0], 0),
+            place_of(cells, x[i, 1], 1),
+            place_of(cells, x[i, 2], 2),
         )
 
 
@@ -153,7 +178,12 @@ def sort(sorting: Sorting, cells: Cells) -> None:
 @inner(nogil=True)
 def reorder(block: int, old: Side, new: Side, order: Entries) -> None:
     """Copy the particles of a block of the new order from the old one."""
-    a, b, is_warm, is_mixed = old.bodies, new.bodies, len(old.heat.T) > 0, not old.spheres.equal
+    a, b, is_warm, is_mixed = (
+        old.bodies,
+        new.bodies,
+        len(old.heat.T) > 0,
+        not old.spheres.equal,
+    )
     for i in range(block * BLOCK, min((block + 1) * BLOCK, len(order))):
         k = order[i]
         b.user[i] = a.user[k]
@@ -164,8 +194,14 @@ def reorder(block: int, old: Side, new: Side, order: Entries) -> None:
         for m in range(6):
             b.motion[i, m], b.half[i, m] = a.motion[k, m], a.half[k, m]
         if is_mixed:
-            new.spheres.radius[i], new.spheres.mass[i] = old.spheres.radius[k], old.spheres.mass[k]
-            new.spheres.inertia[i], new.spheres.material[i] = old.spheres.inertia[k], old.spheres.material[k]
+            new.spheres.radius[i], new.spheres.mass[i] = (
+                old.spheres.radius[k],
+                old.spheres.mass[k],
+            )
+            new.spheres.inertia[i], new.spheres.material[i] = (
+                old.spheres.inertia[k],
+                old.spheres.material[k],
+            )
         if is_warm:
             new.heat.T[i], new.heat.source[i] = old.heat.T[k], old.heat.source[k]
             new.heat.inverse_capacity[i] = old.heat.inverse_capacity[k]
@@ -173,7 +209,9 @@ def reorder(block: int, old: Side, new: Side, order: Entries) -> None:
 
 @inner(nogil=True)
 def wrap(block: int, x: Array, box: Box, culprits: Indices, corners: Array) -> None:
-    """Bring particles of a block into the periodic sides; note its corners, and one outside of the other sides."""
+    """Bring particles of a block into the periodic sides; note its corners, and one
+    outside of the other sides.
+    """
     lower, upper, periodic = box.lower, box.upper, box.periodic
     culprits[block] = -1
     begin, end = block * BLOCK, min((block + 1) * BLOCK, len(x))

@@ -1,4 +1,6 @@
-"""Particles of files: those that a scene names, and points of a VTU file for ParaView's glyphs."""
+"""Particles of files: those that a scene names, and points of a VTU file for
+ParaView's glyphs.
+"""
 
 from __future__ import annotations
 
@@ -20,10 +22,11 @@ Array = NDArray[np.float64]
 
 
 class FileParticles(NamedTuple):
-    """Spheres of a file: centres (n, 3) [m], radii (n,) [m], velocities (n, 3) [m/s] or None.
+    """Spheres of a file: centres (n, 3) [m], radii (n,) [m], velocities (n, 3) [m/s] or
+    None.
 
-    `low`, `high` [m] are the corners of the box and `periodic` its closed axes; None and open for a table of positions.
-    Centres are inside of the periodic sides.
+    `low`, `high` [m] are the corners of the box and `periodic` its closed axes; None
+    and open for a table of positions. Centres are inside of the periodic sides.
     """
 
     x: Array
@@ -38,15 +41,20 @@ class FileParticles(NamedTuple):
         """Corners of the box, of a table of positions that of the spheres [m]."""
         if self.low is not None and self.high is not None:
             return self.low, self.high
-        return (self.x - self.radius[:, None]).min(axis=0), (self.x + self.radius[:, None]).max(axis=0)
+        return (self.x - self.radius[:, None]).min(axis=0), (
+            self.x + self.radius[:, None]
+        ).max(axis=0)
 
 
-def read_particles(path: Path, radius: float | None = None, step: int | None = None) -> FileParticles:
+def read_particles(
+    path: Path, radius: float | None = None, step: int | None = None
+) -> FileParticles:
     """Read the particles of a dump or of a table.
 
     Parameters
     ----------
-    path : dump of LIGGGHTS or LAMMPS, a table with commas, or a VTU file of contbed; .gz of text is unpacked
+    path : dump of LIGGGHTS or LAMMPS, a table with commas, or a VTU file of contbed;
+        .gz of text is unpacked
     radius : of all spheres [m]; None: as the file says
     step : of a dump; None: the last one
 
@@ -62,16 +70,26 @@ def read_particles(path: Path, radius: float | None = None, step: int | None = N
 
 
 @lru_cache(maxsize=2)
-def _read(path: Path, radius: float | None, step: int | None, stamp: tuple[int, int]) -> FileParticles:
-    """Read a file and keep it for the checks of a scene and its plan, until `stamp` changes."""
+def _read(
+    path: Path, radius: float | None, step: int | None, stamp: tuple[int, int]
+) -> FileParticles:
+    """Read a file and keep it for the checks of a scene and its plan, until `stamp`
+    changes.
+    """
     if not dumps.is_dump(path):
         table = read_table(path)
         given = table.radius if radius is None else np.full(len(table.x), radius)
         if given is None:
-            raise SceneError(f"{path}:1: no radius; set solids.NAME.diameter, or add a column radius")
+            raise SceneError(
+                f"{path}:1: no radius; set solids.NAME.diameter, or add a column radius"
+            )
         return FileParticles(table.x, given, table.velocity)
     frames = dumps.read_dump(path)
-    frame = frames[-1] if step is None else next((frame for frame in frames if frame.step == step), None)
+    frame = (
+        frames[-1]
+        if step is None
+        else next((frame for frame in frames if frame.step == step), None)
+    )
     if frame is None:
         raise SceneError(f"{path}:1: step {step} is {missing_step(frames)}")
     frame.require_usable(path)
@@ -79,18 +97,26 @@ def _read(path: Path, radius: float | None, step: int | None, stamp: tuple[int, 
     known = [speed for speed in speeds if speed is not None]
     velocity = np.stack(known, axis=1) if len(known) == 3 else None
     radii = frame.radius if radius is None else np.full(len(frame.x), radius)
-    return FileParticles(_wrapped(frame), radii, velocity, frame.low, frame.high, frame.periodic)
+    return FileParticles(
+        _wrapped(frame), radii, velocity, frame.low, frame.high, frame.periodic
+    )
 
 
 def tells_radii(path: Path) -> bool:
-    """Whether a file of particles has their radii, so that the scene need not give one."""
+    """Whether a file of particles has their radii, so that the scene need not give
+    one.
+    """
     return dumps.is_dump(path) or has_radii(path)
 
 
 def _wrapped(frame: dumps.Frame) -> Array:
     """Bring centres into the periodic sides; those that are inside stay as they are."""
     turns = np.floor((frame.x - frame.low) / (frame.high - frame.low))
-    return np.where((turns != 0.0) & np.array(frame.periodic), frame.x - turns * (frame.high - frame.low), frame.x)
+    return np.where(
+        (turns != 0.0) & np.array(frame.periodic),
+        frame.x - turns * (frame.high - frame.low),
+        frame.x,
+    )
 
 
 def missing_step(frames: list[dumps.Frame]) -> str:
@@ -105,7 +131,8 @@ def write_particles(path: Path | str, x: Array, columns: Mapping[str, Array]) ->
     ----------
     path : the file
     x : centres (n, 3) [m]
-    columns : values (n,) or (n, 3) by the name of a field; `contbed.fields` says unit and meaning
+    columns : values (n,) or (n, 3) by the name of a field; `contbed.fields` says unit
+        and meaning
 
     Raises
     ------

@@ -1,8 +1,10 @@
-"""Particles of a table: text with commas, with or without a header, and points of a VTU file.
+"""Particles of a table: text with commas, with or without a header, and points of a VTU
+file.
 
-A header names the columns: x,y,z, and radius or diameter and vx,vy,vz where they are known, with a unit or without
-one, as in x [m]. ParaView's names, Points:0 and velocity:0, are taken as well. A VTU file is one that contbed wrote,
-or another one whose points have `radius` and `velocity`.
+A header names the columns: x,y,z, and radius or diameter and vx,vy,vz where they are
+known, with a unit or without one, as in x [m]. ParaView's names, Points:0 and
+velocity:0, are taken as well. A VTU file is one that contbed wrote, or another one
+whose points have `radius` and `velocity`.
 """
 
 from __future__ import annotations
@@ -20,15 +22,29 @@ from contbed.errors import SceneError
 Array = NDArray[np.float64]
 
 _COLUMN = re.compile(r"(?P<name>[^\[(]+?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?")
-_UNITS = {"x": "m", "y": "m", "z": "m", "radius": "m", "diameter": "m", "vx": "m/s", "vy": "m/s", "vz": "m/s"}
+_UNITS = {
+    "x": "m",
+    "y": "m",
+    "z": "m",
+    "radius": "m",
+    "diameter": "m",
+    "vx": "m/s",
+    "vy": "m/s",
+    "vz": "m/s",
+}
 _ALIASES = {f"points:{k}": name for k, name in enumerate("xyz")} | {
     f"velocity:{k}": f"v{name}" for k, name in enumerate("xyz")
 }
-_REMEDY = "write a header such as x,y,z,radius, then a line with commas for each particle, in metres"
+_REMEDY = (
+    "write a header such as x,y,z,radius, then a line with commas for each "
+    "particle, in metres"
+)
 
 
 class ParticleTable(NamedTuple):
-    """Centres (n, 3) [m]; radii (n,) [m] and velocities (n, 3) [m/s] where the table has them."""
+    """Centres (n, 3) [m]; radii (n,) [m] and velocities (n, 3) [m/s] where the table
+    has them.
+    """
 
     x: Array
     radius: Array | None
@@ -46,7 +62,10 @@ def read_table(path: Path) -> ParticleTable:
     if not len(table.x):
         raise SceneError(f"{path}:1: no particle in this file")
     if table.radius is not None and not (table.radius > 0.0).all():
-        raise SceneError(f"{path}:1: the radius of particle {int(np.argmin(table.radius)) + 1} is not above 0")
+        raise SceneError(
+            f"{path}:1: the radius of particle {int(np.argmin(table.radius)) + 1} is "
+            "not above 0"
+        )
     return table
 
 
@@ -56,7 +75,9 @@ def is_vtu(path: Path) -> bool:
 
 
 def has_radii(path: Path) -> bool:
-    """Whether a table of text has a column of radii or diameters; a VTU file is taken to have them."""
+    """Whether a table of text has a column of radii or diameters; a VTU file is
+    taken to have them.
+    """
     if is_vtu(path):
         return True
     lines = Lines(path)
@@ -92,10 +113,20 @@ def _header(line: str, lines: Lines) -> list[str] | None:
         name = found["name"].lower() if found else word
         name = _ALIASES.get(name, name)
         names.append(name)
-        if found and found["unit"] is not None and name in _UNITS and found["unit"] != _UNITS[name]:
-            raise lines.error(f"{name} is in [{found['unit']}]; convert it to {_UNITS[name]}")
+        if (
+            found
+            and found["unit"] is not None
+            and name in _UNITS
+            and found["unit"] != _UNITS[name]
+        ):
+            raise lines.error(
+                f"{name} is in [{found['unit']}]; convert it to {_UNITS[name]}"
+            )
     if missing := [name for name in "xyz" if name not in names]:
-        raise lines.error(f"neither three numbers nor a header with {', '.join(missing)}: {line[:60]!r}; {_REMEDY}")
+        raise lines.error(
+            f"neither three numbers nor a header with {', '.join(missing)}: "
+            f"{line[:60]!r}; {_REMEDY}"
+        )
     return names
 
 
@@ -112,10 +143,14 @@ def _read_text(path: Path) -> ParticleTable:
         if row.strip() and not row.lstrip().startswith("#"):
             rows.append(lines.numbers(row, len(names), ","))
     columns = dict(zip(names, np.array(rows).reshape(-1, len(names)).T, strict=True))
-    radius = columns.get("radius", 0.5 * columns["diameter"] if "diameter" in columns else None)
+    radius = columns.get(
+        "radius", 0.5 * columns["diameter"] if "diameter" in columns else None
+    )
     speeds = [columns[name] for name in ("vx", "vy", "vz") if name in columns]
     x = np.stack([columns[name] for name in "xyz"], axis=1)
-    return ParticleTable(x, radius, np.stack(speeds, axis=1) if len(speeds) == 3 else None)
+    return ParticleTable(
+        x, radius, np.stack(speeds, axis=1) if len(speeds) == 3 else None
+    )
 
 
 def _read_vtu(path: Path) -> ParticleTable:
@@ -127,7 +162,9 @@ def _read_vtu(path: Path) -> ParticleTable:
         raise SceneError(f"{path}:1: no such file") from None
     # meshio raises what its parsers raise, and ends the process for some faults
     except (Exception, SystemExit) as error:
-        raise SceneError(f"{path}:1: no VTU file that can be read: {error or type(error).__name__}") from None
+        raise SceneError(
+            f"{path}:1: no VTU file that can be read: {error or type(error).__name__}"
+        ) from None
     x = np.asarray(grid.points, dtype=np.float64)
     given = {
         name: np.asarray(grid.point_data[name], np.float64)
@@ -135,5 +172,7 @@ def _read_vtu(path: Path) -> ParticleTable:
         if name in grid.point_data
     }
     if not all(np.isfinite(values).all() for values in (x, *given.values())):
-        raise SceneError(f"{path}:1: a position, radius or velocity is not a finite number")
+        raise SceneError(
+            f"{path}:1: a position, radius or velocity is not a finite number"
+        )
     return ParticleTable(x, given.get("radius"), given.get("velocity"))

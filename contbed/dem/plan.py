@@ -1,4 +1,6 @@
-"""What a run of a scene of particles builds: the assembly, its box and its porosity; a packing settles in the run."""
+"""What a run of a scene of particles builds: the assembly, its box and its porosity;
+a packing settles in the run.
+"""
 
 from __future__ import annotations
 
@@ -23,13 +25,17 @@ from contbed.solvers.memory import MemoryPerUnknown
 Array = NDArray[np.float64]
 
 PACKING = ("particles", "packing")  # key of the table
-BOTTOM, TOP = 1.0, 2.0  # diameters from the floor and from the surface, where the layers of a packing end
+# diameters from the floor and from the surface, where the layers of a packing end
+BOTTOM, TOP = 1.0, 2.0
 
-# bytes for each temperature, with the paths of its particle: 2000 by contacts, 3700 through a fluid
+# bytes for each temperature, with the paths of its particle: 2000 by contacts, 3700
+# through a fluid
 MEMORY = MemoryPerUnknown(4e3)
-NETWORK = 22e-6  # s of processor for each temperature of a network with a fluid, of 1e3 to 1e6 spheres
+# s of processor for each temperature of a network with a fluid, of 1e3 to 1e6 spheres
+NETWORK = 22e-6
 
-# centres in the unit cell, and the edge of the cell over the radius of spheres that touch
+# centres in the unit cell, and the edge of the cell over the radius of spheres that
+# touch
 _CORNERS = {
     "sc": [[0, 0, 0]],
     "bcc": [[0, 0, 0], [0.5, 0.5, 0.5]],
@@ -62,10 +68,13 @@ class ParticlePlan:
     def unknowns(self) -> dict[str, int]:
         """Count the unknowns: the temperatures."""
         packing = self.scene.particles.packing
-        return {"heat": len(self.x) if packing is None else packing.number(self.scene.solid)}
+        return {
+            "heat": len(self.x) if packing is None else packing.number(self.scene.solid)
+        }
 
     def seconds(self) -> float | None:
-        """Predict the processor time of settling and of the networks [s]; None where LAMMPS or a GPU settles.
+        """Predict the processor time of settling and of the networks [s]; None where
+        LAMMPS or a GPU settles.
 
         It is a cost per particle and step times the steps; within a factor of 2.
         """
@@ -84,7 +93,8 @@ class ParticlePlan:
         """
         if self.scene.particles.packing is None:
             raise EngineError(
-                f"{self.scene.origin.name}: --engine cuda settles the [particles.packing] of a scene; "
+                f"{self.scene.origin.name}: --engine cuda settles the "
+                "[particles.packing] of a scene; "
                 "this scene has none, leave the option out"
             )
         return replace(self, engine="cuda", built=particles_by(self.built, "on a GPU"))
@@ -96,9 +106,13 @@ class ParticlePlan:
         return plan_text(self, f"time: about {duration(seconds)} of processor")
 
 
-def particles_by(built: tuple[tuple[str, str], ...], where: str) -> tuple[tuple[str, str], ...]:
+def particles_by(
+    built: tuple[tuple[str, str], ...], where: str
+) -> tuple[tuple[str, str], ...]:
     """Say of the particles among what is built where they are computed."""
-    return tuple((what, f"{how} {where}" if what == "particles" else how) for what, how in built)
+    return tuple(
+        (what, f"{how} {where}" if what == "particles" else how) for what, how in built
+    )
 
 
 def plan(scene: ParticleScene) -> ParticlePlan:
@@ -112,26 +126,58 @@ def plan(scene: ParticleScene) -> ParticlePlan:
     if table.packing is not None:
         x, radius, porosity = np.empty((0, 3)), np.empty(0), float("nan")
         box = np.zeros(3), np.zeros(3)
-        periodic: tuple[bool, ...] = (table.packing.periodic, table.packing.periodic, False)
+        periodic: tuple[bool, ...] = (
+            table.packing.periodic,
+            table.packing.periodic,
+            False,
+        )
         what = f"{table.packing.number(scene.solid)}, settled from a random start"
     else:
-        x, radius, box, periodic = _from_file(scene) if table.lattice is None else _lattice(table.lattice, scene)
+        x, radius, box, periodic = (
+            _from_file(scene)
+            if table.lattice is None
+            else _lattice(table.lattice, scene)
+        )
         porosity = table.porosity or porosity_of(table.layers, x, radius, box)
         what = f"{len(x)}, porosity {porosity:.4g}"
     is_cell = table.layers is None and table.packing is None
-    built = [("particles", what), ("network", "periodic cell, full tensor" if is_cell else "between layers")]
+    built = [
+        ("particles", what),
+        ("network", "periodic cell, full tensor" if is_cell else "between layers"),
+    ]
     skipped: list[tuple[str, str]] = []
     for there, what, how, why in (
         (scene.gas is not None, "heat through the gas", table.paths, "no [gas] table"),
-        (scene.radiation is not None, "radiation", "reciprocal, linear", "no [radiation] table"),
-        (table.closure is not None, "closure file", "log-polynomial", "no [particles.closure] table"),
+        (
+            scene.radiation is not None,
+            "radiation",
+            "reciprocal, linear",
+            "no [radiation] table",
+        ),
+        (
+            table.closure is not None,
+            "closure file",
+            "log-polynomial",
+            "no [particles.closure] table",
+        ),
     ):
         (built if there else skipped).append((what, how if there else why))
-    return ParticlePlan(scene, x, radius, box, periodic, porosity, table.layers, tuple(built), tuple(skipped))
+    return ParticlePlan(
+        scene,
+        x,
+        radius,
+        box,
+        periodic,
+        porosity,
+        table.layers,
+        tuple(built),
+        tuple(skipped),
+    )
 
 
 def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePlan:
-    """Settle the packing of a scene; return the plan with its particles, box, layers and porosity.
+    """Settle the packing of a scene; return the plan with its particles, box, layers
+    and porosity.
 
     Parameters
     ----------
@@ -161,23 +207,34 @@ def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePla
         folder=folder,
     )
     x, radius = bed.position, bed.radius
-    low, high = np.array(bed.domain.lower), np.array([*bed.domain.upper[:2], float((x[:, 2] + radius).max())])
+    low, high = (
+        np.array(bed.domain.lower),
+        np.array([*bed.domain.upper[:2], float((x[:, 2] + radius).max())]),
+    )
     diameter = scene.solid.diameter
     assert diameter is not None
-    layers = scene.particles.layers or Layers(bottom=BOTTOM * diameter, top=bed.statistics["surface"] - TOP * diameter)
+    layers = scene.particles.layers or Layers(
+        bottom=BOTTOM * diameter, top=bed.statistics["surface"] - TOP * diameter
+    )
     layers = layers.model_copy(update={"area": table.area})
     if not layers.bottom < layers.top < high[2]:
         raise SceneError(
-            f"{scene.origin.at(PACKING)}: {dotted(PACKING)}: the bed is {bed.statistics['surface']:.4g} m high, "
-            f"too low for layers below {layers.bottom:.4g} m and above {layers.top:.4g} m; "
+            f"{scene.origin.at(PACKING)}: {dotted(PACKING)}: the bed is "
+            f"{bed.statistics['surface']:.4g} m high, "
+            f"too low for layers below {layers.bottom:.4g} m and above "
+            f"{layers.top:.4g} m; "
             "take more spheres, or a narrower bed"
         )
     porosity = scene.particles.porosity or porosity_of(layers, x, radius, (low, high))
-    return replace(plan, x=x, radius=radius, box=(low, high), porosity=porosity, layers=layers)
+    return replace(
+        plan, x=x, radius=radius, box=(low, high), porosity=porosity, layers=layers
+    )
 
 
 def _settling(scene: ParticleScene) -> float:
-    """Predict the processor time in which the packing of a scene settles [s]; 0 without one."""
+    """Predict the processor time in which the packing of a scene settles [s]; 0
+    without one.
+    """
     from contbed.dem.packing import AT_REST, loose_height
     from contbed.dem.settling import settling_time, stages_of
 
@@ -185,7 +242,9 @@ def _settling(scene: ParticleScene) -> float:
     if table is None:
         return 0.0
     radii = np.array(_radii(scene, table))
-    stages = stages_of(Particles(np.zeros((len(radii), 3)), radii), _material(scene), AT_REST, GRAVITY)
+    stages = stages_of(
+        Particles(np.zeros((len(radii), 3)), radii), _material(scene), AT_REST, GRAVITY
+    )
     return settling_time(stages, len(radii), loose_height(radii, table.area), GRAVITY)
 
 
@@ -193,7 +252,9 @@ def _radii(scene: ParticleScene, table: Packing) -> Array:
     """Draw the radii of a packing [m]."""
     solid = scene.solid
     assert solid.radius is not None
-    return random_radii(solid.radius, solid.size_spread, table.number(solid), table.seed)
+    return random_radii(
+        solid.radius, solid.size_spread, table.number(solid), table.seed
+    )
 
 
 def _material(scene: ParticleScene) -> Material:
@@ -217,7 +278,8 @@ def on_lammps(plan: Plan) -> ParticlePlan:
     scene = plan.scene
     if not isinstance(plan, ParticlePlan) or plan.scene.particles.packing is None:
         raise EngineError(
-            f"{scene.origin.name}: --engine lammps settles the [particles.packing] of a scene; this scene of kind "
+            f"{scene.origin.name}: --engine lammps settles the [particles.packing] of "
+            "a scene; this scene of kind "
             f"{scene.kind} has none, leave the option out"
         )
     friction = plan.scene.solid.rolling_friction
@@ -228,33 +290,55 @@ def on_lammps(plan: Plan) -> ParticlePlan:
     return replace(plan, engine="lammps", built=particles_by(plan.built, "by LAMMPS"))
 
 
-def _lattice(table: Lattice, scene: ParticleScene) -> tuple[Array, Array, tuple[Array, Array], tuple[bool, ...]]:
+def _lattice(
+    table: Lattice, scene: ParticleScene
+) -> tuple[Array, Array, tuple[Array, Array], tuple[bool, ...]]:
     """Return centres, radii, box and periodic sides of a lattice."""
     radius = scene.solid.radius
     assert radius is not None
     edge = _EDGE[table.type] * radius
     steps = np.arange(table.cells)
-    origins = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), -1).reshape(-1, 1, 3)
+    origins = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), -1).reshape(
+        -1, 1, 3
+    )
     x = ((origins + np.array(_CORNERS[table.type])) * edge).reshape(-1, 3)
-    return x, np.full(len(x), radius), (np.zeros(3), np.full(3, edge * table.cells)), (True, True, True)
+    return (
+        x,
+        np.full(len(x), radius),
+        (np.zeros(3), np.full(3, edge * table.cells)),
+        (True, True, True),
+    )
 
 
-def _from_file(scene: ParticleScene) -> tuple[Array, Array, tuple[Array, Array], tuple[bool, ...]]:
-    """Read centres, radii, box and periodic sides; layers open the axis that heat flows along."""
+def _from_file(
+    scene: ParticleScene,
+) -> tuple[Array, Array, tuple[Array, Array], tuple[bool, ...]]:
+    """Read centres, radii, box and periodic sides; layers open the axis that heat
+    flows along.
+    """
     table = scene.particles
     assert table.file is not None
-    found = read_particles(scene.origin.base / table.file, scene.solid.radius, table.step)
+    found = read_particles(
+        scene.origin.base / table.file, scene.solid.radius, table.step
+    )
     periodic = found.periodic if table.layers is None else (*found.periodic[:2], False)
     return found.x, found.radius, found.box, periodic
 
 
-def porosity_of(layers: Layers | None, x: Array, radius: Array, box: tuple[Array, Array]) -> float:
-    """Find the porosity of the periodic box, or that between the layers, whose planes cut spheres."""
+def porosity_of(
+    layers: Layers | None, x: Array, radius: Array, box: tuple[Array, Array]
+) -> float:
+    """Find the porosity of the periodic box, or that between the layers, whose
+    planes cut spheres.
+    """
     if layers is None:
-        return float(1.0 - (4.0 / 3.0 * np.pi * radius**3).sum() / np.prod(box[1] - box[0]))
+        return float(
+            1.0 - (4.0 / 3.0 * np.pi * radius**3).sum() / np.prod(box[1] - box[0])
+        )
     assert layers.area is not None
     low, high, area = layers.bottom, layers.top, layers.area
-    # volume of a sphere below a plane at height h above its centre: pi (2 R^3/3 + R^2 h - h^3/3)
+    # volume of a sphere below a plane at height h above its centre: pi (2 R^3/3 + R^2 h
+    # - h^3/3)
     below = []
     for plane in (low, high):
         h = np.clip(plane - x[:, 2], -radius, radius)

@@ -1,4 +1,6 @@
-"""Former names of keys of particles without and with a gas, see `contbed.scene.renames`."""
+"""Former names of keys of particles without and with a gas, see
+`contbed.scene.renames`.
+"""
 
 _RADIUS = "solids.NAME.diameter takes the place of a radius, with twice the value"
 _OF_THE_SOLID = {
@@ -18,7 +20,9 @@ _OF_THE_SOLID = {
 
 def of_the_solid(table: str) -> dict[str, str]:
     """Return the present names of what a table said of the material of particles."""
-    present = {f"{table}.{old}": f"solids.NAME.{new}" for old, new in _OF_THE_SOLID.items()}
+    present = {
+        f"{table}.{old}": f"solids.NAME.{new}" for old, new in _OF_THE_SOLID.items()
+    }
     return {f"{table}.radius": _RADIUS} | present
 
 

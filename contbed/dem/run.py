@@ -1,4 +1,6 @@
-"""Run of a scene of particles: conductances of pairs, the network of resistors, a closure over conductivities."""
+"""Run of a scene of particles: conductances of pairs, the network of resistors, a
+closure over conductivities.
+"""
 
 from __future__ import annotations
 
@@ -20,13 +22,19 @@ from contbed.result import Result
 
 Array = NDArray[np.float64]
 
-TOUCH = 1e-9  # relative reach of contacts beyond touching, for the rounding of a lattice's coordinates
+# relative reach of contacts beyond touching, for the rounding of a lattice's
+# coordinates
+TOUCH = 1e-9
 
 
-def run(plan: ParticlePlan, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
-    """Solve the network and fill the result; files go into `folder`, `start` has no use.
+def run(
+    plan: ParticlePlan, result: Result, folder: Path | None, quiet: bool, start: Any
+) -> None:
+    """Solve the network and fill the result; files go into `folder`, `start` has no
+    use.
 
-    A packing is settled first. `folder` gets a closure file, and the spheres of a packing.
+    A packing is settled first. `folder` gets a closure file, and the spheres of a
+    packing.
 
     Raises
     ------
@@ -48,30 +56,55 @@ def _conduct(plan: ParticlePlan, result: Result, folder: Path | None) -> None:
     scene = plan.scene
     pairs = _pairs(plan)
     parts = _conductances(plan, pairs, scene.solid.conductivity)
-    fill(result, plan, _solve(plan, pairs, parts), int((parts["contact"] > 0).sum()), _correction(scene))
+    fill(
+        result,
+        plan,
+        _solve(plan, pairs, parts),
+        int((parts["contact"] > 0).sum()),
+        _correction(scene),
+    )
     if scene.particles.closure is not None:
         _fit_closure(plan, pairs, result, folder)
 
 
 def _pairs(plan: ParticlePlan) -> heat.Pairs:
-    """Find the pairs that exchange heat: with a fluid or radiation within 1.5 diameters, else those that touch."""
+    """Find the pairs that exchange heat: with a fluid or radiation within 1.5
+    diameters, else those that touch.
+    """
     table = plan.scene.particles
     if table.paths in heat.VORONOI:
         if np.ptp(plan.radius) > 0:
             where = plan.scene.origin.at(("particles", "paths")) + ": particles.paths"
-            raise SceneError(f"{where}: {table.paths} are for equal particles without [radiation]; use cones")
+            raise SceneError(
+                f"{where}: {table.paths} are for equal particles without [radiation]; "
+                "use cones"
+            )
         return heat.voronoi_pairs(plan.x, plan.box, plan.periodic)
     reach = 2.0 * float(plan.radius.max())
-    reach *= heat.VIEW if plan.scene.gas is not None or plan.scene.radiation is not None else 1.0 + TOUCH
+    reach *= (
+        heat.VIEW
+        if plan.scene.gas is not None or plan.scene.radiation is not None
+        else 1.0 + TOUCH
+    )
     return heat.near_pairs(plan.x, reach, plan.box, plan.periodic)
 
 
 def _conductances(plan: ParticlePlan, pairs: heat.Pairs, k: float) -> dict[str, Array]:
-    """Find the conductances [W/K] by mechanism of particles of conductivity k [W/m/K]."""
+    """Find the conductances [W/K] by mechanism of particles of conductivity
+    k [W/m/K].
+    """
     scene = plan.scene
     lattice, paths = scene.particles.lattice, scene.particles.paths
     radius = None if lattice is None else lattice.contact_radius
-    how = heat.Conduction(k, scene.k_gas, plan.porosity, _correction(scene), radius, paths, _surface(scene))
+    how = heat.Conduction(
+        k,
+        scene.k_gas,
+        plan.porosity,
+        _correction(scene),
+        radius,
+        paths,
+        _surface(scene),
+    )
     equal = np.ptp(plan.radius) == 0
     parts = heat.conductances(pairs, plan.radius[0] if equal else plan.radius, how)
     if scene.radiation is not None:
@@ -79,18 +112,29 @@ def _conductances(plan: ParticlePlan, pairs: heat.Pairs, k: float) -> dict[str, 
         emissivity = scene.solid.emissivity
         assert emissivity is not None
         parts["radiation"] = heat.radiation_conductance(
-            pairs, len(plan.x), scene.radiation.temperature, d, emissivity, plan.porosity
+            pairs,
+            len(plan.x),
+            scene.radiation.temperature,
+            d,
+            emissivity,
+            plan.porosity,
         )
     return parts
 
 
-def _solve(plan: ParticlePlan, pairs: heat.Pairs, parts: dict[str, Array]) -> network.Layers | network.Cell:
+def _solve(
+    plan: ParticlePlan, pairs: heat.Pairs, parts: dict[str, Array]
+) -> network.Layers | network.Cell:
     layers, z = plan.layers, plan.x[:, 2]
     if layers is None:
-        return network.periodic_cell(len(plan.x), pairs, parts, float(np.prod(plan.box[1] - plan.box[0])))
+        return network.periodic_cell(
+            len(plan.x), pairs, parts, float(np.prod(plan.box[1] - plan.box[0]))
+        )
     assert layers.area is not None
     hot, cold = z < layers.bottom, z > layers.top
-    return network.between_layers(plan.x, pairs, parts, hot, cold, layers.area, layers.T_hot, layers.T_cold)
+    return network.between_layers(
+        plan.x, pairs, parts, hot, cold, layers.area, layers.T_hot, layers.T_cold
+    )
 
 
 def _correction(scene: ParticleScene) -> float:
@@ -102,7 +146,9 @@ def _correction(scene: ParticleScene) -> float:
 
 
 def _surface(scene: ParticleScene) -> Surface | None:
-    """Return the rough surface of the particles and the gas at it; None of smooth ones."""
+    """Return the rough surface of the particles and the gas at it; None of smooth
+    ones.
+    """
     solid, gas = scene.solid, scene.gas
     if solid.roughness is None:
         return None
@@ -122,17 +168,29 @@ def _surface(scene: ParticleScene) -> Surface | None:
     )
 
 
-def _fit_closure(plan: ParticlePlan, pairs: heat.Pairs, result: Result, folder: Path | None) -> None:
-    """Fit the effective conductivity over ratios of conductivity and write closure.toml."""
+def _fit_closure(
+    plan: ParticlePlan, pairs: heat.Pairs, result: Result, folder: Path | None
+) -> None:
+    """Fit the effective conductivity over ratios of conductivity and write
+    closure.toml.
+    """
     from contbed.scene.identity import scene_hash
 
     scene = plan.scene
     table, fluid = scene.particles.closure, scene.k_gas
     assert table is not None and fluid is not None
     ratios = np.unique(table.ratios)
-    k = [_solve(plan, pairs, _conductances(plan, pairs, ratio * fluid)).mean / fluid for ratio in ratios]
+    k = [
+        _solve(plan, pairs, _conductances(plan, pairs, ratio * fluid)).mean / fluid
+        for ratio in ratios
+    ]
     data = {extract.RATIO: ratios, "eps": np.full(len(ratios), plan.porosity)}
-    fit = extract.fit_log_polynomial("conductivity", data, k, {extract.RATIO: "log"}, (table.degree,))
+    fit = extract.fit_log_polynomial(
+        "conductivity", data, k, {extract.RATIO: "log"}, (table.degree,)
+    )
     result.qoi["closure_residual"] = fit.content["residuals"]["largest"]
     if folder is not None:
-        fit.write(folder / "closure.toml", {"scene": Path(scene.origin.name).name, "scene_hash": scene_hash(scene)})
+        fit.write(
+            folder / "closure.toml",
+            {"scene": Path(scene.origin.name).name, "scene_hash": scene_hash(scene)},
+        )

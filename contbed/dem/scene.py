@@ -1,4 +1,5 @@
-"""Tables of a scene of particles without flow: conduction through a lattice or a packing, in SI.
+"""Tables of a scene of particles without flow: conduction through a lattice or a
+packing, in SI.
 
 [particles]           a file with a table of positions or a dump of LIGGGHTS or LAMMPS,
                       and how heat passes
@@ -54,17 +55,23 @@ class Spheres(SolidPhase):
     conductivity: Above = Field(description="thermal, of the material")
     youngs_modulus: Pressure | None = Field(
         None,
-        description="of the material, for which contacts of a softer simulation are corrected",
+        description="of the material, for which contacts of a softer simulation are "
+        "corrected",
     )
     # re-entrant foams reach -0.7: Lakes 1987, Science 235, 1038,
     # doi:10.1126/science.235.4792.1038
     poisson_ratio: Annotated[Number, Field(ge=-0.7, le=0.5)] = Field(
         0.3,
-        description="0.1 to 0.5 of solids; only foams made for it are negative, down to -0.7",
+        description="0.1 to 0.5 of solids; only foams made for it are negative, down "
+        "to -0.7",
     )
-    restitution: Annotated[Number, Field(gt=0, le=1)] = Field(0.9, description="of contacts")
+    restitution: Annotated[Number, Field(gt=0, le=1)] = Field(
+        0.9, description="of contacts"
+    )
     sliding_friction: NonNegative = Field(0.3, description="coefficient, of contacts")
-    rolling_friction: NonNegative = Field(0.0, description="arm over the effective radius")
+    rolling_friction: NonNegative = Field(
+        0.0, description="arm over the effective radius"
+    )
 
     @property
     def radius(self) -> float | None:
@@ -75,15 +82,22 @@ class Spheres(SolidPhase):
 class Solid(Spheres):
     """The particles: roughness and slope are those of one particle."""
 
-    diameter: Length | None = Field(None, description="of equal spheres, or the mean one; a dump brings its own")
+    diameter: Length | None = Field(
+        None, description="of equal spheres, or the mean one; a dump brings its own"
+    )
     size_spread: Annotated[Number, Field(ge=0, le=0.3)] = Field(
         0.0,
-        description="of a packing: standard deviation of the diameters over their mean; normal, cut at two deviations",
+        description="of a packing: standard deviation of the diameters over their "
+        "mean; normal, cut at two deviations",
     )
     density: Density = Field(2500.0, description="of the particles")
     emissivity: Emissivity | None = Field(None, description="needed with [radiation]")
-    roughness: Length | None = Field(None, description="root mean square; absent: smooth, no temperature jump")
-    asperity_slope: Positive | None = Field(None, description="mean slope of the asperities, with roughness")
+    roughness: Length | None = Field(
+        None, description="root mean square; absent: smooth, no temperature jump"
+    )
+    asperity_slope: Positive | None = Field(
+        None, description="mean slope of the asperities, with roughness"
+    )
     microhardness: Pressure | None = Field(None, description="with roughness")
 
 
@@ -91,8 +105,12 @@ class Gas(Table):
     """Gas or liquid between the particles."""
 
     conductivity: Above = Field(description="thermal")
-    mean_free_path: Length | None = Field(None, description="needed with a roughness of the particles")
-    accommodation: Annotated[Number, Field(gt=0, le=1)] = Field(0.9, description="thermal, of the gas on the surface")
+    mean_free_path: Length | None = Field(
+        None, description="needed with a roughness of the particles"
+    )
+    accommodation: Annotated[Number, Field(gt=0, le=1)] = Field(
+        0.9, description="thermal, of the gas on the surface"
+    )
     heat_capacity_ratio: Annotated[Number, Field(gt=1, lt=2)] = Field(
         1.4, description="at constant pressure and volume"
     )
@@ -102,18 +120,30 @@ class Gas(Table):
 class Lattice(Table):
     """Equal spheres that touch, with contacts of a given size, in a periodic cell."""
 
-    type: Literal["sc", "bcc", "fcc"] = Field(description="simple, body-centred or face-centred cubic lattice")
+    type: Literal["sc", "bcc", "fcc"] = Field(
+        description="simple, body-centred or face-centred cubic lattice"
+    )
     contact_radius: Length = Field(description="of the contact circle of neighbours")
-    cells: Annotated[Whole, Field(ge=1, le=20)] = Field(1, description="unit cells along each axis")
+    cells: Annotated[Whole, Field(ge=1, le=20)] = Field(
+        1, description="unit cells along each axis"
+    )
 
 
 class Packing(Table):
     """Spheres placed at random that settle on a floor, in a box or a cylinder."""
 
-    count: Annotated[Whole, Field(ge=1)] | None = Field(None, description="of spheres; or height")
-    height: Length | None = Field(None, description="in place of count: about as many as fill the bed to there")
-    width: tuple[Length, Length] | None = Field(None, description="of the bed in x and y")
-    cylinder: Length | None = Field(None, description="in place of width: radius of a round bed")
+    count: Annotated[Whole, Field(ge=1)] | None = Field(
+        None, description="of spheres; or height"
+    )
+    height: Length | None = Field(
+        None, description="in place of count: about as many as fill the bed to there"
+    )
+    width: tuple[Length, Length] | None = Field(
+        None, description="of the bed in x and y"
+    )
+    cylinder: Length | None = Field(
+        None, description="in place of width: radius of a round bed"
+    )
     periodic: Switch = Field(False, description="sides of a box")
     seed: Annotated[Whole, Field(ge=0)] = Field(0, description="of the random start")
 
@@ -146,16 +176,24 @@ class Layers(Table):
 
     bottom: Position = Field(description="particles with a lower centre are hot")
     top: Position = Field(description="particles with a higher centre are cold")
-    area: Area | None = Field(None, description="cross-section of the bed; that of a packing is known")
+    area: Area | None = Field(
+        None, description="cross-section of the bed; that of a packing is known"
+    )
     T_hot: Temperature = Field(398.15, description="of the hot layer")
     T_cold: Temperature = Field(298.15, description="of the cold layer")
 
 
 class Closure(Table):
-    """Effective conductivity fitted over the ratio of conductivities, written as closure.toml."""
+    """Effective conductivity fitted over the ratio of conductivities, written as
+    closure.toml.
+    """
 
-    ratios: Annotated[tuple[Ratio, ...], Field(min_length=3)] = Field(description="of particles to gas")
-    degree: Annotated[Whole, Field(ge=1, le=6)] = Field(3, description="of the polynomial of logarithms")
+    ratios: Annotated[tuple[Ratio, ...], Field(min_length=3)] = Field(
+        description="of particles to gas"
+    )
+    degree: Annotated[Whole, Field(ge=1, le=6)] = Field(
+        3, description="of the polynomial of logarithms"
+    )
 
 
 class Particles(Table):
@@ -166,7 +204,9 @@ class Particles(Table):
     """
 
     file: str | None = Field(None, description="path relative to the scene")
-    step: Annotated[Whole, Field(ge=0)] | None = Field(None, description="of a dump; the last one if absent")
+    step: Annotated[Whole, Field(ge=0)] | None = Field(
+        None, description="of a dump; the last one if absent"
+    )
     lattice: Lattice | None = None
     packing: Packing | None = None
     modulus: Pressure | None = Field(
@@ -174,36 +214,48 @@ class Particles(Table):
         description="Young's modulus of the simulation that the contacts are of; "
         "absent: 1e7 Pa in a packing, else that of the material",
     )
-    exponents: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=2)] = Field(
-        (1 / 3,),
-        description="of the correction of contacts from modulus to "
-        "solids.NAME.youngs_modulus: 1/3 at a given load; the second, of impacts, is "
-        "that of beds with gas",
+    exponents: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=2)] = (
+        Field(
+            (1 / 3,),
+            description="of the correction of contacts from modulus to "
+            "solids.NAME.youngs_modulus: 1/3 at a given load; the second, of impacts, "
+            "is "
+            "that of beds with gas",
+        )
     )
     paths: Literal["cones", "columns", "spreading"] = Field(
         "cones",
-        description="of heat: the paper's; exact at equal conductivities; that and Batchelor-O'Brien at large",
+        description="of heat: the paper's; exact at equal conductivities; that and "
+        "Batchelor-O'Brien at large",
     )
-    porosity: Fraction | None = Field(None, description="around all pairs; absent: counted")
+    porosity: Fraction | None = Field(
+        None, description="around all pairs; absent: counted"
+    )
     layers: Layers | None = None
     closure: Closure | None = None
 
     @property
     def simulated_modulus(self) -> float | None:
         """Young's modulus of the simulation [Pa]; None where it is not known."""
-        return SOFT if self.modulus is None and self.packing is not None else self.modulus
+        return (
+            SOFT if self.modulus is None and self.packing is not None else self.modulus
+        )
 
 
 class Radiation(Table):
     """Exchange with the neighbours within 1.5 diameters, linear about a temperature."""
 
-    temperature: Temperature = Field(description="mean temperature, about which radiation is linearised")
+    temperature: Temperature = Field(
+        description="mean temperature, about which radiation is linearised"
+    )
 
 
 class Solver(Table):
     """Tolerances."""
 
-    balance_tolerance: Positive = Field(1e-10, description="largest relative residual of a balance that a run accepts")
+    balance_tolerance: Positive = Field(
+        1e-10, description="largest relative residual of a balance that a run accepts"
+    )
     strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
@@ -223,7 +275,9 @@ class ParticleScene(SceneBase):
     renamed: ClassVar[Mapping[str, str]] = RENAMED
 
     particles: Particles
-    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)] = Field(description="the particles, by name")
+    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)] = Field(
+        description="the particles, by name"
+    )
     gas: Gas | None = Field(None, description="absent: a vacuum")
     radiation: Radiation | None = None
     solver: Solver = Solver()

@@ -1,4 +1,6 @@
-"""A run of the discrete elements: checks at the door, intervals, contacts, checkpoint and restart."""
+"""A run of the discrete elements: checks at the door, intervals, contacts,
+checkpoint and restart.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,15 @@ from contbed.dem import loop
 from contbed.dem.contact import largest_safe_step, require_safe_step
 from contbed.dem.contact_heat import ContactHeat
 from contbed.dem.failure import STRIDE, Failure, not_a_number, of_particle, place
-from contbed.dem.kernel_arrays import HEAT_PAIR, Array, Box, Indices, Interval, Laws, Spheres
+from contbed.dem.kernel_arrays import (
+    HEAT_PAIR,
+    Array,
+    Box,
+    Indices,
+    Interval,
+    Laws,
+    Spheres,
+)
 from contbed.dem.memory import Engine, Memory, Record, halved
 from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK, image_shifts, wall_gaps
 from contbed.dem.particles import Material, Particles, pair_table
@@ -24,12 +34,16 @@ from contbed.output.progress import Progress
 
 LARGEST_OVERLAP = 0.05  # of the smaller radius, at the start
 _STATE = ("position", "velocity", "spin", "force", "T")
-NUMBERS = 6  # of a checkpoint: way since the last list, whether it is old, steps, time step, walls, skin
+# of a checkpoint: way since the last list, whether it is old, steps, time step, walls,
+# skin
+NUMBERS = 6
 
 
 @dataclass(frozen=True)
 class Contacts:
-    """Closed contacts of pairs: indices, overlap [m], unit normal from j to i, first touch [s], impact speed [m/s]."""
+    """Closed contacts of pairs: indices, overlap [m], unit normal from j to i, first
+    touch [s], impact speed [m/s].
+    """
 
     i: NDArray[np.int64]
     j: NDArray[np.int64]
@@ -54,16 +68,20 @@ class Simulation:
     impact_speed [m/s] : typical speed of impacts, for the time step
     skin [m] : room of the neighbour list
     largest_overlap : of the smaller radius, accepted at the start
-    most_halvings : how often the time step may be halved, from then on, where a particle is too fast for it
-    heat, T [K] : conduction through contacts and temperatures at the start, one or each; None without
+    most_halvings : how often the time step may be halved, from then on, where a
+        particle is too fast for it
+    heat, T [K] : conduction through contacts and temperatures at the start, one or
+        each; None without
     engine : "cuda" computes on a GPU from NVIDIA, which needs contbed[cuda]
 
-    `force` [N] of shape (n, 3) is added to every particle, `heat_source` [W] (n,) to its heat; change them between
-    calls of `run`. `T` (n,) has no entries without `heat`.
+    `force` [N] of shape (n, 3) is added to every particle, `heat_source` [W] (n,) to
+    its heat; change them between calls of `run`. `T` (n,) has no entries without
+    `heat`.
 
     Raises
     ------
-    SceneError : time step too large, overlapping start, particles outside, periodic sides too close
+    SceneError : time step too large, overlapping start, particles outside, periodic
+        sides too close
     EngineError : there is no GPU, or no numba-cuda
     """
 
@@ -90,31 +108,56 @@ class Simulation:
         known = range(len(materials))
         used = [*particles.material.tolist(), *(wall.material for wall in walls)]
         if missing := sorted({index for index in used if index not in known}):
-            raise SceneError(f"dem: material {missing[0]} does not exist, there are {len(materials)}")
+            raise SceneError(
+                f"dem: material {missing[0]} does not exist, there are {len(materials)}"
+            )
         if time_step is None:
             time_step = largest_safe_step(particles, materials, impact_speed)
         require_safe_step(time_step, particles, materials, impact_speed)
         self.materials, self.walls, self.domain = tuple(materials), tuple(walls), domain
         self.time_step, self.steps_done = float(time_step), 0
         self._first_step, self._most_halvings = self.time_step, most_halvings
-        self.skin = float(skin) if skin is not None else SKIN * float(particles.radius.min())
+        self.skin = (
+            float(skin) if skin is not None else SKIN * float(particles.radius.min())
+        )
         if not 0.0 < self.skin < np.inf:
             raise SceneError(f"dem: skin = {self.skin:g} m must be positive")
         domain.require_wide(2.0 * float(particles.radius.max()) + self.skin)
         self.radius, self.kind = particles.radius.copy(), particles.material.copy()
         self._equal = bool(np.ptp(self.radius) == 0.0 and np.ptp(self.kind) == 0)
-        self.mass = particles.volume * np.array([material.density for material in materials])[self.kind]
+        self.mass = (
+            particles.volume
+            * np.array([material.density for material in materials])[self.kind]
+        )
         self.inertia = 0.4 * self.mass * self.radius**2
-        self.position, self.velocity = particles.position.copy(), particles.velocity.copy()
+        self.position, self.velocity = (
+            particles.position.copy(),
+            particles.velocity.copy(),
+        )
         self.spin, self.force = particles.spin.copy(), np.zeros((n, 3))
         self.gravity = np.array(gravity, dtype=np.float64)
-        self.heat_capacity, self.T, self.heat_source = np.ones(n), np.empty(0), np.zeros(0)
+        self.heat_capacity, self.T, self.heat_source = (
+            np.ones(n),
+            np.empty(0),
+            np.zeros(0),
+        )
         heat_pairs = self._set_temperatures(heat, T)
-        self._box = Box(np.array(domain.lower, float), np.array(domain.upper, float), np.array(domain.periodic))
+        self._box = Box(
+            np.array(domain.lower, float),
+            np.array(domain.upper, float),
+            np.array(domain.periodic),
+        )
         with deferred_interrupt():
-            self._laws = Laws(pair_table(materials), heat_pairs, wall_table(walls), image_shifts(self._box))
+            self._laws = Laws(
+                pair_table(materials),
+                heat_pairs,
+                wall_table(walls),
+                image_shifts(self._box),
+            )
         spheres = Spheres(self.radius, self.mass, self.inertia, self.kind, self._equal)
-        self._memory: Engine = _engine(engine)(spheres, self._laws, self._box, self.skin)
+        self._memory: Engine = _engine(engine)(
+            spheres, self._laws, self._box, self.skin
+        )
         self._moved, self._stale = 0.0, True
         self._require_inside()
         with deferred_interrupt():
@@ -132,7 +175,9 @@ class Simulation:
 
     @property
     def halvings(self) -> int:
-        """How often the time step was halved since the start, for particles that were too fast for it."""
+        """How often the time step was halved since the start, for particles that
+        were too fast for it.
+        """
         return round(float(np.log2(self._first_step / self.time_step)))
 
     @property
@@ -144,7 +189,9 @@ class Simulation:
     def kinetic_energy(self) -> float:
         """Kinetic energy of translation and rotation [J]."""
         turning = (self.inertia * (self.spin**2).sum(axis=1)).sum()
-        return float(0.5 * ((self.mass * (self.velocity**2).sum(axis=1)).sum() + turning))
+        return float(
+            0.5 * ((self.mass * (self.velocity**2).sum(axis=1)).sum() + turning)
+        )
 
     def run(
         self,
@@ -153,12 +200,13 @@ class Simulation:
         on_interval: Callable[[Simulation], bool | None] | None = None,
         quiet: bool = True,
     ) -> None:
-        """Advance by the time of `steps`. After every `interval` of them `on_interval` is called; True ends the run.
+        """Advance by the time of `steps`. After every `interval` of them `on_interval`
+        is called; True ends the run.
 
         Raises
         ------
-        ConvergenceError : a particle is too fast, not a number, or lost; the simulation is back at the start of the
-            interval, and `state` holds its arrays
+        ConvergenceError : a particle is too fast, not a number, or lost; the simulation
+            is back at the start of the interval, and `state` holds its arrays
         """
         interval, step = interval or max(1, min(steps, 1000)), self.time_step
         with Progress(steps * step, "s", quiet=quiet) as progress:
@@ -175,7 +223,8 @@ class Simulation:
         return self._state(self._memory.read())
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Continue from the arrays of `state`: what follows is what would have followed there, bit for bit.
+        """Continue from the arrays of `state`: what follows is what would have followed
+        there, bit for bit.
 
         Raises
         ------
@@ -186,25 +235,49 @@ class Simulation:
             raise SceneError(f"dem: the checkpoint lacks {', '.join(sorted(missing))}")
         found, wanted = np.shape(state["position"]), self.position.shape
         if found != wanted:
-            raise SceneError(f"dem: checkpoint of another simulation: position has shape {found}, expected {wanted}")
+            raise SceneError(
+                f"dem: checkpoint of another simulation: position has shape {found}, "
+                f"expected {wanted}"
+            )
         if len(state["numbers"]) != NUMBERS:
             raise SceneError("dem: the checkpoint is of another version of contbed")
-        moved, stale, steps, time_step, walls, skin = (float(value) for value in state["numbers"])
+        moved, stale, steps, time_step, walls, skin = (
+            float(value) for value in state["numbers"]
+        )
         if walls != len(self.walls):
             raise SceneError(
-                f"dem: checkpoint of another simulation: it has {walls:.0f} walls, expected {len(self.walls)}"
+                f"dem: checkpoint of another simulation: it has {walls:.0f} walls, "
+                f"expected {len(self.walls)}"
             )
-        if skin < self.skin:  # its list lacks pairs that are near enough to be listed here
-            raise SceneError(f"dem: the checkpoint has lists with a skin of {skin:g} m, expected {self.skin:g} m")
-        if time_step not in self._first_step * 0.5 ** np.arange(self._most_halvings + 1):
-            raise SceneError(f"dem: the checkpoint has time step {time_step:g} s, expected {self._first_step:g} s")
+        # its list lacks pairs that are near enough to be listed here
+        if skin < self.skin:
+            raise SceneError(
+                f"dem: the checkpoint has lists with a skin of {skin:g} m, expected "
+                f"{self.skin:g} m"
+            )
+        if time_step not in self._first_step * 0.5 ** np.arange(
+            self._most_halvings + 1
+        ):
+            raise SceneError(
+                f"dem: the checkpoint has time step {time_step:g} s, expected "
+                f"{self._first_step:g} s"
+            )
         for name in _STATE:
             setattr(self, name, np.array(state[name], order="C"))
-        self._go_back(Record(*(np.array(state[name], order="C") for name in Record._fields)))
-        self._moved, self._stale, self.steps_done, self.time_step = moved, bool(stale), int(steps), time_step
+        self._go_back(
+            Record(*(np.array(state[name], order="C") for name in Record._fields))
+        )
+        self._moved, self._stale, self.steps_done, self.time_step = (
+            moved,
+            bool(stale),
+            int(steps),
+            time_step,
+        )
 
     def contacts(self) -> Contacts:
-        """Return the closed contacts of pairs as they are now, in the order of i and j, i < j."""
+        """Return the closed contacts of pairs as they are now, in the order of i and
+        j, i < j.
+        """
         record = self._memory.read()
         row, other, gap, normal = self._listed_pairs(record)
         first, impact = np.full(len(row), float(self.steps_done)), np.zeros(len(row))
@@ -215,15 +288,35 @@ class Simulation:
         i, j = np.minimum(i, j), np.maximum(i, j)
         order = np.lexsort((j, i))
         kept = order[gap[order] < 0.0]
-        return Contacts(i[kept], j[kept], -gap[kept], normal[kept], first[kept] * self.time_step, impact[kept])
+        return Contacts(
+            i[kept],
+            j[kept],
+            -gap[kept],
+            normal[kept],
+            first[kept] * self.time_step,
+            impact[kept],
+        )
 
     def _state(self, record: Record) -> dict[str, NDArray[Any]]:
-        arrays: dict[str, NDArray[Any]] = {name: np.array(getattr(self, name)) for name in _STATE}
-        numbers = (self._moved, self._stale, self.steps_done, self.time_step, len(self.walls), self.skin)
-        return arrays | record._asdict() | {"numbers": np.array(numbers, dtype=np.float64)}
+        arrays: dict[str, NDArray[Any]] = {
+            name: np.array(getattr(self, name)) for name in _STATE
+        }
+        numbers = (
+            self._moved,
+            self._stale,
+            self.steps_done,
+            self.time_step,
+            len(self.walls),
+            self.skin,
+        )
+        return (
+            arrays | record._asdict() | {"numbers": np.array(numbers, dtype=np.float64)}
+        )
 
     def _listed_pairs(self, record: Record) -> tuple[Indices, Indices, Array, Array]:
-        """Find i and j in the order of memory, gap [m] and unit normal from j to i of every entry of the list."""
+        """Find i and j in the order of memory, gap [m] and unit normal from j to i
+        of every entry of the list.
+        """
         i, j = record.row.astype(np.int64), (record.entry & MASK).astype(np.int64)
         x, radius = self.position[record.user], self.radius[record.user]
         apart = x[i] - x[j] - self._laws.image[(record.entry >> BITS) & IMAGE]
@@ -233,13 +326,21 @@ class Simulation:
             return i, j, gap, apart / distance[:, None]
 
     def advance(self, steps: int) -> None:
-        """Advance by the time of `steps`, as one interval, without a bar; if it fails, all is as at its start.
+        """Advance by the time of `steps`, as one interval, without a bar; if it fails,
+        all is as at its start.
 
-        Where a particle is too fast for the time step, the interval is done again with half of it, if that is allowed.
+        Where a particle is too fast for the time step, the interval is done again with
+        half of it, if that is allowed.
         """
         with deferred_interrupt():
-            before, now = self._memory.keep(), (self._moved, self._stale, self.steps_done)
-            start = {name: getattr(self, name).copy() for name in ("position", "velocity", "spin", "T")}
+            before, now = (
+                self._memory.keep(),
+                (self._moved, self._stale, self.steps_done),
+            )
+            start = {
+                name: getattr(self, name).copy()
+                for name in ("position", "velocity", "spin", "T")
+            }
             self._load()
         end = self.steps_done + steps
         while self.steps_done < end:
@@ -250,13 +351,20 @@ class Simulation:
                 for name, array in start.items():
                     getattr(self, name)[:] = array
                 self._moved, self._stale, self.steps_done = now
-                is_slower = failure.status == loop.TOO_FAST and self.halvings < self._most_halvings
+                is_slower = (
+                    failure.status == loop.TOO_FAST
+                    and self.halvings < self._most_halvings
+                )
                 if failure.status == loop.TOO_SMALL:
                     self._memory.grow()
                 self._memory.back_to(before)
                 if is_slower:
                     self._memory.write(halved(self._memory.read()))
-                    before, end, self.time_step = self._memory.keep(), 2 * end, 0.5 * self.time_step
+                    before, end, self.time_step = (
+                        self._memory.keep(),
+                        2 * end,
+                        0.5 * self.time_step,
+                    )
                     self.steps_done *= 2
                     now = (self._moved, self._stale, self.steps_done)
                 elif failure.status != loop.TOO_SMALL:
@@ -279,8 +387,16 @@ class Simulation:
         return None
 
     def _take_steps(self, steps: int) -> loop.Outcome:
-        """Take steps, with new lists in between; how they ended, with the number of all that were completed."""
-        memory, done, moved, begun, is_pushed = self._memory, 0, self._moved, False, bool(self.force.any())
+        """Take steps, with new lists in between; how they ended, with the number of
+        all that were completed.
+        """
+        memory, done, moved, begun, is_pushed = (
+            self._memory,
+            0,
+            self._moved,
+            False,
+            bool(self.force.any()),
+        )
         limit = STRIDE * float(self.radius.min()) / self.time_step
         while True:
             if self._stale:
@@ -307,21 +423,30 @@ class Simulation:
 
     def _load(self) -> None:
         """Copy the user's arrays to the order of memory."""
-        pushed = np.ascontiguousarray(self.force, np.float64) if self.force.any() else None
+        pushed = (
+            np.ascontiguousarray(self.force, np.float64) if self.force.any() else None
+        )
         self._memory.load(self.position, self.velocity, self.spin, pushed)
         if len(self.T):
-            self._memory.load_heat(self.T, np.asarray(self.heat_source, np.float64), self.heat_capacity)
+            self._memory.load_heat(
+                self.T, np.asarray(self.heat_source, np.float64), self.heat_capacity
+            )
 
     @deferred_interrupt()
     def _go_back(self, record: Record) -> None:
         self._memory.write(record)
 
-    def _set_temperatures(self, heat: ContactHeat | None, T: ArrayLike | None) -> NDArray[np.void]:
+    def _set_temperatures(
+        self, heat: ContactHeat | None, T: ArrayLike | None
+    ) -> NDArray[np.void]:
         if (heat is None) != (T is None):
             raise SceneError("dem: give both heat and T, or neither")
         if heat is None or T is None:
             return np.zeros((0, 0), HEAT_PAIR)
-        self.T, self.heat_source = np.empty(len(self.position)), np.zeros(len(self.position))
+        self.T, self.heat_source = (
+            np.empty(len(self.position)),
+            np.zeros(len(self.position)),
+        )
         self.T[:] = T
         self.heat_capacity = self.mass * heat.capacities(self.materials)[self.kind]
         return heat.table(self.materials)
@@ -331,7 +456,10 @@ class Simulation:
         outside = ((self.position < lower) | (self.position > upper)) & ~periodic
         if outside.any():
             index = int(outside.any(axis=1).argmax())
-            raise SceneError(f"dem: particle {index} at {place(self.position[index])} is outside the domain")
+            raise SceneError(
+                f"dem: particle {index} at {place(self.position[index])} is outside "
+                "the domain"
+            )
         lengths = np.where(periodic, upper - lower, 1.0)
         base = np.where(periodic, lower, 0.0)
         turns = np.where(periodic, np.floor((self.position - base) / lengths), 0.0)
@@ -345,8 +473,10 @@ class Simulation:
         if len(deep) and deep.max() > largest:
             k = int(deep.argmax())
             raise SceneError(
-                f"dem: particles {i[k]} and {j[k]} overlap by {-gap[k]:.4g} m at the start, {deep[k]:.2g} of the "
-                f"smaller radius; at most {largest:.2g} is accepted with their stiffness; move them apart, settle them "
+                f"dem: particles {i[k]} and {j[k]} overlap by {-gap[k]:.4g} m at the "
+                f"start, {deep[k]:.2g} of the "
+                f"smaller radius; at most {largest:.2g} is accepted with their "
+                "stiffness; move them apart, settle them "
                 "with dem.packing, or give the modulus with which they have settled"
             )
         with deferred_interrupt():
@@ -354,11 +484,18 @@ class Simulation:
         if gaps.size and gaps.min() < 1.0 - largest:
             number, k = divmod(int(gaps.argmin()), len(self.position))
             where = "is beyond" if gaps.min() < 0.0 else "overlaps"
-            raise SceneError(f"dem: particle {k} at {place(self.position[k])} {where} wall {number} at the start")
+            raise SceneError(
+                f"dem: particle {k} at {place(self.position[k])} {where} wall {number} "
+                "at the start"
+            )
 
 
-def _engine(name: Literal["contbed", "cuda"]) -> Callable[[Spheres, Laws, Box, float], Engine]:
-    """Return what makes an engine; that of GPUs is loaded only where it is asked for."""
+def _engine(
+    name: Literal["contbed", "cuda"],
+) -> Callable[[Spheres, Laws, Box, float], Engine]:
+    """Return what makes an engine; that of GPUs is loaded only where it is asked
+    for.
+    """
     if name == "contbed":
         return Memory
     from contbed.dem.gpu import require_gpu

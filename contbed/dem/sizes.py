@@ -1,4 +1,6 @@
-"""Sizes of spheres: random radii about a mean, and the Sauter mean that stands for them."""
+"""Sizes of spheres: random radii about a mean, and the Sauter mean that stands for
+them.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 CUT = 2.0  # standard deviations at which the normal distribution of radii is cut
 
 
-def random_radii(mean: float, spread: float, count: int, seed: int) -> NDArray[np.float64]:
-    """Draw radii [m], (count,), normal about a mean with a standard deviation over it, cut at two; the same by seed."""
+def random_radii(
+    mean: float, spread: float, count: int, seed: int
+) -> NDArray[np.float64]:
+    """Draw radii [m], (count,), normal about a mean with a standard deviation over
+    it, cut at two; the same by seed.
+    """
     if spread == 0.0:
         return np.full(count, mean)
     from scipy.special import ndtr, ndtri
@@ -19,6 +25,8 @@ def random_radii(mean: float, spread: float, count: int, seed: int) -> NDArray[n
 
 
 def sauter_mean(size: ArrayLike) -> float:
-    """Return the size [m] of a sphere with the ratio of volume to surface of all particles together."""
+    """Return the size [m] of a sphere with the ratio of volume to surface of all
+    particles together.
+    """
     size = np.asarray(size, dtype=float)
     return float((size**3).sum() / (size**2).sum())

@@ -16,30 +16,48 @@ VOXELS = 4e6
 FINEST = 40.0  # voxels to a diameter at most
 
 
-def porosity(position: Array, radius: Array, domain: Domain, cylinder: float | None) -> dict[str, float]:
-    """Find `porosity_core`, two diameters off walls, floor and top or NaN, and `porosity_box` up to the top.
+def porosity(
+    position: Array, radius: Array, domain: Domain, cylinder: float | None
+) -> dict[str, float]:
+    """Find `porosity_core`, two diameters off walls, floor and top or NaN, and
+    `porosity_box` up to the top.
 
-    The top is the mean height of the upper ends of the highest spheres, one for each square of a diameter. The core is
-    counted on voxels, at an error of about 1e-4; the box is exact.
+    The top is the mean height of the upper ends of the highest spheres, one for each
+    square of a diameter. The core is counted on voxels, at an error of about 1e-4; the
+    box is exact.
     """
     top = surface(position, radius)
     lower, upper = _bounds(domain, top)
-    area = np.pi * cylinder**2 if cylinder is not None else float(np.prod(upper[:2] - lower[:2]))
+    area = (
+        np.pi * cylinder**2
+        if cylinder is not None
+        else float(np.prod(upper[:2] - lower[:2]))
+    )
     solid = float((4.0 / 3.0 * np.pi * radius**3).sum())
     off = MARGIN * 2.0 * float(radius.max())
     margin = np.where(domain.periodic, 0.0, off)
     inner = None if cylinder is None else cylinder - off
     low, high = lower + margin, upper - margin
     if not (high > low).all() or (inner is not None and inner <= 0.0):
-        return {"porosity_core": float("nan"), "porosity_box": 1.0 - solid / (area * top)}
-    width = max(2.0 * float(radius.min()) / FINEST, float(np.prod(high - low) / VOXELS) ** (1.0 / 3.0))
+        return {
+            "porosity_core": float("nan"),
+            "porosity_box": 1.0 - solid / (area * top),
+        }
+    width = max(
+        2.0 * float(radius.min()) / FINEST,
+        float(np.prod(high - low) / VOXELS) ** (1.0 / 3.0),
+    )
     lengths = np.where(domain.periodic, upper - lower, np.inf)
-    share = solid_share(position, radius, low, high, width, lengths, -1.0 if inner is None else inner)
+    share = solid_share(
+        position, radius, low, high, width, lengths, -1.0 if inner is None else inner
+    )
     return {"porosity_core": 1.0 - share, "porosity_box": 1.0 - solid / (area * top)}
 
 
 def surface(position: Array, radius: Array) -> float:
-    """Find the mean height [m] of the bed: upper end of the highest sphere over every square of one mean diameter."""
+    """Find the mean height [m] of the bed: upper end of the highest sphere over
+    every square of one mean diameter.
+    """
     d = 2.0 * float(radius.mean())
     column = np.floor(position[:, :2] / d).astype(np.int64)
     column -= column.min(axis=0)
@@ -49,15 +67,26 @@ def surface(position: Array, radius: Array) -> float:
 
 
 def coordination(
-    position: Array, radius: Array, contacts: Contacts, domain: Domain, cylinder: float | None
+    position: Array,
+    radius: Array,
+    contacts: Contacts,
+    domain: Domain,
+    cylinder: float | None,
 ) -> dict[str, float]:
-    """Count touching neighbours: mean `coordination` of all spheres, `coordination_core` of those in the core."""
-    number = np.bincount(contacts.i, minlength=len(position)) + np.bincount(contacts.j, minlength=len(position))
+    """Count touching neighbours: mean `coordination` of all spheres,
+    `coordination_core` of those in the core.
+    """
+    number = np.bincount(contacts.i, minlength=len(position)) + np.bincount(
+        contacts.j, minlength=len(position)
+    )
     lower, upper = _bounds(domain, surface(position, radius))
     margin = np.where(domain.periodic, -np.inf, MARGIN * 2.0 * radius.max())
     core = ((position > lower + margin) & (position < upper - margin)).all(axis=1)
     if cylinder is not None:
-        core &= np.hypot(position[:, 0], position[:, 1]) < cylinder - MARGIN * 2.0 * radius.max()
+        core &= (
+            np.hypot(position[:, 0], position[:, 1])
+            < cylinder - MARGIN * 2.0 * radius.max()
+        )
     return {
         "coordination": float(number.mean()),
         "coordination_core": float(number[core].mean()) if core.any() else float("nan"),
@@ -65,8 +94,17 @@ def coordination(
 
 
 @entry(cache=True)
-def solid_share(x: Array, radius: Array, low: Array, high: Array, width: float, lengths: Array, inner: float) -> float:
-    """Find the share of a block that spheres cover, on voxels of about `width` [m]; `lengths` of periodic sides or inf.
+def solid_share(
+    x: Array,
+    radius: Array,
+    low: Array,
+    high: Array,
+    width: float,
+    lengths: Array,
+    inner: float,
+) -> float:
+    """Find the share of a block that spheres cover, on voxels of about `width` [m];
+    `lengths` of periodic sides or inf.
 
     With `inner` > 0 only the voxels within that distance of the z axis count.
     """
@@ -86,9 +124,18 @@ def solid_share(x: Array, radius: Array, low: Array, high: Array, width: float, 
                 if side[axis] != 0 and lengths[axis] == np.inf:
                     near = False
                     break
-                centre[axis] = x[i, axis] + (side[axis] * lengths[axis] if side[axis] != 0 else 0.0)
-                first[axis] = max(0, int(np.floor((centre[axis] - radius[i] - low[axis]) / size[axis])))
-                last[axis] = min(count[axis], int(np.floor((centre[axis] + radius[i] - low[axis]) / size[axis])) + 1)
+                centre[axis] = x[i, axis] + (
+                    side[axis] * lengths[axis] if side[axis] != 0 else 0.0
+                )
+                first[axis] = max(
+                    0,
+                    int(np.floor((centre[axis] - radius[i] - low[axis]) / size[axis])),
+                )
+                last[axis] = min(
+                    count[axis],
+                    int(np.floor((centre[axis] + radius[i] - low[axis]) / size[axis]))
+                    + 1,
+                )
                 near = near and first[axis] < last[axis]
             if not near:
                 continue
@@ -104,7 +151,9 @@ def solid_share(x: Array, radius: Array, low: Array, high: Array, width: float, 
     inside, covered = 0, 0
     for a in range(count[0]):
         for b in range(count[1]):
-            off2 = (low[0] + (a + 0.5) * size[0]) ** 2 + (low[1] + (b + 0.5) * size[1]) ** 2
+            off2 = (low[0] + (a + 0.5) * size[0]) ** 2 + (
+                low[1] + (b + 0.5) * size[1]
+            ) ** 2
             if inner > 0.0 and off2 > inner * inner:
                 continue
             inside += count[2]

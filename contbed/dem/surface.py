@@ -1,4 +1,6 @@
-"""Rough particles in a gas: what their contacts and the temperature jump put in the way of heat."""
+"""Rough particles in a gas: what their contacts and the temperature jump put in the
+way of heat.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +17,17 @@ from contbed.closures.contact import (
 
 Array = NDArray[np.float64]
 
-LIGHTEST = 1e-6  # pressure over hardness of pairs that do not touch, to keep the laws finite where they do not count
+# pressure over hardness of pairs that do not touch, to keep the laws finite where they
+# do not count
+LIGHTEST = 1e-6
 
 
 class Surface(NamedTuple):
     """Surface of the particles and gas at it.
 
-    `roughness` [m] and `slope` [-] of one particle, `microhardness`, `youngs_modulus` [Pa] and `poisson_ratio` of the
-    material; `mean_free_path` [m], `accommodation`, `heat_capacity_ratio` and `prandtl` [-] of the gas.
+    `roughness` [m] and `slope` [-] of one particle, `microhardness`,
+    `youngs_modulus` [Pa] and `poisson_ratio` of the material; `mean_free_path` [m],
+    `accommodation`, `heat_capacity_ratio` and `prandtl` [-] of the gas.
     """
 
     roughness: float
@@ -35,20 +40,37 @@ class Surface(NamedTuple):
     heat_capacity_ratio: float = 1.4
     prandtl: float = 0.71
 
-    def resistances(self, r_contact: Array, R: float, k_particle: float, k_fluid: float) -> tuple[Array, float]:
-        """Find the coefficient of each joint [W/m2/K], asperities and gas side by side, and the temperature jump [m].
+    def resistances(
+        self, r_contact: Array, R: float, k_particle: float, k_fluid: float
+    ) -> tuple[Array, float]:
+        """Find the coefficient of each joint [W/m2/K], asperities and gas side by side,
+        and the temperature jump [m].
 
-        The pressure is the mean of Hertz's contact of equal spheres, 4 E* r_c/(3 pi R*), R* = R/2; taken point by
-        point over Hertz's ellipse the coefficient would be 0.3 % lower.
+        The pressure is the mean of Hertz's contact of equal spheres, 4 E* r_c/(3 pi
+        R*), R* = R/2; taken point by point over Hertz's ellipse the coefficient would
+        be 0.3 % lower.
         """
         modulus = 0.5 * self.youngs_modulus / (1.0 - self.poisson_ratio**2)
-        pressure = np.maximum(8.0 * modulus * r_contact / (3.0 * np.pi * R), LIGHTEST * self.microhardness)
+        pressure = np.maximum(
+            8.0 * modulus * r_contact / (3.0 * np.pi * R), LIGHTEST * self.microhardness
+        )
         both = np.sqrt(2.0)  # roughness and slope of two alike surfaces
         jump = float(
-            temperature_jump_kennard(self.mean_free_path, self.accommodation, self.heat_capacity_ratio, self.prandtl)
+            temperature_jump_kennard(
+                self.mean_free_path,
+                self.accommodation,
+                self.heat_capacity_ratio,
+                self.prandtl,
+            )
         )
         asperities = contact_cooper_mikic_yovanovich(
-            k_particle, both * self.roughness, both * self.slope, pressure, self.microhardness
+            k_particle,
+            both * self.roughness,
+            both * self.slope,
+            pressure,
+            self.microhardness,
         )
-        separation = contact_separation_yovanovich(both * self.roughness, pressure, self.microhardness)
+        separation = contact_separation_yovanovich(
+            both * self.roughness, pressure, self.microhardness
+        )
         return np.asarray(asperities + k_fluid / (separation + jump)), jump

@@ -1,18 +1,28 @@
-"""Forces and torques of walls at rest on the particles of a block, one contact after the other."""
+"""Forces and torques of walls at rest on the particles of a block, one contact after
+the other.
+"""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 from contbed.compiled.functions import inner
-from contbed.dem.contact import FAST, ContactConstants, Vector, contact_law, rolling_torque
+from contbed.dem.contact import (
+    FAST,
+    ContactConstants,
+    Vector,
+    contact_law,
+    rolling_torque,
+)
 from contbed.dem.forces import add
 from contbed.dem.kernel_arrays import Laws, Row, Side, Sums
 from contbed.dem.neighbours import wall_distance
 
 
 class Ball(NamedTuple):
-    """A particle at a wall: velocity [m/s], spin [rad/s], radius [m], mass [kg], moment of inertia [kg m2]."""
+    """A particle at a wall: velocity [m/s], spin [rad/s], radius [m], mass [kg],
+    moment of inertia [kg m2].
+    """
 
     velocity: Vector
     spin: Vector
@@ -22,7 +32,9 @@ class Ball(NamedTuple):
 
 
 class WallForce(NamedTuple):
-    """Force [N] and torque [N m] on a particle, its spring after the step [m] and its normal speed [m/s]."""
+    """Force [N] and torque [N m] on a particle, its spring after the step [m] and
+    its normal speed [m/s].
+    """
 
     force: Vector
     torque: Vector
@@ -31,12 +43,20 @@ class WallForce(NamedTuple):
 
 
 @inner(error_model="numpy", fastmath=set(FAST), nogil=True)
-def wall_forces(block: int, side: Side, sums: Sums, laws: Laws, now: float, dt: float) -> None:
-    """Add the forces and torques of walls at rest; a wall counts as a plane of infinite mass.
+def wall_forces(
+    block: int, side: Side, sums: Sums, laws: Laws, now: float, dt: float
+) -> None:
+    """Add the forces and torques of walls at rest; a wall counts as a plane of infinite
+    mass.
 
     `now` is the number of the step, `dt` its length [s].
     """
-    x, motion, near, spheres = side.bodies.position, side.bodies.motion, side.near, side.spheres
+    x, motion, near, spheres = (
+        side.bodies.position,
+        side.bodies.motion,
+        side.near,
+        side.spheres,
+    )
     base = block * (len(near.wall) // len(near.used))
     for k in range(base, base + near.used[block]):
         i, surface = near.particle[k], laws.walls[near.wall[k]]
@@ -55,15 +75,28 @@ def wall_forces(block: int, side: Side, sums: Sums, laws: Laws, now: float, dt: 
             spheres.inertia[i],
         )
         pair = laws.pairs[spheres.material[i], surface.material]
-        found = wall_force(ball, gap, Vector(nx, ny, nz), Vector(spring[k, 0], spring[k, 1], spring[k, 2]), pair, dt)
-        spring[k, 0], spring[k, 1], spring[k, 2] = found.spring.x, found.spring.y, found.spring.z
+        found = wall_force(
+            ball,
+            gap,
+            Vector(nx, ny, nz),
+            Vector(spring[k, 0], spring[k, 1], spring[k, 2]),
+            pair,
+            dt,
+        )
+        spring[k, 0], spring[k, 1], spring[k, 2] = (
+            found.spring.x,
+            found.spring.y,
+            found.spring.z,
+        )
         if is_open:
             near.onset[k, 0], near.onset[k, 1] = now, abs(found.normal_speed)
         add(sums.load, i, found.force, found.torque)
 
 
 @inner(error_model="numpy", fastmath=set(FAST), forceinline=True)
-def wall_force(ball: Ball, gap: float, normal: Vector, spring: Vector, pair: Row, dt: float) -> WallForce:
+def wall_force(
+    ball: Ball, gap: float, normal: Vector, spring: Vector, pair: Row, dt: float
+) -> WallForce:
     """Evaluate the contact of a particle with a wall.
 
     Parameters
@@ -98,10 +131,20 @@ def wall_force(ball: Ball, gap: float, normal: Vector, spring: Vector, pair: Row
         dt,
     )
     c = found.force
-    tx, ty, tz = gap * (nz * c.y - ny * c.z), gap * (nx * c.z - nz * c.x), gap * (ny * c.x - nx * c.y)
+    tx, ty, tz = (
+        gap * (nz * c.y - ny * c.z),
+        gap * (nx * c.z - nz * c.x),
+        gap * (ny * c.x - nx * c.y),
+    )
     if pair.rolling_friction > 0.0:
         roll = rolling_torque(
-            normal, ball.spin, ball.radius, ball.inertia, pair.rolling_friction, found.normal_force, dt
+            normal,
+            ball.spin,
+            ball.radius,
+            ball.inertia,
+            pair.rolling_friction,
+            found.normal_force,
+            dt,
         )
         tx, ty, tz = tx + roll.x, ty + roll.y, tz + roll.z
     return WallForce(c, Vector(tx, ty, tz), found.spring, found.normal_speed)

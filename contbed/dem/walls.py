@@ -1,4 +1,6 @@
-"""Walls at rest: planes, boxes, cylinders around the bed, tubes in it; and the domain that particles may not leave."""
+"""Walls at rest: planes, boxes, cylinders around the bed, tubes in it; and the
+domain that particles may not leave.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ from contbed.errors import SceneError
 
 Vector = tuple[float, float, float]
 INFINITE = float("inf")
-REACHES = 3.0  # of a contact, that periodic sides are at least apart: a pair meets through one side only
+# of a contact, that periodic sides are at least apart: a pair meets through one side
+# only
+REACHES = 3.0
 SKIN = 0.1  # of the smallest radius, unless given: room of the neighbour list
 
 
@@ -26,12 +30,20 @@ class Plane:
 
     def row(self) -> tuple[float, ...]:
         """Return the wall as a row of `kernel_arrays.WALL`."""
-        return 0.0, *self.point, *_unit(self.normal, "plane: normal"), 0.0, self.material
+        return (
+            0.0,
+            *self.point,
+            *_unit(self.normal, "plane: normal"),
+            0.0,
+            self.material,
+        )
 
 
 @dataclass(frozen=True)
 class Cylinder:
-    """Round wall around the bed: a point of its axis [m], direction of the axis, radius [m]."""
+    """Round wall around the bed: a point of its axis [m], direction of the axis,
+    radius [m].
+    """
 
     point: Vector
     axis: Vector
@@ -41,12 +53,20 @@ class Cylinder:
     def row(self) -> tuple[float, ...]:
         """Return the wall as a row of `kernel_arrays.WALL`."""
         axis = _unit(self.axis, "cylinder: axis")
-        return 1.0, *self.point, *axis, _positive(self.radius, "cylinder: radius"), self.material
+        return (
+            1.0,
+            *self.point,
+            *axis,
+            _positive(self.radius, "cylinder: radius"),
+            self.material,
+        )
 
 
 @dataclass(frozen=True)
 class Tube:
-    """Round tube in the bed, as long as the bed is wide: a point of its axis [m], direction of the axis, radius [m]."""
+    """Round tube in the bed, as long as the bed is wide: a point of its axis [m],
+    direction of the axis, radius [m].
+    """
 
     point: Vector
     axis: Vector
@@ -56,7 +76,13 @@ class Tube:
     def row(self) -> tuple[float, ...]:
         """Return the wall as a row of `kernel_arrays.WALL`."""
         axis = _unit(self.axis, "tube: axis")
-        return -1.0, *self.point, *axis, _positive(self.radius, "tube: radius"), self.material
+        return (
+            -1.0,
+            *self.point,
+            *axis,
+            _positive(self.radius, "tube: radius"),
+            self.material,
+        )
 
 
 Wall = Plane | Cylinder | Tube
@@ -64,7 +90,9 @@ Wall = Plane | Cylinder | Tube
 
 @dataclass(frozen=True)
 class Domain:
-    """Corners [m] and periodic sides; a particle whose centre leaves through a side that is not periodic is lost."""
+    """Corners [m] and periodic sides; a particle whose centre leaves through a side
+    that is not periodic is lost.
+    """
 
     lower: Vector = (-INFINITE,) * 3
     upper: Vector = (INFINITE,) * 3
@@ -76,34 +104,54 @@ class Domain:
             if not low < high:
                 raise SceneError(f"domain: {name} from {low:g} to {high:g} m")
             if self.periodic[axis] and not np.isfinite(high - low):
-                raise SceneError(f"domain: the periodic sides in {name} need finite corners, not {low:g} to {high:g} m")
+                raise SceneError(
+                    f"domain: the periodic sides in {name} need finite corners, not "
+                    f"{low:g} to {high:g} m"
+                )
 
     def require_wide(self, width: float) -> None:
-        """Refuse periodic sides closer than REACHES times `width` [m], the reach of a contact."""
+        """Refuse periodic sides closer than REACHES times `width` [m], the reach of
+        a contact.
+        """
         for axis, name in enumerate("xyz"):
             length = self.upper[axis] - self.lower[axis]
             if self.periodic[axis] and length < REACHES * width:
                 raise SceneError(
-                    f"domain: periodic length {length:g} m in {name}, at least {REACHES * width:.4g} m is needed "
+                    f"domain: periodic length {length:g} m in {name}, at least "
+                    f"{REACHES * width:.4g} m is needed "
                     "(three largest diameters and skins)"
                 )
 
 
 def box(domain: Domain, material: int = 0, open_top: bool = True) -> list[Plane]:
-    """Put planes on the finite sides of a domain that are not periodic, with `open_top` none on the upper side of z."""
+    """Put planes on the finite sides of a domain that are not periodic, with
+    `open_top` none on the upper side of z.
+    """
     planes = []
     for axis in range(3):
         for corner, sign in ((domain.lower, 1.0), (domain.upper, -1.0)):
-            if domain.periodic[axis] or not np.isfinite(corner[axis]) or (open_top and axis == 2 and sign < 0.0):
+            if (
+                domain.periodic[axis]
+                or not np.isfinite(corner[axis])
+                or (open_top and axis == 2 and sign < 0.0)
+            ):
                 continue
             point, normal = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
             point[axis], normal[axis] = corner[axis], sign
-            planes.append(Plane((point[0], point[1], point[2]), (normal[0], normal[1], normal[2]), material))
+            planes.append(
+                Plane(
+                    (point[0], point[1], point[2]),
+                    (normal[0], normal[1], normal[2]),
+                    material,
+                )
+            )
     return planes
 
 
 def wall_table(walls: Sequence[Wall]) -> Table:
-    """Tabulate walls for the kernels, shape (w,), columns as in `kernel_arrays.WALL`."""
+    """Tabulate walls for the kernels, shape (w,), columns as in
+    `kernel_arrays.WALL`.
+    """
     return np.array([wall.row() for wall in walls], dtype=WALL)
 
 

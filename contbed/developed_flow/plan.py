@@ -1,4 +1,6 @@
-"""Plan of a fully developed flow: coefficients, and a line from centre to wall that is finer towards the wall."""
+"""Plan of a fully developed flow: coefficients, and a line from centre to wall that
+is finer towards the wall.
+"""
 
 from __future__ import annotations
 
@@ -37,9 +39,15 @@ class DevelopedPlan:
         return policy(self.mesh, None)
 
     def unknowns(self) -> dict[str, int]:
-        """Count the unknowns: two velocities, the root of the granular temperature, and two numbers."""
+        """Count the unknowns: two velocities, the root of the granular temperature,
+        and two numbers.
+        """
         nodes = self.scene.solver.degree * self.mesh.skfem.nelements + 1
-        return {"flow": 3 * nodes + 2 if self.scene.developed_flow.solids_mass_flux else nodes + 1}
+        return {
+            "flow": 3 * nodes + 2
+            if self.scene.developed_flow.solids_mass_flux
+            else nodes + 1
+        }
 
     def on(self, nodes: np.ndarray) -> DevelopedPlan:
         """Return the plan on other nodes."""
@@ -53,24 +61,45 @@ def plan(scene: d.DevelopedScene) -> DevelopedPlan:
     """Build the mesh and resolve closures."""
     table, turbulence = scene.developed_flow, scene.closures.turbulence
     even = np.linspace(0.0, 1.0, scene.solver.cells + 1)
-    mesh = line(table.radius * np.tanh(GRADED * even) / np.tanh(GRADED), table.section == "pipe")
-    built = [("section", f"{table.section}, {scene.solver.cells} cells of degree {scene.solver.degree}")]
+    mesh = line(
+        table.radius * np.tanh(GRADED * even) / np.tanh(GRADED), table.section == "pipe"
+    )
+    built = [
+        (
+            "section",
+            f"{table.section}, {scene.solver.cells} cells of degree "
+            f"{scene.solver.degree}",
+        )
+    ]
     skipped = []
-    particles = ("particles", "two velocities and granular temperature, Newton with continuation")
+    particles = (
+        "particles",
+        "two velocities and granular temperature, Newton with continuation",
+    )
     if table.solids_mass_flux:
         built.append(particles)
     else:
         skipped.append((particles[0], "solids_mass_flux = 0"))
-    (built if turbulence else skipped).append(("turbulence of the gas", turbulence or "not named"))
+    (built if turbulence else skipped).append(
+        ("turbulence of the gas", turbulence or "not named")
+    )
     (built if scene.solver.branches and table.solids_mass_flux else skipped).append(
-        ("other branches", "looked for" if scene.solver.branches else "solver.branches = false")
+        (
+            "other branches",
+            "looked for" if scene.solver.branches else "solver.branches = false",
+        )
     )
     return DevelopedPlan(scene, coefficients(scene), mesh, tuple(built), tuple(skipped))
 
 
 def coefficients(scene: d.DevelopedScene) -> Coefficients:
     """Return the coefficients of the equations from the scene."""
-    table, fluid, solid, wall = scene.developed_flow, scene.fluid, scene.solid, scene.boundary.wall.solid
+    table, fluid, solid, wall = (
+        scene.developed_flow,
+        scene.fluid,
+        scene.solid,
+        scene.boundary.wall.solid,
+    )
     return Coefficients(
         rho_gas=fluid.density,
         mu_gas=fluid.viscosity,
@@ -91,9 +120,14 @@ def coefficients(scene: d.DevelopedScene) -> Coefficients:
 
 def line(nodes: np.ndarray, axisymmetric: bool) -> Mesh:
     """Build the mesh from centre to wall."""
-    mesh = skfem.MeshLine(nodes[None, :], np.array([np.arange(len(nodes) - 1), np.arange(1, len(nodes))]))
+    mesh = skfem.MeshLine(
+        nodes[None, :], np.array([np.arange(len(nodes) - 1), np.arange(1, len(nodes))])
+    )
     exterior = mesh.boundary_facets()
     place = mesh.p[0, mesh.facets[0, exterior]]
-    named = {"centre": exterior[place == nodes[0]], "wall": exterior[place == nodes[-1]]}
+    named = {
+        "centre": exterior[place == nodes[0]],
+        "wall": exterior[place == nodes[-1]],
+    }
     whole = {REGION: np.arange(mesh.nelements)}
     return Mesh(replace(mesh, _boundaries=named, _subdomains=whole), axisymmetric)

@@ -40,19 +40,36 @@ def fill(problem: DevelopedProblem, state: Array, result: Result) -> None:
             result.nodal[name] = (system.fields["u_solid"][0], column)
             if name in ("u_solid", "theta", "eps_s"):
                 result.qoi |= {
-                    f"{name if name != 'eps_s' else 'eps_solid'}_{place}": float(column[order][k])
+                    f"{name if name != 'eps_s' else 'eps_solid'}_{place}": float(
+                        column[order][k]
+                    )
                     for place, k in (("centre", 0), ("wall", -1))
                 }
         result.qoi["pressure_solid_Pa"] = float(values["pressure"][0])
-        result.qoi["eps_solid_mean"] = _mean(problem, state, lambda u, o: model.local(u, c).eps_s)
-        known = {"eps_s": at.eps_s, "g0": at.g0, "eps": 1.0 - at.eps_s, "Re": at.Re, "beta": at.beta}
+        result.qoi["eps_solid_mean"] = _mean(
+            problem, state, lambda u, o: model.local(u, c).eps_s
+        )
+        known = {
+            "eps_s": at.eps_s,
+            "g0": at.g0,
+            "eps": 1.0 - at.eps_s,
+            "Re": at.Re,
+            "beta": at.beta,
+        }
     _closures_used(problem, values, known, result)
     result.profiles |= columns
     result.balances |= balances(problem, state)
 
 
-def _closures_used(problem: DevelopedProblem, values: dict[str, Array], known: dict[str, Any], result: Result) -> None:
-    """Note the ranges that closures saw; the shear rate of the gas is that between nodes."""
+def _closures_used(
+    problem: DevelopedProblem,
+    values: dict[str, Array],
+    known: dict[str, Any],
+    result: Result,
+) -> None:
+    """Note the ranges that closures saw; the shear rate of the gas is that between
+    nodes.
+    """
     c, order = problem.c, np.argsort(problem.r)
     beta = known.pop("beta", 0.0)
     for kind, closure in c.closures.items():
@@ -64,14 +81,16 @@ def _closures_used(problem: DevelopedProblem, values: dict[str, Array], known: d
             arguments = known
         else:
             continue
-        result.closures.append(closure.use(**c.closure_arguments(**arguments)).to_dict())
+        result.closures.append(
+            closure.use(**c.closure_arguments(**arguments)).to_dict()
+        )
 
 
 def balances(problem: DevelopedProblem, state: Array) -> dict[str, dict[str, Any]]:
     """Return the momentum balance [N/m3] and the two flow rates.
 
-    The pressure gradient carries the weight of both phases and the stress on the wall. The stress of the gas on the
-    wall is the residual of its discrete momentum there.
+    The pressure gradient carries the weight of both phases and the stress on the wall.
+    The stress of the gas on the wall is the residual of its discrete momentum there.
     """
     c, system = problem.c, problem.system
     section = float(system.cells.weight.sum())
@@ -81,11 +100,24 @@ def balances(problem: DevelopedProblem, state: Array) -> dict[str, dict[str, Any
     gas = _mean(problem, state, lambda u, o: u.u_gas)
     if problem.particles:
         weight = _mean(problem, state, lambda u, o: _density(u, c)) * c.gravity
-        stress = system.integrate(lambda u, o: model.wall_stress(u, model.local(u, c), c), [problem.wall], state)
-        gas = _mean(problem, state, lambda u, o: (1.0 - model.local(u, c).eps_s) * u.u_gas)
-        flux = _mean(problem, state, lambda u, o: c.rho_solid * model.local(u, c).eps_s * u.u_solid)
+        stress = system.integrate(
+            lambda u, o: model.wall_stress(u, model.local(u, c), c),
+            [problem.wall],
+            state,
+        )
+        gas = _mean(
+            problem, state, lambda u, o: (1.0 - model.local(u, c).eps_s) * u.u_gas
+        )
+        flux = _mean(
+            problem,
+            state,
+            lambda u, o: c.rho_solid * model.local(u, c).eps_s * u.u_solid,
+        )
     taken = weight + (stress - missing) / section
-    out = {"momentum": Balance(gradient, taken, "Pa/m"), "gas flow": Balance(c.velocity, gas, "m/s")}
+    out = {
+        "momentum": Balance(gradient, taken, "Pa/m"),
+        "gas flow": Balance(c.velocity, gas, "m/s"),
+    }
     if problem.particles:
         out["solids flow"] = Balance(c.solid_flux, flux, "kg/m2/s")
     return {name: balance.as_dict() for name, balance in out.items()}
@@ -99,4 +131,6 @@ def _density(u: Any, c: model.Coefficients) -> Any:
 def _mean(problem: DevelopedProblem, state: Array, expression: Any) -> float:
     """Return the mean of an expression over the section."""
     cells = problem.system.cells
-    return problem.system.integrate(expression, [cells], state) / float(cells.weight.sum())
+    return problem.system.integrate(expression, [cells], state) / float(
+        cells.weight.sum()
+    )

@@ -1,4 +1,6 @@
-"""Run of a fully developed flow: a solution, a mesh with nodes at its kinks, other solutions for the same flows."""
+"""Run of a fully developed flow: a solution, a mesh with nodes at its kinks, other
+solutions for the same flows.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,11 @@ from typing import Any
 import numpy as np
 
 from contbed.developed_flow.equations import reach_of_fluctuations
-from contbed.developed_flow.problem import START_SPECULARITY, START_THETA, DevelopedProblem
+from contbed.developed_flow.problem import (
+    START_SPECULARITY,
+    START_THETA,
+    DevelopedProblem,
+)
 from contbed.developed_flow.results import fill
 from contbed.errors import ConvergenceError
 from contbed.result import Result, timed
@@ -17,20 +23,33 @@ from contbed.solvers.branch import trace
 from contbed.solvers.linear import constrain
 
 Array = Any
-MAX_ALIGNMENT_ROUNDS = 3  # rounds that move a node to where gas and particles have the same velocity
-ALIGNMENT_TOLERANCE = 1e-3  # distance to such a place over the size of the cells, within which a node stays [-]
-MIN_BRANCH_DIFFERENCE = 1e-4  # least relative difference of theta at the centre of two different solutions [-]
-BRANCH_TOLERANCE = 0.1  # relative difference of theta at the centre within which a solution is the wanted one [-]
+# rounds that move a node to where gas and particles have the same velocity
+MAX_ALIGNMENT_ROUNDS = 3
+# distance to such a place over the size of the cells, within which a node stays [-]
+ALIGNMENT_TOLERANCE = 1e-3
+# least relative difference of theta at the centre of two different solutions [-]
+MIN_BRANCH_DIFFERENCE = 1e-4
+# relative difference of theta at the centre within which a solution is the wanted one
+# [-]
+BRANCH_TOLERANCE = 0.1
 FINE_CELLS = 60  # cells from which a search that fails is not repeated on finer ones
-SHORT_REACH = 0.01  # share of the radius; FCC of 75 um in 100 mm, without a solution, has 0.005, 200 um, with one, 0.02
-GUESSES = (0.01, 0.1, 10.0)  # factors on a granular temperature from which no solution is found
-VELOCITY_FACTOR = 1.5  # on the superficial velocity, both ways, between which other solutions are searched [-]
+# share of the radius; FCC of 75 um in 100 mm, without a solution, has 0.005, 200 um,
+# with one, 0.02
+SHORT_REACH = 0.01
+# factors on a granular temperature from which no solution is found
+GUESSES = (0.01, 0.1, 10.0)
+# on the superficial velocity, both ways, between which other solutions are searched [-]
+VELOCITY_FACTOR = 1.5
 MAX_BRANCH_POINTS = 60  # solutions along the branch in that search
 
 
 @timed("flow")
-def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
-    """Solve and fill the result; a steady run cannot resume, so `folder` and `start` are ignored."""
+def run(
+    plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any
+) -> None:
+    """Solve and fill the result; a steady run cannot resume, so `folder` and `start`
+    are ignored.
+    """
     from contbed.output.progress import Progress
 
     with Progress(100.0, "% of the way", quiet) as progress:
@@ -46,7 +65,9 @@ def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None
         result.history += history
     except ConvergenceError as error:
         where = plan.scene.origin.at(("developed_flow",))
-        text = f"{where}: developed_flow: no solution found ({error}); {advice(problem)}"
+        text = (
+            f"{where}: developed_flow: no solution found ({error}); {advice(problem)}"
+        )
         raise ConvergenceError(text, error.history, error.state) from error
     if problem.particles and plan.scene.solver.branches:
         state = _nearest(problem, state, meant, result)
@@ -54,21 +75,38 @@ def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None
     result.plan = problem.plan
     fill(problem, state, result)
     result.solved = problem, state
-    if problem.particles and meant is not None and abs(result.qoi["theta_centre"] / meant - 1.0) > BRANCH_TOLERANCE:
+    if (
+        problem.particles
+        and meant is not None
+        and abs(result.qoi["theta_centre"] / meant - 1.0) > BRANCH_TOLERANCE
+    ):
         where = plan.scene.origin.at(("developed_flow", "granular_temperature_centre"))
-        more = "" if plan.scene.solver.branches else "; solver.branches = true looks for others"
+        more = (
+            ""
+            if plan.scene.solver.branches
+            else "; solver.branches = true looks for others"
+        )
         found = result.qoi["theta_centre"]
-        result.warnings.append(f"{where}: theta at the centre is {found:.4g} m2/s2, not near {meant:g}{more}")
+        result.warnings.append(
+            f"{where}: theta at the centre is {found:.4g} m2/s2, not near "
+            f"{meant:g}{more}"
+        )
 
 
-def _found(problem: DevelopedProblem, theta: float, result: Result) -> tuple[DevelopedProblem, Array, list[float]]:
-    """Solve; where the cells are too coarse for the wall layer of fine particles, on half as large ones."""
+def _found(
+    problem: DevelopedProblem, theta: float, result: Result
+) -> tuple[DevelopedProblem, Array, list[float]]:
+    """Solve; where the cells are too coarse for the wall layer of fine particles, on
+    half as large ones.
+    """
     cells, first = problem.plan.scene.solver.cells, None
     for refinement in (1, 2, 4):
         try:
             if refinement > 1:
                 watch = problem.watch
-                problem = DevelopedProblem(problem.plan.on(_halved(np.sort(problem.plan.mesh.skfem.p[0]))))
+                problem = DevelopedProblem(
+                    problem.plan.on(_halved(np.sort(problem.plan.mesh.skfem.p[0])))
+                )
                 problem.watch = watch
             state, history = problem.solve(theta)
             finished, state = aligned(problem, state)
@@ -79,7 +117,10 @@ def _found(problem: DevelopedProblem, theta: float, result: Result) -> tuple[Dev
             continue
         if refinement > 1:
             where = problem.plan.scene.origin.at(("solver", "cells"))
-            result.warnings.append(f"{where}: no solution with {cells} cells; {refinement * cells} are used")
+            result.warnings.append(
+                f"{where}: no solution with {cells} cells; {refinement * cells} are "
+                "used"
+            )
         return finished, state, history
     assert first is not None
     raise first
@@ -96,10 +137,15 @@ def advice(problem: DevelopedProblem) -> str:
     if not problem.particles:
         return "raise solver.newton_tolerance"
     theta = problem.plan.scene.developed_flow.granular_temperature_centre or START_THETA
-    if "granular_production" not in c.closures and reach_of_fluctuations(c, theta) < SHORT_REACH * c.radius:
+    if (
+        "granular_production" not in c.closures
+        and reach_of_fluctuations(c, theta) < SHORT_REACH * c.radius
+    ):
         return (
-            'name closures.granular_production = "granular_production_koch": without it drag stops the fluctuations of '
-            f"particles of {c.d_p:g} m away from walls, and no fraction carries the pressure; or {_tries(problem)}"
+            'name closures.granular_production = "granular_production_koch": without '
+            "it drag stops the fluctuations of "
+            f"particles of {c.d_p:g} m away from walls, and no fraction carries the "
+            f"pressure; or {_tries(problem)}"
         )
     return _tries(problem)
 
@@ -112,20 +158,27 @@ def _tries(problem: DevelopedProblem) -> str:
         for factor in GUESSES
     )
     tries = f"try granular_temperature_centre = {others} m2/s2, or more solver.cells"
-    easier = f"a solids_mass_flux below {c.solid_flux:g} kg/m2/s, a gas_velocity above {c.velocity:g} m/s"
+    easier = (
+        f"a solids_mass_flux below {c.solid_flux:g} kg/m2/s, a gas_velocity above "
+        f"{c.velocity:g} m/s"
+    )
     if c.specularity > START_SPECULARITY:
         easier += f", a specularity below {c.specularity:g}"
     return f"{tries}; then reach the scene from one that is easier: {easier}"
 
 
 def aligned(problem: DevelopedProblem, state: Array) -> tuple[DevelopedProblem, Array]:
-    """Solve again with a node wherever gas and particles are equally fast, because drag has a kink there."""
+    """Solve again with a node wherever gas and particles are equally fast, because
+    drag has a kink there.
+    """
     for _ in range(MAX_ALIGNMENT_ROUNDS if problem.particles else 0):
         nodes = np.sort(problem.plan.mesh.skfem.p[0])
         moved = nodes.copy()
         for place in _crossings(problem, state):
             k = 1 + int(np.argmin(np.abs(nodes[1:-1] - place)))
-            if abs(nodes[k] - place) > ALIGNMENT_TOLERANCE * (nodes[k + 1] - nodes[k - 1]):
+            if abs(nodes[k] - place) > ALIGNMENT_TOLERANCE * (
+                nodes[k + 1] - nodes[k - 1]
+            ):
                 moved[k] = place
         if np.array_equal(moved, nodes):
             break
@@ -136,35 +189,52 @@ def aligned(problem: DevelopedProblem, state: Array) -> tuple[DevelopedProblem, 
 
 def _crossings(problem: DevelopedProblem, state: Array) -> Array:
     order = np.argsort(problem.r)
-    r, slip = problem.r[order], (problem.system.part(state, "u_gas") - problem.system.part(state, "u_solid"))[order]
+    r, slip = (
+        problem.r[order],
+        (problem.system.part(state, "u_gas") - problem.system.part(state, "u_solid"))[
+            order
+        ],
+    )
     k = np.flatnonzero(slip[:-1] * slip[1:] < 0)
     return r[k] + (r[k + 1] - r[k]) * slip[k] / (slip[k] - slip[k + 1])
 
 
-def _nearest(problem: DevelopedProblem, state: Array, meant: float | None, result: Result) -> Array:
-    """Return the solution whose granular temperature at the centre is nearest to `meant`.
+def _nearest(
+    problem: DevelopedProblem, state: Array, meant: float | None, result: Result
+) -> Array:
+    """Return the solution whose granular temperature at the centre is nearest to
+    `meant`.
 
-    All solutions found are written to branches.csv. Without `meant`, the state at hand is kept.
+    All solutions found are written to branches.csv. Without `meant`, the state at hand
+    is kept.
     """
     found = [state, *others(problem, state, result)]
     found.sort(key=lambda each: _centre(problem, each))
     result.qoi["solutions_found"] = len(found)
     columns = {
         "theta_centre [m2/s2]": [_centre(problem, each) for each in found],
-        "pressure_gradient [Pa/m]": [problem.system.part(each, "gradient")[0] for each in found],
+        "pressure_gradient [Pa/m]": [
+            problem.system.part(each, "gradient")[0] for each in found
+        ],
     }
-    result.tables["branches"] = {header: np.array(column, dtype=float) for header, column in columns.items()}
+    result.tables["branches"] = {
+        header: np.array(column, dtype=float) for header, column in columns.items()
+    }
     if meant is None:
         return state
     return min(found, key=lambda each: abs(np.log(_centre(problem, each) / meant)))
 
 
 def others(problem: DevelopedProblem, state: Array, result: Result) -> list[Array]:
-    """Return other solutions for the same flows, found by following the branch over the velocity past its folds."""
+    """Return other solutions for the same flows, found by following the branch over
+    the velocity past its folds.
+    """
     velocity, policy = problem.c.velocity, problem.plan.policy
 
     def assemble(x: Array, value: float, jacobian: bool) -> tuple[Array, Any]:
-        residual, matrix = problem.with_values(velocity=float(value)).steady(x, jacobian)
+        residual, matrix = problem.with_values(velocity=float(value)).steady(
+            x, jacobian
+        )
         residual[problem.fixed] = 0.0
         return residual, constrain(matrix, problem.fixed) if jacobian else None
 
@@ -186,7 +256,10 @@ def others(problem: DevelopedProblem, state: Array, result: Result) -> list[Arra
         )
         if not branch.complete:
             end = branch.parameter[-1]
-            result.warnings.append(f"the branch over the velocity is followed to {end:.4g} m/s, not to {stop:.4g}")
+            result.warnings.append(
+                f"the branch over the velocity is followed to {end:.4g} m/s, not to "
+                f"{stop:.4g}"
+            )
         values, states = list(branch.parameter), list(branch.states)
         for place, value, turn in reversed(branch.folds):
             values.insert(place, value)
@@ -194,9 +267,13 @@ def others(problem: DevelopedProblem, state: Array, result: Result) -> list[Arra
         ahead = np.array(values) - velocity
         for k in np.flatnonzero(ahead[:-1] * ahead[1:] < 0):
             share = ahead[k] / (ahead[k] - ahead[k + 1])
-            other, _ = problem.solve_from((1.0 - share) * states[k] + share * states[k + 1])
+            other, _ = problem.solve_from(
+                (1.0 - share) * states[k] + share * states[k + 1]
+            )
             if all(
-                abs(_centre(problem, other) / _centre(problem, known) - 1.0) > MIN_BRANCH_DIFFERENCE for known in found
+                abs(_centre(problem, other) / _centre(problem, known) - 1.0)
+                > MIN_BRANCH_DIFFERENCE
+                for known in found
             ):
                 found.append(other)
     return found[1:]

@@ -1,4 +1,5 @@
-"""Tables of a scene of developed flow: gas and particles that rise or fall, uniform along the way, in SI.
+"""Tables of a scene of developed flow: gas and particles that rise or fall, uniform
+along the way, in SI.
 
 See `developed_flow.equations`.
 
@@ -43,47 +44,71 @@ if TYPE_CHECKING:
 class DevelopedFlow(Table):
     """The section, and what flows through it."""
 
-    section: Literal["channel", "pipe"] = Field(description="plane channel or round pipe")
-    radius: Length = Field(description="of the pipe, or half the width of the channel")
-    gas_velocity: Annotated[float, *unit("m/s"), Field(gt=0)] = Field(description="superficial, upward")
-    solids_mass_flux: Flux = Field(description="of the particles, upward; 0: gas alone")
-    granular_temperature_centre: Annotated[float, *unit("m**2/s**2"), Field(gt=0)] | None = Field(
-        None, description="granular temperature at the centre of the solution that is meant, where there are several"
+    section: Literal["channel", "pipe"] = Field(
+        description="plane channel or round pipe"
     )
-    gravity: Annotated[float, *unit("m/s**2"), Field(ge=0)] = Field(9.81, description="gravitational acceleration")
+    radius: Length = Field(description="of the pipe, or half the width of the channel")
+    gas_velocity: Annotated[float, *unit("m/s"), Field(gt=0)] = Field(
+        description="superficial, upward"
+    )
+    solids_mass_flux: Flux = Field(description="of the particles, upward; 0: gas alone")
+    granular_temperature_centre: (
+        Annotated[float, *unit("m**2/s**2"), Field(gt=0)] | None
+    ) = Field(
+        None,
+        description="granular temperature at the centre of the solution that is meant, "
+        "where there are several",
+    )
+    gravity: Annotated[float, *unit("m/s**2"), Field(ge=0)] = Field(
+        9.81, description="gravitational acceleration"
+    )
 
 
 class Closures(Table):
     """Closures by name."""
 
     drag: Named = Field("drag_wen_yu", description="drag of the gas on the particles")
-    radial_distribution: str = Field("g0_sinclair_jackson", description="radial distribution function at contact")
-    granular_pressure: str = Field("granular_pressure_lun", description="granular pressure")
-    granular_viscosity: str = Field("granular_viscosity_gidaspow", description="granular shear viscosity")
+    radial_distribution: str = Field(
+        "g0_sinclair_jackson", description="radial distribution function at contact"
+    )
+    granular_pressure: str = Field(
+        "granular_pressure_lun", description="granular pressure"
+    )
+    granular_viscosity: str = Field(
+        "granular_viscosity_gidaspow", description="granular shear viscosity"
+    )
     granular_conductivity: str = Field(
-        "granular_conductivity_syamlal", description="granular conductivity, of fluctuation energy"
+        "granular_conductivity_syamlal",
+        description="granular conductivity, of fluctuation energy",
     )
     granular_dissipation: str = Field(
-        "granular_dissipation_lun", description="dissipation of fluctuation energy by collisions"
+        "granular_dissipation_lun",
+        description="dissipation of fluctuation energy by collisions",
     )
     granular_production: str | None = Field(
         None,
-        description="of fluctuations by the slip, for fine particles: granular_production_koch; absent: none",
+        description="of fluctuations by the slip, for fine particles: "
+        "granular_production_koch; absent: none",
         json_schema_extra=takes("granular_production"),
     )
     turbulence: str | None = Field(
         None,
-        description="of the gas above Re 2300: eddy_viscosity_nikuradse; absent: the gas is laminar",
+        description="of the gas above Re 2300: eddy_viscosity_nikuradse; absent: the "
+        "gas is laminar",
         json_schema_extra=takes("eddy_viscosity"),
     )
 
 
 class GasConstant(ConstantsAt, gases.GasConstant):
-    """A gas or liquid with constant properties, given or those of a material at a temperature."""
+    """A gas or liquid with constant properties, given or those of a material at a
+    temperature.
+    """
 
 
 class GasCantera(ConstantsAt, gases.GasCantera):
-    """An ideal-gas mixture of a Cantera mechanism; its properties at one temperature."""
+    """An ideal-gas mixture of a Cantera mechanism; its properties at one
+    temperature.
+    """
 
 
 class GasCoolProp(ConstantsAt, gases.GasCoolProp):
@@ -105,14 +130,17 @@ class Solid(SolidPhase):
     restitution: Annotated[Number, Field(gt=0, le=1)] = Field(
         0.9, description="coefficient of restitution between particles"
     )
-    packing_limit: Annotated[Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
+    packing_limit: Annotated[Number, Field(gt=0, lt=0.75)] = Field(
+        0.63, description="densest fraction"
+    )
 
 
 class SolidAtWall(Table):
     """Particles that slip along the wall, after Johnson and Jackson."""
 
     wall: Literal["johnson_jackson"] = Field(
-        "johnson_jackson", description="condition of the solids at the wall; johnson_jackson: partial slip"
+        "johnson_jackson",
+        description="condition of the solids at the wall; johnson_jackson: partial slip",
     )
     specularity: Annotated[Number, Field(gt=0, le=1)] = Field(
         description="specularity coefficient of collisions with the wall"
@@ -166,15 +194,24 @@ class Output(Table):
 class Solver(Table):
     """Numerics."""
 
-    cells: Whole = Field(60, ge=4, le=10000, description="between centre and wall, finer toward the wall")
+    cells: Whole = Field(
+        60, ge=4, le=10000, description="between centre and wall, finer toward the wall"
+    )
     degree: Order = Field(3, description="polynomial degree of the fields")
-    branches: Switch = Field(False, description="follow solutions over the velocity to find others of it")
+    branches: Switch = Field(
+        False, description="follow solutions over the velocity to find others of it"
+    )
     newton_tolerance: Fraction = Field(
         1e-10,
-        description="residual norm, relative to the scale of the equations, at which Newton's method has converged",
+        description="residual norm, relative to the scale of the equations, at which "
+        "Newton's method has converged",
     )
-    newton_iterations: Whole = Field(60, ge=1, le=1000, description="most iterations of Newton's method")
-    balance_tolerance: Positive = Field(1e-10, description="largest relative residual of a balance that a run accepts")
+    newton_iterations: Whole = Field(
+        60, ge=1, le=1000, description="most iterations of Newton's method"
+    )
+    balance_tolerance: Positive = Field(
+        1e-10, description="largest relative residual of a balance that a run accepts"
+    )
     strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
@@ -187,7 +224,9 @@ class DevelopedScene(SceneBase):
 
     developed_flow: DevelopedFlow
     gas: Gas
-    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)] = Field(description="the solid phase, by its name")
+    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)] = Field(
+        description="the solid phase, by its name"
+    )
     closures: Closures = Closures()
     boundary: Boundary
     output: Output = Output()
@@ -205,7 +244,8 @@ class DevelopedScene(SceneBase):
 
 
 def fluid_of(gas: Gas, base: Path) -> Constants:
-    """Return the properties of the gas of a scene in the folder `base`, at its reference temperature if they vary.
+    """Return the properties of the gas of a scene in the folder `base`, at its
+    reference temperature if they vary.
 
     Raises
     ------

@@ -1,4 +1,5 @@
-"""Linear response of a fully developed flow to small changes of its scene; see `solvers.tangent`.
+"""Linear response of a fully developed flow to small changes of its scene; see
+`solvers.tangent`.
 
 The nodes of the mesh, those at kinks of the drag included, move with the radius only.
 """
@@ -39,8 +40,11 @@ class Tangent:
         _, matrix = self.problem.steady(self.state, True)
         return Response(matrix, self.problem.fixed, self.problem.plan.policy)
 
-    def results(self, below: DevelopedScene, above: DevelopedScene) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the named results of two scenes with a key a little below and above that of the solved one.
+    def results(
+        self, below: DevelopedScene, above: DevelopedScene
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the named results of two scenes with a key a little below and above
+        that of the solved one.
 
         Raises
         ------

@@ -1,1 +1,3 @@
-"""Data sheets of all that has a name: closures, models, keys of scenes, results, materials, terms; editor schema."""
+"""Data sheets of all that has a name: closures, models, keys of scenes, results,
+materials, terms; editor schema.
+"""

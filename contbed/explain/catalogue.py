@@ -1,4 +1,6 @@
-"""All that has a name: models, kinds of closures, rate laws, materials, tables, keys of scenes and their choices."""
+"""All that has a name: models, kinds of closures, rate laws, materials, tables, keys
+of scenes and their choices.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,12 @@ from functools import cache
 from contbed import closures, fields
 from contbed.closures import arguments, registry
 from contbed.closures.reactions import LAWS, Law
-from contbed.closures.reactions_solid import CALCINATION, CHAR_LAWS, SULPHATE_REDUCTION, SULPHATION
+from contbed.closures.reactions_solid import (
+    CALCINATION,
+    CHAR_LAWS,
+    SULPHATE_REDUCTION,
+    SULPHATION,
+)
 from contbed.explain.terms import TERMS
 from contbed.models import MODELS, Model
 from contbed.scene import schema
@@ -31,13 +38,22 @@ WORDS = {
 @cache
 def models() -> dict[str, str]:
     """Return the docstrings of all equations by name, read without importing them."""
-    files = {name: file for model in MODELS.values() for name, file in model.sheets().items()}
-    return {name: ast.get_docstring(ast.parse(files[name].read_text(encoding="utf-8"))) or "" for name in sorted(files)}
+    files = {
+        name: file for model in MODELS.values() for name, file in model.sheets().items()
+    }
+    return {
+        name: ast.get_docstring(ast.parse(files[name].read_text(encoding="utf-8")))
+        or ""
+        for name in sorted(files)
+    }
 
 
 def ordered() -> list[tuple[str, Model]]:
     """Return all kinds of scenes, the packed bed first."""
-    return [(kind, MODELS[kind]) for kind in sorted(MODELS, key=lambda kind: kind != "packed_bed")]
+    return [
+        (kind, MODELS[kind])
+        for kind in sorted(MODELS, key=lambda kind: kind != "packed_bed")
+    ]
 
 
 def schemas() -> list[schema.Node]:
@@ -46,7 +62,9 @@ def schemas() -> list[schema.Node]:
 
 
 def tables() -> list[str]:
-    """Return the tables of all scenes, with their types: "mesh", "heat", "boundary.NAME"."""
+    """Return the tables of all scenes, with their types: "mesh", "heat",
+    "boundary.NAME".
+    """
     return list(dict.fromkeys(name for root in schemas() for name in tables_of(root)))
 
 
@@ -54,7 +72,10 @@ def tables_of(root: schema.Node) -> list[str]:
     """Return the tables of one kind of scene."""
     found: list[str] = []
     for name, node in root["properties"].items():
-        if any(isinstance(option.get("additionalProperties"), dict) for option in schema.options(node)):
+        if any(
+            isinstance(option.get("additionalProperties"), dict)
+            for option in schema.options(node)
+        ):
             found.append(f"{name}.NAME")
         elif any("properties" in option for option in schema.options(node)):
             found.append(name)
@@ -63,7 +84,9 @@ def tables_of(root: schema.Node) -> list[str]:
 
 @cache
 def keys() -> dict[str, tuple[schema.Node, ...]]:
-    """Return the tables and keys of all scenes by their whole names, each as it is in the kinds of scenes."""
+    """Return the tables and keys of all scenes by their whole names, each as it is
+    in the kinds of scenes.
+    """
     found: dict[str, list[schema.Node]] = {}
     for root in schemas():
         for path, node in _below(root, (), ()):
@@ -76,7 +99,9 @@ def keys() -> dict[str, tuple[schema.Node, ...]]:
 def _below(
     table: schema.Node, path: tuple[str, ...], seen: tuple[str, ...]
 ) -> Iterator[tuple[tuple[str, ...], schema.Node]]:
-    """Yield the keys in a table and in those below it; tables that hold themselves once."""
+    """Yield the keys in a table and in those below it; tables that hold themselves
+    once.
+    """
     for key, node in table.get("properties", {}).items():
         yield (*path, key), node
         for option in schema.options(node):
@@ -84,16 +109,24 @@ def _below(
             name = (*path, key, "NAME") if isinstance(inner, dict) else (*path, key)
             for below in schema.options(inner) if isinstance(inner, dict) else [option]:
                 title = str(below.get("title", ""))
-                if "properties" in below and title not in seen and not schema.is_closure(below):
+                if (
+                    "properties" in below
+                    and title not in seen
+                    and not schema.is_closure(below)
+                ):
                     yield from _below(below, name, (*seen, title))
 
 
 @cache
 def choices() -> dict[str, list[str]]:
-    """Return the keys that take a text as one of their choices, by this text: "no_slip" boundary.NAME.type."""
+    """Return the keys that take a text as one of their choices, by this text:
+    "no_slip" boundary.NAME.type.
+    """
     found: dict[str, list[str]] = {}
     for name, nodes in keys().items():
-        for value in dict.fromkeys(value for node in nodes for value in schema.choices(node)):
+        for value in dict.fromkeys(
+            value for node in nodes for value in schema.choices(node)
+        ):
             if isinstance(value, str):
                 found.setdefault(value, []).append(name)
     return found
@@ -106,27 +139,44 @@ def kinds() -> list[str]:
 
 def laws() -> dict[str, dict[str, Law]]:
     """Return the rate laws of each reaction of a bubbling bed, the default first."""
-    lime = {"calcination": CALCINATION, "sulphation": SULPHATION, "sulphate_reduction": SULPHATE_REDUCTION}
-    return {**LAWS, **CHAR_LAWS, **{name: {law.name: law} for name, law in lime.items()}}
+    lime = {
+        "calcination": CALCINATION,
+        "sulphation": SULPHATION,
+        "sulphate_reduction": SULPHATE_REDUCTION,
+    }
+    return {
+        **LAWS,
+        **CHAR_LAWS,
+        **{name: {law.name: law} for name, law in lime.items()},
+    }
 
 
 def laws_by_name() -> dict[str, tuple[str, ...]]:
-    """Return the equations of the rate laws that a reacting bed names, `[reactions.NAME] law`."""
+    """Return the equations of the rate laws that a reacting bed names,
+    `[reactions.NAME] law`.
+    """
     from contbed.reacting_bed.laws import LAWS_WITH_EQUATION
 
-    found = {name: (text,) if isinstance(text, str) else text for name, text in LAWS_WITH_EQUATION.items()}
+    found = {
+        name: (text,) if isinstance(text, str) else text
+        for name, text in LAWS_WITH_EQUATION.items()
+    }
     return {name: equations for name, equations in found.items() if "." not in name}
 
 
 def own_laws() -> dict[str, tuple[str, ...]]:
-    """Return the rate laws of reacting beds whose constants the scene gives, each with the keys that it needs."""
+    """Return the rate laws of reacting beds whose constants the scene gives, each
+    with the keys that it needs.
+    """
     from contbed.reacting_bed.laws import NEEDS
 
     return dict(NEEDS)
 
 
 def group(word: str) -> str | None:
-    """Return the group of names that a word asks for: "rate laws" reactions; None if it is no such word."""
+    """Return the group of names that a word asks for: "rate laws" reactions; None if
+    it is no such word.
+    """
     plain = word.lower().replace("_", " ").strip()
     return WORDS.get(plain.removesuffix("s"))
 
@@ -135,22 +185,33 @@ def sections(name: str) -> dict[str, list[str]]:
     """Return the lines of a group of `WORDS` under their headings."""
     if name == "closures":
         return {
-            f"closures: {kind}": [f"{one:44} {registry.sheet(one).summary}" for one in closures.names(kind)]
+            f"closures: {kind}": [
+                f"{one:44} {registry.sheet(one).summary}"
+                for one in closures.names(kind)
+            ]
             for kind in kinds()
         }
     if name == "tables":
         return {
-            f"tables of a {kind} scene: {first_paragraph(schema.of(model.scene).get('description'))}": tables_of(
+            f"tables of a {kind} scene: "
+            f"{first_paragraph(schema.of(model.scene).get('description'))}": tables_of(
                 schema.of(model.scene)
             )
             for kind, model in ordered()
         }
     if name == "reactions":
         return {
-            "reactions and their rate laws": _lines({key: ", ".join(found) for key, found in laws().items()}),
-            "rate laws of reacting beds": _lines({key: equations[0] for key, equations in laws_by_name().items()}),
+            "reactions and their rate laws": _lines(
+                {key: ", ".join(found) for key, found in laws().items()}
+            ),
+            "rate laws of reacting beds": _lines(
+                {key: equations[0] for key, equations in laws_by_name().items()}
+            ),
             "rate laws of reacting beds with constants of the scene": _lines(
-                {key: f"needs {', '.join(needed)}" for key, needed in own_laws().items()}
+                {
+                    key: f"needs {', '.join(needed)}"
+                    for key, needed in own_laws().items()
+                }
             ),
         }
     found: Mapping[str, str] = {
@@ -163,11 +224,23 @@ def sections(name: str) -> dict[str, list[str]]:
 
 
 def overview(name: str) -> list[str]:
-    """Return a group in short: of closures the kinds alone, which have lists of their own."""
+    """Return a group in short: of closures the kinds alone, which have lists of
+    their own.
+    """
     if name != "closures":
-        return [line for title, lines in sections(name).items() for line in (title, *(f"    {one}" for one in lines))]
-    about = {kind: f"{arguments.RESULTS.get(kind, kind)}: {', '.join(_short(kind))}" for kind in kinds()}
-    head = "kinds of closures; `contbed explain KIND` lists them, `contbed closures --for KIND` ranks them"
+        return [
+            line
+            for title, lines in sections(name).items()
+            for line in (title, *(f"    {one}" for one in lines))
+        ]
+    about = {
+        kind: f"{arguments.RESULTS.get(kind, kind)}: {', '.join(_short(kind))}"
+        for kind in kinds()
+    }
+    head = (
+        "kinds of closures; `contbed explain KIND` lists them, `contbed closures "
+        "--for KIND` ranks them"
+    )
     return [head, *(f"    {line}" for line in _lines(about))]
 
 

@@ -1,4 +1,6 @@
-"""Data sheets by name: closures, models, tables and keys, results, reactions, materials, terms, commands."""
+"""Data sheets by name: closures, models, tables and keys, results, reactions,
+materials, terms, commands.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,16 @@ from contbed.closures import arguments, registry
 from contbed.closures.reactions import Law
 from contbed.errors import SceneError
 from contbed.explain import catalogue
-from contbed.explain.catalogue import kinds, laws, laws_by_name, models, ordered, own_laws, schemas, tables
+from contbed.explain.catalogue import (
+    kinds,
+    laws,
+    laws_by_name,
+    models,
+    ordered,
+    own_laws,
+    schemas,
+    tables,
+)
 from contbed.explain.closure_keys import closure_keys
 from contbed.explain.terms import TERMS
 from contbed.models import MODELS
@@ -27,7 +38,10 @@ MAX_FOUND = 20  # entries that a search shows
 
 def studies(folder: Path) -> dict[str, list[str]]:
     """Return the scenes of each study in a folder."""
-    found = {study.name: sorted(scene.name for scene in study.glob("*.toml")) for study in sorted(folder.glob("*/"))}
+    found = {
+        study.name: sorted(scene.name for scene in study.glob("*.toml"))
+        for study in sorted(folder.glob("*/"))
+    }
     return {name: scenes for name, scenes in found.items() if scenes}
 
 
@@ -36,9 +50,10 @@ def explain(name: str, commands: Mapping[str, str] | None = None) -> str:
 
     Parameters
     ----------
-    name : a closure, with or without its kind, a kind of closures, a model, a table or key of a scene, whole or its
-        last part, a choice of a key, a named result or column, a reaction, a rate law, a material, a term of the
-        field, a command, or a word for a group of these: "closures", "rate laws", "materials"
+    name : a closure, with or without its kind, a kind of closures, a model, a table or
+        key of a scene, whole or its last part, a choice of a key, a named result or
+        column, a reaction, a rate law, a material, a term of the field, a command, or a
+        word for a group of these: "closures", "rate laws", "materials"
     commands : what each command of the command line does
 
     Raises
@@ -48,7 +63,8 @@ def explain(name: str, commands: Mapping[str, str] | None = None) -> str:
     sheets = [sheet for source in _SOURCES for sheet in source(name)]
     if name in (commands or {}):
         sheets.append(
-            f"contbed {name} - command: {(commands or {})[name]}\n    `contbed {name} --help` shows its options"
+            f"contbed {name} - command: {(commands or {})[name]}\n    `contbed {name} "
+            "--help` shows its options"
         )
     sheets = sheets or list(_by_pattern(name))
     if sheets:
@@ -61,7 +77,11 @@ def explain(name: str, commands: Mapping[str, str] | None = None) -> str:
         *(commands or {}),
     ]
     near = get_close_matches(name, dict.fromkeys(names), n=3, cutoff=0.5)
-    hint = f"nearest: {', '.join(near)}" if near else f"`contbed explain --search {name}` looks into all texts"
+    hint = (
+        f"nearest: {', '.join(near)}"
+        if near
+        else f"`contbed explain --search {name}` looks into all texts"
+    )
     raise SceneError(f"nothing is called {name!r}; {hint}")
 
 
@@ -69,37 +89,58 @@ def entries() -> dict[str, str]:
     """Return the title of everything that `explain` shows, by name."""
     found = {name: first_paragraph(text) for name, text in models().items()}
     found |= {name: registry.sheet(name).summary for name in closures.names()}
-    found |= {kind: f"closures: {arguments.RESULTS.get(kind, kind)}" for kind in kinds()}
+    found |= {
+        kind: f"closures: {arguments.RESULTS.get(kind, kind)}" for kind in kinds()
+    }
     found |= {name: entry.meaning for name, entry in MATERIALS.items()}
     found |= {name: f"rate laws: {', '.join(table)}" for name, table in laws().items()}
-    found |= {name: f"rate law: {equations[0]}" for name, equations in laws_by_name().items()}
+    found |= {
+        name: f"rate law: {equations[0]}" for name, equations in laws_by_name().items()
+    }
     found |= {name: entry.meaning for name, entry in arguments.ARGUMENTS.items()}
-    found |= {name: entry.description for name, entry in {**fields.FIELDS, **fields.RESULTS}.items()}
+    found |= {
+        name: entry.description
+        for name, entry in {**fields.FIELDS, **fields.RESULTS}.items()
+    }
     found |= {name: text.partition(". ")[0] for name, text in TERMS.items()}
     for table in tables():
         for node in at(tuple(table.split("."))):
             for option in schema.options(node):
                 found.setdefault(table, first_paragraph(option.get("description")))
                 for key, child in option.get("properties", {}).items():
-                    found.setdefault(f"{table}.{key}", str(child.get("description", "")))
+                    found.setdefault(
+                        f"{table}.{key}", str(child.get("description", ""))
+                    )
     return found
 
 
 def search(words: str) -> str:
-    """Return the names whose data sheets have the words, the best first, with their titles, as lines."""
+    """Return the names whose data sheets have the words, the best first, with their
+    titles, as lines.
+    """
     wanted = [word.lower().removesuffix("s") for word in words.split()]
     rows = []
     for name, title in entries().items():
-        texts = (name.lower().replace("_", " ") + " " + name.lower(), title.lower(), _text(name).lower())
+        texts = (
+            name.lower().replace("_", " ") + " " + name.lower(),
+            title.lower(),
+            _text(name).lower(),
+        )
         score = [max(w for w, text in zip((9, 4, 1), texts, strict=True) if word in text) for word in wanted
                  if any(word in text for text in texts)]  # fmt: skip
         if len(score) == len(wanted) and wanted:
             rows.append((-sum(score), name, title))
-    lines = [f"{name:40} {title}".rstrip() for _, name, title in sorted(rows)[:MAX_FOUND]]
+    lines = [
+        f"{name:40} {title}".rstrip() for _, name, title in sorted(rows)[:MAX_FOUND]
+    ]
     if not lines:
-        raise SceneError(f"nothing has the words {words!r}; `contbed list` shows all names")
+        raise SceneError(
+            f"nothing has the words {words!r}; `contbed list` shows all names"
+        )
     more = len(rows) - len(lines)
-    return "\n".join([*lines, *([f"and {more} more; more words find fewer"] if more > 0 else [])])
+    return "\n".join(
+        [*lines, *([f"and {more} more; more words find fewer"] if more > 0 else [])]
+    )
 
 
 def listing(folder: Path) -> str:
@@ -108,18 +149,25 @@ def listing(folder: Path) -> str:
     for group in ("models", "closures", "reactions", "materials", "tables"):
         for title, names in catalogue.sections(group).items():
             lines += _section(title, names)
-    lines += _section("studies", (f"{name:28} {', '.join(scenes)}" for name, scenes in studies(folder).items()))
+    lines += _section(
+        "studies",
+        (f"{name:28} {', '.join(scenes)}" for name, scenes in studies(folder).items()),
+    )
     return "\n".join(lines)
 
 
 def at(path: KeyPath) -> list[schema.Node]:
-    """Return the nodes of a key path in all kinds of scenes; several if a table has several types."""
+    """Return the nodes of a key path in all kinds of scenes; several if a table has
+    several types.
+    """
     return [node for root in schemas() for node in schema.at(root, path)]
 
 
 def unit(path: KeyPath) -> str | None:
     """Return the SI unit of a key; None if it has none or is not a number."""
-    return next((found for root in schemas() if (found := schema.unit(root, path))), None)
+    return next(
+        (found for root in schemas() if (found := schema.unit(root, path))), None
+    )
 
 
 def _model_sheets(name: str) -> Iterator[str]:
@@ -128,30 +176,48 @@ def _model_sheets(name: str) -> Iterator[str]:
 
 
 def _closure_sheets(name: str) -> Iterator[str]:
-    """Yield closures; a short name may belong to several kinds, that of a dispersion stands for a pair."""
+    """Yield closures; a short name may belong to several kinds, that of a dispersion
+    stands for a pair.
+    """
     wanted = [f"{kind}{name}" for kind in ("", *(f"{kind}_" for kind in kinds()))]
-    wanted += [f"{stem}{end}" for stem in (name, f"dispersion_{name}") for end in ("_axial", "_transverse")]
-    yield from (closures.data_sheet(match) for match in closures.names() if match in wanted)
+    wanted += [
+        f"{stem}{end}"
+        for stem in (name, f"dispersion_{name}")
+        for end in ("_axial", "_transverse")
+    ]
+    yield from (
+        closures.data_sheet(match) for match in closures.names() if match in wanted
+    )
 
 
 def _kind_sheets(name: str) -> Iterator[str]:
     if name in kinds():
         unit = registry.sheet(closures.names(name)[0]).unit
-        lines = [f"closures of kind {name}: {arguments.RESULTS.get(name, name)} [{unit}]"]
-        lines += [f"    {closure:44} {registry.sheet(closure).summary}" for closure in closures.names(name)]
+        lines = [
+            f"closures of kind {name}: {arguments.RESULTS.get(name, name)} [{unit}]"
+        ]
+        lines += [
+            f"    {closure:44} {registry.sheet(closure).summary}"
+            for closure in closures.names(name)
+        ]
         named = [place for place, kind in closure_keys().items() if kind == name]
         lines += [f"    named by {', '.join(named)}"] if named else []
         yield "\n".join(lines)
 
 
 def _key_sheets(name: str) -> Iterator[str]:
-    """Yield the tables and keys of that name, each with the kinds of scenes that it belongs to."""
+    """Yield the tables and keys of that name, each with the kinds of scenes that it
+    belongs to.
+    """
     for scenes, node in _nodes(name):
         lines = [*schema.sheet(name, node)]
         if len(scenes) < len(MODELS):
             lines.insert(0, f"in scenes of kind {', '.join(scenes)}:")
         if kind := closure_keys().get(name):
-            lines.append(f"    `contbed explain {kind}` shows the closures, `contbed closures --for {name}` ranks them")
+            lines.append(
+                f"    `contbed explain {kind}` shows the closures, `contbed closures "
+                f"--for {name}` ranks them"
+            )
         yield "\n".join(lines)
 
 
@@ -159,21 +225,35 @@ def _law_sheets(name: str) -> Iterator[str]:
     """Yield the rate laws of a reaction, and those that are called so."""
     reaction = name.removeprefix("reactions.").removesuffix(".law")
     if of := laws().get(reaction):
-        head = f"rate laws of {reaction}, the first is the default" if len(of) > 1 else f"rate law of {reaction}"
+        head = (
+            f"rate laws of {reaction}, the first is the default"
+            if len(of) > 1
+            else f"rate law of {reaction}"
+        )
         yield "\n".join([head, *(line for law in of for line in _law(of[law]))])
     for reaction, of in laws().items():
         if name in of:
-            yield "\n".join([f"{name} - rate law of {reaction} in bubbling beds", *_law(of[name])])
+            yield "\n".join(
+                [f"{name} - rate law of {reaction} in bubbling beds", *_law(of[name])]
+            )
 
 
 def _law(law: Law) -> list[str]:
     low, high = law.T_range
-    return [f"    {law.name}: {law.reaction} [{law.unit}], {low:g} to {high:g} K", f"        {law.source}"]
+    return [
+        f"    {law.name}: {law.reaction} [{law.unit}], {low:g} to {high:g} K",
+        f"        {law.source}",
+    ]
 
 
 def _named_law_sheets(name: str) -> Iterator[str]:
     if equations := laws_by_name().get(name):
-        yield "\n".join([f"{name} - rate law of a reacting bed", *(f"    {equation}" for equation in equations)])
+        yield "\n".join(
+            [
+                f"{name} - rate law of a reacting bed",
+                *(f"    {equation}" for equation in equations),
+            ]
+        )
 
 
 def _own_law_sheets(name: str) -> Iterator[str]:
@@ -188,11 +268,23 @@ def _group_sheets(name: str) -> Iterator[str]:
 
 
 def _part_sheets(name: str) -> Iterator[str]:
-    """Yield the keys whose last part has the name, and those that take it as a choice."""
-    whole = [key for key in catalogue.last_parts(catalogue.keys()).get(name, []) if key != name]
+    """Yield the keys whose last part has the name, and those that take it as a
+    choice.
+    """
+    whole = [
+        key
+        for key in catalogue.last_parts(catalogue.keys()).get(name, [])
+        if key != name
+    ]
     if whole:
         rows = [f"    {key:40} {_meaning(key)}".rstrip() for key in whole]
-        yield "\n".join([f"{name} - key of tables of a scene; `contbed explain TABLE.{name}` shows one whole", *rows])
+        yield "\n".join(
+            [
+                f"{name} - key of tables of a scene; `contbed explain TABLE.{name}` "
+                "shows one whole",
+                *rows,
+            ]
+        )
     if takers := catalogue.choices().get(name):
         rows = [f"    {key:40} {_meaning(key)}".rstrip() for key in takers]
         yield "\n".join([f'"{name}" - a choice of', *rows])
@@ -209,7 +301,10 @@ def _meaning(key: str) -> str:
 
 def _result_sheets(name: str) -> Iterator[str]:
     """Yield results and columns; "k_eff" is that of "k_eff [W/m/K]"."""
-    for what, table in (("column or field", fields.FIELDS), ("named result", fields.RESULTS)):
+    for what, table in (
+        ("column or field", fields.FIELDS),
+        ("named result", fields.RESULTS),
+    ):
         for whole in table:
             if name in (whole, whole.partition(" [")[0]):
                 yield _quantity(what, whole, table[whole])
@@ -217,15 +312,25 @@ def _result_sheets(name: str) -> Iterator[str]:
 
 def _argument_sheets(name: str) -> Iterator[str]:
     if (known := arguments.ARGUMENTS.get(name)) is not None:
-        takers = [closure for closure in closures.names() if name in registry.sheet(closure).arguments]
+        takers = [
+            closure
+            for closure in closures.names()
+            if name in registry.sheet(closure).arguments
+        ]
         yield f"{name} - argument of {len(takers)} closures, [{known.unit}]: {known.meaning}"
 
 
 def _by_pattern(name: str) -> Iterator[str]:
-    """Yield results whose name has a part that the scene chooses: "heat_left_W" is a "heat_NAME_W"."""
-    if "_" not in name and " " not in name:  # without a part of the entry's own it would fit anything
+    """Yield results whose name has a part that the scene chooses: "heat_left_W" is a
+    "heat_NAME_W".
+    """
+    # without a part of the entry's own it would fit anything
+    if "_" not in name and " " not in name:
         return
-    candidates = (("column or field", fields.field(name)), ("named result", fields.result(name)))
+    candidates = (
+        ("column or field", fields.field(name)),
+        ("named result", fields.result(name)),
+    )
     entries = [(what, entry) for what, entry in candidates if entry is not None]
     if entries:
         what, closest = max(entries, key=lambda found: len(found[1].name))
@@ -271,11 +376,14 @@ _LISTS = (_kind_sheets, _group_sheets, _part_sheets)
 @cache
 def _text(name: str) -> str:
     """Return the whole text of an entry, for a search."""
-    return "\n".join(sheet for source in _SOURCES if source not in _LISTS for sheet in source(name))
+    return "\n".join(
+        sheet for source in _SOURCES if source not in _LISTS for sheet in source(name)
+    )
 
 
 def _nodes(name: str) -> list[tuple[list[str], schema.Node]]:
-    """Return the different schemas of a table or key, each with the kinds of scenes that have it.
+    """Return the different schemas of a table or key, each with the kinds of scenes
+    that have it.
 
     Names are such as "heat", "closures.nusselt", "boundary.NAME.gas" or "mesh.line".
     """
@@ -297,7 +405,11 @@ def _of_kind(root: schema.Node, path: KeyPath) -> list[schema.Node]:
         option
         for node in schema.at(root, path[:-1])
         for option in schema.options(node)
-        if any(value == path[-1] for key in option.get("properties", {}).values() for value in schema.choices(key))
+        if any(
+            value == path[-1]
+            for key in option.get("properties", {}).values()
+            for value in schema.choices(key)
+        )
     ]
 
 

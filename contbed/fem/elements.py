@@ -1,9 +1,12 @@
-"""Nodal Lagrange elements of degree 1 to 3 on all cell shapes, and their numbering on a scikit-fem mesh.
+"""Nodal Lagrange elements of degree 1 to 3 on all cell shapes, and their numbering on a
+scikit-fem mesh.
 
-The basis is kept as monomial coefficients, so values, gradients and second derivatives are exact polynomials. Gradients
-of a constant are zero to the last digit of the smallest one, as many thin cells add up what is left of them.
-Nodes are the equispaced lattice. Numbering is scikit-fem's `Dofs`; the two inner nodes of a cubic edge are swapped
-where the cell runs along it from the higher to the lower vertex, so that neighbours agree.
+The basis is kept as monomial coefficients, so values, gradients and second derivatives
+are exact polynomials. Gradients of a constant are zero to the last digit of the
+smallest one, as many thin cells add up what is left of them. Nodes are the equispaced
+lattice. Numbering is scikit-fem's `Dofs`; the two inner nodes of a cubic edge are
+swapped where the cell runs along it from the higher to the lower vertex, so that
+neighbours agree.
 """
 
 from __future__ import annotations
@@ -25,7 +28,9 @@ from contbed.errors import SceneError
 
 Array = NDArray[np.float64]
 _TENSOR = (RefQuad, RefHex)
-QUANTUM = 0.25  # coefficients are multiples of it: of cubics on thirds of a line 1/2, of their products on squares 1/4
+# coefficients are multiples of it: of cubics on thirds of a line 1/2, of their products
+# on squares 1/4
+QUANTUM = 0.25
 
 
 class Lagrange:
@@ -33,21 +38,32 @@ class Lagrange:
 
     def __init__(self, refdom: Any, degree: int):
         if refdom is RefHex and degree > 2:
-            raise SceneError("solver.degree = 3 is not available on hexahedra; use degree 2 or tetrahedra")
+            raise SceneError(
+                "solver.degree = 3 is not available on hexahedra; use degree 2 or "
+                "tetrahedra"
+            )
         self.refdom, self.degree, self.dim = refdom, degree, refdom.dim()
         vertices = refdom.p.T
         inner = [i / degree for i in range(1, degree)]
         self.edges = refdom.facets if self.dim == 2 else (refdom.edges or [])
-        edge_nodes = [vertices[a] + s * (vertices[b] - vertices[a]) for a, b in self.edges for s in inner]
+        edge_nodes = [
+            vertices[a] + s * (vertices[b] - vertices[a])
+            for a, b in self.edges
+            for s in inner
+        ]
         self.per_edge = len(inner) if self.edges else 0
         face_nodes: list[Array] = []
         if self.dim == 3:
             for face in refdom.facets:
-                face_nodes += list(self._inner_lattice(vertices[face], inner, refdom is RefHex))
+                face_nodes += list(
+                    self._inner_lattice(vertices[face], inner, refdom is RefHex)
+                )
         self.per_face = len(face_nodes) // len(refdom.facets) if face_nodes else 0
         cell_nodes = self._cell_lattice(inner)
         self.per_cell = len(cell_nodes)
-        self.nodes = np.array([*vertices, *edge_nodes, *face_nodes, *cell_nodes], dtype=float)
+        self.nodes = np.array(
+            [*vertices, *edge_nodes, *face_nodes, *cell_nodes], dtype=float
+        )
         powers = list(product(range(degree + 1), repeat=self.dim))
         if refdom not in _TENSOR:
             powers = [p for p in powers if sum(p) <= degree]
@@ -60,25 +76,38 @@ class Lagrange:
     def _inner_lattice(corners: Array, inner: list[float], tensor: bool) -> Array:
         a, b, c = corners[0], corners[1], corners[-1]
         pairs = [(s, t) for s in inner for t in inner if tensor or s + t < 1 - 1e-9]
-        return np.array([a + s * (b - a) + t * (c - a) for s, t in pairs]).reshape(-1, len(a))
+        return np.array([a + s * (b - a) + t * (c - a) for s, t in pairs]).reshape(
+            -1, len(a)
+        )
 
     def _cell_lattice(self, inner: list[float]) -> list[Array]:
         points = product(inner, repeat=self.dim)
-        return [np.array(p) for p in points if self.refdom in (*_TENSOR, RefLine) or sum(p) < 1 - 1e-9]
+        return [
+            np.array(p)
+            for p in points
+            if self.refdom in (*_TENSOR, RefLine) or sum(p) < 1 - 1e-9
+        ]
 
     def _monomials(self, X: Array, order: tuple[int, ...]) -> Array:
-        """Return the derivative of `order` of each monomial at X (dim, nq): (nmonomials, nq)."""
+        """Return the derivative of `order` of each monomial at X (dim, nq):
+        (nmonomials, nq).
+        """
         out = np.ones((len(self.powers), X.shape[1]))
         for axis, times in enumerate(order):
             power = self.powers[:, axis]
             factor = np.ones(len(power))
             for k in range(times):
                 factor = factor * (power - k)
-            out *= factor[:, None] * X[axis][None, :] ** np.maximum(power - times, 0)[:, None]
+            out *= (
+                factor[:, None]
+                * X[axis][None, :] ** np.maximum(power - times, 0)[:, None]
+            )
         return out
 
     def table(self, X: Array, *axes: int) -> Array:
-        """Return basis functions differentiated along `axes` at reference points X (dim, nq): (nb, nq)."""
+        """Return basis functions differentiated along `axes` at reference points X
+        (dim, nq): (nb, nq).
+        """
         order = tuple(axes.count(axis) for axis in range(self.dim))
         table: Array = self.coefficients.T @ self._monomials(X, order)
         if axes:
@@ -105,7 +134,9 @@ class GlobalUnknown:
         self.dofs = np.zeros((1, mesh.nelements), dtype=np.int32)
 
     def table(self, X: Array, *axes: int) -> Array:
-        """Return the constant 1 at reference points X (dim, nq), or its derivatives along `axes`: (1, nq)."""
+        """Return the constant 1 at reference points X (dim, nq), or its derivatives
+        along `axes`: (1, nq).
+        """
         return np.full((1, X.shape[1]), 0.0 if axes else 1.0)
 
     @property
@@ -116,7 +147,9 @@ class GlobalUnknown:
 
 
 class Space:
-    """Continuous piecewise polynomials on a scikit-fem mesh: `dofs` (nb, ncells), `size`, `points` (dim, size)."""
+    """Continuous piecewise polynomials on a scikit-fem mesh: `dofs` (nb, ncells),
+    `size`, `points` (dim, size).
+    """
 
     def __init__(self, mesh: SkfemMesh, degree: int):
         self.mesh, self.degree = mesh, degree
@@ -140,7 +173,10 @@ class Space:
         for k, (a, b) in enumerate(element.edges):
             first = element.nvertices + 2 * k
             flip = t[a] > t[b]
-            dofs[first, flip], dofs[first + 1, flip] = dofs[first + 1, flip], dofs[first, flip].copy()
+            dofs[first, flip], dofs[first + 1, flip] = (
+                dofs[first + 1, flip],
+                dofs[first, flip].copy(),
+            )
         return dofs
 
     @property
@@ -148,26 +184,38 @@ class Space:
         """Coordinates of the nodes (dim, size)."""
         geometry = lagrange(self.mesh.elem.refdom, 1).table(self.element.nodes.T)
         points = np.empty((self.mesh.dim(), self.size))
-        points[:, self.dofs] = np.einsum("dkc,kn->dnc", self.mesh.p[:, self.mesh.t], geometry)
+        points[:, self.dofs] = np.einsum(
+            "dkc,kn->dnc", self.mesh.p[:, self.mesh.t], geometry
+        )
         return points
 
     def interpolated(self, values: Array, other: Space) -> Array:
-        """Return values (size,) of this space at the nodes of another one on the same mesh (other.size,)."""
+        """Return values (size,) of this space at the nodes of another one on the
+        same mesh (other.size,).
+        """
         table = self.element.table(other.element.nodes.T)
         out = np.empty(other.size)
         out[other.dofs] = table.T @ values[self.dofs]
         return out
 
     def from_vertices(self) -> sp.csr_matrix:
-        """Return the interpolation of values at the vertices, linear on edges (size, nvertices)."""
+        """Return the interpolation of values at the vertices, linear on edges (size,
+        nvertices).
+        """
         corners = self.mesh.t
-        weights = lagrange(self.mesh.elem.refdom, 1).table(self.element.nodes.T)  # (ncorners, nb)
+        # (ncorners, nb)
+        weights = lagrange(self.mesh.elem.refdom, 1).table(self.element.nodes.T)
         shape = (len(weights), *self.dofs.shape)
         nodes = np.broadcast_to(self.dofs, shape)[weights != 0.0].ravel()
         vertices = np.broadcast_to(corners[:, None], shape)[weights != 0.0].ravel()
         values = np.broadcast_to(weights[..., None], shape)[weights != 0.0].ravel()
-        _, first = np.unique(nodes.astype(np.int64) * self.mesh.nvertices + vertices, return_index=True)
-        return sp.csr_matrix((values[first], (nodes[first], vertices[first])), shape=(self.size, self.mesh.nvertices))
+        _, first = np.unique(
+            nodes.astype(np.int64) * self.mesh.nvertices + vertices, return_index=True
+        )
+        return sp.csr_matrix(
+            (values[first], (nodes[first], vertices[first])),
+            shape=(self.size, self.mesh.nvertices),
+        )
 
     def on_facets(self, facets: NDArray[np.int32]) -> NDArray[np.int64]:
         """Return the nodes on these facets, on their edges and at their corners."""
@@ -186,5 +234,12 @@ class Space:
         on[np.unique(mesh.facets[:, facets])] = True
         candidates = np.unique(mesh.t2e[:, mesh.f2t[0, facets]])
         candidates = candidates[on[mesh.edges[:, candidates]].all(axis=0)]
-        corners = {tuple(sorted(pair)) for face in mesh.facets[:, facets].T for pair in product(face, face)}
-        return np.array([e for e in candidates if tuple(sorted(mesh.edges[:, e])) in corners], dtype=np.int64)
+        corners = {
+            tuple(sorted(pair))
+            for face in mesh.facets[:, facets].T
+            for pair in product(face, face)
+        }
+        return np.array(
+            [e for e in candidates if tuple(sorted(mesh.edges[:, e])) in corners],
+            dtype=np.int64,
+        )

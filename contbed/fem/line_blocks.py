@@ -1,7 +1,8 @@
-"""Jacobian of discontinuous polynomials on a line, block tridiagonal: its blocks, and their factors.
+"""Jacobian of discontinuous polynomials on a line, block tridiagonal: its blocks, and
+their factors.
 
-Small blocks are full and make a band. Those of many rings across a bed are sparse, as a ring exchanges with its
-neighbours alone.
+Small blocks are full and make a band. Those of many rings across a bed are sparse, as a
+ring exchanges with its neighbours alone.
 """
 
 from __future__ import annotations
@@ -21,20 +22,27 @@ from contbed.errors import ConvergenceError
 Array = NDArray[np.float64]
 
 WIDEST = (
-    150  # unknowns of a cell up to which factors as a band are no dearer than sparse ones, measured on 3 to 12 rings
+    # unknowns of a cell up to which factors as a band are no dearer than sparse ones,
+    # measured on 3 to 12 rings
+    150
 )
 
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """Derivatives of the residuals of each cell to the unknowns of the cell to its left, its own, and the next one.
+    """Derivatives of the residuals of each cell to the unknowns of the cell to its
+    left, its own, and the next one.
 
-    exchanged : (k,) increasing: fields that are in a flux or whose equation has one; others act at their nodes alone
-    lower, own, upper : (N, k, n, k, n) of these, by equation and node, and by field and node
-    sources : (m, m, N, n) of the sources of all equations, by equation and field; less their residuals over `measure`
+    exchanged : (k,) increasing: fields that are in a flux or whose equation has one;
+        others act at their nodes alone
+    lower, own, upper : (N, k, n, k, n) of these, by equation and node, and by field and
+        node
+    sources : (m, m, N, n) of the sources of all equations, by equation and field; less
+        their residuals over `measure`
     measure : (N, n) length of the line that belongs to a node [m]
     ahead : (m,) whether a field is taken from the left
-    inner, outer : (m, N, n, n) derivatives of gradients to values in the own cell, and in that a field comes from
+    inner, outer : (m, N, n, n) derivatives of gradients to values in the own cell, and
+        in that a field comes from
     """
 
     exchanged: NDArray[np.int64]
@@ -48,20 +56,44 @@ class Blocks:
     outer: Array
 
     @classmethod
-    def zeros(cls, exchanged: NDArray[np.int64], measure: Array, ahead: Any, inner: Array, outer: Array) -> Blocks:
+    def zeros(
+        cls,
+        exchanged: NDArray[np.int64],
+        measure: Array,
+        ahead: Any,
+        inner: Array,
+        outer: Array,
+    ) -> Blocks:
         """Return blocks to be added to."""
         m, k, (N, n) = len(ahead), len(exchanged), measure.shape
         lower, own, upper = (np.zeros((N, k, n, k, n)) for _ in range(3))
-        return cls(exchanged, lower, own, upper, np.zeros((m, m, N, n)), measure, ahead, inner, outer)
+        return cls(
+            exchanged,
+            lower,
+            own,
+            upper,
+            np.zeros((m, m, N, n)),
+            measure,
+            ahead,
+            inner,
+            outer,
+        )
 
     @cached_property
     def place(self) -> dict[int, int]:
         """Place of each exchanged field in the blocks."""
         return {int(f): k for k, f in enumerate(self.exchanged)}
 
-    def at_nodes(self, equations: NDArray[np.int64], fields: NDArray[np.int64]) -> Array:
-        """Return what equations (a,) take from fields (b,) by sources, at each node of all cells (n, N, a, b)."""
-        found: Array = self.sources[equations][:, fields].transpose(3, 2, 0, 1) * -self.measure.T[:, :, None, None]
+    def at_nodes(
+        self, equations: NDArray[np.int64], fields: NDArray[np.int64]
+    ) -> Array:
+        """Return what equations (a,) take from fields (b,) by sources, at each node
+        of all cells (n, N, a, b).
+        """
+        found: Array = (
+            self.sources[equations][:, fields].transpose(3, 2, 0, 1)
+            * -self.measure.T[:, :, None, None]
+        )
         return found
 
     def of_exchanged(self) -> tuple[Array, Array, Array]:
@@ -71,7 +103,9 @@ class Blocks:
         return self.lower, own, self.upper
 
     def of_all(self) -> tuple[Array, Array, Array]:
-        """Return the derivatives of the residuals of all equations to all fields, each (N, m, n, m, n)."""
+        """Return the derivatives of the residuals of all equations to all fields,
+        each (N, m, n, m, n).
+        """
         (N, n), m, at = self.measure.shape, len(self.ahead), self.exchanged
         cells, nodes, fields = np.arange(N), np.arange(n), np.arange(m)
         found = [np.zeros((N, m, n, m, n)) for _ in range(3)]
@@ -81,7 +115,9 @@ class Blocks:
         return found[0], found[1], found[2]
 
     def add_nodes(self, e: int, f: int, slot: str, rows: Array) -> None:
-        """Add derivatives (N, n, n) by values (slot "u") or gradients ("q") at the nodes of each cell."""
+        """Add derivatives (N, n, n) by values (slot "u") or gradients ("q") at the
+        nodes of each cell.
+        """
         row, column = self.place[e], self.place[f]
         if slot == "u":
             self.own[:, row, :, column, :] += rows
@@ -90,8 +126,12 @@ class Blocks:
         target = self.lower if self.ahead[f] else self.upper
         target[:, row, :, column, :] += rows @ self.outer[f]
 
-    def add_trace(self, e: int, f: int, slot: str, factor: Array, trace: Array, shift: int) -> None:
-        """Add factor (N, n, 1) times the trace of a field (its value or its gradient) in the cell `shift` further."""
+    def add_trace(
+        self, e: int, f: int, slot: str, factor: Array, trace: Array, shift: int
+    ) -> None:
+        """Add factor (N, n, 1) times the trace of a field (its value or its
+        gradient) in the cell `shift` further.
+        """
         targets = {-1: self.lower, 0: self.own, 1: self.upper}
         row, column = self.place[e], self.place[f]
         if slot == "u":
@@ -99,7 +139,9 @@ class Blocks:
             return
         N = len(self.own)
         from_cell = np.clip(np.arange(N) + shift, 0, N - 1)
-        targets[shift][:, row, :, column, :] += factor * (trace @ self.inner[f][from_cell])[:, None, :]
+        targets[shift][:, row, :, column, :] += (
+            factor * (trace @ self.inner[f][from_cell])[:, None, :]
+        )
         beyond = shift + (-1 if self.ahead[f] else 1)
         part = factor * (trace @ self.outer[f][from_cell])[:, None, :]
         if part.any():
@@ -112,8 +154,9 @@ class Factors:
     Parameters
     ----------
     blocks : what was added term by term
-    sizes : typical values (m,) of residuals and of unknowns, over which entries are taken: pivots chosen by entries in
-        watts and moles left 5e-4 of the sizes, where now 6e-8 is left, on the first cells of a bed of iron oxide
+    sizes : typical values (m,) of residuals and of unknowns, over which entries are
+        taken: pivots chosen by entries in watts and moles left 5e-4 of the sizes, where
+        now 6e-8 is left, on the first cells of a bed of iron oxide
 
     Fields that are not exchanged are eliminated at each node first.
 
@@ -127,13 +170,16 @@ class Factors:
         self.kept = blocks.exchanged
         self.local = np.setdiff1d(np.arange(len(blocks.ahead)), self.kept)
         over, by = sizes[0][self.kept], sizes[1][self.kept]
-        lower, own, upper = (b * by[:, None] / over[:, None, None, None] for b in blocks.of_exchanged())
+        lower, own, upper = (
+            b * by[:, None] / over[:, None, None, None] for b in blocks.of_exchanged()
+        )
         if len(self.local):
             self._condense(blocks, own, sizes)
         N, m, n = own.shape[:3]
         size = m * n
         lower, own, upper = (
-            np.ascontiguousarray(b.transpose(0, 2, 1, 4, 3)).reshape(N, size, size) for b in (lower, own, upper)
+            np.ascontiguousarray(b.transpose(0, 2, 1, 4, 3)).reshape(N, size, size)
+            for b in (lower, own, upper)
         )
         self.shape, self._sparse = (N, m, n), None
         if size > WIDEST:
@@ -145,7 +191,9 @@ class Factors:
         for c in range(N):
             for block, shift in ((lower, -1), (own, 0), (upper, 1)):
                 if 0 <= c + shift < N:
-                    band[2 * width + i - j - shift * size, (c + shift) * size + j] = block[c]
+                    band[2 * width + i - j - shift * size, (c + shift) * size + j] = (
+                        block[c]
+                    )
         if not np.isfinite(band).all():
             raise ConvergenceError("the matrix holds values that are not finite")
         self.width = width
@@ -155,7 +203,9 @@ class Factors:
 
     @staticmethod
     def _sparse_factors(lower: Array, own: Array, upper: Array) -> Any:
-        """Return the factors of blocks (N, size, size), most of whose entries are zero."""
+        """Return the factors of blocks (N, size, size), most of whose entries are
+        zero.
+        """
         N, size = own.shape[:2]
         rows, columns, entries = [], [], []
         for block, shift in ((lower[1:], -1), (own, 0), (upper[:-1], 1)):
@@ -173,11 +223,15 @@ class Factors:
             raise ConvergenceError("the linear system is singular") from None
 
     def _condense(self, blocks: Blocks, own: Array, sizes: tuple[Array, Array]) -> None:
-        """Take the eliminated fields out of the blocks `own` of the kept ones; keep what gives them at each node."""
+        """Take the eliminated fields out of the blocks `own` of the kept ones; keep
+        what gives them at each node.
+        """
         over, by = sizes[0], sizes[1]
 
         def part(rows: Any, columns: Any) -> Array:
-            found: Array = blocks.at_nodes(rows, columns) * (by[columns] / over[rows][:, None])
+            found: Array = blocks.at_nodes(rows, columns) * (
+                by[columns] / over[rows][:, None]
+            )
             return found
 
         kept, local, nodes = self.kept, self.local, np.arange(own.shape[2])
@@ -198,7 +252,8 @@ class Factors:
     def _over_sizes(self, residual: Array) -> Array:
         if not len(self.local):
             return self._banded(residual)
-        of_local = residual[self.local].transpose(2, 1, 0)[..., None]  # (node, N, local, 1)
+        # (node, N, local, 1)
+        of_local = residual[self.local].transpose(2, 1, 0)[..., None]
         out = np.empty_like(residual)
         right = residual[self.kept] - (self._onto @ of_local)[..., 0].transpose(2, 1, 0)
         out[self.kept] = self._banded(right)

@@ -1,4 +1,6 @@
-"""Derivatives of the residuals of equations on a line: added term by term, kept as blocks, solved with."""
+"""Derivatives of the residuals of equations on a line: added term by term, kept as
+blocks, solved with.
+"""
 
 from __future__ import annotations
 
@@ -14,17 +16,28 @@ Array = NDArray[np.float64]
 
 
 class Slopes:
-    """Derivatives of the residuals of a `line_dg.System`, see there for the equations."""
+    """Derivatives of the residuals of a `line_dg.System`, see there for the
+    equations.
+    """
 
     def __init__(self, system: Any):
-        self.system, self.line, self.ends, self.ahead = system, system.line, system.ends, system.ahead
+        self.system, self.line, self.ends, self.ahead = (
+            system,
+            system.line,
+            system.ends,
+            system.ahead,
+        )
         line = self.line
         exchanged = np.setdiff1d(np.arange(system.m), system.local)
         measure = line.weights * line.h[:, None]
-        self.blocks = Blocks.zeros(exchanged, measure, self.ahead, *self._of_gradients())
+        self.blocks = Blocks.zeros(
+            exchanged, measure, self.ahead, *self._of_gradients()
+        )
 
     def matrix(self, sizes: Array) -> Any:
-        """Return the sparse matrix of the derivatives of residuals over sizes (m,), both as they are stored."""
+        """Return the sparse matrix of the derivatives of residuals over sizes (m,),
+        both as they are stored.
+        """
         m, (N, n) = self.system.m, self.blocks.measure.shape
         index = np.arange(m * N * n).reshape(m, N, n).transpose(1, 0, 2)  # (N, m, n)
         rows, columns, entries = [], [], []
@@ -32,26 +45,43 @@ class Slopes:
             cells = np.arange(max(0, -shift), min(N, N - shift))
             part = block[cells] / sizes[None, :, None, None, None]
             shape = part.shape
-            rows.append(np.broadcast_to(index[cells][:, :, :, None, None], shape).ravel())
-            columns.append(np.broadcast_to(index[cells + shift][:, None, None, :, :], shape).ravel())
+            rows.append(
+                np.broadcast_to(index[cells][:, :, :, None, None], shape).ravel()
+            )
+            columns.append(
+                np.broadcast_to(
+                    index[cells + shift][:, None, None, :, :], shape
+                ).ravel()
+            )
             entries.append(part.ravel())
         size = m * N * n
-        values, where = np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))
+        values, where = (
+            np.concatenate(entries),
+            (np.concatenate(rows), np.concatenate(columns)),
+        )
         there = values != 0.0
-        return csc_matrix((values[there], (where[0][there], where[1][there])), shape=(size, size))
+        return csc_matrix(
+            (values[there], (where[0][there], where[1][there])), shape=(size, size)
+        )
 
     def factors(self, residuals: Array, unknowns: Array) -> Factors:
-        """Return the factors, to solve with, from typical values (m,) of residuals and unknowns."""
+        """Return the factors, to solve with, from typical values (m,) of residuals
+        and unknowns.
+        """
         return Factors(self.blocks, (residuals, unknowns))
 
     def add_flux(self, e: int, f: int, slot: str, t: Array) -> None:
-        """Add the derivative (N, p + 1) of the flux of an equation by the value ("u") or gradient ("q") of a field."""
+        """Add the derivative (N, p + 1) of the flux of an equation by the value
+        ("u") or gradient ("q") of a field.
+        """
         line = self.line
         test = line.weights[:, None] * line.slopes
         self.blocks.add_nodes(e, f, slot, -test.T[None] * t[:, None, :])  # (N, i, a)
 
     def add_source(self, e: int, f: int, slot: str, t: Array) -> None:
-        """Add the derivative (N, p + 1) of the source of an equation by the value or gradient of a field."""
+        """Add the derivative (N, p + 1) of the source of an equation by the value or
+        gradient of a field.
+        """
         if slot == "u":
             self.blocks.sources[e, f] += t
             return
@@ -61,49 +91,85 @@ class Slopes:
         self.blocks.add_nodes(e, f, slot, rows)
 
     def add_coupling(self, coupling: Array) -> None:
-        """Add derivatives (m, m) of the sources of equations by the values of fields, alike at all nodes."""
+        """Add derivatives (m, m) of the sources of equations by the values of
+        fields, alike at all nodes.
+        """
         self.blocks.sources[...] += coupling[:, :, None, None]
 
     def add_damping(self, e: int, f: int, t: Array) -> None:
-        """Add the derivative (N, p + 1) of the flux of an equation by the slope of a field over its cell."""
+        """Add the derivative (N, p + 1) of the flux of an equation by the slope of a
+        field over its cell.
+        """
         D = self.line.slopes
-        self.blocks.add_nodes(e, f, "u", -D.T @ ((self.line.weights * t)[:, :, None] * D))
+        self.blocks.add_nodes(
+            e, f, "u", -D.T @ ((self.line.weights * t)[:, :, None] * D)
+        )
 
     def add_face(self, e: int, f: int, slot: str, t: Array, left_side: bool) -> None:
-        """Add d(flux)/d(trace) `t` (N + 1,) of one field, whose trace belongs to the cell on one side of each face."""
+        """Add d(flux)/d(trace) `t` (N + 1,) of one field, whose trace belongs to the
+        cell on one side of each face.
+        """
         line, N, blocks = self.line, self.line.cells, self.blocks
         cells = np.arange(N)
-        for side, k, sign, phi in (("right", cells + 1, 1.0, line.right), ("left", cells, -1.0, line.left)):
-            # the face `side` of every cell c; its trace belongs to c itself or to a neighbour
-            neighbour = (side == "right" and not left_side) or (side == "left" and left_side)
+        for side, k, sign, phi in (
+            ("right", cells + 1, 1.0, line.right),
+            ("left", cells, -1.0, line.left),
+        ):
+            # the face `side` of every cell c; its trace belongs to c itself or to a
+            # neighbour
+            neighbour = (side == "right" and not left_side) or (
+                side == "left" and left_side
+            )
             at_end = (k == N) if side == "right" else (k == 0)
             trace = line.right if left_side else line.left
             prescribed = np.isfinite(self.ends.value[1 if side == "right" else 0][f])
             coefficient = sign * t[k]
             if not neighbour:
-                blocks.add_trace(e, f, slot, coefficient[:, None, None] * phi[None, :, None], trace, 0)
+                blocks.add_trace(
+                    e,
+                    f,
+                    slot,
+                    coefficient[:, None, None] * phi[None, :, None],
+                    trace,
+                    0,
+                )
                 continue
-            factor = np.where(at_end, 0.0, coefficient)[:, None, None] * phi[None, :, None]
+            factor = (
+                np.where(at_end, 0.0, coefficient)[:, None, None] * phi[None, :, None]
+            )
             blocks.add_trace(e, f, slot, factor, trace, 1 if side == "right" else -1)
             comes_in = (side == "left") == bool(self.ahead[f])
             if not (prescribed and comes_in and slot == "u"):
-                factor = np.where(at_end, coefficient, 0.0)[:, None, None] * phi[None, :, None]
+                factor = (
+                    np.where(at_end, coefficient, 0.0)[:, None, None]
+                    * phi[None, :, None]
+                )
                 blocks.add_trace(e, f, slot, factor, phi, 0)
 
     def _of_gradients(self) -> tuple[Array, Array]:
-        """Return derivatives of gradients (m, N, n, n) to values in the own cell and in that a field comes from."""
+        """Return derivatives of gradients (m, N, n, n) to values in the own cell and
+        in that a field comes from.
+        """
         line, n, N = self.line, self.line.degree + 1, self.line.cells
         inner, outer = (np.zeros((self.system.m, N, n, n)) for _ in range(2))
         for f in np.flatnonzero(self.system.diffuses):
             ahead = self.ahead[f]
-            end, opposite = (line.left, line.right) if ahead else (line.right, line.left)
+            end, opposite = (
+                (line.left, line.right) if ahead else (line.right, line.left)
+            )
             sign = 1.0 if ahead else -1.0
             own_lift = sign * np.outer(end / line.weights, end)
             lifts = np.ones(N)
             edge = 0 if ahead else N - 1
             if not np.isfinite(self.ends.value[0 if ahead else 1][f]):
                 lifts[edge] = 0.0
-            inner[f] = (line.slopes[None] + lifts[:, None, None] * own_lift) / line.h[:, None, None]
+            inner[f] = (line.slopes[None] + lifts[:, None, None] * own_lift) / line.h[
+                :, None, None
+            ]
             lifts[edge] = 0.0
-            outer[f] = lifts[:, None, None] * (-sign * np.outer(end / line.weights, opposite)) / line.h[:, None, None]
+            outer[f] = (
+                lifts[:, None, None]
+                * (-sign * np.outer(end / line.weights, opposite))
+                / line.h[:, None, None]
+            )
         return inner, outer

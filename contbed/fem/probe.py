@@ -15,7 +15,8 @@ from contbed.mesh.mesh import Mesh
 Array = NDArray[np.float64]
 SAMPLES = 12  # points in a cell of a line
 EVENLY = 401  # points along other meshes
-# shares of the width of the bed at which a line inside of the mesh is looked for, the middle first
+# shares of the width of the bed at which a line inside of the mesh is looked for, the
+# middle first
 ACROSS = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9)
 ROUNDS = 30  # of Newton's method for the place of a point in its cell
 CLOSE = 1e-13  # change of a reference coordinate at which it ends
@@ -35,12 +36,22 @@ class Probe:
             nodes = grid.p[0, grid.t]
             order = np.argsort(nodes.min(axis=0))
             low = nodes.min(axis=0)[order]
-            at = order[np.clip(np.searchsorted(low, points[0], side="right") - 1, 0, len(order) - 1)]
+            at = order[
+                np.clip(
+                    np.searchsorted(low, points[0], side="right") - 1, 0, len(order) - 1
+                )
+            ]
             first, second = nodes[0, at], nodes[1, at]
-            self.cells, self.local = at, ((points[0] - first) / (second - first))[None, :]
+            self.cells, self.local = (
+                at,
+                ((points[0] - first) / (second - first))[None, :],
+            )
         else:
-            # scikit-fem splits quadrilaterals to search, and would look up every named facet in the result one by one
-            self.cells = replace(grid, _boundaries=None, _subdomains=None).element_finder()(*points)
+            # scikit-fem splits quadrilaterals to search, and would look up every named
+            # facet in the result one by one
+            self.cells = replace(
+                grid, _boundaries=None, _subdomains=None
+            ).element_finder()(*points)
             self.local = _local(mesh, self.cells, points)
 
     def __call__(self, space: Space, values: Array) -> Array:
@@ -49,32 +60,47 @@ class Probe:
         return np.asarray((table * values[space.dofs[:, self.cells]]).sum(axis=0))
 
     def slope(self, space: Space, values: Array, axis: int) -> Array:
-        """Return the derivative (n,) of a nodal field along a coordinate, one-sided between cells."""
+        """Return the derivative (n,) of a nodal field along a coordinate, one-sided
+        between cells.
+        """
         element = space.element
-        inverse = np.linalg.inv(np.moveaxis(_jacobian(space.mesh, self.cells, self.local), 2, 0))
+        inverse = np.linalg.inv(
+            np.moveaxis(_jacobian(space.mesh, self.cells, self.local), 2, 0)
+        )
         local = values[space.dofs[:, self.cells]]
-        slopes = np.array([(element.table(self.local, a) * local).sum(axis=0) for a in range(element.dim)])
+        slopes = np.array(
+            [
+                (element.table(self.local, a) * local).sum(axis=0)
+                for a in range(element.dim)
+            ]
+        )
         return np.asarray(np.einsum("nai,an->in", inverse, slopes)[axis])
 
 
 @dataclass(frozen=True)
 class Line:
-    """Points along a bed: `positions` [m] on its axis, the `probe` there, and a `note` if it is not the middle."""
+    """Points along a bed: `positions` [m] on its axis, the `probe` there, and a
+    `note` if it is not the middle.
+    """
 
     positions: Array
     probe: Probe
     note: str = ""
 
 
-def line_along(mesh: Mesh, wanted: Sequence[float] = (), across: Sequence[float] | None = None) -> Line:
+def line_along(
+    mesh: Mesh, wanted: Sequence[float] = (), across: Sequence[float] | None = None
+) -> Line:
     """Choose a line along the axis of a bed on which profiles are sampled.
 
     Parameters
     ----------
     mesh : of the bed
-    wanted : positions [m]; without any, a line is sampled densely in each cell and other meshes at equal steps
-    across : the other coordinates [m] of the line, in the order of the mesh's; None for the middle of the bed, the axis
-        of a round one, or where that is not inside of the mesh all along, the nearest of a few lines that are
+    wanted : positions [m]; without any, a line is sampled densely in each cell and
+        other meshes at equal steps
+    across : the other coordinates [m] of the line, in the order of the mesh's; None for
+        the middle of the bed, the axis of a round one, or where that is not inside of
+        the mesh all along, the nearest of a few lines that are
 
     Raises
     ------
@@ -87,14 +113,21 @@ def line_along(mesh: Mesh, wanted: Sequence[float] = (), across: Sequence[float]
         if grid.dim() == 1:
             nodes = np.unique(grid.p[0])
             fractions = np.arange(SAMPLES) / SAMPLES
-            positions = np.append((nodes[:-1, None] + np.diff(nodes)[:, None] * fractions).ravel(), nodes[-1])
+            positions = np.append(
+                (nodes[:-1, None] + np.diff(nodes)[:, None] * fractions).ravel(),
+                nodes[-1],
+            )
         else:
             positions = np.linspace(low[mesh.axis], high[mesh.axis], EVENLY)
     others = [k for k in range(grid.dim()) if k != mesh.axis]
     names = ("r", "z") if mesh.axisymmetric else ("x", "y", "z")
     middle = 0.0 if mesh.axisymmetric else 0.5
     shares = (middle, *(share for share in ACROSS if share != middle))
-    lines = [tuple(low[others] + share * (high - low)[others]) for share in shares] if across is None else [across]
+    lines = (
+        [tuple(low[others] + share * (high - low)[others]) for share in shares]
+        if across is None
+        else [across]
+    )
     for k, place in enumerate(lines):
         points = np.empty((grid.dim(), len(positions)))
         points[mesh.axis], points[others] = positions, np.asarray(place)[:, None]
@@ -102,24 +135,40 @@ def line_along(mesh: Mesh, wanted: Sequence[float] = (), across: Sequence[float]
             probe = Probe(mesh, points)
         except ValueError:
             continue
-        where = ", ".join(f"{names[other]} = {value:.4g} m" for other, value in zip(others, place, strict=True))
-        return Line(positions, probe, f"profiles are taken at {where}: the middle is not in the mesh" if k else "")
+        where = ", ".join(
+            f"{names[other]} = {value:.4g} m"
+            for other, value in zip(others, place, strict=True)
+        )
+        return Line(
+            positions,
+            probe,
+            f"profiles are taken at {where}: the middle is not in the mesh"
+            if k
+            else "",
+        )
     raise SceneError(
-        "output: no line along the bed lies in the mesh from end to end; give output.positions that do, "
+        "output: no line along the bed lies in the mesh from end to end; give "
+        "output.positions that do, "
         "or output.across, the other coordinates of the line"
     )
 
 
 def _jacobian(grid: object, cells: NDArray[np.int64], local: Array) -> Array:
-    """Return derivatives of the place with respect to the reference coordinates (dim, dim, n)."""
+    """Return derivatives of the place with respect to the reference coordinates
+    (dim, dim, n).
+    """
     corners = grid.p[:, grid.t[:, cells]]  # type: ignore[attr-defined]
     geometry = lagrange(grid.elem.refdom, 1)  # type: ignore[attr-defined]
     tables = [geometry.table(local, a) for a in range(geometry.dim)]
-    return np.array([np.einsum("ikn,kn->in", corners, table) for table in tables]).swapaxes(0, 1)
+    return np.array(
+        [np.einsum("ikn,kn->in", corners, table) for table in tables]
+    ).swapaxes(0, 1)
 
 
 def _local(mesh: Mesh, cells: NDArray[np.int64], points: Array) -> Array:
-    """Find the reference coordinates (dim, n) of points in their cells by Newton's method from the middle of each."""
+    """Find the reference coordinates (dim, n) of points in their cells by Newton's
+    method from the middle of each.
+    """
     grid = mesh.skfem
     corners, geometry = grid.p[:, grid.t[:, cells]], lagrange(grid.elem.refdom, 1)
     local = np.repeat(geometry.nodes.mean(axis=0)[:, None], points.shape[1], axis=1)

@@ -1,9 +1,10 @@
-"""Run time against error: a study's own programs, measured in one session on one machine.
+"""Run time against error: a study's own programs, measured in one session on one
+machine.
 
     contbed bench studies/two_energy_benchmark --trust
 
-`STUDY/bench/bench.toml` lists the programs, which run only with --trust; all run in the study's folder with this
-Python, on one thread.
+`STUDY/bench/bench.toml` lists the programs, which run only with --trust; all run in the
+study's folder with this Python, on one thread.
 
     repeats = 5                                  # runs of each case of a race
     [curves]                                     # points of run time against error, one program a curve
@@ -13,9 +14,11 @@ Python, on one thread.
     title = "..."
     case = [...]
 
-A program of a curve prints a line {"unknowns": n, "error": e, "seconds": t} for each point. A race takes the user time
-of each process from its start to its end and the median over the repeats. In both, ratios are to the first case. Cases
-whose module in `needs` is missing are skipped by name; `{out}` in a command is the folder of the results.
+A program of a curve prints a line {"unknowns": n, "error": e, "seconds": t} for each
+point. A race takes the user time of each process from its start to its end and the
+median over the repeats. In both, ratios are to the first case. Cases whose module in
+`needs` is missing are skipped by name; `{out}` in a command is the folder of the
+results.
 """
 
 from __future__ import annotations
@@ -42,18 +45,28 @@ from contbed.many.tables import write_rows
 from contbed.output.files import atomic
 from contbed.scene.quantities import Positive, Table, Whole
 
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+THREADS = (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "NUMBA_NUM_THREADS",
+)
 HEADERS = ("part", "case", "unknowns", "error", "user_s", "ratio")
 Row = tuple[str, str, Any, Any, float, Any]
-POINT = ("unknowns", "error", "seconds")  # what a program of a curve prints of each point
+# what a program of a curve prints of each point
+POINT = ("unknowns", "error", "seconds")
 
 
 class Case(Table):
     """One program."""
 
     name: str = Field(description="name of the case in tables and plots")
-    command: tuple[str, ...] = Field(min_length=1, description="arguments of this Python, run in the study's folder")
-    needs: str | None = Field(None, description="module without which the case is skipped")
+    command: tuple[str, ...] = Field(
+        min_length=1, description="arguments of this Python, run in the study's folder"
+    )
+    needs: str | None = Field(
+        None, description="module without which the case is skipped"
+    )
 
 
 class Curves(Table):
@@ -61,14 +74,18 @@ class Curves(Table):
 
     title: str = Field(description="title of the plot")
     error: Positive = Field(description="where the curves are compared")
-    case: tuple[Case, ...] = Field(min_length=1, description="cases of the curve of error against time")
+    case: tuple[Case, ...] = Field(
+        min_length=1, description="cases of the curve of error against time"
+    )
 
 
 class Race(Table):
     """Whole processes with the same result, in turn."""
 
     title: str = Field(description="title of the plot")
-    case: tuple[Case, ...] = Field(min_length=1, description="cases that are timed against each other")
+    case: tuple[Case, ...] = Field(
+        min_length=1, description="cases that are timed against each other"
+    )
 
 
 class Settings(Table):
@@ -78,13 +95,19 @@ class Settings(Table):
 
     title: str = Field("", description="title of the study, shown in plots and reports")
     repeats: Whole = Field(3, ge=1, description="runs of each case of a race")
-    curves: Curves | None = Field(None, description="error against time of several cases")
-    race: tuple[Race, ...] = Field((), description="cases that are timed against each other")
+    curves: Curves | None = Field(
+        None, description="error against time of several cases"
+    )
+    race: tuple[Race, ...] = Field(
+        (), description="cases that are timed against each other"
+    )
 
 
 @dataclass(frozen=True)
 class Bench:
-    """What was measured: rows under `HEADERS`, cases that were skipped with their reason, the machine."""
+    """What was measured: rows under `HEADERS`, cases that were skipped with their
+    reason, the machine.
+    """
 
     rows: tuple[Row, ...]
     skipped: tuple[str, ...]
@@ -96,9 +119,21 @@ class Bench:
         for row in self.rows:
             if row[0] != part:
                 part = row[0]
-                lines += ["", part, f"{'case':40} {'unknowns':>9} {'error':>10} {'user [s]':>10} {'ratio':>8}"]
-            texts = (_text(row[2], "d"), _text(row[3], ".2e"), _text(row[4], ".4g"), _text(row[5], ".3g"))
-            lines.append(f"{row[1]:40} {texts[0]:>9} {texts[1]:>10} {texts[2]:>10} {texts[3]:>8}")
+                lines += [
+                    "",
+                    part,
+                    f"{'case':40} {'unknowns':>9} {'error':>10} {'user [s]':>10} "
+                    f"{'ratio':>8}",
+                ]
+            texts = (
+                _text(row[2], "d"),
+                _text(row[3], ".2e"),
+                _text(row[4], ".4g"),
+                _text(row[5], ".3g"),
+            )
+            lines.append(
+                f"{row[1]:40} {texts[0]:>9} {texts[1]:>10} {texts[2]:>10} {texts[3]:>8}"
+            )
         return "\n".join(lines + [""] * bool(self.skipped) + list(self.skipped))
 
 
@@ -109,7 +144,8 @@ def bench(study: str | Path, out: str | Path, trust: bool = False) -> Bench:
     ----------
     study : its folder
     out : folder for the results
-    trust : run the programs that the study names; without it they are only listed, in the error
+    trust : run the programs that the study names; without it they are only listed, in
+        the error
 
     Raises
     ------
@@ -139,7 +175,14 @@ def machine() -> str:
     model = platform.processor() or platform.machine()
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as lines:
-            model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), model)
+            model = next(
+                (
+                    line.split(":", 1)[1].strip()
+                    for line in lines
+                    if line.startswith("model name")
+                ),
+                model,
+            )
     except OSError:
         pass
     parts = [
@@ -147,15 +190,22 @@ def machine() -> str:
         for name in ("numpy", "scipy", "scikit-fem", "ngsolve")
         if find_spec(name.replace("scikit-fem", "skfem"))
     ]
-    return f"{model}, {os.cpu_count()} cores, one thread; Python {platform.python_version()}, {', '.join(parts)}"
+    return (
+        f"{model}, {os.cpu_count()} cores, one thread; Python "
+        f"{platform.python_version()}, {', '.join(parts)}"
+    )
 
 
 def _read(file: Path) -> Settings:
     if not file.is_file():
-        raise ContbedError(f"{file}: no such file; a study to measure lists its programs there")
+        raise ContbedError(
+            f"{file}: no such file; a study to measure lists its programs there"
+        )
     found = StudyFile(file, Settings).settings
     if found.curves is None and not found.race:
-        raise SceneError(f"{file}:1: nothing to measure; give [curves], or [[race]] tables")
+        raise SceneError(
+            f"{file}:1: nothing to measure; give [curves], or [[race]] tables"
+        )
     return found
 
 
@@ -164,12 +214,21 @@ def _refusal(file: Path, plan: Settings) -> str:
     curves = () if plan.curves is None else plan.curves.case
     cases = [*curves, *(case for race in plan.race for case in race.case)]
     programs = ", ".join(dict.fromkeys(" ".join(case.command) for case in cases))
-    return f"{file}: runs programs: {programs}; look at them, then add --trust, in Python bench(..., trust=True)"
+    return (
+        f"{file}: runs programs: {programs}; look at them, then add --trust, in "
+        "Python bench(..., trust=True)"
+    )
 
 
 def _present(cases: tuple[Case, ...], skipped: list[str]) -> list[Case]:
-    missing = [case for case in cases if case.needs is not None and find_spec(case.needs) is None]
-    skipped += [f"skipped: {case.name}: {case.needs} is not installed" for case in missing]
+    missing = [
+        case
+        for case in cases
+        if case.needs is not None and find_spec(case.needs) is None
+    ]
+    skipped += [
+        f"skipped: {case.name}: {case.needs} is not installed" for case in missing
+    ]
     return [case for case in cases if case not in missing]
 
 
@@ -180,10 +239,15 @@ def _run(command: tuple[str, ...], study: Path, out: Path) -> tuple[str, float]:
     environment = os.environ | dict.fromkeys(THREADS, "1") | {"PYTHONPATH": path}
     arguments = [sys.executable, *(part.replace("{out}", str(out)) for part in command)]
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    done = subprocess.run(arguments, cwd=study, env=environment, capture_output=True, text=True)
+    done = subprocess.run(
+        arguments, cwd=study, env=environment, capture_output=True, text=True
+    )
     used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
     if done.returncode:
-        raise ContbedError(f"{' '.join(command)} failed: {(done.stderr.strip() or 'no message').splitlines()[-1]}")
+        raise ContbedError(
+            f"{' '.join(command)} failed: "
+            f"{(done.stderr.strip() or 'no message').splitlines()[-1]}"
+        )
     return done.stdout, used
 
 
@@ -195,8 +259,14 @@ def _points(case: Case, study: Path, out: Path) -> list[dict[str, Any]]:
             point = json.loads(line)
             points.append({key: point[key] + 0 for key in POINT})
         except (ValueError, TypeError, KeyError):
-            what = "a line {" + ", ".join(f'"{key}": ...' for key in POINT) + "} for each point"
-            raise ContbedError(f"{' '.join(case.command)} printed {line[:60]!r}; expected {what}") from None
+            what = (
+                "a line {"
+                + ", ".join(f'"{key}": ...' for key in POINT)
+                + "} for each point"
+            )
+            raise ContbedError(
+                f"{' '.join(case.command)} printed {line[:60]!r}; expected {what}"
+            ) from None
     if not points:
         raise ContbedError(f"{' '.join(case.command)} printed no point of its curve")
     return points
@@ -210,37 +280,63 @@ def _curves(plan: Curves, study: Path, out: Path, skipped: list[str]) -> list[Ro
     rows: list[Row] = []
     for case in _present(plan.case, skipped):
         points = _points(case, study, out)
-        curves[case.name] = ([p["seconds"] for p in points], [p["error"] for p in points])
-        rows += [(plan.title, case.name, p["unknowns"], p["error"], p["seconds"], "") for p in points]
+        curves[case.name] = (
+            [p["seconds"] for p in points],
+            [p["error"] for p in points],
+        )
+        rows += [
+            (plan.title, case.name, p["unknowns"], p["error"], p["seconds"], "")
+            for p in points
+        ]
     error_plot(out / "bench.png", curves, "user time [s]", "largest error", plan.title)
     wanted, first = plan.error, None
     for name, (seconds, errors) in curves.items():
         time, how = time_at(wanted, seconds, errors)
         first = first or time
-        rows.append((f"at an error of {wanted:g}", f"{name}{how}", "", wanted, time, time / first))
+        rows.append(
+            (
+                f"at an error of {wanted:g}",
+                f"{name}{how}",
+                "",
+                wanted,
+                time,
+                time / first,
+            )
+        )
     return rows
 
 
-def time_at(wanted: float, seconds: list[float], errors: list[float]) -> tuple[float, str]:
-    """User time [s] at an error, from the points around it in logarithms, and a note where there are none."""
+def time_at(
+    wanted: float, seconds: list[float], errors: list[float]
+) -> tuple[float, str]:
+    """User time [s] at an error, from the points around it in logarithms, and a note
+    where there are none.
+    """
     for k in range(1, len(errors)):
         if errors[k] <= wanted < errors[k - 1]:
             t, e = np.log(seconds[k - 1 : k + 1]), np.log(errors[k - 1 : k + 1])
-            return float(np.exp(t[0] + (t[1] - t[0]) * (np.log(wanted) - e[0]) / (e[1] - e[0]))), ""
+            return float(
+                np.exp(t[0] + (t[1] - t[0]) * (np.log(wanted) - e[0]) / (e[1] - e[0]))
+            ), ""
     if errors[0] <= wanted:
         return seconds[0], " (or less)"
     return seconds[-1], f" (not reached: {errors[-1]:.1e})"
 
 
-def _race(plan: Race, repeats: int, study: Path, out: Path, skipped: list[str]) -> list[Row]:
+def _race(
+    plan: Race, repeats: int, study: Path, out: Path, skipped: list[str]
+) -> list[Row]:
     cases = _present(plan.case, skipped)
     times: dict[str, list[float]] = {case.name: [] for case in cases}
     for _ in range(repeats):
         for case in cases:
             times[case.name].append(_run(case.command, study, out)[1])
     medians = {name: statistics.median(found) for name, found in times.items()}
-    first = next(iter(medians.values()), 0.0) or float("nan")  # shorter than the resolution of the clock
-    return [(plan.title, name, "", "", time, time / first) for name, time in medians.items()]
+    # shorter than the resolution of the clock
+    first = next(iter(medians.values()), 0.0) or float("nan")
+    return [
+        (plan.title, name, "", "", time, time / first) for name, time in medians.items()
+    ]
 
 
 def _text(value: Any, form: str) -> str:

@@ -65,9 +65,11 @@ class Comparison:
         return found
 
     def difference(self, name: str, outcome: Outcome) -> float | None:
-        """Return how far a result is from that of the first model that has it, relative to it.
+        """Return how far a result is from that of the first model that has it, relative
+        to it.
 
-        None for that model itself, for one without the result, and where the first is 0.
+        None for that model itself, for one without the result, and where the first is
+        0.
         """
         first = next(each for each in self.outcomes if name in each.results)
         reference = first.results[name].value
@@ -78,23 +80,32 @@ class Comparison:
     def text(self) -> str:
         """Return the comparison as a table for a terminal."""
         models = [outcome.model for outcome in self.outcomes]
-        width = max([len(f"{name} [{value.unit}]") for name, value in self.shared.items()] + [12])
+        width = max(
+            [len(f"{name} [{value.unit}]") for name, value in self.shared.items()]
+            + [12]
+        )
         column = max([len(model) for model in models] + [20])
         lines = [" " * width + "".join(f"  {model:>{column}}" for model in models)]
         for name, value in self.shared.items():
             cells = [self._cell(name, outcome) for outcome in self.outcomes]
             label = f"{name} [{value.unit}]"
-            lines.append(f"{label:{width}}" + "".join(f"  {cell:>{column}}" for cell in cells))
+            lines.append(
+                f"{label:{width}}" + "".join(f"  {cell:>{column}}" for cell in cells)
+            )
         for label, cells in (
             ("wall time [s]", [f"{outcome.seconds:.3g}" for outcome in self.outcomes]),
             ("unknowns", [str(outcome.unknowns) for outcome in self.outcomes]),
         ):
-            lines.append(f"{label:{width}}" + "".join(f"  {cell:>{column}}" for cell in cells))
+            lines.append(
+                f"{label:{width}}" + "".join(f"  {cell:>{column}}" for cell in cells)
+            )
         for outcome in self.outcomes:
             lines += ["", f"{outcome.model}:"]
             lines += [f"  failed: {outcome.problem}"] if outcome.problem else []
             lines += [f"  leaves out {what}: {why}" for what, why in outcome.skipped]
-            lines += [f"  ignores {', '.join(outcome.ignored)}"] if outcome.ignored else []
+            lines += (
+                [f"  ignores {', '.join(outcome.ignored)}"] if outcome.ignored else []
+            )
         return "\n".join(lines)
 
     def _cell(self, name: str, outcome: Outcome) -> str:
@@ -105,18 +116,25 @@ class Comparison:
         return shown if difference is None else f"{shown} ({100.0 * difference:+.2g} %)"
 
     def write(self, out: Path) -> None:
-        """Write the table as comparison.csv and all of it as comparison.json into a folder."""
+        """Write the table as comparison.csv and all of it as comparison.json into a
+        folder.
+        """
         head = ["quantity", *(outcome.model for outcome in self.outcomes)]
         write_rows(out / TABLE, head, self._rows())
         write_json(out / FILE, {"outcomes": [_as_data(each) for each in self.outcomes]})
 
     def _rows(self) -> Iterator[list[Any]]:
-        """Yield the rows of comparison.csv: a quantity each, a column for each model."""
+        """Yield the rows of comparison.csv: a quantity each, a column for each
+        model.
+        """
         for name, first in self.shared.items():
             values = [outcome.results.get(name) for outcome in self.outcomes]
             cells = ["" if value is None else f"{value.value:.12g}" for value in values]
             yield [f"{name} [{first.unit}]", *cells]
-        yield ["wall time [s]", *(f"{outcome.seconds:.3g}" for outcome in self.outcomes)]
+        yield [
+            "wall time [s]",
+            *(f"{outcome.seconds:.3g}" for outcome in self.outcomes),
+        ]
 
 
 def compare(
@@ -143,10 +161,14 @@ def compare(
     """
     unknown = [model for model in models if model not in names()]
     if unknown:
-        raise SceneError(f"--models: {unknown[0]!r}: unknown choice; {nearest(unknown[0], names())}")
+        raise SceneError(
+            f"--models: {unknown[0]!r}: unknown choice; {nearest(unknown[0], names())}"
+        )
     given = dict(overrides or {})
     scenes = {
-        model: load(scene, {**given, "model": model}, trust=trust, allow_large=allow_large)
+        model: load(
+            scene, {**given, "model": model}, trust=trust, allow_large=allow_large
+        )
         for model in dict.fromkeys(models)
     }
     outcomes = [_outcome(model, scenes[model], out / model) for model in scenes]
@@ -163,7 +185,9 @@ def _outcome(model: str, scene: SceneBase, folder: Path) -> Outcome:
         return Outcome(model, ignored=ignored, problem=str(error))
     return Outcome(
         model,
-        common_results(result.qoi, _tables(result), tuple(getattr(scene, "solids", ()))),
+        common_results(
+            result.qoi, _tables(result), tuple(getattr(scene, "solids", ()))
+        ),
         result.timings["total"],
         sum(result.plan.unknowns().values()),
         ignored,

@@ -1,12 +1,14 @@
-"""Mesh convergence of one scene: error or difference, observed order and wall time on a sequence of meshes.
+"""Mesh convergence of one scene: error or difference, observed order and wall time on a
+sequence of meshes.
 
     contbed converge scene.toml --levels 5
 
-Every level halves the cells of the one before. Prescribed cells are doubled in number; the grading of an automatic
-mesh starts at its coarsest and is refined uniformly, so that the first levels already show the order and not the
-tolerance of the scene. The error is the largest one of the profiles along the bed: against the closed form where
-`exact_profile` knows one, else the difference between successive levels at the points of the first one. Time steps stay
-as the scene has them.
+Every level halves the cells of the one before. Prescribed cells are doubled in number;
+the grading of an automatic mesh starts at its coarsest and is refined uniformly, so
+that the first levels already show the order and not the tolerance of the scene. The
+error is the largest one of the profiles along the bed: against the closed form where
+`exact_profile` knows one, else the difference between successive levels at the points
+of the first one. Time steps stay as the scene has them.
 """
 
 from __future__ import annotations
@@ -36,7 +38,9 @@ Profile = Callable[[Any], dict[str, Any]]
 
 @dataclass(frozen=True)
 class Level:
-    """One mesh: mean cell size [m], unknowns, error (nan where there is none), observed order, wall time [s]."""
+    """One mesh: mean cell size [m], unknowns, error (nan where there is none),
+    observed order, wall time [s].
+    """
 
     h: float
     unknowns: int
@@ -47,43 +51,65 @@ class Level:
 
 @dataclass(frozen=True)
 class Convergence:
-    """All levels, and what the error is: `measure` for people, `exact` whether it is one against a closed form."""
+    """All levels, and what the error is: `measure` for people, `exact` whether it is
+    one against a closed form.
+    """
 
     levels: tuple[Level, ...]
     measure: str
     exact: bool
 
     def __str__(self) -> str:
-        lines = [self.measure, f"{'h [m]':>11} {'unknowns':>9} {'error':>10} {'order':>6} {'wall [s]':>9}"]
+        lines = [
+            self.measure,
+            f"{'h [m]':>11} {'unknowns':>9} {'error':>10} {'order':>6} {'wall [s]':>9}",
+        ]
         for level in self.levels:
             error, order = (
                 " " * width if np.isnan(value) else f"{value:{width}{form}}"
-                for value, width, form in ((level.error, 10, ".3e"), (level.order, 6, ".2f"))
+                for value, width, form in (
+                    (level.error, 10, ".3e"),
+                    (level.order, 6, ".2f"),
+                )
             )
-            lines.append(f"{level.h:11.4e} {level.unknowns:9d} {error} {order} {level.wall:9.3f}")
+            lines.append(
+                f"{level.h:11.4e} {level.unknowns:9d} {error} {order} {level.wall:9.3f}"
+            )
         return "\n".join(lines)
 
     def columns(self) -> dict[str, list[float]]:
         """Return the table by header."""
         units = {"h": "m", "unknowns": "1", "error": "1", "order": "1", "wall": "s"}
-        return {f"{name} [{unit}]": [getattr(level, name) for level in self.levels] for name, unit in units.items()}
+        return {
+            f"{name} [{unit}]": [getattr(level, name) for level in self.levels]
+            for name, unit in units.items()
+        }
 
 
 def converge(
-    scene: str | Path, levels: int = 4, out: str | Path | None = None, trust: bool = False, allow_large: bool = False
+    scene: str | Path,
+    levels: int = 4,
+    out: str | Path | None = None,
+    trust: bool = False,
+    allow_large: bool = False,
 ) -> Convergence:
-    """Solve a scene on `levels` meshes; writes convergence.csv and convergence.png into `out`.
+    """Solve a scene on `levels` meshes; writes convergence.csv and convergence.png into
+    `out`.
 
     `trust` and `allow_large` are those of `contbed.loading.load`.
 
     Raises
     ------
-    SceneError, ConvergenceError, ClosureRangeError, BalanceError : as a run of the scene does
+    SceneError, ConvergenceError, ClosureRangeError, BalanceError : as a run of the
+        scene does
     """
     first = load(scene, trust=trust, allow_large=allow_large)
     plan: Any = make_plan(_at_level(scene, first, 0))
     if plan.mesh is None and plan.scene.mesh.cells is None:
-        raise SceneError(f"{scene}: the cells of this bed follow its errors; give mesh.cells, which are doubled")
+        raise SceneError(
+            f"{scene}: the cells of this bed follow its errors; give mesh.cells, which "
+            "are doubled"
+        )
     exact = exact_profile(plan)
     rows: list[Level] = []
     before: dict[str, Any] | None = None
@@ -102,9 +128,17 @@ def converge(
                 error = _distance(columns, before)
             before = columns
         h = _cell_size(result.plan)
-        order = float(np.log(rows[-1].error / error) / np.log(rows[-1].h / h)) if rows and error > 0 else float("nan")
+        order = (
+            float(np.log(rows[-1].error / error) / np.log(rows[-1].h / h))
+            if rows and error > 0
+            else float("nan")
+        )
         rows.append(Level(h, sum(result.plan.unknowns().values()), error, order, wall))
-    what = "error against the closed form" if exact is not None else "difference from the level before"
+    what = (
+        "error against the closed form"
+        if exact is not None
+        else "difference from the level before"
+    )
     names = ", ".join(name.split(" [")[0] for name in columns)
     found = Convergence(tuple(rows), f"largest {what}: {names}", exact is not None)
     if out is not None:
@@ -112,52 +146,83 @@ def converge(
     return found
 
 
-def _at_level(path: str | Path, scene: Any, level: int, points: Sequence[float] = ()) -> SceneBase:
+def _at_level(
+    path: str | Path, scene: Any, level: int, points: Sequence[float] = ()
+) -> SceneBase:
     mesh = getattr(scene, "mesh", None)
     if mesh is None:
-        remedy = "; vary solver.cells" if "cells" in type(scene.solver).model_fields else ""
-        raise SceneError(f"{path}: a scene of kind {scene.kind} has no [mesh] to refine{remedy}")
+        remedy = (
+            "; vary solver.cells" if "cells" in type(scene.solver).model_fields else ""
+        )
+        raise SceneError(
+            f"{path}: a scene of kind {scene.kind} has no [mesh] to refine{remedy}"
+        )
     if "positions" not in type(scene.output).model_fields:
-        raise SceneError(f"{path}: a scene of kind {scene.kind} has no profiles at given positions to compare")
-    changes: dict[str, Any] = {"solver.adapt": 0} if "adapt" in type(scene.solver).model_fields else {}
+        raise SceneError(
+            f"{path}: a scene of kind {scene.kind} has no profiles at given positions "
+            "to compare"
+        )
+    changes: dict[str, Any] = (
+        {"solver.adapt": 0} if "adapt" in type(scene.solver).model_fields else {}
+    )
     cells = getattr(mesh, "cells", None)
     if cells is not None:
         changes["mesh.cells"] = (np.asarray(cells) * 2**level).tolist()
     else:
-        changes |= {"mesh.refine": mesh.refine + level, "solver.tolerance": max(scene.solver.tolerance, GRADING_ERROR)}
+        changes |= {
+            "mesh.refine": mesh.refine + level,
+            "solver.tolerance": max(scene.solver.tolerance, GRADING_ERROR),
+        }
     if points and not scene.output.positions:
         changes["output.positions"] = list(points)
-    return load(path, changes, trust=scene.origin.trust, allow_large=scene.origin.allow_large)
+    return load(
+        path, changes, trust=scene.origin.trust, allow_large=scene.origin.allow_large
+    )
 
 
 def _cell_size(plan: Any) -> float:
     """Return the mean size of the cells [m]; of a reacting bed those of one length."""
     if plan.mesh is None:
         return float(plan.scene.mesh.length / plan.problem.line.cells)
-    return float((plan.mesh.measure() / plan.mesh.skfem.nelements) ** (1.0 / plan.mesh.skfem.dim()))
+    return float(
+        (plan.mesh.measure() / plan.mesh.skfem.nelements)
+        ** (1.0 / plan.mesh.skfem.dim())
+    )
 
 
 def _compared(profiles: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-    """Return the coordinate, and the columns that are compared: theta, or temperatures and fractions, or the velocity.
+    """Return the coordinate, and the columns that are compared: theta, or temperatures
+    and fractions, or the velocity.
 
-    Mole and mass fractions are there in a bed whose temperature may be the same everywhere.
+    Mole and mass fractions are there in a bed whose temperature may be the same
+    everywhere.
     """
     coordinate, *names = (name for name in profiles if name != TIME)
     for prefixes in ("theta_", ("T_", "x_", "w_"), "u "):
-        if chosen := {name: profiles[name] for name in names if name.startswith(prefixes)}:
+        if chosen := {
+            name: profiles[name] for name in names if name.startswith(prefixes)
+        }:
             break
     return profiles[coordinate], chosen
 
 
 def _distance(columns: dict[str, Any], reference: dict[str, Any]) -> float:
-    """Return the largest difference of any column; theta as it is, others over their largest value."""
-    scales = {name: max(np.abs(value).max(), LEAST_SCALE) for name, value in reference.items()}
+    """Return the largest difference of any column; theta as it is, others over their
+    largest value.
+    """
+    scales = {
+        name: max(np.abs(value).max(), LEAST_SCALE) for name, value in reference.items()
+    }
     scales |= {name: 1.0 for name in columns if name.startswith("theta_")}
-    return max(float(np.abs(columns[name] - reference[name]).max() / scales[name]) for name in columns)
+    return max(
+        float(np.abs(columns[name] - reference[name]).max() / scales[name])
+        for name in columns
+    )
 
 
 def exact_profile(plan: Plan) -> Profile | None:
-    """Return the closed form of a plan, from positions [m] to the theta columns of the profile.
+    """Return the closed form of a plan, from positions [m] to the theta columns of the
+    profile.
 
     None where no closed form applies.
     """
@@ -168,30 +233,47 @@ def exact_profile(plan: Plan) -> Profile | None:
         return None
     from contbed.many.closed_form import finite_length
 
-    inlets = [_only_fixed(plan.solved, phase, name) for phase, name in _inlets(plan).items()]
+    inlets = [
+        _only_fixed(plan.solved, phase, name) for phase, name in _inlets(plan).items()
+    ]
     backwards, cooled = plan.velocity[0] < 0, inlets[0] > inlets[1]  # type: ignore[operator]
 
     def profile(x: Any) -> dict[str, Any]:
         pair = finite_length(arguments["length"] - x if backwards else x, **arguments)
         names = ("theta_fluid [1]", "theta_solid [1]")
-        return {name: 1.0 - value if cooled else value for name, value in zip(names, pair, strict=True)}
+        return {
+            name: 1.0 - value if cooled else value
+            for name, value in zip(names, pair, strict=True)
+        }
 
     return profile
 
 
 def closed_form_arguments(plan: Plan) -> dict[str, Any] | None:
-    """Return the arguments of `many.closed_form.finite_length` for a plan, along the fluid's stream.
+    """Return the arguments of `many.closed_form.finite_length` for a plan, along the
+    fluid's stream.
 
-    None where it does not apply. It applies to steady, linear heat on a line where both phases enter at fixed,
-    different temperatures and leave freely.
+    None where it does not apply. It applies to steady, linear heat on a line where both
+    phases enter at fixed, different temperatures and leave freely.
     """
     scene, medium, mesh = plan.solved, plan.medium, plan.solved.mesh
-    if scene.heat is None or scene.radiation is not None or scene.time is not None or not medium.constant:
+    if (
+        scene.heat is None
+        or scene.radiation is not None
+        or scene.time is not None
+        or not medium.constant
+    ):
         return None
-    sources = [region.heat_source(phase) for region in scene.region.values() for phase in ("fluid", "solid")]
+    sources = [
+        region.heat_source(phase)
+        for region in scene.region.values()
+        for phase in ("fluid", "solid")
+    ]
     if not isinstance(mesh, MeshLine) or any(sources):
         return None
-    T_fluid, T_solid = (_only_fixed(scene, phase, name) for phase, name in _inlets(plan).items())
+    T_fluid, T_solid = (
+        _only_fixed(scene, phase, name) for phase, name in _inlets(plan).items()
+    )
     if T_fluid is None or T_solid is None or T_fluid == T_solid:
         return None
     T, scale = medium.T_fluid_in, medium.mass_flux_scale()
@@ -205,12 +287,16 @@ def closed_form_arguments(plan: Plan) -> dict[str, Any] | None:
     exchange = float(medium.exchange(T, speed))
     d_fluid = float(medium.conductivity_fluid(T)) + add_fluid + float(along)
     d_solid = float(medium.conductivity_solid(T)) + add_solid
-    if not (u and exchange and (u_solid or d_solid)) or (cross and cross**2 >= d_fluid * d_solid):
+    if not (u and exchange and (u_solid or d_solid)) or (
+        cross and cross**2 >= d_fluid * d_solid
+    ):
         return None
     return {
         "length": mesh.length,
         "flux_fluid": scale * float(medium.fluid.heat_capacity(T)) * abs(u),
-        "flux_solid": float(medium.solid.density(T) * medium.solid.heat_capacity(T)) * u_solid * np.sign(u),
+        "flux_solid": float(medium.solid.density(T) * medium.solid.heat_capacity(T))
+        * u_solid
+        * np.sign(u),
         "d_fluid": d_fluid,
         "d_solid": d_solid,
         "ha": exchange,
@@ -224,13 +310,22 @@ def _inlets(plan: Plan) -> dict[str, str]:
     A solid at rest has its temperature fixed where the fluid enters.
     """
     u, u_solid = plan.velocity[0], plan.velocity_solid[0]
-    return {"fluid": "left" if u > 0 else "right", "solid": "left" if (u_solid or u) > 0 else "right"}
+    return {
+        "fluid": "left" if u > 0 else "right",
+        "solid": "left" if (u_solid or u) > 0 else "right",
+    }
 
 
 def _only_fixed(scene: Any, phase: str, inlet: str) -> float | None:
-    """Return the temperature of a phase that is fixed at its inlet and free everywhere else."""
+    """Return the temperature of a phase that is fixed at its inlet and free
+    everywhere else.
+    """
     conditions = {name: table.thermal(phase) for name, table in scene.boundary.items()}
-    given = {name: condition for name, condition in conditions.items() if condition is not None}
+    given = {
+        name: condition
+        for name, condition in conditions.items()
+        if condition is not None
+    }
     return given[inlet].fixed_temperature if list(given) == [inlet] else None
 
 

@@ -1,7 +1,9 @@
-"""Distributions of uncertain keys, in samples and as what is known before a calibration.
+"""Distributions of uncertain keys, in samples and as what is known before a
+calibration.
 
-Each one is even or normal in a coordinate w, which is the value or its logarithm; the scaled coordinate z is w less
-its mean over its standard deviation, so that z has mean 0 and standard deviation 1 whatever the key.
+Each one is even or normal in a coordinate w, which is the value or its logarithm; the
+scaled coordinate z is w less its mean over its standard deviation, so that z has mean 0
+and standard deviation 1 whatever the key.
 """
 
 from __future__ import annotations
@@ -22,7 +24,8 @@ HALF_WIDTH = math.sqrt(3.0)
 class Distribution:
     """A distribution of a number in SI.
 
-    low, high : ends of an even distribution; of a normal one, the value at z = 0 and that at z = 1
+    low, high : ends of an even distribution; of a normal one, the value at z = 0 and
+        that at z = 1
     even : even between the ends and nothing outside, or normal
     logarithmic : the logarithm of the value is distributed so
     whole : integers from the low to the high end alone, each as likely as the others
@@ -35,9 +38,13 @@ class Distribution:
     whole: bool = False
 
     def __call__(self, u: Array) -> Array:
-        """Return the values below which a share `u` of the distribution lies, of the shape of `u`."""
+        """Return the values below which a share `u` of the distribution lies, of the
+        shape of `u`.
+        """
         if self.whole:
-            return np.minimum(self.low + np.floor(u * (self.high - self.low + 1.0)), self.high)
+            return np.minimum(
+                self.low + np.floor(u * (self.high - self.low + 1.0)), self.high
+            )
         if self.even and not self.logarithmic:
             return self.low + u * (self.high - self.low)
         if self.even:
@@ -66,7 +73,9 @@ class Distribution:
 
     def slope(self, z: float) -> float:
         """Return the derivative of the value with respect to the scaled coordinate."""
-        width = math.log(self.high / self.low) if self.logarithmic else self.high - self.low
+        width = (
+            math.log(self.high / self.low) if self.logarithmic else self.high - self.low
+        )
         each = width / (2.0 * HALF_WIDTH) if self.even else width
         return each * float(self.value(z)) if self.logarithmic else each
 
@@ -81,7 +90,11 @@ class Distribution:
         if not self.logarithmic:
             return 0.5 * (self.low + self.high) if self.even else self.low
         width = math.log(self.high / self.low)
-        return (self.high - self.low) / width if self.even else self.low * math.exp(0.5 * width**2)
+        return (
+            (self.high - self.low) / width
+            if self.even
+            else self.low * math.exp(0.5 * width**2)
+        )
 
     @property
     def deviation(self) -> float:
@@ -92,7 +105,9 @@ class Distribution:
             return abs(self.high - self.low) / (2.0 * HALF_WIDTH if self.even else 1.0)
         width = math.log(self.high / self.low)
         if self.even:
-            return math.sqrt((self.high**2 - self.low**2) / (2.0 * width) - self.mean**2)
+            return math.sqrt(
+                (self.high**2 - self.low**2) / (2.0 * width) - self.mean**2
+            )
         return abs(self.mean) * math.sqrt(math.expm1(width**2))
 
     def __str__(self) -> str:
@@ -103,5 +118,11 @@ class Distribution:
         if self.even:
             return f"even{logarithm} from {self.low:.6g} to {self.high:.6g}"
         if self.logarithmic:
-            return f"log-normal about {self.low:.6g} with a factor of {self.high / self.low:.6g}"
-        return f"normal about {self.low:.6g} with a standard deviation of {self.high - self.low:.6g}"
+            return (
+                f"log-normal about {self.low:.6g} with a factor of "
+                f"{self.high / self.low:.6g}"
+            )
+        return (
+            f"normal about {self.low:.6g} with a standard deviation of "
+            f"{self.high - self.low:.6g}"
+        )

@@ -14,7 +14,9 @@ from contbed.scene.toml_lines import parse_key
 
 @dataclass(frozen=True)
 class Quantity:
-    """A parameter or result: its key in scene or summary, its name and its unit; None for no number."""
+    """A parameter or result: its key in scene or summary, its name and its unit;
+    None for no number.
+    """
 
     key: str
     name: str
@@ -23,7 +25,11 @@ class Quantity:
     @property
     def header(self) -> str:
         """Column header, "T_fluid_out [K]"; a plain number has "-"."""
-        return self.name if self.unit is None else f"{self.name} [{'-' if self.unit == '1' else self.unit}]"
+        return (
+            self.name
+            if self.unit is None
+            else f"{self.name} [{'-' if self.unit == '1' else self.unit}]"
+        )
 
     @property
     def label(self) -> str:
@@ -44,11 +50,14 @@ def parameter(key: str, values: Iterable[Any]) -> Quantity:
 
 
 def result(key: str) -> Quantity:
-    """Return a named result; the unit is that in its key ("k_eff [W/m/K]", "T_fluid_out_K") or of its field ("u_max").
+    """Return a named result; the unit is that in its key ("k_eff [W/m/K]",
+    "T_fluid_out_K") or of its field ("u_max").
 
     >>> [result(key).header for key in ("T_fluid_out_K", "k_eff [W/m/K]", "u_max", "porosity")]
     ['T_fluid_out [K]', 'k_eff [W/m/K]', 'u_max [m/s]', 'porosity [-]']
     """
     unit = unit_of(key) or "1"
     ending = re.sub(r"\W+", "_", unit)
-    return Quantity(key, name_of(key).removesuffix(f"_{ending}").removesuffix(f"_{unit}"), unit)
+    return Quantity(
+        key, name_of(key).removesuffix(f"_{ending}").removesuffix(f"_{unit}"), unit
+    )

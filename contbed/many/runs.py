@@ -5,8 +5,9 @@
     outcome.json    exit code, problem, parameters and named results; the scene too if the run failed; a checksum
     workers.log     a line when a worker begins the run and when it has ended it
 
-The outcome appears whole or not at all, after everything else, and a run that has one is never computed again. The log
-is locked by the worker that computes: if two want the same run, the second waits and takes what the first has found.
+The outcome appears whole or not at all, after everything else, and a run that has one
+is never computed again. The log is locked by the worker that computes: if two want the
+same run, the second waits and takes what the first has found.
 """
 
 from __future__ import annotations
@@ -35,7 +36,9 @@ _BEGUN = "begun"
 
 @dataclass(frozen=True)
 class Case:
-    """One run: its name (the hash of its scene), the values of the parameters in SI, and the scene."""
+    """One run: its name (the hash of its scene), the values of the parameters in SI,
+    and the scene.
+    """
 
     name: str
     parameters: Mapping[str, Any]
@@ -53,7 +56,9 @@ def folder_of(case: Case, out: Path) -> Path:
 
 
 def known(case: Case, out: Path, retry_failed: bool = False) -> Content | None:
-    """Return the outcome of a run; None if it is not finished, its file is damaged, or it failed and is tried again."""
+    """Return the outcome of a run; None if it is not finished, its file is damaged,
+    or it failed and is tried again.
+    """
     file = folder_of(case, out) / OUTCOME
     try:
         outcome = opened(file.read_text(encoding="utf-8"))
@@ -73,7 +78,12 @@ def is_damaged(case: Case, out: Path) -> bool:
 def is_begun(case: Case, out: Path) -> bool:
     """Return whether the last entry in the log of a run is that a worker began it."""
     try:
-        return (folder_of(case, out) / LOG).read_text(encoding="utf-8").rstrip().endswith(_BEGUN)
+        return (
+            (folder_of(case, out) / LOG)
+            .read_text(encoding="utf-8")
+            .rstrip()
+            .endswith(_BEGUN)
+        )
     except OSError:
         return False
 
@@ -83,7 +93,8 @@ def compute(case: Case, out: Path) -> Content:
 
     Raises
     ------
-    ContbedError, OSError : the disk is full or cannot be written; this is no fault of the scene and is not kept
+    ContbedError, OSError : the disk is full or cannot be written; this is no fault of
+        the scene and is not kept
     """
     with _claimed(case, out) as log:
         if (found := known(case, out)) is not None:
@@ -93,7 +104,9 @@ def compute(case: Case, out: Path) -> Content:
 
 
 def give_up(case: Case, out: Path) -> Content:
-    """Return a failed outcome for a run whose workers died, or the outcome that one of them has found after all."""
+    """Return a failed outcome for a run whose workers died, or the outcome that one
+    of them has found after all.
+    """
     with _claimed(case, out) as log:
         if (found := known(case, out)) is not None:
             return found
@@ -101,8 +114,14 @@ def give_up(case: Case, out: Path) -> Content:
 
 
 def failure(error: Exception) -> tuple[int, str]:
-    """Return the exit code and the problem, on one line, of a run that raised an error."""
-    code, name = (error.exit_code, "") if isinstance(error, ContbedError) else (1, f"{type(error).__name__}: ")
+    """Return the exit code and the problem, on one line, of a run that raised an
+    error.
+    """
+    code, name = (
+        (error.exit_code, "")
+        if isinstance(error, ContbedError)
+        else (1, f"{type(error).__name__}: ")
+    )
     return code, f"{name}{error}".replace("\n", "; ")
 
 
@@ -110,7 +129,10 @@ def failure(error: Exception) -> tuple[int, str]:
 def _claimed(case: Case, out: Path) -> Iterator[IO[str]]:
     folder = folder_of(case, out)
     folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / LOG, "a", encoding="utf-8", opener=_no_link) as log, locked(log.fileno()):
+    with (
+        open(folder / LOG, "a", encoding="utf-8", opener=_no_link) as log,
+        locked(log.fileno()),
+    ):
         yield log
 
 
@@ -119,9 +141,19 @@ def _no_link(path: str, flags: int) -> int:
     return os.open(path, flags | os.O_NOFOLLOW, 0o666)
 
 
-def _keep(case: Case, out: Path, log: IO[str], solve: Callable[[], tuple[int, str, dict[str, Any]]]) -> Content:
+def _keep(
+    case: Case,
+    out: Path,
+    log: IO[str],
+    solve: Callable[[], tuple[int, str, dict[str, Any]]],
+) -> Content:
     code, problem, qoi = solve()
-    outcome = {"exit_code": code, "problem": problem, "parameters": case.parameters, "qoi": qoi}
+    outcome = {
+        "exit_code": code,
+        "problem": problem,
+        "parameters": case.parameters,
+        "qoi": qoi,
+    }
     if code:
         outcome["scene"] = resolved(case.scene)
     write_json(folder_of(case, out) / OUTCOME, sealed(outcome))
@@ -146,8 +178,12 @@ def _results(case: Case, out: Path) -> tuple[int, str, dict[str, Any]]:
 
 
 def _is_disk(error: Exception) -> bool:
-    """Return whether a file could not be written, which the next run would also fail at."""
-    return isinstance(error, OSError) or (isinstance(error.__cause__, OSError) and not isinstance(error, SceneError))
+    """Return whether a file could not be written, which the next run would also fail
+    at.
+    """
+    return isinstance(error, OSError) or (
+        isinstance(error.__cause__, OSError) and not isinstance(error, SceneError)
+    )
 
 
 def _note(log: IO[str], text: str) -> None:

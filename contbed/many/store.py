@@ -1,8 +1,9 @@
 """What studies have computed, by key: nothing is computed twice.
 
-A `Store` is a file of JSON lines, for values; a run that has files of its own keeps its outcome in its folder, see
-`runs`. Every entry has a checksum. One that does not fit, as a killed process has written only a part of it, is
-computed again, and so is what a former version of contbed kept in another form.
+A `Store` is a file of JSON lines, for values; a run that has files of its own keeps its
+outcome in its folder, see `runs`. Every entry has a checksum. One that does not fit, as
+a killed process has written only a part of it, is computed again, and so is what a
+former version of contbed kept in another form.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ KEY = "run"  # of an entry in a line
 
 
 def key_of(*parts: Any) -> str:
-    """Return 16 hexadecimal digits that stand for JSON values, the same for the same values."""
+    """Return 16 hexadecimal digits that stand for JSON values, the same for the same
+    values.
+    """
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
 
 
@@ -47,7 +50,8 @@ def opened(text: str) -> Content | None:
 class Store:
     """Entries by key in a file of lines; without a file they are kept in memory only.
 
-    A process that runs at the same time may add lines of its own: each is written whole under a lock.
+    A process that runs at the same time may add lines of its own: each is written whole
+    under a lock.
 
     Attributes
     ----------
@@ -96,7 +100,9 @@ class Store:
 
 @contextmanager
 def locked(descriptor: int) -> Iterator[None]:
-    """Hold the lock of an open file or folder for the block; the system releases it when the process ends."""
+    """Hold the lock of an open file or folder for the block; the system releases it
+    when the process ends.
+    """
     with suppress(OSError):  # a file system without locks
         fcntl.flock(descriptor, fcntl.LOCK_EX)
     try:

@@ -14,11 +14,13 @@ from contbed.loading import mistakes_of, table_of
 from contbed.scene.toml_lines import KeyPath, dotted, one_line, parse_key, read
 
 _Table = TypeVar("_Table", bound=BaseModel)
-Say = Callable[[KeyPath, str], None]  # takes the path below an entry, and what is wrong there
+# takes the path below an entry, and what is wrong there
+Say = Callable[[KeyPath, str], None]
 
 
 class StudyFile(Generic[_Table]):
-    """A file of a study as its table `settings`; further mistakes are collected by `say` and raised by `stop`.
+    """A file of a study as its table `settings`; further mistakes are collected by
+    `say` and raised by `stop`.
 
     Raises
     ------
@@ -32,8 +34,12 @@ class StudyFile(Generic[_Table]):
         self.problems: list[str] = []
 
     def say(self, path: KeyPath, text: str, shown: str = "") -> None:
-        """Note a mistake at a key, which is shown by its name in the scene where it has one."""
-        self.problems.append(one_line(f"{self.origin.at(path)}: {shown or dotted(path)}: {text}"))
+        """Note a mistake at a key, which is shown by its name in the scene where it
+        has one.
+        """
+        self.problems.append(
+            one_line(f"{self.origin.at(path)}: {shown or dotted(path)}: {text}")
+        )
 
     def say_below(self, path: KeyPath, shown: str = "") -> Say:
         """Return a function that notes a mistake at a path below a key."""
@@ -53,15 +59,23 @@ class StudyFile(Generic[_Table]):
         """Return the file that a key names; one that is absent is a mistake."""
         key = str(path[-1])
         if not name:
-            self.say(path, f'missing; give the file of the {key}, {key} = "base.toml"', key)
+            self.say(
+                path, f'missing; give the file of the {key}, {key} = "base.toml"', key
+            )
         elif not (self.origin.base / name).is_file():
             self.say(path, f'no such file: "{name}", looked for beside this file', key)
         return self.origin.base / name
 
     def entries(
-        self, at: KeyPath, table: Mapping[str, Any], is_entry: Callable[[Any], bool], places: dict[str, str]
+        self,
+        at: KeyPath,
+        table: Mapping[str, Any],
+        is_entry: Callable[[Any], bool],
+        places: dict[str, str],
     ) -> Iterator[tuple[str, KeyPath, Any]]:
-        """Yield dotted name, path and entry of each key of a scene below a table, and note its place in `places`."""
+        """Yield dotted name, path and entry of each key of a scene below a table,
+        and note its place in `places`.
+        """
         for below, entry in _flat(table, is_entry):
             name, path = ".".join(below), (*at, *below)
             if name in places:
@@ -72,7 +86,9 @@ class StudyFile(Generic[_Table]):
 
 
 def checked(model: type[_Table], entry: Mapping[str, Any], say: Say) -> _Table | None:
-    """Return an entry as its table `model`; None after its mistakes were reported to `say`."""
+    """Return an entry as its table `model`; None after its mistakes were reported to
+    `say`.
+    """
     found = mistakes_of(model, dict(entry))
     for path, text in found:
         say(path, text)
@@ -88,7 +104,9 @@ def unit_of(name: str) -> str | None:
 
 
 def relocated(problem: str, places: Mapping[str, str]) -> tuple[str, str]:
-    """Replace an override of a scene in a message by its key and the line of the study; "" where there is none."""
+    """Replace an override of a scene in a message by its key and the line of the
+    study; "" where there is none.
+    """
     text = problem.removeprefix("override: ")
     if text != problem:
         for name in sorted(places, key=len, reverse=True):
@@ -100,7 +118,9 @@ def relocated(problem: str, places: Mapping[str, str]) -> tuple[str, str]:
 def _flat(
     table: Mapping[str, Any], is_entry: Callable[[Any], bool], above: Sequence[str] = ()
 ) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """Yield the entries by path, whether written as "a.b" = [...], a.b = [...] or in sub-tables."""
+    """Yield the entries by path, whether written as "a.b" = [...], a.b = [...] or in
+    sub-tables.
+    """
     for key, value in table.items():
         if is_entry(value):
             yield (*above, key), value

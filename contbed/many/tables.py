@@ -1,4 +1,6 @@
-"""What studies write alike: tables of mixed columns, tables for a terminal, scenes with other values."""
+"""What studies write alike: tables of mixed columns, tables for a terminal, scenes
+with other values.
+"""
 
 from __future__ import annotations
 
@@ -23,9 +25,16 @@ def exact(value: Any) -> Any:
     return json.dumps(value) if isinstance(value, list | dict) else value
 
 
-def write_rows(path: Path, head: Row, rows: Iterable[Row], cell: Callable[[Any], Any] = exact) -> None:
-    """Write a table as CSV, whole or not at all; `cell` gives the cell of each value."""
-    with atomic(path) as temporary, open(temporary, "w", encoding="utf-8", newline="") as file:
+def write_rows(
+    path: Path, head: Row, rows: Iterable[Row], cell: Callable[[Any], Any] = exact
+) -> None:
+    """Write a table as CSV, whole or not at all; `cell` gives the cell of each
+    value.
+    """
+    with (
+        atomic(path) as temporary,
+        open(temporary, "w", encoding="utf-8", newline="") as file,
+    ):
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(head)
         for row in rows:
@@ -33,18 +42,26 @@ def write_rows(path: Path, head: Row, rows: Iterable[Row], cell: Callable[[Any],
 
 
 def aligned(rows: Sequence[Sequence[str]], left: Collection[int]) -> list[str]:
-    """Return rows of texts, head first, as lines with columns of equal width; those in `left` begin at the left."""
+    """Return rows of texts, head first, as lines with columns of equal width; those
+    in `left` begin at the left.
+    """
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = []
     for row in rows:
         cells = zip(row, widths, strict=True)
-        padded = [cell.ljust(width) if k in left else cell.rjust(width) for k, (cell, width) in enumerate(cells)]
+        padded = [
+            cell.ljust(width) if k in left else cell.rjust(width)
+            for k, (cell, width) in enumerate(cells)
+        ]
         lines.append("  ".join(padded).rstrip())
     return lines
 
 
-def scene_text(file: Path, scene: SceneBase, changes: Mapping[str, Any], folder: Path) -> str:
-    """Return the text of a scene's file with values changed by key; files that it names are found from `folder`.
+def scene_text(
+    file: Path, scene: SceneBase, changes: Mapping[str, Any], folder: Path
+) -> str:
+    """Return the text of a scene's file with values changed by key; files that it names
+    are found from `folder`.
 
     Parameters
     ----------

@@ -1,4 +1,5 @@
-"""The values of a design: lists, ranges and samples, read from the tables of a study and turned into SI.
+"""The values of a design: lists, ranges and samples, read from the tables of a study
+and turned into SI.
 
     ["3 mm", "6 mm"]                                            a list, as it is
     { from = "3 mm", to = "12 mm", count = 4 }                  even steps, both ends exact
@@ -8,12 +9,14 @@
     { distribution = "normal", mean = "6 mm", deviation = "0.2 mm" }
     { distribution = "log_normal", median = "5 W/m/K", factor = 1.3 }   two of three are within 5/1.3 to 5*1.3
 
-A sample is a set of points in the unit cube, Latin hypercube or scrambled Sobol, that each distribution maps to
-its values. The Latin hypercube has one point in each of `count` slices of equal probability, for every parameter
-(McKay, Beckman & Conover 1979, doi:10.1080/00401706.1979.10489755); the Sobol points fill all dimensions evenly if
+A sample is a set of points in the unit cube, Latin hypercube or scrambled Sobol, that
+each distribution maps to its values. The Latin hypercube has one point in each of
+`count` slices of equal probability, for every parameter (McKay, Beckman & Conover 1979,
+doi:10.1080/00401706.1979.10489755); the Sobol points fill all dimensions evenly if
 `count` is a power of two (Owen 1998, doi:10.1006/jcom.1998.0487).
 
-Mistakes are reported to `say(path below the table, text)`; what could not be read is None.
+Mistakes are reported to `say(path below the table, text)`; what could not be read is
+None.
 """
 
 from __future__ import annotations
@@ -37,11 +40,15 @@ Array = NDArray[np.float64]
 Method = Literal["latin_hypercube", "sobol", "sobol_indices", "morris"]
 
 MOST_RUNS = 100_000
-BY_THEMSELVES = ("sobol_indices", "morris")  # methods whose points belong together, one group for each of `count`
+# methods whose points belong together, one group for each of `count`
+BY_THEMSELVES = ("sobol_indices", "morris")
 LEVELS = 4  # of a Morris design, as its authors take
-TAIL = 0.05  # probability below and above the values of a normal distribution in a Morris design, which has ends
+# probability below and above the values of a normal distribution in a Morris design,
+# which has ends
+TAIL = 0.05
 MAGNITUDE = re.compile(r"^[\s+-]*[\d.]+(?:[eE][+-]?\d+)?")
-_BY_KEY = {"mean": "normal", "median": "log_normal"}  # distributions that are known by a key of theirs
+# distributions that are known by a key of theirs
+_BY_KEY = {"mean": "normal", "median": "log_normal"}
 
 
 class Ends(Table):
@@ -56,8 +63,12 @@ class Ends(Table):
 class Range(Ends):
     """Values from one end to the other."""
 
-    count: Annotated[Whole, Field(ge=2, le=MOST_RUNS)] = Field(description="number of values")
-    spacing: Literal["linear", "log"] = Field("linear", description="even differences or even ratios")
+    count: Annotated[Whole, Field(ge=2, le=MOST_RUNS)] = Field(
+        description="number of values"
+    )
+    spacing: Literal["linear", "log"] = Field(
+        "linear", description="even differences or even ratios"
+    )
 
 
 class Even(Ends):
@@ -71,7 +82,9 @@ class Even(Ends):
 class EvenIntegers(Ends):
     """An even distribution, of integers if so asked."""
 
-    distribution: Literal["uniform"] = Field("uniform", description="integers, each as likely as the others")
+    distribution: Literal["uniform"] = Field(
+        "uniform", description="integers, each as likely as the others"
+    )
     integer: Switch = Field(False, description="whether the values are integers")
 
 
@@ -90,9 +103,14 @@ class LogNormal(Table):
 
     kind: ClassVar[str] = "values"
 
-    distribution: Literal["log_normal"] = Field("log_normal", description="log-normal distribution")
+    distribution: Literal["log_normal"] = Field(
+        "log_normal", description="log-normal distribution"
+    )
     median: Any = Field(None, description="median")
-    factor: Any = Field(None, description="ratio to the median at one standard deviation of the logarithm")
+    factor: Any = Field(
+        None,
+        description="ratio to the median at one standard deviation of the logarithm",
+    )
 
 
 DISTRIBUTIONS: dict[str, type[Table]] = {
@@ -104,12 +122,16 @@ DISTRIBUTIONS: dict[str, type[Table]] = {
 
 
 def is_values(entry: Any) -> bool:
-    """Return whether an entry of [parameters] holds values, and not keys further down."""
+    """Return whether an entry of [parameters] holds values, and not keys further
+    down.
+    """
     return is_distribution(entry) or bool({"count", "spacing"} & entry.keys())
 
 
 def is_distribution(entry: Any) -> bool:
-    """Return whether an entry of [sample.parameters] holds a distribution, and not keys further down."""
+    """Return whether an entry of [sample.parameters] holds a distribution, and not
+    keys further down.
+    """
     return (
         not isinstance(entry, Mapping)
         or not entry
@@ -118,8 +140,13 @@ def is_distribution(entry: Any) -> bool:
 
 
 def is_log(entry: Any) -> bool:
-    """Return whether the values of a range or distribution are even in their logarithm."""
-    return isinstance(entry, Mapping) and "log" in {entry.get("spacing"), str(entry.get("distribution"))[:3]}
+    """Return whether the values of a range or distribution are even in their
+    logarithm.
+    """
+    return isinstance(entry, Mapping) and "log" in {
+        entry.get("spacing"),
+        str(entry.get("distribution"))[:3],
+    }
 
 
 def values(entry: Any, unit: str | None, say: Say) -> list[Any] | None:
@@ -133,7 +160,11 @@ def values(entry: Any, unit: str | None, say: Say) -> list[Any] | None:
         say((), "expected a list of values, or a range { from, to, count }")
         return None
     if not {"from", "to"} & entry.keys() and {"distribution", *_BY_KEY} & entry.keys():
-        say((), "is a distribution, which a sample is drawn from; give it under [sample.parameters]")
+        say(
+            (),
+            "is a distribution, which a sample is drawn from; give it under "
+            "[sample.parameters]",
+        )
         return None
     table = checked(Range, entry, say)
     ends = _ends(entry, unit, entry.get("spacing") == "log", say)
@@ -145,20 +176,34 @@ def values(entry: Any, unit: str | None, say: Say) -> list[Any] | None:
     if not np.isfinite(found).all():
         say((), "the range is too wide for a computer's numbers")
         return None
-    if all(isinstance(entry[key], int) for key in ("from", "to")) and (found == found.round()).all():
+    if (
+        all(isinstance(entry[key], int) for key in ("from", "to"))
+        and (found == found.round()).all()
+    ):
         return [int(value) for value in found]  # of a key that counts
     return [ends[0], *map(tidy, found[1:-1]), ends[1]]
 
 
-def distribution(entry: Any, unit: str | None, say: Say, counts: bool = False) -> Distribution | None:
-    """Return the map from (0, 1) to the values of a distribution, which may be integers for keys that `counts`."""
+def distribution(
+    entry: Any, unit: str | None, say: Say, counts: bool = False
+) -> Distribution | None:
+    """Return the map from (0, 1) to the values of a distribution, which may be
+    integers for keys that `counts`.
+    """
     if not isinstance(entry, Mapping):
-        say((), "expected a distribution: { from, to }, { mean, deviation } or { median, factor }")
+        say(
+            (),
+            "expected a distribution: { from, to }, { mean, deviation } or { median, "
+            "factor }",
+        )
         return None
     usual = next((name for key, name in _BY_KEY.items() if key in entry), "uniform")
     name = str(entry.get("distribution", usual))
     if name not in DISTRIBUTIONS:
-        say(("distribution",), f"distribution is {name!r}; {nearest(name, list(DISTRIBUTIONS))}")
+        say(
+            ("distribution",),
+            f"distribution is {name!r}; {nearest(name, list(DISTRIBUTIONS))}",
+        )
         return None
     may_count = counts and name == "uniform"
     table = checked(EvenIntegers if may_count else DISTRIBUTIONS[name], entry, say)
@@ -171,27 +216,34 @@ def distribution(entry: Any, unit: str | None, say: Say, counts: bool = False) -
     ends = _ends(entry, unit, name == "log_uniform", say)
     if ends is None:
         return None
-    if ends[0] > ends[1] and not (name == "log_uniform" and ends[0] < 0.0):  # by size, as negative logarithms go
+    # by size, as negative logarithms go
+    if ends[0] > ends[1] and not (name == "log_uniform" and ends[0] < 0.0):
         say((), f"from {ends[0]:g} to {ends[1]:g}; give the lower end first")
         return None
     integers = isinstance(table, EvenIntegers) and table.integer
     if integers and not (ends[0].is_integer() and ends[1].is_integer()):
         say((), f"integers from {ends[0]:g} to {ends[1]:g}; give integers")
         return None
-    return Distribution(*ends, even=True, logarithmic=name == "log_uniform", whole=integers)
+    return Distribution(
+        *ends, even=True, logarithmic=name == "log_uniform", whole=integers
+    )
 
 
 def tidy(value: float) -> float:
-    """Round to 14 digits, because the last ones differ between computers and would make another scene."""
+    """Round to 14 digits, because the last ones differ between computers and would
+    make another scene.
+    """
     return float(f"{value:.14g}")
 
 
 def sample(method: str, count: int, seed: int, dimensions: int) -> Array:
-    """Return the points of a design in the unit cube, (runs, dimensions); the same for the same seed.
+    """Return the points of a design in the unit cube, (runs, dimensions); the same for
+    the same seed.
 
-    "sobol_indices" has `count` groups of dimensions + 2 points (Saltelli et al. 2010, doi:10.1016/j.cpc.2009.09.018),
-    "morris" `count` ways of dimensions + 1 points that differ in one coordinate each (Morris 1991,
-    doi:10.1080/00401706.1991.10484804); any other `count` points.
+    "sobol_indices" has `count` groups of dimensions + 2 points (Saltelli et al. 2010,
+    doi:10.1016/j.cpc.2009.09.018), "morris" `count` ways of dimensions + 1 points that
+    differ in one coordinate each (Morris 1991, doi:10.1080/00401706.1991.10484804); any
+    other `count` points.
 
     Raises
     ------
@@ -207,12 +259,14 @@ def sample(method: str, count: int, seed: int, dimensions: int) -> Array:
 
     random = np.random.default_rng(seed)
     if method in BY_THEMSELVES:
-        return _with_salib(method, count, seed % 2**32, dimensions)  # SALib's seeds have 32 bits
+        # SALib's seeds have 32 bits
+        return _with_salib(method, count, seed % 2**32, dimensions)
     if method == "latin_hypercube":
         points: Array = qmc.LatinHypercube(dimensions, seed=random).random(count)
         return points
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # on counts that are no power of two, which the study reports
+        # on counts that are no power of two, which the study reports
+        warnings.simplefilter("ignore", UserWarning)
         points = qmc.Sobol(dimensions, scramble=True, seed=random).random(count)
     return points
 
@@ -221,7 +275,9 @@ def _with_salib(method: str, count: int, seed: int, dimensions: int) -> Array:
     try:
         from SALib.sample import morris, sobol
     except ImportError:
-        raise ContbedError(f"method = \"{method}\" needs SALib: pip install 'contbed[calibrate]'") from None
+        raise ContbedError(
+            f"method = \"{method}\" needs SALib: pip install 'contbed[calibrate]'"
+        ) from None
     import warnings
 
     problem = {
@@ -230,32 +286,48 @@ def _with_salib(method: str, count: int, seed: int, dimensions: int) -> Array:
         "bounds": [[0.0, 1.0]] * dimensions,
     }
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # on counts that are no power of two, which the study reports
+        # on counts that are no power of two, which the study reports
+        warnings.simplefilter("ignore", UserWarning)
         if method == "sobol_indices":
-            return np.asarray(sobol.sample(problem, count, calc_second_order=False, seed=seed))
+            return np.asarray(
+                sobol.sample(problem, count, calc_second_order=False, seed=seed)
+            )
         return np.asarray(morris.sample(problem, count, num_levels=LEVELS, seed=seed))
 
 
 def within_tails(u: Array, spread: Distribution) -> Array:
-    """Return the coordinates of a Morris design, of which a normal distribution takes those within its tails."""
+    """Return the coordinates of a Morris design, of which a normal distribution
+    takes those within its tails.
+    """
     return u if spread.even else TAIL + (1.0 - 2.0 * TAIL) * u
 
 
-def _ends(entry: Mapping[str, Any], unit: str | None, logarithmic: bool, say: Say) -> tuple[float, float] | None:
+def _ends(
+    entry: Mapping[str, Any], unit: str | None, logarithmic: bool, say: Say
+) -> tuple[float, float] | None:
     low, high = (number(entry, key, unit, say) for key in ("from", "to"))
     if low is None or high is None:
         return None
     if low == high:
         say((), f"an empty range, from and to are both {low:g}")
     elif logarithmic and (low == 0.0 or high == 0.0 or (low > 0.0) != (high > 0.0)):
-        say((), f"a logarithmic range from {low:g} to {high:g}; its ends must have the same sign and not be 0")
+        say(
+            (),
+            f"a logarithmic range from {low:g} to {high:g}; its ends must have the "
+            "same sign and not be 0",
+        )
     else:
         return low, high
     return None
 
 
-def _normal(entry: Mapping[str, Any], unit: str | None, say: Say) -> Distribution | None:
-    mean, deviation = number(entry, "mean", unit, say), number(entry, "deviation", unit, say, difference=True)
+def _normal(
+    entry: Mapping[str, Any], unit: str | None, say: Say
+) -> Distribution | None:
+    mean, deviation = (
+        number(entry, "mean", unit, say),
+        number(entry, "deviation", unit, say, difference=True),
+    )
     if mean is None or deviation is None:
         return None
     if deviation <= 0.0:
@@ -264,32 +336,60 @@ def _normal(entry: Mapping[str, Any], unit: str | None, say: Say) -> Distributio
     return Distribution(mean, mean + deviation, even=False)
 
 
-def _log_normal(entry: Mapping[str, Any], unit: str | None, say: Say) -> Distribution | None:
-    median, factor = number(entry, "median", unit, say), number(entry, "factor", "1", say)
+def _log_normal(
+    entry: Mapping[str, Any], unit: str | None, say: Say
+) -> Distribution | None:
+    median, factor = (
+        number(entry, "median", unit, say),
+        number(entry, "factor", "1", say),
+    )
     if median is None or factor is None:
         return None
     if median == 0.0 or factor <= 1.0:
-        key, value, allowed = ("factor", factor, "> 1") if median else ("median", median, "that is not 0")
+        key, value, allowed = (
+            ("factor", factor, "> 1") if median else ("median", median, "that is not 0")
+        )
         say((key,), f"{key} is {value:g}; allowed: a number {allowed}")
         return None
     return Distribution(median, median * factor, even=False, logarithmic=True)
 
 
-def number(entry: Mapping[str, Any], key: str, unit: str | None, say: Say, difference: bool = False) -> float | None:
-    """Return a number in SI; a `difference` of temperatures does not move with the zero of its scale."""
+def number(
+    entry: Mapping[str, Any],
+    key: str,
+    unit: str | None,
+    say: Say,
+    difference: bool = False,
+) -> float | None:
+    """Return a number in SI; a `difference` of temperatures does not move with the
+    zero of its scale.
+    """
     value = entry.get(key)
     if isinstance(value, str) and unit is not None:
         from contbed.scene.units import to_si
 
         try:
-            return to_si(value, unit) - (to_si(MAGNITUDE.sub("0 ", value), unit) if difference else 0.0)
+            return to_si(value, unit) - (
+                to_si(MAGNITUDE.sub("0 ", value), unit) if difference else 0.0
+            )
         except ValueError as error:
             say((key,), f"{key}: {error}")
             return None
-    if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
+    if (
+        isinstance(value, int | float)
+        and not isinstance(value, bool)
+        and math.isfinite(value)
+    ):
         return float(value)
-    plain = "a plain number, this key has no unit" if isinstance(value, str) else "a finite number"
-    say((key,) if key in entry else (), f"{key} is {_shown(entry, key)}; allowed: {plain}")
+    plain = (
+        "a plain number, this key has no unit"
+        if isinstance(value, str)
+        else "a finite number"
+    )
+    say(
+        (key,) if key in entry else (),
+        f"{key} is {_shown(entry, key)}; allowed: {plain}",
+    )
     return None
 
 

@@ -1,4 +1,6 @@
-"""Workers of runs: processes of this machine, or workers of a dask cluster, each with one thread."""
+"""Workers of runs: processes of this machine, or workers of a dask cluster, each
+with one thread.
+"""
 
 from __future__ import annotations
 
@@ -27,12 +29,16 @@ def in_this_process(cases: list[Case], out: Path) -> Found:
 
 
 def on_this_machine(cases: list[Case], out: Path, jobs: int) -> Found:
-    """Yield the runs of `jobs` processes in the order in which they end; -1 means one for each core."""
+    """Yield the runs of `jobs` processes in the order in which they end; -1 means
+    one for each core.
+    """
     batches, deaths = deque([cases]), 0
     while batches:
         batch, done = batches.popleft(), set()
         try:
-            for case, outcome in pooled(_pair, [(case, out) for case in batch], jobs, batch=1):
+            for case, outcome in pooled(
+                _pair, [(case, out) for case in batch], jobs, batch=1
+            ):
                 done.add(case.name)
                 yield case, outcome
         except BrokenProcessPool:
@@ -50,14 +56,26 @@ def on_this_machine(cases: list[Case], out: Path, jobs: int) -> Found:
                 continue
             deaths = 0 if begun or len(left) < len(batch) else deaths + 1
             if deaths == ATTEMPTS:
-                raise ContbedError("the worker processes die before they begin; see whether memory is left") from None
-            batches.extendleft([[case for case in left if case not in begun], *([case] for case in begun)])
+                raise ContbedError(
+                    "the worker processes die before they begin; see whether memory is "
+                    "left"
+                ) from None
+            batches.extendleft(
+                [
+                    [case for case in left if case not in begun],
+                    *([case] for case in begun),
+                ]
+            )
 
 
 def pooled(
-    function: Callable[..., Any], tasks: Iterable[tuple[Any, ...]], jobs: int, batch: int | Literal["auto"] = "auto"
+    function: Callable[..., Any],
+    tasks: Iterable[tuple[Any, ...]],
+    jobs: int,
+    batch: int | Literal["auto"] = "auto",
 ) -> Iterator[Any]:
-    """Yield what a function returns for the arguments of each task, from `jobs` processes, as they end.
+    """Yield what a function returns for the arguments of each task, from `jobs`
+    processes, as they end.
 
     `batch` is the number of tasks that a process takes at a time.
 
@@ -77,20 +95,27 @@ def _pair(case: Case, out: Path) -> tuple[Case, Content]:
 
 
 def on_cluster(cases: list[Case], out: Path, scheduler: str) -> Found:
-    """Yield the runs on the workers of a dask scheduler, in the order in which they end.
+    """Yield the runs on the workers of a dask scheduler, in the order in which they
+    end.
 
     Raises
     ------
-    ContbedError : dask is not installed, the scheduler does not answer, or its workers cannot compute these runs
+    ContbedError : dask is not installed, the scheduler does not answer, or its workers
+        cannot compute these runs
     """
     distributed = require_dask()
     try:
         client = distributed.Client(scheduler, timeout=WAIT, set_as_default=False)
     except (OSError, ValueError) as error:
-        raise ContbedError(f"no dask scheduler answers at {scheduler}: {' '.join(str(error).split())}") from error
+        raise ContbedError(
+            f"no dask scheduler answers at {scheduler}: {' '.join(str(error).split())}"
+        ) from error
     with client:
         _inspect(client, out, scheduler)
-        futures = {client.submit(_on_cluster_worker, case, out, pure=False): case for case in cases}
+        futures = {
+            client.submit(_on_cluster_worker, case, out, pure=False): case
+            for case in cases
+        }
         deaths: dict[str, int] = {}
         ended = distributed.as_completed(futures, loop=client.loop)
         for future in ended:
@@ -101,7 +126,9 @@ def on_cluster(cases: list[Case], out: Path, scheduler: str) -> Found:
                 except (OSError, distributed.CancelledError) as error:
                     raise _lost(scheduler) from error
                 yield case, outcome
-            elif future.status == "error" and isinstance(future.exception(), distributed.KilledWorker):
+            elif future.status == "error" and isinstance(
+                future.exception(), distributed.KilledWorker
+            ):
                 deaths[case.name] = deaths.get(case.name, 0) + 1
                 if is_begun(case, out) or deaths[case.name] == ATTEMPTS:
                     yield case, give_up(case, out)
@@ -111,7 +138,8 @@ def on_cluster(cases: list[Case], out: Path, scheduler: str) -> Found:
                     ended.add(again)
             elif future.status == "error":
                 raise future.exception()
-            elif future.status in ("pending", "lost"):  # it died with the worker that held it, and comes again
+            # it died with the worker that held it, and comes again
+            elif future.status in ("pending", "lost"):
                 futures[future] = case
                 ended.add(future)
             else:
@@ -119,7 +147,9 @@ def on_cluster(cases: list[Case], out: Path, scheduler: str) -> Found:
 
 
 def _lost(scheduler: str) -> ContbedError:
-    return ContbedError(f"lost the scheduler at {scheduler}; the same command resumes from here")
+    return ContbedError(
+        f"lost the scheduler at {scheduler}; the same command resumes from here"
+    )
 
 
 def _on_cluster_worker(case: Case, out: Path) -> Content:
@@ -128,41 +158,67 @@ def _on_cluster_worker(case: Case, out: Path) -> Content:
 
 
 def require_dask() -> Any:
-    """Return the module of dask's scheduler, or raise ContbedError with what to install."""
+    """Return the module of dask's scheduler, or raise ContbedError with what to
+    install.
+    """
     try:
         import distributed
     except ImportError:
-        raise ContbedError("--scheduler needs dask: pip install 'contbed[cluster]', here and on the workers") from None
+        raise ContbedError(
+            "--scheduler needs dask: pip install 'contbed[cluster]', here and on the "
+            "workers"
+        ) from None
     return distributed
 
 
 def _inspect(client: Any, out: Path, scheduler: str) -> None:
-    """Refuse workers that have another contbed, do not see the folder, or run several scenes in one process."""
+    """Refuse workers that have another contbed, do not see the folder, or run
+    several scenes in one process.
+    """
     from contbed import __version__
 
     try:
         client.wait_for_workers(1, timeout=WAIT)
     except TimeoutError:
-        raise ContbedError(f"the scheduler at {scheduler} has no worker; start some: dask worker {scheduler}") from None
+        raise ContbedError(
+            f"the scheduler at {scheduler} has no worker; start some: dask worker "
+            f"{scheduler}"
+        ) from None
     with NamedTemporaryFile(dir=out) as token:
         try:
             found = client.run(_probe, token.name)
         except Exception as error:
-            raise ContbedError(f"a worker cannot run contbed: {type(error).__name__}: {error}") from error
+            raise ContbedError(
+                f"a worker cannot run contbed: {type(error).__name__}: {error}"
+            ) from error
     for worker, (version, sees, pinned) in found.items():
         if version != __version__:
-            raise ContbedError(f"worker {worker} has contbed {version}, here it is {__version__}; install the same")
+            raise ContbedError(
+                f"worker {worker} has contbed {version}, here it is {__version__}; "
+                "install the same"
+            )
         if not sees:
-            raise ContbedError(f"worker {worker} does not see {out}; give a folder that all machines share with --out")
+            raise ContbedError(
+                f"worker {worker} does not see {out}; give a folder that all machines "
+                "share with --out"
+            )
         if not pinned:
-            raise ContbedError(f"worker {worker} may use several threads a run; start it with OMP_NUM_THREADS=1")
+            raise ContbedError(
+                f"worker {worker} may use several threads a run; start it with "
+                "OMP_NUM_THREADS=1"
+            )
     for worker, threads in client.nthreads().items():
         if threads > 1:
-            raise ContbedError(f"worker {worker} has {threads} threads; start it with --nthreads 1 --nworkers -1")
+            raise ContbedError(
+                f"worker {worker} has {threads} threads; start it with --nthreads 1 "
+                "--nworkers -1"
+            )
 
 
 def _probe(token: str) -> tuple[str, bool, bool]:
-    """Return version, whether the folder is seen, and whether linear algebra keeps to one thread, of a worker."""
+    """Return version, whether the folder is seen, and whether linear algebra keeps
+    to one thread, of a worker.
+    """
     from contbed import __version__
 
     return __version__, Path(token).exists(), os.environ.get("OMP_NUM_THREADS") == "1"

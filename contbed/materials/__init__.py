@@ -1,7 +1,8 @@
-"""Materials: density, heat capacity, enthalpy, viscosity and conductivity as functions of temperature.
+"""Materials: density, heat capacity, enthalpy, viscosity and conductivity as functions
+    of temperature.
 
-T [K] may be a number, an array or a dual number. Cantera, CoolProp and scipy are imported only by the material that
-needs them.
+T [K] may be a number, an array or a dual number. Cantera, CoolProp and scipy are
+imported only by the material that needs them.
 """
 
 from __future__ import annotations
@@ -55,13 +56,17 @@ class Material(Protocol):
         """Return the heat capacity [J/kg/K]."""
 
     def enthalpy(self, T: Any) -> Any:
-        """Return the enthalpy [J/kg], the exact integral of heat_capacity; the reference differs by material."""
+        """Return the enthalpy [J/kg], the exact integral of heat_capacity; the
+        reference differs by material.
+        """
 
     def conductivity(self, T: Any) -> Any:
         """Return the conductivity [W/m/K]."""
 
     def share_outside(self, T: Any) -> float:
-        """Return the share of the points of T outside T_range; they are evaluated all the same."""
+        """Return the share of the points of T outside T_range; they are evaluated
+        all the same.
+        """
 
 
 class Fluid(Material, Protocol):

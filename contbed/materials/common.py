@@ -1,4 +1,6 @@
-"""Functions that all materials share: polynomials that work on dual numbers, and checks of ranges."""
+"""Functions that all materials share: polynomials that work on dual numbers, and
+checks of ranges.
+"""
 
 from __future__ import annotations
 
@@ -17,20 +19,25 @@ ROUNDING = 1e-9  # relative excess of a temperature that is no more than roundin
 
 
 def polynomial(coefficients: Sequence[float], x: Any) -> Any:
-    """Evaluate a0 + a1 x + a2 x^2 + ... by Horner's rule; the float a0 when there is nothing else."""
+    """Evaluate a0 + a1 x + a2 x^2 + ... by Horner's rule; the float a0 when there is
+    nothing else.
+    """
     result: Any = coefficients[-1]
     for a in coefficients[-2::-1]:
         result = result * x + a
     return result
 
 
-def integrated(coefficients: Sequence[float], constant: float = 0.0) -> tuple[float, ...]:
+def integrated(
+    coefficients: Sequence[float], constant: float = 0.0
+) -> tuple[float, ...]:
     """Return the coefficients of the integral of a polynomial, `constant` at x = 0."""
     return (constant, *(a / (n + 1) for n, a in enumerate(coefficients)))
 
 
 def share_outside(T: Any, T_range: Range) -> float:
-    """Return the share of the points of T outside the inclusive range by more than rounding.
+    """Return the share of the points of T outside the inclusive range by more than
+    rounding.
 
     nan counts as outside.
     """
@@ -43,7 +50,10 @@ def checked_range(T_range: Sequence[float], what: str) -> Range:
     """Return the range as two floats; raise SceneError if it is none."""
     lo, hi = (float(T) for T in T_range)
     if not 0.0 <= lo < hi:
-        raise SceneError(f"{what}: T_range ({lo:g}, {hi:g}) K must rise and not start below 0 K; correct the ends")
+        raise SceneError(
+            f"{what}: T_range ({lo:g}, {hi:g}) K must rise and not start below 0 K; "
+            "correct the ends"
+        )
     return lo, hi
 
 
@@ -56,7 +66,9 @@ def checked_positive(value: float, what: str, unit: str) -> float:
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Return ' (nearest: a, b)' for an error message; nothing when no known name is close."""
+    """Return ' (nearest: a, b)' for an error message; nothing when no known name is
+    close.
+    """
     by_lower = {k.lower(): k for k in known}
     close = difflib.get_close_matches(name.lower(), by_lower, n=3, cutoff=0.5)
     return f" (nearest: {', '.join(by_lower[c] for c in close)})" if close else ""

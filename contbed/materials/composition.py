@@ -16,13 +16,18 @@ def mole_fractions(composition: str | Mapping[str, float]) -> dict[str, float]:
 
     Parameters
     ----------
-    composition : "N2:0.79, O2:0.21" or {"N2": 0.79, "O2": 0.21}, in any common scale [mol]; one bare name is a pure gas
+    composition : "N2:0.79, O2:0.21" or {"N2": 0.79, "O2": 0.21}, in any common
+        scale [mol]; one bare name is a pure gas
 
     Returns
     -------
     species -> mole fraction [-]
     """
-    pairs = list(composition.items()) if isinstance(composition, Mapping) else _pairs(composition)
+    pairs = (
+        list(composition.items())
+        if isinstance(composition, Mapping)
+        else _pairs(composition)
+    )
     amounts: dict[str, float] = {}
     for species, given in pairs:
         try:
@@ -30,18 +35,27 @@ def mole_fractions(composition: str | Mapping[str, float]) -> dict[str, float]:
         except (TypeError, ValueError):
             amount = math.nan
         if not (amount >= 0.0 and math.isfinite(amount)):
-            raise SceneError(f"composition: the amount of {species} is {given!r}; it must be a number, 0 or more")
+            raise SceneError(
+                f"composition: the amount of {species} is {given!r}; it must be a "
+                "number, 0 or more"
+            )
         if species in amounts:
             raise SceneError(f"composition: {species} is given twice")
         amounts[species] = amount
     total = sum(amounts.values())
     if total <= 0.0:
-        raise SceneError(f"composition {composition!r} is empty; give at least one species, such as 'N2:0.79, O2:0.21'")
-    return {species: amount / total for species, amount in amounts.items() if amount > 0.0}
+        raise SceneError(
+            f"composition {composition!r} is empty; give at least one species, such as "
+            "'N2:0.79, O2:0.21'"
+        )
+    return {
+        species: amount / total for species, amount in amounts.items() if amount > 0.0
+    }
 
 
 def require_sum(composition: str, within: float = SUM, in_moles: bool = True) -> None:
-    """Check that fractions sum to one `within` a number; amounts above 1 are `in_moles` and may sum to anything.
+    """Check that fractions sum to one `within` a number; amounts above 1 are `in_moles`
+    and may sum to anything.
 
     Raises
     ------
@@ -51,11 +65,16 @@ def require_sum(composition: str, within: float = SUM, in_moles: bool = True) ->
     amounts = [float(amount) for _, amount in _pairs(composition)]
     total, fractions = sum(amounts), max(amounts) <= 1.0 or not in_moles
     if fractions and abs(total - 1.0) > within:
-        raise SceneError(f"fractions sum to {total:.6g}, not to 1; correct them, or write amounts in mol above 1")
+        raise SceneError(
+            f"fractions sum to {total:.6g}, not to 1; correct them, or write amounts "
+            "in mol above 1"
+        )
 
 
 def names_in(composition: str) -> tuple[str, ...]:
-    """Return all species that the text of a composition names, those of amount 0 included."""
+    """Return all species that the text of a composition names, those of amount 0
+    included.
+    """
     return tuple(name for name, _ in _pairs(composition))
 
 
@@ -67,6 +86,9 @@ def _pairs(text: str) -> list[tuple[str, str]]:
     for word in filter(None, words):
         species, _, amount = word.rpartition(":")
         if not species or not amount:
-            raise SceneError(f"composition {text!r}: cannot read {word!r}; write 'N2:0.79, O2:0.21' (mole fractions)")
+            raise SceneError(
+                f"composition {text!r}: cannot read {word!r}; write 'N2:0.79, O2:0.21' "
+                "(mole fractions)"
+            )
         pairs.append((species, amount))
     return pairs

@@ -1,4 +1,6 @@
-"""A fluid whose properties do not depend on temperature: the heat problem stays linear."""
+"""A fluid whose properties do not depend on temperature: the heat problem stays
+linear.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,8 @@ from .common import Range, checked_positive, share_outside
 
 @dataclass(frozen=True, init=False)
 class ConstantFluid:
-    """Constant properties; every method but `enthalpy` returns a Python float, whatever T is.
+    """Constant properties; every method but `enthalpy` returns a Python float, whatever
+    T is.
 
     Parameters
     ----------
@@ -43,9 +46,13 @@ class ConstantFluid:
             "name": name,
             "source": source,
             "_density": checked_positive(density, f"{name}: density", "kg/m3"),
-            "_heat_capacity": checked_positive(heat_capacity, f"{name}: heat_capacity", "J/kg/K"),
+            "_heat_capacity": checked_positive(
+                heat_capacity, f"{name}: heat_capacity", "J/kg/K"
+            ),
             "_viscosity": checked_positive(viscosity, f"{name}: viscosity", "Pa s"),
-            "_conductivity": checked_positive(conductivity, f"{name}: conductivity", "W/m/K"),
+            "_conductivity": checked_positive(
+                conductivity, f"{name}: conductivity", "W/m/K"
+            ),
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)

@@ -1,4 +1,6 @@
-"""The gas of a scene with constant properties: those given, or those of a material at one temperature."""
+"""The gas of a scene with constant properties: those given, or those of a material
+at one temperature.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,9 @@ from contbed.scene.gas import GasCantera, GasConstant, GasCoolProp
 
 
 class Constants(NamedTuple):
-    """Density [kg/m3], viscosity [Pa s], heat capacity [J/kg/K] and conductivity [W/m/K]; None where not given."""
+    """Density [kg/m3], viscosity [Pa s], heat capacity [J/kg/K] and
+    conductivity [W/m/K]; None where not given.
+    """
 
     density: float
     viscosity: float
@@ -19,17 +23,24 @@ class Constants(NamedTuple):
     conductivity: float | None
 
 
-def constants_of(gas: GasConstant | GasCantera | GasCoolProp, T: float | None, base: Path) -> Constants:
-    """Return the properties of the gas of a scene in the folder `base` at the temperature T [K].
+def constants_of(
+    gas: GasConstant | GasCantera | GasCoolProp, T: float | None, base: Path
+) -> Constants:
+    """Return the properties of the gas of a scene in the folder `base` at the
+    temperature T [K].
 
     Raises
     ------
     SceneError : the properties vary, and T is not given or out of their range
     """
     if isinstance(gas, GasConstant):
-        return Constants(gas.density, gas.viscosity, gas.heat_capacity, gas.conductivity)
+        return Constants(
+            gas.density, gas.viscosity, gas.heat_capacity, gas.conductivity
+        )
     if T is None:
-        raise SceneError("properties are taken at one temperature: give gas.reference_temperature")
+        raise SceneError(
+            "properties are taken at one temperature: give gas.reference_temperature"
+        )
     return _at(gas, T, base)
 
 
@@ -39,8 +50,16 @@ def _at(gas: GasCantera | GasCoolProp, T: float, base: Path) -> Constants:
     fluid = _fluid(gas, base)
     low, high = fluid.T_range
     if not low <= T <= high:
-        raise SceneError(f"properties of {fluid.name} are known from {low:g} to {high:g} K, not at {T:g} K")
-    properties = fluid.density(T), fluid.viscosity(T), fluid.heat_capacity(T), fluid.conductivity(T)
+        raise SceneError(
+            f"properties of {fluid.name} are known from {low:g} to {high:g} K, not at "
+            f"{T:g} K"
+        )
+    properties = (
+        fluid.density(T),
+        fluid.viscosity(T),
+        fluid.heat_capacity(T),
+        fluid.conductivity(T),
+    )
     return Constants(*(float(value) for value in properties))
 
 
@@ -53,4 +72,6 @@ def _fluid(gas: GasCantera | GasCoolProp, base: Path) -> Any:
     from contbed.materials.gas import gas_mixture
     from contbed.scene.mechanism import find_mechanism
 
-    return gas_mixture(gas.composition, gas.pressure, find_mechanism(gas.mechanism, base))
+    return gas_mixture(
+        gas.composition, gas.pressure, find_mechanism(gas.mechanism, base)
+    )

@@ -1,4 +1,6 @@
-"""Real fluids at fixed pressure: CoolProp's equations of state, tabulated once to smooth piecewise polynomials in T."""
+"""Real fluids at fixed pressure: CoolProp's equations of state, tabulated once to
+smooth piecewise polynomials in T.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +16,15 @@ from contbed.errors import SceneError
 from .common import Range, checked_positive, checked_range, nearest, share_outside
 from .pointwise import pointwise
 
-TOLERANCE = 1e-7  # relative, for every property half way between nodes; nodes are added until it is met
-ACCEPTED = 1e-4  # where it cannot be met: near a critical point and at kinks of CoolProp's own
-NARROWEST = 0.01  # K; intervals below it are not halved: CoolProp's own scatter near a critical point shows there
-ROUNDING = 0.01  # K; a range may end at the boiling temperature as an error message prints it
+# relative, for every property half way between nodes; nodes are added until it is met
+TOLERANCE = 1e-7
+# where it cannot be met: near a critical point and at kinks of CoolProp's own
+ACCEPTED = 1e-4
+# K; intervals below it are not halved: CoolProp's own scatter near a critical point
+# shows there
+NARROWEST = 0.01
+# K; a range may end at the boiling temperature as an error message prints it
+ROUNDING = 0.01
 PROPERTIES = ("density", "heat_capacity", "viscosity", "conductivity")
 
 
@@ -25,10 +32,12 @@ PROPERTIES = ("density", "heat_capacity", "viscosity", "conductivity")
 class RealFluid:
     """A pure fluid in one phase at fixed pressure; made by `real_fluid`.
 
-    Quintic splines, so values are smooth and derivatives are exact. `table_error` is the largest relative error of any
-    property half way between nodes: below 1e-7, but up to 1e-4 within some 0.01 K of the places where CoolProp itself
-    scatters or has kinks (supercritical, near the critical point). Outside T_range each property keeps its value at the
-    nearer end, which keeps it positive; `share_outside` reports how often that happened.
+    Quintic splines, so values are smooth and derivatives are exact. `table_error` is
+    the largest relative error of any property half way between nodes: below 1e-7, but
+    up to 1e-4 within some 0.01 K of the places where CoolProp itself scatters or has
+    kinks (supercritical, near the critical point). Outside T_range each property keeps
+    its value at the nearer end, which keeps it positive; `share_outside` reports how
+    often that happened.
     """
 
     constant: ClassVar[bool] = False
@@ -48,7 +57,9 @@ class RealFluid:
         return pointwise(*self._tables["heat_capacity"], T)
 
     def enthalpy(self, T: Any) -> Any:
-        """Return the enthalpy [J/kg], exact integral of heat_capacity, CoolProp's at the lower end of T_range."""
+        """Return the enthalpy [J/kg], exact integral of heat_capacity, CoolProp's at
+        the lower end of T_range.
+        """
         return pointwise(*self._tables["enthalpy"], T)
 
     def viscosity(self, T: Any) -> Any:
@@ -64,14 +75,17 @@ class RealFluid:
         return share_outside(T, self.T_range)
 
 
-def real_fluid(name: str, pressure: float, T_range: Sequence[float] | None = None) -> RealFluid:
+def real_fluid(
+    name: str, pressure: float, T_range: Sequence[float] | None = None
+) -> RealFluid:
     """Tabulate a pure fluid from CoolProp: liquid, gas or supercritical.
 
     Parameters
     ----------
     name : a CoolProp fluid such as "Water" or "CO2"; "steam" is the gas side of water
     pressure : [Pa]
-    T_range : [K], on one side of the boiling temperature at this pressure; for "steam" the default is all of that side
+    T_range : [K], on one side of the boiling temperature at this pressure; for "steam"
+        the default is all of that side
 
     Source
     ------
@@ -82,7 +96,10 @@ def real_fluid(name: str, pressure: float, T_range: Sequence[float] | None = Non
     boiling = _boiling(CoolProp, state, p)
     limits, phase = _one_phase(name, p, T_range, (state.Tmin(), state.Tmax()), boiling)
     if limits[0] < (melting := _melting(CoolProp, state, p)):
-        raise SceneError(f"{name}: {limits[0]:g} K is below Tmelt = {melting:g} K at {p:g} Pa; narrow T_range")
+        raise SceneError(
+            f"{name}: {limits[0]:g} K is below Tmelt = {melting:g} K at {p:g} Pa; "
+            "narrow T_range"
+        )
     if phase:
         state.specify_phase(getattr(CoolProp, f"iphase_{phase}"))
 
@@ -90,23 +107,33 @@ def real_fluid(name: str, pressure: float, T_range: Sequence[float] | None = Non
     def at(T: float) -> tuple[float, ...]:
         try:
             state.update(CoolProp.PT_INPUTS, p, T)
-            return state.rhomass(), state.cpmass(), state.viscosity(), state.conductivity()
+            return (
+                state.rhomass(),
+                state.cpmass(),
+                state.viscosity(),
+                state.conductivity(),
+            )
         except ValueError as error:
             raise SceneError(
-                f"{name}: CoolProp has no properties at {T:.6g} K and {p:g} Pa ({error}); narrow T_range"
+                f"{name}: CoolProp has no properties at {T:.6g} K and {p:g} Pa "
+                f"({error}); narrow T_range"
             ) from error
 
-    nodes, values, error, worst = _refined(lambda T: np.array([at(T_i) for T_i in T.tolist()]), limits)
+    nodes, values, error, worst = _refined(
+        lambda T: np.array([at(T_i) for T_i in T.tolist()]), limits
+    )
     if error > ACCEPTED:
         raise SceneError(
-            f"{name}: CoolProp's properties at {p:g} Pa jump or vary too steeply near {worst:.6g} K for the table "
+            f"{name}: CoolProp's properties at {p:g} Pa jump or vary too steeply near "
+            f"{worst:.6g} K for the table "
             f"(error {error:.1e}); choose a T_range on one side, or another pressure"
         )
     state.update(CoolProp.PT_INPUTS, p, limits[0])
     return RealFluid(
         name=name,
         T_range=limits,
-        source=f"CoolProp {CoolProp.get_global_param_string('version')}, {state.fluid_names()[0]}",
+        source=f"CoolProp {CoolProp.get_global_param_string('version')}, "
+        f"{state.fluid_names()[0]}",
         pressure=p,
         table_error=error,
         _tables=_tables(nodes, values, state.hmass()),
@@ -118,19 +145,28 @@ def _state(name: str) -> tuple[Any, Any]:
         from CoolProp import AbstractState, CoolProp
     except ImportError as error:
         raise SceneError(
-            f"{name}: the package CoolProp is needed for real fluids and cannot be imported ({error}); "
+            f"{name}: the package CoolProp is needed for real fluids and cannot be "
+            f"imported ({error}); "
             "install it (pip install CoolProp) or give the fluid constant properties"
         ) from error
     try:
-        return CoolProp, AbstractState("HEOS", "Water" if name.lower() == "steam" else name)
+        return CoolProp, AbstractState(
+            "HEOS", "Water" if name.lower() == "steam" else name
+        )
     except ValueError as error:
         known = [*CoolProp.FluidsList(), "steam", "CO2"]
-        raise SceneError(f"no real fluid {name!r} in CoolProp{nearest(name, known)}") from error
+        raise SceneError(
+            f"no real fluid {name!r} in CoolProp{nearest(name, known)}"
+        ) from error
 
 
 def _melting(CoolProp: Any, state: Any, p: float) -> float:
-    """Return the melting temperature [K], 0 where it is not known; CoolProp before 8 gives the ice's side as water."""
-    if not state.has_melting_line() or p < state.trivial_keyed_output(CoolProp.iP_triple):
+    """Return the melting temperature [K], 0 where it is not known; CoolProp before 8
+    gives the ice's side as water.
+    """
+    if not state.has_melting_line() or p < state.trivial_keyed_output(
+        CoolProp.iP_triple
+    ):
         return 0.0
     try:
         return float(state.melting_line(CoolProp.iT, CoolProp.iP, p)) - ROUNDING
@@ -153,22 +189,35 @@ def _boiling(CoolProp: Any, state: Any, p: float) -> Range | None:
 
 
 def _one_phase(
-    name: str, p: float, T_range: Sequence[float] | None, fluid: Range, boiling: Range | None
+    name: str,
+    p: float,
+    T_range: Sequence[float] | None,
+    fluid: Range,
+    boiling: Range | None,
 ) -> tuple[Range, str]:
-    """Return the range, and 'liquid' or 'gas' where both exist at this pressure; SceneError if it holds both."""
+    """Return the range, and 'liquid' or 'gas' where both exist at this pressure;
+    SceneError if it holds both.
+    """
     steam = name.lower() == "steam"
     if boiling:
-        advice = f"{name} boils at {boiling[0]:.2f} K at {p:g} Pa; stay below it for liquid or above it for gas"
+        advice = (
+            f"{name} boils at {boiling[0]:.2f} K at {p:g} Pa; stay below it for "
+            "liquid or above it for gas"
+        )
     else:
         advice = f"{name} does not boil at {p:g} Pa"
     if T_range is None and steam and boiling:
         T_range = (boiling[1], fluid[1])
     if T_range is None:
-        raise SceneError(f"{name}: T_range is missing; give it within ({fluid[0]:g}, {fluid[1]:g}) K; {advice}")
+        raise SceneError(
+            f"{name}: T_range is missing; give it within ({fluid[0]:g}, {fluid[1]:g}) "
+            f"K; {advice}"
+        )
     lo, hi = checked_range(T_range, name)
     if lo < fluid[0] or hi > fluid[1]:
         raise SceneError(
-            f"{name}: T_range ({lo:g}, {hi:g}) K leaves that of CoolProp, ({fluid[0]:g}, {fluid[1]:g}) K; narrow it; "
+            f"{name}: T_range ({lo:g}, {hi:g}) K leaves that of CoolProp, "
+            f"({fluid[0]:g}, {fluid[1]:g}) K; narrow it; "
             f"{advice}"
         )
     if boiling is None:
@@ -178,16 +227,19 @@ def _one_phase(
     if hi <= boiling[0] + ROUNDING and not steam:
         return (lo, hi), "liquid"
     raise SceneError(
-        f"{name}: T_range ({lo:g}, {hi:g}) K {'is not all steam' if steam else 'crosses the phase change'}; {advice}; "
+        f"{name}: T_range ({lo:g}, {hi:g}) K "
+        f"{'is not all steam' if steam else 'crosses the phase change'}; {advice}; "
         "evaporation is not modelled"
     )
 
 
 def _refined(sample: Any, limits: Range) -> tuple[np.ndarray, np.ndarray, float, float]:
-    """Return nodes, values, the largest relative error half way between nodes, and where it is.
+    """Return nodes, values, the largest relative error half way between nodes, and
+    where it is.
 
-    Intervals that miss the tolerance are halved with their neighbours: that resolves a heat capacity peak, or the kink
-    where CoolProp switches off the critical enhancement of conductivity, without a fine grid elsewhere.
+    Intervals that miss the tolerance are halved with their neighbours: that resolves a
+    heat capacity peak, or the kink where CoolProp switches off the critical enhancement
+    of conductivity, without a fine grid elsewhere.
     """
     from scipy.interpolate import make_interp_spline
 
@@ -196,26 +248,43 @@ def _refined(sample: Any, limits: Range) -> tuple[np.ndarray, np.ndarray, float,
     while True:
         middle = 0.5 * (T[1:] + T[:-1])
         exact = sample(middle)
-        errors = np.max(np.abs(make_interp_spline(T, values, k=5)(middle) / exact - 1.0), axis=1)
+        errors = np.max(
+            np.abs(make_interp_spline(T, values, k=5)(middle) / exact - 1.0), axis=1
+        )
         worst = int(np.argmax(errors))
-        split = np.convolve((errors > TOLERANCE) & (np.diff(T) > NARROWEST), np.ones(5), "same") > 0.0
+        split = (
+            np.convolve(
+                (errors > TOLERANCE) & (np.diff(T) > NARROWEST), np.ones(5), "same"
+            )
+            > 0.0
+        )
         done = not split.any()
         if done:  # the last middles are known already: use them
             split[:] = True
         at = np.flatnonzero(split) + 1
-        T, values = np.insert(T, at, middle[split]), np.insert(values, at, exact[split], axis=0)
+        T, values = (
+            np.insert(T, at, middle[split]),
+            np.insert(values, at, exact[split], axis=0),
+        )
         if done:
             return T, values, float(errors[worst]), float(middle[worst])
 
 
-def _tables(T: np.ndarray, values: np.ndarray, h_start: float) -> dict[str, tuple[Any, Any]]:
-    """Return the value and derivative of every property; enthalpy is the integral of heat capacity."""
+def _tables(
+    T: np.ndarray, values: np.ndarray, h_start: float
+) -> dict[str, tuple[Any, Any]]:
+    """Return the value and derivative of every property; enthalpy is the integral of
+    heat capacity.
+    """
     from scipy.interpolate import PPoly, make_interp_spline
 
     tables = {}
     for i, name in enumerate(PROPERTIES):
         table = PPoly.from_spline(make_interp_spline(T, values[:, i], k=5))
-        inside = slice(np.searchsorted(table.x, T[0], "right") - 1, np.searchsorted(table.x, T[-1], "left"))
+        inside = slice(
+            np.searchsorted(table.x, T[0], "right") - 1,
+            np.searchsorted(table.x, T[-1], "left"),
+        )
         c, x = table.c[:, inside], table.x[inside.start : inside.stop + 1]
         # One constant piece on each side: what lies beyond it is the same constant.
         ends = np.zeros((6, 2))

@@ -21,7 +21,8 @@ _PHASE = re.compile(r"\((?:s|l|g|gr|cr|a|b|c|L|solid|liquid)\)$")
 
 
 def elements_of(formula: str) -> dict[str, float]:
-    """Return the number of atoms of each element in a formula such as "CH4", "Fe0.947O", "Ca(OH)2" or "C(gr)".
+    """Return the number of atoms of each element in a formula such as "CH4",
+    "Fe0.947O", "Ca(OH)2" or "C(gr)".
 
     Raises
     ------
@@ -32,9 +33,14 @@ def elements_of(formula: str) -> dict[str, float]:
     position = 0
     while position < len(text):
         found = _PART.match(text, position)
-        if found is None or (found[1] and found[1] not in ATOMIC_WEIGHTS) or (found[4] and len(stack) == 1):
+        if (
+            found is None
+            or (found[1] and found[1] not in ATOMIC_WEIGHTS)
+            or (found[4] and len(stack) == 1)
+        ):
             raise SceneError(
-                f"{formula!r} is no chemical formula of known elements; give its `elements`, such as {{C = 1, H = 4}}"
+                f"{formula!r} is no chemical formula of known elements; give its "
+                f"`elements`, such as {{C = 1, H = 4}}"
             )
         if found[1]:
             stack[-1][found[1]] = stack[-1].get(found[1], 0.0) + float(found[2] or 1)
@@ -46,13 +52,20 @@ def elements_of(formula: str) -> dict[str, float]:
                 stack[-1][element] = stack[-1].get(element, 0.0) + count * number
         position = found.end()
     if len(stack) != 1 or not stack[0]:
-        raise SceneError(f"{formula!r} is no chemical formula; give its `elements`, such as {{C = 1, H = 4}}")
+        raise SceneError(
+            f"{formula!r} is no chemical formula; give its `elements`, such as {{C = "
+            f"1, H = 4}}"
+        )
     return stack[0]
 
 
 def molar_mass_of(elements: Mapping[str, float]) -> float:
-    """Return the molar mass [kg/mol] of a species with these atoms; SceneError names an element without weight."""
+    """Return the molar mass [kg/mol] of a species with these atoms; SceneError names
+    an element without weight.
+    """
     unknown = [name for name in elements if name not in ATOMIC_WEIGHTS]
     if unknown:
-        raise SceneError(f"no atomic weight of {', '.join(unknown)} is known; give `molar_mass`")
+        raise SceneError(
+            f"no atomic weight of {', '.join(unknown)} is known; give `molar_mass`"
+        )
     return sum(count * ATOMIC_WEIGHTS[name] for name, count in elements.items())

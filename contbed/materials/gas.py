@@ -1,4 +1,6 @@
-"""Ideal gas mixtures of frozen composition: Cantera's polynomials, evaluated by numpy for all points at once."""
+"""Ideal gas mixtures of frozen composition: Cantera's polynomials, evaluated by
+numpy for all points at once.
+"""
 
 from __future__ import annotations
 
@@ -13,19 +15,30 @@ import numpy as np
 
 from contbed.errors import SceneError
 
-from .common import Range, checked_positive, checked_range, integrated, nearest, polynomial, share_outside
+from .common import (
+    Range,
+    checked_positive,
+    checked_range,
+    integrated,
+    nearest,
+    polynomial,
+    share_outside,
+)
 from .composition import mole_fractions
 
-T_FIT = 1000.0  # K; the transport fits are re-expanded about it, where their terms no longer cancel
+# K; the transport fits are re-expanded about it, where their terms no longer cancel
+T_FIT = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
 class GasMixture:
-    """Mixture-averaged properties at fixed pressure and composition; made by `gas_mixture`.
+    """Mixture-averaged properties at fixed pressure and composition; made by
+    `gas_mixture`.
 
-    Heat capacity is one polynomial between every two mid temperatures of the species, so its cost hardly grows with
-    the number of species. `enthalpy` is the exact integral of it: Cantera's own up to the lowest mid temperature and
-    continuous above, where Cantera's jumps by the rounding of the published coefficients (some 10 J/kg).
+    Heat capacity is one polynomial between every two mid temperatures of the species,
+    so its cost hardly grows with the number of species. `enthalpy` is the exact
+    integral of it: Cantera's own up to the lowest mid temperature and continuous above,
+    where Cantera's jumps by the rounding of the published coefficients (some 10 J/kg).
     """
 
     constant: ClassVar[bool] = False
@@ -58,10 +71,12 @@ class GasMixture:
         return _by_range(self._T_mid, self._enthalpy, T)
 
     def viscosity(self, T: Any) -> Any:
-        """Return the viscosity [Pa s] by Wilke (1950), J. Chem. Phys. 18, 517, doi:10.1063/1.1747673.
+        """Return the viscosity [Pa s] by Wilke (1950), J. Chem. Phys. 18, 517,
+        doi:10.1063/1.1747673.
 
-        With v_k = (T M_k)^(1/4) / mu_k^(1/2) and w_k = x_k M_k^(1/2) the rule is symmetric in each pair of species,
-        mu = sqrt(T) sum_k w_k / (sum_j w_j (v_k + v_j)^2 / sqrt(8 (M_k + M_j))), which halves its cost.
+        With v_k = (T M_k)^(1/4) / mu_k^(1/2) and w_k = x_k M_k^(1/2) the rule is
+        symmetric in each pair of species, mu = sqrt(T) sum_k w_k / (sum_j w_j
+        (v_k + v_j)^2 / sqrt(8 (M_k + M_j))), which halves its cost.
         """
         L = np.log(T * (1.0 / T_FIT))
         v = [1.0 / polynomial(fit, L) for fit in self._viscosity_fits]
@@ -76,16 +91,21 @@ class GasMixture:
         return np.sqrt(T) * total
 
     def conductivity(self, T: Any) -> Any:
-        """Return the conductivity [W/m/K], the mean of the arithmetic and the harmonic mole average.
+        """Return the conductivity [W/m/K], the mean of the arithmetic and the harmonic
+        mole average.
 
-        Mathur, Tondon and Saxena (1967), Mol. Phys. 12, 569, doi:10.1080/00268976700100731.
+        Mathur, Tondon and Saxena (1967), Mol. Phys. 12, 569,
+        doi:10.1080/00268976700100731.
         """
         L = np.log(T * (1.0 / T_FIT))
         mean = polynomial(self._conductivity_mean, L)
         if len(self._conductivity_fits) == 1:
             return np.sqrt(T) * mean
         x = self.mole_fractions.values()
-        below = sum(x_k / polynomial(fit, L) for x_k, fit in zip(x, self._conductivity_fits, strict=True))
+        below = sum(
+            x_k / polynomial(fit, L)
+            for x_k, fit in zip(x, self._conductivity_fits, strict=True)
+        )
         return np.sqrt(T) * (0.5 * (mean + 1.0 / below))
 
     def share_outside(self, T: Any) -> float:
@@ -99,11 +119,13 @@ def gas_mixture(
     mechanism: str = "gri30.yaml",
     T_range: Sequence[float] | None = None,
 ) -> GasMixture:
-    """Build an ideal gas mixture with the properties of Cantera's mixture-averaged transport.
+    """Build an ideal gas mixture with the properties of Cantera's mixture-averaged
+    transport.
 
     Parameters
     ----------
-    composition : mole fractions, "N2:0.79, O2:0.21" or {"N2": 0.79, "O2": 0.21}; normalised
+    composition : mole fractions, "N2:0.79, O2:0.21" or {"N2": 0.79, "O2": 0.21};
+        normalised
     pressure : [Pa]
     mechanism : a Cantera input file with ideal-gas thermodynamics and transport data
     T_range : [K], within the range of the mechanism's fits, which is the default
@@ -118,25 +140,36 @@ def gas_mixture(
     unknown = [s for s in x if s not in gas.species_names]
     if unknown:
         file = Path(mechanism).name
-        raise SceneError([f"gas: no species {s!r} in {file}{nearest(s, gas.species_names)}" for s in unknown])
+        raise SceneError(
+            [
+                f"gas: no species {s!r} in {file}{nearest(s, gas.species_names)}"
+                for s in unknown
+            ]
+        )
     limits = _limits(T_range, (gas.min_temp, gas.max_temp), mechanism)
     index = [gas.species_index(s) for s in x]
     M = [float(gas.molecular_weights[i]) for i in index]
     molar_mass = sum(x_k * M_k for x_k, M_k in zip(x.values(), M, strict=True))
-    T_mid, heat_capacity, enthalpy = _nasa([gas.species(i) for i in index], list(x.values()), gas_constant / molar_mass)
+    T_mid, heat_capacity, enthalpy = _nasa(
+        [gas.species(i) for i in index], list(x.values()), gas_constant / molar_mass
+    )
     w = [x_k * math.sqrt(M_k) for x_k, M_k in zip(x.values(), M, strict=True)]
     pairs = []
     for k in range(len(M)):
         for j in range(k + 1, len(M)):
             s = 1.0 / math.sqrt(8.0 * (M[k] + M[j]))
             pairs.append((k, j, w[j] * s, w[k] * s))
-    mu_fits = [recentred(gas.get_viscosity_polynomial(i), M_k**-0.25) for i, M_k in zip(index, M, strict=True)]
+    mu_fits = [
+        recentred(gas.get_viscosity_polynomial(i), M_k**-0.25)
+        for i, M_k in zip(index, M, strict=True)
+    ]
     k_fits = [recentred(gas.get_thermal_conductivity_polynomial(i), 1.0) for i in index]
     k_mean = np.array(list(x.values())) @ np.array(k_fits)
     return GasMixture(
         name=", ".join(f"{s}:{x_k:.6g}" for s, x_k in x.items()),
         T_range=limits,
-        source=f"Cantera, {Path(mechanism).name}: NASA7 and mixture-averaged transport fits",
+        source=f"Cantera, {Path(mechanism).name}: NASA7 and mixture-averaged transport "
+        "fits",
         pressure=p,
         molar_mass=molar_mass / 1000.0,
         mole_fractions=x,
@@ -152,7 +185,9 @@ def gas_mixture(
     )
 
 
-def _by_range(T_mid: Sequence[float], polynomials: Sequence[Sequence[float]], T: Any) -> Any:
+def _by_range(
+    T_mid: Sequence[float], polynomials: Sequence[Sequence[float]], T: Any
+) -> Any:
     """Evaluate the polynomial of the range that T lies in.
 
     A mid temperature belongs to the range below it, as in Cantera.
@@ -164,33 +199,47 @@ def _by_range(T_mid: Sequence[float], polynomials: Sequence[Sequence[float]], T:
 
 
 def cantera_gas(mechanism: str) -> tuple[Any, float]:
-    """Return the ideal gas phase of a mechanism with mixture-averaged transport, and the gas constant [J/kmol/K]."""
+    """Return the ideal gas phase of a mechanism with mixture-averaged transport, and
+    the gas constant [J/kmol/K].
+    """
     try:
         import cantera
     except ImportError as error:
         raise SceneError(
-            f"gas: the package cantera is needed for gas mixtures and cannot be imported ({error}); "
+            "gas: the package cantera is needed for gas mixtures and cannot be "
+            f"imported ({error}); "
             "install it (pip install cantera) or give the gas constant properties"
         ) from error
     try:
         gas = cantera.Solution(mechanism)
     except cantera.CanteraError as error:
-        known = {path.name for folder in cantera.get_data_directories() for path in Path(folder).glob("*.yaml")}
+        known = {
+            path.name
+            for folder in cantera.get_data_directories()
+            for path in Path(folder).glob("*.yaml")
+        }
         if mechanism not in known and "not found" in str(error):
             raise SceneError(
-                f"gas: no mechanism file {mechanism!r}{nearest(mechanism, known)}; looked in "
+                f"gas: no mechanism file {mechanism!r}{nearest(mechanism, known)}; "
+                "looked in "
                 f"{', '.join(cantera.get_data_directories())}"
             ) from error
-        raise SceneError(f"gas: Cantera cannot read {mechanism!r}: {_reason(error)}") from error
+        raise SceneError(
+            f"gas: Cantera cannot read {mechanism!r}: {_reason(error)}"
+        ) from error
     if gas.thermo_model != "ideal-gas":
         raise SceneError(
-            f"gas: {mechanism} holds a phase of the kind {gas.thermo_model}; an ideal-gas phase is needed, "
+            f"gas: {mechanism} holds a phase of the kind {gas.thermo_model}; an "
+            "ideal-gas phase is needed, "
             "such as that of gri30.yaml; for real fluids use CoolProp"
         )
     try:
         gas.transport_model = "mixture-averaged"
     except cantera.CanteraError as error:
-        raise SceneError(f"gas: {mechanism} has no transport data ({_reason(error)}); use one that has") from error
+        raise SceneError(
+            f"gas: {mechanism} has no transport data ({_reason(error)}); use one that "
+            "has"
+        ) from error
     return gas, float(cantera.gas_constant)
 
 
@@ -205,7 +254,8 @@ def _limits(T_range: Sequence[float] | None, fitted: Range, mechanism: str) -> R
     lo, hi = checked_range(T_range, "gas")
     if lo < fitted[0] or hi > fitted[1]:
         raise SceneError(
-            f"gas: T_range ({lo:g}, {hi:g}) K leaves the fits of {mechanism}, ({fitted[0]:g}, {fitted[1]:g}) K; "
+            f"gas: T_range ({lo:g}, {hi:g}) K leaves the fits of {mechanism}, "
+            f"({fitted[0]:g}, {fitted[1]:g}) K; "
             "narrow it or take a mechanism with a wider range"
         )
     return lo, hi
@@ -213,19 +263,34 @@ def _limits(T_range: Sequence[float] | None, fitted: Range, mechanism: str) -> R
 
 def _nasa(
     species: Sequence[Any], x: Sequence[float], R: float
-) -> tuple[tuple[float, ...], tuple[tuple[float, ...], ...], tuple[tuple[float, ...], ...]]:
-    """Return mid temperatures, and the mixture's polynomials of heat capacity and enthalpy between them."""
+) -> tuple[
+    tuple[float, ...], tuple[tuple[float, ...], ...], tuple[tuple[float, ...], ...]
+]:
+    """Return mid temperatures, and the mixture's polynomials of heat capacity and
+    enthalpy between them.
+    """
     for s in species:
         if s.thermo.n_coeffs != 15:
-            raise SceneError(f"gas: {s.name} has no NASA 7-coefficient polynomials; take a mechanism with them")
+            raise SceneError(
+                f"gas: {s.name} has no NASA 7-coefficient polynomials; take a "
+                "mechanism with them"
+            )
     data = [s.thermo.coeffs for s in species]
     T_mid = tuple(sorted({float(c[0]) for c in data}))
     heat_capacity = []
     for i in range(len(T_mid) + 1):
         high = [i > 0 and c[0] <= T_mid[i - 1] for c in data]
-        terms = [x_k * (c[1:6] if h else c[8:13]) for x_k, c, h in zip(x, data, high, strict=True)]
+        terms = [
+            x_k * (c[1:6] if h else c[8:13])
+            for x_k, c, h in zip(x, data, high, strict=True)
+        ]
         heat_capacity.append(tuple((R * sum(terms)).tolist()))
-    enthalpy = [integrated(heat_capacity[0], R * sum(x_k * float(c[13]) for x_k, c in zip(x, data, strict=True)))]
+    enthalpy = [
+        integrated(
+            heat_capacity[0],
+            R * sum(x_k * float(c[13]) for x_k, c in zip(x, data, strict=True)),
+        )
+    ]
     for T_m, cp in zip(T_mid, heat_capacity[1:], strict=True):
         step = polynomial(enthalpy[-1], T_m) - polynomial(integrated(cp), T_m)
         enthalpy.append(integrated(cp, float(step)))
@@ -233,9 +298,17 @@ def _nasa(
 
 
 def recentred(fit: Sequence[float], factor: float) -> tuple[float, ...]:
-    """Return factor times a polynomial in log(T) as one in log(T / T_FIT), by exact arithmetic."""
+    """Return factor times a polynomial in log(T) as one in log(T / T_FIT), by exact
+    arithmetic.
+    """
     a, shift = [Fraction(float(c)) for c in fit], Fraction(math.log(T_FIT))
     return tuple(
-        factor * float(sum((math.comb(n, m) * a[n] * shift ** (n - m) for n in range(m, len(a))), Fraction(0)))
+        factor
+        * float(
+            sum(
+                (math.comb(n, m) * a[n] * shift ** (n - m) for n in range(m, len(a))),
+                Fraction(0),
+            )
+        )
         for m in range(len(a))
     )

@@ -1,7 +1,8 @@
-"""Gas of local composition: ideal-gas density, viscosity, conductivity and diffusion from those of its species.
+"""Gas of local composition: ideal-gas density, viscosity, conductivity and diffusion
+from those of its species.
 
-Mole fractions enter with a floor of `TRACE`, so that a species that is used up, or slightly negative within an
-iteration, divides nothing by zero.
+Mole fractions enter with a floor of `TRACE`, so that a species that is used up, or
+slightly negative within an iteration, divides nothing by zero.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from contbed.materials.gas import T_FIT, cantera_gas, recentred
 from contbed.materials.thermo import Species, Thermo, species_of
 
 TRACE = 1e-12  # mole fraction
-# diffusion volumes of Fuller, Schettler, Giddings 1966, as revised 1969: Poling, Prausnitz, O'Connell 2001, table 11-1
+# diffusion volumes of Fuller, Schettler, Giddings 1966, as revised 1969: Poling,
+# Prausnitz, O'Connell 2001, table 11-1
 FULLER_VOLUMES: dict[str, float] = {
     "H2": 6.12, "He": 2.67, "N2": 18.5, "O2": 16.3, "CO": 18.0, "CO2": 26.9, "H2O": 13.1, "NH3": 20.7, "Ar": 16.2,
     "SO2": 41.8, "Cl2": 38.4, "N2O": 35.9, "Ne": 5.98,
@@ -32,7 +34,8 @@ Property = Callable[[Any], Any]
 
 @dataclass(frozen=True, eq=False)
 class GasTransport:
-    """Transport properties of a gas; each is a function of temperature for every species, or one number for the gas.
+    """Transport properties of a gas; each is a function of temperature for every
+    species, or one number for the gas.
 
     Parameters
     ----------
@@ -52,8 +55,8 @@ class GasTransport:
     def viscosity(self, T: Any, x: Sequence[Any]) -> Any:
         """Return the viscosity [Pa s] by the rule of Wilke or of Herning and Zipperer.
 
-        Wilke 1950, J. Chem. Phys. 18, 517, doi:10.1063/1.1747673; Herning and Zipperer 1936, Gas- und Wasserfach
-        79, 49: Wilke's with phi_kj = sqrt(M_j/M_k).
+        Wilke 1950, J. Chem. Phys. 18, 517, doi:10.1063/1.1747673; Herning and Zipperer
+        1936, Gas- und Wasserfach 79, 49: Wilke's with phi_kj = sqrt(M_j/M_k).
         """
         if isinstance(self.viscosities, float):
             return self.viscosities
@@ -64,15 +67,20 @@ class GasTransport:
         if self.viscosity_rule == "herning_zipperer":
             root = [math.sqrt(m) for m in M]
             below = sum(x_j * r for x_j, r in zip(x, root, strict=True))
-            return sum(x_k * (mu_k * r) for x_k, mu_k, r in zip(x, mu, root, strict=True)) / below
+            return (
+                sum(x_k * (mu_k * r) for x_k, mu_k, r in zip(x, mu, root, strict=True))
+                / below
+            )
         return _weighted(x, mu, mu, M)
 
     def conductivity(self, T: Any, x: Sequence[Any]) -> Any:
-        """Return the conductivity [W/m/K] by the rule of Wassiljewa, or of Mathur, Tondon and Saxena.
+        """Return the conductivity [W/m/K] by the rule of Wassiljewa, or of Mathur,
+        Tondon and Saxena.
 
-        Wassiljewa's coefficients are those of Mason and Saxena 1958, Phys. Fluids 1, 361, doi:10.1063/1.1724352, with
-        the conductivities in place of the viscosities and without their factor 1.065; the other rule, Cantera's, is
-        the mean of the arithmetic and harmonic averages, Mol. Phys. 12 (1967) 569.
+        Wassiljewa's coefficients are those of Mason and Saxena 1958, Phys. Fluids 1,
+        361, doi:10.1063/1.1724352, with the conductivities in place of the viscosities
+        and without their factor 1.065; the other rule, Cantera's, is the mean of the
+        arithmetic and harmonic averages, Mol. Phys. 12 (1967) 569.
         """
         if isinstance(self.conductivities, float):
             return self.conductivities
@@ -81,13 +89,16 @@ class GasTransport:
             return k[0]
         if self.conductivity_rule == "mathur":
             above = sum(x_i * k_i for x_i, k_i in zip(x, k, strict=True))
-            return 0.5 * (above + 1.0 / sum(x_i / k_i for x_i, k_i in zip(x, k, strict=True)))
+            return 0.5 * (
+                above + 1.0 / sum(x_i / k_i for x_i, k_i in zip(x, k, strict=True))
+            )
         M = self.molar_masses
         # of monatomic gases k M is in proportion to the viscosity
         return _weighted(x, k, [k_i * m for k_i, m in zip(k, M, strict=True)], M)
 
     def diffusivity(self, T: Any, p: Any, x: Sequence[Any]) -> list[Any]:
-        """Return the diffusion coefficient of each species in the mixture of the others [m2/s].
+        """Return the diffusion coefficient of each species in the mixture of the
+        others [m2/s].
 
         Blanc's rule, D_k = sum_j x_j/sum_j (x_j/D_kj), j other than k.
         """
@@ -96,14 +107,20 @@ class GasTransport:
         pairs = {pair: value(T) for pair, value in self.diffusivities.items()}
         out = []
         for k in range(len(x)):
-            others = [(x_j + TRACE, pairs[min(k, j), max(k, j)]) for j, x_j in enumerate(x) if j != k]
+            others = [
+                (x_j + TRACE, pairs[min(k, j), max(k, j)])
+                for j, x_j in enumerate(x)
+                if j != k
+            ]
             above = sum(x_j for x_j, _ in others)
             out.append(above / (sum(x_j / D for x_j, D in others) * p))
         return out
 
 
 def dippr102(coefficients: Sequence[float]) -> Property:
-    """Return c1 T^c2/(1 + c3/T + c4/T^2), DIPPR's equation 102 for vapour viscosity and conductivity."""
+    """Return c1 T^c2/(1 + c3/T + c4/T^2), DIPPR's equation 102 for vapour viscosity
+    and conductivity.
+    """
     c1, c2, c3, c4 = (*coefficients, 0.0, 0.0, 0.0)[:4]
 
     def value(T: Any) -> Any:
@@ -116,7 +133,8 @@ def dippr102(coefficients: Sequence[float]) -> Property:
 def fuller_pair(first: Thermo, second: Thermo) -> Property:
     """Return D p [m2/s Pa] of a pair of gases by Fuller's equation.
 
-    D = 1.43e-7 T^1.75/(p sqrt(M_12) (v_1^(1/3) + v_2^(1/3))^2), p in bar, M_12 = 2/(1/M_1 + 1/M_2) in g/mol.
+    D = 1.43e-7 T^1.75/(p sqrt(M_12) (v_1^(1/3) + v_2^(1/3))^2), p in bar,
+    M_12 = 2/(1/M_1 + 1/M_2) in g/mol.
 
     Raises
     ------
@@ -129,15 +147,22 @@ def fuller_pair(first: Thermo, second: Thermo) -> Property:
 
 
 def fuller_volume(species: Thermo) -> float:
-    """Return the diffusion volume of a species, from its atoms where it is not tabulated."""
+    """Return the diffusion volume of a species, from its atoms where it is not
+    tabulated.
+    """
     if species.name in FULLER_VOLUMES:
         return FULLER_VOLUMES[species.name]
-    unknown = [element for element in species.composition if element not in _FULLER_ATOMS]
+    unknown = [
+        element for element in species.composition if element not in _FULLER_ATOMS
+    ]
     if unknown or not species.composition:
         raise SceneError(
-            f"no diffusion volume of {species.name} is known for Fuller's equation; give fluid.diffusivity as a number"
+            f"no diffusion volume of {species.name} is known for Fuller's equation; "
+            "give fluid.diffusivity as a number"
         )
-    return sum(count * _FULLER_ATOMS[element] for element, count in species.composition.items())
+    return sum(
+        count * _FULLER_ATOMS[element] for element, count in species.composition.items()
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +187,8 @@ class Mechanism:
     def viscosity(self, name: str) -> Property:
         """Return the viscosity of a pure species [Pa s]."""
         index = self.gas.species_index(name)
-        fit = recentred(self.gas.get_viscosity_polynomial(index), 1.0)  # of sqrt(mu)/T^(1/4)
+        # of sqrt(mu)/T^(1/4)
+        fit = recentred(self.gas.get_viscosity_polynomial(index), 1.0)
 
         def value(T: Any) -> Any:
             root = polynomial(fit, np.log(T * (1.0 / T_FIT)))
@@ -172,7 +198,10 @@ class Mechanism:
 
     def conductivity(self, name: str) -> Property:
         """Return the conductivity of a pure species [W/m/K]."""
-        fit = recentred(self.gas.get_thermal_conductivity_polynomial(self.gas.species_index(name)), 1.0)
+        fit = recentred(
+            self.gas.get_thermal_conductivity_polynomial(self.gas.species_index(name)),
+            1.0,
+        )
         return lambda T: np.sqrt(T) * polynomial(fit, np.log(T * (1.0 / T_FIT)))
 
     def pair(self, first: str, second: str) -> Property:
@@ -187,8 +216,12 @@ def density(p: Any, molar_mass: Any, T: Any) -> Any:
     return p * molar_mass / (R_GAS * T)
 
 
-def _weighted(x: Sequence[Any], values: Sequence[Any], mu: Sequence[Any], M: Sequence[float]) -> Any:
-    """Return sum_k x_k v_k/sum_j x_j phi_kj with the factors phi_kj of Wilke for `mu`, in proportion to viscosities."""
+def _weighted(
+    x: Sequence[Any], values: Sequence[Any], mu: Sequence[Any], M: Sequence[float]
+) -> Any:
+    """Return sum_k x_k v_k/sum_j x_j phi_kj with the factors phi_kj of Wilke for
+    `mu`, in proportion to viscosities.
+    """
     root = [np.sqrt(mu_k) for mu_k in mu]
     total: Any = 0.0
     for k, x_k in enumerate(x):
@@ -196,6 +229,8 @@ def _weighted(x: Sequence[Any], values: Sequence[Any], mu: Sequence[Any], M: Seq
         for j, x_j in enumerate(x):
             if j != k:
                 both = 1.0 + root[k] / root[j] * (M[j] / M[k]) ** 0.25
-                below = below + x_j * (both * both) * (1.0 / math.sqrt(8.0 * (1.0 + M[k] / M[j])))
+                below = below + x_j * (both * both) * (
+                    1.0 / math.sqrt(8.0 * (1.0 + M[k] / M[j]))
+                )
         total = total + x_k * values[k] / below
     return total

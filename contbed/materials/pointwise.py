@@ -1,4 +1,6 @@
-"""Tables for dual numbers: apply a function given by its value and its derivative at every point."""
+"""Tables for dual numbers: apply a function given by its value and its derivative at
+every point.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,8 @@ def pointwise(f: Callable[[Any], Any], df: Callable[[Any], Any], T: Any) -> Any:
     Parameters
     ----------
     f, df : functions of a plain array: the value and its derivative with respect to T
-    T : number, array, or a value of a form, whose `apply(f, df)` returns the value of the function with its derivative
+    T : number, array, or a value of a form, whose `apply(f, df)` returns the value of
+        the function with its derivative
 
     Returns
     -------

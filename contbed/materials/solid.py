@@ -11,14 +11,22 @@ import numpy as np
 
 from contbed.errors import SceneError
 
-from .common import Range, checked_positive, checked_range, integrated, polynomial, share_outside
+from .common import (
+    Range,
+    checked_positive,
+    checked_range,
+    integrated,
+    polynomial,
+    share_outside,
+)
 
 Property = float | Sequence[float]
 
 
 @dataclass(frozen=True, init=False)
 class Solid:
-    """Each property a number, or the coefficients (a0, a1, ...) of a0 + a1 T + a2 T^2 + ... with T in K.
+    """Each property a number, or the coefficients (a0, a1, ...) of a0 + a1 T + a2
+    T^2 + ... with T in K.
 
     Parameters
     ----------
@@ -84,15 +92,22 @@ class Solid:
         return share_outside(T, self.T_range)
 
 
-def _coefficients(given: Property, T_range: Range, what: str, unit: str) -> tuple[float, ...]:
-    """Return the coefficients without trailing zeros, checked to be positive over a bounded range."""
+def _coefficients(
+    given: Property, T_range: Range, what: str, unit: str
+) -> tuple[float, ...]:
+    """Return the coefficients without trailing zeros, checked to be positive over a
+    bounded range.
+    """
     if isinstance(given, (int, float)):
         return (checked_positive(given, what, unit),)
     a = tuple(float(c) for c in given)
     while len(a) > 1 and a[-1] == 0.0:
         a = a[:-1]
     if not a or not all(math.isfinite(c) for c in a):
-        raise SceneError(f"{what} is {list(given)}; give one or more finite coefficients a0, a1, ... in {unit} and K")
+        raise SceneError(
+            f"{what} is {list(given)}; give one or more finite coefficients a0, a1, "
+            f"... in {unit} and K"
+        )
     if len(a) == 1:
         return (checked_positive(a[0], what, unit),)
     if math.isfinite(T_range[1]):
@@ -101,7 +116,9 @@ def _coefficients(given: Property, T_range: Range, what: str, unit: str) -> tupl
         worst = int(np.argmin(values))
         if values[worst] <= 0.0:
             raise SceneError(
-                f"{what} falls to {values[worst]:.4g} {unit} at {T[worst]:.4g} K, inside T_range "
-                f"({T_range[0]:g}, {T_range[1]:g}) K; correct the coefficients (T in K) or narrow T_range"
+                f"{what} falls to {values[worst]:.4g} {unit} at {T[worst]:.4g} K, "
+                "inside T_range "
+                f"({T_range[0]:g}, {T_range[1]:g}) K; correct the coefficients (T in "
+                "K) or narrow T_range"
             )
     return a

@@ -1,7 +1,9 @@
-"""Enthalpy, heat capacity and entropy of single species as functions of temperature, heats of formation included.
+"""Enthalpy, heat capacity and entropy of single species as functions of temperature,
+heats of formation included.
 
-Three forms: NASA polynomials of Cantera's files, the Shomate equation, and a constant heat capacity. T [K] may be a
-number, an array or a dual number. Beyond the ends of its data a species keeps its heat capacity constant.
+Three forms: NASA polynomials of Cantera's files, the Shomate equation, and a constant
+heat capacity. T [K] may be a number, an array or a dual number. Beyond the ends of its
+data a species keeps its heat capacity constant.
 """
 
 from __future__ import annotations
@@ -19,8 +21,11 @@ from contbed.materials.common import integrated, polynomial
 from contbed.materials.pointwise import pointwise
 
 T_STANDARD = 298.15  # reference of heats of formation [K]
-MAX_KNOWN = 1024  # enthalpies at one temperature that are kept; a scene has some ten species and feeds
-BLEND = 2.0  # temperatures [K] above the mid temperature over which the jump of two NASA polynomials is spread
+# enthalpies at one temperature that are kept; a scene has some ten species and feeds
+MAX_KNOWN = 1024
+# temperatures [K] above the mid temperature over which the jump of two NASA polynomials
+# is spread
+BLEND = 2.0
 
 
 class Thermo(Protocol):
@@ -58,7 +63,9 @@ class Thermo(Protocol):
         """Return the enthalpy, heat of formation included [J/mol]."""
 
     def gibbs(self, T: Any) -> Any:
-        """Return the Gibbs energy at standard pressure [J/mol]; T is a plain number or array."""
+        """Return the Gibbs energy at standard pressure [J/mol]; T is a plain number
+        or array.
+        """
 
 
 def _within(x: Any, low: float, high: float) -> Any:
@@ -74,9 +81,10 @@ def _derivative(coefficients: tuple[float, ...]) -> list[float]:
 class Species:
     """One species by two NASA polynomials, per mole and divided by R.
 
-    The upper ones are continued from the lower ones over the mid temperature. `h_jump` and `s_jump` are what the
-    published coefficients differ by there, some 10 J/kg: they are left out (zero), or added over the next `BLEND` K, so
-    that the published values hold elsewhere and no function of T jumps.
+    The upper ones are continued from the lower ones over the mid temperature. `h_jump`
+    and `s_jump` are what the published coefficients differ by there, some 10 J/kg: they
+    are left out (zero), or added over the next `BLEND` K, so that the published values
+    hold elsewhere and no function of T jumps.
     """
 
     name: str
@@ -94,10 +102,14 @@ class Species:
 
     def _of(self, polynomials: Any, T: Any) -> Any:
         t = _within(T, *self.T_range)
-        return np.where(t > self.T_mid, polynomial(polynomials[1], t), polynomial(polynomials[0], t))
+        return np.where(
+            t > self.T_mid, polynomial(polynomials[1], t), polynomial(polynomials[0], t)
+        )
 
     def _share(self, T: Any) -> Any:
-        """Return the share of the jump that is added: a smooth step from 0 to 1 above the mid temperature."""
+        """Return the share of the jump that is added: a smooth step from 0 to 1
+        above the mid temperature.
+        """
         s = _within((T - self.T_mid) / BLEND, 0.0, 1.0)
         return s * s * (3.0 - 2.0 * s)
 
@@ -110,7 +122,9 @@ class Species:
 
     def _cp_slope(self, T: Any) -> Any:
         inside = (self.T_range[0] <= T) & (self.T_range[1] >= T)
-        return np.where(inside, R_GAS * self._of([_derivative(cp) for cp in self.cp], T), 0.0)
+        return np.where(
+            inside, R_GAS * self._of([_derivative(cp) for cp in self.cp], T), 0.0
+        )
 
     def _h(self, T: Any) -> Any:
         h, beyond = R_GAS * self._of(self.h, T), T - _within(T, *self.T_range)
@@ -119,7 +133,11 @@ class Species:
         return h + R_GAS * self.h_jump * self._share(T) if self.h_jump else h
 
     def _h_slope(self, T: Any) -> Any:
-        return self._cp(T) + R_GAS * self.h_jump * self._share_slope(T) if self.h_jump else self._cp(T)
+        return (
+            self._cp(T) + R_GAS * self.h_jump * self._share_slope(T)
+            if self.h_jump
+            else self._cp(T)
+        )
 
     def heat_capacity(self, T: Any) -> Any:
         """Return the heat capacity [J/mol/K]."""
@@ -127,37 +145,52 @@ class Species:
 
     def enthalpy(self, T: Any) -> Any:
         """Return the enthalpy, heat of formation included [J/mol]."""
-        return _enthalpy(self, T) if isinstance(T, float) else pointwise(self._h, self._h_slope, T)
+        return (
+            _enthalpy(self, T)
+            if isinstance(T, float)
+            else pointwise(self._h, self._h_slope, T)
+        )
 
     def entropy(self, T: Any) -> Any:
-        """Return the entropy at standard pressure [J/mol/K]; T is a plain number or array."""
+        """Return the entropy at standard pressure [J/mol/K]; T is a plain number or
+        array.
+        """
         t = _within(T, *self.T_range)
         parts = [
             cp[0] * np.log(t) + polynomial(integrated(cp[1:]), t) + constant
             for cp, constant in zip(self.cp, self.s, strict=True)
         ]
-        s = R_GAS * np.where(t > self.T_mid, parts[1], parts[0]) + self._cp(T) * np.log(T / t)
+        s = R_GAS * np.where(t > self.T_mid, parts[1], parts[0]) + self._cp(T) * np.log(
+            T / t
+        )
         return s + R_GAS * self.s_jump * self._share(T) if self.s_jump else s
 
     def gibbs(self, T: Any) -> Any:
-        """Return the Gibbs energy at standard pressure [J/mol]; T is a plain number or array."""
+        """Return the Gibbs energy at standard pressure [J/mol]; T is a plain number
+        or array.
+        """
         return self._h(T) - T * self.entropy(T)
 
 
 @lru_cache(maxsize=MAX_KNOWN)
 def _enthalpy(species: Species, T: float) -> Any:
-    """Return the enthalpy at one temperature: balances ask for that of each feed again and again."""
+    """Return the enthalpy at one temperature: balances ask for that of each feed
+    again and again.
+    """
     return species._h(T)
 
 
-def species_of(name: str, item: Any, molar_mass: float, with_jumps: bool = False) -> Species:
+def species_of(
+    name: str, item: Any, molar_mass: float, with_jumps: bool = False
+) -> Species:
     """Return a species of a Cantera file.
 
     Parameters
     ----------
     item : cantera.Species with NASA 7-coefficient polynomials
     molar_mass : [kg/mol]
-    with_jumps : whether the values of the file are kept above the mid temperature, rather than continued
+    with_jumps : whether the values of the file are kept above the mid temperature,
+        rather than continued
 
     Raises
     ------
@@ -165,15 +198,21 @@ def species_of(name: str, item: Any, molar_mass: float, with_jumps: bool = False
     """
     data = item.thermo
     if getattr(data, "n_coeffs", 0) != 15:
-        raise SceneError(f"{name} has no NASA 7-coefficient polynomials; take a mechanism with them")
+        raise SceneError(
+            f"{name} has no NASA 7-coefficient polynomials; take a mechanism with them"
+        )
     c = data.coeffs
     T_mid, high, low = float(c[0]), c[1:8], c[8:15]
     cp = tuple(map(float, low[:5])), tuple(map(float, high[:5]))
     h_low = integrated(cp[0], float(low[5]))
-    h_high = integrated(cp[1], float(polynomial(h_low, T_mid) - polynomial(integrated(cp[1]), T_mid)))
+    h_high = integrated(
+        cp[1], float(polynomial(h_low, T_mid) - polynomial(integrated(cp[1]), T_mid))
+    )
 
     def varying(k: int) -> float:
-        return float(cp[k][0] * np.log(T_mid) + polynomial(integrated(cp[k][1:]), T_mid))
+        return float(
+            cp[k][0] * np.log(T_mid) + polynomial(integrated(cp[k][1:]), T_mid)
+        )
 
     s_low = float(low[6])
     s_high = s_low + varying(0) - varying(1)
@@ -200,7 +239,8 @@ class Shomate:
         h = A t + B t^2/2 + C t^3/3 + D t^4/4 - E/t + F                     [kJ/mol]
         s = A ln t + B t + C t^2/2 + D t^3/3 - E/(2 t^2) + G                [J/mol/K]
 
-    Source: Chase 1998, NIST-JANAF Thermochemical Tables, 4th ed., J. Phys. Chem. Ref. Data Monograph 9.
+    Source: Chase 1998, NIST-JANAF Thermochemical Tables, 4th ed., J. Phys. Chem. Ref.
+        Data Monograph 9.
     """
 
     name: str
@@ -231,10 +271,17 @@ class Shomate:
         return 1e3 * (t * (A + t * (B / 2.0 + t * (C / 3.0 + t * D / 4.0))) - E / t + F)
 
     def gibbs(self, T: Any) -> Any:
-        """Return the Gibbs energy at standard pressure [J/mol]; T is a plain number or array."""
+        """Return the Gibbs energy at standard pressure [J/mol]; T is a plain number
+        or array.
+        """
         A, B, C, D, E, _, G = self.coefficients[:7]
         t = T * 1e-3
-        s = A * np.log(t) + t * (B + t * (C / 2.0 + t * D / 3.0)) - E / (2.0 * t * t) + G
+        s = (
+            A * np.log(t)
+            + t * (B + t * (C / 2.0 + t * D / 3.0))
+            - E / (2.0 * t * t)
+            + G
+        )
         return self._h(T) - T * s
 
 
@@ -265,15 +312,20 @@ class ConstantHeatCapacity:
         return self.formation + self.cp * (T - T_STANDARD)
 
     def gibbs(self, T: Any) -> Any:
-        """Return the Gibbs energy at standard pressure [J/mol]; T is a plain number or array."""
-        return self.enthalpy(T) - T * ((self.standard_entropy or 0.0) + self.cp * np.log(T / T_STANDARD))
+        """Return the Gibbs energy at standard pressure [J/mol]; T is a plain number
+        or array.
+        """
+        return self.enthalpy(T) - T * (
+            (self.standard_entropy or 0.0) + self.cp * np.log(T / T_STANDARD)
+        )
 
 
 @dataclass(frozen=True)
 class Equilibrium:
     """Equilibrium constant of a reaction from the thermodynamics of its species.
 
-    `ln_K` refers to activities: gases p/p0 with p0 = 1 bar whatever the standard pressure of the data, solids pure.
+    `ln_K` refers to activities: gases p/p0 with p0 = 1 bar whatever the standard
+    pressure of the data, solids pure.
     """
 
     stoichiometry: Mapping[str, float]
@@ -283,7 +335,10 @@ class Equilibrium:
 
     def heat(self, T: Any) -> Any:
         """Return the heat of reaction [J/mol], negative where heat is released."""
-        return sum(count * self.species[name].enthalpy(T) for name, count in self.stoichiometry.items())
+        return sum(
+            count * self.species[name].enthalpy(T)
+            for name, count in self.stoichiometry.items()
+        )
 
     def ln_K(self, T: Any) -> Any:
         """Return ln K at p0 = 1 bar; its slope is that of van 't Hoff."""
@@ -294,7 +349,10 @@ class Equilibrium:
         )
 
         def value(T: Any) -> Any:
-            gibbs = sum(count * self.species[name].gibbs(T) for name, count in self.stoichiometry.items())
+            gibbs = sum(
+                count * self.species[name].gibbs(T)
+                for name, count in self.stoichiometry.items()
+            )
             return shift - gibbs / (R_GAS * T)
 
         slope: Callable[[Any], Any] = lambda T: self.heat(T) / (R_GAS * T * T)  # noqa: E731

@@ -1,7 +1,8 @@
-"""Gmsh meshes (.msh, read with meshio) and geometries (.geo, meshed by gmsh) as checked scikit-fem meshes.
+"""Gmsh meshes (.msh, read with meshio) and geometries (.geo, meshed by gmsh) as checked
+scikit-fem meshes.
 
-Physical groups of the mesh's dimension name its regions, those of one dimension less its boundaries. Only a .geo
-imports gmsh.
+Physical groups of the mesh's dimension name its regions, those of one dimension less
+its boundaries. Only a .geo imports gmsh.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ SYSTEM_LIBRARIES = "libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp
 
 
 def read(settings: MeshFile, base: str = ".") -> skfem.Mesh:
-    """Return the mesh of a `type = "file"` table in m, with `boundaries` and `subdomains`.
+    """Return the mesh of a `type = "file"` table in m, with `boundaries` and
+    `subdomains`.
 
     Groups of facets between two regions are left out of `boundaries`.
 
@@ -38,7 +40,9 @@ def read(settings: MeshFile, base: str = ".") -> skfem.Mesh:
         path.open().close()
     except OSError as error:
         reason = error.strerror or error
-        raise SceneError(f"{settings.file}: cannot be read ({reason}); looked for {path.absolute()}") from None
+        raise SceneError(
+            f"{settings.file}: cannot be read ({reason}); looked for {path.absolute()}"
+        ) from None
     if path.suffix == ".geo":
         with tempfile.TemporaryDirectory() as folder:
             mesh = Path(folder) / "mesh.msh"
@@ -47,7 +51,9 @@ def read(settings: MeshFile, base: str = ".") -> skfem.Mesh:
     elif path.suffix == ".msh":
         points, cells = _load(settings, path)
     else:
-        found = f"a mesh file ends in .msh or .geo, found {path.suffix or 'no ending'!r}"
+        found = (
+            f"a mesh file ends in .msh or .geo, found {path.suffix or 'no ending'!r}"
+        )
         raise SceneError(f"{settings.file}: {found}; export it as gmsh 2.2 or 4.1")
     return assemble(settings, points, cells)
 
@@ -58,11 +64,17 @@ def _run_gmsh(settings: MeshFile, source: Path, target: Path) -> None:
     try:
         import gmsh
     except ImportError as error:
-        raise SceneError(f"{file}: meshing a .geo needs gmsh ({error}); pip install gmsh, or give a .msh") from None
+        raise SceneError(
+            f"{file}: meshing a .geo needs gmsh ({error}); pip install gmsh, or give a "
+            ".msh"
+        ) from None
     except OSError as error:
         library = str(error).split(":")[0]
         remedy = f"on Debian or Ubuntu: apt install {SYSTEM_LIBRARIES}; or give a .msh"
-        raise SceneError(f"{file}: gmsh needs the system library {library}, which is missing; {remedy}") from None
+        raise SceneError(
+            f"{file}: gmsh needs the system library {library}, which is missing; "
+            f"{remedy}"
+        ) from None
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
@@ -79,9 +91,13 @@ def _run_gmsh(settings: MeshFile, source: Path, target: Path) -> None:
         gmsh.model.mesh.generate(settings.dimension)
         gmsh.write(str(target))
     except Exception as error:  # gmsh raises bare Exception
-        first = next((line for line in gmsh.logger.get() if line.startswith("Error")), str(error))
+        first = next(
+            (line for line in gmsh.logger.get() if line.startswith("Error")), str(error)
+        )
         hint = f"run gmsh -{settings.dimension} on it"
-        raise SceneError(f"{file}: gmsh cannot mesh it: {_one_line(first)}; {hint}") from None
+        raise SceneError(
+            f"{file}: gmsh cannot mesh it: {_one_line(first)}; {hint}"
+        ) from None
     finally:
         gmsh.finalize()
 
@@ -94,11 +110,19 @@ def _load(settings: MeshFile, path: Path) -> tuple[np.ndarray, dict[int, Cells]]
     """Points (n, 3) and cells by dimension of a .msh file."""
     file, data = settings.file, path.read_bytes()
     if b"$MeshFormat" not in data[:10000]:
-        raise SceneError(f"{file}: not a gmsh mesh (no $MeshFormat); export it from gmsh as version 2.2 or 4.1")
-    missing = [name for name in ("Nodes", "Elements") if f"$End{name}".encode() not in data]
+        raise SceneError(
+            f"{file}: not a gmsh mesh (no $MeshFormat); export it from gmsh as version "
+            "2.2 or 4.1"
+        )
+    missing = [
+        name for name in ("Nodes", "Elements") if f"$End{name}".encode() not in data
+    ]
     if missing:
         ends = " and ".join(f"$End{name}" for name in missing)
-        raise SceneError(f"{file}: truncated or empty mesh, {ends} missing in {len(data)} bytes; write it again")
+        raise SceneError(
+            f"{file}: truncated or empty mesh, {ends} missing in {len(data)} bytes; "
+            "write it again"
+        )
     import meshio
 
     try:
@@ -108,16 +132,26 @@ def _load(settings: MeshFile, path: Path) -> tuple[np.ndarray, dict[int, Cells]]
             warnings.catch_warnings(),
         ):
             # numpy's warning that a block of numbers ends early
-            warnings.filterwarnings("error", message="string or file could not be read", category=DeprecationWarning)
+            warnings.filterwarnings(
+                "error",
+                message="string or file could not be read",
+                category=DeprecationWarning,
+            )
             mesh = meshio.gmsh.read(path)
-    except (Exception, SystemExit) as error:  # meshio lets any error of its parser through
+    # meshio lets any error of its parser through
+    except (Exception, SystemExit) as error:
         reason = _one_line(error) or "meshio gives no reason"
         hint = "write it again with gmsh, Mesh.SaveAll = 0 and Mesh.SaveParametric = 0"
-        raise SceneError(f"{file}: broken or unsupported mesh ({type(error).__name__}: {reason}); {hint}") from None
+        raise SceneError(
+            f"{file}: broken or unsupported mesh ({type(error).__name__}: {reason}); "
+            f"{hint}"
+        ) from None
 
     section = re.search(rb"\$PhysicalNames(.*?)\$EndPhysicalNames", data, re.DOTALL)
     lines = re.findall(rb'(\d+)\s+(\d+)\s+"(.*?)"', section[1]) if section else []
-    names = {(int(dim), int(tag)): name.decode(errors="replace") for dim, tag, name in lines}
+    names = {
+        (int(dim), int(tag)): name.decode(errors="replace") for dim, tag, name in lines
+    }
     cells: dict[int, Cells] = defaultdict(Cells)
     counts: dict[tuple[int, str], int] = defaultdict(int)
     for i, block in enumerate(mesh.cells):
@@ -125,12 +159,22 @@ def _load(settings: MeshFile, path: Path) -> tuple[np.ndarray, dict[int, Cells]]
         here.nodes[block.type].append(np.asarray(block.data))
         counts[block.dim, block.type] += len(block.data)
         physical = mesh.cell_data.get("gmsh:physical")
-        tags = np.abs(physical[i]) if physical is not None else np.array([], dtype=int)  # negative: reversed
+        # negative: reversed
+        tags = np.abs(physical[i]) if physical is not None else np.array([], dtype=int)
         for tag in np.unique(tags[tags != 0]):
-            unnamed = f"{'region' if block.dim == settings.dimension else 'boundary'}_{tag}"
-            here.groups[names.get((block.dim, int(tag)), unnamed)].append(start + np.flatnonzero(tags == tag))
-        for name, rows in mesh.cell_sets.items():  # 4.1: meshio keeps further groups of the same entity here
-            if name in mesh.field_data and mesh.field_data[name][1] == block.dim and len(rows[i]):
+            unnamed = (
+                f"{'region' if block.dim == settings.dimension else 'boundary'}_{tag}"
+            )
+            here.groups[names.get((block.dim, int(tag)), unnamed)].append(
+                start + np.flatnonzero(tags == tag)
+            )
+        # 4.1: meshio keeps further groups of the same entity here
+        for name, rows in mesh.cell_sets.items():
+            if (
+                name in mesh.field_data
+                and mesh.field_data[name][1] == block.dim
+                and len(rows[i])
+            ):
                 here.groups[name].append(start + np.asarray(rows[i], dtype=int))
     for (dim, _), name in names.items():
         cells[dim].groups.setdefault(name, [])

@@ -1,7 +1,9 @@
-"""Built-in meshes by the coordinates along their axes alone: any nodes and cells of them, without the others.
+"""Built-in meshes by the coordinates along their axes alone: any nodes and cells of
+them, without the others.
 
-Ranks make their shares of a mesh with this, in the numbering that `mesh.build` gives the whole one (scikit-fem's
-`init_tensor`): nodes run along y first, then x, then z; so do the rectangles or bricks that cells are or are cut from.
+Ranks make their shares of a mesh with this, in the numbering that `mesh.build` gives
+the whole one (scikit-fem's `init_tensor`): nodes run along y first, then x, then z; so
+do the rectangles or bricks that cells are or are cut from.
 """
 
 from __future__ import annotations
@@ -18,17 +20,37 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 AT_ONCE = 100_000  # cells that are compared at a time
-ORDERS = {1: (0,), 2: (1, 0), 3: (1, 0, 2)}  # of the axes by dimension, the one first along which numbers run first
+# of the axes by dimension, the one first along which numbers run first
+ORDERS = {1: (0,), 2: (1, 0), 3: (1, 0, 2)}
 # corners of a brick as steps along x, y, z, in scikit-fem's order
-BRICK = ((0, 0, 0), (0, 1, 0), (1, 0, 0), (0, 0, 1), (1, 1, 0), (0, 1, 1), (1, 0, 1), (1, 1, 1))
+BRICK = (
+    (0, 0, 0),
+    (0, 1, 0),
+    (1, 0, 0),
+    (0, 0, 1),
+    (1, 1, 0),
+    (0, 1, 1),
+    (1, 0, 1),
+    (1, 1, 1),
+)
 CORNERS = {1: ((0,), (1,)), 2: ((0, 0), (0, 1), (1, 1), (1, 0)), 3: BRICK}
-TETRAHEDRA = ((0, 1, 5, 7), (0, 1, 4, 7), (0, 2, 4, 7), (0, 3, 5, 7), (0, 2, 6, 7), (0, 3, 6, 7))
-HALVES = ((0, 1, 2), (0, 2, 3))  # triangles of a rectangle whose diagonal leaves its first corner
+TETRAHEDRA = (
+    (0, 1, 5, 7),
+    (0, 1, 4, 7),
+    (0, 2, 4, 7),
+    (0, 3, 5, 7),
+    (0, 2, 6, 7),
+    (0, 3, 6, 7),
+)
+# triangles of a rectangle whose diagonal leaves its first corner
+HALVES = ((0, 1, 2), (0, 2, 3))
 
 
 @dataclass(frozen=True, eq=False)
 class Tensor:
-    """A mesh of cells of a `kind` of scikit-fem on `axes`: increasing coordinates [m] along each."""
+    """A mesh of cells of a `kind` of scikit-fem on `axes`: increasing
+    coordinates [m] along each.
+    """
 
     kind: type[skfem.Mesh]
     axes: tuple[Array, ...]
@@ -56,7 +78,10 @@ class Tensor:
     @property
     def cells(self) -> int:
         """Number of cells."""
-        return self.bricks * {skfem.MeshTri1: len(HALVES), skfem.MeshTet1: len(TETRAHEDRA)}.get(self.kind, 1)
+        return self.bricks * {
+            skfem.MeshTri1: len(HALVES),
+            skfem.MeshTet1: len(TETRAHEDRA),
+        }.get(self.kind, 1)
 
     def points(self, nodes: Indices) -> Array:
         """Coordinates (n, dim) [m] of some nodes."""
@@ -72,19 +97,30 @@ class Tensor:
         if self.kind is skfem.MeshTet1:
             return np.take_along_axis(found, np.array(TETRAHEDRA)[part], axis=1)
         if self.kind is skfem.MeshTri1:
-            found = np.where(self._rising(at)[:, None], found, np.roll(found, -1, axis=1))
-            return np.sort(np.take_along_axis(found, np.array(HALVES)[part], axis=1), axis=1)
+            found = np.where(
+                self._rising(at)[:, None], found, np.roll(found, -1, axis=1)
+            )
+            return np.sort(
+                np.take_along_axis(found, np.array(HALVES)[part], axis=1), axis=1
+            )
         return found
 
     def _rising(self, at: Indices) -> NDArray[np.bool_]:
-        """Whether the diagonal of the rectangles at (n, 2) rises along x; see `mesh.build`."""
-        low = [0.5 * (x[k] + x[k + 1]) < x[(len(x) - 1) // 2] for x, k in zip(self.axes, at.T, strict=True)]
+        """Whether the diagonal of the rectangles at (n, 2) rises along x; see
+        `mesh.build`.
+        """
+        low = [
+            0.5 * (x[k] + x[k + 1]) < x[(len(x) - 1) // 2]
+            for x, k in zip(self.axes, at.T, strict=True)
+        ]
         found: NDArray[np.bool_] = low[0] == low[1]
         return found
 
 
 def strides(shape: Indices, order: tuple[int, ...]) -> Indices:
-    """Step (dim,) of the number from one item to the next along each axis, for `shape` items along the axes."""
+    """Step (dim,) of the number from one item to the next along each axis, for
+    `shape` items along the axes.
+    """
     found = np.empty(len(shape), dtype=np.int64)
     found[list(order)] = np.cumprod([1, *shape[list(order)][:-1]])
     return found
@@ -97,15 +133,26 @@ def places(numbers: Indices, shape: Indices, order: tuple[int, ...]) -> Indices:
 
 
 def tensor_of(mesh: Any) -> Tensor | None:
-    """Return what describes a mesh of scikit-fem if its nodes and cells are numbered so, else None."""
-    kinds = (skfem.MeshLine1, skfem.MeshTri1, skfem.MeshQuad1, skfem.MeshTet1, skfem.MeshHex1)
+    """Return what describes a mesh of scikit-fem if its nodes and cells are numbered
+    so, else None.
+    """
+    kinds = (
+        skfem.MeshLine1,
+        skfem.MeshTri1,
+        skfem.MeshQuad1,
+        skfem.MeshTet1,
+        skfem.MeshHex1,
+    )
     kind = next((kind for kind in kinds if type(mesh) is kind), None)
     if kind is None:
         return None
     found = Tensor(kind, tuple(np.unique(x) for x in mesh.p))
     if (found.nodes, found.cells) != (mesh.p.shape[1], mesh.nelements):
         return None
-    for count, rows, make in ((found.nodes, mesh.p, found.points), (found.cells, mesh.t, found.corners)):
+    for count, rows, make in (
+        (found.nodes, mesh.p, found.points),
+        (found.cells, mesh.t, found.corners),
+    ):
         for first in range(0, count, AT_ONCE):
             some = np.arange(first, min(first + AT_ONCE, count))
             if not np.array_equal(make(some), rows[:, some].T):

@@ -1,1 +1,3 @@
-"""Output of a run: fields, tables, summary, plots and checkpoints. Libraries are imported when they write."""
+"""Output of a run: fields, tables, summary, plots and checkpoints. Libraries are
+imported when they write.
+"""

@@ -1,4 +1,6 @@
-"""Checkpoints: arrays and a few plain values in one file that is always either the old or the new one."""
+"""Checkpoints: arrays and a few plain values in one file that is always either the
+old or the new one.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,8 @@ from contbed.output.files import atomic
 NAME = "checkpoint.npz"
 _ARRAY = "array."  # keeps the names of arrays apart from those of the file itself
 
-# what zipfile and numpy raise on bytes that are not as they were written; a zip may even seem to be encrypted
+# what zipfile and numpy raise on bytes that are not as they were written; a zip may
+# even seem to be encrypted
 _DAMAGE = (
     OSError,
     ValueError,
@@ -34,12 +37,16 @@ _DAMAGE = (
 )
 
 
-def save(folder: Path | str, arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, Any]) -> None:
-    """Write `checkpoint.npz` in a folder; `meta` holds what JSON can hold, numbers exactly.
+def save(
+    folder: Path | str, arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, Any]
+) -> None:
+    """Write `checkpoint.npz` in a folder; `meta` holds what JSON can hold, numbers
+    exactly.
 
     Raises
     ------
-    ContbedError : the file cannot be written; says what became of the previous checkpoint
+    ContbedError : the file cannot be written; says what became of the previous
+        checkpoint
     """
     path = Path(folder) / NAME
     stored = {name: np.asarray(array) for name, array in arrays.items()}
@@ -55,12 +62,17 @@ def save(folder: Path | str, arrays: Mapping[str, NDArray[Any]], meta: Mapping[s
                 with file.open(f"{name}.npy", "w", force_zip64=True) as entry:
                     np.lib.format.write_array(entry, array, allow_pickle=False)
     except ContbedError as error:
-        before = "the previous checkpoint is intact" if path.is_file() else "there is no earlier checkpoint"
+        before = (
+            "the previous checkpoint is intact"
+            if path.is_file()
+            else "there is no earlier checkpoint"
+        )
         raise ContbedError(f"{error}; {before}") from error
 
 
 class Keeper:
-    """Writes states of a run at intervals of wall time, and the last one when the block ends, however it ends.
+    """Writes states of a run at intervals of wall time, and the last one when the block
+    ends, however it ends.
 
     Parameters
     ----------
@@ -74,7 +86,9 @@ class Keeper:
         self._saved = clock.monotonic()
         self._waiting: tuple[dict[str, NDArray[Any]], dict[str, Any]] | None = None
 
-    def offer(self, arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, Any] | None = None) -> None:
+    def offer(
+        self, arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, Any] | None = None
+    ) -> None:
         """Write a state if it is time, else keep a copy of it."""
         if self.folder is None:
             return
@@ -109,7 +123,10 @@ class Parts(dict[str, Any]):
         ------
         SceneError : always
         """
-        raise SceneError(f"{self._path}: it lacks {name!r}, as of another version; run the scene without --restart")
+        raise SceneError(
+            f"{self._path}: it lacks {name!r}, as of another version; run the scene "
+            "without --restart"
+        )
 
 
 def load(folder: Path | str) -> tuple[Parts, Parts]:
@@ -123,7 +140,11 @@ def load(folder: Path | str) -> tuple[Parts, Parts]:
     path = Path(folder) / NAME
     try:
         with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
-            arrays = {name.removeprefix(_ARRAY): file[name] for name in file.files if name.startswith(_ARRAY)}
+            arrays = {
+                name.removeprefix(_ARRAY): file[name]
+                for name in file.files
+                if name.startswith(_ARRAY)
+            }
             text, checksum = str(file["meta"]), str(file["checksum"])
         if checksum != _checksum(arrays, text):
             raise ValueError("its checksum differs from its content")
@@ -132,7 +153,9 @@ def load(folder: Path | str) -> tuple[Parts, Parts]:
         raise SceneError(f"cannot read {path}: {error.strerror}") from error
     except _DAMAGE as error:
         reason = " ".join(str(error).split())
-        raise SceneError(f"{path}: damaged checkpoint ({reason}); run the scene without --restart") from error
+        raise SceneError(
+            f"{path}: damaged checkpoint ({reason}); run the scene without --restart"
+        ) from error
 
 
 def require_there(folder: Path | str) -> None:
@@ -145,7 +168,9 @@ def require_there(folder: Path | str) -> None:
     if not Path(folder).is_dir():
         raise SceneError(f"{folder}: no such folder to restart from")
     if not (Path(folder) / NAME).is_file():
-        raise SceneError(f"{folder}: no {NAME} to restart from; run the scene without --restart")
+        raise SceneError(
+            f"{folder}: no {NAME} to restart from; run the scene without --restart"
+        )
 
 
 def require_same(
@@ -169,21 +194,35 @@ def require_same(
     """
     found = meta.get("identity")
     if not isinstance(found, Mapping):
-        raise SceneError("the checkpoint says not which scene wrote it, as of another version; run without --restart")
+        raise SceneError(
+            "the checkpoint says not which scene wrote it, as of another version; run "
+            "without --restart"
+        )
     if found.get("contbed") != identity["contbed"]:
         versions = f"contbed {found.get('contbed')}, this is {identity['contbed']}"
-        raise SceneError(f"the checkpoint was written by {versions}; run without --restart")
+        raise SceneError(
+            f"the checkpoint was written by {versions}; run without --restart"
+        )
     problems = []
     was, now = _flat(found.get("values", {})), _flat(identity["values"])
     for key in dict.fromkeys((*now, *was)):
         free = any(key == name or key.startswith(f"{name}.") for name in may_change)
         if not free and was.get(key) != now.get(key):
-            problems.append(f"{at(key)}: {key} = {_shown(now.get(key))}: the checkpoint has {_shown(was.get(key))}")
+            problems.append(
+                f"{at(key)}: {key} = {_shown(now.get(key))}: the checkpoint has "
+                f"{_shown(was.get(key))}"
+            )
     was, now = found.get("files", {}), identity["files"]
-    problems += [f"{name}: another file than that of the checkpoint" for name in now if was.get(name) != now[name]]
+    problems += [
+        f"{name}: another file than that of the checkpoint"
+        for name in now
+        if was.get(name) != now[name]
+    ]
     if problems:
         allowed = f"; only {', '.join(may_change)} may change" if may_change else ""
-        raise SceneError([*problems, f"the checkpoint belongs to another scene{allowed}"])
+        raise SceneError(
+            [*problems, f"the checkpoint belongs to another scene{allowed}"]
+        )
 
 
 def _flat(values: Any, above: str = "") -> dict[str, Any]:

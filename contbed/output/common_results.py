@@ -124,9 +124,13 @@ def _means(
     tables: Mapping[str, Mapping[str, Any]],
     solids: Sequence[str],
 ) -> dict[str, float]:
-    """Return the mean of the first column of a quantity that a table along the bed has."""
+    """Return the mean of the first column of a quantity that a table along the bed
+    has.
+    """
     headers = [
-        column.replace(NAME, solid) for column in quantity.columns for solid in (solids if NAME in column else ("",))
+        column.replace(NAME, solid)
+        for column in quantity.columns
+        for solid in (solids if NAME in column else ("",))
     ]
     for table in tables.values():
         along = next((header for header in ALONG if header in table), None)

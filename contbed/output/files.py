@@ -13,7 +13,8 @@ from tempfile import TemporaryFile
 from contbed.errors import ContbedError
 
 TOKEN = 8  # random bytes in the name of a file that is being written
-watchers: dict[Path, Callable[[str], None]] = {}  # of folders that a run holds: called with the name of each file
+# of folders that a run holds: called with the name of each file
+watchers: dict[Path, Callable[[str], None]] = {}
 
 _REMEDY = {
     errno.ENOSPC: "free some space or write elsewhere",
@@ -28,10 +29,12 @@ _REMEDY = {
 
 @contextmanager
 def atomic(path: Path | str) -> Iterator[Path]:
-    """Yield a new file beside `path` to write to, which takes the name `path` when the block ends without an error.
+    """Yield a new file beside `path` to write to, which takes the name `path` when the
+    block ends without an error.
 
-    Until then an older `path` stays as it is, also when the process is killed. Missing folders are made. The name of
-    the new file cannot be foreseen, and a link of that name would not be followed.
+    Until then an older `path` stays as it is, also when the process is killed. Missing
+    folders are made. The name of the new file cannot be foreseen, and a link of that
+    name would not be followed.
 
     Raises
     ------
@@ -42,7 +45,11 @@ def atomic(path: Path | str) -> Iterator[Path]:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         announce(path)
-        os.close(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666))
+        os.close(
+            os.open(
+                temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666
+            )
+        )
         yield temporary
         _flush(temporary)
         os.replace(temporary, path)
@@ -55,7 +62,9 @@ def atomic(path: Path | str) -> Iterator[Path]:
 
 
 def announce(path: Path) -> None:
-    """Notify the run that holds the folder, if there is one, that a file of its own will be written."""
+    """Notify the run that holds the folder, if there is one, that a file of its own
+    will be written.
+    """
     watch = watchers.get(path.parent.resolve()) if watchers else None
     if watch is not None:
         watch(path.name)
@@ -78,7 +87,10 @@ def prepare(folder: Path) -> None:
 
 def _cannot_write(path: Path, error: OSError) -> ContbedError:
     remedy = _REMEDY.get(error.errno or 0)
-    return ContbedError(f"cannot write {path}: {error.strerror or error}" + (f"; {remedy}" if remedy else ""))
+    return ContbedError(
+        f"cannot write {path}: {error.strerror or error}"
+        + (f"; {remedy}" if remedy else "")
+    )
 
 
 def _flush(path: Path) -> None:

@@ -1,8 +1,10 @@
-"""The folder of a run: one run at a time, files that belong together, and a summary that never says too much.
+"""The folder of a run: one run at a time, files that belong together, and a summary
+that never says too much.
 
-While a run lasts it holds `.contbed.lock`, which the system takes from a process that dies, and `summary.json` says
-"running". The summary lists the files that the run has written; the next run into the folder removes them, and nothing
-else, before it writes its own.
+While a run lasts it holds `.contbed.lock`, which the system takes from a process that
+dies, and `summary.json` says "running". The summary lists the files that the run has
+written; the next run into the folder removes them, and nothing else, before it writes
+its own.
 """
 
 from __future__ import annotations
@@ -42,8 +44,11 @@ class RunFolder:
         self._former: dict[str, Any] = {}
         self._read: set[Path] = set()
 
-    def begin(self, about: Mapping[str, Any], keep: bool, inputs: Collection[Path] = ()) -> None:
-        """Remove what the former run wrote, unless its files are kept because it resumes, and say "running".
+    def begin(
+        self, about: Mapping[str, Any], keep: bool, inputs: Collection[Path] = ()
+    ) -> None:
+        """Remove what the former run wrote, unless its files are kept because it
+        resumes, and say "running".
 
         Parameters
         ----------
@@ -54,7 +59,11 @@ class RunFolder:
         self._former = former = read_summary(self.path)
         listed = former.get("files", ())
         names = [
-            name for name in listed if isinstance(name, str) and Path(name).name == name and name not in ("", "..")
+            name
+            for name in listed
+            if isinstance(name, str)
+            and Path(name).name == name
+            and name not in ("", "..")
         ]
         self._read = {path.resolve() for path in inputs}
         if keep:
@@ -78,25 +87,48 @@ class RunFolder:
         self._say()
 
     def end(self, summary: Mapping[str, Any]) -> None:
-        """Write the summary of the results, with the machine and the time at which the run began."""
-        origin = {key: self._running[key] for key in ("host", "begun")} if self._running else {}
+        """Write the summary of the results, with the machine and the time at which
+        the run began.
+        """
+        origin = (
+            {key: self._running[key] for key in ("host", "begun")}
+            if self._running
+            else {}
+        )
         self._running = None
-        write_json(self.path / SUMMARY, {**summary, **origin, "files": sorted({*self.files, SUMMARY})})
+        write_json(
+            self.path / SUMMARY,
+            {**summary, **origin, "files": sorted({*self.files, SUMMARY})},
+        )
 
     def give_back(self) -> None:
-        """Leave the summary as it was: the run cannot resume from this folder and has changed nothing in it."""
+        """Leave the summary as it was: the run cannot resume from this folder and
+        has changed nothing in it.
+        """
         self._running = None
         if self._former:
             write_json(self.path / SUMMARY, self._former)
 
     def mark_failed(self, status: str, problem: str) -> None:
-        """Say in the summary of an earlier run that a later one has failed before it began; all files stay."""
+        """Say in the summary of an earlier run that a later one has failed before it
+        began; all files stay.
+        """
         former = read_summary(self.path)
         if not former:
             return
-        warnings = [warning for warning in former.get("warnings", ()) if isinstance(warning, str)]
-        text = f"a later run failed before it began: {problem}; all files here are of the run before"
-        write_json(self.path / SUMMARY, {**former, "status": status, "warnings": [text, *warnings]})
+        warnings = [
+            warning
+            for warning in former.get("warnings", ())
+            if isinstance(warning, str)
+        ]
+        text = (
+            f"a later run failed before it began: {problem}; all files here are of "
+            "the run before"
+        )
+        write_json(
+            self.path / SUMMARY,
+            {**former, "status": status, "warnings": [text, *warnings]},
+        )
 
     def note(self, name: str) -> None:
         """Add a file to those of the run, before it is written.
@@ -106,17 +138,24 @@ class RunFolder:
         ContbedError : it is a file that the run reads
         """
         if (self.path / name).resolve() in self._read:
-            raise ContbedError(f"cannot write {self.path / name}: the run reads this file; give another folder")
+            raise ContbedError(
+                f"cannot write {self.path / name}: the run reads this file; give "
+                "another folder"
+            )
         if self._running is not None and name not in (*self.files, SUMMARY):
             self.files.append(name)
             self._say()
 
     def _say(self) -> None:
-        write_json(self.path / SUMMARY, {**(self._running or {}), "files": sorted({*self.files, SUMMARY})})
+        write_json(
+            self.path / SUMMARY,
+            {**(self._running or {}), "files": sorted({*self.files, SUMMARY})},
+        )
 
 
 def require_inputs_elsewhere(folder: Path, inputs: Iterable[tuple[str, Path]]) -> None:
-    """Refuse a folder for results in which a file that a run reads has the name of a result.
+    """Refuse a folder for results in which a file that a run reads has the name of a
+    result.
 
     `inputs` are these files, each with its place in the scene.
 
@@ -126,7 +165,8 @@ def require_inputs_elsewhere(folder: Path, inputs: Iterable[tuple[str, Path]]) -
     """
     there = folder.resolve()
     problems = [
-        f"{place}: {file.name} lies in {folder}, the folder for the results, which would replace it; give another "
+        f"{place}: {file.name} lies in {folder}, the folder for the results, which "
+        "would replace it; give another "
         "folder by --out, or copy the file out of this one"
         for place, file in inputs
         for each in dict.fromkeys((file, file.resolve()))
@@ -163,7 +203,9 @@ def occupied(folder: Path) -> Iterator[RunFolder]:
 
 
 def mark_failed(folder: Path, status: str, problem: str) -> None:
-    """Call `RunFolder.mark_failed` where no run has been started; nothing is made where no run was before."""
+    """Call `RunFolder.mark_failed` where no run has been started; nothing is made
+    where no run was before.
+    """
     if read_summary(folder):
         with suppress(ContbedError), occupied(folder) as place:
             place.mark_failed(status, problem)
@@ -185,7 +227,9 @@ def _lock(folder: Path) -> int:
         try:
             lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
         except OSError as error:
-            raise ContbedError(f"cannot lock {folder}: {path.name}: {error.strerror}; remove it") from error
+            raise ContbedError(
+                f"cannot lock {folder}: {path.name}: {error.strerror}; remove it"
+            ) from error
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
@@ -194,7 +238,8 @@ def _lock(folder: Path) -> int:
                 os.close(lock)
                 who = f" ({holder})" if holder else ""
                 raise ContbedError(
-                    f"{folder}: another run is writing there{who}; wait for it or give another folder"
+                    f"{folder}: another run is writing there{who}; wait for it or give "
+                    "another folder"
                 ) from None
         with suppress(FileNotFoundError):
             if os.stat(path).st_ino == os.fstat(lock).st_ino:
@@ -207,7 +252,9 @@ def _lock(folder: Path) -> int:
 
 
 def _lives(holder: str) -> bool:
-    """Return whether the process named in a lock may still run; for file systems without locks."""
+    """Return whether the process named in a lock may still run; for file systems
+    without locks.
+    """
     found = re.fullmatch(r"process (\d+) on (.*)", holder)
     if found is None:
         return False

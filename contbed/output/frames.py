@@ -1,4 +1,6 @@
-"""A result as xarray and pandas, as a table of a notebook, and as a figure; the libraries are imported when needed."""
+"""A result as xarray and pandas, as a table of a notebook, and as a figure; the
+libraries are imported when needed.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Result = Any  # a `contbed.result.Result`, which is above
 COORDINATES = ("x", "y", "z", "r", "height", "frequency")
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")  # Okabe and Ito 2008
+# Okabe and Ito 2008
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MAX_TIMES = 6  # profiles of a transient in one figure
 
 
@@ -30,11 +33,14 @@ def _library(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError as error:
-        raise ContbedError(f"{name} is not installed: pip install 'contbed[notebook]'") from error
+        raise ContbedError(
+            f"{name} is not installed: pip install 'contbed[notebook]'"
+        ) from error
 
 
 def dataset(result: Result, table: str = "profiles") -> xarray.Dataset:
-    """Return a table of a result as an xarray Dataset with units and meanings in `attrs`.
+    """Return a table of a result as an xarray Dataset with units and meanings in
+    `attrs`.
 
     Parameters
     ----------
@@ -53,8 +59,14 @@ def dataset(result: Result, table: str = "profiles") -> xarray.Dataset:
     if table == "fields":
         fields_found: xarray.Dataset = _fields(result, xr)
         return fields_found
-    columns = {fields.name_of(header): np.asarray(column) for header, column in columns_of(result, table).items()}
-    units = {fields.name_of(header): header.partition(" [")[2].rstrip("]") for header in columns_of(result, table)}
+    columns = {
+        fields.name_of(header): np.asarray(column)
+        for header, column in columns_of(result, table).items()
+    }
+    units = {
+        fields.name_of(header): header.partition(" [")[2].rstrip("]")
+        for header in columns_of(result, table)
+    }
     axis, several = _axis(columns)
     dims: tuple[str, ...] = (axis,)
     shape: tuple[int, ...] = (-1,)
@@ -62,21 +74,28 @@ def dataset(result: Result, table: str = "profiles") -> xarray.Dataset:
     if several:
         times = columns.pop("t")
         counts = np.unique(times, return_counts=True)
-        if len(set(counts[1])) > 1:  # positions differ between the times: one row after the other
+        # positions differ between the times: one row after the other
+        if len(set(counts[1])) > 1:
             columns |= {axis: coords[axis], "t": times}
             coords, dims = {}, ("row",)
         else:
             coords = {"t": counts[0], axis: coords[axis][times == counts[0][0]]}
             dims, shape = ("t", axis), (len(counts[0]), -1)
-    data = {name: (dims, column.reshape(shape) if len(dims) > 1 else column) for name, column in columns.items()}
-    made: xarray.Dataset = xr.Dataset(data, coords, {"title": result.plan.scene.title, "status": result.status})
+    data = {
+        name: (dims, column.reshape(shape) if len(dims) > 1 else column)
+        for name, column in columns.items()
+    }
+    made: xarray.Dataset = xr.Dataset(
+        data, coords, {"title": result.plan.scene.title, "status": result.status}
+    )
     for name, variable in made.variables.items():
         variable.attrs |= _attributes(str(name), units.get(str(name), ""))
     return made
 
 
 def frame(result: Result, table: str = "profiles") -> pandas.DataFrame:
-    """Return a table of a result, or its named results as "results", as a pandas DataFrame; headers have units.
+    """Return a table of a result, or its named results as "results", as a pandas
+    DataFrame; headers have units.
 
     Raises
     ------
@@ -88,9 +107,13 @@ def frame(result: Result, table: str = "profiles") -> pandas.DataFrame:
             {"result": name, "value": value, "unit": unit, "meaning": meaning}
             for name, value, unit, meaning in named(result)
         ]
-        results: pandas.DataFrame = pd.DataFrame(rows, columns=["result", "value", "unit", "meaning"])
+        results: pandas.DataFrame = pd.DataFrame(
+            rows, columns=["result", "value", "unit", "meaning"]
+        )
         return results.set_index("result")
-    found: pandas.DataFrame = pd.DataFrame({h: np.asarray(column) for h, column in columns_of(result, table).items()})
+    found: pandas.DataFrame = pd.DataFrame(
+        {h: np.asarray(column) for h, column in columns_of(result, table).items()}
+    )
     return found
 
 
@@ -100,12 +123,21 @@ def named(result: Result) -> list[tuple[str, Any, str, str]]:
     for key, value in result.qoi.items():
         entry = fields.result(key)
         unit = result.units.get(key) or fields.unit_of(key) or "1"
-        found.append((fields.name_of(key), value, "" if unit == "1" else unit, entry.description if entry else ""))
+        found.append(
+            (
+                fields.name_of(key),
+                value,
+                "" if unit == "1" else unit,
+                entry.description if entry else "",
+            )
+        )
     return found
 
 
 def html(result: Result) -> str:
-    """Return a result as a table for a notebook: status, balances, named results, warnings."""
+    """Return a result as a table for a notebook: status, balances, named results,
+    warnings.
+    """
     rows = "".join(
         f"<tr><td><code>{escape(name)}</code></td><td>{escape(number_text(value, '.6g'))}</td><td>{escape(unit)}</td>"
         f"<td>{escape(meaning)}</td></tr>"
@@ -113,7 +145,9 @@ def html(result: Result) -> str:
     )
     lines = [f"{escape(result.plan.scene.kind)}: {escape(result.status)}"]
     for name, balance in result.balances.items():
-        lines.append(f"balance of {escape(name)} closes to {balance['relative_residual']:.2g}")
+        lines.append(
+            f"balance of {escape(name)} closes to {balance['relative_residual']:.2g}"
+        )
     title = escape(result.plan.scene.title or "run of contbed")
     warnings = "".join(f"<li>{escape(text)}</li>" for text in result.warnings)
     head = "<tr><th>result</th><th>value</th><th>unit</th><th>meaning</th></tr>"
@@ -122,7 +156,8 @@ def html(result: Result) -> str:
 
 
 def figure(result: Result, *names: str, table: str = "profiles") -> Any:
-    """Return a matplotlib figure of columns of a table along its coordinate, one panel for each unit.
+    """Return a matplotlib figure of columns of a table along its coordinate, one panel
+    for each unit.
 
     Parameters
     ----------
@@ -139,26 +174,51 @@ def figure(result: Result, *names: str, table: str = "profiles") -> Any:
     from matplotlib.figure import Figure
 
     headers = {fields.name_of(header): header for header in columns_of(result, table)}
-    columns = {name: np.asarray(columns_of(result, table)[header]) for name, header in headers.items()}
+    columns = {
+        name: np.asarray(columns_of(result, table)[header])
+        for name, header in headers.items()
+    }
     axis, several = _axis(columns)
     wanted = names or tuple(name for name in columns if name not in (axis, "t"))
     if unknown := [name for name in wanted if name not in columns]:
-        raise ContbedError(f"{table} has no column {unknown[0]!r}; it has {', '.join(columns)}")
-    units = list(dict.fromkeys(headers[name].partition(" [")[2].rstrip("]") for name in wanted))
-    with matplotlib.rc_context({"axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False}):
+        raise ContbedError(
+            f"{table} has no column {unknown[0]!r}; it has {', '.join(columns)}"
+        )
+    units = list(
+        dict.fromkeys(headers[name].partition(" [")[2].rstrip("]") for name in wanted)
+    )
+    with matplotlib.rc_context(
+        {"axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False}
+    ):
         made = Figure(figsize=(7.0, 1.0 + 2.2 * len(units)), layout="constrained")
         panels = made.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
         times = np.unique(columns["t"]) if several else np.array([np.nan])
-        times = times[np.unique(np.linspace(0, len(times) - 1, MAX_TIMES).round().astype(int))]
+        times = times[
+            np.unique(np.linspace(0, len(times) - 1, MAX_TIMES).round().astype(int))
+        ]
         for panel, unit in zip(panels, units, strict=True):
-            here = [name for name in wanted if headers[name].partition(" [")[2].rstrip("]") == unit]
+            here = [
+                name
+                for name in wanted
+                if headers[name].partition(" [")[2].rstrip("]") == unit
+            ]
             for k, name in enumerate(here):
                 for n, time in enumerate(times):
                     rows = columns["t"] == time if several else slice(None)
-                    colour = colormaps["viridis"](0.85 * n / max(1, len(times) - 1)) if several else COLOURS[k % 7]
+                    colour = (
+                        colormaps["viridis"](0.85 * n / max(1, len(times) - 1))
+                        if several
+                        else COLOURS[k % 7]
+                    )
                     label = f"{name}, {time:.4g} s" if several else name
                     dash = ("-", "--", ":", "-.")[k % 4] if several else "-"
-                    panel.plot(columns[axis][rows], columns[name][rows], color=colour, linestyle=dash, label=label)
+                    panel.plot(
+                        columns[axis][rows],
+                        columns[name][rows],
+                        color=colour,
+                        linestyle=dash,
+                        label=label,
+                    )
             name = here[0] if len(here) == 1 else ""
             panel.set_ylabel(name if unit == "1" else f"{name} [{unit}]".strip())
             panel.margins(x=0)
@@ -176,7 +236,10 @@ def columns_of(result: Result, table: str) -> Mapping[str, Any]:
     ------
     ContbedError : the result has no such table
     """
-    tables: dict[str, Mapping[str, Any]] = {"profiles": result.profiles, **result.tables}
+    tables: dict[str, Mapping[str, Any]] = {
+        "profiles": result.profiles,
+        **result.tables,
+    }
     if not tables.get(table):
         known = ", ".join(name for name, columns in tables.items() if columns) or "none"
         raise ContbedError(f"the result has no table {table!r}; it has: {known}")
@@ -184,9 +247,13 @@ def columns_of(result: Result, table: str) -> Mapping[str, Any]:
 
 
 def _axis(columns: Mapping[str, Array]) -> tuple[str, bool]:
-    """Return the column along the axis, and whether each of several times has its own rows."""
+    """Return the column along the axis, and whether each of several times has its
+    own rows.
+    """
     place = next((name for name in COORDINATES if name in columns), None)
-    if "t" in columns and (place is None or len(np.unique(columns["t"])) == len(columns["t"])):
+    if "t" in columns and (
+        place is None or len(np.unique(columns["t"])) == len(columns["t"])
+    ):
         return "t", False
     return place or next(iter(columns)), "t" in columns and place is not None
 
@@ -202,15 +269,27 @@ def _fields(result: Result, xarray: Any) -> Any:
         for k, point in enumerate(points):
             coords[f"{'xyz'[k]}_{points.shape[1]}"] = (dim, point)
         values = np.asarray(values)
-        data[name] = (("component", dim), values) if values.ndim > 1 else ((dim,), values)
-    made = xarray.Dataset(data, coords, {"title": result.plan.scene.title, "status": result.status})
+        data[name] = (
+            (("component", dim), values) if values.ndim > 1 else ((dim,), values)
+        )
+    made = xarray.Dataset(
+        data, coords, {"title": result.plan.scene.title, "status": result.status}
+    )
     for name, variable in made.variables.items():
-        entry = fields.field(str(name).partition("_")[0] if str(name) in coords else str(name))
-        variable.attrs |= {} if entry is None else {"units": entry.unit, "long_name": entry.description}
+        entry = fields.field(
+            str(name).partition("_")[0] if str(name) in coords else str(name)
+        )
+        variable.attrs |= (
+            {}
+            if entry is None
+            else {"units": entry.unit, "long_name": entry.description}
+        )
     return made
 
 
 def _attributes(name: str, unit: str) -> dict[str, str]:
     entry = fields.field(name)
     unit = unit or (entry.unit if entry else "")
-    return ({"units": unit} if unit else {}) | ({"long_name": entry.description} if entry else {})
+    return ({"units": unit} if unit else {}) | (
+        {"long_name": entry.description} if entry else {}
+    )

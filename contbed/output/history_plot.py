@@ -11,13 +11,25 @@ from numpy.typing import NDArray
 from contbed.fields import name_of
 from contbed.output.plots import plain_ticks, styled_figure
 
-COLOURS = ("#D55E00", "#0072B2", "#009E73", "#000000", "#CC79A7", "#E69F00", "#56B4E9", "#999999")
+COLOURS = (
+    "#D55E00",
+    "#0072B2",
+    "#009E73",
+    "#000000",
+    "#CC79A7",
+    "#E69F00",
+    "#56B4E9",
+    "#999999",
+)
 FLAT = 1e-9  # range over the largest value below which a curve is left out
 LABELS = {"K": "$T$ [K]", "1": "mole fraction [1]"}
 
 
-def history_plot(path: Path | str, columns: Mapping[str, NDArray[np.float64]], title: str = "") -> None:
-    """Plot columns over "t [s]", those of one unit together; what does not change is left out.
+def history_plot(
+    path: Path | str, columns: Mapping[str, NDArray[np.float64]], title: str = ""
+) -> None:
+    """Plot columns over "t [s]", those of one unit together; what does not change is
+    left out.
 
     Parameters
     ----------
@@ -28,8 +40,14 @@ def history_plot(path: Path | str, columns: Mapping[str, NDArray[np.float64]], t
     panels: dict[str, dict[str, NDArray[np.float64]]] = {}
     for header, values in columns.items():
         known = values[np.isfinite(values)]
-        if header != "t [s]" and known.size and np.ptp(known) > FLAT * np.abs(known).max():
-            panels.setdefault(header.rpartition("[")[2].rstrip("]"), {})[name_of(header)] = values
+        if (
+            header != "t [s]"
+            and known.size
+            and np.ptp(known) > FLAT * np.abs(known).max()
+        ):
+            panels.setdefault(header.rpartition("[")[2].rstrip("]"), {})[
+                name_of(header)
+            ] = values
     if not panels:
         return
     t = columns["t [s]"]

@@ -1,4 +1,6 @@
-"""Maps of cell values over a plane, and of nodal fields over the middle plane of a box."""
+"""Maps of cell values over a plane, and of nodal fields over the middle plane of a
+box.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,13 @@ POINTS = 120  # of a plane through a box along its longer side
 COLOURS = {"K": "inferno", "1": "cividis", "m/s": "viridis"}
 
 
-def cell_maps(path: Path, corners: Array, values: Mapping[str, Array], axes: tuple[str, str], title: str = "") -> None:
+def cell_maps(
+    path: Path,
+    corners: Array,
+    values: Mapping[str, Array],
+    axes: tuple[str, str],
+    title: str = "",
+) -> None:
     """Draw cell values over a plane, one map for each field.
 
     Parameters
@@ -35,18 +43,30 @@ def cell_maps(path: Path, corners: Array, values: Mapping[str, Array], axes: tup
     from matplotlib.collections import PolyCollection
 
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
-    for panel, figure, name in _panels(path, list(values), float((high - low)[0] / (high - low)[1]), axes, title):
-        cells = PolyCollection(list(corners), array=values[name], cmap=_colours(name), edgecolor="face", linewidth=0.1)
+    for panel, figure, name in _panels(
+        path, list(values), float((high - low)[0] / (high - low)[1]), axes, title
+    ):
+        cells = PolyCollection(
+            list(corners),
+            array=values[name],
+            cmap=_colours(name),
+            edgecolor="face",
+            linewidth=0.1,
+        )
         panel.add_collection(cells)
         panel.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         figure.colorbar(cells, ax=panel, shrink=0.9)
 
 
-def slice_maps(path: Path, points: Array, values: Mapping[str, Array], title: str = "") -> None:
-    """Draw nodal fields over the plane through the middle of the shortest side of a box, one map for each.
+def slice_maps(
+    path: Path, points: Array, values: Mapping[str, Array], title: str = ""
+) -> None:
+    """Draw nodal fields over the plane through the middle of the shortest side of a
+    box, one map for each.
 
-    A value in the plane is that of the nearest nodes, weighted with the inverse of their distance; what is
-    further from all nodes than these are from each other is left white.
+    A value in the plane is that of the nearest nodes, weighted with the inverse of
+    their distance; what is further from all nodes than these are from each other is
+    left white.
 
     Parameters
     ----------
@@ -61,7 +81,10 @@ def slice_maps(path: Path, points: Array, values: Mapping[str, Array], title: st
     middle = 0.5 * (points[normal].min() + points[normal].max())
     longest = max(extent[first], extent[second])
     x, y = (
-        points[k].min() + extent[k] * (np.arange(n := max(8, int(POINTS * extent[k] / longest))) + 0.5) / n
+        points[k].min()
+        + extent[k]
+        * (np.arange(n := max(8, int(POINTS * extent[k] / longest))) + 0.5)
+        / n
         for k in (first, second)
     )
     wanted = np.empty((3, len(y), len(x)))
@@ -72,26 +95,42 @@ def slice_maps(path: Path, points: Array, values: Mapping[str, Array], title: st
     spacing = float(np.cbrt(extent.prod() / points.shape[1]))
     outside = (nearest.distance[:, 0] > 3.0 * spacing).reshape(len(y), len(x))
     text = f"{title}   {'xyz'[normal]} = {middle:.4g} m".strip()
-    for panel, figure, name in _panels(path, list(values), float(extent[first] / extent[second]), names, text):
+    for panel, figure, name in _panels(
+        path, list(values), float(extent[first] / extent[second]), names, text
+    ):
         shown = np.where(outside, np.nan, nearest(values[name]).reshape(len(y), len(x)))
-        box = (points[first].min(), points[first].max(), points[second].min(), points[second].max())
-        image = panel.imshow(shown, origin="lower", extent=box, cmap=_colours(name), aspect="equal")
+        box = (
+            points[first].min(),
+            points[first].max(),
+            points[second].min(),
+            points[second].max(),
+        )
+        image = panel.imshow(
+            shown, origin="lower", extent=box, cmap=_colours(name), aspect="equal"
+        )
         figure.colorbar(image, ax=panel, shrink=0.9)
 
 
-def _panels(path: Path, names: list[str], ratio: float, axes: tuple[str, str], title: str) -> Any:
-    """Yield the axes of each map with their figure and the name of the field; the figure is saved at the end."""
+def _panels(
+    path: Path, names: list[str], ratio: float, axes: tuple[str, str], title: str
+) -> Any:
+    """Yield the axes of each map with their figure and the name of the field; the
+    figure is saved at the end.
+    """
     lying = ratio > WIDE
     rows, columns = (len(names), 1) if lying else (1, len(names))
     high = 8.0 / ratio + 0.5 if lying else HEIGHT
     width = 8.0 if lying else max(4.0, columns * (max(0.9, HEIGHT * ratio) + 1.3))
     with styled_figure(path, 0.7 + rows * high, title, width=width) as figure:
-        panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
+        panels = figure.subplots(
+            rows, columns, squeeze=False, sharex=True, sharey=True
+        ).ravel()
         for panel, name in zip(panels, names, strict=True):
             panel.set_title(FIELDS[name].label, fontsize=10)
             yield panel, figure, name
             panel.locator_params(axis="y", nbins=5)
-            panel.locator_params(axis="x", nbins=4 if ratio > 0.6 else 1)  # numbers of a narrow map would collide
+            # numbers of a narrow map would collide
+            panel.locator_params(axis="x", nbins=4 if ratio > 0.6 else 1)
             plain_ticks(panel)
         for panel in panels[-columns:]:
             panel.set_xlabel(FIELDS[axes[0]].label)

@@ -9,12 +9,15 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 NEAR = 4  # points from which a value is taken
-COINCIDENT = 1e-12  # distance over the extent of the points below which a place counts as one of them
+# distance over the extent of the points below which a place counts as one of them
+COINCIDENT = 1e-12
 
 
 @dataclass(frozen=True)
 class Nearest:
-    """The `NEAR` nearest points of each place, with the inverse of their distance as weight: arrays (places, NEAR)."""
+    """The `NEAR` nearest points of each place, with the inverse of their distance as
+    weight: arrays (places, NEAR).
+    """
 
     numbers: NDArray[np.int64]
     weight: Array
@@ -26,9 +29,13 @@ class Nearest:
         from scipy.spatial import cKDTree
 
         distance, numbers = cKDTree(points).query(places, k=NEAR)
-        return cls(numbers, 1.0 / np.maximum(distance, COINCIDENT * np.ptp(points)), distance)
+        return cls(
+            numbers, 1.0 / np.maximum(distance, COINCIDENT * np.ptp(points)), distance
+        )
 
     def __call__(self, values: Array) -> Array:
         """Return the weighted mean (m,) of values at the points (n,)."""
-        found: Array = (self.weight * values[self.numbers]).sum(axis=1) / self.weight.sum(axis=1)
+        found: Array = (self.weight * values[self.numbers]).sum(
+            axis=1
+        ) / self.weight.sum(axis=1)
         return found

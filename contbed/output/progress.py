@@ -16,13 +16,15 @@ SHORTEST = 2.0  # s of a run that has a bar
 
 
 class Progress:
-    """Bar from 0 to `total` on stderr; silent when `quiet` or when stderr is no terminal.
+    """Bar from 0 to `total` on stderr; silent when `quiet` or when stderr is no
+    terminal.
 
     >>> with Progress(10.0, "s", quiet=True) as progress:
     ...     progress.advance_to(2.5, "step 0.1 s")
     """
 
-    shown: ClassVar[bool] = False  # whether a bar is on the terminal, beside which the clock has no place
+    # whether a bar is on the terminal, beside which the clock has no place
+    shown: ClassVar[bool] = False
 
     def __init__(self, total: float, unit: str = "s", quiet: bool = False):
         self.total, self.unit = total, unit
@@ -51,7 +53,10 @@ class Progress:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
     ) -> None:
         if self._bar is not None:
             self._bar.stop()
@@ -66,13 +71,17 @@ class Progress:
         if now - self._drawn < INTERVAL and value < self.total:
             return
         self._drawn = now
-        text = f"{value:.4g} of {self.total:.4g} {self.unit}" + (f", {note}" if note else "")
+        text = f"{value:.4g} of {self.total:.4g} {self.unit}" + (
+            f", {note}" if note else ""
+        )
         self._bar.update(0, completed=value, description=text, refresh=True)
 
 
 @contextmanager
 def waiting() -> Iterator[None]:
-    """Show the elapsed time of a block on a terminal after `SHORTEST`, until the block shows a bar of its own."""
+    """Show the elapsed time of a block on a terminal after `SHORTEST`, until the
+    block shows a bar of its own.
+    """
     if sys.stderr is None or not sys.stderr.isatty():
         yield
         return

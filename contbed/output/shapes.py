@@ -1,7 +1,9 @@
-"""Shapes of JSON files that contbed writes, which are looked at when they are read: others may have changed them.
+"""Shapes of JSON files that contbed writes, which are looked at when they are read:
+others may have changed them.
 
-A shape is a pydantic model of what is used of a file; what else stands there is left alone. A file that is cut, empty,
-of another program or version is reported in one sentence with the place that differs.
+A shape is a pydantic model of what is used of a file; what else stands there is left
+alone. A file that is cut, empty, of another program or version is reported in one
+sentence with the place that differs.
 """
 
 from __future__ import annotations
@@ -92,7 +94,8 @@ def read_json(path: Path, shape: type[Shape], what: str, remedy: str) -> dict[st
     Parameters
     ----------
     path : of the file; shape : of its content
-    what : names the content, "the summary of a run"; remedy : what the user does if it is not, "run the scene again"
+    what : names the content, "the summary of a run"; remedy : what the user does if it
+        is not, "run the scene again"
 
     Raises
     ------
@@ -102,11 +105,19 @@ def read_json(path: Path, shape: type[Shape], what: str, remedy: str) -> dict[st
         content = json.loads(path.read_text(encoding="utf-8"))
         shape.model_validate(content)
     except OSError as error:
-        raise ContbedError(f"{path}: cannot be read: {error.strerror}; {remedy}") from error
+        raise ContbedError(
+            f"{path}: cannot be read: {error.strerror}; {remedy}"
+        ) from error
     except ValidationError as error:
-        raise ContbedError(f"{path}: not {what}: {_difference(error)}; {remedy}") from error
+        raise ContbedError(
+            f"{path}: not {what}: {_difference(error)}; {remedy}"
+        ) from error
     except (ValueError, RecursionError) as error:
-        why = "it is empty" if path.stat().st_size == 0 else f"it is damaged ({' '.join(str(error).split())})"
+        why = (
+            "it is empty"
+            if path.stat().st_size == 0
+            else f"it is damaged ({' '.join(str(error).split())})"
+        )
         raise ContbedError(f"{path}: not {what}: {why}; {remedy}") from error
     found: dict[str, Any] = content
     return found
@@ -114,7 +125,8 @@ def read_json(path: Path, shape: type[Shape], what: str, remedy: str) -> dict[st
 
 @contextmanager
 def fitting(path: Path, what: str, remedy: str) -> Iterator[None]:
-    """Report names and lengths that differ between the parts of a file, which its shape says nothing of.
+    """Report names and lengths that differ between the parts of a file, which its shape
+    says nothing of.
 
     Raises
     ------
@@ -123,13 +135,17 @@ def fitting(path: Path, what: str, remedy: str) -> Iterator[None]:
     try:
         yield
     except (KeyError, IndexError, ValueError) as error:
-        raise ContbedError(f"{path}: not {what}: its parts do not fit together ({error}); {remedy}") from error
+        raise ContbedError(
+            f"{path}: not {what}: its parts do not fit together ({error}); {remedy}"
+        ) from error
 
 
 def _difference(error: ValidationError) -> str:
     """Return the first place that differs, with what was expected there."""
     first: Mapping[str, Any] = error.errors()[0]
-    place = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in first["loc"]).removeprefix(".")
+    place = "".join(
+        f"[{key}]" if isinstance(key, int) else f".{key}" for key in first["loc"]
+    ).removeprefix(".")
     if first["type"] == "missing":
         return f"{place} is missing"
     expected = _EXPECTED.get(first["type"])

@@ -16,11 +16,24 @@ import numpy as np
 from contbed.fields import name_of, unit_of
 from contbed.output.files import atomic
 
-KEYS = ("status", "versions", "scene", "dofs", "timings", "balances", "closures", "skipped", "warnings", "qoi")
+KEYS = (
+    "status",
+    "versions",
+    "scene",
+    "dofs",
+    "timings",
+    "balances",
+    "closures",
+    "skipped",
+    "warnings",
+    "qoi",
+)
 
 
 def write_json(path: Path | str, content: Mapping[str, Any]) -> None:
-    """Write strict JSON: the summary's keys in their order, then others; nan and inf become null."""
+    """Write strict JSON: the summary's keys in their order, then others; nan and inf
+    become null.
+    """
     ordered = {key: content[key] for key in KEYS if key in content} | dict(content)
     text = json.dumps(plain(ordered), indent=2, ensure_ascii=False, allow_nan=False)
     with atomic(path) as temporary:
@@ -28,7 +41,9 @@ def write_json(path: Path | str, content: Mapping[str, Any]) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Return the value in JSON's own types; nan and inf, which JSON lacks, become None."""
+    """Return the value in JSON's own types; nan and inf, which JSON lacks, become
+    None.
+    """
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Mapping):
@@ -45,12 +60,14 @@ def plain(value: Any) -> Any:
 
 
 def table(summary: Mapping[str, Any], width: int | None = None) -> str:
-    """Return the result of a run as a table: coloured on a terminal, plain text elsewhere.
+    """Return the result of a run as a table: coloured on a terminal, plain text
+    elsewhere.
 
     Parameters
     ----------
     summary : content of summary.json; keys that are absent are left out
-    width : characters in a line; that of the terminal if absent, 100 where there is none
+    width : characters in a line; that of the terminal if absent, 100 where there is
+        none
     """
     from rich.console import Console
 
@@ -59,7 +76,11 @@ def table(summary: Mapping[str, Any], width: int | None = None) -> str:
         width = shutil.get_terminal_size().columns if terminal else 100
     out = StringIO()
     console = Console(
-        file=out, width=width, force_terminal=terminal, color_system="auto" if terminal else None, highlight=False
+        file=out,
+        width=width,
+        force_terminal=terminal,
+        color_system="auto" if terminal else None,
+        highlight=False,
     )
     for part in _parts(summary):
         console.print(part)
@@ -82,9 +103,14 @@ def _parts(summary: Mapping[str, Any]) -> Iterable[Any]:
         ]
         yield _grid("balance", [*parts, "relative residual"], rows)
     if closures := summary.get("closures"):
-        yield _grid("closure", ["argument", "used", "range", "outside"], _closure_rows(closures))
+        yield _grid(
+            "closure", ["argument", "used", "range", "outside"], _closure_rows(closures)
+        )
     if qoi := summary.get("qoi"):
-        rows = [[_with_unit(name_of(key), _unit(key)), number_text(value, ".6g")] for key, value in qoi.items()]
+        rows = [
+            [_with_unit(name_of(key), _unit(key)), number_text(value, ".6g")]
+            for key, value in qoi.items()
+        ]
         yield _grid("result", [""], rows)
     for warning in summary.get("warnings") or []:
         yield Text(f"warning: {warning}", style="yellow")
@@ -96,11 +122,20 @@ def _head(summary: Mapping[str, Any]) -> list[list[str]]:
         rows.append(["status", str(summary["status"])])
     dofs = summary.get("dofs")
     if isinstance(dofs, Mapping):
-        rows.append(["unknowns", ", ".join(f"{part} {number_text(count, ',')}" for part, count in dofs.items())])
+        rows.append(
+            [
+                "unknowns",
+                ", ".join(
+                    f"{part} {number_text(count, ',')}" for part, count in dofs.items()
+                ),
+            ]
+        )
     elif dofs is not None:
         rows.append(["unknowns", number_text(dofs, ",")])
     if timings := summary.get("timings"):
-        phases = (f"{phase} {number_text(value, '.3g')} s" for phase, value in timings.items())
+        phases = (
+            f"{phase} {number_text(value, '.3g')} s" for phase, value in timings.items()
+        )
         rows.append(["wall time", ", ".join(phases)])
     return rows
 
@@ -112,7 +147,9 @@ def _closure_rows(closures: Iterable[Mapping[str, Any]]) -> list[list[str]]:
         for argument, use in closure.get("ranges", {}).items():
             share = use["share_outside"]
             outside = f"! {100 * share:.3g} %" if share else "0"
-            rows.append([name, argument, _span(use["used"]), _span(use["declared"]), outside])
+            rows.append(
+                [name, argument, _span(use["used"]), _span(use["declared"]), outside]
+            )
             name = ""
         if name:
             rows.append([name, "", "", "", ""])
@@ -120,16 +157,29 @@ def _closure_rows(closures: Iterable[Mapping[str, Any]]) -> list[list[str]]:
 
 
 def _grid(title: str, columns: list[str], rows: list[list[str]]) -> Any:
-    """Return a table without lines; text is folded rather than cut, and a flagged cell is red."""
+    """Return a table without lines; text is folded rather than cut, and a flagged
+    cell is red.
+    """
     from rich.table import Table
     from rich.text import Text
 
-    grid = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=bool(title), header_style="bold")
+    grid = Table(
+        box=None,
+        pad_edge=False,
+        padding=(0, 2, 0, 0),
+        show_header=bool(title),
+        header_style="bold",
+    )
     for k, name in enumerate([title, *(columns or [""])]):
         text = k == 0 or name in ("", "argument")
         grid.add_column(name, justify="left" if text else "right", overflow="fold")
     for row in rows:
-        grid.add_row(*(Text(cell, style="bold red" if cell.startswith("!") else "") for cell in row))
+        grid.add_row(
+            *(
+                Text(cell, style="bold red" if cell.startswith("!") else "")
+                for cell in row
+            )
+        )
     return grid
 
 
@@ -138,7 +188,9 @@ def _with_unit(name: str, unit: str | None) -> str:
 
 
 def _unit(key: str) -> str | None:
-    """Return the unit in a name, "power [W]", or that of its field; None where the unit ends the name."""
+    """Return the unit in a name, "power [W]", or that of its field; None where the
+    unit ends the name.
+    """
     if " [" in key:
         return key[key.index(" [") + 2 : -1]
     unit = unit_of(key)
@@ -148,15 +200,27 @@ def _unit(key: str) -> str | None:
 def _span(ends: Iterable[float | None]) -> str:
     low, high = ends
     if low is None or high is None:
-        return f">= {low:.3g}" if low is not None else f"<= {high:.3g}" if high is not None else "-"
+        return (
+            f">= {low:.3g}"
+            if low is not None
+            else f"<= {high:.3g}"
+            if high is not None
+            else "-"
+        )
     return f"{low:.3g}" if low == high else f"{low:.3g} .. {high:.3g}"
 
 
 def number_text(value: Any, style: str = ".4g") -> str:
-    """Return a number or a list of numbers as text; a missing one is a dash, and anything else is shown as it is."""
+    """Return a number or a list of numbers as text; a missing one is a dash, and
+    anything else is shown as it is.
+    """
     if value is None:
         return "-"
     if isinstance(value, list):
         shown = ", ".join(number_text(item, style) for item in value[:8])
         return f"{shown}, ... ({len(value)} values)" if len(value) > 8 else shown
-    return format(value, style) if isinstance(value, int | float | np.number) else str(value)
+    return (
+        format(value, style)
+        if isinstance(value, int | float | np.number)
+        else str(value)
+    )

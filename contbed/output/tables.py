@@ -18,10 +18,15 @@ REMEDY = "run the command that wrote it again"
 def write_table(path: Path | str, columns: Mapping[str, ArrayLike]) -> None:
     """Write columns of equal length under their headers."""
     data = [np.asarray(column, dtype=float) for column in columns.values()]
-    shapes = {header: column.shape for header, column in zip(columns, data, strict=True)}
+    shapes = {
+        header: column.shape for header, column in zip(columns, data, strict=True)
+    }
     if not data or data[0].ndim != 1 or len(set(shapes.values())) > 1:
         raise ValueError(f"{path}: a table needs columns of one length, found {shapes}")
-    with atomic(path) as temporary, open(temporary, "w", encoding="utf-8", newline="") as file:
+    with (
+        atomic(path) as temporary,
+        open(temporary, "w", encoding="utf-8", newline="") as file,
+    ):
         csv.writer(file, lineterminator="\n").writerow(columns)
         np.savetxt(file, np.column_stack(data), fmt="%.12g", delimiter=",")
 
@@ -31,7 +36,8 @@ def read_cells(path: Path | str) -> tuple[list[str], list[list[str]]]:
 
     Raises
     ------
-    ContbedError : the file cannot be read, has no header or the same one twice, or rows that do not fit it
+    ContbedError : the file cannot be read, has no header or the same one twice, or rows
+        that do not fit it
     """
     try:
         with open(path, encoding="utf-8", newline="") as file:
@@ -44,7 +50,9 @@ def read_cells(path: Path | str) -> tuple[list[str], list[list[str]]]:
         raise _damaged(path, "it has no header, or the same one twice")
     for line, row in enumerate(rows, start=2):
         if len(row) != len(headers):
-            raise _damaged(f"{path}:{line}", f"{len(row)} values under {len(headers)} headers")
+            raise _damaged(
+                f"{path}:{line}", f"{len(row)} values under {len(headers)} headers"
+            )
     return headers, rows
 
 
@@ -61,8 +69,14 @@ def read_table(path: Path | str) -> dict[str, NDArray[np.float64]]:
         try:
             values[:] = [float(item) for item in row]
         except ValueError:
-            header, item = next(pair for pair in zip(headers, row, strict=True) if not is_number(pair[1]))
-            raise _damaged(f"{path}:{line}", f"{header} is {item!r}, which is no number") from None
+            header, item = next(
+                pair
+                for pair in zip(headers, row, strict=True)
+                if not is_number(pair[1])
+            )
+            raise _damaged(
+                f"{path}:{line}", f"{header} is {item!r}, which is no number"
+            ) from None
     return dict(zip(headers, data.T.copy(), strict=True))
 
 

@@ -8,7 +8,8 @@ from typing import Any
 
 
 def toml_text(content: Mapping[str, Any]) -> str:
-    """Return tables as TOML: scalars, then one table after the other, inner tables in one line.
+    """Return tables as TOML: scalars, then one table after the other, inner tables in
+    one line.
 
     >>> print(toml_text({"title": "bed", "mesh": {"type": "line", "length": 0.5}}), end="")
     title = "bed"
@@ -21,10 +22,18 @@ def toml_text(content: Mapping[str, Any]) -> str:
     lines = [f"{_key(key)} = {_value(value)}" for key, value in scalars.items()]
     for key, value in content.items():
         if isinstance(value, Mapping):
-            lines += ["", f"[{_key(key)}]", *(f"{_key(name)} = {_value(item)}" for name, item in value.items())]
+            lines += [
+                "",
+                f"[{_key(key)}]",
+                *(f"{_key(name)} = {_value(item)}" for name, item in value.items()),
+            ]
         elif _is_table(value):
             for table in value:
-                lines += ["", f"[[{_key(key)}]]", *(f"{_key(name)} = {_value(item)}" for name, item in table.items())]
+                lines += [
+                    "",
+                    f"[[{_key(key)}]]",
+                    *(f"{_key(name)} = {_value(item)}" for name, item in table.items()),
+                ]
     return "\n".join(lines).lstrip("\n") + "\n"
 
 
@@ -36,12 +45,26 @@ def _is_table(value: Any) -> bool:
 
 
 def _key(name: str) -> str:
-    return name if name.replace("_", "").replace("-", "").isalnum() and name.isascii() else json.dumps(name)
+    return (
+        name
+        if name.replace("_", "").replace("-", "").isalnum() and name.isascii()
+        else json.dumps(name)
+    )
 
 
 def _value(value: Any) -> str:
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_key(name)} = {_value(item)}" for name, item in value.items()) + "}"
+        return (
+            "{"
+            + ", ".join(
+                f"{_key(name)} = {_value(item)}" for name, item in value.items()
+            )
+            + "}"
+        )
     if isinstance(value, list | tuple):
         return "[" + ", ".join(map(_value, value)) + "]"
-    return json.dumps(value, ensure_ascii=False) if isinstance(value, str | bool | int) else repr(float(value))
+    return (
+        json.dumps(value, ensure_ascii=False)
+        if isinstance(value, str | bool | int)
+        else repr(float(value))
+    )

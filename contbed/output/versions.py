@@ -7,10 +7,27 @@ import sys
 
 from contbed import __version__
 
-_LIBRARIES = ("numpy", "scipy", "skfem", "cantera", "CoolProp", "gmsh", "meshio", "numba", "dolfinx", "petsc4py")
+_LIBRARIES = (
+    "numpy",
+    "scipy",
+    "skfem",
+    "cantera",
+    "CoolProp",
+    "gmsh",
+    "meshio",
+    "numba",
+    "dolfinx",
+    "petsc4py",
+)
 
 
 def versions() -> dict[str, str]:
-    """Return the version of each library that is loaded; one that is not loaded was not needed."""
-    loaded = {name: getattr(sys.modules[name], "__version__", "?") for name in _LIBRARIES if name in sys.modules}
+    """Return the version of each library that is loaded; one that is not loaded was
+    not needed.
+    """
+    loaded = {
+        name: getattr(sys.modules[name], "__version__", "?")
+        for name in _LIBRARIES
+        if name in sys.modules
+    }
     return {"contbed": __version__, "python": platform.python_version(), **loaded}

@@ -1,4 +1,6 @@
-"""Fields as VTU files with quadratic cells, and time series of them, for ParaView and meshio."""
+"""Fields as VTU files with quadratic cells, and time series of them, for ParaView
+and meshio.
+"""
 
 from __future__ import annotations
 
@@ -22,15 +24,35 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_VTK_TYPES = {"line3": 21, "triangle6": 22, "quad9": 28, "tetra10": 24, "hexahedron27": 29}
+_VTK_TYPES = {
+    "line3": 21,
+    "triangle6": 22,
+    "quad9": 28,
+    "tetra10": 24,
+    "hexahedron27": 29,
+}
 _KINDS = {"f": "Float", "i": "Int", "u": "UInt"}
 _BYTE_ORDER = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
 _BLOCK = 32_768  # bytes that are compressed together, as VTK does
 
 _SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 _CUBE = [(*corner, z) for z in (0, 1) for corner in _SQUARE]
-_CUBE_EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
-# VTK's cells: name, corners, edges, then the remaining nodes (faces and centre), on the unit reference cell
+_CUBE_EDGES = [
+    (0, 1),
+    (1, 2),
+    (2, 3),
+    (3, 0),
+    (4, 5),
+    (5, 6),
+    (6, 7),
+    (7, 4),
+    (0, 4),
+    (1, 5),
+    (2, 6),
+    (3, 7),
+]
+# VTK's cells: name, corners, edges, then the remaining nodes (faces and centre), on the
+# unit reference cell
 _CELLS: dict[type, tuple[str, list[Any], list[Any], list[Any]]] = {
     RefLine: ("line3", [(0,), (1,)], [(0, 1)], []),
     RefTri: ("triangle6", [(0, 0), (1, 0), (0, 1)], [(0, 1), (1, 2), (2, 0)], []),
@@ -45,16 +67,28 @@ _CELLS: dict[type, tuple[str, list[Any], list[Any], list[Any]]] = {
         "hexahedron27",
         _CUBE,
         _CUBE_EDGES,
-        [(0, 0.5, 0.5), (1, 0.5, 0.5), (0.5, 0, 0.5), (0.5, 1, 0.5), (0.5, 0.5, 0), (0.5, 0.5, 1), (0.5, 0.5, 0.5)],
+        [
+            (0, 0.5, 0.5),
+            (1, 0.5, 0.5),
+            (0.5, 0, 0.5),
+            (0.5, 1, 0.5),
+            (0.5, 0.5, 0),
+            (0.5, 0.5, 1),
+            (0.5, 0.5, 0.5),
+        ],
     ),
 }
 
 
 def _order(refdom: type, mirrored: bool) -> NDArray[np.int64]:
-    """Return the local node of the quadratic element at each VTK position; `mirrored` swaps the first two axes."""
+    """Return the local node of the quadratic element at each VTK position;
+    `mirrored` swaps the first two axes.
+    """
     _, corners, edges, others = _CELLS[refdom]
     vertices = np.array(corners, dtype=float)
-    nodes = np.vstack([vertices, *(vertices[[a, b]].mean(axis=0) for a, b in edges), *others])
+    nodes = np.vstack(
+        [vertices, *(vertices[[a, b]].mean(axis=0) for a, b in edges), *others]
+    )
     if mirrored:
         nodes[:, [0, 1]] = nodes[:, [1, 0]]
     distance = np.abs(nodes[:, None] - lagrange(refdom, 2).nodes).sum(axis=2)
@@ -63,13 +97,17 @@ def _order(refdom: type, mirrored: bool) -> NDArray[np.int64]:
 
 
 def quadratic_cells(space: Space) -> tuple[str, NDArray[np.int64]]:
-    """Return name and nodes (ncells, n) of VTK's quadratic cells on a space of degree 2, all positive."""
+    """Return name and nodes (ncells, n) of VTK's quadratic cells on a space of
+    degree 2, all positive.
+    """
     mesh = space.mesh
     refdom: Any = space.element.refdom
     cells = space.dofs[_order(refdom, False)].T.astype(np.int64)
     if mesh.dim() > 1:
         corner = refdom.p.mean(axis=1, keepdims=True)
-        slopes = [lagrange(refdom, 1).table(corner, axis)[:, 0] for axis in range(mesh.dim())]
+        slopes = [
+            lagrange(refdom, 1).table(corner, axis)[:, 0] for axis in range(mesh.dim())
+        ]
         jacobian = np.einsum("ikc,ak->cia", mesh.p[:, mesh.t], slopes)
         negative = np.linalg.det(jacobian) < 0
         cells[negative] = space.dofs[_order(refdom, True)].T[negative]
@@ -77,7 +115,9 @@ def quadratic_cells(space: Space) -> tuple[str, NDArray[np.int64]]:
 
 
 def at_nodes(space: Space, values: Array, target: Space) -> Array:
-    """Interpolate a field (size,) or (ncomponents, size) to the nodes of another space on the same mesh."""
+    """Interpolate a field (size,) or (ncomponents, size) to the nodes of another
+    space on the same mesh.
+    """
     values = np.asarray(values, dtype=float)
     if values.shape[-1] != space.size:
         raise ValueError(f"{values.shape[-1]} values on a space of {space.size} nodes")
@@ -89,22 +129,32 @@ def at_nodes(space: Space, values: Array, target: Space) -> Array:
     return out
 
 
-def write_fields(path: Path, mesh: skfem.Mesh, nodal: Mapping[str, tuple[Space, Array]], region: bool = True) -> str:
-    """Write fields on Lagrange spaces of degree 1 to 3 as one .vtu with quadratic cells; return its name.
+def write_fields(
+    path: Path,
+    mesh: skfem.Mesh,
+    nodal: Mapping[str, tuple[Space, Array]],
+    region: bool = True,
+) -> str:
+    """Write fields on Lagrange spaces of degree 1 to 3 as one .vtu with quadratic
+    cells; return its name.
 
     Parameters
     ----------
     path : the file
     mesh : mesh of all spaces
-    nodal : space and values, (size,) or (ncomponents, size), of each field; names ASCII without spaces
-    region : add the cells' region, numbered in the order of `mesh.subdomains`, when there is more than one
+    nodal : space and values, (size,) or (ncomponents, size), of each field; names ASCII
+        without spaces
+    region : add the cells' region, numbered in the order of `mesh.subdomains`, when
+        there is more than one
     """
     quadratic = Space(mesh, 2)
     name, cells = quadratic_cells(quadratic)
     data = {}
     for field, (space, values) in nodal.items():
         if not field.isascii() or not field.isprintable() or " " in field:
-            raise ValueError(f"{path}: field name {field!r} is not plain ASCII without spaces")
+            raise ValueError(
+                f"{path}: field name {field!r} is not plain ASCII without spaces"
+            )
         sampled = at_nodes(space, values, quadratic)
         data[field] = sampled if sampled.ndim == 1 else _padded(sampled)
     subdomains = mesh.subdomains or {}
@@ -130,11 +180,17 @@ def write_fields(path: Path, mesh: skfem.Mesh, nodal: Mapping[str, tuple[Space, 
     return path.name
 
 
-def _unstructured_grid(npoints: int, ncells: int, arrays: Mapping[str, Mapping[str, NDArray[Any]]]) -> Iterator[str]:
-    """Yield the pieces of a file of VTK's XML format, the arrays of each section compressed and in base64."""
+def _unstructured_grid(
+    npoints: int, ncells: int, arrays: Mapping[str, Mapping[str, NDArray[Any]]]
+) -> Iterator[str]:
+    """Yield the pieces of a file of VTK's XML format, the arrays of each section
+    compressed and in base64.
+    """
     yield (
-        f'<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="0.1" byte_order="{_BYTE_ORDER}" '
-        f'header_type="UInt32" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>\n'
+        '<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="0.1" '
+        f'byte_order="{_BYTE_ORDER}" '
+        'header_type="UInt32" compressor="vtkZLibDataCompressor">\n'
+        "<UnstructuredGrid>\n"
         f'<Piece NumberOfPoints="{npoints}" NumberOfCells="{ncells}">\n'
     )
     for section, members in arrays.items():
@@ -142,7 +198,11 @@ def _unstructured_grid(npoints: int, ncells: int, arrays: Mapping[str, Mapping[s
             yield f"<{section}>\n"
             for name, values in members.items():
                 kind = f"{_KINDS[values.dtype.kind]}{8 * values.itemsize}"
-                ncomponents = f'NumberOfComponents="{values.shape[1]}" ' if values.ndim == 2 else ""
+                ncomponents = (
+                    f'NumberOfComponents="{values.shape[1]}" '
+                    if values.ndim == 2
+                    else ""
+                )
                 yield f'<DataArray type="{kind}" Name="{escape(name)}" {ncomponents}format="binary">\n'
                 yield f"{_compressed(values.tobytes())}\n</DataArray>\n"
             yield f"</{section}>\n"
@@ -150,7 +210,9 @@ def _unstructured_grid(npoints: int, ncells: int, arrays: Mapping[str, Mapping[s
 
 
 def _compressed(content: bytes) -> str:
-    """Return bytes as VTK reads them: number of blocks, size of each, of the last, compressed sizes; the blocks."""
+    """Return bytes as VTK reads them: number of blocks, size of each, of the last,
+    compressed sizes; the blocks.
+    """
     blocks = [content[k : k + _BLOCK] for k in range(0, len(content), _BLOCK)]
     packed = [zlib.compress(block) for block in blocks]
     last = len(content) % _BLOCK  # 0: the last one is full
@@ -167,8 +229,15 @@ def _padded(rows: Array) -> Array:
 
 def write_series(path: Path | str, files: Sequence[tuple[float, str]]) -> None:
     """Write a .pvd that lists (time [s], file name relative to it)."""
-    lines = [f'    <DataSet timestep="{time:.17g}" part="0" file="{escape(name)}"/>' for time, name in files]
-    head = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>"]
+    lines = [
+        f'    <DataSet timestep="{time:.17g}" part="0" file="{escape(name)}"/>'
+        for time, name in files
+    ]
+    head = [
+        '<?xml version="1.0"?>',
+        '<VTKFile type="Collection" version="0.1">',
+        "  <Collection>",
+    ]
     text = "\n".join([*head, *lines, "  </Collection>", "</VTKFile>", ""])
     with atomic(path) as temporary:
         temporary.write_text(text, encoding="utf-8")

@@ -1,1 +1,3 @@
-"""Packed and moving beds: two energy equations, flow through the bed, fronts; scene, plan, run, results."""
+"""Packed and moving beds: two energy equations, flow through the bed, fronts; scene,
+plan, run, results.
+"""

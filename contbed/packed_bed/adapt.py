@@ -1,8 +1,10 @@
-"""Refinement by an error estimator, after the mesh was graded to the layers that are known in closed form.
+"""Refinement by an error estimator, after the mesh was graded to the layers that are
+known in closed form.
 
-The gradient of a temperature jumps between cells by as much as it is wrong. Averaged at the nodes it is better by an
-order, and the cell size times the difference estimates the error of the temperature in a cell (Zienkiewicz & Zhu 1987,
-doi:10.1002/nme.1620240206). Cells with most of the error are halved.
+The gradient of a temperature jumps between cells by as much as it is wrong. Averaged at
+the nodes it is better by an order, and the cell size times the difference estimates the
+error of the temperature in a cell (Zienkiewicz & Zhu 1987, doi:10.1002/nme.1620240206).
+Cells with most of the error are halved.
 """
 
 from __future__ import annotations
@@ -26,7 +28,9 @@ def refinable(mesh: Mesh) -> bool:
 
 
 def estimate(space: Space, values: Any) -> Any:
-    """Estimate the error of a nodal field in each cell (ncells,), in the unit of the field."""
+    """Estimate the error of a nodal field in each cell (ncells,), in the unit of the
+    field.
+    """
     grid, element = space.mesh, space.element
     corners = grid.p[:, grid.t]
     slopes = np.array([_linear(element.refdom, a) for a in range(element.dim)])
@@ -35,10 +39,17 @@ def estimate(space: Space, values: Any) -> Any:
     tables = np.array([element.table(element.nodes.T, a) for a in range(element.dim)])
     gradient = np.einsum("cak,ajn,jc->knc", inverse, tables, local)
     count = np.bincount(space.dofs.ravel(), minlength=space.size)
-    size = np.sqrt(((corners - corners.mean(axis=1, keepdims=True)) ** 2).sum(axis=0).max(axis=0))
+    size = np.sqrt(
+        ((corners - corners.mean(axis=1, keepdims=True)) ** 2).sum(axis=0).max(axis=0)
+    )
     error = np.zeros(grid.nelements)
     for component in gradient:
-        smooth = np.bincount(space.dofs.ravel(), weights=component.ravel(), minlength=space.size) / count
+        smooth = (
+            np.bincount(
+                space.dofs.ravel(), weights=component.ravel(), minlength=space.size
+            )
+            / count
+        )
         error = np.maximum(error, np.abs(component - smooth[space.dofs]).max(axis=0))
     return error * size / space.degree
 
@@ -58,15 +69,24 @@ def refined(mesh: Mesh, error: Any) -> Mesh:
     size = np.ptp(corners, axis=1).max(axis=0)
     marked = np.flatnonzero((error > SHARE * error.max()) & (size > SMALLEST * extent))
     new = replace(grid, _boundaries=None, _subdomains=None).refined(marked)
-    new = new.with_boundaries({name: _inherit(grid, new, grid.boundaries[name]) for name in mesh.boundaries})
+    new = new.with_boundaries(
+        {name: _inherit(grid, new, grid.boundaries[name]) for name in mesh.boundaries}
+    )
     centres = new.p[:, new.t].mean(axis=1)
     parent = grid.element_finder()(*centres)
-    new = new.with_subdomains({name: np.flatnonzero(np.isin(parent, grid.subdomains[name])) for name in mesh.regions})
+    new = new.with_subdomains(
+        {
+            name: np.flatnonzero(np.isin(parent, grid.subdomains[name]))
+            for name in mesh.regions
+        }
+    )
     return replace(mesh, skfem=new)
 
 
 def _inherit(old: Any, new: Any, facets: Any) -> Any:
-    """Return the exterior facets of the refined mesh whose centres lie on the given facets of the old one."""
+    """Return the exterior facets of the refined mesh whose centres lie on the given
+    facets of the old one.
+    """
     exterior = new.boundary_facets()
     centres = new.p[:, new.facets[:, exterior]].mean(axis=1)
     ends = old.p[:, old.facets[:, facets]]

@@ -1,4 +1,6 @@
-"""Checks of a packed bed: mistakes that remain although every single value is valid; see `scene.checking`."""
+"""Checks of a packed bed: mistakes that remain although every single value is valid;
+see `scene.checking`.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,13 @@ from contbed.errors import SceneError
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import GIVES, OF_HEAT, bound, places
 from contbed.packed_bed.corners import prescribed_temperatures_agree_in_corners
-from contbed.packed_bed.inlets import enters, given_velocity, role, velocity_key, velocity_vector
+from contbed.packed_bed.inlets import (
+    enters,
+    given_velocity,
+    role,
+    velocity_key,
+    velocity_vector,
+)
 from contbed.packed_bed.schedule import KELVIN, series_of
 from contbed.packed_bed.schedule_checks import (
     NAMES,
@@ -48,7 +56,9 @@ from contbed.scene.tables import Closure, Solver
 from contbed.scene.toml_lines import KeyPath, Origin, dotted
 
 ENTERING = "temperature, or fixed_temperature"
-LOOSE_BALANCE = 1e-3  # tolerance of a balance above which a warning is given: the accuracy that engineers ask for
+# tolerance of a balance above which a warning is given: the accuracy that engineers ask
+# for
+LOOSE_BALANCE = 1e-3
 
 
 def tables_are_complete(
@@ -62,7 +72,10 @@ def tables_are_complete(
     alone = heat is None and radiation is not None
     if alone:
         if gas is not None:
-            yield ("gas",), "has no meaning with [radiation] alone; add [heat] or remove it"
+            yield (
+                ("gas",),
+                "has no meaning with [radiation] alone; add [heat] or remove it",
+            )
         return
     needed_by = "[heat]" if heat is not None else "the flow"
     for name, table in (("gas", gas), ("packed_bed", packed_bed), ("solids", solids)):
@@ -71,27 +84,50 @@ def tables_are_complete(
 
 
 def one_solid_fills_the_bed(
-    solids: Mapping[str, s.Solid], radiation: Radiation | None, boundary: Boundaries, initial: s.Initial
+    solids: Mapping[str, s.Solid],
+    radiation: Radiation | None,
+    boundary: Boundaries,
+    initial: s.Initial,
 ) -> Mistakes:
-    """Check that one solid fills the bed, that others radiate, and that conditions are of the one."""
+    """Check that one solid fills the bed, that others radiate, and that conditions
+    are of the one.
+    """
     if not solids:
         return
     filling = s.that_fill_the_bed(solids)
     if len(filling) != 1:
         found = ", ".join(filling) or "none"
-        yield ("solids",), f"a bed without species has one solid with a density; found {found}; others only radiate"
+        yield (
+            ("solids",),
+            f"a bed without species has one solid with a density; found {found}; "
+            "others only radiate",
+        )
         return
     name, solid = next(iter(filling.items()))
     if solid.diameter is None:
-        yield ("solids", name, "diameter"), "missing; exchange and resistance to flow need it"
+        yield (
+            ("solids", name, "diameter"),
+            "missing; exchange and resistance to flow need it",
+        )
     if solid.temperature is not None and radiation is None:
-        yield ("solids", name, "temperature"), "has no meaning without a [radiation] table"
+        yield (
+            ("solids", name, "temperature"),
+            "has no meaning without a [radiation] table",
+        )
     for other, table in solids.items():
         if other != name and radiation is None:
-            yield ("solids", other), f"has no meaning without a [radiation] table: '{name}' fills the bed"
+            yield (
+                ("solids", other),
+                f"has no meaning without a [radiation] table: '{name}' fills the bed",
+            )
         elif other != name and table.inside is not None:
-            yield ("solids", other, "inside"), f"has no meaning: '{name}' fills the bed, this solid only radiates"
-    named: list[KeyPath] = [path for path, phase, _ in conditions_of(boundary) if phase != "gas"]
+            yield (
+                ("solids", other, "inside"),
+                f"has no meaning: '{name}' fills the bed, this solid only radiates",
+            )
+    named: list[KeyPath] = [
+        path for path, phase, _ in conditions_of(boundary) if phase != "gas"
+    ]
     named += [("initial", "solids", other) for other in initial.solids]
     for path in named:
         if path[-1] != name:
@@ -101,7 +137,9 @@ def one_solid_fills_the_bed(
 def heat_has_its_properties(
     heat: s.Heat | None, solids: Mapping[str, s.Solid], gas: Gas, closures: s.Closures
 ) -> Mistakes:
-    """Check that a scene with [heat] has the properties of its solid and its gas, and an exchange."""
+    """Check that a scene with [heat] has the properties of its solid and its gas,
+    and an exchange.
+    """
     if heat is None:
         return
     needs = "missing; a scene with [heat] needs it"
@@ -126,7 +164,11 @@ def a_run_in_time_has_a_start(time: s.Time | None, initial: s.Initial) -> Mistak
     for phase, name in NAMES.items():
         if initial.given(phase) is None:
             key = "gas" if phase == "fluid" else "solids.NAME"
-            yield ("initial",), f"the {name} has no temperature at the start; give initial.{key}.temperature"
+            yield (
+                ("initial",),
+                f"the {name} has no temperature at the start; give "
+                f"initial.{key}.temperature",
+            )
 
 
 def heat_alone_uses_temperatures(
@@ -155,7 +197,9 @@ def heat_alone_uses_temperatures(
 
 @at_each_time
 def velocities_fit_the_mesh(mesh: Mesh, boundary: Boundaries, see: See) -> Mistakes:
-    """Check that velocities have as many components as the mesh has dimensions, and enter where they are given."""
+    """Check that velocities have as many components as the mesh has dimensions, and
+    enter where they are given.
+    """
     for phase in PHASES:
         given = given_velocity(boundary, phase)
         if given is None:
@@ -165,15 +209,35 @@ def velocities_fit_the_mesh(mesh: Mesh, boundary: Boundaries, see: See) -> Mista
         radial = isinstance(mesh, MeshAxisymmetric) and name == "wall"
         if not isinstance(value, tuple):
             if isinstance(mesh, MeshFile):
-                yield key, f"give a list, the vector: only the file knows where '{name}' lies; see {see('mesh.type')}"
+                yield (
+                    key,
+                    f"give a list, the vector: only the file knows where '{name}' "
+                    f"lies; see {see('mesh.type')}",
+                )
             elif radial and value:
-                yield key, f"the radial velocity is 0 in an axisymmetric bed; see {see('mesh.type')}"
+                yield (
+                    key,
+                    "the radial velocity is 0 in an axisymmetric bed; see "
+                    f"{see('mesh.type')}",
+                )
         elif len(value) != mesh.dimension:
-            yield key, f"has {len(value)} components, the mesh has {mesh.dimension} dimensions; see {see('mesh.type')}"
+            yield (
+                key,
+                f"has {len(value)} components, the mesh has {mesh.dimension} "
+                f"dimensions; see {see('mesh.type')}",
+            )
         elif isinstance(mesh, MeshAxisymmetric) and value[0] != 0:
-            yield key, f"the radial velocity is 0 in an axisymmetric bed; see {see('mesh.type')}"
+            yield (
+                key,
+                "the radial velocity is 0 in an axisymmetric bed; see "
+                f"{see('mesh.type')}",
+            )
         elif any(value) and enters(mesh, value, name) == 0:
-            yield key, f"runs along '{name}'; give it at the boundary where the {NAMES[phase]} enters"
+            yield (
+                key,
+                f"runs along '{name}'; give it at the boundary where the "
+                f"{NAMES[phase]} enters",
+            )
 
 
 def velocities_are_given_once(boundary: Boundaries, see: See) -> Mistakes:
@@ -182,13 +246,20 @@ def velocities_are_given_once(boundary: Boundaries, see: See) -> Mistakes:
         given = [
             ("boundary", name, *table.key(phase), "velocity")
             for name, table in boundary.items()
-            if (condition := table.condition(phase)) is not None and condition.velocity is not None
+            if (condition := table.condition(phase)) is not None
+            and condition.velocity is not None
         ]
         for key in given[1:]:
-            yield key, f"one boundary gives the velocity of the {NAMES[phase]}; see {see(dotted(given[0]))}"
+            yield (
+                key,
+                f"one boundary gives the velocity of the {NAMES[phase]}; see "
+                f"{see(dotted(given[0]))}",
+            )
 
 
-def the_packing_fits_the_bed(mesh: Mesh, solids: Mapping[str, s.Solid], see: See) -> Mistakes:
+def the_packing_fits_the_bed(
+    mesh: Mesh, solids: Mapping[str, s.Solid], see: See
+) -> Mistakes:
     """Check that the particles are smaller than a built-in bed."""
     if isinstance(mesh, MeshFile):
         return
@@ -196,7 +267,8 @@ def the_packing_fits_the_bed(mesh: Mesh, solids: Mapping[str, s.Solid], see: See
         if solid.diameter is not None and solid.diameter > mesh.length:
             yield (
                 ("solids", name, "diameter"),
-                f"{solid.diameter:g} m is more than the length of the bed, {see('mesh.length')}; is a unit missing?",
+                f"{solid.diameter:g} m is more than the length of the bed, "
+                f"{see('mesh.length')}; is a unit missing?",
             )
 
 
@@ -214,19 +286,29 @@ def gases_make_sense(gas: Gas) -> Mistakes:
 
 
 @at_each_time
-def temperatures_lie_in_the_table(gas: Gas, boundary: Boundaries, initial: s.Initial, see: See) -> Mistakes:
+def temperatures_lie_in_the_table(
+    gas: Gas, boundary: Boundaries, initial: s.Initial, see: See
+) -> Mistakes:
     """Check that the gas's temperatures lie in the range of its table."""
     if not isinstance(gas, GasCoolProp):
         return
     low, high = gas.T_range
     for path, temperature in _temperatures(["fluid"], boundary, initial):
         if low < high and not low <= temperature <= high:
-            yield path, f"outside of the gas's table, {low:g} to {high:g} K; see {see('gas.T_range')}"
+            yield (
+                path,
+                f"outside of the gas's table, {low:g} to {high:g} K; see "
+                f"{see('gas.T_range')}",
+            )
 
 
 @at_each_time
-def polynomials_stay_positive(solids: Mapping[str, s.Solid], boundary: Boundaries, initial: s.Initial) -> Mistakes:
-    """Check that properties of the solid are positive at the temperatures of the scene."""
+def polynomials_stay_positive(
+    solids: Mapping[str, s.Solid], boundary: Boundaries, initial: s.Initial
+) -> Mistakes:
+    """Check that properties of the solid are positive at the temperatures of the
+    scene.
+    """
     polynomials = [
         (name, key, coefficients)
         for name, solid in s.that_fill_the_bed(solids).items()
@@ -237,7 +319,11 @@ def polynomials_stay_positive(solids: Mapping[str, s.Solid], boundary: Boundarie
         for path, temperature in _temperatures(PHASES, boundary, initial):
             value = sum(a * temperature**power for power, a in enumerate(coefficients))
             if not value > 0:
-                yield ("solids", name, key), f"is {value:.4g} at {dotted(path)} = {temperature:g} K; it must be above 0"
+                yield (
+                    ("solids", name, key),
+                    f"is {value:.4g} at {dotted(path)} = {temperature:g} K; it must be "
+                    "above 0",
+                )
                 break
 
 
@@ -249,21 +335,36 @@ def times_are_in_order(time: s.Time | None, see: See) -> Mistakes:
         if instant in time.times[:index]:
             yield ("time", "times", index), f"{instant:g} s is given twice"
         if instant > time.end:
-            yield ("time", "times", index), f"{instant:g} s is after the end; see {see('time.end')}"
+            yield (
+                ("time", "times", index),
+                f"{instant:g} s is after the end; see {see('time.end')}",
+            )
     if time.step is not None and time.step > time.end:
-        yield ("time", "step"), f"{time.step:g} s is more than the whole run; see {see('time.end')}"
+        yield (
+            ("time", "step"),
+            f"{time.step:g} s is more than the whole run; see {see('time.end')}",
+        )
     if time.step is not None and "tolerance" in time.model_fields_set:
-        yield ("time", "tolerance"), f"has no meaning with a fixed step; remove one; see {see('time.step')}"
+        yield (
+            ("time", "tolerance"),
+            f"has no meaning with a fixed step; remove one; see {see('time.step')}",
+        )
 
 
 @at_each_time
-def flow_has_a_way_through(mesh: Mesh, gas: Gas | None, boundary: Boundaries, see: See) -> Mistakes:
+def flow_has_a_way_through(
+    mesh: Mesh, gas: Gas | None, boundary: Boundaries, see: See
+) -> Mistakes:
     """Check that the flow conditions of the boundaries let the gas enter and leave."""
     velocity = velocity_vector(mesh, boundary, "fluid")
     speed = _about_velocity(boundary, "fluid", see)
     if gas is None or len(velocity) != mesh.dimension:
         return
-    given = {name: conditions.type for name, conditions in boundary.items() if conditions.type is not None}
+    given = {
+        name: conditions.type
+        for name, conditions in boundary.items()
+        if conditions.type is not None
+    }
     moving = any(velocity)
     for name, kind in given.items():
         path = ("boundary", name, "type")
@@ -282,11 +383,17 @@ def flow_has_a_way_through(mesh: Mesh, gas: Gas | None, boundary: Boundaries, se
         sides = [side for pair in mesh.sides for side in pair]
         roles = {role(mesh, velocity, side, boundary) for side in sides}
         # Roles that contradict the velocity are reported above.
-        if any(enters(mesh, velocity, name) == {"outlet": 1, "inlet": -1}.get(kind, 2) for name, kind in given.items()):
+        if any(
+            enters(mesh, velocity, name) == {"outlet": 1, "inlet": -1}.get(kind, 2)
+            for name, kind in given.items()
+        ):
             return
     if not moving or not roles & {"inlet", "outlet", "no_slip", "slip"}:
         return
-    for kind, other, verb in (("inlet", "outlet", "enter"), ("outlet", "inlet", "leave")):
+    for kind, other, verb in (
+        ("inlet", "outlet", "enter"),
+        ("outlet", "inlet", "leave"),
+    ):
         if kind not in roles and (other in roles or not isinstance(mesh, MeshFile)):
             walls = [side for side in sides if given.get(side) in ("no_slip", "slip")]
             at: KeyPath = ("boundary", walls[0], "type") if walls else ("boundary",)
@@ -295,34 +402,68 @@ def flow_has_a_way_through(mesh: Mesh, gas: Gas | None, boundary: Boundaries, se
 
 
 @at_each_time
-def streams_have_a_temperature(mesh: Mesh, heat: s.Heat | None, boundary: Boundaries, see: See) -> Mistakes:
+def streams_have_a_temperature(
+    mesh: Mesh, heat: s.Heat | None, boundary: Boundaries, see: See
+) -> Mistakes:
     """Check that every stream that enters has a temperature."""
     if heat is None:
         return
     for phase, what in NAMES.items():
-        velocity, speed = velocity_vector(mesh, boundary, phase), _about_velocity(boundary, phase, see)
+        velocity, speed = (
+            velocity_vector(mesh, boundary, phase),
+            _about_velocity(boundary, phase, see),
+        )
         if len(velocity) != mesh.dimension:
             continue
-        conditions = {name: c for name, b in boundary.items() if (c := b.thermal(phase)) is not None}
+        conditions = {
+            name: c
+            for name, b in boundary.items()
+            if (c := b.thermal(phase)) is not None
+        }
         for name, condition in conditions.items():
             if condition.temperature is None:
                 continue
             path = ("boundary", name, *boundary[name].key(phase), "temperature")
             if not any(velocity):
-                yield path, f"the {what} does not move, so that nothing enters; use fixed_temperature; {speed}"
+                yield (
+                    path,
+                    f"the {what} does not move, so that nothing enters; use "
+                    f"fixed_temperature; {speed}",
+                )
             elif enters(mesh, velocity, name) in (0, -1):
                 yield path, f"no {what} enters through '{name}'; {speed}"
         if isinstance(mesh, MeshFile):
-            known = any(c.temperature is not None or c.fixed_temperature is not None for c in conditions.values())
+            known = any(
+                c.temperature is not None or c.fixed_temperature is not None
+                for c in conditions.values()
+            )
             if any(velocity) and not known:
-                yield ("boundary",), f"no boundary gives the temperature of the entering {what}: {ENTERING}"
+                yield (
+                    ("boundary",),
+                    f"no boundary gives the temperature of the entering {what}: "
+                    f"{ENTERING}",
+                )
             continue
-        for name in (side for pair in mesh.sides for side in pair if enters(mesh, velocity, side) == 1):
-            is_wall = phase == "fluid" and name in boundary and boundary[name].type in ("slip", "no_slip")
+        for name in (
+            side
+            for pair in mesh.sides
+            for side in pair
+            if enters(mesh, velocity, side) == 1
+        ):
+            is_wall = (
+                phase == "fluid"
+                and name in boundary
+                and boundary[name].type in ("slip", "no_slip")
+            )
             if name not in conditions and not is_wall:
                 yield (
-                    ("boundary", name, *(boundary[name].key(phase) if name in boundary else ())),
-                    f"the {what} enters here without a temperature; give {ENTERING}; {speed}",
+                    (
+                        "boundary",
+                        name,
+                        *(boundary[name].key(phase) if name in boundary else ()),
+                    ),
+                    f"the {what} enters here without a temperature; give {ENTERING}; "
+                    f"{speed}",
                 )
 
 
@@ -342,49 +483,79 @@ def a_steady_temperature_is_determined(
         for phase in PHASES
         if (c := conditions.condition(phase)) is not None and c.ties
     }
-    if radiation is not None and any(conditions.radiation for conditions in boundary.values()):
+    if radiation is not None and any(
+        conditions.radiation for conditions in boundary.values()
+    ):
         tied.add("solid")
     # Without exchange between the phases each needs a temperature of its own.
-    loose = [phase for phase in PHASES if phase not in tied] if closures.nusselt == 0 or not tied else []
+    loose = (
+        [phase for phase in PHASES if phase not in tied]
+        if closures.nusselt == 0 or not tied
+        else []
+    )
     if loose:
         yield (
             ("heat",),
-            f"the steady temperature of the {' and the '.join(NAMES[phase] for phase in loose)} is undetermined: no "
-            "boundary has temperature, fixed_temperature or coefficient, none radiates; give one, or a [time] table",
+            "the steady temperature of the "
+            f"{' and the '.join(NAMES[phase] for phase in loose)} is undetermined: no "
+            "boundary has temperature, fixed_temperature or coefficient, none "
+            "radiates; give one, or a [time] table",
         )
 
 
 def the_inside_of_particles_fits_the_scene(
     solids: Mapping[str, s.Solid], heat: s.Heat | None, radiation: Radiation | None
 ) -> Mistakes:
-    """Check that particles with an inside exchange heat, and that their mean temperature is not what radiates."""
+    """Check that particles with an inside exchange heat, and that their mean
+    temperature is not what radiates.
+    """
     for name, solid in solids.items():
         if solid.inside is None:
             continue
         path = ("solids", name, "inside")
         if heat is None:
-            yield path, "intraparticle conduction needs the temperatures of two phases; add a [heat] table"
+            yield (
+                path,
+                "intraparticle conduction needs the temperatures of two phases; add a "
+                "[heat] table",
+            )
         elif solid.inside.heat == "interior" and radiation is not None:
             yield (
                 (*path, "heat"),
-                'temperatures inside are not coupled with [radiation]; use "effective", a film coefficient corrected '
+                "temperatures inside are not coupled with [radiation]; use "
+                '"effective", a film coefficient corrected '
                 "for conduction inside",
             )
 
 
-def a_cycle_changes_something(time: s.Time | None, boundary: Boundaries, mesh: Mesh, see: See) -> Mistakes:
-    """Check that a cycle has series, without which nothing changes in the course of a period."""
+def a_cycle_changes_something(
+    time: s.Time | None, boundary: Boundaries, mesh: Mesh, see: See
+) -> Mistakes:
+    """Check that a cycle has series, without which nothing changes in the course of
+    a period.
+    """
     if time is None or time.cycle is None:
         return
-    yield from a_cycle_fits_its_series(series_of(boundary), time, "a velocity or a temperature", see)
+    yield from a_cycle_fits_its_series(
+        series_of(boundary), time, "a velocity or a temperature", see
+    )
     if not isinstance(mesh, MeshLine):
-        yield ("time", "cycle"), 'the cyclic steady state is found on a line; use mesh.type = "line"'
+        yield (
+            ("time", "cycle"),
+            'the cyclic steady state is found on a line; use mesh.type = "line"',
+        )
 
 
 def closures_exist(
-    mesh: Mesh, closures: s.Closures, heat: s.Heat | None, boundary: Boundaries, origin: Origin
+    mesh: Mesh,
+    closures: s.Closures,
+    heat: s.Heat | None,
+    boundary: Boundaries,
+    origin: Origin,
 ) -> Mistakes:
-    """Check that the closures exist and that the bed has the arguments that they need."""
+    """Check that the closures exist and that the bed has the arguments that they
+    need.
+    """
     for path, spec, kind in places(closures, heat, boundary):
         if not named(spec):
             continue
@@ -397,9 +568,17 @@ def closures_exist(
         except SceneError as error:
             yield path, str(error)
             continue
-        if isinstance(mesh, MeshLine) and "D_bed" in found.takes and not isinstance(spec, ClosureFile):
+        if (
+            isinstance(mesh, MeshLine)
+            and "D_bed" in found.takes
+            and not isinstance(spec, ClosureFile)
+        ):
             name = spec if isinstance(spec, str) else spec.name
-            yield path, f'needs the diameter of the bed, which a line does not have: {{name = "{name}", D_bed = ...}}'
+            yield (
+                path,
+                f"needs the diameter of the bed, which a line does not have: {{name = "
+                f'"{name}", D_bed = ...}}',
+            )
 
 
 CHECKS: tuple[Check, ...] = (
@@ -435,13 +614,25 @@ CHECKS: tuple[Check, ...] = (
 
 
 def the_bed_has_more_than_one_cell(mesh: Mesh) -> Mistakes:
-    """Look for a given number of cells that cannot show how a temperature or a velocity varies."""
+    """Look for a given number of cells that cannot show how a temperature or a
+    velocity varies.
+    """
     if isinstance(mesh, MeshFile) or mesh.cells is None or mesh.refine:
         return
-    for k, count in enumerate((mesh.cells,) if isinstance(mesh.cells, int) else mesh.cells):
+    for k, count in enumerate(
+        (mesh.cells,) if isinstance(mesh.cells, int) else mesh.cells
+    ):
         if count == 1:
-            path: KeyPath = ("mesh", "cells") if isinstance(mesh, MeshLine) else ("mesh", "cells", k)
-            yield path, "one cell cannot show how anything varies in this direction; leave out mesh.cells"
+            path: KeyPath = (
+                ("mesh", "cells")
+                if isinstance(mesh, MeshLine)
+                else ("mesh", "cells", k)
+            )
+            yield (
+                path,
+                "one cell cannot show how anything varies in this direction; leave out "
+                "mesh.cells",
+            )
 
 
 def the_balance_can_fail(solver: Solver) -> Mistakes:
@@ -449,13 +640,18 @@ def the_balance_can_fail(solver: Solver) -> Mistakes:
     if solver.balance_tolerance > LOOSE_BALANCE:
         yield (
             ("solver", "balance_tolerance"),
-            f"{solver.balance_tolerance:g} of what crosses and is released may be missing; results with a balance open "
+            f"{solver.balance_tolerance:g} of what crosses and is released may be "
+            "missing; results with a balance open "
             f"by more than {LOOSE_BALANCE:g} mean little",
         )
 
 
-def the_gas_conducts_once(closures: s.Closures, heat: s.Heat | None, origin: Origin) -> Mistakes:
-    """Look for a closure of the whole bed at rest beside the conductivity of its gas."""
+def the_gas_conducts_once(
+    closures: s.Closures, heat: s.Heat | None, origin: Origin
+) -> Mistakes:
+    """Look for a closure of the whole bed at rest beside the conductivity of its
+    gas.
+    """
     if heat is not None:
         solids = ("closures", "conductivity_solids"), closures.conductivity_solids
         gas = ("closures", "conductivity_gas"), closures.conductivity_gas
@@ -483,14 +679,21 @@ def _about_velocity(boundary: Boundaries, phase: str, see: See) -> str:
     return f"see {see(velocity_key(boundary, phase))}"
 
 
-def _temperatures(phases: Iterable[str], boundary: Boundaries, initial: s.Initial) -> Iterator[tuple[KeyPath, float]]:
-    """Yield the key and value of every temperature that the scene gives for these phases; none of a file."""
+def _temperatures(
+    phases: Iterable[str], boundary: Boundaries, initial: s.Initial
+) -> Iterator[tuple[KeyPath, float]]:
+    """Yield the key and value of every temperature that the scene gives for these
+    phases; none of a file.
+    """
     for phase in phases:
         for name, table in boundary.items():
             condition = table.condition(phase)
             for key in KELVIN:
                 if condition is not None and getattr(condition, key) is not None:
-                    yield ("boundary", name, *table.key(phase), key), getattr(condition, key)
+                    yield (
+                        ("boundary", name, *table.key(phase), key),
+                        getattr(condition, key),
+                    )
         given = initial.given(phase)
         if given is not None and not isinstance(given, ProfileFile):
             yield initial.key(phase), given

@@ -1,22 +1,39 @@
-"""Closures of a packed bed: where a scene names them, and the arguments that the bed gives them."""
+"""Closures of a packed bed: where a scene names them, and the arguments that the bed
+gives them.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
-from contbed.closures.binding import BoundClosure, BoundDispersion, bind, bind_dispersion, is_phase, named
+from contbed.closures.binding import (
+    BoundClosure,
+    BoundDispersion,
+    bind,
+    bind_dispersion,
+    is_phase,
+    named,
+)
 from contbed.packed_bed import scene as s
 from contbed.scene.boundary import conditions_of
 from contbed.scene.quantities import ClosureFile
 from contbed.scene.toml_lines import KeyPath
 
 OF_FLOW = ("permeability", "forchheimer")
-OF_HEAT = ("dispersion", "nusselt", "conductivity_gas", "conductivity_solids", "tortuosity")
+OF_HEAT = (
+    "dispersion",
+    "nusselt",
+    "conductivity_gas",
+    "conductivity_solids",
+    "tortuosity",
+)
 
 
 class At(NamedTuple):
-    """A state of a `Medium`: temperature of the fluid [K] and `speed(density)`, see `Medium.reynolds`."""
+    """A state of a `Medium`: temperature of the fluid [K] and `speed(density)`, see
+    `Medium.reynolds`.
+    """
 
     medium: Any
     T: Any
@@ -77,14 +94,18 @@ def places(
 
 
 def bound(spec: Any, kind: str, base: Any) -> BoundClosure | BoundDispersion:
-    """Return the closure named by a scene whose folder is `base`; raise what `binding.bind` raises."""
+    """Return the closure named by a scene whose folder is `base`; raise what
+    `binding.bind` raises.
+    """
     if kind == "dispersion" and not isinstance(spec, ClosureFile):
         return bind_dispersion(spec, GIVES[kind])
     return bind(spec, kind, GIVES[kind], base)
 
 
 def all_bound(scene: s.Scene) -> Bound:
-    """Return all closures of a scene by kind and by what names them; equal names share one."""
+    """Return all closures of a scene by kind and by what names them; equal names
+    share one.
+    """
     found = {}
     for _, spec, kind in places(scene.closures, scene.heat, scene.boundary):
         if named(spec) and not (kind == "conductivity" and is_phase(spec)):

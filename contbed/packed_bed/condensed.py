@@ -1,4 +1,6 @@
-"""What is condensed of the particles of a line at rest: their modes at its nodes, and the bed that sees one of them."""
+"""What is condensed of the particles of a line at rest: their modes at its nodes,
+and the bed that sees one of them.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,10 @@ def condensed(problem: Any) -> Inside:
     """Return the modes of a heat problem with constant properties whose solids rest."""
     c, T = problem.coefficients, problem.medium.T_fluid_in
     system = problem.system
-    places = [system.offset[name, 0] + np.arange(system.fields[name][0].size) for name in two_energy.FIELDS]
+    places = [
+        system.offset[name, 0] + np.arange(system.fields[name][0].size)
+        for name in two_energy.FIELDS
+    ]
     return Inside(
         bed=OneMode(problem),
         capacity=float(c.capacity(T) * c.solid.heat_capacity(T)),
@@ -29,7 +34,9 @@ def condensed(problem: Any) -> Inside:
 
 
 class OneMode:
-    """A heat problem with the first mode of its particles in place of all: what the bed sees of them."""
+    """A heat problem with the first mode of its particles in place of all: what the
+    bed sees of them.
+    """
 
     linear = True
 
@@ -37,8 +44,15 @@ class OneMode:
         self._problem = problem
         one = replace(problem.coefficients, modes=problem.coefficients.modes[:1])
         cells = problem.system.cells
-        self._interior, self._storage = [(two_energy.residual, cells, one)], [(two_energy.storage, cells, one)]
-        self.fixed, self.weights, self.changes = problem.fixed, problem.weights, problem.changes
+        self._interior, self._storage = (
+            [(two_energy.residual, cells, one)],
+            [(two_energy.storage, cells, one)],
+        )
+        self.fixed, self.weights, self.changes = (
+            problem.fixed,
+            problem.weights,
+            problem.changes,
+        )
 
     @property
     def fixed_values(self) -> Any:
@@ -54,7 +68,9 @@ class OneMode:
         return self._problem.shares(time)
 
     def put(self, shares: Any) -> None:
-        """Put temperatures and fluxes of boundaries in place that have come so far to other values."""
+        """Put temperatures and fluxes of boundaries in place that have come so far
+        to other values.
+        """
         self._problem.put(shares)
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
@@ -66,5 +82,7 @@ class OneMode:
 
     def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Assemble the tested heat content and its Jacobian."""
-        found: tuple[Any, Any] = self._problem.system.assemble(self._storage, state, jacobian)
+        found: tuple[Any, Any] = self._problem.system.assemble(
+            self._storage, state, jacobian
+        )
         return found

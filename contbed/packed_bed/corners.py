@@ -1,7 +1,8 @@
 """Corners in which unlike prescribed temperatures meet.
 
-Near such a corner the solution of Laplace's equation depends on the angle phi only, T = T_1 + (T_2 - T_1) phi/(pi/2),
-so that the heat conducted through either side, k (T_2 - T_1)/(pi/2) times the integral of dr/r, has no limit.
+Near such a corner the solution of Laplace's equation depends on the angle phi only,
+T = T_1 + (T_2 - T_1) phi/(pi/2), so that the heat conducted through either side, k
+(T_2 - T_1)/(pi/2) times the integral of dr/r, has no limit.
 """
 
 from __future__ import annotations
@@ -17,7 +18,9 @@ Side = tuple[int, float]  # direction and coordinate [m] of a side of a built-in
 
 
 def adjacent_sides(mesh: Mesh) -> Iterator[tuple[tuple[str, Side], tuple[str, Side]]]:
-    """Yield pairs of sides, each a name and its place, that meet in a corner of a built-in mesh."""
+    """Yield pairs of sides, each a name and its place, that meet in a corner of a
+    built-in mesh.
+    """
     if isinstance(mesh, MeshFile):
         return
     sides = [
@@ -33,7 +36,9 @@ def adjacent_sides(mesh: Mesh) -> Iterator[tuple[tuple[str, Side], tuple[str, Si
 def unlike_temperatures(
     boundary: Mapping[str, s.Boundary], phase: str, name: str, other: str
 ) -> tuple[float, float] | None:
-    """Return the prescribed temperatures of a phase on two sides [K] where they are numbers that differ."""
+    """Return the prescribed temperatures of a phase on two sides [K] where they are
+    numbers that differ.
+    """
     found = []
     for side in (name, other):
         condition = boundary[side].thermal(phase) if side in boundary else None
@@ -44,12 +49,20 @@ def unlike_temperatures(
 
 
 def prescribed_temperatures_agree_in_corners(
-    mesh: Mesh, boundary: dict[str, s.Boundary], heat: s.Heat | None, closures: s.Closures
+    mesh: Mesh,
+    boundary: dict[str, s.Boundary],
+    heat: s.Heat | None,
+    closures: s.Closures,
 ) -> Mistakes:
-    """Look for sides with unlike prescribed temperatures that meet, where the conducted heat has no limit."""
+    """Look for sides with unlike prescribed temperatures that meet, where the
+    conducted heat has no limit.
+    """
     if isinstance(mesh, MeshFile | MeshLine) or heat is None:
         return
-    conductivities = {"fluid": closures.conductivity_gas, "solid": closures.conductivity_solids}
+    conductivities = {
+        "fluid": closures.conductivity_gas,
+        "solid": closures.conductivity_solids,
+    }
     for phase, conductivity in conductivities.items():
         if conductivity == 0.0:
             continue
@@ -57,9 +70,17 @@ def prescribed_temperatures_agree_in_corners(
             unlike = unlike_temperatures(boundary, phase, name, other)
             if unlike is not None:
                 yield (
-                    ("boundary", other, *boundary[other].key(phase), "fixed_temperature"),
-                    f"{unlike[1]:g} K meets {unlike[0]:g} K of boundary.{name} in a corner, where heat_{name}_W and "
-                    f"heat_{other}_W grow without limit as cells get smaller, and T_{phase} has no value; the "
-                    "estimated error counts there by the distance only. For a heat that means something give one of "
+                    (
+                        "boundary",
+                        other,
+                        *boundary[other].key(phase),
+                        "fixed_temperature",
+                    ),
+                    f"{unlike[1]:g} K meets {unlike[0]:g} K of boundary.{name} in a "
+                    f"corner, where heat_{name}_W and "
+                    f"heat_{other}_W grow without limit as cells get smaller, and "
+                    f"T_{phase} has no value; the "
+                    "estimated error counts there by the distance only. For a heat "
+                    "that means something give one of "
                     "both sides a coefficient and ambient, or equal temperatures",
                 )

@@ -1,8 +1,10 @@
-"""Cyclic steady state: the state that one period of a run gives back, found directly instead of by many periods.
+"""Cyclic steady state: the state that one period of a run gives back, found directly
+instead of by many periods.
 
-With y the state at the start of a period and Phi(y) that at its end, Phi(y) = y is solved by Anderson's acceleration
-(`solvers.anderson`). Plain repetition takes hundreds of periods where a period is short, as in regenerators. After a
-few periods the sequence of time steps is kept, so that Phi is smooth.
+With y the state at the start of a period and Phi(y) that at its end, Phi(y) = y is
+solved by Anderson's acceleration (`solvers.anderson`). Plain repetition takes hundreds
+of periods where a period is short, as in regenerators. After a few periods the sequence
+of time steps is kept, so that Phi is smooth.
 """
 
 from __future__ import annotations
@@ -26,7 +28,8 @@ MOST = 60  # periods after which the run gives up
 class Cycle:
     """A periodic state.
 
-    state : at the start of a period; periods : how many were computed; residual : largest change over one [K]
+    state : at the start of a period; periods : how many were computed; residual :
+        largest change over one [K]
     levels : sizes of the time steps of each part of the period
     """
 
@@ -37,7 +40,11 @@ class Cycle:
 
 
 def find_cycle(
-    problems: Sequence[Any], state: Any, policy: Policy, tolerance: float, keep: Callable[[Any], None]
+    problems: Sequence[Any],
+    state: Any,
+    policy: Policy,
+    tolerance: float,
+    keep: Callable[[Any], None],
 ) -> Cycle:
     """Find the periodic state from a first guess.
 
@@ -45,7 +52,8 @@ def find_cycle(
     ----------
     problems : of the parts of a period, each with its piece
     tolerance : largest change over one period, over the span of temperatures
-    keep : is called with the state from which each further period begins, and the state that is found
+    keep : is called with the state from which each further period begins, and the state
+        that is found
 
     Raises
     ------
@@ -67,13 +75,16 @@ def find_cycle(
         if closed:
             return found
     raise ConvergenceError(
-        f"cycle: after {MOST} periods the bed still changes by {best:.3g} K over one, allowed are "
+        f"cycle: after {MOST} periods the bed still changes by {best:.3g} K over one, "
+        "allowed are "
         f"{tolerance * (high - low):.3g} K; raise time.cycle.tolerance"
     )
 
 
 def _period(problems: Sequence[Any], cycle: Cycle, policy: Policy, fresh: bool) -> Any:
-    """Return the state after one period; keep the sizes of the steps where they are chosen `fresh`."""
+    """Return the state after one period; keep the sizes of the steps where they are
+    chosen `fresh`.
+    """
     history = History(cycle.state)
     for k, problem in enumerate(problems):
         piece = problem.piece
@@ -97,7 +108,10 @@ def exchanged(net: Sequence[float], most: Sequence[float]) -> dict[str, float]:
     most : what it could leave or take there between the inlet temperatures [J]
     """
     charged, taken = sum(q for q in net if q > 0.0), -sum(q for q in net if q < 0.0)
-    could = [sum(m for q, m in zip(net, most, strict=True) if sign * q > 0.0) for sign in (1.0, -1.0)]
+    could = [
+        sum(m for q, m in zip(net, most, strict=True) if sign * q > 0.0)
+        for sign in (1.0, -1.0)
+    ]
     out = {"heat_charged_J": charged, "heat_discharged_J": taken}
     if min(charged, taken, *could) > 0.0:
         out |= {

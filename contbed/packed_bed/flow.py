@@ -1,4 +1,6 @@
-"""Solution of the porous flow of a scene on its mesh: boundary values, Newton, volume-flow balance."""
+"""Solution of the porous flow of a scene on its mesh: boundary values, Newton,
+volume-flow balance.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ PARALLEL = 1e-9  # a wall counts as parallel to a direction below this sine
 
 @dataclass(frozen=True)
 class LocalProperties:
-    """Properties of the fluid at the temperature of each node of a space: arrays (size,)."""
+    """Properties of the fluid at the temperature of each node of a space: arrays
+    (size,).
+    """
 
     space: Any
     expansion: Any  # density of the inlet over that at the node [1]
@@ -32,10 +36,11 @@ class LocalProperties:
 
 @dataclass(frozen=True)
 class Flow:
-    """The flow of the fluid: `state` and `system` of the form, and the properties that it was solved with.
+    """The flow of the fluid: `state` and `system` of the form, and the properties that
+    it was solved with.
 
-    `velocity` (dim, size) on quadratic elements is the mass flux over the density of the inlet, and so free of
-    divergence; `expanded` is the velocity.
+    `velocity` (dim, size) on quadratic elements is the mass flux over the density of
+    the inlet, and so free of divergence; `expanded` is the velocity.
     """
 
     system: System
@@ -54,22 +59,33 @@ class Flow:
         """Nodal superficial velocity (dim, size) [m/s]."""
         if self.local is None:
             return self.velocity
-        return self.velocity * self.local.space.interpolated(self.local.expansion, self.system.fields["u"][0])
+        return self.velocity * self.local.space.interpolated(
+            self.local.expansion, self.system.fields["u"][0]
+        )
 
     @property
     def pressure(self) -> Any:
-        """Nodal pressure of the fluid over that at the outlet [Pa] (size,); the form solves for porosity times this."""
+        """Nodal pressure of the fluid over that at the outlet [Pa] (size,); the form
+        solves for porosity times this.
+        """
         return self.system.part(self.state, "p") / self.porosity
 
     def outflow(self, boundary: str) -> float:
         """Return the volume flow out of a boundary [m3/s]."""
-        return self.system.integrate(porous_flow.volume_flow, self.system.boundary(boundary), self.state)
+        return self.system.integrate(
+            porous_flow.volume_flow, self.system.boundary(boundary), self.state
+        )
 
 
 def constant_normal(mesh: Mesh, boundary: str) -> Any:
     """Return the outward unit normal of a plane boundary; None if it is not plane."""
     system = System(mesh.skfem, {}, 2)
-    normals = np.concatenate([np.array([n.ravel() for n in part.n.items]).T for part in system.boundary(boundary)])
+    normals = np.concatenate(
+        [
+            np.array([n.ravel() for n in part.n.items]).T
+            for part in system.boundary(boundary)
+        ]
+    )
     return normals[0] if np.abs(normals - normals[0]).max() < PARALLEL else None
 
 
@@ -85,11 +101,14 @@ def solve_flow(
     before: Flow | None = None,
     local: LocalProperties | None = None,
 ) -> Flow:
-    """Newton from uniform flow, or from the flow `before` on this or another mesh of the same bed.
+    """Newton from uniform flow, or from the flow `before` on this or another mesh of
+    the same bed.
 
-    `conditions` maps each boundary to inlet, outlet, no_slip or slip; `local` are properties that vary in the bed.
+    `conditions` maps each boundary to inlet, outlet, no_slip or slip; `local` are
+    properties that vary in the bed.
 
-    Inlet nodes keep the inlet velocity also where a no-slip wall begins, so that the volume flow is the prescribed one.
+    Inlet nodes keep the inlet velocity also where a no-slip wall begins, so that the
+    volume flow is the prescribed one.
     """
     equations = flow_equations(mesh, c, inlet, conditions, local)
     system = equations.system
@@ -111,10 +130,12 @@ def solve_flow(
 
 @dataclass(frozen=True)
 class FlowEquations:
-    """The discrete equations of the flow: the form on its system, and the nodes that are given.
+    """The discrete equations of the flow: the form on its system, and the nodes that
+    are given.
 
-    `given` are the numbers of the prescribed velocities and `values` these velocities [m/s]; `fixed` holds the numbers
-    of all unknowns that stay as they are, a pressure between walls included.
+    `given` are the numbers of the prescribed velocities and `values` these
+    velocities [m/s]; `fixed` holds the numbers of all unknowns that stay as they are, a
+    pressure between walls included.
     """
 
     system: System
@@ -142,30 +163,47 @@ def flow_equations(
     local: LocalProperties | None = None,
     system: System | None = None,
 ) -> FlowEquations:
-    """Return the discrete equations of a flow; see `solve_flow`. `system` is that of an earlier flow on this mesh."""
+    """Return the discrete equations of a flow; see `solve_flow`. `system` is that of
+    an earlier flow on this mesh.
+    """
     dim = mesh.skfem.dim()
-    kink = c.forchheimer > 0 and any(c.velocity_solid.items)  # of the drag where the fluid moves with the bed
+    # of the drag where the fluid moves with the bed
+    kink = c.forchheimer > 0 and any(c.velocity_solid.items)
     if system is None:
         system = make_system(mesh, {"u": (2, dim), "p": (1, 0)}, 9 if kink else 5)
     velocities = np.full(system.size, np.nan)
     for kind in ("slip", "no_slip", "inlet"):
-        for name in (name for name, condition in conditions.items() if condition == kind):
+        for name in (
+            name for name, condition in conditions.items() if condition == kind
+        ):
             facets = mesh.skfem.boundaries[name]
             for component, value in _values(mesh, name, kind, inlet).items():
                 velocities[system.nodes("u", facets, component)] = value
     given = np.flatnonzero(np.isfinite(velocities))
     fixed = given
-    if "outlet" not in conditions.values():  # between walls the pressure is known but for a constant
+    # between walls the pressure is known but for a constant
+    if "outlet" not in conditions.values():
         pinned = system.nodes("p", next(iter(mesh.skfem.boundaries.values())))[:1]
         fixed = np.unique(np.concatenate([given, pinned]))
     if local is not None:
-        expansion, viscosity = (system.known(system.cells, local.space, x) for x in (local.expansion, local.viscosity))
+        expansion, viscosity = (
+            system.known(system.cells, local.space, x)
+            for x in (local.expansion, local.viscosity)
+        )
         c = replace(c, expansion=expansion, viscosity=viscosity)
-    return FlowEquations(system, [(porous_flow.residual, system.cells, c)], given, velocities[given], fixed)
+    return FlowEquations(
+        system,
+        [(porous_flow.residual, system.cells, c)],
+        given,
+        velocities[given],
+        fixed,
+    )
 
 
 def _carry(before: Flow, system: System, state: Any) -> None:
-    """Interpolate a flow on a tensor-product mesh to another one, or take it as it is on the same mesh."""
+    """Interpolate a flow on a tensor-product mesh to another one, or take it as it
+    is on the same mesh.
+    """
     old, new = before.system, system
     if old.mesh is new.mesh:
         state[:] = before.state
@@ -174,8 +212,12 @@ def _carry(before: Flow, system: System, state: Any) -> None:
         former, grid = (TensorGrid.of(one.fields[name][0]) for one in (old, new))
         if former is None or grid is None:
             return
-        for row, values in zip(_rows(new, state, name), _rows(old, before.state, name), strict=True):
-            row[:] = grid.nodal(former.interpolated(former.values(values), grid.coordinates))
+        for row, values in zip(
+            _rows(new, state, name), _rows(old, before.state, name), strict=True
+        ):
+            row[:] = grid.nodal(
+                former.interpolated(former.values(values), grid.coordinates)
+            )
 
 
 def _rows(system: System, state: Any, name: str) -> Any:
@@ -195,7 +237,9 @@ def _values(mesh: Mesh, name: str, kind: str, inlet: Any) -> dict[int, float]:
     return {int(np.argmax(np.abs(normal))): 0.0}
 
 
-def coefficients(scene: Any, medium: Any, velocity: Any, velocity_solid: Any) -> porous_flow.Coefficients:
+def coefficients(
+    scene: Any, medium: Any, velocity: Any, velocity_solid: Any
+) -> porous_flow.Coefficients:
     """Return the momentum coefficients of a scene at the fluid's inlet temperature."""
     return porous_flow.Coefficients(
         density=medium.mass_flux_scale(),
@@ -204,5 +248,6 @@ def coefficients(scene: Any, medium: Any, velocity: Any, velocity_solid: Any) ->
         permeability=medium.packing("permeability"),
         forchheimer=medium.packing("forchheimer"),
         velocity_solid=Components(float(v) for v in velocity_solid),
-        speed=float(np.linalg.norm(velocity) + np.linalg.norm(velocity_solid)) or AT_REST,
+        speed=float(np.linalg.norm(velocity) + np.linalg.norm(velocity_solid))
+        or AT_REST,
     )

@@ -1,4 +1,6 @@
-"""Meshes graded to the layers of a scene: exchange and conduction at the ends, drag and radiation on walls."""
+"""Meshes graded to the layers of a scene: exchange and conduction at the ends, drag
+and radiation on walls.
+"""
 
 from __future__ import annotations
 
@@ -23,16 +25,26 @@ from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
 from contbed.scene.series import ProfileFile
 
 FRONT_CELLS = 4000  # cells of a bed with tracked fronts
-FIRST_CELLS_3D = 2000  # cells of the first automatic mesh of a box; it takes some 2 s, and errors give the next one
+# cells of the first automatic mesh of a box; it takes some 2 s, and errors give the
+# next one
+FIRST_CELLS_3D = 2000
 FEWEST = 4  # cells in each direction of it
-# cells of scale 1 over the standard deviation of a front: quadratic elements then miss it by some GRADING_ERROR
+# cells of scale 1 over the standard deviation of a front: quadratic elements then miss
+# it by some GRADING_ERROR
 FRONT_SHARE = 0.5
-PROFILE_CELLS = 20  # cells of scale 1 over a rise of an initial profile by the whole span of temperatures
-EARLIEST = 1e-3  # share of the run before which a front need not be resolved where no output is asked for
+# cells of scale 1 over a rise of an initial profile by the whole span of temperatures
+PROFILE_CELLS = 20
+# share of the run before which a front need not be resolved where no output is asked
+# for
+EARLIEST = 1e-3
 
 
-def nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: bool) -> list[Any] | None:
-    """Return graded coordinates for each direction of a built-in mesh without prescribed cells."""
+def nodes(
+    scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: bool
+) -> list[Any] | None:
+    """Return graded coordinates for each direction of a built-in mesh without
+    prescribed cells.
+    """
     mesh = scene.mesh
     if isinstance(mesh, MeshFile):
         return None
@@ -41,14 +53,18 @@ def nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: boo
             return [np.linspace(0.0, mesh.length, FRONT_CELLS + 1)]
         layers = []
         if scene.heat is not None:
-            layers += axial_layers(scene, medium, float(velocity[0]), float(solid[0]), mesh.length)
+            layers += axial_layers(
+                scene, medium, float(velocity[0]), float(solid[0]), mesh.length
+            )
         layers += _radiation_layers(scene, medium, 0, mesh.length)
         if mesh.cells is None:
             tolerance, degree = scene.solver.tolerance, scene.solver.degree
             if scene.time is None:
                 return [graded(mesh.length, layers, scale=scale_for(tolerance, degree))]
             scale = scale_for(max(tolerance, scene.time.tolerance), degree)
-            moving = front_nodes(scene, medium, float(velocity[0]), float(solid[0]), scale)
+            moving = front_nodes(
+                scene, medium, float(velocity[0]), float(solid[0]), scale
+            )
             return [finest([graded(mesh.length, layers, scale=scale), moving])]
         return [equidistributed(mesh.length, layers, mesh.cells, scene.solver.degree)]
     if mesh.cells is not None and not mesh.graded:
@@ -58,23 +74,40 @@ def nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: boo
     if mesh.dimension < 3 or mesh.cells is not None or excess <= 1.0:
         return found
     counts = [max(FEWEST, int((len(x) - 1) / excess ** (1.0 / 3.0))) for x in found]
-    return [_graded(scene, medium, velocity, solid, k, count) for k, count in enumerate(counts)]
+    return [
+        _graded(scene, medium, velocity, solid, k, count)
+        for k, count in enumerate(counts)
+    ]
 
 
-def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction: int, cells: int | None = None) -> Any:
-    """Return the graded coordinates of one direction of a 2-D or 3-D bed, of a given number of cells or of any."""
+def _graded(
+    scene: s.Scene,
+    medium: Medium,
+    velocity: Any,
+    solid: Any,
+    direction: int,
+    cells: int | None = None,
+) -> Any:
+    """Return the graded coordinates of one direction of a 2-D or 3-D bed, of a given
+    number of cells or of any.
+    """
     mesh = scene.mesh
     axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
     assert not isinstance(mesh, MeshFile | MeshLine)
     extent = mesh.extents[direction]
     layers = widened(_radiation_layers(scene, medium, direction, extent), extent)
     if direction == axis and scene.heat is not None:
-        layers += axial_layers(scene, medium, float(velocity[axis]), float(solid[axis]), extent)
+        layers += axial_layers(
+            scene, medium, float(velocity[axis]), float(solid[axis]), extent
+        )
     for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):
         table = scene.boundary.get(name)
         thermal = table is not None and (table.type == "no_slip" or table.heated)
         if direction != axis and thermal:
-            layers += [(position, max(width, 1e-3 * extent)) for width in _wall_layers(scene, medium, velocity, solid)]
+            layers += [
+                (position, max(width, 1e-3 * extent))
+                for width in _wall_layers(scene, medium, velocity, solid)
+            ]
     if mesh.cells is not None:
         cells = mesh.cells[direction]
     if cells is not None:
@@ -82,19 +115,33 @@ def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction
     return graded(extent, layers, coarse=extent / (40 if direction == axis else 12))
 
 
-def _wall_layers(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> tuple[float, float]:
+def _wall_layers(
+    scene: s.Scene, medium: Medium, velocity: Any, solid: Any
+) -> tuple[float, float]:
     """Return the widths of the flow layer on a wall [m].
 
     One is for Darcy's drag alone, the other includes Forchheimer's drag at its largest.
     """
-    permeability, forchheimer = medium.packing("permeability"), medium.packing("forchheimer")
+    permeability, forchheimer = (
+        medium.packing("permeability"),
+        medium.packing("forchheimer"),
+    )
     fastest = max(float(np.linalg.norm(solid)), float(np.linalg.norm(velocity - solid)))
-    inertia = medium.mass_flux_scale() * forchheimer * fastest / float(medium.fluid.viscosity(medium.T_fluid_in))
+    inertia = (
+        medium.mass_flux_scale()
+        * forchheimer
+        * fastest
+        / float(medium.fluid.viscosity(medium.T_fluid_in))
+    )
     both = 1.0 / permeability + 2.0 * inertia / permeability**0.5
-    return (permeability / scene.packed_bed.porosity) ** 0.5, (scene.packed_bed.porosity * both) ** -0.5
+    return (permeability / scene.packed_bed.porosity) ** 0.5, (
+        scene.packed_bed.porosity * both
+    ) ** -0.5
 
 
-def _radiation_layers(scene: s.Scene, medium: Medium, direction: int, extent: float) -> Layers:
+def _radiation_layers(
+    scene: s.Scene, medium: Medium, direction: int, extent: float
+) -> Layers:
     """Return the layers next to the walls of a bed in which radiation varies.
 
     The radiative conductivity competes with that of the solid.
@@ -103,16 +150,23 @@ def _radiation_layers(scene: s.Scene, medium: Medium, direction: int, extent: fl
         return []
     from contbed.radiation.grading import radiation_layers
 
-    return radiation_layers(scene, float(medium.conductivity("solid", medium.T_fluid_in)), direction, extent)
+    return radiation_layers(
+        scene, float(medium.conductivity("solid", medium.T_fluid_in)), direction, extent
+    )
 
 
-def front_nodes(scene: s.Scene, medium: Medium, u: float, u_solid: float, scale: float) -> Any:
-    """Return coordinates that resolve what moves and spreads from both ends in a transient, from the first output on.
+def front_nodes(
+    scene: s.Scene, medium: Medium, u: float, u_solid: float, scale: float
+) -> Any:
+    """Return coordinates that resolve what moves and spreads from both ends in a
+    transient, from the first output on.
 
-    What both phases carry moves at v = (F_f + F_s)/C with the heat fluxes F = G c_p and the heat content C of both per
-    volume. It spreads by D = K/C + (F_f C_s - F_s C_f)^2/(C^3 h a), conduction and exchange (two phases that follow
-    each other, to first order), and has the standard deviation sqrt(2 D t). Where it has not come to by flow, it has by
-    spreading: the place x belongs to the time t = min(x/v, x^2/(2 D)).
+    What both phases carry moves at v = (F_f + F_s)/C with the heat fluxes F = G c_p and
+    the heat content C of both per volume. It spreads by D = K/C + (F_f C_s - F_s
+    C_f)^2/(C^3 h a), conduction and exchange (two phases that follow each other, to
+    first order), and has the standard deviation sqrt(2 D t). Where it has not come to
+    by flow, it has by spreading: the place x belongs to the time t = min(x/v, x^2/(2
+    D)).
     """
     mesh, time = scene.mesh, scene.time
     assert isinstance(mesh, MeshLine) and time is not None
@@ -122,7 +176,10 @@ def front_nodes(scene: s.Scene, medium: Medium, u: float, u_solid: float, scale:
         "solid": float(medium.solid.density(T)) * float(medium.solid.heat_capacity(T)),
     }
     flux = {"fluid": heat["fluid"] * u, "solid": heat["solid"] * u_solid}
-    content = {"fluid": porosity * heat["fluid"], "solid": (1.0 - porosity) * heat["solid"]}
+    content = {
+        "fluid": porosity * heat["fluid"],
+        "solid": (1.0 - porosity) * heat["solid"],
+    }
     total = sum(content.values())
 
     def speed(density: Any) -> float:
@@ -143,18 +200,28 @@ def front_nodes(scene: s.Scene, medium: Medium, u: float, u_solid: float, scale:
     def size(x: Any) -> Any:
         found = np.full_like(x, coarse)
         for distance, velocity in ((x, v), (mesh.length - x, -v)):
-            reached = distance**2 / (2.0 * spread) if spread else np.full_like(x, np.inf)
+            reached = (
+                distance**2 / (2.0 * spread) if spread else np.full_like(x, np.inf)
+            )
             if velocity > 0.0:
                 reached = np.minimum(reached, distance / velocity)
-            wide = np.sqrt(2.0 * spread * np.maximum(first, reached)) if spread else np.full_like(x, coarse)
+            wide = (
+                np.sqrt(2.0 * spread * np.maximum(first, reached))
+                if spread
+                else np.full_like(x, coarse)
+            )
             found = np.minimum(found, FRONT_SHARE * wide)
-        return np.minimum(found, 1.0 / (PROFILE_CELLS * np.maximum(start(x), 1e-9 / mesh.length)))
+        return np.minimum(
+            found, 1.0 / (PROFILE_CELLS * np.maximum(start(x), 1e-9 / mesh.length))
+        )
 
     return of_size(mesh.length, size, scale)
 
 
 def _slope_of_the_start(scene: s.Scene) -> Any:
-    """Return the slope of the initial profiles over the span of their temperatures as a function of place [1/m]."""
+    """Return the slope of the initial profiles over the span of their temperatures
+    as a function of place [1/m].
+    """
     files = [
         given.samples(scene.origin.base, f"T_{phase}")
         for phase in ("fluid", "solid")
@@ -174,12 +241,18 @@ def _slope_of_the_start(scene: s.Scene) -> Any:
     return slope
 
 
-def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, length: float) -> Layers:
-    """Return positions and widths of the exchange and conduction layers at both ends, from closed-form rates."""
+def axial_layers(
+    scene: s.Scene, medium: Medium, u: float, u_solid: float, length: float
+) -> Layers:
+    """Return positions and widths of the exchange and conduction layers at both
+    ends, from closed-form rates.
+    """
     T = medium.T_fluid_in
     scale = medium.mass_flux_scale()
     flux_fluid = scale * float(medium.fluid.heat_capacity(T)) * u
-    flux_solid = float(medium.solid.density(T)) * float(medium.solid.heat_capacity(T)) * u_solid
+    flux_solid = (
+        float(medium.solid.density(T)) * float(medium.solid.heat_capacity(T)) * u_solid
+    )
 
     def speed(density: Any) -> float:
         return float(abs(scale / density * u - u_solid))
@@ -189,37 +262,73 @@ def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, lengt
         d_fluid += float(dispersion[0])
     d_solid = float(medium.conductivity_solid(T))
     exchange = float(medium.exchange(T, speed))
-    add_fluid, add_solid, cross = (float(share) for share in medium.tortuosity(T) or (0.0, 0.0, 0.0))
-    found = _rates((flux_fluid, d_fluid + add_fluid), (flux_solid, d_solid + add_solid), exchange, cross)
+    add_fluid, add_solid, cross = (
+        float(share) for share in medium.tortuosity(T) or (0.0, 0.0, 0.0)
+    )
+    found = _rates(
+        (flux_fluid, d_fluid + add_fluid),
+        (flux_solid, d_solid + add_solid),
+        exchange,
+        cross,
+    )
     finite = [rate for rate in found if rate and np.isfinite(rate)]
-    layers = [(0.0 if rate < 0 else length, min(1.0 / abs(rate), length)) for rate in finite]
+    layers = [
+        (0.0 if rate < 0 else length, min(1.0 / abs(rate), length)) for rate in finite
+    ]
     if flux_fluid * flux_solid >= 0 and finite:
-        layers = [layer for layer in layers if _matters(scene, layer, finite, flux_fluid + flux_solid, length)]
+        layers = [
+            layer
+            for layer in layers
+            if _matters(scene, layer, finite, flux_fluid + flux_solid, length)
+        ]
     return [(position, width) for position, width in layers if width > 1e-10 * length]
 
 
-def _rates(fluid: tuple[float, float], solid: tuple[float, float], exchange: float, cross: float) -> list[float]:
-    """Return signed rates [1/m] of the modes of two phases, given as (flux, conductivity) in any order."""
+def _rates(
+    fluid: tuple[float, float],
+    solid: tuple[float, float],
+    exchange: float,
+    cross: float,
+) -> list[float]:
+    """Return signed rates [1/m] of the modes of two phases, given as (flux,
+    conductivity) in any order.
+    """
     from contbed.packed_bed.equations.modes import rates
 
     if exchange == 0.0:
         return [flux / d for flux, d in (fluid, solid) if d]
     (flux, d), (flux_other, d_other) = (fluid, solid) if fluid[0] else (solid, fluid)
     if flux == 0.0:
-        rate = (exchange * (d + d_other + 2.0 * cross) / (d * d_other - cross**2)) ** 0.5 if d and d_other else 0.0
+        rate = (
+            (exchange * (d + d_other + 2.0 * cross) / (d * d_other - cross**2)) ** 0.5
+            if d and d_other
+            else 0.0
+        )
         return [-rate, rate]
     sign = 1.0 if flux > 0 else -1.0
-    return [sign * rate for rate in rates(abs(flux), sign * flux_other, d, d_other, exchange, cross)]
+    return [
+        sign * rate
+        for rate in rates(abs(flux), sign * flux_other, d, d_other, exchange, cross)
+    ]
 
 
-def _matters(scene: s.Scene, layer: tuple[float, float], rates: list[float], flux: float, length: float) -> bool:
-    """Return whether a layer at the end where all streams leave is strong enough to be resolved.
+def _matters(
+    scene: s.Scene,
+    layer: tuple[float, float],
+    rates: list[float],
+    flux: float,
+    length: float,
+) -> bool:
+    """Return whether a layer at the end where all streams leave is strong enough to be
+    resolved.
 
     The difference of temperatures there has decayed along the bed.
     """
     position, width = layer
     if (position > 0) != (flux > 0) or any(
-        table.heated for name, table in scene.boundary.items() if name == _end(scene, position)
+        table.heated
+        for name, table in scene.boundary.items()
+        if name == _end(scene, position)
     ):
         return True
     slow = min((abs(rate) for rate in rates if (rate < 0) == (flux > 0)), default=0.0)

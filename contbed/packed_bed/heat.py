@@ -1,4 +1,6 @@
-"""The two-energy problem of one scene on one mesh: coefficients, boundary conditions, solution, balances."""
+"""The two-energy problem of one scene on one mesh: coefficients, boundary
+conditions, solution, balances.
+"""
 
 from __future__ import annotations
 
@@ -27,16 +29,20 @@ from contbed.solvers.newton import newton
 
 INSIDE = ""  # in place of the name of a boundary: heat that enters the bed through none
 PHASES = ("fluid", "solid")
-ROUNDING = 1e-9  # relative change of temperatures up to which a correction counts as round-off
+# relative change of temperatures up to which a correction counts as round-off
+ROUNDING = 1e-9
 REFINEMENTS = 3
 
 
 class HeatProblem:
-    """Residual, Jacobian and heat content of both phases; see `contbed.packed_bed.equations.two_energy`.
+    """Residual, Jacobian and heat content of both phases; see
+    `contbed.packed_bed.equations.two_energy`.
 
-    `linear` is true for constant properties; `fixed` and `fixed_values` are the prescribed temperatures, `idle` names
-    those that nothing carries into the bed and that are left out. In a `piece` of a run in which values change with
-    time, `at` puts those of a time in place. `system` is that of the same problem with other values on this mesh.
+    `linear` is true for constant properties; `fixed` and `fixed_values` are the
+    prescribed temperatures, `idle` names those that nothing carries into the bed and
+    that are left out. In a `piece` of a run in which values change with time, `at` puts
+    those of a time in place. `system` is that of the same problem with other values on
+    this mesh.
     """
 
     def __init__(
@@ -49,23 +55,40 @@ class HeatProblem:
         piece: Piece | None = None,
         system: Any = None,
     ):
-        self.scene, self.mesh, self.medium, self.motion, self.piece = scene, mesh, medium, motion, piece
+        self.scene, self.mesh, self.medium, self.motion, self.piece = (
+            scene,
+            mesh,
+            medium,
+            motion,
+            piece,
+        )
         self.degree = degree = scene.solver.degree
-        order = 2 * degree + (1 if mesh.axisymmetric else 0) + (0 if medium.constant else 2)
+        order = (
+            2 * degree + (1 if mesh.axisymmetric else 0) + (0 if medium.constant else 2)
+        )
         if motion.flow is not None:
-            order = max(order, motion.flow.system.order)  # the divergence vanishes in the quadrature of the flow
+            # the divergence vanishes in the quadrature of the flow
+            order = max(order, motion.flow.system.order)
         self.radiation = coupling(scene)
         self.modes = modes(scene)
-        names = two_energy.FIELDS if self.radiation is None else (*two_energy.FIELDS, *self.radiation.fields)
+        names = (
+            two_energy.FIELDS
+            if self.radiation is None
+            else (*two_energy.FIELDS, *self.radiation.fields)
+        )
         names = (*names, *(mode.name for mode in self.modes))
         fields = dict.fromkeys(names, (degree, 0))
-        self.system = make_system(mesh, fields, order, section) if system is None else system
+        self.system = (
+            make_system(mesh, fields, order, section) if system is None else system
+        )
         self.linear = medium.constant
         self.T_span = self._span()
         self.weights = self._weights()
         self.lower = self._lower()
         cells = self.system.cells
-        self.build = HeatCoefficients(scene, mesh, medium, motion, self.system, self.radiation)
+        self.build = HeatCoefficients(
+            scene, mesh, medium, motion, self.system, self.radiation
+        )
         self.coefficients = self.build.of(cells)
         self._interior: list[Any] = [(two_energy.residual, cells, self.coefficients)]
         self._storage: list[Any] = [(two_energy.storage, cells, self.coefficients)]
@@ -88,16 +111,31 @@ class HeatProblem:
             self._interior.append(self.radiation.interior(cells))
             self._radiating = self.radiation.boundaries(mesh, self.system)
         self.idle: list[str] = []
-        self.fixed, self.fixed_values, self.fixed_owner, self._prescribed = self._fixed()
+        self.fixed, self.fixed_values, self.fixed_owner, self._prescribed = (
+            self._fixed()
+        )
 
     def crossed(self) -> list[Any]:
-        """Return the forms of all boundaries that heat crosses, with the values in place."""
-        return [(two_energy.boundary, part, wall) for _, part, wall in self.walls if wall.crossed] + self._carried
+        """Return the forms of all boundaries that heat crosses, with the values in
+        place.
+        """
+        return [
+            (two_energy.boundary, part, wall)
+            for _, part, wall in self.walls
+            if wall.crossed
+        ] + self._carried
 
     @property
     def heats(self) -> slice:
-        """Rows of the content and of the residual that are heats; those of intraparticle modes are none."""
-        return slice(0, self.system.offset[self.modes[0].name, 0] if self.modes else self.system.size)
+        """Rows of the content and of the residual that are heats; those of
+        intraparticle modes are none.
+        """
+        return slice(
+            0,
+            self.system.offset[self.modes[0].name, 0]
+            if self.modes
+            else self.system.size,
+        )
 
     @property
     def changes(self) -> bool:
@@ -110,19 +148,25 @@ class HeatProblem:
             self.put(self.shares(time))
 
     def shares(self, time: float) -> Any:
-        """Return how far the boundaries have come at a time [s] to other values, see `Piece`."""
+        """Return how far the boundaries have come at a time [s] to other values, see
+        `Piece`.
+        """
         assert self.piece is not None
         return self.piece.shares(time)
 
     def put(self, shares: Any) -> None:
-        """Put temperatures and fluxes of boundaries in place that have come so far to other values."""
+        """Put temperatures and fluxes of boundaries in place that have come so far
+        to other values.
+        """
         assert self.piece is not None
         walls = []
         for name, part, wall in self.walls:
             phase = wall.name.removeprefix("T_")
             condition = self.piece.condition(name, phase, shares)
             if condition is not None:
-                wall = replace(wall, **self.build.given(phase, condition, wall.inflow is not None))
+                wall = replace(
+                    wall, **self.build.given(phase, condition, wall.inflow is not None)
+                )
             walls.append((name, part, wall))
         self.walls = walls
         self._boundary = self.crossed()
@@ -151,9 +195,11 @@ class HeatProblem:
         return min(found), max(found)
 
     def _fixed(self) -> tuple[Any, Any, Any, list[tuple[Any, str, str]]]:
-        """Return nodes of prescribed temperatures, their values, the number of the boundary of each, and its parts.
+        """Return nodes of prescribed temperatures, their values, the number of the
+        boundary of each, and its parts.
 
-        A node of several boundaries belongs to the first; a part is (places in the three arrays, boundary, phase).
+        A node of several boundaries belongs to the first; a part is (places in the
+        three arrays, boundary, phase).
         """
         found = []
         for name in self.mesh.boundaries:
@@ -161,15 +207,29 @@ class HeatProblem:
                 condition = self.build.condition(name, phase)
                 if condition is not None and condition.fixed_temperature is not None:
                     if self._reaches(name, phase):
-                        nodes = self.system.nodes(f"T_{phase}", self.mesh.skfem.boundaries[name])
+                        nodes = self.system.nodes(
+                            f"T_{phase}", self.mesh.skfem.boundaries[name]
+                        )
                         found.append((nodes, name, phase, condition.fixed_temperature))
                     else:
                         why = f"the {phase} neither conducts nor enters there"
-                        key = ".".join(("boundary", name, *self.scene.boundary[name].key(phase), "fixed_temperature"))
+                        key = ".".join(
+                            (
+                                "boundary",
+                                name,
+                                *self.scene.boundary[name].key(phase),
+                                "fixed_temperature",
+                            )
+                        )
                         self.idle.append(f"{key} has no effect: {why}")
-        every = np.concatenate([np.empty(0, dtype=np.int64), *(nodes for nodes, *_ in found)])
+        every = np.concatenate(
+            [np.empty(0, dtype=np.int64), *(nodes for nodes, *_ in found)]
+        )
         unique, first = np.unique(every, return_index=True)
-        part = np.repeat(np.arange(len(found)), np.array([len(nodes) for nodes, *_ in found], dtype=np.int64))[first]
+        part = np.repeat(
+            np.arange(len(found)),
+            np.array([len(nodes) for nodes, *_ in found], dtype=np.int64),
+        )[first]
         values: Any = np.empty(len(unique))
         owners = np.empty(len(unique), dtype=np.int64)
         parts = []
@@ -180,21 +240,34 @@ class HeatProblem:
         return unique, values, owners, parts
 
     def _reaches(self, boundary: str, phase: str) -> bool:
-        """Return whether a prescribed temperature acts on the bed, by conduction or with an entering stream."""
+        """Return whether a prescribed temperature acts on the bed, by conduction or
+        with an entering stream.
+        """
         c = getattr(self.coefficients, phase)
-        if c.dispersion is not None or plain(c.conductivity(self.medium.T_fluid_in)) > 0:
+        if (
+            c.dispersion is not None
+            or plain(c.conductivity(self.medium.T_fluid_in)) > 0
+        ):
             return True
         return any(
-            wall.mass_flux is not None and np.min(plain(Ops.dot(wall.mass_flux, part.n))) < 0
+            wall.mass_flux is not None
+            and np.min(plain(Ops.dot(wall.mass_flux, part.n))) < 0
             for name, part, wall in self.walls
             if (name, wall.name) == (boundary, f"T_{phase}")
         )
 
     @property
     def inside(self) -> Inside | None:
-        """What is condensed of the particles: modes at the nodes of a line at rest with constant properties."""
+        """What is condensed of the particles: modes at the nodes of a line at rest
+        with constant properties.
+        """
         c = self.coefficients
-        if not self.modes or not self.linear or self.mesh.skfem.dim() > 1 or c.solid.mass_flux is not None:
+        if (
+            not self.modes
+            or not self.linear
+            or self.mesh.skfem.dim() > 1
+            or c.solid.mass_flux is not None
+        ):
             return None
         from contbed.packed_bed.condensed import condensed
 
@@ -202,14 +275,17 @@ class HeatProblem:
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Assemble the residual of the steady balances and its Jacobian."""
-        return self.system.assemble(self._interior + self._boundary + self._radiating, state, jacobian)
+        return self.system.assemble(
+            self._interior + self._boundary + self._radiating, state, jacobian
+        )
 
     def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Assemble the tested heat content and its Jacobian."""
         return self.system.assemble(self._storage, state, jacobian)
 
     def initial(self) -> Any:
-        """Return the state at the start of a transient, or a guess for the steady solution.
+        """Return the state at the start of a transient, or a guess for the steady
+        solution.
 
         Prescribed values are in place.
         """
@@ -218,12 +294,17 @@ class HeatProblem:
         for phase in PHASES:
             name, T = f"T_{phase}", 0.5 * (low + high)
             if time is not None:
-                given, x = self.scene.initial.given(phase), self.system.fields[name][0].points[self.mesh.axis]
+                given, x = (
+                    self.scene.initial.given(phase),
+                    self.system.fields[name][0].points[self.mesh.axis],
+                )
                 T = initial_values(given, phase, self.scene.origin.base, x)
             self.system.part(state, name)[:] = T
         state[self.fixed] = self.fixed_values
         if self.radiation is not None:
-            self.system.part(state, "G")[:] = self.radiation.emitted(self.system.part(state, "T_solid"))
+            self.system.part(state, "G")[:] = self.radiation.emitted(
+                self.system.part(state, "T_solid")
+            )
         return state
 
     def begin(self, policy: Policy) -> Any:
@@ -231,26 +312,34 @@ class HeatProblem:
         return self.consistent(self.initial(), policy)
 
     def consistent(self, state: Any, policy: Policy) -> Any:
-        """Return the state with the incident radiation of its temperatures, which stores no heat."""
+        """Return the state with the incident radiation of its temperatures, which
+        stores no heat.
+        """
         if self.radiation is None:
             return state
         residual, matrix = self.steady(state, True)
         rest = np.arange(self.system.size)[: self.system.offset["G", 0]]
         residual[rest] = 0.0
-        return state - Solver(constrain(matrix, rest), self.system.ordered(policy))(residual)
+        return state - Solver(constrain(matrix, rest), self.system.ordered(policy))(
+            residual
+        )
 
     def _weights(self) -> Any:
-        """Return the factors that turn errors of all unknowns into errors of temperature.
+        """Return the factors that turn errors of all unknowns into errors of
+        temperature.
 
         They are 1 for temperatures and 1/(16 sigma T^3) for incident radiation.
         """
         weights = np.ones(self.system.size)
         if self.radiation is not None:
-            self.system.part(weights, "G")[:] = self.T_span[1] / (4.0 * self.radiation.emitted(self.T_span[1]))
+            self.system.part(weights, "G")[:] = self.T_span[1] / (
+                4.0 * self.radiation.emitted(self.T_span[1])
+            )
         return weights
 
     def _lower(self) -> Any:
-        """Return the lower bounds of the unknowns: 0 K for temperatures, none for incident radiation.
+        """Return the lower bounds of the unknowns: 0 K for temperatures, none for
+        incident radiation.
 
         Incident radiation, a linear unknown, may undershoot where cells are too few.
         """
@@ -261,7 +350,9 @@ class HeatProblem:
         return lower
 
     def solve(self, policy: Policy, start: Any = None) -> tuple[Any, list[float]]:
-        """Find the steady state by Newton, from `start` if given, and by continuation in time where Newton fails."""
+        """Find the steady state by Newton, from `start` if given, and by
+        continuation in time where Newton fails.
+        """
         policy = self.system.ordered(policy)
         options: dict[str, Any] = {
             "tolerance": self.scene.solver.newton_tolerance,
@@ -273,7 +364,9 @@ class HeatProblem:
         if start is None:
             start = self.initial() if self.linear else self._frozen(policy)
         try:
-            return newton(self.steady, start, self.fixed, policy, linear=self.linear, **options)
+            return newton(
+                self.steady, start, self.fixed, policy, linear=self.linear, **options
+            )
         except ConvergenceError:
             if self.linear:
                 raise
@@ -283,7 +376,9 @@ class HeatProblem:
         return newton(self.steady, start, self.fixed, policy, **options)
 
     def _frozen(self, policy: Policy) -> Any:
-        """Solve with all properties at the mean prescribed temperature, as a start for Newton."""
+        """Solve with all properties at the mean prescribed temperature, as a start
+        for Newton.
+        """
         uniform = np.full(self.system.size, 0.5 * sum(self.T_span))
         uniform[self.heats.stop :] = 0.0
         if self.radiation is not None:
@@ -297,10 +392,12 @@ class HeatProblem:
         return state if np.all(state > self.lower) else self.initial()
 
     def refined(self, state: Any, policy: Policy) -> tuple[Any, Any]:
-        """Return the state and its residual after further Newton steps, linear in the last one.
+        """Return the state and its residual after further Newton steps, linear in the
+        last one.
 
-        Conduction over small cells turns the last digit of a temperature into heat that can exceed what the streams
-        carry. The residual of the corrected state without rounding is that of the state plus Jacobian times step.
+        Conduction over small cells turns the last digit of a temperature into heat that
+        can exceed what the streams carry. The residual of the corrected state without
+        rounding is that of the state plus Jacobian times step.
         """
         solver = None
         for _ in range(REFINEMENTS):
@@ -308,7 +405,9 @@ class HeatProblem:
             free = residual.copy()
             free[self.fixed] = 0.0
             if solver is None or not self.linear:
-                solver = Solver(constrain(matrix, self.fixed), self.system.ordered(policy))
+                solver = Solver(
+                    constrain(matrix, self.fixed), self.system.ordered(policy)
+                )
             step = -solver(free)
             state = state + step
             if np.abs(step).max() <= ROUNDING * np.abs(state).max():
@@ -316,22 +415,37 @@ class HeatProblem:
         return state, self.steady(state, False)[0]
 
     def capacity(self) -> float:
-        """Return the heat above 0 K that the bed holds at the highest prescribed temperature [J]."""
+        """Return the heat above 0 K that the bed holds at the highest prescribed
+        temperature [J].
+        """
         high, medium = self.T_span[1], self.medium
-        slopes = (content(high) - content(0.99 * high) for content in (medium.content_fluid, medium.content_solid))
+        slopes = (
+            content(high) - content(0.99 * high)
+            for content in (medium.content_fluid, medium.content_solid)
+        )
         return 100.0 * float(np.sum(self.system.cells.weight)) * float(sum(slopes))
 
     def throughput(self) -> float:
         """Return the scale of the heat balance [W].
 
-        It is what streams carry out above 0 K at the highest prescribed temperature, and what walls radiate.
+        It is what streams carry out above 0 K at the highest prescribed temperature,
+        and what walls radiate.
         """
         high = self.T_span[1]
-        radiated = 0.0 if self.radiation is None else self.radiation.emission(self.mesh, self.system)
+        radiated = (
+            0.0
+            if self.radiation is None
+            else self.radiation.emission(self.mesh, self.system)
+        )
         carried: float = sum(
             getattr(self.coefficients, phase).capacity
             * high
-            * float(np.sum(part.weight * np.maximum(plain(Ops.dot(wall.mass_flux, part.n)), 0.0)))
+            * float(
+                np.sum(
+                    part.weight
+                    * np.maximum(plain(Ops.dot(wall.mass_flux, part.n)), 0.0)
+                )
+            )
             for (_, part, wall) in self.walls
             if wall.mass_flux is not None
             for phase in PHASES
@@ -344,40 +458,58 @@ class HeatProblem:
         from contbed.packed_bed.adapt import estimate
 
         space = self.system.fields["T_fluid"][0]
-        errors = [estimate(space, self.system.part(state, name)) for name in two_energy.FIELDS]
+        errors = [
+            estimate(space, self.system.part(state, name)) for name in two_energy.FIELDS
+        ]
         return np.maximum(*errors) / self.span_of(state)
 
     def span_of(self, state: Any) -> float:
-        """Return the span of temperatures [K], of those that are given or, where these are equal, of the solution."""
+        """Return the span of temperatures [K], of those that are given or, where
+        these are equal, of the solution.
+        """
         low, high = self.T_span
         if not high > low:
-            values = np.concatenate([self.system.part(state, name) for name in two_energy.FIELDS])
+            values = np.concatenate(
+                [self.system.part(state, name) for name in two_energy.FIELDS]
+            )
             low, high = float(values.min()), float(values.max())
         return max(high - low, ROUNDING * abs(high))
 
     def fluxes(self, state: Any) -> dict[str, dict[str, float]]:
-        """Return the heat into the bed [W] through each boundary by the streams, by walls and by radiation.
+        """Return the heat into the bed [W] through each boundary by the streams, by
+        walls and by radiation.
 
-        `INSIDE` holds what species and tubes of given temperature radiate. What prescribed temperatures conduct is in
-        `reactions`. Streams count from the lowest temperature of the scene.
+        `INSIDE` holds what species and tubes of given temperature radiate. What
+        prescribed temperatures conduct is in `reactions`. Streams count from the lowest
+        temperature of the scene.
         """
         T_ref = self.T_span[0]
-        out = {name: {"T_fluid": 0.0, "T_solid": 0.0, "wall": 0.0} for name in self.mesh.boundaries}
+        out = {
+            name: {"T_fluid": 0.0, "T_solid": 0.0, "wall": 0.0}
+            for name in self.mesh.boundaries
+        }
         for name, part, wall in self.walls:
             if wall.mass_flux is not None:
-                out[name][wall.name] -= self._integral(_stream_above(T_ref), part, wall, state)
+                out[name][wall.name] -= self._integral(
+                    _stream_above(T_ref), part, wall, state
+                )
             out[name]["wall"] += self._integral(two_energy.supplied, part, wall, state)
         if self.radiation is not None:
-            for name, value in self.radiation.fluxes(self.mesh, self.system, state).items():
+            for name, value in self.radiation.fluxes(
+                self.mesh, self.system, state
+            ).items():
                 out[name]["radiation"] = value
             out[INSIDE] = self.radiation.inside(self.mesh, self.system, state)
         return out
 
     def _integral(self, function: Any, part: Domain, wall: Any, state: Any) -> float:
-        return self.system.integrate(lambda unknowns, ops: function(unknowns, wall, ops), [part], state)
+        return self.system.integrate(
+            lambda unknowns, ops: function(unknowns, wall, ops), [part], state
+        )
 
     def reactions(self, residual: Any) -> dict[str, float]:
-        """Return the heat that prescribed temperatures conduct into the bed [W] by boundary.
+        """Return the heat that prescribed temperatures conduct into the bed [W] by
+        boundary.
 
         It is found from an unconstrained residual.
         """
@@ -385,17 +517,28 @@ class HeatProblem:
 
     def reaction_sums(self, reaction: Any) -> dict[str, float]:
         """Sum of the reactions at the prescribed nodes, by boundary."""
-        sums = np.bincount(self.fixed_owner, weights=reaction, minlength=len(self.mesh.boundaries))
-        return {name: float(value) for name, value in zip(self.mesh.boundaries, sums, strict=True)}
+        sums = np.bincount(
+            self.fixed_owner, weights=reaction, minlength=len(self.mesh.boundaries)
+        )
+        return {
+            name: float(value)
+            for name, value in zip(self.mesh.boundaries, sums, strict=True)
+        }
 
     def source(self) -> float:
         """Return the heat released in the bed [W]."""
         c = self.coefficients
         if not (np.any(c.fluid.source) or np.any(c.solid.source)):
             return 0.0
-        return float(np.sum(self.system.cells.weight * (c.fluid.source + c.solid.source)))
+        return float(
+            np.sum(self.system.cells.weight * (c.fluid.source + c.solid.source))
+        )
 
 
 def _stream_above(T_ref: float) -> Callable[[Any, Any, Any], Any]:
-    """Return the heat that a stream carries out above a reference temperature [W/m2]."""
-    return lambda u, c, o: two_energy.convected(u, c, o) - o.dot(c.mass_flux, o.n) * c.enthalpy(T_ref)
+    """Return the heat that a stream carries out above a reference
+    temperature [W/m2].
+    """
+    return lambda u, c, o: (
+        two_energy.convected(u, c, o) - o.dot(c.mass_flux, o.n) * c.enthalpy(T_ref)
+    )

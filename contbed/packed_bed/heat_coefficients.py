@@ -1,4 +1,6 @@
-"""Coefficients of the two-energy equations of one scene: velocities, exchange, stabilisation, sources, walls."""
+"""Coefficients of the two-energy equations of one scene: velocities, exchange,
+stabilisation, sources, walls.
+"""
 
 from __future__ import annotations
 
@@ -23,12 +25,15 @@ from contbed.packed_bed.medium import Medium
 if TYPE_CHECKING:
     from contbed.packed_bed.flow import Flow
 
-TINY = 1e-30  # speed or mass flux squared that keeps the direction of a vanishing stream finite
+# speed or mass flux squared that keeps the direction of a vanishing stream finite
+TINY = 1e-30
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Superficial velocities of both phases: uniform vectors, or a computed flow for the fluid."""
+    """Superficial velocities of both phases: uniform vectors, or a computed flow for
+    the fluid.
+    """
 
     fluid: Any
     solid: Any
@@ -37,7 +42,9 @@ class Motion:
 
 @dataclass(frozen=True)
 class HeatCoefficients:
-    """Coefficients of the forms of `equations.two_energy` on any domain; `radiation` couples radiation."""
+    """Coefficients of the forms of `equations.two_energy` on any domain; `radiation`
+    couples radiation.
+    """
 
     scene: s.Scene
     mesh: Mesh
@@ -67,14 +74,20 @@ class HeatCoefficients:
         scale = self.medium.mass_flux_scale()
         fluid, solid = self._velocity("fluid", where), self._velocity("solid", where)
         if self.motion.flow is None and self.medium.fluid.constant:
-            speed = float(np.linalg.norm(np.asarray(self.motion.fluid) - np.asarray(self.motion.solid)))
+            speed = float(
+                np.linalg.norm(
+                    np.asarray(self.motion.fluid) - np.asarray(self.motion.solid)
+                )
+            )
             return lambda density: speed
         if fluid is None and solid is None:
             return lambda density: 0.0  # without the kink of the norm at 0
         still = Components([0.0] * self.mesh.skfem.dim())
 
         def speed_of(density: Any) -> Any:
-            w = (still if fluid is None else fluid) * (scale / density) - (still if solid is None else solid)
+            w = (still if fluid is None else fluid) * (scale / density) - (
+                still if solid is None else solid
+            )
             return np.sqrt(Ops.dot(w, w))
 
         return speed_of
@@ -90,8 +103,12 @@ class HeatCoefficients:
             exchange=lambda T_fluid, T_solid: medium.exchange(T_fluid, speed),
             cross=medium.cross_conductivity,
             radiated=None if self.radiation is None else self.radiation.net_absorption,
-            modes=tuple(self._mode(mode, where, exchange) for mode in modes(self.scene)),
-            capacity=lambda T: (1.0 - self.scene.packed_bed.porosity) * medium.solid.density(T),
+            modes=tuple(
+                self._mode(mode, where, exchange) for mode in modes(self.scene)
+            ),
+            capacity=lambda T: (
+                (1.0 - self.scene.packed_bed.porosity) * medium.solid.density(T)
+            ),
         )
 
     def _mode(self, mode: Mode, where: Domain, exchange: Any) -> two_energy.Mode:
@@ -101,26 +118,45 @@ class HeatCoefficients:
         if velocity is not None and self.scene.solver.stabilisation:
             capacity = float(solid.heat_capacity(T_ref))
             speed = np.sqrt(plain(Ops.dot(velocity, velocity)) + TINY)
-            h = where.length_along(Components(plain(part) / speed for part in velocity.items))
+            h = where.length_along(
+                Components(plain(part) / speed for part in velocity.items)
+            )
             rate = mode.decay * float(solid.conductivity(T_ref)) + mode.gain * exchange
             flux = speed * self._density("solid") * capacity
-            stabilisation = plain(tau(flux, 0.0, rate, capacity, h, self.scene.solver.degree))
-        return two_energy.Mode(mode.name, lambda T: mode.decay * solid.conductivity(T), mode.gain, stabilisation)
+            stabilisation = plain(
+                tau(flux, 0.0, rate, capacity, h, self.scene.solver.degree)
+            )
+        return two_energy.Mode(
+            mode.name,
+            lambda T: mode.decay * solid.conductivity(T),
+            mode.gain,
+            stabilisation,
+        )
 
     def mode_wall(self, mode: Mode, where: Domain) -> two_energy.Wall | None:
-        """Return what carries a mode through a boundary; particles enter with a uniform temperature."""
+        """Return what carries a mode through a boundary; particles enter with a
+        uniform temperature.
+        """
         wall = self.wall("", "solid", where)
         if wall.mass_flux is None:
             return None
         enters = np.min(plain(Ops.dot(wall.mass_flux, where.n))) < 0
         capacity = self.medium.solid.heat_capacity
-        return two_energy.Wall(mode.name, wall.mass_flux, None, inflow=0.0 if enters else None, capacity=capacity)
+        return two_energy.Wall(
+            mode.name,
+            wall.mass_flux,
+            None,
+            inflow=0.0 if enters else None,
+            capacity=capacity,
+        )
 
-    def _phase(self, phase: str, where: Domain, spread: Any, exchange: Any) -> two_energy.Phase:
+    def _phase(
+        self, phase: str, where: Domain, spread: Any, exchange: Any
+    ) -> two_energy.Phase:
         """Return the coefficients of one phase.
 
-        `spread` holds the dispersion along and across the flow; the stabilisation also uses `exchange` at the reference
-        temperature.
+        `spread` holds the dispersion along and across the flow; the stabilisation also
+        uses `exchange` at the reference temperature.
         """
         material, T_ref = getattr(self.medium, phase), self.medium.T_fluid_in
         conductivity = partial(self.medium.conductivity, phase)
@@ -135,9 +171,20 @@ class HeatCoefficients:
         stabilisation = None
         if flux is not None and self.scene.solver.stabilisation:
             speed = np.sqrt(plain(Ops.dot(flux, flux)) + TINY)
-            h = where.length_along(Components(plain(part) / speed for part in flux.items))
+            h = where.length_along(
+                Components(plain(part) / speed for part in flux.items)
+            )
             stagnant = conductivity(T_ref) + along
-            stabilisation = plain(tau(speed * capacity, stagnant, exchange, capacity, h, self.scene.solver.degree))
+            stabilisation = plain(
+                tau(
+                    speed * capacity,
+                    stagnant,
+                    exchange,
+                    capacity,
+                    h,
+                    self.scene.solver.degree,
+                )
+            )
         computed = phase == "fluid" and self.motion.flow is not None
         return two_energy.Phase(
             mass_flux=flux,
@@ -151,17 +198,27 @@ class HeatCoefficients:
             content=getattr(self.medium, f"content_{phase}"),
             source=self._source(phase),
             tau=stabilisation,
-            varies=not self.medium.constant and float(conductivity(1.01 * T_ref)) != float(conductivity(T_ref)),
+            varies=not self.medium.constant
+            and float(conductivity(1.01 * T_ref)) != float(conductivity(T_ref)),
             reference=T_ref,
         )
 
     def _density(self, phase: str) -> float:
-        """Return the density that turns the velocity of a phase into its mass flux [kg/m3]."""
+        """Return the density that turns the velocity of a phase into its mass
+        flux [kg/m3].
+        """
         medium = self.medium
-        return medium.mass_flux_scale() if phase == "fluid" else float(medium.solid.density(medium.T_fluid_in))
+        return (
+            medium.mass_flux_scale()
+            if phase == "fluid"
+            else float(medium.solid.density(medium.T_fluid_in))
+        )
 
     def _source(self, phase: str) -> Any:
-        values = {name: region.heat_source(phase) for name, region in self.scene.region.items()}
+        values = {
+            name: region.heat_source(phase)
+            for name, region in self.scene.region.items()
+        }
         if not any(values.values()):
             return 0.0
         field = np.zeros((self.mesh.skfem.nelements, 1))
@@ -176,7 +233,9 @@ class HeatCoefficients:
         flux = None
         if velocity is not None:
             normal = plain(Ops.dot(velocity, where.n))
-            if np.abs(normal).max() > 1e-12 * max(np.abs(plain(v)).max() for v in velocity.items):
+            if np.abs(normal).max() > 1e-12 * max(
+                np.abs(plain(v)).max() for v in velocity.items
+            ):
                 flux = velocity * self._density(phase)
         condition = self.condition(name, phase)
         if condition is None:
@@ -185,16 +244,24 @@ class HeatCoefficients:
         options = self.given(phase, condition, enters)
         if condition.coefficient is not None:
             spec, speed = condition.coefficient, self._speed(where)
-            options["coefficient"] = lambda unknowns: self.medium.wall(spec, unknowns.T_fluid, speed)
+            options["coefficient"] = lambda unknowns: self.medium.wall(
+                spec, unknowns.T_fluid, speed
+            )
         if condition.emissivity is not None:
             options["emission"] = condition.emissivity * SIGMA
         return two_energy.Wall(f"T_{phase}", flux, material.enthalpy, **options)
 
-    def given(self, phase: str, condition: s.PhaseCondition, enters: bool) -> dict[str, Any]:
-        """Return the values of a condition that may change with time; that of a stream only where it `enters`."""
+    def given(
+        self, phase: str, condition: s.PhaseCondition, enters: bool
+    ) -> dict[str, Any]:
+        """Return the values of a condition that may change with time; that of a
+        stream only where it `enters`.
+        """
         options: dict[str, Any] = {}
         if condition.temperature is not None and enters:
-            options["inflow"] = float(getattr(self.medium, phase).enthalpy(condition.temperature))
+            options["inflow"] = float(
+                getattr(self.medium, phase).enthalpy(condition.temperature)
+            )
         if condition.heat_flux is not None:
             options["flux"] = condition.heat_flux
         if condition.ambient is not None:

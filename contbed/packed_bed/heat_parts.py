@@ -1,4 +1,6 @@
-"""What the plan of a packed bed says about heat: what is built, what is left out and why."""
+"""What the plan of a packed bed says about heat: what is built, what is left out and
+why.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +12,18 @@ from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.radiation import described_level
 from contbed.packed_bed.schedule import Schedule
 
-# Nusselt numbers that hold with the dispersion that the same data were evaluated with: without, fronts are too steep
+# Nusselt numbers that hold with the dispersion that the same data were evaluated with:
+# without, fronts are too steep
 TAKEN_TOGETHER = {"nusselt_wakao_kaguei": "dispersion_wakao_kaguei"}
 
 
 def parts_of_heat(
-    scene: s.Scene, medium: Medium, schedule: Schedule, inside: Inside | None, thick: str, fronts: bool
+    scene: s.Scene,
+    medium: Medium,
+    schedule: Schedule,
+    inside: Inside | None,
+    thick: str,
+    fronts: bool,
 ) -> Iterator[tuple[str, str, bool]]:
     """Yield each part, its description, and whether it is built.
 
@@ -43,16 +51,24 @@ def parts_of_heat(
         yield "time stepping", "no [time] table", False
     elif schedule:
         parts = len(schedule.cuts(scene.time.end)) - 1
-        yield "schedule", f"{len(schedule.samples)} series, {parts} parts without jump or kink", True
+        yield (
+            "schedule",
+            f"{len(schedule.samples)} series, {parts} parts without jump or kink",
+            True,
+        )
     yield (*described_level(scene, thick), scene.radiation is not None)
 
 
 def _why_no_dispersion(closures: s.Closures) -> str:
-    """Return why there is none, and whether the Nusselt number was taken from data together with one."""
+    """Return why there is none, and whether the Nusselt number was taken from data
+    together with one.
+    """
     nusselt = closures.nusselt
     name = nusselt if isinstance(nusselt, str) else getattr(nusselt, "name", "")
     together = TAKEN_TOGETHER.get(f"nusselt_{str(name).removeprefix('nusselt_')}")
-    return "no closures.dispersion" + (f"; {name} was taken from data together with {together}" if together else "")
+    return "no closures.dispersion" + (
+        f"; {name} was taken from data together with {together}" if together else ""
+    )
 
 
 def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:
@@ -60,4 +76,7 @@ def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:
         return "no conduction in a bed at rest: fronts tracked along characteristics"
     time = "steady" if scene.time is None else "transient, TR-BDF2"
     form = "linear" if medium.constant else "temperature-dependent"
-    return f"{time}, {form}, degree {scene.solver.degree}{', SUPG' if scene.solver.stabilisation else ''}"
+    return (
+        f"{time}, {form}, degree "
+        f"{scene.solver.degree}{', SUPG' if scene.solver.stabilisation else ''}"
+    )

@@ -1,4 +1,6 @@
-"""Sides of a built-in mesh through which a stream enters and leaves; those of a mesh file are not known here."""
+"""Sides of a built-in mesh through which a stream enters and leaves; those of a mesh
+file are not known here.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +12,12 @@ from contbed.scene.mesh import Mesh, MeshFile
 from contbed.scene.toml_lines import dotted
 
 
-def given_velocity(boundary: Mapping[str, s.Boundary], phase: str) -> tuple[str, Any] | None:
-    """Return the boundary that gives the velocity of a phase, "fluid" or "solid", and the value; None at rest."""
+def given_velocity(
+    boundary: Mapping[str, s.Boundary], phase: str
+) -> tuple[str, Any] | None:
+    """Return the boundary that gives the velocity of a phase, "fluid" or "solid",
+    and the value; None at rest.
+    """
     for name, table in boundary.items():
         condition = table.condition(phase)
         if condition is not None and condition.velocity is not None:
@@ -20,13 +26,22 @@ def given_velocity(boundary: Mapping[str, s.Boundary], phase: str) -> tuple[str,
 
 
 def velocity_key(boundary: Mapping[str, s.Boundary], phase: str) -> str:
-    """Return the key that gives the velocity of a phase; that of all boundaries at rest."""
+    """Return the key that gives the velocity of a phase; that of all boundaries at
+    rest.
+    """
     given = given_velocity(boundary, phase)
-    return "boundary" if given is None else dotted(("boundary", given[0], *boundary[given[0]].key(phase), "velocity"))
+    return (
+        "boundary"
+        if given is None
+        else dotted(("boundary", given[0], *boundary[given[0]].key(phase), "velocity"))
+    )
 
 
-def velocity_vector(mesh: Mesh, boundary: Mapping[str, s.Boundary], phase: str) -> tuple[float, ...]:
-    """Return the velocity of a phase, "fluid" or "solid", as a vector [m/s]; boundaries hold no series.
+def velocity_vector(
+    mesh: Mesh, boundary: Mapping[str, s.Boundary], phase: str
+) -> tuple[float, ...]:
+    """Return the velocity of a phase, "fluid" or "solid", as a vector [m/s]; boundaries
+    hold no series.
 
     A number is perpendicular to its side, into the bed.
     """
@@ -47,7 +62,8 @@ def velocity_vector(mesh: Mesh, boundary: Mapping[str, s.Boundary], phase: str) 
 
 
 def enters(mesh: Mesh, velocity: tuple[float, ...], side: str) -> int | None:
-    """Return 1 if the velocity enters through this side, -1 if it leaves, 0 if it runs along.
+    """Return 1 if the velocity enters through this side, -1 if it leaves, 0 if it runs
+    along.
 
     None if that is not known.
     """
@@ -62,9 +78,18 @@ def enters(mesh: Mesh, velocity: tuple[float, ...], side: str) -> int | None:
     return None
 
 
-def role(mesh: Mesh, velocity: tuple[float, ...], side: str, boundary: Mapping[str, s.Boundary]) -> str | None:
-    """Return "inlet", "outlet", "slip" or "no_slip": what the scene says, else by the sign of the velocity."""
+def role(
+    mesh: Mesh,
+    velocity: tuple[float, ...],
+    side: str,
+    boundary: Mapping[str, s.Boundary],
+) -> str | None:
+    """Return "inlet", "outlet", "slip" or "no_slip": what the scene says, else by
+    the sign of the velocity.
+    """
     if side in boundary and boundary[side].type is not None:
         return boundary[side].type
     direction = enters(mesh, velocity, side)
-    return None if direction is None else {1: "inlet", -1: "outlet", 0: "slip"}[direction]
+    return (
+        None if direction is None else {1: "inlet", -1: "outlet", 0: "slip"}[direction]
+    )

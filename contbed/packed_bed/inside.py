@@ -1,14 +1,17 @@
-"""Level of intraparticle conduction of a bed: lumped particles, a corrected film, or temperatures inside.
+"""Level of intraparticle conduction of a bed: lumped particles, a corrected film, or
+temperatures inside.
 
-With Bi = h R/k_s lumped particles follow the fluid through the external film only, or by 1/h_eff = 1/h + R/((s+2) k_s),
-s = 3 for spheres and 2 for rods; points inside cost one unknown each. The error of each level in what leaves is
-predicted from the exact solutions of `particle.uptake`: that of a step at the inlet of a transient, the steady moving
-bed, and fluid that passes the particles of a steady bed at rest, where h_eff is exact. Where the level is "auto" the
-plan takes, of those within solver.accuracy, the one of fewest unknowns, and of equal cost the one of least error.
+With Bi = h R/k_s lumped particles follow the fluid through the external film only, or
+by 1/h_eff = 1/h + R/((s+2) k_s), s = 3 for spheres and 2 for rods; points inside cost
+one unknown each. The error of each level in what leaves is predicted from the exact
+solutions of `particle.uptake`: that of a step at the inlet of a transient, the steady
+moving bed, and fluid that passes the particles of a steady bed at rest, where h_eff is
+exact. Where the level is "auto" the plan takes, of those within solver.accuracy, the
+one of fewest unknowns, and of equal cost the one of least error.
 
-Conduction along the bed and dispersion are left out of these solutions: in time they smooth what levels miss, in a
-steady bed that moves they shift what leaves; errors there were up to 2.4 times the predicted ones
-(`studies/levels_by_error`).
+Conduction along the bed and dispersion are left out of these solutions: in time they
+smooth what levels miss, in a steady bed that moves they shift what leaves; errors there
+were up to 2.4 times the predicted ones (`studies/levels_by_error`).
 """
 
 from __future__ import annotations
@@ -21,24 +24,37 @@ import numpy as np
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.medium import Medium
 from contbed.particle.interior import interior
-from contbed.particle.uptake import Level, breakthrough_error, moving_bed_error, steady_error
+from contbed.particle.uptake import (
+    Level,
+    breakthrough_error,
+    moving_bed_error,
+    steady_error,
+)
 from contbed.plan_text import percent
 
-ACCURACY = 5e-3  # of what leaves over the span, by which a level may miss where solver.accuracy is absent
-POINTS = (2, 3, 4, 6, 8, 12)  # temperatures inside that are tried where inside.points is absent
+# of what leaves over the span, by which a level may miss where solver.accuracy is
+# absent
+ACCURACY = 5e-3
+# temperatures inside that are tried where inside.points is absent
+POINTS = (2, 3, 4, 6, 8, 12)
 USUAL_POINTS = 3  # where temperatures inside are asked for and their number is not
-USUAL_UNITS = 20.0  # transfer units for which errors are predicted where the length or the flow is not known
+# transfer units for which errors are predicted where the length or the flow is not
+# known
+USUAL_UNITS = 20.0
 SHAPES = {"spheres": "sphere", "rods": "cylinder"}
 NAMES = {
     "lumped": "lumped particles, external film only",
-    "effective": "lumped particles, film coefficient corrected for intraparticle conduction",
+    "effective": "lumped particles, film coefficient corrected for intraparticle "
+    "conduction",
     "interior": "{points} intraparticle temperatures",
 }
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A level, its number of temperatures inside besides the surface, and its predicted error over the span."""
+    """A level, its number of temperatures inside besides the surface, and its
+    predicted error over the span.
+    """
 
     level: str
     points: int
@@ -69,8 +85,10 @@ class Inside:
     """Level and the numbers that chose it.
 
     biot : h R/k_s at the temperature of the inlet; units : h a L/(G c)
-    fourier : alpha L/(v R^2) of moving particles, None at rest; gamma : heat capacity flow of solids over fluid, signed
-    chosen : the level that is taken; candidates : all that this scene may take, from few unknowns to many
+    fourier : alpha L/(v R^2) of moving particles, None at rest; gamma : heat capacity
+        flow of solids over fluid, signed
+    chosen : the level that is taken; candidates : all that this scene may take, from
+        few unknowns to many
     accuracy : largest predicted error that the plan accepts
     """
 
@@ -98,13 +116,21 @@ class Inside:
         within = self.chosen.error <= self.accuracy
         sentences = [
             f"{model} (Bi = {self.biot:.3g}{residence})",
-            f"Predicted outlet error {percent(self.chosen.error)}, {'within' if within else 'above'} "
+            f"Predicted outlet error {percent(self.chosen.error)}, "
+            f"{'within' if within else 'above'} "
             f"solver.accuracy = {100.0 * self.accuracy:g} %",
         ]
         named = {self.chosen} if within else {self.chosen, self.adequate}
-        others = [each for each in self.candidates if each.unknowns <= self.chosen.unknowns and each not in named]
+        others = [
+            each
+            for each in self.candidates
+            if each.unknowns <= self.chosen.unknowns and each not in named
+        ]
         if others:
-            sentences.append(f"Predicted without more unknowns: {', '.join(str(each) for each in others)}")
+            sentences.append(
+                "Predicted without more unknowns: "
+                f"{', '.join(str(each) for each in others)}"
+            )
         if not within:
             sentences.append(self._remedy())
         return ". ".join(sentences)
@@ -112,24 +138,38 @@ class Inside:
     def _remedy(self) -> str:
         better = self.adequate
         more = better.unknowns - self.chosen.unknowns
-        cost = f"{more} more unknowns at each node" if more > 0 else "same cost" if more == 0 else "fewer unknowns"
+        cost = (
+            f"{more} more unknowns at each node"
+            if more > 0
+            else "same cost"
+            if more == 0
+            else "fewer unknowns"
+        )
         if better.error <= self.accuracy:
             return f"Set {better.keys} ({cost}, error {percent(better.error)})"
         if better == self.chosen:
             return "No other level is more accurate"
-        return f"The most accurate level is {better.keys} ({cost}, error {percent(better.error)})"
+        return (
+            f"The most accurate level is {better.keys} ({cost}, error "
+            f"{percent(better.error)})"
+        )
 
 
 def cheapest(candidates: tuple[Candidate, ...], accuracy: float) -> Candidate:
-    """Return the candidate of fewest unknowns within the accuracy, the better one of equal cost; else the best."""
+    """Return the candidate of fewest unknowns within the accuracy, the better one of
+    equal cost; else the best.
+    """
     within = [each for each in candidates if each.error <= accuracy]
     if within:
         return min(within, key=lambda each: (each.unknowns, each.error))
     return min(candidates, key=lambda each: each.error)
 
 
-def inside_of(scene: s.Scene, medium: Medium, velocity: Any, velocity_solid: Any) -> Inside | None:
-    """Return the level for a scene whose film is not corrected; None without two phases or without exchange.
+def inside_of(
+    scene: s.Scene, medium: Medium, velocity: Any, velocity_solid: Any
+) -> Inside | None:
+    """Return the level for a scene whose film is not corrected; None without two phases
+    or without exchange.
 
     `velocity` and `velocity_solid` are vectors on the mesh [m/s].
     """
@@ -142,14 +182,27 @@ def inside_of(scene: s.Scene, medium: Medium, velocity: Any, velocity_solid: Any
         return None
     radius, conductivity = 0.5 * scene.diameter, float(medium.solid.conductivity(T))
     biot = exchange / medium.area * radius / conductivity
-    heat_fluid = medium.mass_flux_scale() * float(medium.fluid.heat_capacity(T)) * float(np.linalg.norm(velocity))
+    heat_fluid = (
+        medium.mass_flux_scale()
+        * float(medium.fluid.heat_capacity(T))
+        * float(np.linalg.norm(velocity))
+    )
     capacity = float(medium.solid.density(T) * medium.solid.heat_capacity(T))
-    speed, length = float(np.linalg.norm(velocity_solid)), getattr(scene.mesh, "length", None)
-    units = USUAL_UNITS if length is None or heat_fluid == 0.0 else exchange * length / heat_fluid
+    speed, length = (
+        float(np.linalg.norm(velocity_solid)),
+        getattr(scene.mesh, "length", None),
+    )
+    units = (
+        USUAL_UNITS
+        if length is None or heat_fluid == 0.0
+        else exchange * length / heat_fluid
+    )
     fourier, gamma = None, 0.0
     solid_share = 1.0 - scene.packed_bed.porosity
     if speed > 0.0 and length is not None:
-        fourier = conductivity / capacity * length * solid_share / (speed * radius * radius)
+        fourier = (
+            conductivity / capacity * length * solid_share / (speed * radius * radius)
+        )
         if heat_fluid > 0.0:
             sign = np.sign(np.dot(velocity, velocity_solid)) or 1.0
             gamma = float(sign) * capacity * speed / heat_fluid
@@ -158,24 +211,47 @@ def inside_of(scene: s.Scene, medium: Medium, velocity: Any, velocity_solid: Any
         last = scene.time.end * exchange / (solid_share * capacity) / units
 
     def error(level: Level) -> float:
-        return _error(level, units, biot, fourier, gamma, SHAPES[scene.solid.shape], last, scene.time is None)
+        return _error(
+            level,
+            units,
+            biot,
+            fourier,
+            gamma,
+            SHAPES[scene.solid.shape],
+            last,
+            scene.time is None,
+        )
 
     wanted = scene.solid.inside
     stated: str = "lumped" if wanted is None else wanted.heat
     asked = None if wanted is None else wanted.points
     tried = (asked,) if asked else (USUAL_POINTS,) if stated == "interior" else POINTS
-    found = [Candidate("lumped", 0, error("lumped")), Candidate("effective", 0, error("effective"))]
+    found = [
+        Candidate("lumped", 0, error("lumped")),
+        Candidate("effective", 0, error("effective")),
+    ]
     if scene.radiation is None:
         found += [Candidate("interior", points, error(points)) for points in tried]
     candidates, accuracy = tuple(found), scene.solver.accuracy or ACCURACY
     named = tuple(each for each in candidates if stated in ("auto", each.level))
-    return Inside(biot, units, fourier, gamma, cheapest(named, accuracy), candidates, accuracy)
+    return Inside(
+        biot, units, fourier, gamma, cheapest(named, accuracy), candidates, accuracy
+    )
 
 
 def _error(
-    level: Level, units: float, biot: float, fourier: float | None, gamma: float, shape: str, last: float, steady: bool
+    level: Level,
+    units: float,
+    biot: float,
+    fourier: float | None,
+    gamma: float,
+    shape: str,
+    last: float,
+    steady: bool,
 ) -> float:
-    """Return the predicted error of a level; a transient moving bed starts as one at rest and ends steady."""
+    """Return the predicted error of a level; a transient moving bed starts as one at
+    rest and ends steady.
+    """
     moving = fourier is not None and gamma != 0.0
     if steady and not moving:
         return steady_error(units, biot, level, shape)
@@ -187,7 +263,9 @@ def _error(
 
 
 def resolved(scene: s.Scene, inside: Inside | None) -> s.Scene:
-    """Return the scene with the level and the points that were chosen in place of those left to the plan."""
+    """Return the scene with the level and the points that were chosen in place of
+    those left to the plan.
+    """
     wanted = scene.solid.inside
     if inside is None or wanted is None:
         return scene
@@ -201,7 +279,8 @@ def resolved(scene: s.Scene, inside: Inside | None) -> s.Scene:
 class Mode:
     """One mode of conduction inside, as its share of the temperature at the surface.
 
-    (1 - eps) rho c dT_m/dt = -decay T_m + gain (heat taken up through the surface per bed volume)
+    (1 - eps) rho c dT_m/dt = -decay T_m + gain (heat taken up through the surface per
+    bed volume)
     """
 
     name: str
@@ -211,7 +290,9 @@ class Mode:
 
 
 def modes(scene: s.Scene) -> tuple[Mode, ...]:
-    """Return the modes of the particles of a scene with temperatures inside; none for other levels."""
+    """Return the modes of the particles of a scene with temperatures inside; none
+    for other levels.
+    """
     wanted = scene.solid.inside
     if wanted is None or wanted.heat != "interior":
         return ()
@@ -221,6 +302,11 @@ def modes(scene: s.Scene) -> tuple[Mode, ...]:
     middle = inside.at_centre() @ vectors
     scale = (1.0 - scene.packed_bed.porosity) / (radius * radius)
     return tuple(
-        Mode(f"T_inside_{m}", scale * float(rates[m]), float(vectors[-1, m] ** 2), float(middle[m] / vectors[-1, m]))
+        Mode(
+            f"T_inside_{m}",
+            scale * float(rates[m]),
+            float(vectors[-1, m] ** 2),
+            float(middle[m] / vectors[-1, m]),
+        )
         for m in range(1, len(rates))
     )

@@ -1,9 +1,11 @@
-"""Flow beside no-slip walls with the density and viscosity of the local temperature, in steady state and over time.
+"""Flow beside no-slip walls with the density and viscosity of the local temperature, in
+steady state and over time.
 
-A fluid passes a bed in far less time than the bed warms up, so that the flow is that of a steady state at each moment:
-div(rho u) = 0 with the temperatures of that moment, and the mass flow is the prescribed one at any time. In steady
-state flow and temperatures are solved in turn. Over time the flow is solved at the start and again after each step by
-which density or viscosity have changed by more than `CHANGE`; in between it stays.
+A fluid passes a bed in far less time than the bed warms up, so that the flow is that of
+a steady state at each moment: div(rho u) = 0 with the temperatures of that moment, and
+the mass flow is the prescribed one at any time. In steady state flow and temperatures
+are solved in turn. Over time the flow is solved at the start and again after each step
+by which density or viscosity have changed by more than `CHANGE`; in between it stays.
 """
 
 from __future__ import annotations
@@ -22,22 +24,32 @@ from contbed.result import Result
 
 TURNS = 40  # of flow and temperatures, each with the other's last solution
 SETTLED = 0.1  # share of solver.tolerance by which theta may still change in a turn
-# Change of density or viscosity, mean over the nodes, from which the flow is solved anew: theta of a bed of 900 K that
-# nitrogen of 300 K cools is then wrong by 2e-3 at most and 2e-4 in the mean, in proportion to this number.
+# Change of density or viscosity, mean over the nodes, from which the flow is solved
+# anew: theta of a bed of 900 K that nitrogen of 300 K cools is then wrong by 2e-3 at
+# most and 2e-4 in the mean, in proportion to this number.
 CHANGE = 0.02
-LAGS = 0.1  # change of density or viscosity that is warned of: theta is wrong by a tenth of it
+# change of density or viscosity that is warned of: theta is wrong by a tenth of it
+LAGS = 0.1
 
 
 def local_properties(plan: Plan, problem: Any, state: Any) -> LocalProperties:
     """Return the properties of the fluid at the temperatures of a state."""
     T, fluid = problem.system.part(state, "T_fluid"), plan.medium.fluid
-    expansion, viscosity = plan.medium.mass_flux_scale() / fluid.density(T), fluid.viscosity(T)
+    expansion, viscosity = (
+        plan.medium.mass_flux_scale() / fluid.density(T),
+        fluid.viscosity(T),
+    )
     space = problem.system.fields["T_fluid"][0]
-    return LocalProperties(space, *(np.broadcast_to(values, T.shape) for values in (expansion, viscosity)))
+    return LocalProperties(
+        space, *(np.broadcast_to(values, T.shape) for values in (expansion, viscosity))
+    )
 
 
-def settled(plan: Plan, line: Line, problem: Any, state: Any, result: Result) -> tuple[Any, Any]:
-    """Solve flow and temperatures in turn until both belong to each other; return problem and state.
+def settled(
+    plan: Plan, line: Line, problem: Any, state: Any, result: Result
+) -> tuple[Any, Any]:
+    """Solve flow and temperatures in turn until both belong to each other; return
+    problem and state.
 
     Raises
     ------
@@ -46,18 +58,30 @@ def settled(plan: Plan, line: Line, problem: Any, state: Any, result: Result) ->
     allowed, change = SETTLED * plan.scene.solver.tolerance, np.inf
     for _ in range(TURNS):
         with result.timed("flow"):
-            flow = solved_flow(plan, problem.motion.flow, result, local_properties(plan, problem, state))
+            flow = solved_flow(
+                plan,
+                problem.motion.flow,
+                result,
+                local_properties(plan, problem, state),
+            )
         problem = heat_problem(plan, flow, result)
         with result.timed("heat"):
             found, history = problem.solve(plan.policy, state)
             result.history += history
-        change, state = float(np.abs(problem.weights * (found - state)).max() / problem.span_of(found)), found
+        change, state = (
+            float(
+                np.abs(problem.weights * (found - state)).max() / problem.span_of(found)
+            ),
+            found,
+        )
         if change <= allowed:
             report_flow(plan, line, flow, result)
             return problem, state
     raise ConvergenceError(
-        f"flow and temperatures change each other: after {TURNS} turns theta still changes by {change:.1g} in each; "
-        "an expanding fluid may have no steady flow here: try a smaller difference of temperatures or a slip wall"
+        f"flow and temperatures change each other: after {TURNS} turns theta still "
+        f"changes by {change:.1g} in each; "
+        "an expanding fluid may have no steady flow here: try a smaller difference of "
+        "temperatures or a slip wall"
     )
 
 
@@ -65,8 +89,9 @@ def settled(plan: Plan, line: Line, problem: Any, state: Any, result: Result) ->
 class FlowOverTime:
     """The flow of a transient run, solved anew as the temperatures change.
 
-    `steps` are the numbers of the steps of this part of the run after which that was done, `known` those of a run that
-    is repeated; `solved` counts all of them, `change` is the largest change of the properties from one to the next.
+    `steps` are the numbers of the steps of this part of the run after which that was
+    done, `known` those of a run that is repeated; `solved` counts all of them, `change`
+    is the largest change of the properties from one to the next.
     """
 
     result: Result
@@ -77,7 +102,9 @@ class FlowOverTime:
     change: float = 0.0
 
     def outdated(self, plan: Plan, problem: Any, state: Any, step: int) -> bool:
-        """Return whether the flow is to be solved anew after a step of this part of the run, by number."""
+        """Return whether the flow is to be solved anew after a step of this part of
+        the run, by number.
+        """
         if self.known is not None:
             return step in self.known
         return _change(local_properties(plan, problem, state), self.flow.local) > CHANGE
@@ -93,13 +120,17 @@ class FlowOverTime:
             self.solved += 1
 
     def report(self, plan: Plan, line: Line) -> None:
-        """Report the flow, how often it was solved anew, and by how much it changed from one time to the next."""
+        """Report the flow, how often it was solved anew, and by how much it changed
+        from one time to the next.
+        """
         report_flow(plan, line, self.flow, self.result)
         self.result.qoi |= {"flow_solutions": self.solved, "flow_change": self.change}
         if self.change > LAGS:
             self.result.warnings.append(
-                f"density or viscosity of the fluid change by {self.change:.2g} in a step, with the flow from before "
-                f"it: theta is wrong by up to about {0.1 * self.change:.1g}; lower time.tolerance or time.step"
+                f"density or viscosity of the fluid change by {self.change:.2g} in a "
+                "step, with the flow from before "
+                f"it: theta is wrong by up to about {0.1 * self.change:.1g}; lower "
+                "time.tolerance or time.step"
             )
 
     def pack(self) -> dict[str, Any]:
@@ -115,9 +146,16 @@ class FlowOverTime:
     def restore(self, problem: Any, arrays: dict[str, Any]) -> None:
         """Take the flow of a checkpoint, solved in the system of this one."""
         space = problem.system.fields["T_fluid"][0]
-        local = LocalProperties(space, arrays["flow_expansion"], arrays["flow_viscosity"])
-        self.flow = Flow(self.flow.system, arrays["flow_state"], [], self.flow.porosity, local)
-        self.solved, self.change = int(arrays["flow_counts"][0]), float(arrays["flow_counts"][1])
+        local = LocalProperties(
+            space, arrays["flow_expansion"], arrays["flow_viscosity"]
+        )
+        self.flow = Flow(
+            self.flow.system, arrays["flow_state"], [], self.flow.porosity, local
+        )
+        self.solved, self.change = (
+            int(arrays["flow_counts"][0]),
+            float(arrays["flow_counts"][1]),
+        )
 
 
 def _change(new: LocalProperties, old: LocalProperties) -> float:

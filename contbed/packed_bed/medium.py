@@ -1,7 +1,9 @@
-"""Properties of the bed of one scene as functions of state, from its materials and closures, with used ranges recorded.
+"""Properties of the bed of one scene as functions of state, from its materials and
+closures, with used ranges recorded.
 
-Every function takes pointwise values (numbers, arrays or dual numbers) and returns the same, so that constants stay
-numbers and a problem with constant properties stays linear.
+Every function takes pointwise values (numbers, arrays or dual numbers) and returns the
+same, so that constants stay numbers and a problem with constant properties stays
+linear.
 """
 
 from __future__ import annotations
@@ -27,17 +29,29 @@ from contbed.scene.library import material
 from contbed.scene.mechanism import find_mechanism
 
 _AREA = {"spheres": 6.0, "rods": 4.0}
-_INSIDE = {"spheres": 10.0, "rods": 8.0}  # conduction inside counts as d/(10 k_s) in series with the film of spheres
+# conduction inside counts as d/(10 k_s) in series with the film of spheres
+_INSIDE = {"spheres": 10.0, "rods": 8.0}
 
 
 def fluid_of(settings: GasConstant | GasCantera | GasCoolProp, base: Path) -> Any:
-    """Return the fluid of a scene in the folder `base`; Cantera and CoolProp are imported only when named."""
+    """Return the fluid of a scene in the folder `base`; Cantera and CoolProp are
+    imported only when named.
+    """
     if isinstance(settings, GasCantera):
-        return gas_mixture(settings.composition, settings.pressure, find_mechanism(settings.mechanism, base))
+        return gas_mixture(
+            settings.composition,
+            settings.pressure,
+            find_mechanism(settings.mechanism, base),
+        )
     if isinstance(settings, GasCoolProp):
         return real_fluid(settings.name, settings.pressure, settings.T_range)
     conductivity = 1.0 if settings.conductivity is None else settings.conductivity
-    return ConstantFluid(settings.density, settings.heat_capacity or 1.0, settings.viscosity, conductivity)
+    return ConstantFluid(
+        settings.density,
+        settings.heat_capacity or 1.0,
+        settings.viscosity,
+        conductivity,
+    )
 
 
 def solid_of(settings: s.Solid) -> Solid | None:
@@ -52,16 +66,23 @@ def solid_of(settings: s.Solid) -> Solid | None:
         T_range = material(settings.material, "solid").T_range
     heat_capacity = 1.0 if settings.heat_capacity is None else settings.heat_capacity
     conductivity = 1.0 if settings.conductivity is None else settings.conductivity
-    return Solid(settings.density, heat_capacity, conductivity, T_range, settings.material or "solid")
+    return Solid(
+        settings.density,
+        heat_capacity,
+        conductivity,
+        T_range,
+        settings.material or "solid",
+    )
 
 
 @dataclass(frozen=True)
 class Medium:
     """Materials, packing and closures of a bed.
 
-    Velocities are superficial; `T_fluid_in` fixes the density of the mass flux. `rosseland` is the diffusion
-    coefficient D [m] where radiation is a conductivity, else None. `closures` holds bound closures by kind and name,
-    `used` those that were evaluated.
+    Velocities are superficial; `T_fluid_in` fixes the density of the mass flux.
+    `rosseland` is the diffusion coefficient D [m] where radiation is a conductivity,
+    else None. `closures` holds bound closures by kind and name, `used` those that were
+    evaluated.
     """
 
     scene: s.Scene
@@ -75,8 +96,12 @@ class Medium:
     tables: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, scene: s.Scene, T_fluid_in: float, bed_diameter: float, fluid: Any = None) -> Medium:
-        """Resolve the materials of a scene; `fluid` if it is known from one with the same."""
+    def of(
+        cls, scene: s.Scene, T_fluid_in: float, bed_diameter: float, fluid: Any = None
+    ) -> Medium:
+        """Resolve the materials of a scene; `fluid` if it is known from one with the
+        same.
+        """
         return cls(
             scene,
             fluid_of(scene.gas, scene.origin.base) if fluid is None else fluid,
@@ -89,23 +114,36 @@ class Medium:
 
     @property
     def constant(self) -> bool:
-        """Whether no property depends on temperature and no boundary makes the problem nonlinear."""
+        """Whether no property depends on temperature and no boundary makes the
+        problem nonlinear.
+        """
         conditions = [table for *_, table in conditions_of(self.scene.boundary)]
-        if self.scene.radiation is not None or self._radiating() or not all(table.linear for table in conditions):
+        if (
+            self.scene.radiation is not None
+            or self._radiating()
+            or not all(table.linear for table in conditions)
+        ):
             return False
         return self.fluid.constant and (self.solid is None or self.solid.constant)
 
     def _radiating(self) -> bool:
-        """Return whether a conductivity depends on temperature because it includes radiation."""
+        """Return whether a conductivity depends on temperature because it includes
+        radiation.
+        """
         return any(
-            kind == "conductivity" and "T" in closure.sheet.arguments for (kind, _), closure in self.closures.items()
+            kind == "conductivity" and "T" in closure.sheet.arguments
+            for (kind, _), closure in self.closures.items()
         )
 
     @property
     def area(self) -> float:
         """Specific surface of the packing [1/m]."""
         scene = self.scene
-        return _AREA[scene.solid.shape] * (1.0 - scene.packed_bed.porosity) / scene.diameter
+        return (
+            _AREA[scene.solid.shape]
+            * (1.0 - scene.packed_bed.porosity)
+            / scene.diameter
+        )
 
     def packing(self, kind: str) -> float:
         """Return the permeability [m2] or Forchheimer coefficient [1] of the bed."""
@@ -131,10 +169,16 @@ class Medium:
 
     def prandtl(self, T: Any) -> Any:
         """Return the Prandtl number of the fluid."""
-        return self.fluid.viscosity(T) * self.fluid.heat_capacity(T) / self.fluid.conductivity(T)
+        return (
+            self.fluid.viscosity(T)
+            * self.fluid.heat_capacity(T)
+            / self.fluid.conductivity(T)
+        )
 
     def exchange(self, T_fluid: Any, speed: Callable[[Any], Any]) -> Any:
-        """Return the volumetric exchange coefficient h a [W/m3/K], with conduction inside if the scene says so."""
+        """Return the volumetric exchange coefficient h a [W/m3/K], with conduction
+        inside if the scene says so.
+        """
         nusselt = self._value(self.scene.closures.nusselt, "nusselt", T_fluid, speed)
         diameter, solid = self.scene.diameter, self.scene.solid
         film = nusselt * self.fluid.conductivity(T_fluid) * (self.area / diameter)
@@ -152,8 +196,14 @@ class Medium:
         return self.conductivity_fluid(T) + self.conductivity_solid(T)
 
     def conductivity(self, phase: str, T: Any) -> Any:
-        """Return the effective conductivity of a phase [W/m/K], tortuosity included, dispersion excluded."""
-        own = self.conductivity_fluid(T) if phase == "fluid" else self.conductivity_solid(T)
+        """Return the effective conductivity of a phase [W/m/K], tortuosity included,
+        dispersion excluded.
+        """
+        own = (
+            self.conductivity_fluid(T)
+            if phase == "fluid"
+            else self.conductivity_solid(T)
+        )
         shares = self.tortuosity(T)
         total = own if shares is None else own + shares[0 if phase == "fluid" else 1]
         if phase == "solid" and self.rosseland is not None:
@@ -161,7 +211,9 @@ class Medium:
         return total
 
     def conductivity_fluid(self, T: Any) -> Any:
-        """Return the conductivity of the fluid phase, without tortuosity and dispersion [W/m/K]."""
+        """Return the conductivity of the fluid phase, without tortuosity and
+        dispersion [W/m/K].
+        """
         spec = self.scene.closures.conductivity_gas
         if is_phase(spec):
             return self.scene.packed_bed.porosity * self.fluid.conductivity(T)
@@ -175,7 +227,9 @@ class Medium:
         return self._value(spec, "conductivity", T)
 
     def tortuosity(self, T: Any) -> tuple[Any, Any, Any] | None:
-        """Return the tortuosity terms of the conductivities [W/m/K]: fluid, solid and cross (Nakayama 2001)."""
+        """Return the tortuosity terms of the conductivities [W/m/K]: fluid, solid
+        and cross (Nakayama 2001).
+        """
         spec = self.scene.closures.tortuosity
         if spec is None:
             return None
@@ -186,7 +240,9 @@ class Medium:
 
     @property
     def cross_conductivity(self) -> Callable[[Any], Any] | None:
-        """Cross conductivity as a function of temperature [W/m/K], None without tortuosity."""
+        """Cross conductivity as a function of temperature [W/m/K], None without
+        tortuosity.
+        """
 
         def cross(T: Any) -> Any:
             shares = self.tortuosity(T)
@@ -203,7 +259,9 @@ class Medium:
         if isinstance(spec, s.Dispersion):
             return spec.axial, spec.transverse
         axial, transverse = self.closures["dispersion", spec]
-        return self._at(axial, "dispersion", T, speed), self._at(transverse, "dispersion", T, speed)
+        return self._at(axial, "dispersion", T, speed), self._at(
+            transverse, "dispersion", T, speed
+        )
 
     def content_fluid(self, T: Any) -> Any:
         """Return the heat content of the fluid per bed volume [J/m3].
@@ -220,7 +278,9 @@ class Medium:
         if "content" not in self.tables:
             low, high = self.fluid.T_range
             series = np.polynomial.Chebyshev.interpolate(
-                lambda t: self.fluid.density(t) * self.fluid.heat_capacity(t), 120, [max(low, 1.0), min(high, 6000.0)]
+                lambda t: self.fluid.density(t) * self.fluid.heat_capacity(t),
+                120,
+                [max(low, 1.0), min(high, 6000.0)],
             )
             self.tables["content"] = (series.integ(), series)
         value, derivative = self.tables["content"]
@@ -228,10 +288,16 @@ class Medium:
 
     def content_solid(self, T: Any) -> Any:
         """Return the heat content of the solid per bed volume [J/m3]."""
-        return (1.0 - self.scene.packed_bed.porosity) * self.solid.density(T) * self.solid.enthalpy(T)
+        return (
+            (1.0 - self.scene.packed_bed.porosity)
+            * self.solid.density(T)
+            * self.solid.enthalpy(T)
+        )
 
     def ranges(self) -> list[RangeUse]:
-        """Return how each closure was used in its last evaluation, or in the states that are recorded."""
+        """Return how each closure was used in its last evaluation, or in the states
+        that are recorded.
+        """
         return [closure.use() for closure in self._bound() if closure in self.used]
 
     def record(self) -> None:
@@ -241,7 +307,9 @@ class Medium:
 
     def state(self) -> dict[str, Any]:
         """Return the record of used ranges for a checkpoint."""
-        return {f"ranges_{k}": closure.state() for k, closure in enumerate(self._bound())}
+        return {
+            f"ranges_{k}": closure.state() for k, closure in enumerate(self._bound())
+        }
 
     def restore(self, arrays: Mapping[str, Any]) -> None:
         """Restore the record of used ranges from a checkpoint."""
@@ -253,14 +321,31 @@ class Medium:
 
     def _bound(self) -> list[BoundClosure]:
         """Return all closures, those of a pair one by one."""
-        pairs = (found if isinstance(found, tuple) else (found,) for found in self.closures.values())
+        pairs = (
+            found if isinstance(found, tuple) else (found,)
+            for found in self.closures.values()
+        )
         return [closure for pair in pairs for closure in pair]
 
-    def _value(self, spec: Any, kind: str, T: Any = None, speed: Callable[[Any], Any] | None = None) -> Any:
+    def _value(
+        self,
+        spec: Any,
+        kind: str,
+        T: Any = None,
+        speed: Callable[[Any], Any] | None = None,
+    ) -> Any:
         """Return a number of the scene, or the value of the closure that it names."""
-        return self._at(self.closures[kind, spec], kind, T, speed) if named(spec) else spec
+        return (
+            self._at(self.closures[kind, spec], kind, T, speed) if named(spec) else spec
+        )
 
-    def _at(self, closure: Any, kind: str, T: Any = None, speed: Callable[[Any], Any] | None = None) -> Any:
+    def _at(
+        self,
+        closure: Any,
+        kind: str,
+        T: Any = None,
+        speed: Callable[[Any], Any] | None = None,
+    ) -> Any:
         """Return the value of a closure at a state."""
         self.used.add(closure)
         return closure.at(GIVES[kind], At(self, T, speed))

@@ -1,4 +1,6 @@
-"""Transient run of a packed or moving bed: its parts between changes of the scene, the flow as it changes, results."""
+"""Transient run of a packed or moving bed: its parts between changes of the scene,
+the flow as it changes, results.
+"""
 
 from __future__ import annotations
 
@@ -32,26 +34,38 @@ def transient(
 ) -> None:
     """Take the steps of a transient run and report.
 
-    `levels` are the sizes of all steps in a run that is repeated, and `flows` the numbers of those after which the flow
-    was solved anew.
+    `levels` are the sizes of all steps in a run that is repeated, and `flows` the
+    numbers of those after which the flow was solved anew.
     """
     from contbed.output import checkpoint
     from contbed.output.progress import Progress
     from contbed.packed_bed.cycle import exchanged
     from contbed.packed_bed.results import transient_findings
-    from contbed.packed_bed.transient import History, enter, integrated_fluxes, run_transient, streamed
+    from contbed.packed_bed.transient import (
+        History,
+        enter,
+        integrated_fluxes,
+        run_transient,
+        streamed,
+    )
     from contbed.scene.identity import identity
 
     scene = plan.scene
     assert scene.time is not None
     label = identity(scene)
-    vertices = {"vertices": plan.line_vertices} if isinstance(plan.solved.mesh, MeshLine) else {}
+    vertices = (
+        {"vertices": plan.line_vertices}
+        if isinstance(plan.solved.mesh, MeshLine)
+        else {}
+    )
     history = None if start is None else History.unpack(*start)
     cycle, whole = None, history is None
 
     def save(arrays: dict[str, Any], meta: dict[str, Any]) -> None:
         assert folder is not None
-        flows = local.pack() if local is not None and local.flow.local is not None else {}
+        flows = (
+            local.pack() if local is not None and local.flow.local is not None else {}
+        )
         checkpoint.save(folder, arrays | vertices | flows, meta | {"identity": label})
 
     def keep(state: Any) -> None:
@@ -66,17 +80,30 @@ def transient(
         local = FlowOverTime(result, flow)
     pieces = plan.pieces()
     if scene.time.cycle is not None:
-        with result.timed("cycle"), checkpoint.Keeper(folder, label, scene.time.checkpoint_every) as keeper:
-            cycle = _cycle(plan, pieces, flow, result, None if history is None else history.state, keep)
+        with (
+            result.timed("cycle"),
+            checkpoint.Keeper(folder, label, scene.time.checkpoint_every) as keeper,
+        ):
+            cycle = _cycle(
+                plan,
+                pieces,
+                flow,
+                result,
+                None if history is None else history.state,
+                keep,
+            )
         history, start, folder = History(cycle.state), None, None
     elif history is not None:
         history = history.fitted(scene.time, scene.origin)
     heats: list[float] = []
     taken: list[list[int]] = []
     renewed: list[list[int]] = []
-    if history is not None and cycle is None:  # of those that have passed only the last is needed, for the results
+    # of those that have passed only the last is needed, for the results
+    if history is not None and cycle is None:
         reached = history.time * (1 + 1e-12)
-        pieces = [piece for piece in pieces if piece is None or piece.end > reached] or pieces[-1:]
+        pieces = [
+            piece for piece in pieces if piece is None or piece.end > reached
+        ] or pieces[-1:]
     try:
         with Progress(scene.time.end, "s", quiet) as progress:
             for k, piece in enumerate(pieces):
@@ -85,8 +112,17 @@ def transient(
                 problem = heat_problem(plan, flow, result, piece)
                 with result.timed("heat"):
                     history = history or History(problem.begin(plan.policy))
-                    if piece is not None and (cycle or piece.start > 0.0) and history.time <= piece.start * (1 + 1e-12):
-                        enter(problem, history, plan.policy, None if piece.jumps else history.size)
+                    if (
+                        piece is not None
+                        and (cycle or piece.start > 0.0)
+                        and history.time <= piece.start * (1 + 1e-12)
+                    ):
+                        enter(
+                            problem,
+                            history,
+                            plan.policy,
+                            None if piece.jumps else history.size,
+                        )
                     before, steps = streamed(history), len(history.levels)
                 known = levels if cycle is None else cycle.levels
                 end = scene.time.end if piece is None else piece.end
@@ -94,10 +130,14 @@ def transient(
                     local.steps, local.known = [], None if flows is None else flows[k]
                     if start is not None and k == 0:
                         local.restore(problem, start[0])
-                    begins = history.time <= (0.0 if piece is None else piece.start) * (1 + 1e-12)
+                    begins = history.time <= (0.0 if piece is None else piece.start) * (
+                        1 + 1e-12
+                    )
                     if begins or local.outdated(plan, problem, history.state, 0):
                         local.solve(plan, problem, history.state, 0)
-                    problem = heat_problem(plan, local.flow, result, piece, problem.system)
+                    problem = heat_problem(
+                        plan, local.flow, result, piece, problem.system
+                    )
                 while True:
                     with result.timed("heat"):
                         run_transient(
@@ -107,49 +147,83 @@ def transient(
                             end=end,
                             advance=progress.advance_to,
                             save=save if folder is not None else None,
-                            levels=None if known is None else known[k][len(history.levels) - steps :],
-                            enough=None if local is None else partial(_outdated, local, plan, problem, history, steps),
+                            levels=None
+                            if known is None
+                            else known[k][len(history.levels) - steps :],
+                            enough=None
+                            if local is None
+                            else partial(
+                                _outdated, local, plan, problem, history, steps
+                            ),
                         )
                     if local is None:
                         break
-                    local.solve(plan, problem, history.state, len(history.levels) - steps)
+                    local.solve(
+                        plan, problem, history.state, len(history.levels) - steps
+                    )
                     if history.time >= end * (1 - 1e-12):
                         break
-                    problem = heat_problem(plan, local.flow, result, piece, problem.system)
+                    problem = heat_problem(
+                        plan, local.flow, result, piece, problem.system
+                    )
                 taken.append(history.levels[steps:])
                 heats.append(streamed(history) - before)
                 if local is not None:
                     renewed.append(local.steps)
         if whole and cycle is None:
-            result.solved = Solved(line, None, None, flow, taken, renewed if local is not None else None)
+            result.solved = Solved(
+                line, None, None, flow, taken, renewed if local is not None else None
+            )
     finally:
         if history is not None:
             with result.timed("results"):
                 if local is not None:
                     local.report(plan, line)
                 if cycle is not None and len(heats) == len(pieces):
-                    result.qoi |= {"cycle_periods": cycle.periods, "cycle_change_K": cycle.residual}
+                    result.qoi |= {
+                        "cycle_periods": cycle.periods,
+                        "cycle_change_K": cycle.residual,
+                    }
                     result.qoi |= exchanged(heats, _most(plan, pieces))
                 if history.steps:
-                    fluxes, reactions = integrated_fluxes(problem, history), history.reactions(problem)
+                    fluxes, reactions = (
+                        integrated_fluxes(problem, history),
+                        history.reactions(problem),
+                    )
                     source = problem.source() * history.time
                     held = problem.throughput() * history.time + problem.capacity()
-                    result.balances["energy"] = heat_balance(fluxes, reactions, source, history.gain, "J", held)
+                    result.balances["energy"] = heat_balance(
+                        fluxes, reactions, source, history.gain, "J", held
+                    )
                 transient_findings(plan, line, problem, history, result)
                 if history.snapshots:
-                    problem.steady(history.snapshots[-1], False)  # closures as used at the last output
+                    # closures as used at the last output
+                    problem.steady(history.snapshots[-1], False)
                 check_state(plan, problem, history.snapshots, result)
             if folder is not None:
                 save(*history.pack())
 
 
-def _outdated(local: FlowOverTime, plan: Plan, problem: Any, history: Any, steps: int) -> bool:
-    """Return whether the flow is to be solved anew after the last step; `steps` were taken before this part."""
+def _outdated(
+    local: FlowOverTime, plan: Plan, problem: Any, history: Any, steps: int
+) -> bool:
+    """Return whether the flow is to be solved anew after the last step; `steps` were
+    taken before this part.
+    """
     return local.outdated(plan, problem, history.state, len(history.levels) - steps)
 
 
-def _cycle(plan: Plan, pieces: Any, flow: Any, result: Result, guess: Any, keep: Callable[[Any], None]) -> Any:
-    """Find the state that one run gives back, from a guess or, where it is None, from the state at the start."""
+def _cycle(
+    plan: Plan,
+    pieces: Any,
+    flow: Any,
+    result: Result,
+    guess: Any,
+    keep: Callable[[Any], None],
+) -> Any:
+    """Find the state that one run gives back, from a guess or, where it is None,
+    from the state at the start.
+    """
     from contbed.packed_bed.cycle import find_cycle
 
     time = plan.scene.time
@@ -163,9 +237,20 @@ def _cycle(plan: Plan, pieces: Any, flow: Any, result: Result, guess: Any, keep:
 
 
 def _most(plan: Plan, pieces: Any) -> list[float]:
-    """Return the heat that the fluid of each part could leave in the bed between the inlet temperatures [J]."""
-    conditions = [c for piece in pieces for scene in (piece.first, *piece.others) for c in scene.boundary.values()]
-    inlets = [c.gas.temperature or c.gas.fixed_temperature for c in conditions if c.gas is not None]
+    """Return the heat that the fluid of each part could leave in the bed between the
+    inlet temperatures [J].
+    """
+    conditions = [
+        c
+        for piece in pieces
+        for scene in (piece.first, *piece.others)
+        for c in scene.boundary.values()
+    ]
+    inlets = [
+        c.gas.temperature or c.gas.fixed_temperature
+        for c in conditions
+        if c.gas is not None
+    ]
     entering = [T for T in inlets if T is not None]
     if not entering:
         return [0.0] * len(pieces)
@@ -173,7 +258,11 @@ def _most(plan: Plan, pieces: Any) -> list[float]:
     for piece in pieces:
         part = plan.within(piece)
         enthalpy = part.medium.fluid.enthalpy
-        flow = float(np.abs(part.velocity[part.mesh.axis])) * part.section * part.medium.mass_flux_scale()
+        flow = (
+            float(np.abs(part.velocity[part.mesh.axis]))
+            * part.section
+            * part.medium.mass_flux_scale()
+        )
         rise = float(enthalpy(max(entering)) - enthalpy(min(entering)))
         found.append(flow * rise * (piece.end - piece.start))
     return found

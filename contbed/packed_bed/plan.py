@@ -1,9 +1,12 @@
-"""Plan of a packed bed from its scene: what is built, what is left out and why; no other module decides this.
+"""Plan of a packed bed from its scene: what is built, what is left out and why; no
+other module decides this.
 
-Two recognitions make a scene cheap. *Plug flow*: without a no-slip wall and with a uniform inlet along the walls the
-velocity is the inlet velocity everywhere, so no momentum is solved. *One dimension*: plug flow along the bed axis with
-adiabatic sides does not vary across the bed, so a line is solved, and its cross-section kept for the balances.
-A mesh without prescribed cells is graded to the layers that the closed-form rates predict.
+Two recognitions make a scene cheap. *Plug flow*: without a no-slip wall and with a
+uniform inlet along the walls the velocity is the inlet velocity everywhere, so no
+momentum is solved. *One dimension*: plug flow along the bed axis with adiabatic sides
+does not vary across the bed, so a line is solved, and its cross-section kept for the
+balances. A mesh without prescribed cells is graded to the layers that the closed-form
+rates predict.
 """
 
 from __future__ import annotations
@@ -46,16 +49,20 @@ from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
 
 AUTOMATIC = 4  # adaptive refinements of an automatic line
-AUTOMATIC_TENSOR = 6  # new meshes of a plane or volume at most; two or three bring the error to the tolerance
-AUTOMATIC_CELLS = {2: 30_000, 3: 4_000}  # by dimension: 5 to 10 s of processor for two temperatures
+# new meshes of a plane or volume at most; two or three bring the error to the tolerance
+AUTOMATIC_TENSOR = 6
+# by dimension: 5 to 10 s of processor for two temperatures
+AUTOMATIC_CELLS = {2: 30_000, 3: 4_000}
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run builds: `scene` as written, `solved` the scene after reduction to a line and to a cheaper radiation.
+    """What a run builds: `scene` as written, `solved` the scene after reduction to a
+    line and to a cheaper radiation.
 
-    `velocity` and `velocity_solid` are vectors on `mesh`, `section` is the cross-section [m2] of a reduced bed,
-    `conditions` has one entry for each boundary. Where a `schedule` changes values, all this holds at the start.
+    `velocity` and `velocity_solid` are vectors on `mesh`, `section` is the
+    cross-section [m2] of a reduced bed, `conditions` has one entry for each boundary.
+    Where a `schedule` changes values, all this holds at the start.
     """
 
     scene: s.Scene
@@ -85,44 +92,70 @@ class Plan:
     @property
     def radiates(self) -> bool:
         """Whether the incident radiation is an unknown."""
-        return self.solved.radiation is not None and self.solved.radiation.level != "rosseland"
+        return (
+            self.solved.radiation is not None
+            and self.solved.radiation.level != "rosseland"
+        )
 
     @property
     def steps(self) -> bool:
-        """Whether the run takes time steps, so that it can be restarted from a checkpoint."""
+        """Whether the run takes time steps, so that it can be restarted from a
+        checkpoint.
+        """
         return self.scene.time is not None and not self.fronts
 
     @property
     def without_ranks(self) -> str:
-        """What the scene has that does not run on several ranks, as text; empty if there is nothing."""
+        """What the scene has that does not run on several ranks, as text; empty if
+        there is nothing.
+        """
         if self.schedule:
             return "values that change with time"
-        return "fronts tracked along characteristics (a bed at rest without conduction)" if self.fronts else ""
+        return (
+            "fronts tracked along characteristics (a bed at rest without conduction)"
+            if self.fronts
+            else ""
+        )
 
     @property
     def tensor(self) -> bool:
-        """Whether a built-in plane or volume is solved on, whose errors are estimated direction by direction."""
+        """Whether a built-in plane or volume is solved on, whose errors are
+        estimated direction by direction.
+        """
         return not isinstance(self.solved.mesh, MeshFile | MeshLine)
 
     @property
     def balanced(self) -> bool:
-        """Whether the coordinates of an automatic plane or volume are chosen anew until its errors are small."""
+        """Whether the coordinates of an automatic plane or volume are chosen anew
+        until its errors are small.
+        """
         grid = self.solved.mesh
         if isinstance(grid, MeshFile | MeshLine):
             return False
         local = self.solved.solver.adapt is not None and refinable(self.mesh)
-        return grid.cells is None and not grid.refine and self.scene.time is None and not local
+        return (
+            grid.cells is None
+            and not grid.refine
+            and self.scene.time is None
+            and not local
+        )
 
     @property
     def adaptations(self) -> int:
-        """How often the mesh of a steady scene may be refined where the estimated error exceeds the tolerance."""
+        """How often the mesh of a steady scene may be refined where the estimated
+        error exceeds the tolerance.
+        """
         rounds, grid = self.solved.solver.adapt, self.solved.mesh
         if self.balanced:
             return AUTOMATIC_TENSOR if rounds is None else rounds
         if self.scene.heat is None or self.scene.time is not None:
             return 0
         if rounds is None:
-            return AUTOMATIC if isinstance(grid, MeshLine) and grid.cells is None and not grid.refine else 0
+            return (
+                AUTOMATIC
+                if isinstance(grid, MeshLine) and grid.cells is None and not grid.refine
+                else 0
+            )
         return rounds
 
     @property
@@ -137,16 +170,23 @@ class Plan:
         return replace(self, mesh=refined(self.mesh, error))
 
     def pieces(self) -> Sequence[Piece | None]:
-        """Return the parts of a transient between jumps and kinks that matter; one None where nothing changes."""
+        """Return the parts of a transient between jumps and kinks that matter; one
+        None where nothing changes.
+        """
         time, schedule = self.scene.time, self.schedule
         if not schedule or time is None:
             return [None]
         temperatures, found, flow_since = tuple(schedule.temperatures()), [], 0.0
         small, every = schedule.small(self.scene), schedule.cuts(time.end)
-        for start, end in pairwise(every if small is None else schedule.cuts(time.end, small)):
+        for start, end in pairwise(
+            every if small is None else schedule.cuts(time.end, small)
+        ):
             if schedule.jumps(start, VELOCITY):
                 flow_since = start
-            first, ways = schedule.frozen(self.scene, start), schedule.ways(start, end, every)
+            first, ways = (
+                schedule.frozen(self.scene, start),
+                schedule.ways(start, end, every),
+            )
             others = [with_value(first, path, other) for path, _, _, other in ways] or [
                 schedule.frozen(self.scene, end, before=True)
             ]
@@ -173,14 +213,26 @@ class Plan:
         target = piece.first
         velocity, solid = velocities(target)
         since = self.schedule.frozen(self.scene, piece.flow_since)
-        medium = Medium.of(target, inlet_temperature(since), bed_diameter(self.scene.mesh))
-        conditions = {name: role_in_flow(target, self.mesh, name, velocity) for name in self.mesh.boundaries}
+        medium = Medium.of(
+            target, inlet_temperature(since), bed_diameter(self.scene.mesh)
+        )
+        conditions = {
+            name: role_in_flow(target, self.mesh, name, velocity)
+            for name in self.mesh.boundaries
+        }
         return replace(
-            self, solved=target, medium=medium, velocity=velocity, velocity_solid=solid, conditions=conditions
+            self,
+            solved=target,
+            medium=medium,
+            velocity=velocity,
+            velocity_solid=solid,
+            conditions=conditions,
         )
 
     def at(self, times: Sequence[float]) -> list[Plan]:
-        """Return the plan with the velocities at each of these times [s], at a jump with those before it."""
+        """Return the plan with the velocities at each of these times [s], at a jump
+        with those before it.
+        """
         if not self.schedule.flows:
             return [self] * len(times)
         pieces = [piece for piece in self.pieces() if piece is not None]
@@ -202,15 +254,18 @@ class Plan:
 
     @property
     def line_vertices(self) -> Any:
-        """Coordinates of a line before it is refined [m]: checkpoints keep them, as cells follow the output times."""
+        """Coordinates of a line before it is refined [m]: checkpoints keep them, as
+        cells follow the output times.
+        """
         grid = self.mesh.skfem
         return grid.p[0, : grid.nelements // 2**self.solved.mesh.refine + 1]
 
     def with_values(self, scene: s.Scene) -> Plan:
-        """Return the plan of a scene that has other numbers, with the discretisation of this one.
+        """Return the plan of a scene that has other numbers, with the discretisation of
+        this one.
 
-        The nodes of the mesh move with the lengths of the bed; levels of radiation and of intraparticle conduction
-        stay.
+        The nodes of the mesh move with the lengths of the bed; levels of radiation and
+        of intraparticle conduction stay.
         """
         kept: dict[str, Any] = {}
         written, schedule = scene, self.schedule
@@ -218,13 +273,20 @@ class Plan:
             schedule = Schedule.of(scene.boundary, scene.origin.base)
             scene = schedule.frozen(scene, 0.0)
         if scene.radiation is not None and self.solved.radiation is not None:
-            kept["radiation"] = scene.radiation.model_copy(update={"level": self.solved.radiation.level})
+            kept["radiation"] = scene.radiation.model_copy(
+                update={"level": self.solved.radiation.level}
+            )
         target = scene.model_copy(update=kept)
         inside, chosen = scene.solid.inside, self.solved.solid.inside
         if inside is not None and chosen is not None:
-            target = target.with_inside(inside.model_copy(update={"heat": chosen.heat, "points": chosen.points}))
-        fluid = self.medium.fluid if scene.gas == self.scene.gas else None  # a mixture takes long to make
-        medium = Medium.of(target, inlet_temperature(target), bed_diameter(target.mesh), fluid)
+            target = target.with_inside(
+                inside.model_copy(update={"heat": chosen.heat, "points": chosen.points})
+            )
+        # a mixture takes long to make
+        fluid = self.medium.fluid if scene.gas == self.scene.gas else None
+        medium = Medium.of(
+            target, inlet_temperature(target), bed_diameter(target.mesh), fluid
+        )
         line = None if self.solved.mesh is self.scene.mesh else on_a_line(target)
         target, section = line or (target, 1.0)
         velocity, solid = velocities(target)
@@ -242,14 +304,18 @@ class Plan:
 
     def on(self, vertices: Any) -> Plan:
         """Return the plan on a mesh with other coordinates in each direction [m]."""
-        return replace(self, mesh=replace(self.mesh, skfem=build(self.solved.mesh, vertices).skfem))
+        return replace(
+            self, mesh=replace(self.mesh, skfem=build(self.solved.mesh, vertices).skfem)
+        )
 
     @property
     def policy(self) -> Policy:
         """Choice of the linear solver."""
         from contbed.fem import policy
 
-        return replace(policy(self.mesh, self.scene.solver.memory_GB), multigrid=self.plug)
+        return replace(
+            policy(self.mesh, self.scene.solver.memory_GB), multigrid=self.plug
+        )
 
     def unknowns(self) -> dict[str, int]:
         """Return the number of unknowns of each part that is solved."""
@@ -261,7 +327,9 @@ class Plan:
         if self.fronts:
             out["heat"] = 2 * grid.nelements
         elif self.scene.heat is not None:
-            out["heat"] = (2 + len(modes(self.solved))) * Space(grid, self.scene.solver.degree).size
+            out["heat"] = (2 + len(modes(self.solved))) * Space(
+                grid, self.scene.solver.degree
+            ).size
         if self.radiates:
             out["radiation"] = Space(grid, self.scene.solver.degree).size
         return out
@@ -269,7 +337,11 @@ class Plan:
     def __str__(self) -> str:
         run = "the first mesh" if self.balanced else "a steady scene"
         more = [] if self.fronts else [advice(self.unknowns(), self.policy, run)]
-        text = lifted(self, np.array([self.medium.T_fluid_in])) if self.medium is not None else ""
+        text = (
+            lifted(self, np.array([self.medium.T_fluid_in]))
+            if self.medium is not None
+            else ""
+        )
         return plan_text(self, *more, *([f"WARNING {text}"] if text else []))
 
 
@@ -301,29 +373,64 @@ def plan(scene: s.Scene) -> Plan:
     grid = target.mesh
     velocity, solid = velocities(target)
     fronts = not schedule and tracks_fronts(target, medium)
-    targets = [each[0] if line and each else frozen for each, frozen in zip(lines, flows, strict=True)]
+    targets = [
+        each[0] if line and each else frozen
+        for each, frozen in zip(lines, flows, strict=True)
+    ]
     grids = [nodes(each, medium, *velocities(each), fronts) for each in targets]
-    mesh = build(grid, grids[0] if len(grids) == 1 else _finest_each(grids), str(scene.origin.base))
-    require_names(target.origin, mesh, {"boundary": target.boundary, "region": target.region})
-    automatic = not isinstance(grid, MeshFile) and grid.cells is None and not grid.refine
+    mesh = build(
+        grid,
+        grids[0] if len(grids) == 1 else _finest_each(grids),
+        str(scene.origin.base),
+    )
+    require_names(
+        target.origin, mesh, {"boundary": target.boundary, "region": target.region}
+    )
+    automatic = (
+        not isinstance(grid, MeshFile) and grid.cells is None and not grid.refine
+    )
     if scene.solver.adapt and not refinable(mesh) and not automatic:
         raise SceneError(
-            scene.origin.at(("solver", "adapt")) + ": solver.adapt: only lines, triangles and meshes without given "
-            "cells are refined by errors; use triangles, leave out mesh.cells, or use mesh.refine for all cells"
+            scene.origin.at(("solver", "adapt"))
+            + ": solver.adapt: only lines, triangles and meshes without given "
+            "cells are refined by errors; use triangles, leave out mesh.cells, or use "
+            "mesh.refine for all cells"
         )
-    conditions = {name: role_in_flow(target, mesh, name, velocity) for name in mesh.boundaries}
+    conditions = {
+        name: role_in_flow(target, mesh, name, velocity) for name in mesh.boundaries
+    }
     plug = "no_slip" not in conditions.values()
-    round_bed = isinstance(scene.mesh, MeshAxisymmetric) or getattr(scene.mesh, "axisymmetric", False)
+    round_bed = isinstance(scene.mesh, MeshAxisymmetric) or getattr(
+        scene.mesh, "axisymmetric", False
+    )
     coordinate = "z" if round_bed else "x"
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
-    built.append((f"mesh, {mesh.skfem.dim()}-D", f"{cells}; {sides}" if sides and line is None else cells))
+    built.append(
+        (
+            f"mesh, {mesh.skfem.dim()}-D",
+            f"{cells}; {sides}" if sides and line is None else cells,
+        )
+    )
     if automatic and mesh.skfem.dim() > 1 and scene.time is None:
         most = f"{AUTOMATIC_CELLS[mesh.skfem.dim()]} cells at most"
-        built.append(("errors", f"estimated in each direction; new meshes until solver.tolerance is met, {most}"))
+        built.append(
+            (
+                "errors",
+                "estimated in each direction; new meshes until solver.tolerance is "
+                f"met, {most}",
+            )
+        )
     (skipped if plug else built).append(
-        ("porous flow", "plug flow: no no-slip wall, uniform inlet" if plug else "Taylor-Hood, Newton")
+        (
+            "porous flow",
+            "plug flow: no no-slip wall, uniform inlet"
+            if plug
+            else "Taylor-Hood, Newton",
+        )
     )
-    for item, text, is_built in parts_of_heat(scene, medium, schedule, inside, thick, fronts):
+    for item, text, is_built in parts_of_heat(
+        scene, medium, schedule, inside, thick, fronts
+    ):
         (built if is_built else skipped).append((item, text))
     return Plan(
         written,
@@ -345,20 +452,29 @@ def plan(scene: s.Scene) -> Plan:
 
 
 def _changes_of_flow(schedule: Schedule, scene: s.Scene) -> list[float]:
-    """Return the times at which a velocity takes values that it has not had before, the first 0 [s]."""
+    """Return the times at which a velocity takes values that it has not had before,
+    the first 0 [s].
+    """
     if not schedule.flows or scene.time is None:
         return [0.0]
     found: dict[Any, float] = {}
     for time in schedule.cuts(scene.time.end)[:-1]:
         frozen = schedule.frozen(scene, time)
-        found.setdefault(tuple(velocity_vector(scene.mesh, frozen.boundary, phase) for phase in PHASES), time)
+        found.setdefault(
+            tuple(
+                velocity_vector(scene.mesh, frozen.boundary, phase) for phase in PHASES
+            ),
+            time,
+        )
     return list(found.values())
 
 
 def _inside(schedule: Schedule, scene: s.Scene) -> Inside | None:
-    """Return the level of intraparticle conduction, by the flow for which its error is largest.
+    """Return the level of intraparticle conduction, by the flow for which its error is
+    largest.
 
-    Nothing leaves while the fluid is at rest: such times count where there are no others.
+    Nothing leaves while the fluid is at rest: such times count where there are no
+    others.
     """
     if scene.heat is None:
         return None
@@ -366,12 +482,25 @@ def _inside(schedule: Schedule, scene: s.Scene) -> Inside | None:
     medium = Medium.of(bare, inlet_temperature(scene), bed_diameter(scene.mesh))
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
     moving = [each for each in flows if np.any(velocities(each)[0])]
-    found = [inside for each in moving or flows if (inside := inside_of(each, medium, *velocities(each))) is not None]
-    return max(found, key=lambda inside: (inside.chosen.unknowns, inside.chosen.error), default=None)
+    found = [
+        inside
+        for each in moving or flows
+        if (inside := inside_of(each, medium, *velocities(each))) is not None
+    ]
+    return max(
+        found,
+        key=lambda inside: (inside.chosen.unknowns, inside.chosen.error),
+        default=None,
+    )
 
 
 def _finest_each(grids: list[list[Any] | None]) -> list[Any] | None:
-    """Return coordinates for each direction that are nowhere coarser than those of any of the grids."""
+    """Return coordinates for each direction that are nowhere coarser than those of
+    any of the grids.
+    """
     if grids[0] is None:
         return None
-    return [finest([grid[k] for grid in grids if grid is not None]) for k in range(len(grids[0]))]
+    return [
+        finest([grid[k] for grid in grids if grid is not None])
+        for k in range(len(grids[0]))
+    ]

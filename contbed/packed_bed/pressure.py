@@ -1,17 +1,22 @@
-"""Velocity, density and pressure along a bed in plug flow, from the temperature of the fluid.
+"""Velocity, density and pressure along a bed in plug flow, from the temperature of the
+fluid.
 
-The mass flux G is what the scene gives, at the density of the inlet, and is the same all along; so u = G/rho(T), and
+The mass flux G is what the scene gives, at the density of the inlet, and is the same
+all along; so u = G/rho(T), and
 
     dp/dx = -(mu/K + rho c_F/sqrt(K) |w|) w - d(G u/eps^2)/dx,      w = u - u_solid
     |w|: speed in all directions, of streams that cross the bed as well
 
-with the properties at the local temperature: Darcy and Forchheimer's resistance, and the momentum that a fluid gains
-as it expands. p [Pa] is the pressure of the fluid over that at the outlet.
+with the properties at the local temperature: Darcy and Forchheimer's resistance, and
+the momentum that a fluid gains as it expands. p [Pa] is the pressure of the fluid over
+that at the outlet.
 
-Source: Nield & Bejan 2017, Convection in Porous Media, 5th ed., Eqs. 1.12 and 1.15, doi:10.1007/978-3-319-49562-0.
+Source: Nield & Bejan 2017, Convection in Porous Media, 5th ed., Eqs. 1.12 and 1.15,
+    doi:10.1007/978-3-319-49562-0.
 
-A fluid that flows upwards carries the bed, and fluidizes it, where its pressure gradient exceeds the weight of the
-particles less their buoyancy, (1 - eps) (rho_s - rho) g (Ergun 1952, Chem. Eng. Prog. 48, 89-94).
+A fluid that flows upwards carries the bed, and fluidizes it, where its pressure
+gradient exceeds the weight of the particles less their buoyancy, (1 - eps)
+(rho_s - rho) g (Ergun 1952, Chem. Eng. Prog. 48, 89-94).
 """
 
 from __future__ import annotations
@@ -31,14 +36,23 @@ Array = NDArray[np.float64]
 
 
 class Stream(NamedTuple):
-    """Superficial velocity [m/s], density [kg/m3] and pressure [Pa] of the fluid at points along a bed."""
+    """Superficial velocity [m/s], density [kg/m3] and pressure [Pa] of the fluid at
+    points along a bed.
+    """
 
     u: Array
     density: Array
     pressure: Array
 
 
-def along_bed(medium: Medium, x: Array, T: Array, velocity: Array, velocity_solid: Array, axis: int) -> Stream:
+def along_bed(
+    medium: Medium,
+    x: Array,
+    T: Array,
+    velocity: Array,
+    velocity_solid: Array,
+    axis: int,
+) -> Stream:
     """Integrate the pressure gradient along a bed.
 
     Parameters
@@ -46,7 +60,8 @@ def along_bed(medium: Medium, x: Array, T: Array, velocity: Array, velocity_soli
     medium : closures and properties
     x : coordinate along the bed [m] (n,), increasing
     T : temperature of the fluid there [K] (n,)
-    velocity, velocity_solid : superficial (dimension,), that of the fluid at the density of the inlet [m/s]
+    velocity, velocity_solid : superficial (dimension,), that of the fluid at the
+        density of the inlet [m/s]
     axis : component of the velocities that is along the bed
 
     Returns
@@ -54,7 +69,9 @@ def along_bed(medium: Medium, x: Array, T: Array, velocity: Array, velocity_soli
     Stream of arrays (n,); the pressure is zero where the fluid leaves. The trapezoidal rule is used between the points.
     """
     u, density, gradient = _resistance(medium, T, velocity, velocity_solid, axis)
-    risen = np.concatenate(([0.0], np.cumsum(0.5 * (gradient[1:] + gradient[:-1]) * np.diff(x))))
+    risen = np.concatenate(
+        ([0.0], np.cumsum(0.5 * (gradient[1:] + gradient[:-1]) * np.diff(x)))
+    )
     pressure = risen - density * u**2 / medium.scene.packed_bed.porosity**2
     return Stream(u, density, pressure - pressure[-1 if velocity[axis] >= 0 else 0])
 
@@ -62,23 +79,32 @@ def along_bed(medium: Medium, x: Array, T: Array, velocity: Array, velocity_soli
 def _resistance(
     medium: Medium, T: Array, velocity: Array, velocity_solid: Array, axis: int
 ) -> tuple[Array, Array, Array]:
-    """Return velocity [m/s], density [kg/m3] and the pressure gradient by drag [Pa/m] at temperatures (n,)."""
+    """Return velocity [m/s], density [kg/m3] and the pressure gradient by
+    drag [Pa/m] at temperatures (n,).
+    """
     permeability = medium.packing("permeability")
     density = np.broadcast_to(np.asarray(medium.fluid.density(T), dtype=float), T.shape)
-    viscosity = np.broadcast_to(np.asarray(medium.fluid.viscosity(T), dtype=float), T.shape)
+    viscosity = np.broadcast_to(
+        np.asarray(medium.fluid.viscosity(T), dtype=float), T.shape
+    )
     u = medium.mass_flux_scale() * velocity[:, None] / density
     w = u - velocity_solid[:, None]
     speed = np.sqrt(np.sum(w**2, axis=0))
-    drag = viscosity / permeability + density * medium.packing("forchheimer") / permeability**0.5 * speed
+    drag = (
+        viscosity / permeability
+        + density * medium.packing("forchheimer") / permeability**0.5 * speed
+    )
     return u[axis], density, -drag * w[axis]
 
 
 def lifted(plan: Any, T: Array) -> str:
-    """Return a warning where the fluid lifts the bed at temperatures of the fluid (n,) [K]; empty where it does not.
+    """Return a warning where the fluid lifts the bed at temperatures of the fluid
+    (n,) [K]; empty where it does not.
 
-    The bed axis of round beds points upwards, and a bed that moves descends. A bed at rest on another mesh has no
-    direction, for which the warning is conditional. Left out are walls without slip, which carry a part of the bed, and
-    particles that are not denser than the fluid.
+    The bed axis of round beds points upwards, and a bed that moves descends. A bed at
+    rest on another mesh has no direction, for which the warning is conditional. Left
+    out are walls without slip, which carry a part of the bed, and particles that are
+    not denser than the fluid.
     """
     medium, axis = plan.medium, plan.mesh.axis
     velocity, solid = float(plan.velocity[axis]), float(plan.velocity_solid[axis])
@@ -86,16 +112,25 @@ def lifted(plan: Any, T: Array) -> str:
     upwards = velocity > 0 if upright else velocity * solid <= 0
     if medium.solid is None or velocity == 0.0 or not upwards:
         return ""
-    _, density, gradient = _resistance(medium, T, plan.velocity, plan.velocity_solid, axis)
-    weight = (1.0 - medium.scene.packed_bed.porosity) * (medium.solid.density(T) - density) * GRAVITY
+    _, density, gradient = _resistance(
+        medium, T, plan.velocity, plan.velocity_solid, axis
+    )
+    weight = (
+        (1.0 - medium.scene.packed_bed.porosity)
+        * (medium.solid.density(T) - density)
+        * GRAVITY
+    )
     k = int(np.argmax(np.abs(gradient) - weight))
     found, held = float(np.abs(gradient)[k]), float(np.broadcast_to(weight, T.shape)[k])
-    if held <= 0.0 or found <= held:  # particles no denser than the fluid are held by something else
+    # particles no denser than the fluid are held by something else
+    if held <= 0.0 or found <= held:
         return ""
     known, key = upright or solid != 0.0, velocity_key(plan.scene.boundary, "fluid")
     return (
-        f"{plan.scene.origin.at(parse_key(key))}: {key}: the pressure gradient at {T[k]:.4g} K, "
+        f"{plan.scene.origin.at(parse_key(key))}: {key}: the pressure gradient at "
+        f"{T[k]:.4g} K, "
         f"{found:.4g} Pa/m, exceeds the weight of the particles, {held:.4g} Pa/m: "
-        f"{'the fluid' if known else 'if the fluid flows upwards, it'} fluidizes the bed; lower the velocity, take "
+        f"{'the fluid' if known else 'if the fluid flows upwards, it'} fluidizes the "
+        "bed; lower the velocity, take "
         "larger particles, or hold the bed down"
     )

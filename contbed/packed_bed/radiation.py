@@ -1,4 +1,6 @@
-"""Radiation in a packed bed: the level that its plan takes, and the coupling with the temperatures of the solid."""
+"""Radiation in a packed bed: the level that its plan takes, and the coupling with
+the temperatures of the solid.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,9 @@ from contbed.packed_bed import scene as s
 
 
 def cheapest(scene: s.Scene) -> tuple[s.Scene, str]:
-    """Return the scene, with a Rosseland conductivity where allowed and accurate, and the reason."""
+    """Return the scene, with a Rosseland conductivity where allowed and accurate,
+    and the reason.
+    """
     if scene.radiation is None or not scene.radiation.allow_rosseland:
         return scene, ""
     from contbed.radiation.rosseland import choose
@@ -34,7 +38,9 @@ def described_level(scene: s.Scene, thick: str) -> tuple[str, str]:
 
 
 def coupling(scene: s.Scene) -> Any:
-    """Return the coupling with incident radiation, a further unknown; None for scenes without."""
+    """Return the coupling with incident radiation, a further unknown; None for
+    scenes without.
+    """
     if scene.radiation is None or scene.radiation.level == "rosseland":
         return None
     from contbed.radiation.problem import RadiationCoupling

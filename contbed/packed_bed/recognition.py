@@ -1,4 +1,6 @@
-"""What makes a packed bed cheap: plug flow on a line, fronts that stay sharp; and the roles of its boundaries."""
+"""What makes a packed bed cheap: plug flow on a line, fronts that stay sharp; and
+the roles of its boundaries.
+"""
 
 from __future__ import annotations
 
@@ -14,28 +16,54 @@ from contbed.packed_bed.inside import modes
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.schedule import initial_range
 from contbed.scene.mesh import Mesh as MeshSettings
-from contbed.scene.mesh import MeshAxisymmetric, MeshBox, MeshFile, MeshLine, MeshRectangle
+from contbed.scene.mesh import (
+    MeshAxisymmetric,
+    MeshBox,
+    MeshFile,
+    MeshLine,
+    MeshRectangle,
+)
 from contbed.scene.series import ProfileFile
 
 
 def velocities(scene: s.Scene) -> tuple[Any, Any]:
-    """Return the superficial velocities of both phases as vectors on the mesh of the scene [m/s]."""
-    fluid, solid = (velocity_vector(scene.mesh, scene.boundary, phase) for phase in ("fluid", "solid"))
+    """Return the superficial velocities of both phases as vectors on the mesh of the
+    scene [m/s].
+    """
+    fluid, solid = (
+        velocity_vector(scene.mesh, scene.boundary, phase)
+        for phase in ("fluid", "solid")
+    )
     return np.array(fluid, dtype=float), np.array(solid, dtype=float)
 
 
 def inlet_temperature(scene: s.Scene) -> float:
-    """Return the temperature of the entering fluid: a prescribed one, on the inlet if that is known."""
-    found = [(name, table.gas) for name, table in scene.boundary.items() if table.gas is not None]
+    """Return the temperature of the entering fluid: a prescribed one, on the inlet
+    if that is known.
+    """
+    found = [
+        (name, table.gas)
+        for name, table in scene.boundary.items()
+        if table.gas is not None
+    ]
     velocity = velocity_vector(scene.mesh, scene.boundary, "fluid")
-    ranked = sorted(found, key=lambda item: role(scene.mesh, velocity, item[0], scene.boundary) != "inlet")
+    ranked = sorted(
+        found,
+        key=lambda item: role(scene.mesh, velocity, item[0], scene.boundary) != "inlet",
+    )
     for _, condition in ranked:
-        for value in (condition.temperature, condition.fixed_temperature, condition.ambient):
+        for value in (
+            condition.temperature,
+            condition.fixed_temperature,
+            condition.ambient,
+        ):
             if value is not None:
                 return float(value)  # type: ignore[arg-type]  # frozen: numbers stand in place of series
     if scene.time is None:
         return 300.0
-    return 0.5 * sum(initial_range(scene.initial.given("fluid"), "fluid", scene.origin.base))
+    return 0.5 * sum(
+        initial_range(scene.initial.given("fluid"), "fluid", scene.origin.base)
+    )
 
 
 def bed_diameter(mesh: MeshSettings) -> float:
@@ -50,13 +78,26 @@ def bed_diameter(mesh: MeshSettings) -> float:
 
 
 def reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
-    """Return the same scene on a line and its cross-section [m2], where nothing varies across the bed."""
+    """Return the same scene on a line and its cross-section [m2], where nothing
+    varies across the bed.
+    """
     mesh = scene.mesh
-    if isinstance(mesh, MeshFile | MeshLine) or scene.heat is None or (mesh.cells is not None and mesh.refine):
+    if (
+        isinstance(mesh, MeshFile | MeshLine)
+        or scene.heat is None
+        or (mesh.cells is not None and mesh.refine)
+    ):
         return None
     axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
-    vectors = [velocity_vector(mesh, scene.boundary, phase) for phase in ("fluid", "solid")]
-    if any(component for vector in vectors for k, component in enumerate(vector) if k != axis):
+    vectors = [
+        velocity_vector(mesh, scene.boundary, phase) for phase in ("fluid", "solid")
+    ]
+    if any(
+        component
+        for vector in vectors
+        for k, component in enumerate(vector)
+        if k != axis
+    ):
         return None
     low, high = mesh.sides[axis]
     for name, table in scene.boundary.items():
@@ -72,15 +113,27 @@ def reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
     ends = {low: "left", high: "right"}
     line = scene.model_copy(
         update={
-            "mesh": MeshLine(type="line", length=mesh.length, cells=cells, graded=mesh.graded, refine=mesh.refine),
-            "boundary": {ends[name]: _on_a_line(table, axis) for name, table in scene.boundary.items() if name in ends},
+            "mesh": MeshLine(
+                type="line",
+                length=mesh.length,
+                cells=cells,
+                graded=mesh.graded,
+                refine=mesh.refine,
+            ),
+            "boundary": {
+                ends[name]: _on_a_line(table, axis)
+                for name, table in scene.boundary.items()
+                if name in ends
+            },
         }
     )
     return line, float(section)
 
 
 def _on_a_line(table: s.Boundary, axis: int) -> s.Boundary:
-    """Return the conditions of an end of a bed with its velocities as vectors on a line along an axis of the bed."""
+    """Return the conditions of an end of a bed with its velocities as vectors on a
+    line along an axis of the bed.
+    """
 
     def along(condition: s.PhaseCondition) -> s.PhaseCondition:
         velocity = condition.velocity
@@ -89,27 +142,56 @@ def _on_a_line(table: s.Boundary, axis: int) -> s.Boundary:
         return condition.model_copy(update={"velocity": (velocity[axis],)})
 
     gas = None if table.gas is None else along(table.gas)
-    return table.model_copy(update={"gas": gas, "solids": {name: along(each) for name, each in table.solids.items()}})
+    return table.model_copy(
+        update={
+            "gas": gas,
+            "solids": {name: along(each) for name, each in table.solids.items()},
+        }
+    )
 
 
 def tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
     """Return whether fronts stay sharp.
 
-    They do where nothing conducts in a one-dimensional bed at rest that a stream enters.
+    They do where nothing conducts in a one-dimensional bed at rest that a stream
+    enters.
     """
-    if scene.time is None or scene.heat is None or not isinstance(scene.mesh, MeshLine) or not medium.constant:
+    if (
+        scene.time is None
+        or scene.heat is None
+        or not isinstance(scene.mesh, MeshLine)
+        or not medium.constant
+    ):
         return False
     fluid, solid = velocities(scene)
-    spreads = scene.closures.dispersion is not None or scene.closures.tortuosity is not None
+    spreads = (
+        scene.closures.dispersion is not None or scene.closures.tortuosity is not None
+    )
     if modes(scene) or np.any(solid) or spreads:
         return False
-    ends = [condition for table in scene.boundary.values() if (condition := table.thermal("fluid")) is not None]
-    if any(isinstance(scene.initial.given(phase), ProfileFile) for phase in ("fluid", "solid")):
+    ends = [
+        condition
+        for table in scene.boundary.values()
+        if (condition := table.thermal("fluid")) is not None
+    ]
+    if any(
+        isinstance(scene.initial.given(phase), ProfileFile)
+        for phase in ("fluid", "solid")
+    ):
         return False
-    only_inlet = all(condition.fixed_temperature is not None or condition.temperature is not None for condition in ends)
-    solid_free = all(table.thermal("solid") is None for table in scene.boundary.values())
+    only_inlet = all(
+        condition.fixed_temperature is not None or condition.temperature is not None
+        for condition in ends
+    )
+    solid_free = all(
+        table.thermal("solid") is None for table in scene.boundary.values()
+    )
     T = medium.T_fluid_in
-    still = not medium.conductivity_fluid(T) and not medium.conductivity_solid(T) and not scene.region
+    still = (
+        not medium.conductivity_fluid(T)
+        and not medium.conductivity_solid(T)
+        and not scene.region
+    )
     return bool(still and only_inlet and solid_free and np.any(fluid))
 
 
@@ -118,15 +200,26 @@ def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
     given = role(scene.mesh, tuple(velocity.tolist()), name, scene.boundary)
     if given is not None:
         return given
-    if mesh.axisymmetric and np.abs(mesh.skfem.p[0, mesh.skfem.facets[:, mesh.skfem.boundaries[name]]]).max() < 1e-12:
+    if (
+        mesh.axisymmetric
+        and np.abs(
+            mesh.skfem.p[0, mesh.skfem.facets[:, mesh.skfem.boundaries[name]]]
+        ).max()
+        < 1e-12
+    ):
         return "slip"
     from contbed.packed_bed.flow import constant_normal
 
     normal = constant_normal(mesh, name)
-    across = None if normal is None else float(normal @ velocity) / max(float(np.linalg.norm(velocity)), 1e-300)
+    across = (
+        None
+        if normal is None
+        else float(normal @ velocity) / max(float(np.linalg.norm(velocity)), 1e-300)
+    )
     if across is None or 1e-9 < abs(across) < 0.5:
         raise SceneError(
-            f"{scene.origin.name}: boundary.{name} is neither along nor across the flow; "
+            f"{scene.origin.name}: boundary.{name} is neither along nor across the "
+            "flow; "
             f'say [boundary.{name}] type = "inlet", "outlet", "no_slip" or "slip"'
         )
     return "slip" if abs(across) <= 1e-9 else "inlet" if across < 0 else "outlet"

@@ -25,37 +25,61 @@ def _theta(T: Any, span: tuple[float, float]) -> Any:
 
 
 def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
-    """Fill in largest speed, pressure drop, pressure gradient, and velocity and pressure along the bed."""
+    """Fill in largest speed, pressure drop, pressure gradient, and velocity and
+    pressure along the bed.
+    """
     space, _ = flow.system.fields["u"]
     axis = plan.mesh.axis
     velocity = flow.expanded
     u = line.probe(space, velocity[axis])
     pressure = line.probe(flow.system.fields["p"][0], flow.pressure)
-    result.profiles = {header(plan.coordinate): line.positions, header("u"): u, header("p"): pressure}
+    result.profiles = {
+        header(plan.coordinate): line.positions,
+        header("u"): u,
+        header("p"): pressure,
+    }
     outlets = [name for name, kind in plan.conditions.items() if kind == "outlet"]
-    facets = np.concatenate([np.zeros(0, dtype=int), *(plan.mesh.skfem.boundaries[name] for name in outlets)])
+    facets = np.concatenate(
+        [
+            np.zeros(0, dtype=int),
+            *(plan.mesh.skfem.boundaries[name] for name in outlets),
+        ]
+    )
     result.qoi |= {
         "u_max": float(np.sqrt((velocity**2).sum(axis=0)).max()),
-        "u_max_outlet": float(np.abs(velocity[axis, space.on_facets(facets)]).max(initial=0.0)),
-        "pressure_drop_Pa": float(pressure[0] - pressure[-1]) * (1.0 if plan.velocity[axis] >= 0 else -1.0),
+        "u_max_outlet": float(
+            np.abs(velocity[axis, space.on_facets(facets)]).max(initial=0.0)
+        ),
+        "pressure_drop_Pa": float(pressure[0] - pressure[-1])
+        * (1.0 if plan.velocity[axis] >= 0 else -1.0),
         "pressure_gradient_Pa_m": _developed_gradient(line.positions, pressure),
     }
 
 
 def _integral(y: Any, x: Any) -> float:
-    """Return the integral of y over x by the trapezoidal rule; to import scipy's takes longer than a small run."""
+    """Return the integral of y over x by the trapezoidal rule; to import scipy's
+    takes longer than a small run.
+    """
     return float(0.5 * (y[1:] + y[:-1]) @ np.diff(x))
 
 
 def _developed_gradient(x: Any, p: Any) -> float:
-    """Return the slope of the pressure at three quarters of the bed, away from inlet and outlet [Pa/m]."""
+    """Return the slope of the pressure at three quarters of the bed, away from inlet
+    and outlet [Pa/m].
+    """
     length = x[-1] - x[0]
     low, high = np.searchsorted(x - x[0], [0.7 * length, 0.8 * length])
     return float((p[high] - p[low]) / (x[high] - x[low]))
 
 
 def steady_findings(
-    plan: Plan, line: Line, problem: Any, state: Any, fluxes: Any, reactions: Any, result: Result
+    plan: Plan,
+    line: Line,
+    problem: Any,
+    state: Any,
+    fluxes: Any,
+    reactions: Any,
+    result: Result,
 ) -> None:
     """Fill in profiles, outlet temperatures, equilibrium and the length to reach it."""
     fluid, solid = _profiles([plan], line, problem, [state], None, result)
@@ -64,12 +88,21 @@ def steady_findings(
     leaving, entering = streams(problem, state)
     _outlets(leaving, result)
     _exchanger(plan, problem, entering, fluxes, result)
-    heats = {name: value + sum(fluxes[name].values()) for name, value in reactions.items()}
-    result.qoi |= {f"heat_{plan.as_written(name)}_W": value for name, value in heats.items()}
-    for inside, otherwise in (("tubes", "immersed_tubes"), ("species", "radiating_species")):
+    heats = {
+        name: value + sum(fluxes[name].values()) for name, value in reactions.items()
+    }
+    result.qoi |= {
+        f"heat_{plan.as_written(name)}_W": value for name, value in heats.items()
+    }
+    for inside, otherwise in (
+        ("tubes", "immersed_tubes"),
+        ("species", "radiating_species"),
+    ):
         if inside in fluxes.get(INSIDE, {}):
             # a boundary may be called so as well
-            result.qoi[f"heat_{inside if inside not in reactions else otherwise}_W"] = fluxes[INSIDE][inside]
+            result.qoi[f"heat_{inside if inside not in reactions else otherwise}_W"] = (
+                fluxes[INSIDE][inside]
+            )
     result.units |= power_units(result.qoi, plan.scene.mesh)
     if span[1] > span[0] and float(plan.velocity @ plan.velocity_solid) >= 0:
         x = result.profiles[header(plan.coordinate)]
@@ -88,7 +121,9 @@ def _equilibrium(x: Any, gap: Any, mean: Any, result: Result) -> None:
     k = int(np.flatnonzero(~inside)[-1])
     a, b = abs(gap[k]), max(abs(gap[k + 1]), 1e-300)
     result.qoi["theta_equilibrium"] = float(mean[-1])
-    result.qoi["equilibrium_length_m"] = float(x[k] + (x[k + 1] - x[k]) * np.log(a / APART) / np.log(a / b))
+    result.qoi["equilibrium_length_m"] = float(
+        x[k] + (x[k + 1] - x[k]) * np.log(a / APART) / np.log(a / b)
+    )
 
 
 def _outlets(leaving: Streams, result: Result) -> None:
@@ -96,7 +131,9 @@ def _outlets(leaving: Streams, result: Result) -> None:
     result.qoi |= {f"T_{phase}_out_K": T for phase, (_, T) in leaving.items()}
 
 
-def _exchanger(plan: Plan, problem: Any, entering: Streams, fluxes: Any, result: Result) -> None:
+def _exchanger(
+    plan: Plan, problem: Any, entering: Streams, fluxes: Any, result: Result
+) -> None:
     """Return the heat that the fluid takes up, and its share of the maximum.
 
     The maximum is what streams of these inlets could exchange.
@@ -105,13 +142,20 @@ def _exchanger(plan: Plan, problem: Any, entering: Streams, fluxes: Any, result:
         return
     duty = -sum(flux["T_fluid"] for flux in fluxes.values() if "T_fluid" in flux)
     result.qoi |= {"duty_W": duty, "heat_reference_K": problem.T_span[0]}
-    # a prescribed temperature at an inlet conducts heat in beside what the stream carries
-    fixed = any(condition.fixed_temperature for *_, condition in conditions_of(plan.solved.boundary))
+    # a prescribed temperature at an inlet conducts heat in beside what the stream
+    # carries
+    fixed = any(
+        condition.fixed_temperature
+        for *_, condition in conditions_of(plan.solved.boundary)
+    )
     if len(entering) < 2 or fixed:
         return
     temperatures = [T for _, T in entering.values()]
     contents = [
-        flow * abs(float(np.ptp(getattr(plan.medium, phase).enthalpy(np.array(temperatures)))))
+        flow
+        * abs(
+            float(np.ptp(getattr(plan.medium, phase).enthalpy(np.array(temperatures))))
+        )
         for phase, (flow, _) in entering.items()
     ]
     if min(contents) > 0.0:
@@ -121,25 +165,43 @@ def _exchanger(plan: Plan, problem: Any, entering: Streams, fluxes: Any, result:
 def _nodal(problem: Any, state: Any) -> dict[str, Any]:
     space = problem.system.fields["T_fluid"][0]
     hidden = {mode.name for mode in problem.modes}
-    own = {name: (space, problem.system.part(state, name)) for name in problem.system.fields if name not in hidden}
-    return own | {name: (space, values) for name, values in _inside(problem, state).items()}
+    own = {
+        name: (space, problem.system.part(state, name))
+        for name in problem.system.fields
+        if name not in hidden
+    }
+    return own | {
+        name: (space, values) for name, values in _inside(problem, state).items()
+    }
 
 
 def _inside(problem: Any, state: Any) -> dict[str, Any]:
-    """Return the temperatures of surface and centre of the particles at all nodes; none without temperatures inside."""
+    """Return the temperatures of surface and centre of the particles at all nodes;
+    none without temperatures inside.
+    """
     if not problem.modes:
         return {}
     mean, part = problem.system.part(state, "T_solid"), problem.system.part
     return {
         "T_surface": mean + sum(part(state, mode.name) for mode in problem.modes),
-        "T_centre": mean + sum(mode.centre * part(state, mode.name) for mode in problem.modes),
+        "T_centre": mean
+        + sum(mode.centre * part(state, mode.name) for mode in problem.modes),
     }
 
 
-def _stream(plans: list[Plan], line: Line, problem: Any, states: list[Any], fluid: Any, result: Result) -> None:
-    """Report velocity, density and pressure of the fluid along the bed; the last state gives the pressure drop.
+def _stream(
+    plans: list[Plan],
+    line: Line,
+    problem: Any,
+    states: list[Any],
+    fluid: Any,
+    result: Result,
+) -> None:
+    """Report velocity, density and pressure of the fluid along the bed; the last state
+    gives the pressure drop.
 
-    `plans` hold the velocity of each state, `fluid` are its temperatures on the line, one row for each state.
+    `plans` hold the velocity of each state, `fluid` are its temperatures on the line,
+    one row for each state.
     """
     plan = plans[-1]
     axis, medium = plan.mesh.axis, plan.medium
@@ -152,7 +214,10 @@ def _stream(plans: list[Plan], line: Line, problem: Any, states: list[Any], flui
         if plan.scene.output.positions:
             whole = line_along(plan.mesh, across=plan.scene.output.across)
             x = whole.positions
-            fluid = [whole.probe(space, problem.system.part(state, "T_fluid")) for state in states]
+            fluid = [
+                whole.probe(space, problem.system.part(state, "T_fluid"))
+                for state in states
+            ]
         streams = [
             along_bed(each.medium, x, T, each.velocity, each.velocity_solid, axis)
             for each, T in zip(plans, fluid, strict=True)
@@ -164,8 +229,14 @@ def _stream(plans: list[Plan], line: Line, problem: Any, states: list[Any], flui
             result.profiles[header(name)] = np.concatenate(values)
         last = streams[-1]
         if velocities[-1]:
-            result.qoi["pressure_drop_Pa"] = float(abs(last.pressure[-1] - last.pressure[0]))
-            mean = _integral(1.0 / np.abs(last.u), x) if not _crosses(plan) else _mean_stay(medium, problem, states[-1])
+            result.qoi["pressure_drop_Pa"] = float(
+                abs(last.pressure[-1] - last.pressure[0])
+            )
+            mean = (
+                _integral(1.0 / np.abs(last.u), x)
+                if not _crosses(plan)
+                else _mean_stay(medium, problem, states[-1])
+            )
             result.qoi["residence_time_s"] = medium.scene.packed_bed.porosity * mean
     elif problem.motion.flow is not None:
         density = np.broadcast_to(medium.fluid.density(fluid[-1]), fluid[-1].shape)
@@ -174,54 +245,87 @@ def _stream(plans: list[Plan], line: Line, problem: Any, states: list[Any], flui
 
 
 def _crosses(plan: Plan) -> bool:
-    """Whether the fluid crosses the bed at an angle, so that streams enter through several sides."""
+    """Whether the fluid crosses the bed at an angle, so that streams enter through
+    several sides.
+    """
     return int(np.count_nonzero(plan.velocity)) > 1
 
 
 def _mean_stay(medium: Any, problem: Any, state: Any) -> float:
-    """Return the mass that would fill the bed without particles over the mass flow of all streams that enter [s]."""
+    """Return the mass that would fill the bed without particles over the mass flow
+    of all streams that enter [s].
+    """
     held = problem.system.integrate(
-        lambda unknowns, o: medium.fluid.density(unknowns.T_fluid), [problem.system.cells], state
+        lambda unknowns, o: medium.fluid.density(unknowns.T_fluid),
+        [problem.system.cells],
+        state,
     )
     return float(held / streams(problem, state)[1]["fluid"][0])
 
 
 def _tell_if_lifted(plans: list[Plan], T: Any, result: Result) -> None:
-    """Warn of a fluid that fluidizes the bed at its temperatures [K], one row for each plan; once for each velocity."""
+    """Warn of a fluid that fluidizes the bed at its temperatures [K], one row for
+    each plan; once for each velocity.
+    """
     rows: dict[bytes, tuple[Plan, list[Any]]] = {}
     for plan, row in zip(plans, T, strict=True):
-        rows.setdefault(plan.velocity.tobytes() + plan.velocity_solid.tobytes(), (plan, []))[1].append(row)
-    result.warnings += [text for plan, found in rows.values() if (text := lifted(plan, np.ravel(found)))]
+        rows.setdefault(
+            plan.velocity.tobytes() + plan.velocity_solid.tobytes(), (plan, [])
+        )[1].append(row)
+    result.warnings += [
+        text for plan, found in rows.values() if (text := lifted(plan, np.ravel(found)))
+    ]
 
 
 def _profiles(
-    plans: list[Plan], line: Line, problem: Any, states: list[Any], times: list[float] | None, result: Result
+    plans: list[Plan],
+    line: Line,
+    problem: Any,
+    states: list[Any],
+    times: list[float] | None,
+    result: Result,
 ) -> Any:
     plan, positions, probe = plans[-1], line.positions, line.probe
     space = problem.system.fields["T_fluid"][0]
-    fluid = np.array([probe(space, problem.system.part(state, "T_fluid")) for state in states])
-    solid = np.array([probe(space, problem.system.part(state, "T_solid")) for state in states])
+    fluid = np.array(
+        [probe(space, problem.system.part(state, "T_fluid")) for state in states]
+    )
+    solid = np.array(
+        [probe(space, problem.system.part(state, "T_solid")) for state in states]
+    )
     _columns(plan, positions, fluid, solid, problem.T_span, times, result)
     _stream(plans, line, problem, states, fluid, result)
     if problem.modes:
         inner = [_inside(problem, state) for state in states]
         result.profiles |= {
-            header(name): np.array([probe(space, found[name]) for found in inner]).ravel() for name in inner[0]
+            header(name): np.array(
+                [probe(space, found[name]) for found in inner]
+            ).ravel()
+            for name in inner[0]
         }
     if problem.radiation is not None:
         G = [problem.system.part(state, "G") for state in states]
         slope = [probe.slope(space, values, plan.mesh.axis) for values in G]
         result.profiles |= {
             "G [W/m2]": np.array([probe(space, values) for values in G]).ravel(),
-            "q_radiation [W/m2]": -problem.radiation.optics.diffusion * np.array(slope).ravel(),
+            "q_radiation [W/m2]": -problem.radiation.optics.diffusion
+            * np.array(slope).ravel(),
         }
     return (fluid, solid) if times is not None else (fluid[0], solid[0])
 
 
 def _columns(
-    plan: Plan, positions: Any, fluid: Any, solid: Any, span: tuple[float, float], times: Any, result: Result
+    plan: Plan,
+    positions: Any,
+    fluid: Any,
+    solid: Any,
+    span: tuple[float, float],
+    times: Any,
+    result: Result,
 ) -> None:
-    """Return the profile columns; the rows of a transient run through the positions for each time."""
+    """Return the profile columns; the rows of a transient run through the positions
+    for each time.
+    """
     columns = {header(plan.coordinate): np.tile(positions, len(fluid))}
     if times is not None:
         columns["t [s]"] = np.repeat(np.asarray(times, dtype=float), len(positions))
@@ -231,23 +335,31 @@ def _columns(
             "theta_fluid [1]": _theta(fluid, span).ravel(),
             "theta_solid [1]": _theta(solid, span).ravel(),
         }
-    result.profiles = columns | {k: v for k, v in result.profiles.items() if times is None and k not in columns}
+    result.profiles = columns | {
+        k: v for k, v in result.profiles.items() if times is None and k not in columns
+    }
 
 
-def transient_findings(plan: Plan, line: Line, problem: Any, history: Any, result: Result) -> None:
-    """Fill in profiles at the output times, fields of each, the outlet over time, and the number of steps."""
+def transient_findings(
+    plan: Plan, line: Line, problem: Any, history: Any, result: Result
+) -> None:
+    """Fill in profiles at the output times, fields of each, the outlet over time,
+    and the number of steps.
+    """
     result.qoi |= {"time_steps": history.steps, "time_reached_s": history.time}
     if history.outlet:
         result.tables["outlet"] = outlet_table(history.outlet)
     times, snapshots = [*history.times], [*history.snapshots]
-    if history.steps and (not times or times[-1] < history.time * (1 - 1e-12)):  # a run that was stopped
+    # a run that was stopped
+    if history.steps and (not times or times[-1] < history.time * (1 - 1e-12)):
         times.append(history.time)
         snapshots.append(history.state)
     if not snapshots:
         return
     _profiles(plan.at(times), line, problem, snapshots, times, result)
     flow = dict(result.nodal)
-    changes = problem.motion.flow is not None and problem.motion.flow.local is not None  # `flow` is that at the end
+    # `flow` is that at the end
+    changes = problem.motion.flow is not None and problem.motion.flow.local is not None
     result.series = [
         (time, ({} if changes and time < times[-1] else flow) | _nodal(problem, state))
         for time, state in zip(times, snapshots, strict=True)
@@ -256,16 +368,31 @@ def transient_findings(plan: Plan, line: Line, problem: Any, history: Any, resul
     _outlets(streams(problem, snapshots[-1])[0], result)
 
 
-def front_findings(plan: Plan, snapshots: list[Any], backwards: bool, result: Result) -> None:
-    """Fill in profiles of a bed with tracked fronts; `backwards` if the stream enters at the right end."""
+def front_findings(
+    plan: Plan, snapshots: list[Any], backwards: bool, result: Result
+) -> None:
+    """Fill in profiles of a bed with tracked fronts; `backwards` if the stream
+    enters at the right end.
+    """
     length = plan.scene.mesh.length  # type: ignore[union-attr]
     positions = np.unique(plan.scene.output.positions)
     if not len(positions):
         positions = np.linspace(0.0, length, 1001)
     along = length - positions if backwards else positions
-    fluid, solid = (np.array(part) for part in zip(*(snapshot.at(along) for snapshot in snapshots), strict=True))
+    fluid, solid = (
+        np.array(part)
+        for part in zip(*(snapshot.at(along) for snapshot in snapshots), strict=True)
+    )
     _tell_if_lifted([plan], fluid[-1:], result)
     initial = plan.scene.initial
     T = (plan.medium.T_fluid_in, initial.given("fluid"), initial.given("solid"))
-    _columns(plan, positions, fluid, solid, (min(T), max(T)), [snapshot.time for snapshot in snapshots], result)
+    _columns(
+        plan,
+        positions,
+        fluid,
+        solid,
+        (min(T), max(T)),
+        [snapshot.time for snapshot in snapshots],
+        result,
+    )
     result.qoi |= {"T_fluid_out_K": float(fluid[-1, 0 if backwards else -1])}

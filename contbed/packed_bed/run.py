@@ -1,4 +1,6 @@
-"""Run of a packed or moving bed: flow, then steady or transient heat, or fronts along characteristics."""
+"""Run of a packed or moving bed: flow, then steady or transient heat, or fronts
+along characteristics.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,14 @@ from contbed.balance import Balance
 from contbed.fem.probe import Line, line_along
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.scene import Scene
-from contbed.packed_bed.shared import Solved, check_state, heat_balance, heat_problem, report_flow, solved_flow
+from contbed.packed_bed.shared import (
+    Solved,
+    check_state,
+    heat_balance,
+    heat_problem,
+    report_flow,
+    solved_flow,
+)
 from contbed.result import Result
 
 RESTART_MAY_CHANGE = (
@@ -22,7 +31,13 @@ RESTART_MAY_CHANGE = (
 )
 
 
-def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
+def run(
+    plan: Plan,
+    result: Result,
+    folder: Path | None,
+    quiet: bool,
+    start: tuple[Any, Any] | None,
+) -> None:
     """Solve and fill the result; a steady plan may be refined on the way.
 
     Parameters
@@ -49,7 +64,9 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         return
     flow, estimate = None, None
     for attempt in range(plan.adaptations + 1):
-        better, flow, estimate = on_one_mesh(plan, flow, estimate, attempt == plan.adaptations, result)
+        better, flow, estimate = on_one_mesh(
+            plan, flow, estimate, attempt == plan.adaptations, result
+        )
         if better is None:
             return
         plan = result.plan = better
@@ -57,12 +74,18 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
 
 
 def _line_and_flow(plan: Plan, before: Any, result: Result) -> tuple[Line, Any]:
-    """Return the line of the profiles, and the flow from that on the mesh `before`; None for plug flow."""
+    """Return the line of the profiles, and the flow from that on the mesh `before`;
+    None for plug flow.
+    """
     scene, flow = plan.scene, None
-    plan.policy.check_memory(max(plan.unknowns().values()))  # before a matrix is assembled, which may take most
-    # before anything is solved, as a line that leaves the mesh is a mistake of the scene
+    # before a matrix is assembled, which may take most
+    plan.policy.check_memory(max(plan.unknowns().values()))
+    # before anything is solved, as a line that leaves the mesh is a mistake of the
+    # scene
     line = line_along(plan.mesh, scene.output.positions, scene.output.across)
-    result.warnings += [line.note] if line.note and line.note not in result.warnings else []
+    result.warnings += (
+        [line.note] if line.note and line.note not in result.warnings else []
+    )
     if not plan.plug:
         with result.timed("flow"):
             flow = solved_flow(plan, before, result)
@@ -70,8 +93,11 @@ def _line_and_flow(plan: Plan, before: Any, result: Result) -> tuple[Line, Any]:
     return line, flow
 
 
-def on_one_mesh(plan: Plan, flow: Any, before: Any, last: bool, result: Result) -> tuple[Plan | None, Any, Any]:
-    """Solve a steady scene on the mesh of its plan; report it if that mesh is good enough or the `last` one.
+def on_one_mesh(
+    plan: Plan, flow: Any, before: Any, last: bool, result: Result
+) -> tuple[Plan | None, Any, Any]:
+    """Solve a steady scene on the mesh of its plan; report it if that mesh is good
+    enough or the `last` one.
 
     Parameters
     ----------
@@ -86,14 +112,23 @@ def on_one_mesh(plan: Plan, flow: Any, before: Any, last: bool, result: Result) 
         better, estimate = _better(plan, flow, None, None, before, last, result)
         result.solved = Solved(line, None, None, flow)
     else:
-        better, estimate = _steady(plan, line, heat_problem(plan, flow, result), result, before, last)
+        better, estimate = _steady(
+            plan, line, heat_problem(plan, flow, result), result, before, last
+        )
     return better, flow, estimate
 
 
 def _better(
-    plan: Plan, flow: Any, problem: Any, state: Any, before: Any, last: bool, result: Result
+    plan: Plan,
+    flow: Any,
+    problem: Any,
+    state: Any,
+    before: Any,
+    last: bool,
+    result: Result,
 ) -> tuple[Plan | None, Any]:
-    """Return the plan on a better mesh, None where the errors are small or the mesh is the last one, and the estimate.
+    """Return the plan on a better mesh, None where the errors are small or the mesh is
+    the last one, and the estimate.
 
     `before` is the estimate on the former mesh.
     """
@@ -101,7 +136,11 @@ def _better(
 
     if plan.tensor and (plan.balanced or not plan.adaptations):
         estimate = accuracy.estimated(plan, flow, problem, state, before)
-        if not last and accuracy.exceeded(estimate) and not accuracy.full(estimate, before, plan.most_cells):
+        if (
+            not last
+            and accuracy.exceeded(estimate)
+            and not accuracy.full(estimate, before, plan.most_cells)
+        ):
             return plan.on(accuracy.next_vertices(estimate, plan.most_cells)), estimate
         accuracy.report(plan, estimate, result)
         return None, estimate
@@ -113,15 +152,24 @@ def _better(
     return None, None
 
 
-def steady_balance(problem: Any, state: Any, residual: Any) -> tuple[Any, Any, dict[str, Any]]:
-    """Return heat through boundaries, heat conducted in by prescribed temperatures, and their balance."""
+def steady_balance(
+    problem: Any, state: Any, residual: Any
+) -> tuple[Any, Any, dict[str, Any]]:
+    """Return heat through boundaries, heat conducted in by prescribed temperatures,
+    and their balance.
+    """
     fluxes, reactions = problem.fluxes(state), problem.reactions(residual)
-    balance = heat_balance(fluxes, reactions, problem.source(), 0.0, "W", problem.throughput())
+    balance = heat_balance(
+        fluxes, reactions, problem.source(), 0.0, "W", problem.throughput()
+    )
     return fluxes, reactions, balance
 
 
-def _steady(plan: Plan, line: Line, problem: Any, result: Result, before: Any, last: bool) -> tuple[Plan | None, Any]:
-    """Solve and report; or, on a mesh that may still be bettered and should be, return the plan on a better one.
+def _steady(
+    plan: Plan, line: Line, problem: Any, result: Result, before: Any, last: bool
+) -> tuple[Plan | None, Any]:
+    """Solve and report; or, on a mesh that may still be bettered and should be, return
+    the plan on a better one.
 
     The estimated errors are returned as well; `before` are those on the former mesh.
     """
@@ -135,13 +183,18 @@ def _steady(plan: Plan, line: Line, problem: Any, result: Result, before: Any, l
 
         problem, state = settled(plan, line, problem, state, result)
     with result.timed("results"):
-        better, estimate = _better(plan, problem.motion.flow, problem, state, before, last, result)
+        better, estimate = _better(
+            plan, problem.motion.flow, problem, state, before, last, result
+        )
     if better is not None:
         return better, estimate
     with result.timed("heat"):
         residual, _ = problem.steady(state, False)
         fluxes, reactions, balance = steady_balance(problem, state, residual)
-        if abs(balance["relative_residual"]) > 0.1 * plan.scene.solver.balance_tolerance:
+        if (
+            abs(balance["relative_residual"])
+            > 0.1 * plan.scene.solver.balance_tolerance
+        ):
             state, residual = problem.refined(state, plan.policy)
             fluxes, reactions, balance = steady_balance(problem, state, residual)
     with result.timed("results"):
@@ -168,7 +221,9 @@ def _track_fronts(plan: Plan, result: Result, quiet: bool) -> None:
             plan.mesh.skfem.nelements,
             abs(u) / porosity,
             porosity * medium.fluid.density(300.0) * medium.fluid.heat_capacity(300.0),
-            (1.0 - porosity) * medium.solid.density(300.0) * medium.solid.heat_capacity(300.0),
+            (1.0 - porosity)
+            * medium.solid.density(300.0)
+            * medium.solid.heat_capacity(300.0),
             float(medium.exchange(medium.T_fluid_in, lambda density: abs(u))),
             medium.T_fluid_in,
             _start_of_fronts(scene),
@@ -177,7 +232,9 @@ def _track_fronts(plan: Plan, result: Result, quiet: bool) -> None:
         )
     result.closures = [use.to_dict() for use in medium.ranges()]
     sums = {name: value * plan.section for name, value in sums.items()}
-    result.balances["energy"] = Balance(sums["in"], sums["out"], "J", stored=sums["stored"]).as_dict()
+    result.balances["energy"] = Balance(
+        sums["in"], sums["out"], "J", stored=sums["stored"]
+    ).as_dict()
     front_findings(plan, snapshots, u < 0, result)
 
 

@@ -1,4 +1,5 @@
-"""The vocabulary of a packed bed: every table and key, with unit, bounds and meaning, as frozen pydantic models in SI.
+"""The vocabulary of a packed bed: every table and key, with unit, bounds and meaning,
+as frozen pydantic models in SI.
 
     [mesh]             along the bed, or a plane, a volume, a file
     [gas]              constants, a material, a mixture of Cantera, a fluid of CoolProp; also a liquid
@@ -9,8 +10,9 @@
     [boundary.NAME]    gas.KEY, solids.NAME.KEY, radiation
     [initial], [time]  a transient run; absent: a steady state
 
-A plain number is SI; a string may carry a unit ("3 mm", "100 degC") and is converted here, at the door, so that
-nothing behind it ever sees a unit. A table that is absent means that its physics is absent. Defaults live here only.
+A plain number is SI; a string may carry a unit ("3 mm", "100 degC") and is converted
+here, at the door, so that nothing behind it ever sees a unit. A table that is absent
+means that its physics is absent. Defaults live here only.
 """
 
 from __future__ import annotations
@@ -55,8 +57,12 @@ from contbed.scene.tables import (
 
 
 def dispersion_form(value: Any) -> str:
-    """Return the `form` of a value; a table without a name holds the two conductivities themselves."""
-    nameless = isinstance(value, Dispersion) or (isinstance(value, dict) and "name" not in value)
+    """Return the `form` of a value; a table without a name holds the two
+    conductivities themselves.
+    """
+    nameless = isinstance(value, Dispersion) or (
+        isinstance(value, dict) and "name" not in value
+    )
     return "table" if nameless else form(value)
 
 
@@ -64,23 +70,34 @@ class Dispersion(Table):
     """Constant dispersion conductivities, along and across the flow."""
 
     axial: Conductivity = Field(description="thermal dispersion along the flow")
-    transverse: Conductivity = Field(0.0, description="thermal dispersion across the flow")
+    transverse: Conductivity = Field(
+        0.0, description="thermal dispersion across the flow"
+    )
 
 
-DispersionOrClosure = Annotated[Annotated[Dispersion, Tag("table")] | Named, Discriminator(dispersion_form)]
+DispersionOrClosure = Annotated[
+    Annotated[Dispersion, Tag("table")] | Named, Discriminator(dispersion_form)
+]
 
 
 class Closures(Table):
     """Closures of the bed: a name, a name with parameters, a number, or a file."""
 
-    permeability: PermeabilityOrClosure = Field("permeability_ergun", description="permeability of the bed")
-    forchheimer: NonNegativeOrClosure = Field("forchheimer_ergun", description="inertial drag coefficient c_F")
+    permeability: PermeabilityOrClosure = Field(
+        "permeability_ergun", description="permeability of the bed"
+    )
+    forchheimer: NonNegativeOrClosure = Field(
+        "forchheimer_ergun", description="inertial drag coefficient c_F"
+    )
     nusselt: NonNegativeOrClosure | None = Field(
-        None, description="exchange of heat between particles and gas; needed with a [heat] table"
+        None,
+        description="exchange of heat between particles and gas; needed with a [heat] "
+        "table",
     )
     conductivity_gas: ConductivityOrClosure = Field(
         "conductivity_phase",
-        description="effective, without dispersion; conductivity_phase is eps k_gas; 0 where that of the solids is a "
+        description="effective, without dispersion; conductivity_phase is eps k_gas; 0 "
+        "where that of the solids is a "
         "closure of the whole bed",
         json_schema_extra=takes("conductivity"),
     )
@@ -90,21 +107,31 @@ class Closures(Table):
         json_schema_extra=takes("conductivity"),
     )
     tortuosity: NumberOrClosure | None = Field(
-        None, description="tortuosity parameter G of the cross conduction between the phases; absent means none"
+        None,
+        description="tortuosity parameter G of the cross conduction between the "
+        "phases; absent means none",
     )
-    dispersion: DispersionOrClosure | None = Field(None, description="of heat in the gas; absent means none")
+    dispersion: DispersionOrClosure | None = Field(
+        None, description="of heat in the gas; absent means none"
+    )
 
 
 class Heat(Table):
-    """With this table temperatures are solved: two energy equations, one for each phase."""
+    """With this table temperatures are solved: two energy equations, one for each
+    phase.
+    """
 
 
 class PackedBed(Table):
     """What only a packed bed has."""
 
-    porosity: Fraction = Field(description="share of the gas between particles in the volume of the bed")
+    porosity: Fraction = Field(
+        description="share of the gas between particles in the volume of the bed"
+    )
     reynolds: NonNegative | None = Field(
-        None, description="fixed Reynolds number for the closures instead of the one from velocities and properties"
+        None,
+        description="fixed Reynolds number for the closures instead of the one from "
+        "velocities and properties",
     )
 
 
@@ -113,45 +140,61 @@ class Inside(Table):
 
     heat: Literal["auto", "lumped", "effective", "interior"] = Field(
         "auto",
-        description="one temperature per particle; one with the corrected film coefficient; temperatures inside; "
+        description="one temperature per particle; one with the corrected film "
+        "coefficient; temperatures inside; "
         "auto: the cheapest within solver.accuracy",
     )
     points: Annotated[Whole, Field(ge=2, le=20)] | None = Field(
         None,
-        description="temperatures inside, beside the surface; absent: 3, with auto the fewest within solver.accuracy",
+        description="temperatures inside, beside the surface; absent: 3, with auto the "
+        "fewest within solver.accuracy",
     )
 
 
 class Solid(RadiatingSolid):
-    """A solid phase. One fills the bed; where there are several it is the one with a density."""
+    """A solid phase. One fills the bed; where there are several it is the one with a
+    density.
+    """
 
-    heat_capacity: HeatCapacityOfSolid | None = Field(None, description="needed with a [heat] table")
+    heat_capacity: HeatCapacityOfSolid | None = Field(
+        None, description="needed with a [heat] table"
+    )
     conductivity: ConductivityOfSolid | None = Field(
         None, description="of the particles' material; needed with a [heat] table"
     )
     shape: Literal["spheres", "rods"] = Field(
-        "spheres", description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods"
+        "spheres",
+        description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods",
     )
-    inside: Inside | None = Field(None, description="intraparticle conduction; absent: lumped particles")
+    inside: Inside | None = Field(
+        None, description="intraparticle conduction; absent: lumped particles"
+    )
 
 
 class PhaseCondition(ThermalCondition):
-    """What one phase does at one boundary; without a thermal condition it is adiabatic."""
+    """What one phase does at one boundary; without a thermal condition it is
+    adiabatic.
+    """
 
     velocity: VelocityOrSeries | None = Field(
         None,
-        description="superficial, mean over the boundary, into the bed; a list is a vector, needed with a mesh file; "
+        description="superficial, mean over the boundary, into the bed; a list is a "
+        "vector, needed with a mesh file; "
         "one boundary gives it for the whole bed, absent: at rest",
     )
 
     @property
     def ties(self) -> bool:
-        """Whether a steady temperature is determined by this condition; a heat flux alone leaves it open."""
+        """Whether a steady temperature is determined by this condition; a heat flux
+        alone leaves it open.
+        """
         return self.exchanges_heat and self.heat_flux is None
 
     @property
     def linear(self) -> bool:
-        """Whether the heat that crosses the boundary is linear in the temperature, closures left aside."""
+        """Whether the heat that crosses the boundary is linear in the temperature,
+        closures left aside.
+        """
         return self.emissivity is None
 
 
@@ -167,11 +210,18 @@ Side = Annotated[
 
 
 class Boundary(Table):
-    """Conditions on one named boundary; what is absent is adiabatic, and a frictionless wall for the flow."""
+    """Conditions on one named boundary; what is absent is adiabatic, and a
+    frictionless wall for the flow.
+    """
 
-    type: Side | None = Field(None, description="absent: inlet or outlet by the sign of the velocity, slip on walls")
+    type: Side | None = Field(
+        None,
+        description="absent: inlet or outlet by the sign of the velocity, slip on walls",
+    )
     gas: PhaseCondition | None = Field(None, description="conditions of the gas")
-    solids: dict[str, PhaseCondition] = Field(default_factory=dict, description="of the solid that fills the bed")
+    solids: dict[str, PhaseCondition] = Field(
+        default_factory=dict, description="of the solid that fills the bed"
+    )
     radiation: RadiationCondition | None = Field(None, description="absent: a mirror")
 
     def condition(self, phase: str) -> PhaseCondition | None:
@@ -179,7 +229,9 @@ class Boundary(Table):
         return self.gas if phase == "fluid" else next(iter(self.solids.values()), None)
 
     def thermal(self, phase: str) -> PhaseCondition | None:
-        """Return the thermal condition of a phase, "fluid" or "solid"; None if it is adiabatic."""
+        """Return the thermal condition of a phase, "fluid" or "solid"; None if it is
+        adiabatic.
+        """
         found = self.condition(phase)
         return found if found is not None and found.exchanges_heat else None
 
@@ -189,7 +241,9 @@ class Boundary(Table):
         return self.thermal("fluid") is not None or self.thermal("solid") is not None
 
     def key(self, phase: str) -> tuple[str, ...]:
-        """Return the key of the table of a phase, "fluid" or "solid", below that of the boundary."""
+        """Return the key of the table of a phase, "fluid" or "solid", below that of
+        the boundary.
+        """
         return ("gas",) if phase == "fluid" else ("solids", *list(self.solids)[:1])
 
 
@@ -204,55 +258,91 @@ class Region(Table):
 
     gas: Release = Field(Release(), description="heat that the gas releases")
     solids: Release = Field(Release(), description="heat that the solids release")
-    tubes: Tubes | None = Field(None, description="absorb and emit radiation; with [heat] and [radiation]")
+    tubes: Tubes | None = Field(
+        None, description="absorb and emit radiation; with [heat] and [radiation]"
+    )
 
     def heat_source(self, phase: str) -> float:
-        """Return the heat source of a phase, "fluid" or "solid", per volume of the bed [W/m3]."""
+        """Return the heat source of a phase, "fluid" or "solid", per volume of the
+        bed [W/m3].
+        """
         return (self.gas if phase == "fluid" else self.solids).heat_source
 
 
 class InitialState(Table):
     """State of one phase at the start."""
 
-    temperature: TemperatureOrProfile = Field(description="a number, or a profile from a file")
+    temperature: TemperatureOrProfile = Field(
+        description="a number, or a profile from a file"
+    )
 
 
 class Initial(Table):
     """The state at the start of a transient run."""
 
-    temperature: Temperature | None = Field(None, description="of everything; each phase may have its own")
+    temperature: Temperature | None = Field(
+        None, description="of everything; each phase may have its own"
+    )
     gas: InitialState | None = Field(None, description="initial state of the gas")
-    solids: dict[str, InitialState] = Field(default_factory=dict, description="initial state of the solid by name")
+    solids: dict[str, InitialState] = Field(
+        default_factory=dict, description="initial state of the solid by name"
+    )
 
     def given(self, phase: str) -> Any:
-        """Return the temperature of a phase, "fluid" or "solid", at the start: a number, a profile, or None."""
+        """Return the temperature of a phase, "fluid" or "solid", at the start: a
+        number, a profile, or None.
+        """
         table = self.gas if phase == "fluid" else next(iter(self.solids.values()), None)
         return self.temperature if table is None else table.temperature
 
     def key(self, phase: str) -> tuple[str, ...]:
         """Return the key of the temperature of a phase, "fluid" or "solid"."""
         if phase == "fluid":
-            return ("initial", "gas", "temperature") if self.gas is not None else ("initial", "temperature")
+            return (
+                ("initial", "gas", "temperature")
+                if self.gas is not None
+                else ("initial", "temperature")
+            )
         name = next(iter(self.solids), None)
-        return ("initial", "temperature") if name is None else ("initial", "solids", name, "temperature")
+        return (
+            ("initial", "temperature")
+            if name is None
+            else ("initial", "solids", name, "temperature")
+        )
 
 
 class Time(Table):
     """A transient run; absent means steady."""
 
     end: Seconds = Field(description="time at which the run ends")
-    times: tuple[Instant, ...] = Field((), description="output times; the end is always one")
-    step: Seconds | None = Field(None, description="fixed step; error-controlled if absent")
-    tolerance: Fraction = Field(1e-4, description="local error over the span of temperatures")
-    cycle: CycleSettings | None = Field(
-        None, description="the run is one period of a cyclic steady state; initial temperatures are a guess"
+    times: tuple[Instant, ...] = Field(
+        (), description="output times; the end is always one"
     )
-    checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
+    step: Seconds | None = Field(
+        None, description="fixed step; error-controlled if absent"
+    )
+    tolerance: Fraction = Field(
+        1e-4, description="local error over the span of temperatures"
+    )
+    cycle: CycleSettings | None = Field(
+        None,
+        description="the run is one period of a cyclic steady state; initial "
+        "temperatures are a guess",
+    )
+    checkpoint_every: Seconds = Field(
+        10.0, description="wall-clock time between checkpoints"
+    )
 
 
 def that_fill_the_bed(solids: Mapping[str, Solid]) -> dict[str, Solid]:
-    """Return the solids that may fill a bed: the only one, of several those with a density."""
-    return dict(solids) if len(solids) < 2 else {name: each for name, each in solids.items() if each.density}
+    """Return the solids that may fill a bed: the only one, of several those with a
+    density.
+    """
+    return (
+        dict(solids)
+        if len(solids) < 2
+        else {name: each for name, each in solids.items() if each.density}
+    )
 
 
 def _absent() -> Any:
@@ -266,19 +356,24 @@ class Scene(SceneBase):
     renamed: ClassVar[Mapping[str, str]] = RENAMED
 
     mesh: Mesh
-    # gas and packed_bed are None only in a medium that merely radiates; `checks` sees to it
+    # gas and packed_bed are None only in a medium that merely radiates; `checks` sees
+    # to it
     gas: Gas = Field(default_factory=_absent)
-    solids: dict[str, Solid] = Field(default_factory=dict, description="solid phases by name")
+    solids: dict[str, Solid] = Field(
+        default_factory=dict, description="solid phases by name"
+    )
     packed_bed: PackedBed = Field(default_factory=_absent)
     closures: Closures = Closures()
     heat: Heat | None = None
     radiation: Radiation | None = None
     boundary: dict[str, Boundary] = Field(
         default_factory=dict,
-        description="conditions by name of the boundary; an absent boundary is adiabatic and without friction",
+        description="conditions by name of the boundary; an absent boundary is "
+        "adiabatic and without friction",
     )
     region: dict[str, Region] = Field(
-        default_factory=dict, description="heat sources and tubes by name of the region of the mesh"
+        default_factory=dict,
+        description="heat sources and tubes by name of the region of the mesh",
     )
     initial: Initial = Initial()
     time: Time | None = None
@@ -287,8 +382,14 @@ class Scene(SceneBase):
 
     @property
     def mesh_path(self) -> Path | None:
-        """The mesh file of this scene, found from any working directory; None for a built-in mesh."""
-        return self._origin.base / self.mesh.file if isinstance(self.mesh, MeshFile) else None
+        """The mesh file of this scene, found from any working directory; None for a
+        built-in mesh.
+        """
+        return (
+            self._origin.base / self.mesh.file
+            if isinstance(self.mesh, MeshFile)
+            else None
+        )
 
     @property
     def solid(self) -> Solid:
@@ -302,7 +403,9 @@ class Scene(SceneBase):
         return self.solid.diameter
 
     def with_inside(self, inside: Inside | None) -> Scene:
-        """Return the scene with other intraparticle conduction in the solid that fills the bed."""
+        """Return the scene with other intraparticle conduction in the solid that
+        fills the bed.
+        """
         name = next(iter(that_fill_the_bed(self.solids)))
         solid = self.solids[name].model_copy(update={"inside": inside})
         return self.model_copy(update={"solids": {**self.solids, name: solid}})

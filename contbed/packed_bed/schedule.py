@@ -1,9 +1,12 @@
-"""What changes in the course of a run: temperatures and heat fluxes of boundaries, and velocities, as time series.
+"""What changes in the course of a run: temperatures and heat fluxes of boundaries, and
+velocities, as time series.
 
-A run is cut at every jump of its series and at kinks that are larger than the error of a step allows, so that no time
-step crosses one. Between two cuts velocities are constant, and temperatures and fluxes change linearly or with kinks so
-small that steps pass them; a scene `frozen` at a time has numbers in place of all series. Where steps have one given
-length, or one run is a cycle whose parts charge and discharge the bed, it is cut at every kink.
+A run is cut at every jump of its series and at kinks that are larger than the error of
+a step allows, so that no time step crosses one. Between two cuts velocities are
+constant, and temperatures and fluxes change linearly or with kinks so small that steps
+pass them; a scene `frozen` at a time has numbers in place of all series. Where steps
+have one given length, or one run is a cycle whose parts charge and discharge the bed,
+it is cut at every kink.
 """
 
 from __future__ import annotations
@@ -46,12 +49,15 @@ class Piece:
     """A part of a run in which velocities are constant.
 
     start, end : [s]; first : the scene frozen just after the start
-    others : scenes of which `shares` of a time are added to it, as values less those of the first: the scene just
-        before the end where all is linear in time, else for each series that changes the scene with another value of it
-    ways : of each of these series its key, its samples, the value at the start and the other one; none if all is linear
+    others : scenes of which `shares` of a time are added to it, as values less those of
+        the first: the scene just before the end where all is linear in time, else for
+        each series that changes the scene with another value of it
+    ways : of each of these series its key, its samples, the value at the start and the
+        other one; none if all is linear
     small : sizes of kinks that a step may pass by key, where there are some
     temperatures : all that the series of the run hold [K]
-    jumps : whether a value jumps at the start; flow_since : when the velocities took their values [s]
+    jumps : whether a value jumps at the start; flow_since : when the velocities took
+        their values [s]
     """
 
     start: float
@@ -71,7 +77,9 @@ class Piece:
 
     @property
     def sees(self) -> Callable[[float, float], bool] | None:
-        """Whether a step between two times [s] misses less than is small; None where all is linear in time."""
+        """Whether a step between two times [s] misses less than is small; None where
+        all is linear in time.
+        """
         if not self.ways:
             return None
         from contbed.solvers.timestep import STAGES  # a steady run has no steps
@@ -80,21 +88,39 @@ class Piece:
         return lambda start, end: bent.sees(start, end, STAGES, self.small)
 
     def shares(self, time: float) -> Array:
-        """Return how far values at a time [s] have come from the first to the others (len(others),)."""
+        """Return how far values at a time [s] have come from the first to the others
+        (len(others),).
+        """
         if not self.ways:
             return np.array([(time - self.start) / (self.end - self.start)])
         return np.array(
-            [(samples.at(time, True, self.start) - first) / (other - first) for _, samples, first, other in self.ways]
+            [
+                (samples.at(time, True, self.start) - first) / (other - first)
+                for _, samples, first, other in self.ways
+            ]
         )
 
-    def condition(self, boundary: str, phase: str, shares: Array) -> s.PhaseCondition | None:
-        """Return the thermal condition of one phase on one boundary at shares of the others."""
-        first, *others = (_thermal(each, boundary, phase) for each in (self.first, *self.others))
-        changed = [(share, other) for share, other in zip(shares, others, strict=True) if other != first]
+    def condition(
+        self, boundary: str, phase: str, shares: Array
+    ) -> s.PhaseCondition | None:
+        """Return the thermal condition of one phase on one boundary at shares of the
+        others.
+        """
+        first, *others = (
+            _thermal(each, boundary, phase) for each in (self.first, *self.others)
+        )
+        changed = [
+            (share, other)
+            for share, other in zip(shares, others, strict=True)
+            if other != first
+        ]
         if first is None or not changed:
             return first
         values = {
-            key: start + sum(float(share) * (getattr(other, key) - start) for share, other in changed)
+            key: start
+            + sum(
+                float(share) * (getattr(other, key) - start) for share, other in changed
+            )
             for key in VALUES
             if (start := getattr(first, key)) is not None
         }
@@ -122,29 +148,52 @@ class Schedule(SeriesByKey):
         return cls({path: series.samples(base) for path, series in series_of(boundary)})
 
     def small(self, scene: s.Scene) -> dict[KeyPath, float] | None:
-        """Return the sizes of kinks that a step may pass in a transient scene, None for none of them.
+        """Return the sizes of kinks that a step may pass in a transient scene, None for
+        none of them.
 
-        What errors refer to is here the range of the temperatures that change, with those at the start, and the largest
-        heat flux.
+        What errors refer to is here the range of the temperatures that change, with
+        those at the start, and the largest heat flux.
         """
         time, base = scene.time, scene.origin.base
         if time is None or time.step is not None or time.cycle is not None:
             return None
-        starts = [T for phase in PHASES for T in initial_range(scene.initial.given(phase), phase, base)]
+        starts = [
+            T
+            for phase in PHASES
+            for T in initial_range(scene.initial.given(phase), phase, base)
+        ]
         span = float(np.ptp([*self.temperatures(), *starts]))
-        sizes = {path: float(np.abs(values.values).max()) for path, values in self.samples.items()}
+        sizes = {
+            path: float(np.abs(values.values).max())
+            for path, values in self.samples.items()
+        }
         sizes |= {path: span for path in sizes if path[-1] in KELVIN}
         return self.passed(sizes, time.tolerance)
 
-    def ways(self, start: float, end: float, cuts: Sequence[float]) -> list[tuple[KeyPath, Samples, float, float]]:
-        """Return the series that bend between two cuts, see `Piece`; `cuts` are all jumps and kinks [s]."""
-        inner = cuts[bisect_right(cuts, start * (1.0 + SAME)) : bisect_left(cuts, end * (1.0 - SAME))]
+    def ways(
+        self, start: float, end: float, cuts: Sequence[float]
+    ) -> list[tuple[KeyPath, Samples, float, float]]:
+        """Return the series that bend between two cuts, see `Piece`; `cuts` are all
+        jumps and kinks [s].
+        """
+        inner = cuts[
+            bisect_right(cuts, start * (1.0 + SAME)) : bisect_left(
+                cuts, end * (1.0 - SAME)
+            )
+        ]
         found: list[tuple[KeyPath, Samples, float, float]] = []
         for path, samples in self.samples.items() if inner else ():
             first = samples.at(start)
             values = np.array([samples.at(time, True, start) for time in (*inner, end)])
             if path[-1] != VELOCITY and np.any(values != first):
-                found.append((path, samples, float(first), float(values[np.abs(values - first).argmax()])))
+                found.append(
+                    (
+                        path,
+                        samples,
+                        float(first),
+                        float(values[np.abs(values - first).argmax()]),
+                    )
+                )
         return found
 
     @cached_property
@@ -152,7 +201,9 @@ class Schedule(SeriesByKey):
         """Whether a velocity changes."""
         return any(path[-1] == VELOCITY for path in self.samples)
 
-    def frozen_boundary(self, boundary: dict[str, s.Boundary], time: float, before: bool = False) -> Any:
+    def frozen_boundary(
+        self, boundary: dict[str, s.Boundary], time: float, before: bool = False
+    ) -> Any:
         """Return the [boundary] tables at a time, just after or `before` a jump."""
         found: Any = dict(boundary)
         for path, values in self.samples.items():
@@ -163,11 +214,15 @@ class Schedule(SeriesByKey):
         """Return the scene with the values at a time, just after or `before` a jump."""
         if not self:
             return scene
-        return scene.model_copy(update={"boundary": self.frozen_boundary(scene.boundary, time, before)})
+        return scene.model_copy(
+            update={"boundary": self.frozen_boundary(scene.boundary, time, before)}
+        )
 
     def temperatures(self) -> list[float]:
         """Return all temperatures of the series [K]."""
-        found = (values.values for path, values in self.samples.items() if path[-1] in KELVIN)
+        found = (
+            values.values for path, values in self.samples.items() if path[-1] in KELVIN
+        )
         return [float(T) for values in found for T in values]
 
 
@@ -176,7 +231,9 @@ def _plain(value: Any) -> Any:
     return tuple(value.tolist()) if getattr(value, "ndim", 0) else float(value)
 
 
-def initial_range(value: float | ProfileFile, phase: str, base: Path) -> tuple[float, float]:
+def initial_range(
+    value: float | ProfileFile, phase: str, base: Path
+) -> tuple[float, float]:
     """Return the lowest and highest temperature at the start [K]."""
     if not isinstance(value, ProfileFile):
         return value, value
@@ -185,7 +242,9 @@ def initial_range(value: float | ProfileFile, phase: str, base: Path) -> tuple[f
 
 
 def initial_values(value: float | ProfileFile, phase: str, base: Path, x: Array) -> Any:
-    """Return the initial temperature of a phase, a number or one for each position (n,) [m] along the bed [K]."""
+    """Return the initial temperature of a phase, a number or one for each position
+    (n,) [m] along the bed [K].
+    """
     if not isinstance(value, ProfileFile):
         return value
     positions, T = value.samples(base, f"T_{phase}")

@@ -1,4 +1,6 @@
-"""Checks of what changes in the course of a run: series, initial profiles, and other checks at each of their times."""
+"""Checks of what changes in the course of a run: series, initial profiles, and other
+checks at each of their times.
+"""
 
 from __future__ import annotations
 
@@ -23,14 +25,17 @@ PHASES = ("fluid", "solid")
 NAMES = {"fluid": "gas", "solid": "solid"}
 
 
-def series_are_usable(boundary: Boundaries, time: s.Time | None, see: See, origin: Origin) -> Mistakes:
+def series_are_usable(
+    boundary: Boundaries, time: s.Time | None, see: See, origin: Origin
+) -> Mistakes:
     """Check that series can be read, begin at 0 and last as long as the run."""
     for path, series in series_of(boundary):
         yield from series_is_usable(path, series, time, see, origin)
 
 
 def require_flow(scene: s.Scene) -> None:
-    """Refuse plug flow without [heat], and a flow that changes with time where no-slip walls shape it.
+    """Refuse plug flow without [heat], and a flow that changes with time where no-slip
+    walls shape it.
 
     Raises
     ------
@@ -39,11 +44,16 @@ def require_flow(scene: s.Scene) -> None:
     text = ""
     plug = all(conditions.type != "no_slip" for conditions in scene.boundary.values())
     if plug and scene.heat is None:
-        text = 'nothing to solve: no wall has type = "no_slip" and there is no [heat] table'
+        text = (
+            'nothing to solve: no wall has type = "no_slip" and there is no [heat] '
+            "table"
+        )
     if not plug and any(path[-1] == VELOCITY for path, _ in series_of(scene.boundary)):
         text = (
-            'velocities that change with time are for plug flow, and a wall has type = "no_slip"; make it "slip", or '
-            "run one scene for each velocity, each with the [initial] temperatures from the profiles.csv of the one "
+            "velocities that change with time are for plug flow, and a wall has type = "
+            '"no_slip"; make it "slip", or '
+            "run one scene for each velocity, each with the [initial] temperatures "
+            "from the profiles.csv of the one "
             "before"
         )
     if text:
@@ -51,8 +61,12 @@ def require_flow(scene: s.Scene) -> None:
         raise SceneError(f"{scene.origin.at(parse_key(key))}: {key}: {text}")
 
 
-def initial_profiles_fit_the_bed(initial: s.Initial, mesh: Mesh, see: See, origin: Origin) -> Mistakes:
-    """Check that the files of initial temperatures can be read and lie within the bed."""
+def initial_profiles_fit_the_bed(
+    initial: s.Initial, mesh: Mesh, see: See, origin: Origin
+) -> Mistakes:
+    """Check that the files of initial temperatures can be read and lie within the
+    bed.
+    """
     for phase in PHASES:
         given, key = initial.given(phase), initial.key(phase)
         if not isinstance(given, ProfileFile):
@@ -63,11 +77,17 @@ def initial_profiles_fit_the_bed(initial: s.Initial, mesh: Mesh, see: See, origi
             yield key, str(error)
             continue
         if not isinstance(mesh, MeshFile):
-            yield from outside_of_the_bed(key, given.rows(origin.base), mesh.length, see)
+            yield from outside_of_the_bed(
+                key, given.rows(origin.base), mesh.length, see
+            )
 
 
-def initial_profiles_reach_both_ends(initial: s.Initial, mesh: Mesh, see: See, origin: Origin) -> Mistakes:
-    """Look for files of initial temperatures that leave much of the bed at the value of their first or last row."""
+def initial_profiles_reach_both_ends(
+    initial: s.Initial, mesh: Mesh, see: See, origin: Origin
+) -> Mistakes:
+    """Look for files of initial temperatures that leave much of the bed at the value
+    of their first or last row.
+    """
     if isinstance(mesh, MeshFile):
         return
     for phase in PHASES:
@@ -75,11 +95,15 @@ def initial_profiles_reach_both_ends(initial: s.Initial, mesh: Mesh, see: See, o
         if not isinstance(given, ProfileFile):
             continue
         rows = given.rows(origin.base)
-        yield from short_of_an_end(initial.key(phase), rows, mesh.length, "temperature", see)
+        yield from short_of_an_end(
+            initial.key(phase), rows, mesh.length, "temperature", see
+        )
 
 
 def at_each_time(check: Check) -> Check:
-    """Return a check of a scene whose series are replaced by the values of each of their times, one after another."""
+    """Return a check of a scene whose series are replaced by the values of each of
+    their times, one after another.
+    """
     signature = inspect.signature(check)
     takes_origin = "origin" in signature.parameters
 
@@ -97,7 +121,9 @@ def at_each_time(check: Check) -> Check:
             yield from check(**given)
             return
         said = set()
-        for moment in sorted({float(t) for samples in schedule.samples.values() for t in samples.times}):
+        for moment in sorted(
+            {float(t) for samples in schedule.samples.values() for t in samples.times}
+        ):
             frozen = schedule.frozen_boundary(boundary, moment)
             given["boundary"] = _without_idle_inflow(frozen, given.get("mesh"))
             for mistake in check(**given):
@@ -106,14 +132,20 @@ def at_each_time(check: Check) -> Check:
                     yield mistake
 
     if not takes_origin:
-        extra = inspect.Parameter("origin", inspect.Parameter.KEYWORD_ONLY, annotation=Origin)
-        signature = signature.replace(parameters=[*signature.parameters.values(), extra])
+        extra = inspect.Parameter(
+            "origin", inspect.Parameter.KEYWORD_ONLY, annotation=Origin
+        )
+        signature = signature.replace(
+            parameters=[*signature.parameters.values(), extra]
+        )
     each.__signature__ = signature  # type: ignore[attr-defined]
     return each
 
 
 def _without_idle_inflow(boundary: Boundaries, mesh: Mesh | None) -> Boundaries:
-    """Return the conditions without temperatures of streams that do not enter at the moment."""
+    """Return the conditions without temperatures of streams that do not enter at the
+    moment.
+    """
     if mesh is None or isinstance(mesh, MeshFile):
         return boundary
     found = dict(boundary)
@@ -123,6 +155,12 @@ def _without_idle_inflow(boundary: Boundaries, mesh: Mesh | None) -> Boundaries:
             continue
         for name, table in boundary.items():
             condition = table.condition(phase)
-            if condition is not None and condition.temperature is not None and enters(mesh, velocity, name) != 1:
-                found[name] = with_value(found[name], (*table.key(phase), "temperature"), None)
+            if (
+                condition is not None
+                and condition.temperature is not None
+                and enters(mesh, velocity, name) != 1
+            ):
+                found[name] = with_value(
+                    found[name], (*table.key(phase), "temperature"), None
+                )
     return found

@@ -1,4 +1,6 @@
-"""What steady and transient runs of a packed bed share: flow, problem of the temperatures, balances and checks."""
+"""What steady and transient runs of a packed bed share: flow, problem of the
+temperatures, balances and checks.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +23,12 @@ OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is 
 
 @dataclass(frozen=True)
 class Solved:
-    """What a run has solved: the `flow`, and `problem` and `state` of steady temperatures, None without [heat].
+    """What a run has solved: the `flow`, and `problem` and `state` of steady
+    temperatures, None without [heat].
 
-    `levels` are the sizes of all time steps of a transient from its start, `flows` the numbers of the steps after which
-    the flow was solved anew; one list for each part of the run.
+    `levels` are the sizes of all time steps of a transient from its start, `flows` the
+    numbers of the steps after which the flow was solved anew; one list for each part of
+    the run.
     """
 
     line: Line
@@ -35,20 +39,32 @@ class Solved:
     flows: list[list[int]] | None = None
 
 
-def heat_problem(plan: Plan, flow: Any, result: Result, piece: Piece | None = None, system: Any = None) -> Any:
-    """Return the problem of the temperatures in a flow; `system` is that of an earlier one on this mesh."""
+def heat_problem(
+    plan: Plan,
+    flow: Any,
+    result: Result,
+    piece: Piece | None = None,
+    system: Any = None,
+) -> Any:
+    """Return the problem of the temperatures in a flow; `system` is that of an
+    earlier one on this mesh.
+    """
     from contbed.packed_bed.heat import HeatProblem
     from contbed.packed_bed.heat_coefficients import Motion
 
     with result.timed("heat setup"):
         motion = Motion(plan.velocity, plan.velocity_solid, flow)
-        problem = HeatProblem(plan.solved, plan.mesh, plan.medium, motion, plan.section, piece, system)
+        problem = HeatProblem(
+            plan.solved, plan.mesh, plan.medium, motion, plan.section, piece, system
+        )
     result.warnings += [text for text in problem.idle if text not in result.warnings]
     return problem
 
 
 def solved_flow(plan: Plan, before: Any, result: Result, local: Any = None) -> Any:
-    """Solve for the flow, from the one `before` if there is one, with `local` properties if they vary."""
+    """Solve for the flow, from the one `before` if there is one, with `local`
+    properties if they vary.
+    """
     from contbed.packed_bed.flow import coefficients, solve_flow
 
     scene, options = plan.scene, plan.scene.solver
@@ -75,58 +91,77 @@ def report_flow(plan: Plan, line: Line, flow: Any, result: Result) -> None:
 
     outflow = {name: flow.outflow(name) for name in plan.mesh.boundaries}
     floor = 0.0
-    if "outlet" not in plan.conditions.values():  # nothing crosses walls; what moves between them is the scale
+    # nothing crosses walls; what moves between them is the scale
+    if "outlet" not in plan.conditions.values():
         extents = np.ptp(plan.mesh.skfem.p, axis=1)
-        speed = coefficients(plan.scene, plan.medium, plan.velocity, plan.velocity_solid).speed
+        speed = coefficients(
+            plan.scene, plan.medium, plan.velocity, plan.velocity_solid
+        ).speed
         floor = speed * float(extents.prod() / extents.max())
     balance = Balance.of_fluxes((-v for v in outflow.values()), "m3/s", floor=floor)
     result.balances["fluid volume"] = balance.as_dict()
-    result.nodal |= {"u": (flow.system.fields["u"][0], flow.expanded), "p": (flow.system.fields["p"][0], flow.pressure)}
+    result.nodal |= {
+        "u": (flow.system.fields["u"][0], flow.expanded),
+        "p": (flow.system.fields["p"][0], flow.pressure),
+    }
     flow_findings(plan, line, flow, result)
 
 
-def heat_balance(fluxes: Any, reactions: Any, source: float, stored: float, unit: str, held: float) -> dict[str, Any]:
+def heat_balance(
+    fluxes: Any, reactions: Any, source: float, stored: float, unit: str, held: float
+) -> dict[str, Any]:
     """Return the balance of heat through boundaries and into prescribed temperatures.
 
     `held` is the heat that streams and bed hold, the scale of the balance.
     """
-    parts = [value for flux in fluxes.values() for value in flux.values()] + list(reactions.values())
+    parts = [value for flux in fluxes.values() for value in flux.values()] + list(
+        reactions.values()
+    )
     return Balance.of_fluxes(parts, unit, source, stored, HELD_SHARE * held).as_dict()
 
 
 def _require_physical(phase: str, material: Any, T: Any) -> None:
-    """Raise ConvergenceError for temperatures [K] that no bed can have, or far beyond the data of the material."""
+    """Raise ConvergenceError for temperatures [K] that no bed can have, or far
+    beyond the data of the material.
+    """
     lowest, highest = float(T.min()), float(T.max())
     if lowest <= 0.0:
         raise ConvergenceError(
-            f"T_{phase} falls to {lowest:.4g} K: a source, a flux or a wall takes more heat than the bed holds; "
+            f"T_{phase} falls to {lowest:.4g} K: a source, a flux or a wall takes more "
+            "heat than the bed holds; "
             "this is no steady or reachable state"
         )
     low, high = material.T_range
     span = high - low
     if isfinite(span) and not low - span <= lowest <= highest <= high + span:
         raise ConvergenceError(
-            f"T_{phase} reaches {lowest if lowest < low - span else highest:.4g} K, beyond the properties of "
-            f"{material.name}, {low:.6g} to {high:.6g} K, by more than their whole range: the result would mean nothing"
+            f"T_{phase} reaches {lowest if lowest < low - span else highest:.4g} K, "
+            "beyond the properties of "
+            f"{material.name}, {low:.6g} to {high:.6g} K, by more than their whole "
+            "range: the result would mean nothing"
         )
 
 
 def check_state(plan: Plan, problem: Any, states: list[Any], result: Result) -> None:
-    """Record closure ranges at the last state, and check material ranges and bounds of theta over all states.
+    """Record closure ranges at the last state, and check material ranges and bounds of
+    theta over all states.
 
     Nothing is clipped.
     """
     if not states:
         return
     result.closures = [use.to_dict() for use in plan.medium.ranges()]
-    result.warnings += [outside(closure) for closure in result.closures if closure["share_outside"] > 0]
+    result.warnings += [
+        outside(closure) for closure in result.closures if closure["share_outside"] > 0
+    ]
     for phase in ("fluid", "solid"):
         material = getattr(plan.medium, phase)
         values = problem.system.part(states[-1], f"T_{phase}")
         if (share := material.share_outside(values)) > 0:
             low, high = material.T_range
             result.warnings.append(
-                f"{material.name}: {share:.1%} of the points are outside {low:.6g} to {high:.6g} K, used "
+                f"{material.name}: {share:.1%} of the points are outside {low:.6g} to "
+                f"{high:.6g} K, used "
                 f"{values.min():.6g} to {values.max():.6g} K"
             )
         _require_physical(phase, material, values)
@@ -136,16 +171,27 @@ def check_state(plan: Plan, problem: Any, states: list[Any], result: Result) -> 
     result.qoi["theta_overshoot"] = beyond
     if beyond > OVERSHOOT:
         result.warnings.append(
-            f"theta leaves [0, 1] by {beyond:.2g}: a layer is not resolved; refine the mesh or leave out mesh.cells"
+            f"theta leaves [0, 1] by {beyond:.2g}: a layer is not resolved; refine the "
+            "mesh or leave out mesh.cells"
         )
 
 
 def overshoot(plan: Plan, problem: Any, states: list[Any]) -> float | None:
-    """Return how far theta leaves [0, 1] in any of the states; None where sources or fluxes may take it out."""
+    """Return how far theta leaves [0, 1] in any of the states; None where sources or
+    fluxes may take it out.
+    """
     low, high = problem.T_span
-    has_heat = problem.source() or any(condition.heat_flux for *_, condition in conditions_of(plan.scene.boundary))
+    has_heat = problem.source() or any(
+        condition.heat_flux for *_, condition in conditions_of(plan.scene.boundary)
+    )
     if has_heat or high <= low:
         return None
-    both = [problem.system.part(state, name) for state in states for name in ("T_fluid", "T_solid")]
-    beyond = max(max(float(T.max()) - high, low - float(T.min())) for T in both) / (high - low)
+    both = [
+        problem.system.part(state, name)
+        for state in states
+        for name in ("T_fluid", "T_solid")
+    ]
+    beyond = max(max(float(T.max()) - high, low - float(T.min())) for T in both) / (
+        high - low
+    )
     return float(max(beyond, 0.0))

@@ -1,13 +1,16 @@
-"""Whether a bed whose sides exchange a little heat may be solved in one dimension, without its sides.
+"""Whether a bed whose sides exchange a little heat may be solved in one dimension,
+without its sides.
 
-The heat through the sides is what the streams gain, so that what leaves on average changes by at most
+The heat through the sides is what the streams gain, so that what leaves on average
+changes by at most
 
     error = sum over sides and phases of h (L/e) / min(G c, S c_s)            side with a coefficient h [W/m2/K]
     error = sum over sides and phases of |q| (L/e) / (min(G c, S c_s) dT)     side with a flux q [W/m2]
 
-over the span dT of all given temperatures, ambient ones included: with G c and S c_s the heat capacity flows of the
-fluid and of moving solids [W/m2/K], L/e the area of a side over the cross-section, 2 L/R for a round bed. The first
-holds as no temperature lies outside of those given (maximum principle), the second by the balance alone.
+over the span dT of all given temperatures, ambient ones included: with G c and S c_s
+the heat capacity flows of the fluid and of moving solids [W/m2/K], L/e the area of a
+side over the cross-section, 2 L/R for a round bed. The first holds as no temperature
+lies outside of those given (maximum principle), the second by the balance alone.
 """
 
 from __future__ import annotations
@@ -26,55 +29,88 @@ from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
 
 
 def on_a_line(scene: s.Scene) -> tuple[s.Scene, float] | None:
-    """Return the scene on a line without its sides, and its cross-section [m2]; None where it has no line."""
+    """Return the scene on a line without its sides, and its cross-section [m2]; None
+    where it has no line.
+    """
     return reduced(without_sides(scene))
 
 
-def lines_of(flows: Sequence[s.Scene], medium: Medium, changes: bool) -> tuple[list[tuple[s.Scene, float] | None], str]:
-    """Return the scene of each flow on a line, None where it has none, and the reason or what a line would miss.
+def lines_of(
+    flows: Sequence[s.Scene], medium: Medium, changes: bool
+) -> tuple[list[tuple[s.Scene, float] | None], str]:
+    """Return the scene of each flow on a line, None where it has none, and the reason
+    or what a line would miss.
 
-    `changes` says that values change with time, for which no error is predicted. Sides that exchange heat are left
-    out only where solver.accuracy is stated.
+    `changes` says that values change with time, for which no error is predicted. Sides
+    that exchange heat are left out only where solver.accuracy is stated.
     """
     scene, lines = flows[0], [reduced(each) for each in flows]
     if not scene.solver.reduce:
         return [None for _ in flows], ""
     if all(lines):
-        return list(lines), "plug flow between adiabatic walls varies along the bed only"
+        return list(
+            lines
+        ), "plug flow between adiabatic walls varies along the bed only"
     error = None if changes else error_without_sides(scene, medium)
     if error is None:
         return list(lines), ""
     accuracy = scene.solver.accuracy
-    text = f"heat through the sides changes the outlet by at most {percent(error)} of the temperature span"
+    text = (
+        f"heat through the sides changes the outlet by at most {percent(error)} of "
+        "the temperature span"
+    )
     if accuracy is None:
-        return list(lines), f"{text}; the sides are resolved, as solver.accuracy is not given"
+        return list(
+            lines
+        ), f"{text}; the sides are resolved, as solver.accuracy is not given"
     if error > accuracy:
-        return list(lines), f"{text}, above solver.accuracy = {100.0 * accuracy:g} %: the sides are resolved"
-    return [on_a_line(scene)], f"{text}, within solver.accuracy = {100.0 * accuracy:g} %: solved in 1-D"
+        return (
+            list(lines),
+            f"{text}, above solver.accuracy = {100.0 * accuracy:g} %: the sides are "
+            "resolved",
+        )
+    return [
+        on_a_line(scene)
+    ], f"{text}, within solver.accuracy = {100.0 * accuracy:g} %: solved in 1-D"
 
 
 def without_sides(scene: s.Scene) -> s.Scene:
-    """Return the scene of a built-in mesh with sides that neither exchange heat nor resist the flow."""
+    """Return the scene of a built-in mesh with sides that neither exchange heat nor
+    resist the flow.
+    """
     mesh = scene.mesh
     if isinstance(mesh, MeshFile | MeshLine):
         return scene
     ends = mesh.sides[_axis(mesh)]
-    kept = {name: table for name, table in scene.boundary.items() if name in ends or not _leaves_off(table)}
+    kept = {
+        name: table
+        for name, table in scene.boundary.items()
+        if name in ends or not _leaves_off(table)
+    }
     return scene.model_copy(update={"boundary": kept})
 
 
 def error_without_sides(scene: s.Scene, medium: Medium) -> float | None:
-    """Return the largest error of the mean temperatures that leave, over the span; None where it has no bound.
+    """Return the largest error of the mean temperatures that leave, over the span; None
+    where it has no bound.
 
-    It has none without flow, with sources, radiation, cross conduction, or a side of given temperature.
+    It has none without flow, with sources, radiation, cross conduction, or a side of
+    given temperature.
     """
     mesh = scene.mesh
-    if isinstance(mesh, MeshFile | MeshLine) or scene.heat is None or scene.radiation is not None or scene.region:
+    if (
+        isinstance(mesh, MeshFile | MeshLine)
+        or scene.heat is None
+        or scene.radiation is not None
+        or scene.region
+    ):
         return None
     if scene.closures.tortuosity is not None or on_a_line(scene) is None:
         return None
     fluid, solid = velocities(scene)
-    carried = _carried(medium, float(np.linalg.norm(fluid)), float(np.linalg.norm(solid)))
+    carried = _carried(
+        medium, float(np.linalg.norm(fluid)), float(np.linalg.norm(solid))
+    )
     span = _span(scene)
     if carried is None or span == 0.0:
         return None
@@ -82,15 +118,27 @@ def error_without_sides(scene: s.Scene, medium: Medium) -> float | None:
     extents = mesh.extents
     exchanged = given = 0.0
     for k, names in enumerate(mesh.sides):
-        share = (2.0 if isinstance(mesh, MeshAxisymmetric) else 1.0) * extents[axis] / extents[k]
-        tables = [scene.boundary[name] for name in names if name in scene.boundary and k != axis]
+        share = (
+            (2.0 if isinstance(mesh, MeshAxisymmetric) else 1.0)
+            * extents[axis]
+            / extents[k]
+        )
+        tables = [
+            scene.boundary[name]
+            for name in names
+            if name in scene.boundary and k != axis
+        ]
         for condition in _conditions(tables):
             if condition.heat_flux is not None:
                 given += abs(float(condition.heat_flux)) * share / (carried * span)  # type: ignore[arg-type]  # frozen
             else:
-                wall = medium.wall(condition.coefficient, medium.T_fluid_in, lambda density: relative)
+                wall = medium.wall(
+                    condition.coefficient, medium.T_fluid_in, lambda density: relative
+                )
                 exchanged += float(wall) * share / carried
-    fluxes = given > 0.0 or any(condition.heat_flux for condition in _conditions(scene.boundary.values()))
+    fluxes = given > 0.0 or any(
+        condition.heat_flux for condition in _conditions(scene.boundary.values())
+    )
     return None if exchanged and fluxes else exchanged + given
 
 
@@ -108,15 +156,26 @@ def _leaves_off(table: s.Boundary) -> bool:
     """Return whether a side exchanges heat by coefficients or fluxes alone."""
     if table.radiation is not None or table.type not in (None, "slip"):
         return False
-    return all(each.coefficient is not None or each.heat_flux is not None for each in _conditions([table]))
+    return all(
+        each.coefficient is not None or each.heat_flux is not None
+        for each in _conditions([table])
+    )
 
 
 def _carried(medium: Medium, fluid: float, solid: float) -> float | None:
-    """Return the smaller heat capacity flow of the streams [W/m2/K]; None where nothing flows."""
+    """Return the smaller heat capacity flow of the streams [W/m2/K]; None where
+    nothing flows.
+    """
     T = medium.T_fluid_in
-    found = [medium.mass_flux_scale() * float(medium.fluid.heat_capacity(T)) * fluid] if fluid else []
+    found = (
+        [medium.mass_flux_scale() * float(medium.fluid.heat_capacity(T)) * fluid]
+        if fluid
+        else []
+    )
     if solid:
-        found.append(float(medium.solid.density(T) * medium.solid.heat_capacity(T)) * solid)
+        found.append(
+            float(medium.solid.density(T) * medium.solid.heat_capacity(T)) * solid
+        )
     return min(found, default=None)
 
 

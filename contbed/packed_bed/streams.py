@@ -1,4 +1,6 @@
-"""Streams through the boundaries of a packed bed: mass flows, mean temperatures, outlet temperatures over time."""
+"""Streams through the boundaries of a packed bed: mass flows, mean temperatures,
+outlet temperatures over time.
+"""
 
 from __future__ import annotations
 
@@ -15,31 +17,44 @@ Streams = dict[str, tuple[float, float]]
 
 
 def streams(problem: Any, state: Any) -> tuple[Streams, Streams]:
-    """Return mass flow and mass-weighted mean temperature by phase, of the streams that leave and that enter."""
+    """Return mass flow and mass-weighted mean temperature by phase, of the streams
+    that leave and that enter.
+    """
     sums: dict[tuple[str, bool], list[float]] = {}
     for name, part, wall in sorted(problem.walls, key=lambda item: item[2].name):
         if wall.mass_flux is None:
             continue
-        out = problem.system.integrate(lambda u, o, c=wall: o.dot(c.mass_flux, o.n), [part], state)
+        out = problem.system.integrate(
+            lambda u, o, c=wall: o.dot(c.mass_flux, o.n), [part], state
+        )
         carried = problem.system.integrate(
-            lambda u, o, c=wall: o.dot(c.mass_flux, o.n) * getattr(u, c.name), [part], state
+            lambda u, o, c=wall: o.dot(c.mass_flux, o.n) * getattr(u, c.name),
+            [part],
+            state,
         )
         phase = wall.name.removeprefix("T_")
         condition = problem.build.condition(name, phase)
         if out < 0 and condition is not None and condition.temperature is not None:
-            carried = out * condition.temperature  # conduction makes the bed differ from the stream that enters it
+            # conduction makes the bed differ from the stream that enters it
+            carried = out * condition.temperature
         total = sums.setdefault((phase, out > 0), [0.0, 0.0])
         total[0] += abs(out)
         total[1] += carried if out > 0 else -carried
     leaving, entering = (
-        {phase: (flow, heat / flow) for (phase, leaves), (flow, heat) in sums.items() if leaves == wanted and flow > 0}
+        {
+            phase: (flow, heat / flow)
+            for (phase, leaves), (flow, heat) in sums.items()
+            if leaves == wanted and flow > 0
+        }
         for wanted in (True, False)
     )
     return leaving, entering
 
 
 class Outlets:
-    """Mean temperatures of the streams that leave, step by step; on a line they are those of its end."""
+    """Mean temperatures of the streams that leave, step by step; on a line they are
+    those of its end.
+    """
 
     def __init__(self, problem: Any, state: Any):
         self.problem = problem
@@ -47,18 +62,26 @@ class Outlets:
         if problem.mesh.skfem.dim() == 1:
             leaving, _ = streams(problem, state)
             out = {
-                wall.name.removeprefix("T_"): problem.system.nodes(wall.name, problem.mesh.skfem.boundaries[name])
+                wall.name.removeprefix("T_"): problem.system.nodes(
+                    wall.name, problem.mesh.skfem.boundaries[name]
+                )
                 for name, part, wall in problem.walls
-                if wall.mass_flux is not None and wall.name.removeprefix("T_") in leaving and _leaves(part, wall)
+                if wall.mass_flux is not None
+                and wall.name.removeprefix("T_") in leaving
+                and _leaves(part, wall)
             }
             self.node = {phase: int(nodes[0]) for phase, nodes in out.items()}
 
     def __call__(self, time: float, state: Any) -> tuple[float, ...]:
-        """Return the time [s] and the temperature of each phase [K], NaN for one that does not leave."""
+        """Return the time [s] and the temperature of each phase [K], NaN for one
+        that does not leave.
+        """
         if self.node is not None:
             found = {phase: float(state[node]) for phase, node in self.node.items()}
         else:
-            found = {phase: T for phase, (_, T) in streams(self.problem, state)[0].items()}
+            found = {
+                phase: T for phase, (_, T) in streams(self.problem, state)[0].items()
+            }
         return (time, *(found.get(phase, np.nan) for phase in PHASES))
 
 
@@ -69,5 +92,9 @@ def _leaves(part: Any, wall: Any) -> bool:
 def outlet_table(rows: list[tuple[float, ...]]) -> dict[str, NDArray[np.float64]]:
     """Return the outlet over time by column, without phases that never leave."""
     values = np.array(rows).reshape(len(rows), 1 + len(PHASES)).T
-    columns = {"t [s]": values[0]} | {f"T_{phase}_out [K]": T for phase, T in zip(PHASES, values[1:], strict=True)}
-    return {name: column for name, column in columns.items() if np.isfinite(column).any()}
+    columns = {"t [s]": values[0]} | {
+        f"T_{phase}_out [K]": T for phase, T in zip(PHASES, values[1:], strict=True)
+    }
+    return {
+        name: column for name, column in columns.items() if np.isfinite(column).any()
+    }

@@ -1,9 +1,11 @@
-"""Linear response of a solved steady bed to small changes of its scene: the discrete tangent.
+"""Linear response of a solved steady bed to small changes of its scene: the discrete
+tangent.
 
-Central differences of the results at both ends of a small step have an error of O(h^2), with one solution for each key
-by factors that are found once; see `solvers.tangent`. Mesh topology, elements and quadrature stay as they are; nodes
-move with the lengths of the bed. The flow comes first, then the temperatures in the changed flow; where the fluid
-expands, both in turn until they agree.
+Central differences of the results at both ends of a small step have an error of O(h^2),
+with one solution for each key by factors that are found once; see `solvers.tangent`.
+Mesh topology, elements and quadrature stay as they are; nodes move with the lengths of
+the bed. The flow comes first, then the temperatures in the changed flow; where the
+fluid expands, both in turn until they agree.
 """
 
 from __future__ import annotations
@@ -15,7 +17,13 @@ import numpy as np
 from contbed.errors import ConvergenceError, UnlikeError
 from contbed.fem.probe import Line, line_along
 from contbed.packed_bed import scene as s
-from contbed.packed_bed.flow import Flow, FlowEquations, LocalProperties, coefficients, flow_equations
+from contbed.packed_bed.flow import (
+    Flow,
+    FlowEquations,
+    LocalProperties,
+    coefficients,
+    flow_equations,
+)
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
 from contbed.packed_bed.over_time import transient
@@ -32,10 +40,11 @@ OTHER = "a small change adds or removes a stream or a condition"
 
 
 class Repeated:
-    """A transient run that is repeated on its mesh with its time steps, at both ends of a small step of a key.
+    """A transient run that is repeated on its mesh with its time steps, at both ends of
+    a small step of a key.
 
-    Both runs have the same discretisation, so that their difference is as smooth as the equations; what Newton's method
-    leaves of them allows larger steps than the tangent.
+    Both runs have the same discretisation, so that their difference is as smooth as the
+    equations; what Newton's method leaves of them allows larger steps than the tangent.
     """
 
     step = 1e-4  # relative: Newton's method leaves 1e-10 of the temperatures
@@ -43,10 +52,18 @@ class Repeated:
 
     def __init__(self, result: Result):
         self.plan: Any = result.plan
-        self.flow, self.levels, self.flows = result.solved.flow, result.solved.levels, result.solved.flows
+        self.flow, self.levels, self.flows = (
+            result.solved.flow,
+            result.solved.levels,
+            result.solved.flows,
+        )
 
-    def results(self, below: s.Scene, above: s.Scene) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the named results of two scenes with a key a little below and above that of the solved one."""
+    def results(
+        self, below: s.Scene, above: s.Scene
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the named results of two scenes with a key a little below and above
+        that of the solved one.
+        """
         return self._results(below), self._results(above)
 
     def _results(self, scene: s.Scene) -> dict[str, Any]:
@@ -54,47 +71,82 @@ class Repeated:
         found, flow = Result(plan), None
         line = line_along(plan.mesh, scene.output.positions, scene.output.across)
         if not plan.plug:
-            flow = solved_flow(plan, self.flow if plan.mesh is self.plan.mesh else None, found)
+            flow = solved_flow(
+                plan, self.flow if plan.mesh is self.plan.mesh else None, found
+            )
             report_flow(plan, line, flow, found)
         transient(plan, line, flow, found, None, True, None, self.levels, self.flows)
         return found.qoi
 
 
 class _End:
-    """The discrete problem at a changed value of a key: plan, line of profiles, and what is found of its solution."""
+    """The discrete problem at a changed value of a key: plan, line of profiles, and
+    what is found of its solution.
+    """
 
     def __init__(self, base: Steady, scene: s.Scene):
         self.plan = base.plan.with_values(scene)
         same_mesh = self.plan.mesh is base.plan.mesh
         output = scene.output
-        self.line = base.line if same_mesh else line_along(self.plan.mesh, output.positions, output.across)
+        self.line = (
+            base.line
+            if same_mesh
+            else line_along(self.plan.mesh, output.positions, output.across)
+        )
         self.flow: Flow | None = base.flow
         self.local: LocalProperties | None = None
         self.problem: Any = None
         self.state: Any = base.state
         self.residual: Any = None  # of the steady heat balances, linear in the response
-        # numbering and quadrature are those of the solved bed unless its nodes have moved
-        self.flow_system = base.flow.system if base.flow is not None and same_mesh else None
+        # numbering and quadrature are those of the solved bed unless its nodes have
+        # moved
+        self.flow_system = (
+            base.flow.system if base.flow is not None and same_mesh else None
+        )
         same_measure = same_mesh and self.plan.section == base.plan.section
-        self.heat_system = base.problem.system if base.problem is not None and same_measure else None
+        self.heat_system = (
+            base.problem.system if base.problem is not None and same_measure else None
+        )
 
     def equations(self) -> FlowEquations:
-        """Return the equations of the flow, with properties at the temperatures where these matter."""
+        """Return the equations of the flow, with properties at the temperatures
+        where these matter.
+        """
         plan = self.plan
         if self.flow is not None and self.flow.local is not None:
-            fluid, T = plan.medium.fluid, self.problem.system.part(self.state, "T_fluid")
-            values = plan.medium.mass_flux_scale() / fluid.density(T), fluid.viscosity(T)
+            fluid, T = (
+                plan.medium.fluid,
+                self.problem.system.part(self.state, "T_fluid"),
+            )
+            values = (
+                plan.medium.mass_flux_scale() / fluid.density(T),
+                fluid.viscosity(T),
+            )
             space = self.problem.system.fields["T_fluid"][0]
-            self.local = LocalProperties(space, *(np.broadcast_to(value, T.shape) for value in values))
+            self.local = LocalProperties(
+                space, *(np.broadcast_to(value, T.shape) for value in values)
+            )
         c = coefficients(plan.solved, plan.medium, plan.velocity, plan.velocity_solid)
-        made = flow_equations(plan.mesh, c, plan.velocity, plan.conditions, self.local, self.flow_system)
+        made = flow_equations(
+            plan.mesh, c, plan.velocity, plan.conditions, self.local, self.flow_system
+        )
         self.flow_system = made.system
         return made
 
     def heat(self) -> None:
         """Make the problem of the temperatures in the flow as it is now."""
-        plan, motion = self.plan, Motion(self.plan.velocity, self.plan.velocity_solid, self.flow)
-        self.problem = HeatProblem(plan.solved, plan.mesh, plan.medium, motion, plan.section, system=self.heat_system)
+        plan, motion = (
+            self.plan,
+            Motion(self.plan.velocity, self.plan.velocity_solid, self.flow),
+        )
+        self.problem = HeatProblem(
+            plan.solved,
+            plan.mesh,
+            plan.medium,
+            motion,
+            plan.section,
+            system=self.heat_system,
+        )
         self.heat_system = self.problem.system
 
     def results(self) -> dict[str, Any]:
@@ -103,8 +155,18 @@ class _End:
         if self.flow is not None:
             report_flow(self.plan, self.line, self.flow, result)
         if self.problem is not None:
-            fluxes, reactions, _ = steady_balance(self.problem, self.state, self.residual)
-            steady_findings(self.plan, self.line, self.problem, self.state, fluxes, reactions, result)
+            fluxes, reactions, _ = steady_balance(
+                self.problem, self.state, self.residual
+            )
+            steady_findings(
+                self.plan,
+                self.line,
+                self.problem,
+                self.state,
+                fluxes,
+                reactions,
+                result,
+            )
             beyond = overshoot(self.plan, self.problem, [self.state])
             if beyond is not None:
                 result.qoi["theta_overshoot"] = beyond
@@ -120,12 +182,19 @@ class Steady:
     def __init__(self, result: Result):
         self.plan: Any = result.plan
         self.line: Line = result.solved.line
-        self.problem, self.state, self.flow = result.solved.problem, result.solved.state, result.solved.flow
+        self.problem, self.state, self.flow = (
+            result.solved.problem,
+            result.solved.state,
+            result.solved.flow,
+        )
         self._flow: Response | None = None
         self._heat: Response | None = None
 
-    def results(self, below: s.Scene, above: s.Scene) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the named results of two scenes with a key a little below and above that of the solved one.
+    def results(
+        self, below: s.Scene, above: s.Scene
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the named results of two scenes with a key a little below and above
+        that of the solved one.
 
         Raises
         ------
@@ -147,8 +216,9 @@ class Steady:
     def _coupled(self, ends: list[_End]) -> None:
         """Find the responses of flow and temperatures to each other, in turn.
 
-        The turns are a linear iteration; each starts from the combination of those before that leaves the smallest
-        change (Anderson 1965, doi:10.1145/321296.321305).
+        The turns are a linear iteration; each starts from the combination of those
+        before that leaves the smallest change (Anderson 1965,
+        doi:10.1145/321296.321305).
         """
         tried: list[Any] = []
         found: list[Any] = []
@@ -158,37 +228,54 @@ class Steady:
             self._move_heat(ends)
             after = np.concatenate([end.state for end in ends])
             response = np.abs(ends[1].state - self.state).max()
-            if np.abs(after - before).max() <= max(SETTLED * response, ROUNDING * np.abs(after).max()):
+            if np.abs(after - before).max() <= max(
+                SETTLED * response, ROUNDING * np.abs(after).max()
+            ):
                 return
             tried.append(after - before)
             found.append(after)
             low, high = np.split(_combined(tried, found), 2)
             ends[0].state, ends[1].state = low, high
         raise ConvergenceError(
-            f"the responses of flow and temperatures to a key do not settle in {TURNS} turns; use contbed sweep"
+            f"the responses of flow and temperatures to a key do not settle in {TURNS} "
+            "turns; use contbed sweep"
         )
 
     def _move_flow(self, ends: list[_End]) -> None:
         assert self.flow is not None
         equations = [end.equations() for end in ends]
-        if any(not np.array_equal(one.fixed, equations[0].fixed) for one in equations[1:]):
+        if any(
+            not np.array_equal(one.fixed, equations[0].fixed) for one in equations[1:]
+        ):
             raise UnlikeError(OTHER)
         if self._flow is None:
             middle = flow_equations(
                 self.plan.mesh,
-                coefficients(self.plan.solved, self.plan.medium, self.plan.velocity, self.plan.velocity_solid),
+                coefficients(
+                    self.plan.solved,
+                    self.plan.medium,
+                    self.plan.velocity,
+                    self.plan.velocity_solid,
+                ),
                 self.plan.velocity,
                 self.plan.conditions,
                 self.flow.local,
                 self.flow.system,
             )
             matrix = middle.residual(self.flow.state, True)[1]
-            self._flow = Response(matrix, middle.fixed, self.flow.system.ordered(self.plan.policy))
+            self._flow = Response(
+                matrix, middle.fixed, self.flow.system.ordered(self.plan.policy)
+            )
         starts = [one.with_given(self.flow.state) for one in equations]
-        found = [one.residual(start, False)[0] for one, start in zip(equations, starts, strict=True)]
+        found = [
+            one.residual(start, False)[0]
+            for one, start in zip(equations, starts, strict=True)
+        ]
         states, _ = self._flow.states((starts[0], starts[1]), (found[0], found[1]))
         for end, one, state in zip(ends, equations, states, strict=True):
-            end.flow = Flow(one.system, state, [], end.plan.solved.packed_bed.porosity, end.local)
+            end.flow = Flow(
+                one.system, state, [], end.plan.solved.packed_bed.porosity, end.local
+            )
 
     def _move_heat(self, ends: list[_End]) -> None:
         for end in ends:
@@ -198,15 +285,25 @@ class Steady:
             matrix = self.problem.steady(self.state, True)[1]
             policy = self.problem.system.ordered(self.plan.policy)
             self._heat = Response(matrix, self.problem.fixed, policy)
-        starts = [with_prescribed(self.state, end.problem.fixed, end.problem.fixed_values) for end in ends]
-        found = [end.problem.steady(start, False)[0] for end, start in zip(ends, starts, strict=True)]
-        states, residuals = self._heat.states((starts[0], starts[1]), (found[0], found[1]))
+        starts = [
+            with_prescribed(self.state, end.problem.fixed, end.problem.fixed_values)
+            for end in ends
+        ]
+        found = [
+            end.problem.steady(start, False)[0]
+            for end, start in zip(ends, starts, strict=True)
+        ]
+        states, residuals = self._heat.states(
+            (starts[0], starts[1]), (found[0], found[1])
+        )
         for end, state, residual in zip(ends, states, residuals, strict=True):
             end.state, end.residual = state, residual
 
 
 def _combined(changes: list[Any], states: list[Any]) -> Any:
-    """Return the combination of states, of weights that sum to one, whose changes are the smallest."""
+    """Return the combination of states, of weights that sum to one, whose changes
+    are the smallest.
+    """
     if len(states) == 1:
         return states[0]
     differences = np.array([change - changes[-1] for change in changes[:-1]]).T
@@ -218,16 +315,25 @@ def _combined(changes: list[Any], states: list[Any]) -> Any:
 
 
 def _require_alike(problem: HeatProblem, base: HeatProblem) -> None:
-    """Raise UnlikeError where unknowns, prescribed nodes or the kinds of conditions differ."""
+    """Raise UnlikeError where unknowns, prescribed nodes or the kinds of conditions
+    differ.
+    """
     kinds = [
-        [(name, wall.name, wall.mass_flux is None, wall.inflow is None, wall.crossed) for name, _, wall in one.walls]
+        [
+            (name, wall.name, wall.mass_flux is None, wall.inflow is None, wall.crossed)
+            for name, _, wall in one.walls
+        ]
         for one in (problem, base)
     ]
-    same = problem.system.size == base.system.size and np.array_equal(problem.fixed, base.fixed)
+    same = problem.system.size == base.system.size and np.array_equal(
+        problem.fixed, base.fixed
+    )
     if not same or kinds[0] != kinds[1]:
         raise UnlikeError(OTHER)
 
 
 def of(result: Result) -> Steady | Repeated:
-    """Return what follows a run to other numbers: the tangent of a steady one, repetitions of a transient."""
+    """Return what follows a run to other numbers: the tangent of a steady one,
+    repetitions of a transient.
+    """
     return Steady(result) if result.solved.levels is None else Repeated(result)

@@ -1,4 +1,6 @@
-"""A transient two-energy run: steps, output times, balance over the whole run, checkpoints and restart."""
+"""A transient two-energy run: steps, output times, balance over the whole run,
+checkpoints and restart.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,9 @@ from contbed.scene.toml_lines import Origin
 from contbed.solvers.linear import Policy
 from contbed.solvers.timestep import LEVELS, STAGES, WEIGHTS, Step, level_of, march
 
-ONE_KELVIN = 1.0  # [K] scale of the errors of a bed that only fluxes or sources drive from one temperature
+# [K] scale of the errors of a bed that only fluxes or sources drive from one
+# temperature
+ONE_KELVIN = 1.0
 
 Save = Callable[[dict[str, Any], dict[str, Any]], None]
 
@@ -26,10 +30,11 @@ Save = Callable[[dict[str, Any], dict[str, Any]], None]
 class History:
     """State of a transient run and its integrals over time so far.
 
-    `mean` is the time integral of the state, `reaction` of the heat that prescribed temperatures conduct in by
-    boundary, `flux` of the boundary fluxes where properties or boundary values vary, `gain` of the content; `ranges` is
-    the record of how closures were used, see `Medium.state`; `outlet` holds time and outlet temperatures of each step,
-    see `Outlets`; `levels` are the sizes of the steps of this process.
+    `mean` is the time integral of the state, `reaction` of the heat that prescribed
+    temperatures conduct in by boundary, `flux` of the boundary fluxes where properties
+    or boundary values vary, `gain` of the content; `ranges` is the record of how
+    closures were used, see `Medium.state`; `outlet` holds time and outlet temperatures
+    of each step, see `Outlets`; `levels` are the sizes of the steps of this process.
     """
 
     state: Any
@@ -87,13 +92,20 @@ class History:
             outlet=[tuple(row) for row in arrays["outlet"].tolist()],
             mean=arrays["mean"],
             reaction=arrays["reaction"],
-            flux=dict(zip(meta["flux"], (float(v) for v in arrays["flux"]), strict=True)),
+            flux=dict(
+                zip(meta["flux"], (float(v) for v in arrays["flux"]), strict=True)
+            ),
             gain=float(arrays["sums"][1]),
-            ranges={name: rows for name, rows in arrays.items() if name.startswith("ranges_")},
+            ranges={
+                name: rows
+                for name, rows in arrays.items()
+                if name.startswith("ranges_")
+            },
         )
 
     def fitted(self, time: Time, where: Origin) -> History:
-        """Return the history as if the run had been asked for this end and these output times from its start.
+        """Return the history as if the run had been asked for this end and these output
+        times from its start.
 
         Raises
         ------
@@ -101,28 +113,53 @@ class History:
         """
         if time.end < self.time * (1 - 1e-12):
             text = f"lies before {self.time:g} s, which the checkpoint has reached"
-            raise SceneError(f"{where.at(('time', 'end'))}: time.end = {time.end:g}: {text}")
+            raise SceneError(
+                f"{where.at(('time', 'end'))}: time.end = {time.end:g}: {text}"
+            )
         kept = dict(zip(self.times, self.snapshots, strict=True))
-        passed = [moment for moment in sorted({*time.times, time.end}) if moment <= self.time * (1 + 1e-12)]
-        missing = [moment for moment in passed if moment not in kept and abs(moment - self.time) > 1e-12 * moment]
+        passed = [
+            moment
+            for moment in sorted({*time.times, time.end})
+            if moment <= self.time * (1 + 1e-12)
+        ]
+        missing = [
+            moment
+            for moment in passed
+            if moment not in kept and abs(moment - self.time) > 1e-12 * moment
+        ]
         if missing:
-            text = f"{missing[0]:g} s lies before {self.time:g} s, which the checkpoint has reached, and was not kept"
+            text = (
+                f"{missing[0]:g} s lies before {self.time:g} s, which the "
+                "checkpoint has reached, and was not kept"
+            )
             raise SceneError(f"{where.at(('time', 'times'))}: time.times: {text}")
-        self.times, self.snapshots = passed, [kept.get(moment, self.state) for moment in passed]
+        self.times, self.snapshots = (
+            passed,
+            [kept.get(moment, self.state) for moment in passed],
+        )
         return self
 
     def reactions(self, problem: HeatProblem) -> dict[str, float]:
-        """Return the heat that prescribed temperatures have conducted in so far by boundary [J]."""
+        """Return the heat that prescribed temperatures have conducted in so far by
+        boundary [J].
+        """
         names = problem.mesh.boundaries
-        return dict(zip(names, np.broadcast_to(self.reaction, len(names)).tolist(), strict=True))
+        return dict(
+            zip(names, np.broadcast_to(self.reaction, len(names)).tolist(), strict=True)
+        )
 
     @property
     def size(self) -> float | None:
         """Size of the next step of the present ladder [s]; None before the first."""
-        return None if self.level is None else (self.end - self.origin) * 2.0 ** (self.level - LEVELS)
+        return (
+            None
+            if self.level is None
+            else (self.end - self.origin) * 2.0 ** (self.level - LEVELS)
+        )
 
     def climb(self, end: float, size: float | None = None) -> None:
-        """Begin another ladder of steps from here to `end` [s], the first not longer than `size` [s] if that is given.
+        """Begin another ladder of steps from here to `end` [s], the first not longer
+        than `size` [s] if that is given.
 
         Nothing changes if the present ladder ends there.
         """
@@ -144,10 +181,11 @@ def run_transient(
     levels: Sequence[int] | None = None,
     enough: Callable[[], bool] | None = None,
 ) -> History:
-    """March `history` to `end` [s]; it always holds the last accepted step, whatever happens.
+    """March `history` to `end` [s]; it always holds the last accepted step, whatever
+    happens.
 
-    `levels` are the sizes of all steps of this ladder in a run that is repeated; `enough` says after a step whether to
-    stop there.
+    `levels` are the sizes of all steps of this ladder in a run that is repeated;
+    `enough` says after a step whether to stop there.
     """
     time = problem.scene.time
     assert time is not None
@@ -163,10 +201,19 @@ def run_transient(
         problem.medium.record()
         history.ranges = problem.medium.state()
     for step in steps:
-        after = replace(history, times=[*history.times], snapshots=[*history.snapshots], flux={**history.flux})
+        after = replace(
+            history,
+            times=[*history.times],
+            snapshots=[*history.snapshots],
+            flux={**history.flux},
+        )
         for moment in wanted[len(history.times) :]:
             if moment <= step.end * (1 + 1e-12):
-                _keep(after, moment, step.states[-1] if moment >= step.end else step.at(moment))
+                _keep(
+                    after,
+                    moment,
+                    step.states[-1] if moment >= step.end else step.at(moment),
+                )
         _account(problem, after, step)
         after.state, after.time = step.states[-1], step.end
         after.tick, after.level = step.tick + 2**step.level, step.next_level
@@ -175,7 +222,8 @@ def run_transient(
             problem.medium.record()
             after.ranges = problem.medium.state()
         history.outlet.append(outlets(step.end, step.states[-1]))
-        vars(history).update(vars(after))  # at once, so that an interrupt never leaves half a step
+        # at once, so that an interrupt never leaves half a step
+        vars(history).update(vars(after))
         history.levels.append(step.level)
         advance(step.end)
         if save is not None and clock.monotonic() - saved >= time.checkpoint_every:
@@ -187,14 +235,19 @@ def run_transient(
 
 
 def steps_of(
-    problem: HeatProblem, history: History, policy: Policy, end: float, levels: Sequence[int] | None = None
+    problem: HeatProblem,
+    history: History,
+    policy: Policy,
+    end: float,
+    levels: Sequence[int] | None = None,
 ) -> Iterator[Step]:
     """Return the time steps from the state of `history` to `end` [s]; see `march`."""
     time = problem.scene.time
     assert time is not None
     low, high = problem.T_span
     solver = problem.scene.solver
-    uniform = np.zeros(problem.system.size)  # temperatures count from it, intraparticle modes from 0
+    # temperatures count from it, intraparticle modes from 0
+    uniform = np.zeros(problem.system.size)
     uniform[problem.heats] = low
     return march(
         problem,
@@ -219,8 +272,11 @@ def steps_of(
     )
 
 
-def enter(problem: HeatProblem, history: History, policy: Policy, size: float | None) -> None:
-    """Begin a piece of a run: prescribed temperatures take their values after a jump, and give the heat that it takes.
+def enter(
+    problem: HeatProblem, history: History, policy: Policy, size: float | None
+) -> None:
+    """Begin a piece of a run: prescribed temperatures take their values after a jump,
+    and give the heat that it takes.
 
     `size` is the first step [s] where nothing jumps; None for the shortest.
     """
@@ -233,7 +289,9 @@ def enter(problem: HeatProblem, history: History, policy: Policy, size: float | 
     gain = float(np.sum(given[problem.heats]))
     parts = np.abs(_by_boundary(problem, given[problem.fixed]))
     after = replace(history, state=state, gain=history.gain + gain)
-    after.reaction = after.reaction + gain * parts / max(float(parts.sum()), np.finfo(float).tiny)
+    after.reaction = after.reaction + gain * parts / max(
+        float(parts.sum()), np.finfo(float).tiny
+    )
     after.climb(problem.piece.end, size)
     vars(history).update(vars(after))
 
@@ -248,34 +306,51 @@ def _keep(history: History, time: float, state: Any) -> None:
 
 
 def _account(problem: HeatProblem, history: History, step: Any) -> None:
-    """Add one step to the balance; the weights are those of the method, so the sums close to round-off."""
+    """Add one step to the balance; the weights are those of the method, so the sums
+    close to round-off.
+    """
     weights = [weight * step.size for weight in WEIGHTS]
     history.gain += float(np.sum(step.gain[problem.heats]))
     if len(problem.fixed):
-        supplied = step.gain + sum(w * rate for w, rate in zip(weights, step.rates, strict=True))
-        history.reaction = history.reaction + _by_boundary(problem, supplied[problem.fixed])
-    history.mean = history.mean + sum(w * state for w, state in zip(weights, step.states, strict=True))
+        supplied = step.gain + sum(
+            w * rate for w, rate in zip(weights, step.rates, strict=True)
+        )
+        history.reaction = history.reaction + _by_boundary(
+            problem, supplied[problem.fixed]
+        )
+    history.mean = history.mean + sum(
+        w * state for w, state in zip(weights, step.states, strict=True)
+    )
     if not problem.linear or problem.piece is not None:
         for w, state, share in zip(weights, step.states, STAGES, strict=True):
             problem.at(step.start + share * step.size)
             for name, parts in problem.fluxes(state).items():
                 for kind, value in parts.items():
-                    history.flux[f"{name}.{kind}"] = history.flux.get(f"{name}.{kind}", 0.0) + w * value
+                    history.flux[f"{name}.{kind}"] = (
+                        history.flux.get(f"{name}.{kind}", 0.0) + w * value
+                    )
 
 
 def streamed(history: History) -> float:
-    """Return the heat that streams of the fluid have left in the bed so far, where values change with time [J]."""
+    """Return the heat that streams of the fluid have left in the bed so far, where
+    values change with time [J].
+    """
     return sum(value for key, value in history.flux.items() if key.endswith(".T_fluid"))
 
 
-def integrated_fluxes(problem: HeatProblem, history: History) -> dict[str, dict[str, float]]:
+def integrated_fluxes(
+    problem: HeatProblem, history: History
+) -> dict[str, dict[str, float]]:
     """Return the heat through each boundary over the run [J].
 
     Linear fluxes are those of the mean state times the duration.
     """
     if problem.linear and problem.piece is None:
         fluxes = problem.fluxes(history.mean / history.time)
-        return {name: {kind: value * history.time for kind, value in parts.items()} for name, parts in fluxes.items()}
+        return {
+            name: {kind: value * history.time for kind, value in parts.items()}
+            for name, parts in fluxes.items()
+        }
     out: dict[str, dict[str, float]] = {}
     for key, value in history.flux.items():
         name, kind = key.rsplit(".", 1)

@@ -1,17 +1,21 @@
-"""The inside of a sphere, cylinder or slab by even polynomials: few points, conservative, exact to many digits.
+"""The inside of a sphere, cylinder or slab by even polynomials: few points,
+conservative, exact to many digits.
 
     C dT/dt = k laplacian(T) in the particle,    k dT/dn = q at its surface,    symmetric about the centre
 
-T is a polynomial of degree n in u = (r/R)^2, given by its values at n Jacobi points inside and at the surface. Tested
-with the same polynomials and integrated at these points (Gauss-Radau, exact for all terms),
+T is a polynomial of degree n in u = (r/R)^2, given by its values at n Jacobi points
+inside and at the surface. Tested with the same polynomials and integrated at these
+points (Gauss-Radau, exact for all terms),
 
     C w_i dT_i/dt = -(k/R^2) sum_j K_ij T_j + (s/R) q [i is the surface],    sum w = 1,  sum_i K_ij = 0
 
-so that the mean content sum_i C w_i T_i changes by exactly the flux over the surface, s/R the surface per volume
-(s = 3, 2, 1). At the points inside this is orthogonal collocation.
+so that the mean content sum_i C w_i T_i changes by exactly the flux over the surface,
+s/R the surface per volume (s = 3, 2, 1). At the points inside this is orthogonal
+collocation.
 
-n = 3 is exact to 3e-7 of a step for Bi = 1, better than 20 equal shells; n = 1 is worse than one temperature with a
-corrected film. Source: Villadsen, Stewart, Chem. Eng. Sci. 22 (1967) 1483, doi:10.1016/0009-2509(67)80074-5.
+n = 3 is exact to 3e-7 of a step for Bi = 1, better than 20 equal shells; n = 1 is worse
+than one temperature with a corrected film. Source: Villadsen, Stewart, Chem. Eng. Sci.
+22 (1967) 1483, doi:10.1016/0009-2509(67)80074-5.
 """
 
 from __future__ import annotations
@@ -24,12 +28,14 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 Array = NDArray[np.float64]
-SURFACE_OVER_VOLUME = {"sphere": 3, "cylinder": 2, "slab": 1}  # times R, for a slab half of its thickness
+# times R, for a slab half of its thickness
+SURFACE_OVER_VOLUME = {"sphere": 3, "cylinder": 2, "slab": 1}
 
 
 @dataclass(frozen=True)
 class Interior:
-    """Points, weights and conduction matrix of one particle of unit radius, n points inside and the surface last.
+    """Points, weights and conduction matrix of one particle of unit radius, n points
+    inside and the surface last.
 
     radii : (n + 1,) r/R in increasing order, the last 1
     weights : (n + 1,) of the mean over the volume; they are positive
@@ -43,16 +49,20 @@ class Interior:
     surface: int
 
     def modes(self) -> tuple[Array, Array]:
-        """Return rates (n + 1,) and modes (n + 1, n + 1) with K V = diag(w) V diag(rates), V^T diag(w) V = 1.
+        """Return rates (n + 1,) and modes (n + 1, n + 1) with K V = diag(w) V
+        diag(rates), V^T diag(w) V = 1.
 
-        The first rate is 0, the mean; times k/(C R^2) they are rates of decay in a particle without film [1/s].
+        The first rate is 0, the mean; times k/(C R^2) they are rates of decay in a
+        particle without film [1/s].
         """
         rates, modes = eigh(self.stiffness, np.diag(self.weights))
         rates[0] = 0.0
         return rates, modes
 
     def at_centre(self) -> Array:
-        """Return the weights (n + 1,) that turn values at the points into the value at the centre."""
+        """Return the weights (n + 1,) that turn values at the points into the value
+        at the centre.
+        """
         found: Array = _lagrange(self.radii**2, np.zeros(1))[0]
         return found
 
@@ -69,17 +79,24 @@ def interior(points: int, shape: str = "sphere") -> Interior:
     [0.468849, 0.830224, 1.0]
     """
     if points < 2:
-        raise ValueError(f"{points} point inside of a particle; give 2 or more, or one temperature per particle")
+        raise ValueError(
+            f"{points} point inside of a particle; give 2 or more, or one temperature "
+            "per particle"
+        )
     if shape not in SURFACE_OVER_VOLUME:
-        raise ValueError(f"shape {shape!r} of a particle; known: {', '.join(SURFACE_OVER_VOLUME)}")
-    from scipy.special import roots_jacobi  # particles without an inside do not wait for its import
+        raise ValueError(
+            f"shape {shape!r} of a particle; known: {', '.join(SURFACE_OVER_VOLUME)}"
+        )
+    # particles without an inside do not wait for its import
+    from scipy.special import roots_jacobi
 
     surface = SURFACE_OVER_VOLUME[shape]
     beta = 0.5 * (surface - 2)  # the volume element is u^beta du surface/2
     roots, _ = roots_jacobi(points, 1.0, beta)
     u = np.append(0.5 * (roots + 1.0), 1.0)
     slope = _differentiation(u)
-    # products of slopes have degree 2 n - 2 in u besides the factor 4 u of the gradient: n + 1 Gauss points suffice
+    # products of slopes have degree 2 n - 2 in u besides the factor 4 u of the
+    # gradient: n + 1 Gauss points suffice
     gauss, gauss_weights = roots_jacobi(points + 1, 0.0, beta)
     v, share = 0.5 * (gauss + 1.0), gauss_weights / gauss_weights.sum()
     basis = _lagrange(u, v)
@@ -97,14 +114,18 @@ def _barycentric(x: Array) -> Array:
 
 
 def _lagrange(x: Array, at: Array) -> Array:
-    """Return the values (m, n) of the n Lagrange polynomials of the nodes x at other places."""
+    """Return the values (m, n) of the n Lagrange polynomials of the nodes x at other
+    places.
+    """
     terms = _barycentric(x) / (at[:, None] - x[None, :])
     values: Array = terms / terms.sum(axis=1, keepdims=True)
     return values
 
 
 def _differentiation(x: Array) -> Array:
-    """Return the matrix (n, n) that turns values at the nodes x into slopes there; rows sum to 0."""
+    """Return the matrix (n, n) that turns values at the nodes x into slopes there;
+    rows sum to 0.
+    """
     factors = _barycentric(x)
     differences = x[:, None] - x[None, :]
     np.fill_diagonal(differences, 1.0)

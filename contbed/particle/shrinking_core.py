@@ -1,19 +1,23 @@
-"""Conversion of a particle of constant size: one sharp interface that moves inwards, or grains throughout.
+"""Conversion of a particle of constant size: one sharp interface that moves inwards, or
+grains throughout.
 
-Film, product layer ("ash") and reaction at the interface follow each other; with q = (1 - X)^(1/3), the radius of the
-interface over that of the particle,
+Film, product layer ("ash") and reaction at the interface follow each other; with
+q = (1 - X)^(1/3), the radius of the interface over that of the particle,
 
     t = tau_film X + tau_ash (1 - q)^2 (1 + 2 q) + tau_reaction (1 - q)
     dX/dt = 3 q^2/(3 q^2 tau_film + 6 q (1 - q) tau_ash + tau_reaction)
 
     tau_film = b R n/(3 k_film c),  tau_ash = b R^2 n/(6 D c),  tau_reaction = b R n/(k c)      [s]
 
-b moles of gas per mole of solid, n [mol/m3] solid per volume of particle, c [mol/m3] concentration beyond equilibrium.
-For a reversible first-order reaction c = c_bulk - c_equilibrium and k = k_forward (1 + 1/K).
+b moles of gas per mole of solid, n [mol/m3] solid per volume of particle, c [mol/m3]
+concentration beyond equilibrium. For a reversible first-order reaction
+c = c_bulk - c_equilibrium and k = k_forward (1 + 1/K).
 
-q is the unknown to integrate: it falls at a finite rate down to 0, where X has an end of infinite curvature.
+q is the unknown to integrate: it falls at a finite rate down to 0, where X has an end
+of infinite curvature.
 
-Source: Levenspiel, Chemical Reaction Engineering, 3rd ed. (1999), ch. 25; Szekely, Evans, Sohn, Gas-Solid Reactions
+Source: Levenspiel, Chemical Reaction Engineering, 3rd ed. (1999), ch. 25; Szekely,
+    Evans, Sohn, Gas-Solid Reactions
 (1976), ch. 3 and 4.
 """
 
@@ -24,12 +28,15 @@ from typing import Any
 
 import numpy as np
 
-SMALL = 1e-6  # of the reacting solid that is left, below which fractional powers are straight lines
+# of the reacting solid that is left, below which fractional powers are straight lines
+SMALL = 1e-6
 
 
 @dataclass(frozen=True)
 class Times:
-    """Times for complete conversion if one resistance acted alone [s]; numbers, arrays or dual numbers."""
+    """Times for complete conversion if one resistance acted alone [s]; numbers,
+    arrays or dual numbers.
+    """
 
     film: Any
     ash: Any
@@ -37,7 +44,14 @@ class Times:
 
 
 def times(
-    radius: Any, moles: Any, concentration: Any, *, gas_per_solid: float, film: Any, diffusivity: Any, constant: Any
+    radius: Any,
+    moles: Any,
+    concentration: Any,
+    *,
+    gas_per_solid: float,
+    film: Any,
+    diffusivity: Any,
+    constant: Any,
 ) -> Times:
     """Return the times of the three resistances.
 
@@ -49,10 +63,13 @@ def times(
     gas_per_solid : moles of gas that one mole of solid takes
     film : coefficient of the film [m/s]
     diffusivity : effective, in the product layer [m2/s]
-    constant : of the first-order rate per area of the interface [m/s], (1 + 1/K) times that if it is reversible
+    constant : of the first-order rate per area of the interface [m/s], (1 + 1/K) times
+        that if it is reversible
     """
     demand = gas_per_solid * radius * moles / concentration
-    return Times(demand / (3.0 * film), demand * radius / (6.0 * diffusivity), demand / constant)
+    return Times(
+        demand / (3.0 * film), demand * radius / (6.0 * diffusivity), demand / constant
+    )
 
 
 def time(X: Any, tau: Times) -> Any:
@@ -67,7 +84,9 @@ def time(X: Any, tau: Times) -> Any:
 
 
 def rate(q: Any, tau: Times) -> Any:
-    """Rate of conversion dX/dt [1/s] with the interface at q of the radius; odd, so that a negative rest recovers."""
+    """Rate of conversion dX/dt [1/s] with the interface at q of the radius; odd, so
+    that a negative rest recovers.
+    """
     size = np.abs(q)
     return 3.0 * q * size * per_area(size, tau)
 
@@ -85,15 +104,17 @@ def per_area(q: Any, tau: Times) -> Any:
 def remaining_radius(left: Any, small: float = SMALL) -> Any:
     """Radius of the interface q = left^(1/3) [-] from the share of solid that is left.
 
-    Below `small` it is a straight line through 0, odd, so that a slightly negative rest pulls back.
+    Below `small` it is a straight line through 0, odd, so that a slightly negative rest
+    pulls back.
     """
     return left * (left * left + small * small) ** (-1.0 / 3.0)
 
 
 def grain_rate(left: Any, tau_reaction: Any, small: float = SMALL) -> Any:
-    """Rate dX/dt = 3 left^(2/3)/tau [1/s] of grains that react at their surface, with the share of solid `left`.
+    """Rate dX/dt = 3 left^(2/3)/tau [1/s] of grains that react at their surface, with
+    the share of solid `left`.
 
-    tau_reaction = b r_grain n/(k c), n per volume of grain; the particle's size does not matter. Below `small` the
-    power is a straight line through 0, odd.
+    tau_reaction = b r_grain n/(k c), n per volume of grain; the particle's size does
+    not matter. Below `small` the power is a straight line through 0, odd.
     """
     return 3.0 * left * (left * left + small * small) ** (-1.0 / 6.0) / tau_reaction

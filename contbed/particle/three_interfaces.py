@@ -1,24 +1,30 @@
-"""Reduction of a hematite pellet by H2 or CO: three sharp interfaces, Fe2O3 | Fe3O4 | FeO | Fe, in one sphere.
+"""Reduction of a hematite pellet by H2 or CO: three sharp interfaces, Fe2O3 | Fe3O4 |
+FeO | Fe, in one sphere.
 
-Every interface i at radius X_i R, X_1 <= X_2 <= X_3, takes v_i of the reducing gas, per 4 pi R^2 [mol/m2/s]:
+Every interface i at radius X_i R, X_1 <= X_2 <= X_3, takes v_i of the reducing gas, per
+4 pi R^2 [mol/m2/s]:
 
     v_i = X_i^2 k_i (1 + 1/K_i)(c_i - e_i),    e_i = (c_reducing + c_oxidised)/(1 + K_i)
 
-c_i [mol/m3] is the concentration at interface i. In between the gas diffuses through the products:
+c_i [mol/m3] is the concentration at interface i. In between the gas diffuses through
+the products:
 
     c_1 = c_2 - v_1 b_1,  c_2 = c_3 - (v_1 + v_2) b_2,  c_3 = c - (v_1 + v_2 + v_3) b_3
     b_1 = (1/X_1 - 1/X_2) R/D_1,  b_2 = (1/X_2 - 1/X_3) R/D_2,  b_3 = (1/X_3 - 1) R/D_3 + 1/k_film
 
     d(X_i^3)/dt = -3 v_i/(s_i n_Fe R),     s = 1/6, 1/3, 1 mol gas per mol Fe
 
-The system is solved from the inside, in v_i/X_i^2 and without dividing by X_i^2, so that a core that is gone takes
-nothing and needs no case of its own. Two gases that reduce at once act beside each other: their v_i add.
+The system is solved from the inside, in v_i/X_i^2 and without dividing by X_i^2, so
+that a core that is gone takes nothing and needs no case of its own. Two gases that
+reduce at once act beside each other: their v_i add.
 
-A stage reacts only while there is what it reduces, and goes back only while there is product: its rate constant is
-multiplied by f/(f + guard), f the volume of that layer over the volume within its outer interface. Without this
-X_3 < X_2 occurs below the triple point near 849 K, where Fe3O4 turns to Fe directly.
+A stage reacts only while there is what it reduces, and goes back only while there is
+product: its rate constant is multiplied by f/(f + guard), f the volume of that layer
+over the volume within its outer interface. Without this X_3 < X_2 occurs below the
+triple point near 849 K, where Fe3O4 turns to Fe directly.
 
-Source: Spitzer, Manning, Philbrook, Trans. Metall. Soc. AIME 236 (1966) 726 (three interfaces); constants of Takahashi
+Source: Spitzer, Manning, Philbrook, Trans. Metall. Soc. AIME 236 (1966) 726 (three
+    interfaces); constants of Takahashi
 et al. 1986 as used by Yu et al. 2021 and in a public shaft furnace model.
 """
 
@@ -32,8 +38,11 @@ import numpy as np
 
 R_KINETICS = 8.314e-3  # [kJ/mol/K], with which the constants below were fitted
 CM, CM2 = 1e-2, 1e-4  # [m] and [m2]: constants below are in cm/s and cm2/s
-GAS_PER_IRON = (1.0 / 6.0, 1.0 / 3.0, 1.0)  # mol of reducing gas per mol Fe in each step
-GUARD = 1e-4  # volume of a layer over that within its outer interface at which its stage has half of its rate constant
+# mol of reducing gas per mol Fe in each step
+GAS_PER_IRON = (1.0 / 6.0, 1.0 / 3.0, 1.0)
+# volume of a layer over that within its outer interface at which its stage has half of
+# its rate constant
+GUARD = 1e-4
 THINNEST = 1e-9  # radius over the pellet's below which an interface counts as gone
 
 Three = tuple[Any, Any, Any]
@@ -41,10 +50,12 @@ Three = tuple[Any, Any, Any]
 
 @dataclass(frozen=True)
 class Reduction:
-    """Constants of the three steps with one gas, each a pair (a, b) for exp(a + b/T) or exp(a - E/(R T)).
+    """Constants of the three steps with one gas, each a pair (a, b) for exp(a + b/T) or
+    exp(a - E/(R T)).
 
     equilibrium : K = c_oxidised/c_reducing; b in K
-    rate : forward rate constant per area of the interface [cm/s]; the second number is E in kJ/mol
+    rate : forward rate constant per area of the interface [cm/s]; the second number is
+        E in kJ/mol
     diffusivity : of the reducing gas in Fe3O4, FeO and Fe [cm2/s]; b in K
     """
 
@@ -64,7 +75,9 @@ class Reduction:
 
 @dataclass(frozen=True)
 class Constants:
-    """Equilibrium constants [-], rate constants [m/s] and effective diffusivities [m2/s] of the three steps."""
+    """Equilibrium constants [-], rate constants [m/s] and effective
+    diffusivities [m2/s] of the three steps.
+    """
 
     K: Three
     k: Three
@@ -93,19 +106,25 @@ TAKAHASHI: dict[str, Reduction] = {
 
 @dataclass(frozen=True)
 class Gas:
-    """What surrounds the pellet, per reducing gas: bulk concentrations [mol/m3] and the film's coefficient [m/s]."""
+    """What surrounds the pellet, per reducing gas: bulk concentrations [mol/m3] and
+    the film's coefficient [m/s].
+    """
 
     reducing: Any
     oxidised: Any
     film: Any
 
 
-def interface_rates(X: Three, R: Any, gas: Gas, at: Constants, guard: float = GUARD) -> Three:
-    """Reducing gas taken at each interface per area of the interface, v_i/X_i^2 [mol/m2/s]; negative where it oxidises.
+def interface_rates(
+    X: Three, R: Any, gas: Gas, at: Constants, guard: float = GUARD
+) -> Three:
+    """Reducing gas taken at each interface per area of the interface,
+    v_i/X_i^2 [mol/m2/s]; negative where it oxidises.
 
     Parameters
     ----------
-    X : radii of the three interfaces over the pellet's; they may exceed 1 or each other slightly within an iteration
+    X : radii of the three interfaces over the pellet's; they may exceed 1 or each other
+        slightly within an iteration
     R : radius of the pellet [m]
     gas : bulk concentrations and film
     at : constants at the temperature of the pellet
@@ -120,21 +139,38 @@ def interface_rates(X: Three, R: Any, gas: Gas, at: Constants, guard: float = GU
     forward, backward = _available(X, guard)
     # only signs are read from the first solution: it needs no derivatives
     values = Gas(*(plain(each) for each in (gas.reducing, gas.oxidised, gas.film)))
-    constants = Constants(*(_three([plain(each) for each in three]) for three in (at.K, at.k, at.D)))
-    first = _solve(_three([plain(x) for x in X]), R, values, constants, _three([plain(each) for each in forward]))
-    chosen = [np.where(v >= 0.0, f, b) for v, f, b in zip(first, forward, backward, strict=True)]
+    constants = Constants(
+        *(_three([plain(each) for each in three]) for three in (at.K, at.k, at.D))
+    )
+    first = _solve(
+        _three([plain(x) for x in X]),
+        R,
+        values,
+        constants,
+        _three([plain(each) for each in forward]),
+    )
+    chosen = [
+        np.where(v >= 0.0, f, b)
+        for v, f, b in zip(first, forward, backward, strict=True)
+    ]
     return _solve(X, R, gas, at, _three(chosen))
 
 
-def pellet_rates(X: Three, R: Any, gas: Gas, at: Constants, guard: float = GUARD) -> Three:
-    """Reducing gas taken at each interface per area of the pellet, v_i [mol/m2/s]; see `interface_rates`."""
+def pellet_rates(
+    X: Three, R: Any, gas: Gas, at: Constants, guard: float = GUARD
+) -> Three:
+    """Reducing gas taken at each interface per area of the pellet, v_i [mol/m2/s];
+    see `interface_rates`.
+    """
     w = interface_rates(X, R, gas, at, guard)
     return w[0] * X[0] * X[0], w[1] * X[1] * X[1], w[2] * X[2] * X[2]
 
 
 def oxygen_removed(X: Three) -> Any:
     """Share of the oxygen of Fe2O3 that is gone, 1 - sum_i s_i X_i^3/1.5."""
-    return 1.0 - sum(s * x * x * x for s, x in zip(GAS_PER_IRON, X, strict=True)) / sum(GAS_PER_IRON)
+    return 1.0 - sum(s * x * x * x for s, x in zip(GAS_PER_IRON, X, strict=True)) / sum(
+        GAS_PER_IRON
+    )
 
 
 def iron_shares(X: Three) -> tuple[Any, Any, Any, Any]:
@@ -149,7 +185,9 @@ def plain(value: Any) -> Any:
 
 
 def _available(X: Three, guard: float) -> tuple[Three, Three]:
-    """Return factors of the three rate constants forward and backward by the amounts that can react."""
+    """Return factors of the three rate constants forward and backward by the amounts
+    that can react.
+    """
     x = [np.maximum(radius, THINNEST) for radius in X]
     ratios = (x[0] / x[1], x[1] / x[2], x[2])
     layers = [np.maximum(1.0 - ratio * ratio * ratio, 0.0) for ratio in ratios]
@@ -160,12 +198,15 @@ def _available(X: Three, guard: float) -> tuple[Three, Three]:
 def _solve(X: Three, R: Any, gas: Gas, at: Constants, active: Three) -> Three:
     """Solve for v_i/X_i^2 by elimination from the inside.
 
-    With a_i = X_i^2 h_i, h_i = active_i k_i (1 + 1/K_i), products a b are formed with their powers of X cancelled.
+    With a_i = X_i^2 h_i, h_i = active_i k_i (1 + 1/K_i), products a b are formed with
+    their powers of X cancelled.
     """
     x1, x2, x3 = (np.maximum(x, THINNEST) for x in X)
     total = gas.reducing + gas.oxidised
     e1, e2, e3 = (total / (1.0 + K) for K in at.K)
-    h1, h2, h3 = (f * k * (1.0 + 1.0 / K) for f, k, K in zip(active, at.k, at.K, strict=True))
+    h1, h2, h3 = (
+        f * k * (1.0 + 1.0 / K) for f, k, K in zip(active, at.k, at.K, strict=True)
+    )
     near, far = x1 / x2, x2 / x3  # at most 1, also where a core is gone
     h1 = h1 / (1.0 + h1 * x1 * (1.0 - near) * R / at.D[0])
     s2 = near * near * h1 + h2  # over x2^2, as d2

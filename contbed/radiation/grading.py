@@ -11,11 +11,15 @@ from contbed.radiation.optics import optics
 from contbed.radiation.scene import Radiating, RadiationScene
 from contbed.scene.mesh import MeshFile, MeshLine
 
-OBLIQUE = 0.4  # share of the rate of the most oblique ordinate, 1/mu = (n + 1/2)^2/1.446, that a mesh resolves
+# share of the rate of the most oblique ordinate, 1/mu = (n + 1/2)^2/1.446, that a mesh
+# resolves
+OBLIQUE = 0.4
 
 
 def nodes(scene: RadiationScene) -> list[NDArray[np.float64]] | None:
-    """Return graded coordinates for each direction of a built-in mesh without prescribed cells."""
+    """Return graded coordinates for each direction of a built-in mesh without
+    prescribed cells.
+    """
     mesh, k = scene.mesh, scene.radiation.conductivity or 0.0
     if isinstance(mesh, MeshFile) or (mesh.cells is not None and not mesh.graded):
         return None
@@ -34,30 +38,48 @@ def nodes(scene: RadiationScene) -> list[NDArray[np.float64]] | None:
             fine = scale if mesh.dimension == 2 else 1.0
             along = direction == (1 if mesh.sides[0][0] == "axis" else 0)
             found.append(
-                graded(extent, layers, coarse=extent / (40 if along and mesh.dimension == 3 else 12), scale=fine)
+                graded(
+                    extent,
+                    layers,
+                    coarse=extent / (40 if along and mesh.dimension == 3 else 12),
+                    scale=fine,
+                )
             )
     return found
 
 
-def radiation_layers(scene: Radiating, conductivity: float, direction: int, extent: float) -> Layers:
-    """Return positions and widths of the layers next to radiating boundaries in which radiation varies.
+def radiation_layers(
+    scene: Radiating, conductivity: float, direction: int, extent: float
+) -> Layers:
+    """Return positions and widths of the layers next to radiating boundaries in which
+    radiation varies.
 
-    The rate is sqrt(K_a/D (1 + k_R/k)); the radiative conductivity k_R = 16 sigma T^3 D competes with the
-    `conductivity` k [W/m/K] of the solid.
-    Intensities of the ordinates vary in layers of cosines times the mean free path, whatever the albedo.
+    The rate is sqrt(K_a/D (1 + k_R/k)); the radiative conductivity k_R = 16 sigma T^3 D
+    competes with the `conductivity` k [W/m/K] of the solid. Intensities of the
+    ordinates vary in layers of cosines times the mean free path, whatever the albedo.
     """
     if scene.radiation is None or scene.radiation.level == "rosseland":
         return []
     c, mesh = optics(scene), scene.mesh
     hot = [
-        (table.radiation.temperature or ((table.radiation.radiosity or 0.0) / closures.SIGMA) ** 0.25)
+        (
+            table.radiation.temperature
+            or ((table.radiation.radiosity or 0.0) / closures.SIGMA) ** 0.25
+        )
         for table in scene.boundary.values()
         if table.radiation is not None
     ]
     radiative = closures.conductivity(max(hot, default=0.0), c.diffusion)
-    rate = (c.absorption / c.diffusion * (1.0 + radiative / conductivity if conductivity else 1.0)) ** 0.5
+    rate = (
+        c.absorption
+        / c.diffusion
+        * (1.0 + radiative / conductivity if conductivity else 1.0)
+    ) ** 0.5
     if scene.radiation.level == "ordinates":
-        rate = max(rate, OBLIQUE * (scene.radiation.directions + 0.5) ** 2 / 1.446 * c.extinction)
+        rate = max(
+            rate,
+            OBLIQUE * (scene.radiation.directions + 0.5) ** 2 / 1.446 * c.extinction,
+        )
     if rate == 0.0:
         return []
     layers = []

@@ -16,8 +16,9 @@ from contbed.radiation.scene import Radiating, RadiatingSolid
 class Optics:
     """Absorption, scattering and diffusion coefficient of a medium.
 
-    `active` is K_a [1/m] of species at the temperature that is solved for, or that emit what they absorb; `passive`
-    that of species of given temperature, `emission` is 4 sum K_a sigma T^4 of these [W/m3], `diffusion` is D [m].
+    `active` is K_a [1/m] of species at the temperature that is solved for, or that emit
+    what they absorb; `passive` that of species of given temperature, `emission` is 4
+    sum K_a sigma T^4 of these [W/m3], `diffusion` is D [m].
     """
 
     active: float
@@ -44,13 +45,19 @@ def optics(scene: Radiating) -> Optics:
     if table.absorption is not None or table.scattering is not None:
         temperatures = [table.temperature]
         found = closures.Optics(
-            np.array([table.absorption or 0.0]), np.array([table.scattering or 0.0]), table.anisotropy
+            np.array([table.absorption or 0.0]),
+            np.array([table.scattering or 0.0]),
+            table.anisotropy,
         )
     else:
         solids = 1.0 - scene.packed_bed.porosity
-        temperatures = [item.temperature or table.temperature for item in scene.solids.values()]
+        temperatures = [
+            item.temperature or table.temperature for item in scene.solids.values()
+        ]
         particles = [
-            closures.Species(name, item.volume_share * solids, _size(item), item.emissivity)
+            closures.Species(
+                name, item.volume_share * solids, _size(item), item.emissivity
+            )
             for name, item in scene.solids.items()
         ]
         found = closures.optics(particles, table.correction, table.anisotropy)
@@ -61,7 +68,9 @@ def optics(scene: Radiating) -> Optics:
         passive=sum(k for k, _ in given),
         emission=sum(k * emitted(T) for k, T in given),
         scattering=float(found.scattering_total),
-        diffusion=float(found.diffusion("two_flux" if table.level == "two_flux" else "p1")),
+        diffusion=float(
+            found.diffusion("two_flux" if table.level == "two_flux" else "p1")
+        ),
     )
 
 
@@ -69,4 +78,6 @@ def _size(item: RadiatingSolid) -> float | SizeDistribution:
     if item.diameter is not None:
         return item.diameter
     assert item.sieves is not None
-    return SizeDistribution.from_sieves(item.sieves.apertures, item.sieves.mass_fractions)
+    return SizeDistribution.from_sieves(
+        item.sieves.apertures, item.sieves.mass_fractions
+    )

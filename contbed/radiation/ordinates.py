@@ -1,12 +1,14 @@
-"""A plane stand-alone medium by discrete ordinates: radiative equilibrium, given temperature, conduction.
+"""A plane stand-alone medium by discrete ordinates: radiative equilibrium, given
+temperature, conduction.
 
-Species that neither conduct nor have a temperature emit what they absorb, which is isotropic scattering to the
-ordinates. A conducting medium solves, with the elements of the ordinates and their response G = R e + G0,
+Species that neither conduct nor have a temperature emit what they absorb, which is
+isotropic scattering to the ordinates. A conducting medium solves, with the elements of
+the ordinates and their response G = R e + G0,
 
     -k T'' = K_a,active (G - 4 sigma T^4),   e = sum_m K_a,m sigma T_m^4,   T = T_w on walls of given temperature
 
-by Newton's method over all nodal temperatures; what the radiation loses the medium gains, to round-off.
-Anisotropic scattering enters as K_s (1 - g), as in P1.
+by Newton's method over all nodal temperatures; what the radiation loses the medium
+gains, to round-off. Anisotropic scattering enters as K_s (1 - g), as in P1.
 """
 
 from __future__ import annotations
@@ -29,12 +31,19 @@ from contbed.solvers.newton import newton
 
 
 class OrdinatesProblem:
-    """The scene's medium on a line; the state holds temperatures at the points of a conducting medium."""
+    """The scene's medium on a line; the state holds temperatures at the points of a
+    conducting medium.
+    """
 
     def __init__(self, scene: Radiating, mesh: Mesh, section: float = 1.0):
         table = scene.radiation
         assert table is not None
-        self.scene, self.mesh, self.section, self.optics = scene, mesh, section, optics(scene)
+        self.scene, self.mesh, self.section, self.optics = (
+            scene,
+            mesh,
+            section,
+            optics(scene),
+        )
         self.conductivity = table.conductivity or 0.0
         c = self.optics
         scattering = c.scattering * (1.0 - table.anisotropy)
@@ -45,9 +54,16 @@ class OrdinatesProblem:
             scattering += c.active
         z = np.sort(mesh.skfem.p[0])
         found = {name: surface_of(scene.boundary.get(name)) for name in mesh.boundaries}
-        self.surfaces = [(name, None, surface) for name, surface in found.items() if surface is not None]
+        self.surfaces = [
+            (name, None, surface)
+            for name, surface in found.items()
+            if surface is not None
+        ]
         self.ends = {name: self._end(name, z) for name in mesh.boundaries}
-        walls = {self.ends[name]: Wall(surface.power, surface.emissivity) for name, _, surface in self.surfaces}
+        walls = {
+            self.ends[name]: Wall(surface.power, surface.emissivity)
+            for name, _, surface in self.surfaces
+        }
         degree = scene.solver.degree
         self.bed = Ordinates(
             z,
@@ -65,8 +81,16 @@ class OrdinatesProblem:
             self.response, _ = self.bed.response()
             self.mass = self.bed.mass_matrix()
             self.stiffness = self._stiffness()
-        wanted = {end: scene.boundary[name].radiation for name, end in self.ends.items() if end in walls}
-        given = {end: condition.temperature for end, condition in wanted.items() if condition and condition.temperature}
+        wanted = {
+            end: scene.boundary[name].radiation
+            for name, end in self.ends.items()
+            if end in walls
+        }
+        given = {
+            end: condition.temperature
+            for end, condition in wanted.items()
+            if condition and condition.temperature
+        }
         self.fixed_values = given if self.conductivity else {}
 
     def _end(self, name: str, z: Any) -> int:
@@ -75,18 +99,24 @@ class OrdinatesProblem:
         return 0 if grid.p[0, grid.facets[0, grid.boundaries[name][0]]] == z[0] else -1
 
     def _stiffness(self) -> Any:
-        """Return the conduction matrix, dense like the response; its rows sum to zero."""
+        """Return the conduction matrix, dense like the response; its rows sum to
+        zero.
+        """
         bed = self.bed
         matrix = np.zeros((len(bed.points), len(bed.points)))
         ones = np.ones((len(bed.width), len(bed.element.weights)))
-        for cell, block in zip(bed.index, bed.element.stiffness(bed.width, ones), strict=True):
+        for cell, block in zip(
+            bed.index, bed.element.stiffness(bed.width, ones), strict=True
+        ):
             matrix[np.ix_(cell, cell)] += self.conductivity * block
         return matrix
 
     @property
     def fixed(self) -> Any:
         """Numbers of the points with the temperature of a wall."""
-        return np.array([end % len(self.bed.points) for end in self.fixed_values], dtype=np.int64)
+        return np.array(
+            [end % len(self.bed.points) for end in self.fixed_values], dtype=np.int64
+        )
 
     def _emission(self, T: Any) -> Any:
         """Return e = sum K_a,m sigma T_m^4 at the points [W/m3]."""
@@ -104,7 +134,9 @@ class OrdinatesProblem:
         if not jacobian:
             return residual, None
         slope = 16.0 * SIGMA * state**3
-        exchange = self.mass @ (K * (np.eye(len(state)) - 0.25 * K * self.response) * slope)
+        exchange = self.mass @ (
+            K * (np.eye(len(state)) - 0.25 * K * self.response) * slope
+        )
         return residual, csc_matrix(section * (self.stiffness + exchange))
 
     def solve(self, policy: Policy) -> tuple[Any, list[float]]:
@@ -129,7 +161,8 @@ class OrdinatesProblem:
             lower=0.0,
             what="radiation",
         )
-        # one step with the matrix of the solution itself closes the balance to round-off
+        # one step with the matrix of the solution itself closes the balance to
+        # round-off
         residual, matrix = self.assemble(state, True)
         residual[self.fixed] = 0.0
         return state - Solver(constrain(matrix, self.fixed), policy)(residual), history
@@ -143,7 +176,11 @@ class OrdinatesProblem:
         """Return the radiation field of a state; the last one is kept."""
         key = state.tobytes()
         if key not in self._fields:
-            emission = self._emission(state) if self.conductivity else 0.25 * self.optics.emission
+            emission = (
+                self._emission(state)
+                if self.conductivity
+                else 0.25 * self.optics.emission
+            )
             self._fields = {key: self.bed.solve(emission)}
         return self._fields[key]
 
@@ -151,13 +188,21 @@ class OrdinatesProblem:
         """Return the net emission at the points, q' [W/m3]."""
         c = self.optics
         net = c.emission - c.passive * field.G
-        return net - radiation.absorbed(state, field.G, c.active) if self.conductivity else net
+        return (
+            net - radiation.absorbed(state, field.G, c.active)
+            if self.conductivity
+            else net
+        )
 
     def _nodal(self, values: Any) -> Any:
-        """Interpolate values at the points of the ordinates (Lobatto) to the equispaced nodes of the space."""
+        """Interpolate values at the points of the ordinates (Lobatto) to the
+        equispaced nodes of the space.
+        """
         element, nodes = self.bed.element, self.space.element.nodes[:, 0]
         lattice = np.sort(nodes)
-        table = np.linalg.solve(np.vander(element.points).T, np.vander(lattice, len(lattice)).T).T
+        table = np.linalg.solve(
+            np.vander(element.points).T, np.vander(lattice, len(lattice)).T
+        ).T
         local = values[self.bed.index] @ table.T
         out = np.empty(self.space.size)
         out[self._order] = np.append(local[:, :-1].ravel(), local[-1, -1])
@@ -175,7 +220,10 @@ class OrdinatesProblem:
         if self.conductivity:
             return self._nodal(state)
         if self.optics.passive and not self.optics.active:
-            return np.full(self.space.size, power_temperature(self.optics.emission / (4.0 * self.optics.passive)))
+            return np.full(
+                self.space.size,
+                power_temperature(self.optics.emission / (4.0 * self.optics.passive)),
+            )
         return power_temperature(self.incident(state) / 4.0)
 
     def flux(self, state: Any, probe: Any) -> Any:
@@ -197,17 +245,28 @@ class OrdinatesProblem:
         """Return the radiation into the bed through each boundary [W]."""
         q = self.field(state).q
         inward = {0: q[0], -1: -q[-1]}
-        return {name: self.section * float(inward[end]) for name, end in self.ends.items()}
+        return {
+            name: self.section * float(inward[end]) for name, end in self.ends.items()
+        }
 
     def conducted(self, residual: Any) -> dict[str, float]:
-        """Return the heat that walls conduct into the medium [W], from an unconstrained residual."""
-        return {name: float(residual[end]) if end in self.fixed_values else 0.0 for name, end in self.ends.items()}
+        """Return the heat that walls conduct into the medium [W], from an
+        unconstrained residual.
+        """
+        return {
+            name: float(residual[end]) if end in self.fixed_values else 0.0
+            for name, end in self.ends.items()
+        }
 
     def rounding(self, state: Any) -> float:
-        """Return what the last digit of the temperatures makes of conducted and emitted heat, over all points [W]."""
+        """Return what the last digit of the temperatures makes of conducted and
+        emitted heat, over all points [W].
+        """
         if not self.conductivity:
             return 0.0
-        parts = np.abs(self.stiffness) @ np.abs(state) + self.mass @ (self.optics.active * radiation.emitted(state))
+        parts = np.abs(self.stiffness) @ np.abs(state) + self.mass @ (
+            self.optics.active * radiation.emitted(state)
+        )
         return self.section * float(np.finfo(float).eps * np.linalg.norm(parts))
 
     def released(self, state: Any) -> float:

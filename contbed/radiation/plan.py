@@ -1,4 +1,6 @@
-"""Plan of a stand-alone radiating medium: mesh, level of the radiation, what is left out."""
+"""Plan of a stand-alone radiating medium: mesh, level of the radiation, what is left
+out.
+"""
 
 from __future__ import annotations
 
@@ -8,30 +10,50 @@ from contbed.mesh.build import build, moved, require_names
 from contbed.mesh.mesh import Mesh
 from contbed.plan_text import plan_text
 from contbed.radiation.grading import nodes
-from contbed.radiation.scene import FEWEST, MOST, MOST_CONDUCTING, Radiation, RadiationScene
+from contbed.radiation.scene import (
+    FEWEST,
+    MOST,
+    MOST_CONDUCTING,
+    Radiation,
+    RadiationScene,
+)
 from contbed.scene.mesh import MeshLine
 from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
 
 NAMES = {"p1": "P1", "two_flux": "two-flux"}
-ADVICE = 'error up to 15 %. Set radiation.level = "ordinates" to meet solver.tolerance at little more cost in 1-D'
+ADVICE = (
+    'error up to 15 %. Set radiation.level = "ordinates" to meet solver.tolerance '
+    "at little more cost in 1-D"
+)
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The scene as written (`scene`), the scene at the level that is solved (`solved`), the mesh and the choices."""
+    """The scene as written (`scene`), the scene at the level that is solved
+    (`solved`), the mesh and the choices.
+    """
 
     scene: RadiationScene
     solved: RadiationScene
     mesh: Mesh
     built: tuple[tuple[str, str], ...]
-    skipped: tuple[tuple[str, str], ...] = (("porous flow", "[radiation] alone"), ("two-energy", "no [heat] table"))
+    skipped: tuple[tuple[str, str], ...] = (
+        ("porous flow", "[radiation] alone"),
+        ("two-energy", "no [heat] table"),
+    )
     steps: bool = False
 
     @property
     def without_ranks(self) -> str:
-        """What the scene has that does not run on several ranks, as text; empty if there is nothing."""
-        return "discrete ordinates on a line" if self.solved.radiation.level == "ordinates" else ""
+        """What the scene has that does not run on several ranks, as text; empty if
+        there is nothing.
+        """
+        return (
+            "discrete ordinates on a line"
+            if self.solved.radiation.level == "ordinates"
+            else ""
+        )
 
     @property
     def coordinate(self) -> str:
@@ -46,31 +68,56 @@ class Plan:
         return replace(policy(self.mesh, self.scene.solver.memory_GB), multigrid=True)
 
     def unknowns(self) -> dict[str, int]:
-        """Return the number of unknowns: G or the intensities, and the temperature where the medium conducts."""
+        """Return the number of unknowns: G or the intensities, and the temperature
+        where the medium conducts.
+        """
         from contbed.fem.elements import Space
 
         table = self.solved.radiation
         directions = table.directions if table.level == "ordinates" else 1
         conducting = table.level != "rosseland" and bool(table.conductivity)
-        return {"radiation": (directions + conducting) * Space(self.mesh.skfem, self.scene.solver.degree).size}
+        return {
+            "radiation": (directions + conducting)
+            * Space(self.mesh.skfem, self.scene.solver.degree).size
+        }
 
     def with_values(self, scene: RadiationScene) -> Plan:
-        """Return the plan of a scene with other numbers, at the level and on the cells of this one.
+        """Return the plan of a scene with other numbers, at the level and on the cells
+        of this one.
 
         The nodes move with the lengths of the medium.
         """
-        level = scene.radiation.model_copy(update={"level": self.solved.radiation.level})
+        level = scene.radiation.model_copy(
+            update={"level": self.solved.radiation.level}
+        )
         solved = scene.model_copy(update={"radiation": level})
-        return replace(self, scene=scene, solved=solved, mesh=moved(self.mesh, self.solved.mesh, scene.mesh))
+        return replace(
+            self,
+            scene=scene,
+            solved=solved,
+            mesh=moved(self.mesh, self.solved.mesh, scene.mesh),
+        )
 
     def with_more_ordinates(self) -> Plan | None:
-        """Return the plan with twice the ordinates on a mesh for them; None where their number is given or enough."""
+        """Return the plan with twice the ordinates on a mesh for them; None where
+        their number is given or enough.
+        """
         table = self.solved.radiation
         now = table.directions
-        if table.level != "ordinates" or self.scene.radiation.ordinates is not None or now >= most(table):
+        if (
+            table.level != "ordinates"
+            or self.scene.radiation.ordinates is not None
+            or now >= most(table)
+        ):
             return None
-        scene = self.solved.model_copy(update={"radiation": table.model_copy(update={"ordinates": 2 * now})})
-        return replace(self, solved=scene, mesh=build(scene.mesh, nodes(scene), str(scene.origin.base)))
+        scene = self.solved.model_copy(
+            update={"radiation": table.model_copy(update={"ordinates": 2 * now})}
+        )
+        return replace(
+            self,
+            solved=scene,
+            mesh=build(scene.mesh, nodes(scene), str(scene.origin.base)),
+        )
 
     def __str__(self) -> str:
         return plan_text(self, advice(self.unknowns(), self.policy))
@@ -97,10 +144,16 @@ def plan(scene: RadiationScene) -> Plan:
     elif table.temperature:
         how = f"{level_name(table)}, medium of given temperature"
     else:
-        how = f"{level_name(table)}, medium {'conducting' if table.conductivity else 'in radiative equilibrium'}"
+        how = (
+            f"{level_name(table)}, medium "
+            f"{'conducting' if table.conductivity else 'in radiative equilibrium'}"
+        )
     if table.level in NAMES and isinstance(scene.mesh, MeshLine):
         how += f"; {ADVICE}"
-    built = ((f"mesh, {mesh.skfem.dim()}-D", cells), ("radiation", f"{how}; {thick}" if thick else how))
+    built = (
+        (f"mesh, {mesh.skfem.dim()}-D", cells),
+        ("radiation", f"{how}; {thick}" if thick else how),
+    )
     return Plan(written, scene, mesh, built)
 
 
@@ -112,5 +165,8 @@ def most(table: Radiation) -> int:
 def level_name(table: Radiation) -> str:
     """Return the name of a level other than Rosseland's in words."""
     if table.level == "ordinates" and table.ordinates is None:
-        return f"{FEWEST} + {FEWEST} ordinates, doubled until solver.tolerance is met, {most(table)} of each at most"
+        return (
+            f"{FEWEST} + {FEWEST} ordinates, doubled until solver.tolerance is met, "
+            f"{most(table)} of each at most"
+        )
     return NAMES.get(table.level, f"{table.ordinates} + {table.ordinates} ordinates")

@@ -22,12 +22,18 @@ def fill(
     conducted: dict[str, float],
     result: Result,
 ) -> None:
-    """Fill in temperature, G and radiative flux along the axis, and the heat through each boundary.
+    """Fill in temperature, G and radiative flux along the axis, and the heat through
+    each boundary.
 
-    Between two plates also the dimensionless flux q/(sigma (T1^4 - T2^4)) and the temperature slip 1 - Phi(0).
+    Between two plates also the dimensionless flux q/(sigma (T1^4 - T2^4)) and the
+    temperature slip 1 - Phi(0).
     """
     positions, probe = line.positions, line.probe
-    space, G, temperature = problem.space, problem.incident(state), problem.temperature(state)
+    space, G, temperature = (
+        problem.space,
+        problem.incident(state),
+        problem.temperature(state),
+    )
     result.profiles = {
         header(plan.coordinate): positions,
         "T_solid [K]": probe(space, temperature),
@@ -37,8 +43,13 @@ def fill(
     result.nodal |= {"G": (space, G), "T_solid": (space, temperature)}
     optics = problem.optics
     extent = float(np.ptp(plan.mesh.skfem.p[plan.mesh.axis]))
-    result.qoi |= {"optical_thickness": optics.extinction * extent, "albedo": optics.scattering / optics.extinction}
-    result.qoi |= {f"heat_{name}_W": value + conducted[name] for name, value in fluxes.items()}
+    result.qoi |= {
+        "optical_thickness": optics.extinction * extent,
+        "albedo": optics.scattering / optics.extinction,
+    }
+    result.qoi |= {
+        f"heat_{name}_W": value + conducted[name] for name, value in fluxes.items()
+    }
     result.units |= power_units(result.qoi, plan.scene.mesh)
     plates = [surface.power for _, _, surface in problem.surfaces]
     if plan.mesh.skfem.dim() == 1 and len(plates) == 2 and plates[0] != plates[1]:
@@ -48,4 +59,6 @@ def fill(
         low = plan.mesh.skfem.boundaries[first]
         here = float(G[space.on_facets(low)[0]])
         result.qoi["temperature_slip"] = 1.0 - (here / 4.0 - plates[1]) / span
-        result.qoi["flux_over_emissive_power"] = (fluxes[first] + conducted[first]) / max(plates)
+        result.qoi["flux_over_emissive_power"] = (
+            fluxes[first] + conducted[first]
+        ) / max(plates)

@@ -1,8 +1,10 @@
-"""Radiation in thick beds as heat conduction: when to choose it, and a conducting stand-alone medium.
+"""Radiation in thick beds as heat conduction: when to choose it, and a conducting
+stand-alone medium.
 
     -div((k + 16 sigma T^3 D) grad T) = 0,   T = T_w on walls        (all particles have the temperature T)
 
-What it leaves out is the temperature slip at walls, a resistance of about a mean free path.
+What it leaves out is the temperature slip at walls, a resistance of about a mean free
+path.
 """
 
 from __future__ import annotations
@@ -26,23 +28,37 @@ Scene = TypeVar("Scene", bound=Any)
 
 
 def choose(scene: Scene) -> tuple[Scene, str]:
-    """Return the scene, with the Rosseland level where it is allowed and accurate enough, and the reason."""
+    """Return the scene, with the Rosseland level where it is allowed and accurate
+    enough, and the reason.
+    """
     table = scene.radiation
-    if table is None or not table.allow_rosseland or table.level not in ("p1", "two_flux"):
+    if (
+        table is None
+        or not table.allow_rosseland
+        or table.level not in ("p1", "two_flux")
+    ):
         return scene, ""
     conducts = scene.heat is not None or bool(table.conductivity)
     if not conducts or walls_without_solid_temperature(scene.heat, scene.boundary):
-        return scene, "Rosseland needs conduction and the solid at the temperature of its walls"
+        return (
+            scene,
+            "Rosseland needs conduction and the solid at the temperature of its walls",
+        )
     if any(item.temperature is not None for item in scene.solids.values()):
         return scene, "Rosseland has no solids of given temperature"
     if isinstance(scene.mesh, MeshFile):
         return scene, "Rosseland is not estimated on a mesh from a file"
     if scene.heat is not None and solids_move(scene.boundary):
         return scene, f"Rosseland {MOVES}"
-    thick = scene.model_copy(update={"radiation": table.model_copy(update={"level": "rosseland"})})
+    thick = scene.model_copy(
+        update={"radiation": table.model_copy(update={"level": "rosseland"})}
+    )
     error = estimate(thick, scene.mesh)
     most = allowed(scene.solver)
-    text = f"predicted error of Rosseland {100.0 * error:.2g} %, allowed {100.0 * most:g} %"
+    text = (
+        f"predicted error of Rosseland {100.0 * error:.2g} %, allowed "
+        f"{100.0 * most:g} %"
+    )
     return (thick if error <= most else scene), text
 
 
@@ -55,14 +71,18 @@ class RosselandProblem(RadiationProblem):
         self.scene, self.mesh, self.optics = scene, mesh, optics(scene)
         self.conductivity = table.conductivity or 0.0
         degree = scene.solver.degree
-        self.system = make_system(mesh, {"T_solid": (degree, 0)}, 2 * degree + 3, section)
+        self.system = make_system(
+            mesh, {"T_solid": (degree, 0)}, 2 * degree + 3, section
+        )
         self.surfaces = surfaces(scene, mesh, self.system)
         self.forms = [(self._conduction, self.system.cells, None)]
         self.fixed, self.fixed_values, self.fixed_owner = self._fixed()
 
     def _conduction(self, unknowns: Any, tests: Any, c: Any, o: Any) -> Any:
         T = unknowns.T_solid
-        return (self.conductivity + conductivity(T, self.optics.diffusion)) * o.dot(o.grad(T), o.grad(tests.T_solid))
+        return (self.conductivity + conductivity(T, self.optics.diffusion)) * o.dot(
+            o.grad(T), o.grad(tests.T_solid)
+        )
 
     def start(self) -> Any:
         """Return the mean of the temperatures of the walls."""

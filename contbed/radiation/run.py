@@ -1,4 +1,6 @@
-"""Run of a stand-alone radiating medium: solution, heat through the boundaries, balance, profiles."""
+"""Run of a stand-alone radiating medium: solution, heat through the boundaries,
+balance, profiles.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,10 @@ from contbed.result import Result
 if TYPE_CHECKING:
     from contbed.radiation.ordinates import OrdinatesProblem
 
-TOLERANCE = 1e-10  # share of its scale that a balance may be open by as a rule, solver.balance_tolerance
-SAMPLES = 41  # points along the medium at which solutions with different ordinates are compared
+# share of its scale that a balance may be open by as a rule, solver.balance_tolerance
+TOLERANCE = 1e-10
+# points along the medium at which solutions with different ordinates are compared
+SAMPLES = 41
 SMALL_FLUX = 1e-6  # share of G
 
 
@@ -32,8 +36,16 @@ class Solved:
     state: Any
 
 
-def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
-    """Solve and fill the result; a steady solution keeps no checkpoint and needs no folder."""
+def run(
+    plan: Plan,
+    result: Result,
+    folder: Path | None,
+    quiet: bool,
+    start: tuple[Any, Any] | None,
+) -> None:
+    """Solve and fill the result; a steady solution keeps no checkpoint and needs no
+    folder.
+    """
     with result.timed("radiation"):
         problem, state = _solved(plan, result)
         error = None
@@ -50,16 +62,24 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         _report_angles(plan, error, result)
     if plan.solved.radiation.level != "ordinates":
         result.solved = Solved(line, problem, state)
-    fluxes, conducted = problem.fluxes(state), problem.conducted(problem.assemble(state, False)[0])
+    fluxes, conducted = (
+        problem.fluxes(state),
+        problem.conducted(problem.assemble(state, False)[0]),
+    )
     held = HELD_SHARE * emission(problem.optics, problem.surfaces, plan.mesh, 1.0)
     rounding = problem.rounding(state) / TOLERANCE
     result.balances["energy"] = Balance.of_fluxes(
-        [*fluxes.values(), *conducted.values()], "W", problem.released(state), floor=max(held, rounding)
+        [*fluxes.values(), *conducted.values()],
+        "W",
+        problem.released(state),
+        floor=max(held, rounding),
     ).as_dict()
     fill(plan, line, problem, state, fluxes, conducted, result)
 
 
-def _solved(plan: Plan, result: Result) -> tuple[RadiationProblem | OrdinatesProblem, Any]:
+def _solved(
+    plan: Plan, result: Result
+) -> tuple[RadiationProblem | OrdinatesProblem, Any]:
     problem = problem_of(plan)
     state, history = problem.solve(plan.policy)
     result.history += history
@@ -67,21 +87,32 @@ def _solved(plan: Plan, result: Result) -> tuple[RadiationProblem | OrdinatesPro
 
 
 def _angular_error(coarse: Any, of_coarse: Any, fine: Any, of_fine: Any) -> float:
-    """Estimate the error of the finer of two solutions in G and in the flux, each over its largest value.
+    """Estimate the error of the finer of two solutions in G and in the flux, each over
+    its largest value.
 
-    Twice the ordinates leave a quarter of the error or less, so it is a third of the difference at most. A flux that is
-    zero but for round-off is compared with `SMALL_FLUX` of G.
+    Twice the ordinates leave a quarter of the error or less, so it is a third of the
+    difference at most. A flux that is zero but for round-off is compared with
+    `SMALL_FLUX` of G.
     """
     low, high = fine.mesh.skfem.p[0].min(), fine.mesh.skfem.p[0].max()
     positions = np.linspace(low, high, SAMPLES)[None, :]
     found = []
     for problem, state in ((coarse, of_coarse), (fine, of_fine)):
         probe = Probe(problem.mesh, positions)
-        found.append((probe(problem.space, problem.incident(state)), problem.flux(state, probe)))
+        found.append(
+            (probe(problem.space, problem.incident(state)), problem.flux(state, probe))
+        )
     (G_coarse, q_coarse), (G, q) = found
     largest = np.abs(G).max()
     scale = max(np.abs(q).max(), SMALL_FLUX * largest)
-    return float(max(np.abs(G - G_coarse).max() / largest, np.abs(q - q_coarse).max() / scale)) / 3.0
+    return (
+        float(
+            max(
+                np.abs(G - G_coarse).max() / largest, np.abs(q - q_coarse).max() / scale
+            )
+        )
+        / 3.0
+    )
 
 
 def _report_angles(plan: Plan, error: float, result: Result) -> None:
@@ -89,8 +120,10 @@ def _report_angles(plan: Plan, error: float, result: Result) -> None:
     result.qoi |= {"ordinates": ordinates, "estimated_error_angles": error}
     if error > tolerance:
         result.warnings.append(
-            f"{ordinates} ordinates in each hemisphere leave an estimated error of {error:.1g} of G and flux, "
-            f"solver.tolerance asks for {tolerance:.1g}; no more are tried: thin media emit along grazing directions"
+            f"{ordinates} ordinates in each hemisphere leave an estimated error of "
+            f"{error:.1g} of G and flux, "
+            f"solver.tolerance asks for {tolerance:.1g}; no more are tried: thin media "
+            "emit along grazing directions"
         )
 
 

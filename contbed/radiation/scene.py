@@ -1,4 +1,6 @@
-"""Tables of a scene that radiates: optics by particles or given, walls, tubes; and a medium that merely radiates."""
+"""Tables of a scene that radiates: optics by particles or given, walls, tubes; and a
+medium that merely radiates.
+"""
 
 from __future__ import annotations
 
@@ -27,11 +29,15 @@ from contbed.scene.solids import SolidPhase
 from contbed.scene.tables import Output, SceneBase, Solver
 
 FEWEST, MOST = 4, 64  # ordinates in a hemisphere that are tried where none are given
-MOST_CONDUCTING = 16  # in a medium that conducts, where each point answers to all others and the cost grows as points^3
+# in a medium that conducts, where each point answers to all others and the cost grows
+# as points^3
+MOST_CONDUCTING = 16
 
 
 class Sieves(Table):
-    """A sieve analysis: apertures from fine to coarse and the mass between neighbours."""
+    """A sieve analysis: apertures from fine to coarse and the mass between
+    neighbours.
+    """
 
     apertures: Annotated[tuple[Length, ...], Field(min_length=2)] = Field(
         description="apertures of the sieves, ascending"
@@ -46,12 +52,18 @@ class RadiatingSolid(SolidPhase):
 
     varies: ClassVar[bool] = True
 
-    diameter: Length | None = Field(None, description="Sauter mean, or of equal spheres")
-    sieves: Sieves | None = Field(None, description="instead of `diameter`, of particles that only radiate")
+    diameter: Length | None = Field(
+        None, description="Sauter mean, or of equal spheres"
+    )
+    sieves: Sieves | None = Field(
+        None, description="instead of `diameter`, of particles that only radiate"
+    )
     volume_share: Annotated[Positive, Field(le=1)] = Field(
         1.0, description="of the volume of all particles; those of all kinds sum to 1"
     )
-    emissivity: Emissivity | None = Field(None, description="needed with [radiation] unless absorption is given")
+    emissivity: Emissivity | None = Field(
+        None, description="needed with [radiation] unless absorption is given"
+    )
     temperature: Temperature | None = Field(
         None, description="prescribed; absent: that of the medium, given or solved for"
     )
@@ -64,35 +76,56 @@ class RadiatingSolid(SolidPhase):
 
 
 class Voidage(Table):
-    """The table [packed_bed], of which a medium that merely radiates takes the porosity."""
+    """The table [packed_bed], of which a medium that merely radiates takes the
+    porosity.
+    """
 
-    porosity: Fraction = Field(description="share of the gas between particles in the volume of the bed")
+    porosity: Fraction = Field(
+        description="share of the gas between particles in the volume of the bed"
+    )
 
 
 class Radiation(Table):
     """Gray radiation between the particles.
 
-    With [heat] the particles of the bed radiate; alone it is a medium that conducts, has a prescribed temperature, or
-    is in radiative equilibrium.
+    With [heat] the particles of the bed radiate; alone it is a medium that conducts,
+    has a prescribed temperature, or is in radiative equilibrium.
     """
 
     level: Literal["p1", "two_flux", "rosseland", "ordinates"] = Field(
-        "p1", description="rosseland: thick beds, as a conductivity; ordinates: one dimension, nearly exact"
+        "p1",
+        description="rosseland: thick beds, as a conductivity; ordinates: one "
+        "dimension, nearly exact",
     )
     allow_rosseland: Switch = Field(
-        False, description="with conduction: rosseland instead of p1 or two_flux where its error is estimated below 1 %"
+        False,
+        description="with conduction: rosseland instead of p1 or two_flux where its "
+        "error is estimated below 1 %",
     )
-    absorption: Extinction | None = Field(None, description="given directly instead of by solids.NAME.emissivity")
-    scattering: Extinction | None = Field(None, description="scattering coefficient of the medium")
+    absorption: Extinction | None = Field(
+        None, description="given directly instead of by solids.NAME.emissivity"
+    )
+    scattering: Extinction | None = Field(
+        None, description="scattering coefficient of the medium"
+    )
     correction: Literal["close_packed", "independent"] = Field(
-        "close_packed", description="extinction over the voidage, or the limit of points far apart"
+        "close_packed",
+        description="extinction over the voidage, or the limit of points far apart",
     )
-    anisotropy: Annotated[Number, Field(ge=-1, le=1)] = Field(0.0, description="mean cosine of scattering")
+    anisotropy: Annotated[Number, Field(ge=-1, le=1)] = Field(
+        0.0, description="mean cosine of scattering"
+    )
     ordinates: Annotated[Whole, Field(ge=1, le=64)] | None = Field(
-        None, description="directions in each hemisphere; absent: 4, doubled until the error is within solver.tolerance"
+        None,
+        description="directions in each hemisphere; absent: 4, doubled until the error "
+        "is within solver.tolerance",
     )
-    conductivity: Conductivity | None = Field(None, description="of the medium, without [heat]")
-    temperature: Temperature | None = Field(None, description="of the medium, without [heat]")
+    conductivity: Conductivity | None = Field(
+        None, description="of the medium, without [heat]"
+    )
+    temperature: Temperature | None = Field(
+        None, description="of the medium, without [heat]"
+    )
 
     @property
     def directions(self) -> int:
@@ -105,14 +138,19 @@ class RadiationCondition(Table):
 
     emissivity: Emissivity = Field(1.0, description="emissivity of the wall")
     temperature: Temperature | None = Field(None, description="temperature of the wall")
-    radiosity: Irradiance | None = Field(None, description="radiation that enters through an opening")
+    radiosity: Irradiance | None = Field(
+        None, description="radiation that enters through an opening"
+    )
 
     @model_validator(mode="after")
     def _one(self) -> RadiationCondition:
         if (self.temperature is None) == (self.radiosity is None):
             raise ValueError("give one of temperature, radiosity")
         if self.radiosity is not None and self.emissivity != 1.0:
-            raise ValueError("emissivity is that of a wall at a temperature; all of a radiosity enters: leave one out")
+            raise ValueError(
+                "emissivity is that of a wall at a temperature; all of a radiosity "
+                "enters: leave one out"
+            )
         return self
 
 
@@ -125,7 +163,9 @@ class Tubes(Table):
 
 
 class Radiating(Protocol):
-    """A scene as the radiation sees it: a packed bed with [radiation], or a medium that merely radiates."""
+    """A scene as the radiation sees it: a packed bed with [radiation], or a medium
+    that merely radiates.
+    """
 
     @property
     def mesh(self) -> Any:
@@ -176,7 +216,8 @@ class RadiationScene(SceneBase):
         "bed.shape": "solids.NAME.shape",
         "radiation.emissivity": "solids.NAME.emissivity",
         "radiation.species.NAME": "solids.NAME",
-        "radiation.species.NAME.volume_fraction": "give solids.NAME.volume_share instead, the share of the volume of "
+        "radiation.species.NAME.volume_fraction": "give solids.NAME.volume_share "
+        "instead, the share of the volume of "
         "all particles",
     }
     # what only a bed with two phases has
@@ -186,8 +227,12 @@ class RadiationScene(SceneBase):
 
     mesh: Mesh
     radiation: Radiation
-    solids: dict[str, RadiatingSolid] = Field(default_factory=dict, description="of which the optics follow")
-    packed_bed: Voidage | None = Field(None, description="needed where the optics follow from particles")
+    solids: dict[str, RadiatingSolid] = Field(
+        default_factory=dict, description="of which the optics follow"
+    )
+    packed_bed: Voidage | None = Field(
+        None, description="needed where the optics follow from particles"
+    )
     boundary: dict[str, RadiatingBoundary] = Field(
         default_factory=dict, description="radiative conditions by name of the boundary"
     )

@@ -1,6 +1,8 @@
-"""Linear response of a stand-alone radiating medium to small changes of its scene; see `solvers.tangent`.
+"""Linear response of a stand-alone radiating medium to small changes of its scene; see
+`solvers.tangent`.
 
-By P1, two-flux and Rosseland; discrete ordinates, whose number follows their errors, take differences of runs.
+By P1, two-flux and Rosseland; discrete ordinates, whose number follows their errors,
+take differences of runs.
 """
 
 from __future__ import annotations
@@ -29,16 +31,25 @@ class Tangent:
 
     def __init__(self, result: Result):
         self.plan: Any = result.plan
-        self.line, self.problem, self.state = result.solved.line, result.solved.problem, result.solved.state
+        self.line, self.problem, self.state = (
+            result.solved.line,
+            result.solved.problem,
+            result.solved.state,
+        )
 
     @cached_property
     def response(self) -> Response:
         """The factors, found when they are first needed."""
         _, matrix = self.problem.assemble(self.state, True)
-        return Response(matrix, self.problem.fixed, self.problem.system.ordered(self.plan.policy))
+        return Response(
+            matrix, self.problem.fixed, self.problem.system.ordered(self.plan.policy)
+        )
 
-    def results(self, below: RadiationScene, above: RadiationScene) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the named results of two scenes with a key a little below and above that of the solved one.
+    def results(
+        self, below: RadiationScene, above: RadiationScene
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the named results of two scenes with a key a little below and above
+        that of the solved one.
 
         Raises
         ------
@@ -47,18 +58,42 @@ class Tangent:
         plans = [self.plan.with_values(scene) for scene in (below, above)]
         problems: list[Any] = [problem_of(plan) for plan in plans]
         for problem in problems:
-            same = np.array_equal(problem.fixed, self.problem.fixed) and len(problem.forms) == len(self.problem.forms)
+            same = np.array_equal(problem.fixed, self.problem.fixed) and len(
+                problem.forms
+            ) == len(self.problem.forms)
             if not same or problem.system.size != self.problem.system.size:
                 raise UnlikeError(OTHER)
-        starts = [with_prescribed(self.state, problem.fixed, problem.fixed_values) for problem in problems]
-        found = [problem.assemble(start, False)[0] for problem, start in zip(problems, starts, strict=True)]
-        states, residuals = self.response.states((starts[0], starts[1]), (found[0], found[1]))
+        starts = [
+            with_prescribed(self.state, problem.fixed, problem.fixed_values)
+            for problem in problems
+        ]
+        found = [
+            problem.assemble(start, False)[0]
+            for problem, start in zip(problems, starts, strict=True)
+        ]
+        states, residuals = self.response.states(
+            (starts[0], starts[1]), (found[0], found[1])
+        )
         out = []
-        for plan, problem, state, residual in zip(plans, problems, states, residuals, strict=True):
+        for plan, problem, state, residual in zip(
+            plans, problems, states, residuals, strict=True
+        ):
             output = plan.scene.output
-            line = self.line if plan.mesh is self.plan.mesh else line_along(plan.mesh, output.positions, output.across)
+            line = (
+                self.line
+                if plan.mesh is self.plan.mesh
+                else line_along(plan.mesh, output.positions, output.across)
+            )
             result = Result(plan)
-            fill(plan, line, problem, state, problem.fluxes(state), problem.conducted(residual), result)
+            fill(
+                plan,
+                line,
+                problem,
+                state,
+                problem.fluxes(state),
+                problem.conducted(residual),
+                result,
+            )
             out.append(result.qoi)
         return out[0], out[1]
 

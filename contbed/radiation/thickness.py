@@ -1,4 +1,6 @@
-"""Whether a bed is thick enough for the Rosseland conductivity: its error between walls, estimated."""
+"""Whether a bed is thick enough for the Rosseland conductivity: its error between
+walls, estimated.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +16,21 @@ from contbed.scene.checking import Mistakes
 from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile, MeshLine, MeshRectangle
 from contbed.scene.tables import Solver
 
-TOLERANCE = 0.01  # estimated error up to which plan may choose the Rosseland conductivity, without solver.accuracy
-MOVES = "is not estimated where the solids move: layers at walls may be thinner than the bed"
+# estimated error up to which plan may choose the Rosseland conductivity, without
+# solver.accuracy
+TOLERANCE = 0.01
+MOVES = (
+    "is not estimated where the solids move: layers at walls may be thinner than "
+    "the bed"
+)
 
 
 def estimate(scene: Radiating, mesh: Any) -> float:
-    """Estimate the relative error of the Rosseland flux between the walls of a built-in bed, by `error_rosseland`.
+    """Estimate the relative error of the Rosseland flux between the walls of a built-in
+    bed, by `error_rosseland`.
 
-    The direction with the largest error counts among those with a radiating wall, or the length of a bed without any.
-    A side that does not radiate counts as black.
+    The direction with the largest error counts among those with a radiating wall, or
+    the length of a bed without any. A side that does not radiate counts as black.
     """
     from contbed.radiation.optics import optics
 
@@ -37,24 +45,37 @@ def estimate(scene: Radiating, mesh: Any) -> float:
         extents = [mesh.length, mesh.width, mesh.height]
     errors = []
     for extent, names in zip(extents, mesh.sides, strict=True):
-        walls = [scene.boundary[name].radiation for name in names if name in scene.boundary]
+        walls = [
+            scene.boundary[name].radiation for name in names if name in scene.boundary
+        ]
         emissivities = [wall.emissivity for wall in walls if wall is not None]
         if emissivities:
             opposite = emissivities[0] if names[0] == "axis" else 1.0
             both = (*emissivities, opposite)[:2]
             errors.append(float(error_rosseland(extent / (3.0 * c.diffusion), *both)))
-    return max(errors) if errors else float(error_rosseland(mesh.length / (3.0 * c.diffusion)))
+    return (
+        max(errors)
+        if errors
+        else float(error_rosseland(mesh.length / (3.0 * c.diffusion)))
+    )
 
 
 def allowed(solver: Solver) -> float:
-    """Return the relative error up to which the Rosseland conductivity may stand for radiation [-]."""
+    """Return the relative error up to which the Rosseland conductivity may stand for
+    radiation [-].
+    """
     return solver.accuracy or TOLERANCE
 
 
 def solids_move(boundary: Mapping[str, Any]) -> bool:
     """Return whether a boundary gives the solids a velocity."""
-    conditions = [condition for table in boundary.values() for condition in table.solids.values()]
-    return any(condition.velocity is not None and np.any(condition.velocity) for condition in conditions)
+    conditions = [
+        condition for table in boundary.values() for condition in table.solids.values()
+    ]
+    return any(
+        condition.velocity is not None and np.any(condition.velocity)
+        for condition in conditions
+    )
 
 
 def rosseland_is_thick(
@@ -65,20 +86,33 @@ def rosseland_is_thick(
     mesh: Mesh,
     solver: Solver,
 ) -> Mistakes:
-    """Look for beds that are too thin for the Rosseland conductivity that the scene asks for."""
-    if radiation is None or radiation.level != "rosseland" or isinstance(mesh, MeshFile):
+    """Look for beds that are too thin for the Rosseland conductivity that the scene
+    asks for.
+    """
+    if (
+        radiation is None
+        or radiation.level != "rosseland"
+        or isinstance(mesh, MeshFile)
+    ):
         return
-    scene = SimpleNamespace(radiation=radiation, solids=solids, packed_bed=packed_bed, boundary=boundary)
+    scene = SimpleNamespace(
+        radiation=radiation, solids=solids, packed_bed=packed_bed, boundary=boundary
+    )
     error = estimate(scene, mesh)
     if error > allowed(solver):
         yield (
             ("radiation", "level"),
-            f"heat between walls is too large by about {100.0 * error:.4g} %: the bed is too thin; use p1",
+            f"heat between walls is too large by about {100.0 * error:.4g} %: the bed "
+            "is too thin; use p1",
         )
 
 
-def rosseland_rests(radiation: Radiation | None, boundary: Mapping[str, Any]) -> Mistakes:
-    """Look for the Rosseland conductivity beside radiating walls along which solids move."""
+def rosseland_rests(
+    radiation: Radiation | None, boundary: Mapping[str, Any]
+) -> Mistakes:
+    """Look for the Rosseland conductivity beside radiating walls along which solids
+    move.
+    """
     if radiation is None or radiation.level != "rosseland" or not solids_move(boundary):
         return
     if any(conditions.radiation is not None for conditions in boundary.values()):

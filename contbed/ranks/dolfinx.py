@@ -24,17 +24,23 @@ def modules() -> tuple[Any, Any]:
 
     Raises
     ------
-    EngineError : a module is missing, DOLFINx has another version, or PETSc computes with complex numbers
+    EngineError : a module is missing, DOLFINx has another version, or PETSc computes
+        with complex numbers
     """
     try:
         import dolfinx
         import dolfinx.fem.petsc
         from petsc4py import PETSc
     except ImportError as error:
-        raise EngineError(f"the engine dolfinx cannot be loaded ({error}); {HOW}") from error
+        raise EngineError(
+            f"the engine dolfinx cannot be loaded ({error}); {HOW}"
+        ) from error
     version = str(dolfinx.__version__)
     if version.split(".")[:2] != TESTED.split("."):
-        raise EngineError(f"the engine dolfinx is tested with DOLFINx {TESTED} only, found {version}; {HOW}")
+        raise EngineError(
+            f"the engine dolfinx is tested with DOLFINx {TESTED} only, found "
+            f"{version}; {HOW}"
+        )
     if np.issubdtype(PETSc.ScalarType, np.complexfloating):
         raise EngineError(
             "the engine dolfinx needs PETSc with real numbers, found a complex build; "
@@ -44,7 +50,9 @@ def modules() -> tuple[Any, Any]:
 
 
 def create_mesh(comm: Any, cell: str, cells: Any, points: Any) -> Any:
-    """Build a mesh of linear cells from each rank's share of arrays (ncells, nv) and (n, dim); shares may be empty."""
+    """Build a mesh of linear cells from each rank's share of arrays (ncells, nv) and
+    (n, dim); shares may be empty.
+    """
     import ufl
     from dolfinx import mesh
     from dolfinx.cpp.mesh import GhostMode
@@ -54,7 +62,9 @@ def create_mesh(comm: Any, cell: str, cells: Any, points: Any) -> Any:
 
 
 def lagrange(cell: str, degree: int, ncomponents: int) -> Any:
-    """Return the element with equispaced nodes: a vector of `ncomponents`, or a scalar for 0."""
+    """Return the element with equispaced nodes: a vector of `ncomponents`, or a
+    scalar for 0.
+    """
     from basix import LagrangeVariant, ufl_wrapper
 
     scalar = ufl_wrapper.create_element("P", cell, degree, LagrangeVariant.equispaced)
@@ -72,11 +82,15 @@ def constants(cell: str) -> Any:
     """Return the element of one value in each cell."""
     from basix import LagrangeVariant, ufl_wrapper
 
-    return ufl_wrapper.create_element("P", cell, 0, LagrangeVariant.unset, discontinuous=True)
+    return ufl_wrapper.create_element(
+        "P", cell, 0, LagrangeVariant.unset, discontinuous=True
+    )
 
 
 def quadrature(cell: str, points: Any) -> Any:
-    """Return the element of one value at each of our quadrature points; that of FFCx knows its own rules only."""
+    """Return the element of one value at each of our quadrature points; that of FFCx
+    knows its own rules only.
+    """
     import ufl
     from basix.ufl_wrapper import _BasixElementBase
     from ffcx.element_interface import QuadratureElement  # type: ignore[attr-defined]
@@ -85,10 +99,14 @@ def quadrature(cell: str, points: Any) -> Any:
         def __init__(self) -> None:
             shape: Any = ufl.Cell(cell)
             self._points, self._cellname, self._family_name = points, cell, "Quadrature"
-            counts = [shape.num_vertices(), shape.num_edges(), shape.num_facets()][: shape.topological_dimension()]
+            counts = [shape.num_vertices(), shape.num_edges(), shape.num_facets()][
+                : shape.topological_dimension()
+            ]
             self._entity_counts = [*counts, 1]
             label = f"Quadrature({hashlib.sha256(points.tobytes()).hexdigest()[:16]})"
-            _BasixElementBase.__init__(self, label, "quadrature element", cell, (), len(points), "identity")
+            _BasixElementBase.__init__(
+                self, label, "quadrature element", cell, (), len(points), "identity"
+            )
 
     return PointElement()
 
@@ -102,7 +120,9 @@ def function_space(mesh: Any, element: Any) -> Any:
 
 
 def dof_list(space: Any) -> Any:
-    """Return the unknowns of each cell (ncells, n), not unrolled where the space has blocks."""
+    """Return the unknowns of each cell (ncells, n), not unrolled where the space has
+    blocks.
+    """
     return _rows(space.dofmap.list)
 
 

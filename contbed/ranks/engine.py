@@ -1,6 +1,8 @@
-"""The engine for MPI: rank 0 plans, solves and writes, and all ranks compute what is distributed.
+"""The engine for MPI: rank 0 plans, solves and writes, and all ranks compute what is
+distributed.
 
-Meshes are distributed for packed beds and radiation (`ranks.system`), and the grid of two fluids (`ranks.two_fluid`).
+Meshes are distributed for packed beds and radiation (`ranks.system`), and the grid of
+two fluids (`ranks.two_fluid`).
 """
 
 from __future__ import annotations
@@ -42,13 +44,20 @@ class Ranks(Engine):
         Raises
         ------
         SceneError : mesh, flow or closures of the scene cannot be used
-        EngineError : ranks do not make the scene faster; DOLFINx is missing or of another version
+        EngineError : ranks do not make the scene faster; DOLFINx is missing or of
+            another version
         """
         where = scene.origin.name
         make = PLANS.get(scene.kind)
         if make is None:
-            why = "it is one line of some hundred unknowns, or its loops share the cores of one machine by themselves"
-            raise EngineError(f"{where}: a scene of kind {scene.kind} gains nothing from ranks ({why}); {INSTEAD}")
+            why = (
+                "it is one line of some hundred unknowns, or its loops share the "
+                "cores of one machine by themselves"
+            )
+            raise EngineError(
+                f"{where}: a scene of kind {scene.kind} gains nothing from ranks "
+                f"({why}); {INSTEAD}"
+            )
         version = dolfinx.modules()[0].__version__
         made = make(scene)
         size = rank_group().comm.size
@@ -56,7 +65,9 @@ class Ranks(Engine):
         return replace(made, built=(("engine", how), *made.built))
 
     def usage(self) -> dict[str, Any]:
-        """Return the iterations of each linear solution, and time [s] and memory [GB] of each rank."""
+        """Return the iterations of each linear solution, and time [s] and
+        memory [GB] of each rank.
+        """
         all_ranks = rank_group()
         taken = np.asarray(all_ranks.run_on_all(parts.usage)).reshape(-1, 2)
         return {
@@ -75,8 +86,10 @@ class Ranks(Engine):
         """Raise EngineError where the other ranks do not serve rank 0."""
         if not rank_group().alone:
             raise EngineError(
-                f"{scene.origin.name}: derivatives on several ranks need all of them: call "
-                'contbed.many.derivatives.gradients.gradient(scene, results, keys, engine="dolfinx") on each, or '
+                f"{scene.origin.name}: derivatives on several ranks need all of them: "
+                "call "
+                "contbed.many.derivatives.gradients.gradient(scene, results, keys, "
+                'engine="dolfinx") on each, or '
                 "mpirun contbed sensitivities"
             )
 
@@ -90,8 +103,13 @@ def _plan_of_forms(scene: SceneBase) -> Any:
     """
     plan = models.plan(scene)
     if plan.without_ranks:
-        raise EngineError(f"{scene.origin.name}: {plan.without_ranks} do not run on several ranks; {INSTEAD}")
-    return replace(plan, mesh=replace(plan.mesh, engine=MeshEngine(System, PetscPolicy)))
+        raise EngineError(
+            f"{scene.origin.name}: {plan.without_ranks} do not run on several ranks; "
+            f"{INSTEAD}"
+        )
+    return replace(
+        plan, mesh=replace(plan.mesh, engine=MeshEngine(System, PetscPolicy))
+    )
 
 
 PLANS: dict[str, Callable[[Any], Any]] = {

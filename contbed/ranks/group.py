@@ -1,13 +1,17 @@
-"""Control of MPI ranks: the program runs on rank 0, distributed functions run on all ranks.
+"""Control of MPI ranks: the program runs on rank 0, distributed functions run on all
+ranks.
 
-Rank 0 runs a scene as it would without MPI. For distributed work it calls `RankGroup.run_on_all(function, ...)`:
-all ranks then run that function, which belongs to a module and is known to all ranks by its name. Between calls the
-other ranks wait in `RankGroup.serve`. No rank has to guess what another one decides, so none waits for a message that
-never comes. An error that rank 0 meets outside a distributed function ends all ranks with its exit code; an
-error inside a distributed function aborts all ranks with a message.
+Rank 0 runs a scene as it would without MPI. For distributed work it calls
+`RankGroup.run_on_all(function, ...)`: all ranks then run that function, which belongs
+to a module and is known to all ranks by its name. Between calls the other ranks wait in
+`RankGroup.serve`. No rank has to guess what another one decides, so none waits for a
+message that never comes. An error that rank 0 meets outside a distributed function ends
+all ranks with its exit code; an error inside a distributed function aborts all ranks
+with a message.
 
-Rank 0 holds vectors in the numbering of the mesh as built, so results, checkpoints and restarts do not depend on
-the number of ranks. Matrices, their factors and preconditioners are distributed only.
+Rank 0 holds vectors in the numbering of the mesh as built, so results, checkpoints and
+restarts do not depend on the number of ranks. Matrices, their factors and
+preconditioners are distributed only.
 """
 
 from __future__ import annotations
@@ -32,8 +36,9 @@ ABORT_EXIT_CODE = 70  # exit code of an abort
 class RankGroup:
     """The ranks of a communicator.
 
-    `objects` are the distributed objects (meshes, spaces, forms, matrices, solvers) that this rank holds, by number.
-    Keys in `released` are deleted on all ranks at the next call of `run_on_all`.
+    `objects` are the distributed objects (meshes, spaces, forms, matrices, solvers)
+    that this rank holds, by number. Keys in `released` are deleted on all ranks at the
+    next call of `run_on_all`.
     """
 
     def __init__(self, comm: Any):
@@ -47,7 +52,9 @@ class RankGroup:
 
     @property
     def alone(self) -> bool:
-        """Whether rank 0 can compute now: it is the only one, or the others serve it."""
+        """Whether rank 0 can compute now: it is the only one, or the others serve
+        it.
+        """
         return self.comm.size == 1 or self.served
 
     def new_key(self) -> int:
@@ -55,8 +62,12 @@ class RankGroup:
         self.count += 1
         return self.count
 
-    def run_on_all(self, function: Callable[..., Any], *arguments: Any, root: Any = None) -> Any:
-        """Run `function(ranks, root, *arguments)` on all ranks; only rank 0 calls this and has `root`."""
+    def run_on_all(
+        self, function: Callable[..., Any], *arguments: Any, root: Any = None
+    ) -> Any:
+        """Run `function(ranks, root, *arguments)` on all ranks; only rank 0 calls
+        this and has `root`.
+        """
         with _uninterrupted():
             released = self.released[:]
             del self.released[: len(released)]
@@ -67,7 +78,9 @@ class RankGroup:
             return self._do(function, root, arguments)
 
     def serve(self) -> tuple[int, str]:
-        """Run the functions that rank 0 asks for until it ends; return its exit code and last message."""
+        """Run the functions that rank 0 asks for until it ends; return its exit code
+        and last message.
+        """
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         while True:
             self._wake()
@@ -90,12 +103,16 @@ class RankGroup:
             getattr(stored, "destroy", lambda: None)()
 
     def _wake(self) -> None:
-        """Meet the other ranks at a barrier; sleep between checks so that no processor is kept busy."""
+        """Meet the other ranks at a barrier; sleep between checks so that no
+        processor is kept busy.
+        """
         request = self.comm.Ibarrier()
         while not request.Test():
             time.sleep(POLL_INTERVAL)
 
-    def _do(self, function: Callable[..., Any], root: Any, arguments: tuple[Any, ...]) -> Any:
+    def _do(
+        self, function: Callable[..., Any], root: Any, arguments: tuple[Any, ...]
+    ) -> Any:
         try:
             return function(self, root, *arguments)
         except BaseException as error:
@@ -109,26 +126,44 @@ class RankGroup:
             traceback.print_exception(error)
         kind = "" if isinstance(error, ContbedError) else f"{type(error).__name__}: "
         print(
-            f"contbed: rank {self.comm.rank} of {self.comm.size} failed ({kind}{error}); all ranks end",
+            f"contbed: rank {self.comm.rank} of {self.comm.size} failed "
+            f"({kind}{error}); all ranks end",
             file=sys.stderr,
             flush=True,
         )
-        self.comm.Abort(error.exit_code if isinstance(error, ContbedError) else ABORT_EXIT_CODE)
+        self.comm.Abort(
+            error.exit_code if isinstance(error, ContbedError) else ABORT_EXIT_CODE
+        )
 
     def scatter(self, values: Any, counts: Any, width: int, dtype: Any) -> Any:
-        """Distribute rows (sum of counts, width) of rank 0; only rank 0 knows `values` and `counts`."""
+        """Distribute rows (sum of counts, width) of rank 0; only rank 0 knows
+        `values` and `counts`.
+        """
         mine = np.empty((self.comm.scatter(counts), width), dtype=dtype)
-        shares = None if counts is None else [np.ascontiguousarray(values, dtype), np.asarray(counts) * width]
+        shares = (
+            None
+            if counts is None
+            else [np.ascontiguousarray(values, dtype), np.asarray(counts) * width]
+        )
         self.comm.Scatterv(shares, mine)
         return mine
 
     def range_of(self, size: int) -> Any:
-        """Return the numbers of the calling rank where `size` of them are shared out in equal ranges."""
+        """Return the numbers of the calling rank where `size` of them are shared out
+        in equal ranges.
+        """
         return np.arange(*self._ends(size)[self.comm.rank :][:2])
 
     def spread(self, values: Any, width: int, dtype: Any) -> Any:
-        """Distribute rows (n, width) of rank 0 in equal ranges; only rank 0 knows `values`."""
-        return self.scatter(values, None if values is None else np.diff(self._ends(len(values))), width, dtype)
+        """Distribute rows (n, width) of rank 0 in equal ranges; only rank 0 knows
+        `values`.
+        """
+        return self.scatter(
+            values,
+            None if values is None else np.diff(self._ends(len(values))),
+            width,
+            dtype,
+        )
 
     def _ends(self, size: int) -> Any:
         return np.linspace(0, size, self.comm.size + 1).astype(int)
@@ -149,10 +184,14 @@ class RankGroup:
         shape = self.comm.bcast(None if whole is None else whole.shape[1:])
         if whole is not None:
             everywhere = whole[asked].reshape(len(asked), -1)
-        return self.scatter(everywhere, counts, int(np.prod(shape)), float).reshape(-1, *shape)
+        return self.scatter(everywhere, counts, int(np.prod(shape)), float).reshape(
+            -1, *shape
+        )
 
     def put(self, mine: Any, places: Any) -> Any:
-        """Return on rank 0 an array whose rows (n, ...) at `places` (n,) each rank has; None elsewhere."""
+        """Return on rank 0 an array whose rows (n, ...) at `places` (n,) each rank
+        has; None elsewhere.
+        """
         counts = self.comm.gather(len(places))
         there = self.gather(places, counts)
         width = int(np.prod(mine.shape[1:]))
@@ -168,7 +207,9 @@ _group: RankGroup | None = None
 
 
 def rank_group() -> RankGroup:
-    """Return the group of all ranks that mpirun started; there is one for each process."""
+    """Return the group of all ranks that mpirun started; there is one for each
+    process.
+    """
     global _group
     if _group is None:
         dolfinx.modules()
@@ -179,9 +220,11 @@ def rank_group() -> RankGroup:
 
 
 def run_on_root(main: Callable[[], Any]) -> Any:
-    """Run `main` on rank 0 while the others serve it; they return None, or raise what ended rank 0.
+    """Run `main` on rank 0 while the others serve it; they return None, or raise what
+    ended rank 0.
 
-    Within `main` of another call, as of the runs of a derivative, the others serve already.
+    Within `main` of another call, as of the runs of a derivative, the others serve
+    already.
     """
     all_ranks = rank_group()
     all_ranks.iterations = []
@@ -196,7 +239,11 @@ def run_on_root(main: Callable[[], Any]) -> Any:
     try:
         result = main()
     except BaseException as error:
-        code = 130 if isinstance(error, KeyboardInterrupt) else getattr(error, "exit_code", 1)
+        code = (
+            130
+            if isinstance(error, KeyboardInterrupt)
+            else getattr(error, "exit_code", 1)
+        )
         all_ranks.end_others(code, str(error) or type(error).__name__)
         raise
     finally:
@@ -206,7 +253,9 @@ def run_on_root(main: Callable[[], Any]) -> Any:
 
 
 class RootRankError(ContbedError):
-    """The error that ended rank 0, as raised on the other ranks with the same `exit_code`."""
+    """The error that ended rank 0, as raised on the other ranks with the same
+    `exit_code`.
+    """
 
     def __init__(self, message: str, exit_code: int):
         super().__init__(message)

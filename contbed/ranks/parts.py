@@ -1,7 +1,9 @@
-"""What every rank does on its part of the mesh: spaces, forms as UFL from a recording, assembly with DOLFINx.
+"""What every rank does on its part of the mesh: spaces, forms as UFL from a recording,
+assembly with DOLFINx.
 
-Each function of `run_on_all` takes the ranks and what rank 0 gives (`root`, None on the others), and keeps
-results as objects under a key. `ranks.system` has the side of rank 0.
+Each function of `run_on_all` takes the ranks and what rank 0 gives (`root`, None on the
+others), and keeps results as objects under a key. `ranks.system` has the side of rank
+0.
 """
 
 from __future__ import annotations
@@ -39,9 +41,10 @@ def make_mesh(
 ) -> Any:
     """Distribute a mesh; return the cells of each rank in turn and their number.
 
-    Each rank begins with an equal range of cells and nodes: its own of a `tensor`, or what rank 0 sends of
-    `root`, (ncells, nv) and (n, dim). Then DOLFINx moves cells to where their neighbours are. `corners` is the order
-    of the nodes of a cell of the `tensor` in DOLFINx.
+    Each rank begins with an equal range of cells and nodes: its own of a `tensor`, or
+    what rank 0 sends of `root`, (ncells, nv) and (n, dim). Then DOLFINx moves cells to
+    where their neighbours are. `corners` is the order of the nodes of a cell of the
+    `tensor` in DOLFINx.
     """
     whole, nodes = root or (None, None)
     if tensor is None:
@@ -56,18 +59,26 @@ def make_mesh(
     counts = all_ranks.comm.gather(owned)
     order = all_ranks.gather(original, counts)
     if tensor is None:
-        given = all_ranks.scatter(None if whole is None else whole[order], counts, len(corners), np.int64)
+        given = all_ranks.scatter(
+            None if whole is None else whole[order], counts, len(corners), np.int64
+        )
     else:
         given = tensor.corners(original)[:, corners]
-    found = np.asarray(mesh.geometry.input_global_indices)[dolfinx.geometry_list(mesh)[:owned]]
+    found = np.asarray(mesh.geometry.input_global_indices)[
+        dolfinx.geometry_list(mesh)[:owned]
+    ]
     if not np.array_equal(given, found):
         raise EngineError("this version of DOLFINx renumbers the vertices of cells")
-    all_ranks.objects[key] = SimpleNamespace(mesh=mesh, cell=cell, owned=owned, spaces={})
+    all_ranks.objects[key] = SimpleNamespace(
+        mesh=mesh, cell=cell, owned=owned, spaces={}
+    )
     return order, counts
 
 
 def space_on(part: Any, what: Any) -> Any:
-    """Return a space on a mesh, built once: ("nodes", degree), ("cells",) or ("points", points)."""
+    """Return a space on a mesh, built once: ("nodes", degree), ("cells",) or
+    ("points", points).
+    """
     kind, *data = what
     key = (kind, *(item if isinstance(item, int) else item.tobytes() for item in data))
     if key not in part.spaces:
@@ -81,8 +92,12 @@ def space_on(part: Any, what: Any) -> Any:
     return part.spaces[key]
 
 
-def make_space(all_ranks: RankGroup, root: Any, key: int, mesh: int, layout: list[tuple[int, int]]) -> Any:
-    """Build the space of a system; return its unknowns rank after rank and how many each rank owns."""
+def make_space(
+    all_ranks: RankGroup, root: Any, key: int, mesh: int, layout: list[tuple[int, int]]
+) -> Any:
+    """Build the space of a system; return its unknowns rank after rank and how many
+    each rank owns.
+    """
     from dolfinx import fem
 
     part = all_ranks.objects[mesh]
@@ -96,29 +111,49 @@ def make_space(all_ranks: RankGroup, root: Any, key: int, mesh: int, layout: lis
             low = _vertices(part, W, size)
     else:
         W = dolfinx.function_space(
-            part.mesh, dolfinx.mixed([dolfinx.lagrange(part.cell, degree, count) for degree, count in layout])
+            part.mesh,
+            dolfinx.mixed(
+                [dolfinx.lagrange(part.cell, degree, count) for degree, count in layout]
+            ),
         )
     lists = unknowns_of_cells(part, W, layout)
     block = W.dofmap.index_map_bs
-    owned, ghosts = (block * n for n in (W.dofmap.index_map.size_local, W.dofmap.index_map.num_ghosts))
+    owned, ghosts = (
+        block * n
+        for n in (W.dofmap.index_map.size_local, W.dofmap.index_map.num_ghosts)
+    )
     numbers = np.full(owned + ghosts, -1, dtype=np.int64)
     for unknowns in lists:
         values, counts = next(root) if root else (None, None)
-        numbers[unknowns] = all_ranks.scatter(values, counts, unknowns.shape[1], np.int64)
+        numbers[unknowns] = all_ranks.scatter(
+            values, counts, unknowns.shape[1], np.int64
+        )
     fields, first = [], 0
     for _, count in layout:
-        mine = np.unique(np.concatenate([unknowns.ravel() for unknowns in lists[first : first + max(count, 1)]]))
+        mine = np.unique(
+            np.concatenate(
+                [unknowns.ravel() for unknowns in lists[first : first + max(count, 1)]]
+            )
+        )
         fields.append(mine[mine < owned].astype(np.int32))
         first += max(count, 1)
     all_ranks.objects[key] = SimpleNamespace(
-        part=part, W=W, state=fem.Function(W), low=low, owned=owned, fields=fields, block=block
+        part=part,
+        W=W,
+        state=fem.Function(W),
+        low=low,
+        owned=owned,
+        fields=fields,
+        block=block,
     )
     counts = all_ranks.comm.gather(owned)
     return all_ranks.gather(numbers[:owned], counts), counts
 
 
 def unknowns_of_cells(part: Any, W: Any, layout: list[tuple[int, int]]) -> list[Any]:
-    """Return the local numbers of each scalar unknown in the cells of this rank, arrays (ncells, nb)."""
+    """Return the local numbers of each scalar unknown in the cells of this rank,
+    arrays (ncells, nb).
+    """
     size = sum(max(count, 1) for _, count in layout)
     if W.dofmap.index_map_bs == size:
         blocks = dolfinx.dof_list(W)[: part.owned]
@@ -131,14 +166,21 @@ def unknowns_of_cells(part: Any, W: Any, layout: list[tuple[int, int]]) -> list[
 
 
 def _vertices(part: Any, W: Any, size: int) -> Any:
-    """Build the linear interpolants of all unknowns: their function, and the block of `W` at each vertex."""
+    """Build the linear interpolants of all unknowns: their function, and the block
+    of `W` at each vertex.
+    """
     from dolfinx import fem
 
     space = dolfinx.function_space(part.mesh, dolfinx.lagrange(part.cell, 1, size))
     here, there = dolfinx.dof_list(space), dolfinx.dof_list(W)
-    blocks = np.empty(space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts, dtype=np.int32)
+    blocks = np.empty(
+        space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts,
+        dtype=np.int32,
+    )
     blocks[here] = there[:, : here.shape[1]]
-    return SimpleNamespace(function=fem.Function(space), space=space, blocks=blocks, size=size)
+    return SimpleNamespace(
+        function=fem.Function(space), space=space, blocks=blocks, size=size
+    )
 
 
 def make_form(
@@ -150,7 +192,8 @@ def make_form(
     degrees: list[int],
     measure: Any,
 ) -> None:
-    """Build the UFL forms of residual and Jacobian from a recording; they are compiled at first use.
+    """Build the UFL forms of residual and Jacobian from a recording; they are compiled
+    at first use.
 
     recording : entries, results, and the number of columns of each array
     degrees : of known fields
@@ -161,30 +204,49 @@ def make_form(
     unknowns = all_ranks.objects[space]
     part = unknowns.part
     entries, results, widths = recording
-    kinds = [("cells",) if width == 1 else ("points", measure.points) for width in widths]
+    kinds = [
+        ("cells",) if width == 1 else ("points", measure.points) for width in widths
+    ]
     arrays = [fem.Function(space_on(part, kind)) for kind in kinds]
     known = [fem.Function(space_on(part, ("nodes", degree))) for degree in degrees]
-    all_ranks.objects[key] = stored = SimpleNamespace(unknowns=unknowns, arrays=arrays, known=known, residual=None)
+    all_ranks.objects[key] = stored = SimpleNamespace(
+        unknowns=unknowns, arrays=arrays, known=known, residual=None
+    )
     for which in ("arrays", "known"):
         for k in range(len(getattr(stored, which))):
             set_array(all_ranks, next(root) if root else None, key, k, which)
     stored.form = integral(_integrand(entries, results, stored), part, measure)
-    stored.slopes = [ufl.derivative(stored.form, unknowns.state, ufl.TrialFunction(unknowns.W))]
-    if any(entry[0] == "slot" and entry[2] == "low" for entry in entries) and unknowns.low is not None:
+    stored.slopes = [
+        ufl.derivative(stored.form, unknowns.state, ufl.TrialFunction(unknowns.W))
+    ]
+    if (
+        any(entry[0] == "slot" and entry[2] == "low" for entry in entries)
+        and unknowns.low is not None
+    ):
         low = unknowns.low
-        stored.slopes.append(ufl.derivative(stored.form, low.function, ufl.TrialFunction(low.space)))
+        stored.slopes.append(
+            ufl.derivative(stored.form, low.function, ufl.TrialFunction(low.space))
+        )
     stored.jacobians = None
 
 
 def integral(integrand: Any, part: Any, measure: Any) -> Any:
-    """Return the integral of `integrand` over all cells; `measure` is that of `measure_of`."""
+    """Return the integral of `integrand` over all cells; `measure` is that of
+    `measure_of`.
+    """
     import ufl
     from dolfinx import fem
 
     if measure.axisymmetric:
         integrand = 2.0 * np.pi * ufl.SpatialCoordinate(part.mesh)[0] * integrand
-    rule = {"quadrature_rule": "custom", "quadrature_points": measure.points, "quadrature_weights": measure.weights}
-    dx = ufl.Measure("dx", domain=part.mesh, metadata={"quadrature_degree": measure.order, **rule})
+    rule = {
+        "quadrature_rule": "custom",
+        "quadrature_points": measure.points,
+        "quadrature_weights": measure.weights,
+    }
+    dx = ufl.Measure(
+        "dx", domain=part.mesh, metadata={"quadrature_degree": measure.order, **rule}
+    )
     return fem.Constant(part.mesh, measure.section) * integrand * dx
 
 
@@ -200,11 +262,17 @@ def _integrand(entries: Any, results: Any, stored: Any) -> Any:
 
     def number(value: float, plain: bool) -> Any:
         # a number that only scales may change without compiling the form again
-        return ufl.as_ufl(value) if plain or value in (0.0, 1.0, -1.0) else fem.Constant(mesh, value)
+        return (
+            ufl.as_ufl(value)
+            if plain or value in (0.0, 1.0, -1.0)
+            else fem.Constant(mesh, value)
+        )
 
     def unknown(component: int, kind: Any) -> Any:
         if kind == "low":
-            return (unknowns.state if unknowns.low is None else unknowns.low.function)[component]
+            return (unknowns.state if unknowns.low is None else unknowns.low.function)[
+                component
+            ]
         return slot(unknowns.state[component], kind)
 
     leaves = {
@@ -216,10 +284,14 @@ def _integrand(entries: Any, results: Any, stored: Any) -> Any:
         "h": lambda: ufl.MaxCellEdgeLength(mesh),
     }
     done = expressions(entries, leaves)
-    return sum(done[entry] * slot(tests[component], kind) for component, kind, entry in results)
+    return sum(
+        done[entry] * slot(tests[component], kind) for component, kind, entry in results
+    )
 
 
-def set_array(all_ranks: RankGroup, root: Any, key: int, index: int, which: str = "arrays") -> None:
+def set_array(
+    all_ranks: RankGroup, root: Any, key: int, index: int, which: str = "arrays"
+) -> None:
     """Set the values of an array or a known field."""
     stored = all_ranks.objects[key]
     function = getattr(stored, which)[index]
@@ -229,7 +301,9 @@ def set_array(all_ranks: RankGroup, root: Any, key: int, index: int, which: str 
 
 
 def assemble(all_ranks: RankGroup, root: Any, form: int, matrix: int | None) -> Any:
-    """Assemble; return the gathered residual and store the Jacobian as object `matrix`."""
+    """Assemble; return the gathered residual and store the Jacobian as object
+    `matrix`.
+    """
     from dolfinx.fem import petsc
     from petsc4py import PETSc
 
@@ -255,7 +329,8 @@ def assemble(all_ranks: RankGroup, root: Any, form: int, matrix: int | None) -> 
 def _jacobian(stored: Any, added: Any) -> Any:
     """Assemble the Jacobian.
 
-    The derivative with respect to linear interpolants is added to the columns of the vertices that they interpolate.
+    The derivative with respect to linear interpolants is added to the columns of the
+    vertices that they interpolate.
     """
     from dolfinx.fem import petsc
     from petsc4py import PETSc
@@ -274,6 +349,8 @@ def _jacobian(stored: Any, added: Any) -> Any:
         A.setLGMap(rows, columns)
     if added is not None:
         starts, where, values, named = added
-        A.setValuesIJV(starts, where, values, addv=PETSc.InsertMode.ADD_VALUES, rowmap=named)
+        A.setValuesIJV(
+            starts, where, values, addv=PETSc.InsertMode.ADD_VALUES, rowmap=named
+        )
     A.assemble()
     return A

@@ -1,8 +1,9 @@
-"""Distributed PETSc matrices, and their solution by policy: MUMPS where its factors fit, else multigrid.
+"""Distributed PETSc matrices, and their solution by policy: MUMPS where its factors
+fit, else multigrid.
 
-On rank 0 a `Matrix` holds the number of an object that all ranks have. It offers what Newton's method, time
-steps and `solvers.linear.Solver` do with a SciPy matrix. Vectors are passed as a whole, in the numbering of the root
-rank.
+On rank 0 a `Matrix` holds the number of an object that all ranks have. It offers what
+Newton's method, time steps and `solvers.linear.Solver` do with a SciPy matrix. Vectors
+are passed as a whole, in the numbering of the root rank.
 """
 
 from __future__ import annotations
@@ -19,12 +20,24 @@ from contbed.solvers.cost import RATES
 from contbed.solvers.linear import Policy
 
 DIRECT_3D = 60_000
-KRYLOV = {"ksp_type": "fgmres", "ksp_rtol": 1e-11, "ksp_atol": 0.0, "ksp_max_it": 600, "ksp_gmres_restart": 80}
-SMOOTHER = {"mg_levels_ksp_type": "richardson", "mg_levels_ksp_max_it": 1, "mg_levels_pc_type": "bjacobi"}
-# all temperatures of a node are one block, because exchange binds them; ILU(0) of these blocks smooths
+KRYLOV = {
+    "ksp_type": "fgmres",
+    "ksp_rtol": 1e-11,
+    "ksp_atol": 0.0,
+    "ksp_max_it": 600,
+    "ksp_gmres_restart": 80,
+}
+SMOOTHER = {
+    "mg_levels_ksp_type": "richardson",
+    "mg_levels_ksp_max_it": 1,
+    "mg_levels_pc_type": "bjacobi",
+}
+# all temperatures of a node are one block, because exchange binds them; ILU(0) of these
+# blocks smooths
 MULTIGRID = KRYLOV | {"pc_type": "gamg"} | SMOOTHER
-# drag makes the velocity block nearly diagonal, so its diagonal gives a good Schur complement for the pressure, a
-# Laplacian scaled by the permeability: one cycle of multigrid would solve it ever worse as cells get smaller
+# drag makes the velocity block nearly diagonal, so its diagonal gives a good Schur
+# complement for the pressure, a Laplacian scaled by the permeability: one cycle of
+# multigrid would solve it ever worse as cells get smaller
 SPLIT = KRYLOV | {
     "pc_type": "fieldsplit",
     "pc_fieldsplit_type": "schur",
@@ -47,20 +60,30 @@ FACTORS = {
 
 
 class PetscPolicy(Policy):
-    """Choice of the linear solver for PETSc; the memory limit is that of all ranks together."""
+    """Choice of the linear solver for PETSc; the memory limit is that of all ranks
+    together.
+    """
 
     def direct(self, size: int) -> bool:
         """Return whether systems of this size are factored by MUMPS."""
         return self.dimension < 3 or size <= DIRECT_3D
 
     def predicted_GB(self, size: int) -> float:
-        """Predict the memory of all ranks [GB]: of factors as elsewhere, of multigrid as `solvers.cost` has it."""
-        return super().predicted_GB(size) if self.direct(size) else RATES["dolfinx", self.dimension].memory_GB(size)
+        """Predict the memory of all ranks [GB]: of factors as elsewhere, of
+        multigrid as `solvers.cost` has it.
+        """
+        return (
+            super().predicted_GB(size)
+            if self.direct(size)
+            else RATES["dolfinx", self.dimension].memory_GB(size)
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Distribution of unknowns: `order` lists those of each rank in turn, `counts` how many each has; `size` in all."""
+    """Distribution of unknowns: `order` lists those of each rank in turn, `counts`
+    how many each has; `size` in all.
+    """
 
     order: Any
     counts: Any
@@ -86,7 +109,9 @@ class Layout:
         return out
 
     def entries(self, matrix: Any) -> tuple[Any, Any, Any, Any]:
-        """Return the rows of a SciPy matrix in PETSc's numbers: row starts, columns, values, non-empty rows."""
+        """Return the rows of a SciPy matrix in PETSc's numbers: row starts, columns,
+        values, non-empty rows.
+        """
         rows = matrix.tocsr()
         places, filled = self.petsc_numbers(), np.flatnonzero(np.diff(rows.indptr))
         starts = np.append(0, np.cumsum(np.diff(rows.indptr)[filled])).astype(np.int32)
@@ -95,7 +120,9 @@ class Layout:
 
 @dataclass(eq=False)
 class LocalMatrix:
-    """The rows of a distributed matrix on one rank, with the unknowns that they belong to."""
+    """The rows of a distributed matrix on one rank, with the unknowns that they
+    belong to.
+    """
 
     A: Any
     unknowns: Any
@@ -117,13 +144,17 @@ class Matrix:
     def __del__(self) -> None:
         self.ranks.released.append(self.key)
 
-    def _made(self, function: Callable[..., None], *arguments: Any, root: Any = None) -> Matrix:
+    def _made(
+        self, function: Callable[..., None], *arguments: Any, root: Any = None
+    ) -> Matrix:
         key = self.ranks.new_key()
         self.ranks.run_on_all(function, key, self.key, *arguments, root=root)
         return Matrix(self.ranks, key, self.layout)
 
     def __matmul__(self, x: Any) -> Any:
-        return self.layout.from_parts(self.ranks.run_on_all(multiply, self.key, False, root=(self.layout, x)))
+        return self.layout.from_parts(
+            self.ranks.run_on_all(multiply, self.key, False, root=(self.layout, x))
+        )
 
     def __abs__(self) -> Any:
         return _Absolute(self)
@@ -140,8 +171,14 @@ class Matrix:
         return self._made(combine, other.key, 1.0)
 
     def constrained(self, fixed: Any) -> Matrix:
-        """Return the matrix with rows and columns of fixed unknowns replaced by the identity."""
-        return self._made(constrain, root=self.layout.petsc_numbers()[fixed]) if len(fixed) else self
+        """Return the matrix with rows and columns of fixed unknowns replaced by the
+        identity.
+        """
+        return (
+            self._made(constrain, root=self.layout.petsc_numbers()[fixed])
+            if len(fixed)
+            else self
+        )
 
     def inverse(self, policy: Policy) -> Callable[[Any], Any]:
         """Return a function that solves for right-hand sides."""
@@ -156,7 +193,9 @@ class _Absolute:
 
     def __matmul__(self, x: Any) -> Any:
         m = self.matrix
-        return m.layout.from_parts(m.ranks.run_on_all(multiply, m.key, True, root=(m.layout, x)))
+        return m.layout.from_parts(
+            m.ranks.run_on_all(multiply, m.key, True, root=(m.layout, x))
+        )
 
 
 class _Inverse:
@@ -173,11 +212,14 @@ class _Inverse:
     def __call__(self, rhs: Any) -> Any:
         """Return the solution; raise ConvergenceError where PETSc does not converge."""
         layout = self.matrix.layout
-        parts, reason, iterations = self.ranks.run_on_all(apply, self.key, root=(layout, rhs))
+        parts, reason, iterations = self.ranks.run_on_all(
+            apply, self.key, root=(layout, rhs)
+        )
         self.ranks.iterations.append(iterations)
         if reason < 0:
             how = (
-                "the factorisation failed: is a temperature or the pressure fixed anywhere?"
+                "the factorisation failed: is a temperature or the pressure fixed "
+                "anywhere?"
                 if self.direct
                 else (f"no convergence in {iterations} iterations")
             )
@@ -198,14 +240,23 @@ def multiply(all_ranks: RankGroup, root: Any, key: int, absolute: bool) -> Any:
         from petsc4py import PETSc
 
         starts, columns, values = A.getValuesCSR()
-        A = PETSc.Mat().createAIJ(A.getSizes(), csr=(starts, columns, np.abs(values)), comm=A.comm)
+        A = PETSc.Mat().createAIJ(
+            A.getSizes(), csr=(starts, columns, np.abs(values)), comm=A.comm
+        )
     A.mult(right, left)
     if absolute:
         A.destroy()
     return all_ranks.gather(left.array, layout and layout.counts)
 
 
-def combine(all_ranks: RankGroup, root: Any, key: int, first: int, second: int | None, factor: float) -> None:
+def combine(
+    all_ranks: RankGroup,
+    root: Any,
+    key: int,
+    first: int,
+    second: int | None,
+    factor: float,
+) -> None:
     """Store factor * first (+ second) as object `key`."""
     from petsc4py import PETSc
 
@@ -214,19 +265,27 @@ def combine(all_ranks: RankGroup, root: Any, key: int, first: int, second: int |
     if factor != 1.0:
         A.scale(factor)
     if second is not None:
-        A.axpy(1.0, all_ranks.objects[second].A, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        A.axpy(
+            1.0, all_ranks.objects[second].A, PETSc.Mat.Structure.SAME_NONZERO_PATTERN
+        )
     all_ranks.objects[key] = LocalMatrix(A, piece.unknowns)
 
 
 def constrain(all_ranks: RankGroup, root: Any, key: int, first: int) -> None:
-    """Store matrix `first` with rows and columns `root` replaced by the identity as object `key`."""
+    """Store matrix `first` with rows and columns `root` replaced by the identity as
+    object `key`.
+    """
     piece = all_ranks.objects[first]
     A = piece.A.copy()
-    A.zeroRowsColumns(np.empty(0, np.int32) if root is None else root.astype(np.int32), 1.0)
+    A.zeroRowsColumns(
+        np.empty(0, np.int32) if root is None else root.astype(np.int32), 1.0
+    )
     all_ranks.objects[key] = LocalMatrix(A, piece.unknowns)
 
 
-def prepare(all_ranks: RankGroup, root: Any, key: int, matrix: int, direct: bool) -> None:
+def prepare(
+    all_ranks: RankGroup, root: Any, key: int, matrix: int, direct: bool
+) -> None:
     """Store a solver for a matrix as object `key`."""
     from petsc4py import PETSc
 
@@ -242,7 +301,10 @@ def prepare(all_ranks: RankGroup, root: Any, key: int, matrix: int, direct: bool
     ksp.setFromOptions()
     if mixed and not direct:
         start = piece.A.getOwnershipRange()[0]
-        parts = (PETSc.IS().createGeneral(part + start, comm=piece.A.comm) for part in piece.unknowns.fields)
+        parts = (
+            PETSc.IS().createGeneral(part + start, comm=piece.A.comm)
+            for part in piece.unknowns.fields
+        )
         ksp.getPC().setFieldSplitIS(*((str(k), part) for k, part in enumerate(parts)))
     ksp.setUp()
     if mixed and not direct:  # the parts read their options now
@@ -254,7 +316,9 @@ def prepare(all_ranks: RankGroup, root: Any, key: int, matrix: int, direct: bool
 
 
 def apply(all_ranks: RankGroup, root: Any, key: int) -> Any:
-    """Solve with solver `key`; return the solution, PETSc's reason for stopping and the number of iterations."""
+    """Solve with solver `key`; return the solution, PETSc's reason for stopping and
+    the number of iterations.
+    """
     ksp = all_ranks.objects[key]
     layout, rhs = root or (None, None)
     x, b = ksp.getOperators()[0].createVecs()

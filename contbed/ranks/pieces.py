@@ -1,4 +1,6 @@
-"""Fields of a large mesh as one VTU piece for each rank, written at the same time, and a .pvtu that names them."""
+"""Fields of a large mesh as one VTU piece for each rank, written at the same time,
+and a .pvtu that names them.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ WHOLE = 100_000  # cells up to which rank 0 writes one file
 
 
 def write(path: Path, mesh: Any, nodal: Mapping[str, tuple[Space, Any]]) -> str:
-    """Write fields of rank 0's mesh, see `output.vtu.write_fields`; returns the name of the file to open."""
+    """Write fields of rank 0's mesh, see `output.vtu.write_fields`; returns the name
+    of the file to open.
+    """
     all_ranks = rank_group()
     if all_ranks.comm.size == 1 or mesh.nelements <= WHOLE:
         return write_fields(path, mesh, nodal)
@@ -29,22 +33,46 @@ def write(path: Path, mesh: Any, nodal: Mapping[str, tuple[Space, Any]]) -> str:
     for k, name in enumerate(names):
         region[mesh.subdomains[name], 0] = k
     fields = {
-        name: (space.degree, np.atleast_2d(values).shape[0] if np.ndim(values) > 1 else 0)
+        name: (
+            space.degree,
+            np.atleast_2d(values).shape[0] if np.ndim(values) > 1 else 0,
+        )
         for name, (space, values) in nodal.items()
     }
     corners = mesh.p[:, mesh.t].transpose(2, 0, 1).reshape(mesh.nelements, -1)
-    by_cell = [row[space.dofs.T] for space, values in nodal.values() for row in np.atleast_2d(values)]
+    by_cell = [
+        row[space.dofs.T]
+        for space, values in nodal.values()
+        for row in np.atleast_2d(values)
+    ]
     root = [partition.split(table) for table in (mesh.t.T, corners, region, *by_cell)]
     folder = path.parent.resolve()
     for rank in range(all_ranks.comm.size):
         announce(path.with_name(name_of(path.stem, rank)))
-    all_ranks.run_on_all(write_piece, type(mesh), mesh.dim(), fields, names, str(folder), path.stem, root=root)
-    points = {name: ("Float64", 3 if ncomponents else 1) for name, (_, ncomponents) in fields.items()}
-    return write_header(path, points, {"region": ("Int32", 1)} if names else {}, all_ranks.comm.size)
+    all_ranks.run_on_all(
+        write_piece,
+        type(mesh),
+        mesh.dim(),
+        fields,
+        names,
+        str(folder),
+        path.stem,
+        root=root,
+    )
+    points = {
+        name: ("Float64", 3 if ncomponents else 1)
+        for name, (_, ncomponents) in fields.items()
+    }
+    return write_header(
+        path, points, {"region": ("Int32", 1)} if names else {}, all_ranks.comm.size
+    )
 
 
 def write_header(
-    path: Path, points: Mapping[str, tuple[str, int]], cells: Mapping[str, tuple[str, int]], count: int
+    path: Path,
+    points: Mapping[str, tuple[str, int]],
+    cells: Mapping[str, tuple[str, int]],
+    count: int,
 ) -> str:
     """Write the .pvtu beside the pieces of `path`, after them; return its name.
 
@@ -56,7 +84,10 @@ def write_header(
     """
 
     def array(name: str, kind: str, ncomponents: int) -> str:
-        return f'      <PDataArray type="{kind}" Name="{escape(name)}" NumberOfComponents="{ncomponents}"/>'
+        return (
+            f'      <PDataArray type="{kind}" Name="{escape(name)}" '
+            f'NumberOfComponents="{ncomponents}"/>'
+        )
 
     text = "\n".join(
         [
@@ -72,7 +103,10 @@ def write_header(
             "    <PPoints>",
             array("Points", "Float64", 3),
             "    </PPoints>",
-            *(f'    <Piece Source="{escape(name_of(path.stem, rank))}"/>' for rank in range(count)),
+            *(
+                f'    <Piece Source="{escape(name_of(path.stem, rank))}"/>'
+                for rank in range(count)
+            ),
             "  </PUnstructuredGrid>",
             "</VTKFile>",
             "",
@@ -123,6 +157,8 @@ def write_piece(
             row[space.dofs.T] = share(len(space.element.nodes), float)
         nodal[name] = (space, values if ncomponents else values[0])
     if names:
-        mesh = mesh.with_subdomains({name: np.flatnonzero(region == k) for k, name in enumerate(names)})
+        mesh = mesh.with_subdomains(
+            {name: np.flatnonzero(region == k) for k, name in enumerate(names)}
+        )
     write_fields(Path(folder) / name_of(stem, all_ranks.comm.rank), mesh, nodal)
     all_ranks.comm.Barrier()  # what names the pieces is written when all are there

@@ -1,7 +1,8 @@
-"""Recorded forms as data: the entries of a graph that all ranks turn into UFL, with the arrays and fields in them.
+"""Recorded forms as data: the entries of a graph that all ranks turn into UFL, with the
+arrays and fields in them.
 
-Only rank 0 needs the models, closures and materials. Property tables have no expression in UFL: between two assemblies
-they are linear, about the present state.
+Only rank 0 needs the models, closures and materials. Property tables have no expression
+in UFL: between two assemblies they are linear, about the present state.
 """
 
 from __future__ import annotations
@@ -30,7 +31,11 @@ class KnownField:
 
     @property
     def _memory(self) -> Any:
-        return self.values.__array_interface__["data"], self.values.strides, self.values.shape
+        return (
+            self.values.__array_interface__["data"],
+            self.values.strides,
+            self.values.shape,
+        )
 
 
 @dataclass(frozen=True)
@@ -39,14 +44,16 @@ class Recording:
 
     Attributes
     ----------
-    entries : (operation, operands), in the order in which they are evaluated: operands are numbers of entries, and for
-        leaves (number, value), (array, number of the array), (slot, number of the unknown, kind), (known, number of
-        the field, kind), (x, axis), (h,); a table is (table, number of the first of its three arrays, entry)
+    entries : (operation, operands), in the order in which they are evaluated: operands
+        are numbers of entries, and for leaves (number, value), (array, number of the
+        array), (slot, number of the unknown, kind), (known, number of the field, kind),
+        (x, axis), (h,); a table is (table, number of the first of its three arrays,
+        entry)
     results : number of the unknown, kind of its test, and entry of the coefficient
     arrays : at the quadrature points (ncells, points) or in the cells (ncells, 1)
     known : numbers of known fields
-    tables : number of the first of three arrays, the value, the derivative and the argument of a table; its function,
-        derivative and the node of its argument
+    tables : number of the first of three arrays, the value, the derivative and the
+        argument of a table; its function, derivative and the node of its argument
     """
 
     entries: tuple[Any, ...]
@@ -56,20 +63,30 @@ class Recording:
     tables: list[tuple[int, Callable[[Any], Any], Callable[[Any], Any], int]]
 
     def renew(self, values: Callable[[Sequence[int]], Sequence[Any]]) -> list[int]:
-        """Evaluate all tables where nodes have some `values`; return the numbers of the arrays that change."""
+        """Evaluate all tables where nodes have some `values`; return the numbers of
+        the arrays that change.
+        """
         changed = []
         arguments = values([argument for *_, argument in self.tables])
-        for (first, function, derivative, _), argument in zip(self.tables, arguments, strict=True):
-            for k, found in enumerate((function(argument), derivative(argument), argument)):
+        for (first, function, derivative, _), argument in zip(
+            self.tables, arguments, strict=True
+        ):
+            for k, found in enumerate(
+                (function(argument), derivative(argument), argument)
+            ):
                 self.arrays[first + k][:] = found
                 changed.append(first + k)
         return changed
 
 
 def recording_of(
-    graph: Graph, coefficients: Mapping[Any, Node], unknowns: Sequence[tuple[str, int]], shape: tuple[int, int]
+    graph: Graph,
+    coefficients: Mapping[Any, Node],
+    unknowns: Sequence[tuple[str, int]],
+    shape: tuple[int, int],
 ) -> Recording:
-    """Return the recording of coefficients by the slot (name, component, kind) of their test.
+    """Return the recording of coefficients by the slot (name, component, kind) of their
+    test.
 
     Parameters
     ----------
@@ -102,5 +119,8 @@ def recording_of(
             operands = tuple(numbers[k] for k in operands)
         numbers[place] = len(entries)
         entries.append((operation, *operands))
-    found = [(unknowns.index(test[:2]), test[2], numbers[place]) for test, place in results.items()]
+    found = [
+        (unknowns.index(test[:2]), test[2], numbers[place])
+        for test, place in results.items()
+    ]
     return Recording(tuple(entries), tuple(found), out.arrays, out.known, out.tables)

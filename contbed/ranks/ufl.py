@@ -44,7 +44,8 @@ Leaves = Mapping[str, Callable[..., Any]]
 def expressions(entries: Iterable[tuple[Any, ...]], leaves: Leaves) -> list[Any]:
     """Return the entries of a `recording.Recording` in UFL.
 
-    leaves : by name, what returns a leaf from its operands; of a number also whether it must be in the form as it is
+    leaves : by name, what returns a leaf from its operands; of a number also whether it
+        must be in the form as it is
     """
     entries = tuple(entries)
     exponents = {entry[2] for entry in entries if entry[0] is np.power}
@@ -59,7 +60,9 @@ def expressions(entries: Iterable[tuple[Any, ...]], leaves: Leaves) -> list[Any]
             known, slope, at = (leaves["array"](first + k) for k in range(3))
             value = known + slope * (done[argument] - at)
         else:
-            function: Callable[..., Any] = ufl.conditional if operation == "where" else UFUNCS[operation]
+            function: Callable[..., Any] = (
+                ufl.conditional if operation == "where" else UFUNCS[operation]
+            )
             value = function(*(done[k] for k in operands))
         done.append(value)
     return done
@@ -69,4 +72,8 @@ def slot(field: Any, kind: Any) -> Any:
     """Return the value, the gradient or a second derivative of a field."""
     if kind == "v":
         return field
-    return ufl.grad(field)[kind[1]] if kind[0] == "g" else ufl.grad(ufl.grad(field))[kind[1], kind[2]]
+    return (
+        ufl.grad(field)[kind[1]]
+        if kind[0] == "g"
+        else ufl.grad(ufl.grad(field))[kind[1], kind[2]]
+    )

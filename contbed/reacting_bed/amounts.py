@@ -1,4 +1,6 @@
-"""Amounts of gases and solids of a state: over their sizes, the least of each cell, and what is said below zero."""
+"""Amounts of gases and solids of a state: over their sizes, the least of each cell,
+and what is said below zero.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +16,14 @@ from contbed.reacting_bed.scene import ReactingScene
 
 Array = NDArray[np.float64]
 FINE = 129  # points of a cell at which what is shown is looked at
-MISSED = 1.002  # of a deviation from the mean that is seen at these points, the largest between them
+# of a deviation from the mean that is seen at these points, the largest between them
+MISSED = 1.002
 
 
 class Least(NamedTuple):
-    """The least amount of a run: over the size of its field, the field, and where [m] and when [s] it was."""
+    """The least amount of a run: over the size of its field, the field, and
+    where [m] and when [s] it was.
+    """
 
     value: float = 0.0
     field: float = 0.0  # a number, as all are in a checkpoint
@@ -27,41 +32,53 @@ class Least(NamedTuple):
 
 
 def carried(problem: Problem) -> Array:
-    """Return what flux amounts of gases and solids have per value, 0 for what is no amount or is at rest (m,)."""
+    """Return what flux amounts of gases and solids have per value, 0 for what is no
+    amount or is at rest (m,).
+    """
     of = problem.bed.velocity_of
     speeds = {"g": lambda _: 1.0, "n": lambda name: abs(of(name))}
-    return np.array([speeds.get(name.split("_")[0], lambda _: 0.0)(name) for name in problem.names])
+    return np.array(
+        [speeds.get(name.split("_")[0], lambda _: 0.0)(name) for name in problem.names]
+    )
 
 
 def at_rest(problem: Problem) -> NDArray[np.bool_]:
-    """Return which unknowns are solids at rest, whose amounts at nodes know nothing of each other (m,)."""
+    """Return which unknowns are solids at rest, whose amounts at nodes know nothing
+    of each other (m,).
+    """
     of = problem.bed.velocity_of
     return np.array([name.startswith("n_") and not of(name) for name in problem.names])
 
 
 def along(problem: Problem, u: Array) -> Array:
-    """Return the unknowns over their sizes, those of gas along its stream (m, N, p + 1)."""
+    """Return the unknowns over their sizes, those of gas along its stream (m, N,
+    p + 1).
+    """
     found: Array = u * (problem.gas_signs / problem.sizes)[:, None, None]
     return found
 
 
 def lowest(problem: Problem, u: Array) -> Array:
-    """Return the least value of each field in each cell, over its size and along its stream (m, N).
+    """Return the least value of each field in each cell, over its size and along its
+    stream (m, N).
 
     Solids at rest are looked at where they are known, at the nodes.
     """
     values = along(problem, u)
     between = values @ problem.line.sampled.T
     at_nodes = values.min(axis=2)
-    found: Array = np.where(at_rest(problem)[:, None], at_nodes, np.minimum(at_nodes, between.min(axis=2)))
+    found: Array = np.where(
+        at_rest(problem)[:, None], at_nodes, np.minimum(at_nodes, between.min(axis=2))
+    )
     return found
 
 
 def between_nodes(problem: Problem, u: Array) -> Array:
-    """Return a state as it is shown between nodes: solids at rest not below zero there, with the same in each cell.
+    """Return a state as it is shown between nodes: solids at rest not below zero there,
+    with the same in each cell.
 
-    Polynomials through nodes of a front are brought nearer to their means, those of all solids by one share, so that
-    what they hold together stays.
+    Polynomials through nodes of a front are brought nearer to their means, those of all
+    solids by one share, so that what they hold together stays.
     """
     rest = np.flatnonzero(at_rest(problem))
     low = (u[rest] @ problem.line.basis(np.linspace(0.0, 1.0, FINE)).T).min(axis=2)
@@ -92,11 +109,17 @@ def allowed(scene: ReactingScene) -> float:
 
 def finer(scene: ReactingScene) -> str:
     """Return what gives shorter cells."""
-    return "a smaller solver.tolerance" if scene.time is not None and scene.solver.adapt else "more mesh.cells"
+    return (
+        "a smaller solver.tolerance"
+        if scene.time is not None and scene.solver.adapt
+        else "more mesh.cells"
+    )
 
 
 def below_zero(problem: Problem, found: Least) -> str | None:
-    """Return the warning about the least amount; None where it is within the errors that the scene allows."""
+    """Return the warning about the least amount; None where it is within the errors
+    that the scene allows.
+    """
     time, limit = problem.scene.time, allowed(problem.scene)
     if not found.value < -limit:
         return None
@@ -105,6 +128,7 @@ def below_zero(problem: Problem, found: Least) -> str | None:
     if time is not None:
         when, key = f" at t = {found.time:.4g} s", "time.tolerance"
     return (
-        f"{conserved(name)} falls to {found.value:.2g} of the {of} at x = {found.x:.4g} m{when}, further below zero "
+        f"{conserved(name)} falls to {found.value:.2g} of the {of} at x = "
+        f"{found.x:.4g} m{when}, further below zero "
         f"than {key} = {limit:g}: use {finer(problem.scene)}, or a smaller {key}"
     )

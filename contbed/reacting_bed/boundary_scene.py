@@ -1,4 +1,6 @@
-"""Tables [boundary.NAME] of a reacting bed: streams that enter at its ends, and heat through its wall."""
+"""Tables [boundary.NAME] of a reacting bed: streams that enter at its ends, and heat
+through its wall.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +20,17 @@ FLOWS = ("velocity", "mass_flux", "molar_flux")  # ways to give the flow of the 
 
 
 class GasCondition(Table):
-    """The gas that enters at one end; one boundary gives its flow, in one of three ways, positive into the bed."""
+    """The gas that enters at one end; one boundary gives its flow, in one of three
+    ways, positive into the bed.
+    """
 
-    velocity: SpeedOrSeries | None = Field(None, description="superficial, at its temperature")
+    velocity: SpeedOrSeries | None = Field(
+        None, description="superficial, at its temperature"
+    )
     mass_flux: MassFluxOrSeries | None = Field(None, description="per area of the bed")
-    molar_flux: MolarFluxOrSeries | None = Field(None, description="per area of the bed")
+    molar_flux: MolarFluxOrSeries | None = Field(
+        None, description="per area of the bed"
+    )
     temperature: TemperatureOrSeries | None = Field(
         None, description="Danckwerts: what enters is known, not the state inside"
     )
@@ -46,24 +54,36 @@ class SolidCondition(Table):
 
     velocity: SpeedOrSeries | None = Field(
         None,
-        description="superficial, volume of particles per area and time as if the phase filled the bed, positive into "
+        description="superficial, volume of particles per area and time as if the "
+        "phase filled the bed, positive into "
         "the bed; absent at both ends: at rest",
     )
-    temperature: TemperatureOrSeries | None = Field(None, description="of the particles that enter; needed with [heat]")
+    temperature: TemperatureOrSeries | None = Field(
+        None, description="of the particles that enter; needed with [heat]"
+    )
 
 
 class Boundary(Table):
-    """What enters at `left` or `right`; heat through the `wall`, into the gas (two temperatures) or the bed (one)."""
+    """What enters at `left` or `right`; heat through the `wall`, into the gas (two
+    temperatures) or the bed (one).
+    """
 
     gas: GasCondition | None = Field(None, description="the gas that enters here")
-    solids: dict[str, SolidCondition] = Field(default_factory=dict, description="by name")
+    solids: dict[str, SolidCondition] = Field(
+        default_factory=dict, description="by name"
+    )
     coefficient: WallCoefficientOrClosure | None = Field(
         None,
-        description="of the wall on its inner area, to `ambient`; by name with packed_bed.section",
+        description="of the wall on its inner area, to `ambient`; by name with "
+        "packed_bed.section",
         json_schema_extra=takes("wall"),
     )
-    ambient: TemperatureOrSeries | None = Field(None, description="temperature of the surroundings of the wall")
-    heat_flux: HeatFluxOrSeries | None = Field(None, description="of the wall into the bed, on its inner area")
+    ambient: TemperatureOrSeries | None = Field(
+        None, description="temperature of the surroundings of the wall"
+    )
+    heat_flux: HeatFluxOrSeries | None = Field(
+        None, description="of the wall into the bed, on its inner area"
+    )
 
     @model_validator(mode="after")
     def _one_way(self) -> Boundary:

@@ -1,6 +1,8 @@
-"""Positivity-preserving time steps of gases and solids; for steady states see `limited`.
+"""Positivity-preserving time steps of gases and solids; for steady states see
+`limited`.
 
-Two things take an amount below zero, and a step that does so is taken again with bounds:
+Two things take an amount below zero, and a step that does so is taken again with
+bounds:
 
     in space    Polynomials of gases, and of solids that move, are damped in their cells as in steady states,
                 C_e(u) - C_e(u_upwind) = h ( S_e(u) - dc_e/dt ) where damping is strong. It is measured by what is
@@ -10,15 +12,19 @@ Two things take an amount below zero, and a step that does so is taken again wit
                 neither stage more than there is, n/((1 - gamma) dt) and what is left/(gamma dt),
                 see `equations.losses`.
 
-Neither takes anything from a balance, and where no amount falls below zero a step is that without bounds to the last
-bit. A step for which no bounds are found is made shorter, and taken as it is if that does not help.
+Neither takes anything from a balance, and where no amount falls below zero a step is
+that without bounds to the last bit. A step for which no bounds are found is made
+shorter, and taken as it is if that does not help.
 
-Damping stays for the next step. Of solids that move its share of what makes a polynomial flat does, which falls as
-steps grow: else the damping of the first, short steps makes cells flat. Where there is room it falls by and by: a jump
-of it is one of the gas that follows at once, and the error of a step is that before damping grows. A gas in the pores
-stays as it was damped: where there is much room its damping ends at once, as it makes fronts wider, and the error of a
-step is that with the damping that it needs. In damped cells errors are those of the means. They are not less than the
-square of what a step without bounds takes of solids at rest beyond their amount: of order 2 as the estimate is.
+Damping stays for the next step. Of solids that move its share of what makes a
+polynomial flat does, which falls as steps grow: else the damping of the first, short
+steps makes cells flat. Where there is room it falls by and by: a jump of it is one of
+the gas that follows at once, and the error of a step is that before damping grows. A
+gas in the pores stays as it was damped: where there is much room its damping ends at
+once, as it makes fronts wider, and the error of a step is that with the damping that it
+needs. In damped cells errors are those of the means. They are not less than the square
+of what a step without bounds takes of solids at rest beyond their amount: of order 2 as
+the estimate is.
 
 Source: Zhang, Shu 2010, J. Comput. Phys. 229, 3091-3120, doi:10.1016/j.jcp.2009.12.030.
 """
@@ -44,7 +50,9 @@ Array = NDArray[np.float64]
 Problems = tuple[Problem, Problem]
 TRIALS = 12  # of a step, in each of which dampings grow by up to a factor of ten
 ROOM = 0.05  # of the mean of a cell, least amounts above which its damping falls
-ROOM_STORED = 0.5  # the same of a gas in the pores: less and damping comes and goes, each a jump that takes short steps
+# the same of a gas in the pores: less and damping comes and goes, each a jump that
+# takes short steps
+ROOM_STORED = 0.5
 FALL = 0.9  # from one step to the next: jumps of the damping are errors of a step
 NONE = 1e-4  # of the damping that makes a polynomial flat, below which there is none
 
@@ -69,11 +77,17 @@ class Bounded(NamedTuple):
     def cells(self) -> NDArray[np.bool_]:
         """Which cells are damped (N,)."""
         damping = self.problems[1].damping
-        return np.zeros(self.problems[1].line.cells, dtype=bool) if damping is None else (damping > 0.0).max(axis=0)
+        return (
+            np.zeros(self.problems[1].line.cells, dtype=bool)
+            if damping is None
+            else (damping > 0.0).max(axis=0)
+        )
 
 
 class _Look(NamedTuple):
-    """Least values and means in cells of both stages over sizes (m, N), and the least at nodes (m, N, p + 1)."""
+    """Least values and means in cells of both stages over sizes (m, N), and the
+    least at nodes (m, N, p + 1).
+    """
 
     low: Array
     mean: Array
@@ -85,7 +99,11 @@ class _Look(NamedTuple):
         pairs = list(zip(problems, states, strict=True))
         values = [along(problem, u) for problem, u in pairs]
         low = np.minimum(*(lowest(problem, u) for problem, u in pairs))
-        return cls(low, np.minimum(*(v @ problems[0].line.weights for v in values)), np.minimum(*values))
+        return cls(
+            low,
+            np.minimum(*(v @ problems[0].line.weights for v in values)),
+            np.minimum(*values),
+        )
 
 
 def bounded(
@@ -100,8 +118,8 @@ def bounded(
 ) -> Bounded:
     """Return a step from a state, begun with a damping (m, N); for others see `stages`.
 
-    A step whose error is larger than `time.tolerance`, and that damping will not make smaller, is returned at once,
-    but where its length is `kept`.
+    A step whose error is larger than `time.tolerance`, and that damping will not make
+    smaller, is returned at once, but where its length is `kept`.
 
     Raises
     ------
@@ -139,21 +157,32 @@ def _within(
     least: float,
     solids_first: bool,
 ) -> tuple[Bounded, bool]:
-    """Return the step with bounds, or the last one tried, and whether another order would have tried other ones.
+    """Return the step with bounds, or the last one tried, and whether another order
+    would have tried other ones.
 
-    A solid below zero makes the gas that it reacts with, and a gas below zero takes the solid that it makes: which of
-    both comes first is tried where the other way does not help. `take` takes the step with a damping and ended
-    reactions, `least` is the least error.
+    A solid below zero makes the gas that it reacts with, and a gas below zero takes the
+    solid that it makes: which of both comes first is tried where the other way does not
+    help. `take` takes the step with a damping and ended reactions, `least` is the least
+    error.
     """
     below = -problems[1].scene.solver.newton_tolerance
-    rest, stored = at_rest(problems[1])[:, None, None], problems[1].bed.gas_pressure is not None
+    rest, stored = (
+        at_rest(problems[1])[:, None, None],
+        problems[1].bed.gas_pressure is not None,
+    )
     damping, without = found.damping, found.error
-    ended, before, chosen = np.zeros(found.states[1].shape, dtype=bool), np.zeros_like(damping), False
+    ended, before, chosen = (
+        np.zeros(found.states[1].shape, dtype=bool),
+        np.zeros_like(damping),
+        False,
+    )
     for _ in range(TRIALS):
         wrong = (look.low < below) & (flat > 0.0)
         empty = rest & (look.nodes < below)
         if not (wrong.any() or empty.any()):
-            return found._replace(damping=_later(problems[1], damping, look, flat), within=True), chosen
+            return found._replace(
+                damping=_later(problems[1], damping, look, flat), within=True
+            ), chosen
         wrong &= (damping < FLAT * flat) | (look.mean > 0.0)
         both = bool((empty & ~ended).any() and wrong.any())
         chosen = chosen or both
@@ -170,27 +199,37 @@ def _within(
         except ConvergenceError:
             break
         error = again if stored else without
-        found = Bounded(trial, (first, last), max(error, least), damping, bool(ended.any()), False)
+        found = Bounded(
+            trial, (first, last), max(error, least), damping, bool(ended.any()), False
+        )
         look = _Look.at(trial, found.states)
     return found, chosen
 
 
 def flattening(problem: Problem, dt: float) -> Array:
-    """Return the damping that makes polynomials of a step flat (m, N): what is carried, and stored of it in a stage."""
+    """Return the damping that makes polynomials of a step flat (m, N): what is
+    carried, and stored of it in a stage.
+    """
     speeds, stored = carried(problem)[:, None], problem.bed.gas_pressure is not None
     of_gas = problem.gas_residence / problem.scene.mesh.length if stored else 0.0
     held = np.where(_gas(problem), of_gas, 1.0)[:, None]
-    found: Array = np.where(speeds > 0.0, speeds + held * problem.line.h / (GAMMA * dt), 0.0)
+    found: Array = np.where(
+        speeds > 0.0, speeds + held * problem.line.h / (GAMMA * dt), 0.0
+    )
     return found
 
 
 def of_next(problem: Problem, damping: Array, step: float, following: float) -> Array:
-    """Return the damping with which a longer step [s] begins: of solids, the share of what makes polynomials flat."""
+    """Return the damping with which a longer step [s] begins: of solids, the share
+    of what makes polynomials flat.
+    """
     if not damping.any():
         return damping
     with np.errstate(all="ignore"):
         share = flattening(problem, following) / flattening(problem, step)
-    found: Array = np.where(~_gas(problem)[:, None] & (share < 1.0), share, 1.0) * damping
+    found: Array = (
+        np.where(~_gas(problem)[:, None] & (share < 1.0), share, 1.0) * damping
+    )
     return found
 
 
@@ -199,7 +238,9 @@ def _gas(problem: Problem) -> NDArray[np.bool_]:
 
 
 def _needed(damping: Array, look: _Look, flat: Array) -> Array:
-    """Return the damping by which the least is zero, if deviations of the mean fall as 1/(1 + d/(FIRST flat))."""
+    """Return the damping by which the least is zero, if deviations of the mean fall
+    as 1/(1 + d/(FIRST flat)).
+    """
     with np.errstate(all="ignore"):
         free = (look.mean - look.low) * (1.0 + damping / (FIRST * flat))
         found: Array = FIRST * flat * (free / look.mean - 1.0)
@@ -207,12 +248,18 @@ def _needed(damping: Array, look: _Look, flat: Array) -> Array:
 
 
 def _grown(damping: Array, look: _Look, before: Array, flat: Array) -> Array:
-    """Return a larger damping: by a straight line through two trials, or what is needed by one."""
+    """Return a larger damping: by a straight line through two trials, or what is
+    needed by one.
+    """
     with np.errstate(all="ignore"):
         largest = np.maximum(flat, MOST * damping)
-        by_one = np.clip(ENOUGH * _needed(damping, look, flat), LEAST * damping, largest)
+        by_one = np.clip(
+            ENOUGH * _needed(damping, look, flat), LEAST * damping, largest
+        )
         by_one = np.where(look.mean > 0.0, by_one, largest)
-    return np.where(before < 0.0, more(damping, look.low, before, look.mean, flat), by_one)
+    return np.where(
+        before < 0.0, more(damping, look.low, before, look.mean, flat), by_one
+    )
 
 
 def _later(problem: Problem, damping: Array, look: _Look, flat: Array) -> Array:

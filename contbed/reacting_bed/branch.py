@@ -1,4 +1,6 @@
-"""Branch of the steady states of a reacting bed over one value of its scene, and all states at a value."""
+"""Branch of the steady states of a reacting bed over one value of its scene, and all
+states at a value.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +24,15 @@ from contbed.solvers.branch import Branch, trace
 from contbed.solvers.linear import Policy
 
 Array = NDArray[np.float64]
-KEPT = 4  # problems of the last values of the parameter, which steps ask for several times
+# problems of the last values of the parameter, which steps ask for several times
+KEPT = 4
 SAMPLES = 12  # points of a branch whose errors choose the cells
 
 
 class Family:
-    """The equations of a bed as functions of one value of its scene, on one line of cells."""
+    """The equations of a bed as functions of one value of its scene, on one line of
+    cells.
+    """
 
     def __init__(self, problem: Problem, key: str):
         self.problem, self.key = problem, key
@@ -46,7 +51,9 @@ class Family:
         return self._known[value]
 
     def assemble(self, x: Any, value: float, jacobian: bool) -> tuple[Any, Any]:
-        """Assemble residuals over typical fluxes, and their derivatives to the unknowns."""
+        """Assemble residuals over typical fluxes, and their derivatives to the
+        unknowns.
+        """
         problem = self.at(value)
         m, N, n = len(problem.names), problem.line.cells, problem.line.degree + 1
         residual, slopes = problem.system.assemble(x.reshape(m, N, n), jacobian)
@@ -58,7 +65,9 @@ class Family:
 
 
 def follow(problem: Problem, u: Array, result: Result) -> None:
-    """Trace the branch that a state lies on, once to choose the cells and once on them, and report it."""
+    """Trace the branch that a state lies on, once to choose the cells and once on
+    them, and report it.
+    """
     table = problem.scene.continuation
     assert table is not None
     family, branch = _traced(problem, u)
@@ -100,10 +109,18 @@ def _traced(problem: Problem, u: Array) -> tuple[Family, Branch]:
     return family, branch
 
 
-def _refined(family: Family, branch: Branch, problem: Problem, u: Array) -> tuple[Problem, Array]:
-    """Return problem and state on cells that suit points along the branch and its folds."""
-    chosen = np.unique(np.linspace(0, len(branch.states) - 1, SAMPLES).round().astype(int))
-    points = [(branch.parameter[k], branch.states[k]) for k in chosen] + [(p, x) for _, p, x in branch.folds]
+def _refined(
+    family: Family, branch: Branch, problem: Problem, u: Array
+) -> tuple[Problem, Array]:
+    """Return problem and state on cells that suit points along the branch and its
+    folds.
+    """
+    chosen = np.unique(
+        np.linspace(0, len(branch.states) - 1, SAMPLES).round().astype(int)
+    )
+    points = [(branch.parameter[k], branch.states[k]) for k in chosen] + [
+        (p, x) for _, p, x in branch.folds
+    ]
     worst = np.zeros(problem.line.cells)
     for p, x in points:
         worst = np.maximum(worst, cells.errors(family.at(p), x.reshape(u.shape)))
@@ -141,13 +158,22 @@ def _row(family: Family, p: float, x: Array) -> dict[str, float]:
     end = ends(problem)[0]
     state = values_at(problem, u, problem.line.vertices[[0, -1]])
     row = {f"{family.key} [{unit}]": p}
-    for name, value in (("T_fluid_out_K", state.T_fluid), ("T_solid_out_K", state.T_solid)):
-        row[f"{name.removesuffix('_K')} [{unit_of(name)}]"] = float(np.broadcast_to(value, (2,))[end])
-    return row | {f"x_{name}_out [1]": float(value[end]) for name, value in state.x.items()}
+    for name, value in (
+        ("T_fluid_out_K", state.T_fluid),
+        ("T_solid_out_K", state.T_solid),
+    ):
+        row[f"{name.removesuffix('_K')} [{unit_of(name)}]"] = float(
+            np.broadcast_to(value, (2,))[end]
+        )
+    return row | {
+        f"x_{name}_out [1]": float(value[end]) for name, value in state.x.items()
+    }
 
 
 def columns(family: Family, branch: Branch) -> dict[str, Any]:
-    """Return the value, folds passed and what leaves along a branch, folds included as points."""
+    """Return the value, folds passed and what leaves along a branch, folds included
+    as points.
+    """
     points = list(zip(branch.parameter, branch.states, strict=True))
     turns = [index + k for k, (index, _, _) in enumerate(branch.folds)]
     for place, (_, p, x) in zip(turns, branch.folds, strict=True):
@@ -156,10 +182,18 @@ def columns(family: Family, branch: Branch) -> dict[str, Any]:
     for k, (p, x) in enumerate(points):
         found = _row(family, p, x)
         key = next(iter(found))
-        row = {"point [1]": float(k), key: found.pop(key), "turns [1]": float(sum(turn < k for turn in turns))}
+        row = {
+            "point [1]": float(k),
+            key: found.pop(key),
+            "turns [1]": float(sum(turn < k for turn in turns)),
+        }
         rows.append(row | found)
     return _table(rows)
 
 
 def _table(rows: list[dict[str, float]]) -> dict[str, Any]:
-    return {header: np.array([row[header] for row in rows]) for header in rows[0]} if rows else {}
+    return (
+        {header: np.array([row[header] for row in rows]) for header in rows[0]}
+        if rows
+        else {}
+    )

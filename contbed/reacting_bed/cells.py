@@ -11,27 +11,39 @@ from contbed.reacting_bed.problem import Problem
 Array = NDArray[np.float64]
 MOST_CELLS = 3000  # of a mesh: ten species have some 100,000 unknowns there
 COARSEST = 2.5  # ratio of the lengths of neighbouring cells
-ERROR_POWER = 0.7  # jumps are held to tolerance^ERROR_POWER: fluxes at vertices are of order 7, jumps of order 4
+# jumps are held to tolerance^ERROR_POWER: fluxes at vertices are of order 7, jumps of
+# order 4
+ERROR_POWER = 0.7
 LEAST_SPAN = 1e-4  # of the typical size of a field, the least span that errors refer to
 LEAST_RATIO = 1e-30  # of an error over what is aimed at, in a cell without any
 
 
 def halves(problem: Problem) -> Array:
     """Return the vertices and the middles of the cells."""
-    found: Array = np.sort(np.concatenate([problem.line.vertices, problem.line.points.mean(axis=1)]))
+    found: Array = np.sort(
+        np.concatenate([problem.line.vertices, problem.line.points.mean(axis=1)])
+    )
     return found
 
 
 def moved(problem: Problem, u: Array, other: Problem) -> Array:
     """Return a state on the cells of another problem."""
-    found: Array = problem.line.at(u, other.line.points.ravel()).reshape(len(u), *other.line.points.shape)
+    found: Array = problem.line.at(u, other.line.points.ravel()).reshape(
+        len(u), *other.line.points.shape
+    )
     return found
 
 
 def errors(problem: Problem, u: Array, sizes: Array | None = None) -> Array:
-    """Return the jumps and highest modes of the fields in each cell over sizes (m,), or their spans (N,)."""
+    """Return the jumps and highest modes of the fields in each cell over sizes (m,),
+    or their spans (N,).
+    """
     line = problem.line
-    span = np.maximum(np.ptp(u, axis=(1, 2)), LEAST_SPAN * problem.sizes) if sizes is None else sizes
+    span = (
+        np.maximum(np.ptp(u, axis=(1, 2)), LEAST_SPAN * problem.sizes)
+        if sizes is None
+        else sizes
+    )
     low, high = u @ line.left, u @ line.right
     jump = np.abs(low[:, 1:] - high[:, :-1])
     found = line.top_mode(u)
@@ -42,7 +54,9 @@ def errors(problem: Problem, u: Array, sizes: Array | None = None) -> Array:
 
 
 def next_cells(problem: Problem, u: Array) -> tuple[Array, float]:
-    """Return better vertices for a state, and by how much the errors of the present ones exceed what is aimed at."""
+    """Return better vertices for a state, and by how much the errors of the present
+    ones exceed what is aimed at.
+    """
     found = errors(problem, u)
     return better_cells(problem, found), float(found.max()) / aim(problem)
 
@@ -53,26 +67,38 @@ def aim(problem: Problem) -> float:
 
 
 def better_cells(problem: Problem, found: Array) -> Array:
-    """Return vertices of cells whose errors are about what is aimed at, from those that were found (N,)."""
+    """Return vertices of cells whose errors are about what is aimed at, from those
+    that were found (N,).
+    """
     return regraded(problem.line.vertices, wanted_lengths(problem, found))
 
 
-def wanted_lengths(problem: Problem, found: Array, least: float = 0.1, most: float = 2.0) -> Array:
-    """Return the lengths of cells whose errors would be about what is aimed at, from those that were found (N,).
+def wanted_lengths(
+    problem: Problem, found: Array, least: float = 0.1, most: float = 2.0
+) -> Array:
+    """Return the lengths of cells whose errors would be about what is aimed at, from
+    those that were found (N,).
 
     `least` and `most` are of the present lengths.
     """
     ratio = found / aim(problem)
-    factor = np.clip((0.5 / np.maximum(ratio, LEAST_RATIO)) ** (1.0 / (problem.line.degree + 1)), least, most)
+    factor = np.clip(
+        (0.5 / np.maximum(ratio, LEAST_RATIO)) ** (1.0 / (problem.line.degree + 1)),
+        least,
+        most,
+    )
     return problem.line.h * factor
 
 
 def regraded(vertices: Array, wanted: Array) -> Array:
-    """Return vertices whose cells have about the wanted lengths (of the present cells), neighbours alike."""
+    """Return vertices whose cells have about the wanted lengths (of the present
+    cells), neighbours alike.
+    """
     wanted = wanted.copy()
     middle = 0.5 * (vertices[1:] + vertices[:-1])
     slope = COARSEST - 1.0
-    for k in range(1, len(wanted)):  # a cell grows by no more than its distance from a short one allows
+    # a cell grows by no more than its distance from a short one allows
+    for k in range(1, len(wanted)):
         wanted[k] = min(wanted[k], wanted[k - 1] + slope * (middle[k] - middle[k - 1]))
     for k in range(len(wanted) - 2, -1, -1):
         wanted[k] = min(wanted[k], wanted[k + 1] + slope * (middle[k + 1] - middle[k]))

@@ -1,4 +1,6 @@
-"""Checks of a reacting bed: mistakes in a scene that remain although every single value is valid."""
+"""Checks of a reacting bed: mistakes in a scene that remain although every single
+value is valid.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,12 @@ from contbed.reacting_bed.inside_checks import (
 )
 from contbed.reacting_bed.kinetics import SI_OF_BASIS
 from contbed.reacting_bed.laws import NEEDS, known_laws
-from contbed.reacting_bed.phase_checks import Boundaries, Reactions, Solids, stoichiometry
+from contbed.reacting_bed.phase_checks import (
+    Boundaries,
+    Reactions,
+    Solids,
+    stoichiometry,
+)
 from contbed.reacting_bed.schedule_checks import (
     a_cycle_changes_something,
     cells_can_follow,
@@ -32,7 +39,13 @@ from contbed.reacting_bed.schedule_checks import (
     series_are_usable,
     times_are_in_order,
 )
-from contbed.reacting_bed.substances import Equation, constituents_of, equations_of, fed_to, gases_named
+from contbed.reacting_bed.substances import (
+    Equation,
+    constituents_of,
+    equations_of,
+    fed_to,
+    gases_named,
+)
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
@@ -42,15 +55,24 @@ from contbed.scene.values import value_at
 BALANCED = 1e-6  # atoms per mole of reaction within which an equation balances
 
 
-def compositions_sum_to_one(gas: s.Mixture, solids: Solids, boundary: Boundaries, initial: s.Initial) -> Mistakes:
+def compositions_sum_to_one(
+    gas: s.Mixture, solids: Solids, boundary: Boundaries, initial: s.Initial
+) -> Mistakes:
     """Check that fractions sum to one, where they are no amounts in moles."""
-    given: list[tuple[KeyPath, str | None]] = [(("gas", "composition"), gas.composition)]
+    given: list[tuple[KeyPath, str | None]] = [
+        (("gas", "composition"), gas.composition)
+    ]
     for name, table in boundary.items():
         entering = None if table.gas is None else table.gas.composition
-        texts = entering.values if isinstance(entering, CompositionSeries) else [entering]
+        texts = (
+            entering.values if isinstance(entering, CompositionSeries) else [entering]
+        )
         given += [(("boundary", name, "gas", "composition"), text) for text in texts]
     given.append((("initial", "gas", "composition"), initial.gas.composition))
-    given += [(("solids", phase, "composition"), table.composition) for phase, table in solids.items()]
+    given += [
+        (("solids", phase, "composition"), table.composition)
+        for phase, table in solids.items()
+    ]
     for path, text in given:
         if text is None:
             continue
@@ -63,7 +85,11 @@ def compositions_sum_to_one(gas: s.Mixture, solids: Solids, boundary: Boundaries
 def equations_balance(reactions: Reactions, gas: s.Mixture, solids: Solids) -> Mistakes:
     """Check that every reaction has an equation whose elements balance."""
     for name, table in reactions.items():
-        path: KeyPath = ("reactions", name) if table.equation is None else ("reactions", name, "equation")
+        path: KeyPath = (
+            ("reactions", name)
+            if table.equation is None
+            else ("reactions", name, "equation")
+        )
         try:
             equations = equations_of(name, table)
         except SceneError as error:
@@ -78,7 +104,11 @@ def equations_balance(reactions: Reactions, gas: s.Mixture, solids: Solids) -> M
                 continue
             for element, atoms in left_over.items():
                 verb = "makes" if atoms > 0 else "loses"
-                yield path, f"{verb} {abs(atoms):.6g} atoms of {element} per mole of reaction; correct its coefficients"
+                yield (
+                    path,
+                    f"{verb} {abs(atoms):.6g} atoms of {element} per mole of reaction; "
+                    "correct its coefficients",
+                )
 
 
 def imbalance(equation: Equation, gas: s.Mixture, solids: Solids) -> dict[str, float]:
@@ -87,40 +117,75 @@ def imbalance(equation: Equation, gas: s.Mixture, solids: Solids) -> dict[str, f
     total: dict[str, float] = {}
     for name, count in equation.stoichiometry.items():
         table = tables.get(name)
-        atoms = dict(table.elements) if table is not None and table.elements else elements_of(name)
+        atoms = (
+            dict(table.elements)
+            if table is not None and table.elements
+            else elements_of(name)
+        )
         for element, number in atoms.items():
             total[element] = total.get(element, 0.0) + count * number
     return {element: atoms for element, atoms in total.items() if abs(atoms) > BALANCED}
 
 
 def laws_have_what_they_need(reactions: Reactions, solids: Solids) -> Mistakes:
-    """Check that every reaction has one law, known and with its constants, or a formula."""
+    """Check that every reaction has one law, known and with its constants, or a
+    formula.
+    """
     for name, table in reactions.items():
         if table.rate is not None:
             if table.law is not None or table.A is not None:
-                yield ("reactions", name, "rate"), "a formula is the whole rate; remove law, A, E and orders, or rate"
+                yield (
+                    ("reactions", name, "rate"),
+                    "a formula is the whole rate; remove law, A, E and orders, or rate",
+                )
             continue
         law = table.law or "power"
         if law not in known_laws(name):
-            yield ("reactions", name, "law"), f"unknown rate law; {nearest(law, known_laws(name))}"
+            yield (
+                ("reactions", name, "law"),
+                f"unknown rate law; {nearest(law, known_laws(name))}",
+            )
             continue
         for key in NEEDS.get(law, ()):
             if getattr(table, key) is None:
-                what = "the activation energy, 0 for a rate that does not depend on temperature" if key == "E" else key
+                what = (
+                    "the activation energy, 0 for a rate that does not depend on "
+                    "temperature"
+                    if key == "E"
+                    else key
+                )
                 yield ("reactions", name, key), f"missing; the law {law} needs {what}"
-        of_solids = law in ("grain", "grain_remaining", "shrinking_core") or law.startswith("three_interfaces")
+        of_solids = law in (
+            "grain",
+            "grain_remaining",
+            "shrinking_core",
+        ) or law.startswith("three_interfaces")
         if of_solids and all(table.composition is None for table in solids.values()):
-            yield ("reactions", name, "law"), f"{law} needs solids that react: give solids.NAME.composition"
+            yield (
+                ("reactions", name, "law"),
+                f"{law} needs solids that react: give solids.NAME.composition",
+            )
         if table.basis is not None and law not in ("power",):
-            yield ("reactions", name, "basis"), f"has no meaning with the law {law}, whose rate has its own"
+            yield (
+                ("reactions", name, "basis"),
+                f"has no meaning with the law {law}, whose rate has its own",
+            )
 
 
 def formulas_can_be_read(
-    reactions: Reactions, gas: s.Mixture, boundary: Boundaries, solids: Solids, origin: Origin
+    reactions: Reactions,
+    gas: s.Mixture,
+    boundary: Boundaries,
+    solids: Solids,
+    origin: Origin,
 ) -> Mistakes:
     """Check formulas of rates: names, units of parameters and of the rate."""
-    formulas = {name: table for name, table in reactions.items() if table.rate is not None}
-    species = _species_named(gas, boundary, solids, reactions, origin) if formulas else None
+    formulas = {
+        name: table for name, table in reactions.items() if table.rate is not None
+    }
+    species = (
+        _species_named(gas, boundary, solids, reactions, origin) if formulas else None
+    )
     if species is None:
         return
     gases, constituents = species
@@ -134,22 +199,38 @@ def formulas_can_be_read(
                     yield ("reactions", name, "parameters", key), str(error)
                     return
         known = {"T", "p", "R", "eps", "X", *table.parameters}
-        known |= {f"{of}_{name}" for name in gases for of in "cxp"} | {f"n_{name}" for name in constituents}
+        known |= {f"{of}_{name}" for name in gases for of in "cxp"} | {
+            f"n_{name}" for name in constituents
+        }
         try:
             require_names(parse_formula(str(table.rate)), sorted(known))
         except SceneError as error:
             yield path, str(error)
             continue
-        basis = table.basis or ("particle" if constituents & set(stoichiometry(name, table)) else "gas")
-        if table.unit is not None and factor_and_offset(table.unit, SI_OF_BASIS[basis]) is None:
+        basis = table.basis or (
+            "particle" if constituents & set(stoichiometry(name, table)) else "gas"
+        )
+        if (
+            table.unit is not None
+            and factor_and_offset(table.unit, SI_OF_BASIS[basis]) is None
+        ):
             wanted = SI_OF_BASIS[basis]
-            yield ("reactions", name, "unit"), f"measures something else than {wanted}, the unit of a rate per {basis}"
+            yield (
+                ("reactions", name, "unit"),
+                f"measures something else than {wanted}, the unit of a rate per {basis}",
+            )
 
 
 def _species_named(
-    gas: s.Mixture, boundary: Boundaries, solids: Solids, reactions: Reactions, origin: Origin
+    gas: s.Mixture,
+    boundary: Boundaries,
+    solids: Solids,
+    reactions: Reactions,
+    origin: Origin,
 ) -> tuple[set[str], set[str]] | None:
-    """Return names that may be gases, and those that may be constituents; None where a composition cannot be read."""
+    """Return names that may be gases, and those that may be constituents; None where
+    a composition cannot be read.
+    """
     try:
         gases = {*gases_named(gas, boundary, origin.base), *gas.species}
         constituents = set(constituents_of(solids))
@@ -163,7 +244,11 @@ def _species_named(
 
 
 def orders_name_species(
-    reactions: Reactions, gas: s.Mixture, boundary: Boundaries, solids: Solids, origin: Origin
+    reactions: Reactions,
+    gas: s.Mixture,
+    boundary: Boundaries,
+    solids: Solids,
+    origin: Origin,
 ) -> Mistakes:
     """Check that orders refer to species of the scene."""
     if isinstance(gas, s.GasCantera):
@@ -173,26 +258,46 @@ def orders_name_species(
     for name, table in reactions.items() if species is not None else ():
         for each in table.orders or {}:
             if each not in known:
-                yield ("reactions", name, "orders"), f"there is no {each!r}; {nearest(each, known)}"
+                yield (
+                    ("reactions", name, "orders"),
+                    f"there is no {each!r}; {nearest(each, known)}",
+                )
 
 
-def walls_pass_heat(boundary: Boundaries, heat: s.Heat | None, mesh: s.Line, packed_bed: s.PackedBed) -> Mistakes:
-    """Check that a wall has a bed with temperatures and a diameter, and by name the bed beside it."""
+def walls_pass_heat(
+    boundary: Boundaries, heat: s.Heat | None, mesh: s.Line, packed_bed: s.PackedBed
+) -> Mistakes:
+    """Check that a wall has a bed with temperatures and a diameter, and by name the
+    bed beside it.
+    """
     wall = boundary.get("wall")
     if wall is None:
         return
     if heat is None:
-        yield ("boundary", "wall"), "has no meaning without [heat]; add [heat], or remove it"
+        yield (
+            ("boundary", "wall"),
+            "has no meaning without [heat]; add [heat], or remove it",
+        )
     if mesh.diameter is None:
         yield ("mesh", "diameter"), "missing; of the tube whose wall is [boundary.wall]"
     if named(wall.coefficient) and packed_bed.section is None:
-        text = "by name it is on the jump of temperature at the wall, which one dimension does not have"
-        advice = "add [packed_bed.section], or give the coefficient to the mean temperature as a number"
+        text = (
+            "by name it is on the jump of temperature at the wall, which one "
+            "dimension does not have"
+        )
+        advice = (
+            "add [packed_bed.section], or give the coefficient to the mean "
+            "temperature as a number"
+        )
         yield ("boundary", "wall", "coefficient"), f"{text}; {advice}"
 
 
 def sections_can_be_resolved(
-    packed_bed: s.PackedBed, mesh: s.Line, heat: s.Heat | None, closures: s.Closures, boundary: Boundaries
+    packed_bed: s.PackedBed,
+    mesh: s.Line,
+    heat: s.Heat | None,
+    closures: s.Closures,
+    boundary: Boundaries,
 ) -> Mistakes:
     """Check that a section has a size and something that passes across it."""
     section, path = packed_bed.section, ("packed_bed", "section")
@@ -201,31 +306,51 @@ def sections_can_be_resolved(
     if mesh.diameter is None:
         yield ("mesh", "diameter"), "missing; the size of the section across the flow"
     gas = (section.conductivity_gas, section.dispersion)
-    if heat is not None and all(value in (None, 0.0) for value in (*gas, section.conductivity_solids)):
+    if heat is not None and all(
+        value in (None, 0.0) for value in (*gas, section.conductivity_solids)
+    ):
         yield (
             path,
-            "no heat passes between the rings; give conductivity_gas, conductivity_solids or dispersion [W/m/K], such "
-            'as dispersion = "vdi"; or remove [packed_bed.section] for a bed without differences across it',
+            "no heat passes between the rings; give conductivity_gas, "
+            "conductivity_solids or dispersion [W/m/K], such "
+            'as dispersion = "vdi"; or remove [packed_bed.section] for a bed without '
+            "differences across it",
         )
     two = heat is not None and closures.nusselt is not None
     still = all(value in (None, 0.0) for value in gas)
     wall = boundary.get("wall")
-    if two and still and section.conductivity_solids and wall is not None and wall.coefficient is not None:
+    if (
+        two
+        and still
+        and section.conductivity_solids
+        and wall is not None
+        and wall.coefficient is not None
+    ):
         yield (
             path,
-            "the wall exchanges heat with the gas, which conducts none to it across the bed; give conductivity_gas or "
+            "the wall exchanges heat with the gas, which conducts none to it across "
+            "the bed; give conductivity_gas or "
             'dispersion [W/m/K], such as dispersion = "vdi"',
         )
 
 
 def closures_exist(
-    closures: s.Closures, packed_bed: s.PackedBed, solids: Solids, boundary: Boundaries, origin: Origin
+    closures: s.Closures,
+    packed_bed: s.PackedBed,
+    solids: Solids,
+    boundary: Boundaries,
+    origin: Origin,
 ) -> Mistakes:
     """Check that closures are known, with their parameters, and get their arguments."""
     for path, spec, kind in places_of(closures, packed_bed, solids, boundary):
         if named(spec) and not (kind == "conductivity" and is_phase(spec)):
             try:
-                bound(spec, kind, origin.base, "transverse" if "section" in path else "axial")
+                bound(
+                    spec,
+                    kind,
+                    origin.base,
+                    "transverse" if "section" in path else "axial",
+                )
             except SceneError as error:
                 yield path, str(error)
 
@@ -234,7 +359,10 @@ def positions_are_inside(mesh: s.Line, output: Any, see: See) -> Mistakes:
     """Check that profile positions lie in the bed."""
     for k, x in enumerate(output.positions):
         if not 0.0 <= x <= mesh.length:
-            yield ("output", "positions", k), f"{x:g} m lies outside of the bed; see {see('mesh.length')}"
+            yield (
+                ("output", "positions", k),
+                f"{x:g} m lies outside of the bed; see {see('mesh.length')}",
+            )
 
 
 def the_parameter_is_a_number(
@@ -244,21 +372,36 @@ def the_parameter_is_a_number(
     reactions: Reactions,
     boundary: Boundaries,
 ) -> Mistakes:
-    """Check that the parameter of the continuation is a number of the scene that may vary."""
+    """Check that the parameter of the continuation is a number of the scene that may
+    vary.
+    """
     if continuation is None:
         return
-    tables = {"gas": gas, "closures": closures, "reactions": reactions, "boundary": boundary}
+    tables = {
+        "gas": gas,
+        "closures": closures,
+        "reactions": reactions,
+        "boundary": boundary,
+    }
     found = value_at(tables, continuation.parameter)
     if not isinstance(found, float) or continuation.parameter.startswith("gas.species"):
         yield (
             ("continuation", "parameter"),
-            "no number of this scene can be varied under this key; allowed: keys such as reactions.NAME.factor, "
-            "boundary.left.gas.mass_flux, boundary.left.gas.temperature, boundary.wall.ambient",
+            "no number of this scene can be varied under this key; allowed: keys such "
+            "as reactions.NAME.factor, "
+            "boundary.left.gas.mass_flux, boundary.left.gas.temperature, "
+            "boundary.wall.ambient",
         )
     elif found == continuation.to:
         yield ("continuation", "to"), "is the value that the scene has"
-    elif continuation.back_to is not None and (continuation.back_to - found) * (continuation.to - found) > 0:
-        yield ("continuation", "back_to"), f"lies on the same side of the value in the scene, {found:g}, as `to`"
+    elif (
+        continuation.back_to is not None
+        and (continuation.back_to - found) * (continuation.to - found) > 0
+    ):
+        yield (
+            ("continuation", "back_to"),
+            f"lies on the same side of the value in the scene, {found:g}, as `to`",
+        )
 
 
 CHECKS: tuple[Check, ...] = (
@@ -296,7 +439,9 @@ CHECKS: tuple[Check, ...] = (
 def the_gas_conducts_once(
     closures: s.Closures, packed_bed: s.PackedBed, heat: s.Heat | None, origin: Origin
 ) -> Mistakes:
-    """Look for a closure of the whole bed at rest beside the conductivity of its gas, along and across the bed."""
+    """Look for a closure of the whole bed at rest beside the conductivity of its
+    gas, along and across the bed.
+    """
     if heat is None:
         return
     tables: list[tuple[KeyPath, Any]] = [(("closures",), closures)]

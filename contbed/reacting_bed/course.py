@@ -1,4 +1,6 @@
-"""A reacting bed in the course of a run: what its series say at a time, the state at the start, where steps end."""
+"""A reacting bed in the course of a run: what its series say at a time, the state at
+the start, where steps end.
+"""
 
 from __future__ import annotations
 
@@ -30,20 +32,26 @@ if TYPE_CHECKING:
     from contbed.reacting_bed.initial import Profile
 
 Array = NDArray[np.float64]
-SMOOTH = 1e-5  # share of a gas or solid that is left, below which its powers are straight lines
-TRACE = 1e-9  # mole fraction below which a gas or solid is taken as not there when smoothing is chosen
+# share of a gas or solid that is left, below which its powers are straight lines
+SMOOTH = 1e-5
+# mole fraction below which a gas or solid is taken as not there when smoothing is
+# chosen
+TRACE = 1e-9
 FIRST_STEP = 1e-5  # of the whole time, at the start and after a jump
 SHORTEST_STEP = 1e-12  # of the whole time, below which a run is given up
 STAGES = (GAMMA, 1.0)  # times of the stages of a step over its size
-LEAST_RANGE = 1.0  # [K] of the temperatures of a run, where those of the scene and of the bed differ by less
+# [K] of the temperatures of a run, where those of the scene and of the bed differ by
+# less
+LEAST_RANGE = 1.0
 
 
 @dataclass(frozen=True)
 class Course:
-    """The bed of a scene in the course of a run, whose series have the values of a time; `problem` is at the start.
+    """The bed of a scene in the course of a run, whose series have the values of a
+    time; `problem` is at the start.
 
-    `temperatures` are the lowest and highest of the scene: of what enters, of the wall and of the start [K]; `initial`
-    is the state of a file at the start.
+    `temperatures` are the lowest and highest of the scene: of what enters, of the wall
+    and of the start [K]; `initial` is the state of a file at the start.
     """
 
     scene: s.ReactingScene
@@ -53,18 +61,32 @@ class Course:
     initial: Profile | None = None
 
     @classmethod
-    def of(cls, scene: s.ReactingScene, problem: Problem, schedule: Schedule, stores_gas: bool) -> Course:
-        """Return the bed of a plan; a gas that is stored is so at the pressures of the first moment.
+    def of(
+        cls,
+        scene: s.ReactingScene,
+        problem: Problem,
+        schedule: Schedule,
+        stores_gas: bool,
+    ) -> Course:
+        """Return the bed of a plan; a gas that is stored is so at the pressures of the
+        first moment.
 
         Raises
         ------
         ConvergenceError : these are not found
         """
-        moments = [problem.within(schedule.frozen(scene, moment)) for moment in schedule.moments() or [0.0]]
+        moments = [
+            problem.within(schedule.frozen(scene, moment))
+            for moment in schedule.moments() or [0.0]
+        ]
         initial = initial_of(scene, problem)
         peaks = _peaks(scene, moments, initial)
-        problem = problem.with_small(Smoothing(SMOOTH, SMOOTH * _scarcest(problem, peaks))).with_peaks(peaks)
-        course = cls(scene, problem, schedule, _temperatures(scene, moments, initial), initial)
+        problem = problem.with_small(
+            Smoothing(SMOOTH, SMOOTH * _scarcest(problem, peaks))
+        ).with_peaks(peaks)
+        course = cls(
+            scene, problem, schedule, _temperatures(scene, moments, initial), initial
+        )
         if not stores_gas:
             return course
         pressure: Any = problem.bed.p_in
@@ -72,11 +94,19 @@ class Course:
             u = course.start()
             storage = Storage.after(course.problem, u, FIRST_STEP * course.time.end)
             try:
-                at_once = solve.newton(course.problem, u, solve.Report(), storage, most=solve.FIRST_ITERATIONS)
+                at_once = solve.newton(
+                    course.problem,
+                    u,
+                    solve.Report(),
+                    storage,
+                    most=solve.FIRST_ITERATIONS,
+                )
             except ConvergenceError as error:
                 raise ConvergenceError(
-                    f"{scene.origin.name}: {error} at t = 0 s, where the pressures of the gas that fills the bed are "
-                    'sought; give packed_bed.pressure_drop = "none", or packed_bed.gas_storage = "quasi_steady"',
+                    f"{scene.origin.name}: {error} at t = 0 s, where the pressures of "
+                    "the gas that fills the bed are "
+                    'sought; give packed_bed.pressure_drop = "none", or '
+                    'packed_bed.gas_storage = "quasi_steady"',
                     error.history,
                     error.state,
                 ) from None
@@ -99,7 +129,12 @@ class Course:
         if history.vertices is self.problem.line.vertices:
             return self
         problem = self.problem.on(history.vertices)
-        return replace(self, problem=problem if history.pressure is None else problem.with_gas_stored(history.pressure))
+        return replace(
+            self,
+            problem=problem
+            if history.pressure is None
+            else problem.with_gas_stored(history.pressure),
+        )
 
     @cached_property
     def small(self) -> dict[KeyPath, float]:
@@ -112,8 +147,12 @@ class Course:
         return self.schedule.cuts(self.time.end, self.small)
 
     def seen(self, time: float, step: float) -> float:
-        """Return the longest step [s] from a time, halved until its stages resolve the series."""
-        while step > SHORTEST_STEP * self.time.end and not self.schedule.sees(time, time + step, STAGES, self.small):
+        """Return the longest step [s] from a time, halved until its stages resolve
+        the series.
+        """
+        while step > SHORTEST_STEP * self.time.end and not self.schedule.sees(
+            time, time + step, STAGES, self.small
+        ):
             step *= 0.5
         return step
 
@@ -122,10 +161,14 @@ class Course:
         return self.cuts[bisect_right(self.cuts, time * (1.0 + SAME)) - 1]
 
     def at(self, time: float, before: bool = True, since: float = 0.0) -> Problem:
-        """Return the problem at a time [s], at a jump that `before` it, `since` an earlier one, or just after it."""
+        """Return the problem at a time [s], at a jump that `before` it, `since` an
+        earlier one, or just after it.
+        """
         if not self.schedule:
             return self.problem
-        return self.problem.within(self.schedule.frozen(self.scene, time, before, since))
+        return self.problem.within(
+            self.schedule.frozen(self.scene, time, before, since)
+        )
 
     def start(self) -> Array:
         """Return the state at the start (m, N, p + 1)."""
@@ -142,17 +185,35 @@ class Course:
         m = len(problem.layout.names)
         for k, name in enumerate(problem.names):
             # particles begin in equilibrium with the gas around them
-            if name.startswith("a_") and (self.initial is None or self.initial.inside(name, problem.layout) is None):
+            if name.startswith("a_") and (
+                self.initial is None
+                or self.initial.inside(name, problem.layout) is None
+            ):
                 first = k - k % m
                 gas = first + problem.layout.gases.index(str(conserved(name)))
-                at = [first + problem.layout.names.index(T) for T in ("T_fluid", "T") if T in problem.layout.names]
-                u[k] = u[gas] / moles * problem.streams.pressure / (R_GAS * (u[at[0]] if at else T))
+                at = [
+                    first + problem.layout.names.index(T)
+                    for T in ("T_fluid", "T")
+                    if T in problem.layout.names
+                ]
+                u[k] = (
+                    u[gas]
+                    / moles
+                    * problem.streams.pressure
+                    / (R_GAS * (u[at[0]] if at else T))
+                )
         return u
 
     def sizes(self, u: Array) -> Array:
-        """Return what errors of the unknowns refer to (m,): temperatures to the range of the scene and of a state."""
+        """Return what errors of the unknowns refer to (m,): temperatures to the
+        range of the scene and of a state.
+        """
         out = self.problem.sizes.copy()
-        rows = [k for k, name in enumerate(self.problem.names) if name in self.problem.layout.temperatures]
+        rows = [
+            k
+            for k, name in enumerate(self.problem.names)
+            if name in self.problem.layout.temperatures
+        ]
         if rows:
             low, high = self.temperatures
             out[rows] = max(high, u[rows].max()) - min(low, u[rows].min())
@@ -160,7 +221,9 @@ class Course:
         return out
 
     def stops(self) -> list[float]:
-        """Return the times at which a step ends: output times, and jumps and kinks of the series [s]."""
+        """Return the times at which a step ends: output times, and jumps and kinks
+        of the series [s].
+        """
         time = self.time
         found: list[float] = []
         for stop in sorted({*output_times(time), *self.cuts} - {0.0}):
@@ -170,7 +233,9 @@ class Course:
 
 
 def follows(scene: s.ReactingScene) -> int:
-    """Return how often cells of a step in time may be others; 0 where they stay as they are."""
+    """Return how often cells of a step in time may be others; 0 where they stay as
+    they are.
+    """
     return 0 if scene.time is None else scene.solver.adapt or 0
 
 
@@ -188,30 +253,55 @@ def initial_of(scene: s.ReactingScene, problem: Problem) -> Profile | None:
     return profile_of(scene, problem)
 
 
-def _peaks(scene: s.ReactingScene, moments: list[Problem], initial: Profile | None) -> dict[str, float]:
+def _peaks(
+    scene: s.ReactingScene, moments: list[Problem], initial: Profile | None
+) -> dict[str, float]:
     """Return the largest mole fraction of each gas that enters or fills the bed."""
-    parts = [{name: g / sum(at.streams.gas.values()) for name, g in at.streams.gas.items()} for at in moments]
+    parts = [
+        {name: g / sum(at.streams.gas.values()) for name, g in at.streams.gas.items()}
+        for at in moments
+    ]
     if scene.initial.gas.composition is not None:
         parts.append(mole_fractions(scene.initial.gas.composition))
     if initial is not None:
         parts.append({name: float(x.max()) for name, x in initial.fractions.items()})
-    return {name: max(part.get(name, 0.0) for part in parts) for part in parts for name in part}
+    return {
+        name: max(part.get(name, 0.0) for part in parts)
+        for part in parts
+        for name in part
+    }
 
 
 def _scarcest(problem: Problem, peaks: Mapping[str, float]) -> float:
-    """Return the least share of a gas or solid that reacts and enters or fills the bed: its powers are to stay."""
+    """Return the least share of a gas or solid that reacts and enters or fills the
+    bed: its powers are to stay.
+    """
     gases = {name for reaction in problem.reactions for name in reaction.gases}
-    solids = {name: n for name, n in problem.streams.solid.items() if name in problem.layout.solids}
+    solids = {
+        name: n
+        for name, n in problem.streams.solid.items()
+        if name in problem.layout.solids
+    }
     shares = [x for name, x in peaks.items() if name in gases]
     shares += [n / sum(solids.values()) for n in solids.values() if n > 0.0]
     return min((share for share in shares if share > TRACE), default=1.0)
 
 
-def _temperatures(scene: s.ReactingScene, moments: list[Problem], initial: Profile | None) -> tuple[float, float]:
-    """Return the lowest and highest temperature of what enters, of the wall and of the start [K]."""
-    found: list[Any] = [T for at in moments for T in (at.streams.T_gas, *at.streams.T_solids.values())]
+def _temperatures(
+    scene: s.ReactingScene, moments: list[Problem], initial: Profile | None
+) -> tuple[float, float]:
+    """Return the lowest and highest temperature of what enters, of the wall and of
+    the start [K].
+    """
+    found: list[Any] = [
+        T for at in moments for T in (at.streams.T_gas, *at.streams.T_solids.values())
+    ]
     found += [at.scene.wall.ambient for at in moments if at.scene.wall is not None]
     known = [constant(T) for T in (*found, scene.initial.temperature) if T is not None]
     if initial is not None:
-        known += [float(T) for each in initial.temperatures.values() for T in (each.min(), each.max())]
+        known += [
+            float(T)
+            for each in initial.temperatures.values()
+            for T in (each.min(), each.max())
+        ]
     return min(known), max(known)

@@ -16,12 +16,20 @@ from contbed.reacting_bed.substances import Substances
 class Properties:
     """Properties of the gas at a state, each computed once, when it is needed."""
 
-    def __init__(self, scene: s.ReactingScene, species: Substances, state: State, gas: Properties | None = None):
+    def __init__(
+        self,
+        scene: s.ReactingScene,
+        species: Substances,
+        state: State,
+        gas: Properties | None = None,
+    ):
         self.scene, self.species, self.state = scene, species, state
         self._known: dict[str, Any] = {} if gas is None else gas._known
 
     def of(self, phase: str) -> Properties:
-        """Return the same properties of the gas, at the state as a solid phase sees it."""
+        """Return the same properties of the gas, at the state as a solid phase sees
+        it.
+        """
         return Properties(self.scene, self.species, self.state.phases[phase], self)
 
     def once(self, name: str, make: Callable[[], Any]) -> Any:
@@ -41,9 +49,14 @@ class Properties:
     def _of(self, name: str) -> Any:
         transport = self.species.transport
         if transport is None or getattr(transport, name) is None:
-            key = {"viscosities": "viscosity", "conductivities": "conductivity", "diffusivities": "diffusivity"}[name]
+            key = {
+                "viscosities": "viscosity",
+                "conductivities": "conductivity",
+                "diffusivities": "diffusivity",
+            }[name]
             raise SceneError(
-                f"{self.scene.origin.at(('gas',))}: gas.{key}: is needed by a closure of this scene and not given; "
+                f"{self.scene.origin.at(('gas',))}: gas.{key}: is needed by a closure "
+                "of this scene and not given; "
                 f"give one number, or values in [gas.species.NAME]"
             )
         return transport
@@ -51,17 +64,26 @@ class Properties:
     @property
     def viscosity(self) -> Any:
         """Viscosity of the mixture [Pa s]."""
-        return self.once("mu", lambda: self._of("viscosities").viscosity(self._T, self._x))
+        return self.once(
+            "mu", lambda: self._of("viscosities").viscosity(self._T, self._x)
+        )
 
     @property
     def k_fluid(self) -> Any:
         """Conductivity of the mixture [W/m/K]."""
-        return self.once("k", lambda: self._of("conductivities").conductivity(self._T, self._x))
+        return self.once(
+            "k", lambda: self._of("conductivities").conductivity(self._T, self._x)
+        )
 
     @property
     def diffusivities(self) -> list[Any]:
         """Diffusivities of all gases in the mixture [m2/s]."""
-        found: list[Any] = self.once("D", lambda: self._of("diffusivities").diffusivity(self._T, self.state.p, self._x))
+        found: list[Any] = self.once(
+            "D",
+            lambda: self._of("diffusivities").diffusivity(
+                self._T, self.state.p, self._x
+            ),
+        )
         return found
 
     @property
@@ -69,11 +91,18 @@ class Properties:
         """Prandtl number of the mixture."""
 
         def make() -> Any:
-            cp = sum(self.state.x[name] * item.heat_capacity(self._T) for name, item in self.species.gases.items())
-            return self.viscosity * cp * self.state.moles / self.state.flux / self.k_fluid
+            cp = sum(
+                self.state.x[name] * item.heat_capacity(self._T)
+                for name, item in self.species.gases.items()
+            )
+            return (
+                self.viscosity * cp * self.state.moles / self.state.flux / self.k_fluid
+            )
 
         return self.once("Pr", make)
 
     def reynolds(self, diameter: float, slip: Any) -> Any:
-        """Return the Reynolds number of particles by their diameter [m] and the velocity relative to them [m/s]."""
+        """Return the Reynolds number of particles by their diameter [m] and the
+        velocity relative to them [m/s].
+        """
         return self.state.rho * np.abs(slip) * diameter / self.viscosity

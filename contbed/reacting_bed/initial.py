@@ -1,4 +1,5 @@
-"""State at the start of a run from a table along the bed: profiles.csv of an earlier run, or one written by hand.
+"""State at the start of a run from a table along the bed: profiles.csv of an earlier
+run, or one written by hand.
 
     initial = { file = "earlier/profiles.csv", time = "300 s" }
 
@@ -8,11 +9,13 @@
                                           which the particles enter; SOLID_PHASE of several
     q_GAS [mol/kg]                        moles that particles hold per mass; q_GAS_PHASE of several
 
-Between positions all is linear, beyond the first and the last it stays. What has no column is uniform, or in
-equilibrium: temperatures by `initial.temperature`, the gas by `initial.gas.composition`, solids as they enter,
-particles in equilibrium with the gas around them. A file has means over the section and over particles: a bed with
-[section] is uniform across, and particles with points inside are uniform there. Films, the pressure and a gas that
-follows at once hold nothing and come from the equations. Solids that do not react are there as they enter.
+Between positions all is linear, beyond the first and the last it stays. What has no
+column is uniform, or in equilibrium: temperatures by `initial.temperature`, the gas by
+`initial.gas.composition`, solids as they enter, particles in equilibrium with the gas
+around them. A file has means over the section and over particles: a bed with [section]
+is uniform across, and particles with points inside are uniform there. Films, the
+pressure and a gas that follows at once hold nothing and come from the equations. Solids
+that do not react are there as they enter.
 """
 
 from __future__ import annotations
@@ -38,14 +41,18 @@ from contbed.scene.profile import Rows
 
 Array = NDArray[np.float64]
 PER_VOLUME, PER_MASS = "mol/m**3", "mol/kg"
-ROUNDED = 1e-6  # share of the whole below zero that states of runs have, and that is taken as none
-WARM = 1e-3  # share by which temperatures may lie beyond the data of species, as results allow
-OF_RESULTS = re.compile(r"t|u|p_gas|T_.*_(axis|wall)")  # columns of profiles.csv that follow from others
+# share of the whole below zero that states of runs have, and that is taken as none
+ROUNDED = 1e-6
+# share by which temperatures may lie beyond the data of species, as results allow
+WARM = 1e-3
+# columns of profiles.csv that follow from others
+OF_RESULTS = re.compile(r"t|u|p_gas|T_.*_(axis|wall)")
 
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """What a file says of the start, each along its rows; see the module for what is missing.
+    """What a file says of the start, each along its rows; see the module for what is
+    missing.
 
     temperatures : by unknown [K]
     fractions : mole fractions of all gases
@@ -72,14 +79,22 @@ class Profile:
                 u[k] = np.interp(problem.line.points, self.rows.where, found)
 
     def inside(self, name: str, layout: Layout) -> Array | None:
-        """Return an intraparticle unknown along the rows; None where the file does not say."""
+        """Return an intraparticle unknown along the rows; None where the file does
+        not say.
+        """
         return self.inner.get((str(conserved(name)), layout.owners[name]))
 
     def described(self, problem: Problem, stores_gas: bool) -> str:
         """Return what the file gives, and what else the run begins with."""
         layout, scene = problem.layout, problem.scene
-        given = [*self.temperatures, *(f"x_{name}" for name in self.fractions), *self.amounts]
-        given += [problem.species.phases[phase].full(f"q_{gas}") for gas, phase in self.inner]
+        given = [
+            *self.temperatures,
+            *(f"x_{name}" for name in self.fractions),
+            *self.amounts,
+        ]
+        given += [
+            problem.species.phases[phase].full(f"q_{gas}") for gas, phase in self.inner
+        ]
         time = "" if self.rows.time is None else f" at t = {self.rows.time:g} s"
         rest = []
         if layout.temperatures and not self.temperatures:
@@ -96,7 +111,9 @@ class Profile:
             rest.append("particles uniform inside, with the loadings of the file")
         if problem.rings is not None:
             rest.append("uniform across the section")
-        return f"{self.rows.table.path.name}{time}: {', '.join(given)}" + "".join(f"; {text}" for text in rest)
+        return f"{self.rows.table.path.name}{time}: {', '.join(given)}" + "".join(
+            f"; {text}" for text in rest
+        )
 
 
 def profile_of(scene: s.ReactingScene, problem: Problem) -> Profile:
@@ -104,10 +121,13 @@ def profile_of(scene: s.ReactingScene, problem: Problem) -> Profile:
 
     Raises
     ------
-    SceneError : the file cannot be used; the message has the file, the line and the column
+    SceneError : the file cannot be used; the message has the file, the line and the
+        column
     """
     try:
-        return _Reader(scene, problem, rows_of(scene.initial, scene.origin.base)).profile()
+        return _Reader(
+            scene, problem, rows_of(scene.initial, scene.origin.base)
+        ).profile()
     except SceneError as error:
         raise located(scene, error) from None
 
@@ -125,33 +145,50 @@ class _Reader:
         self.given, self.problem, self.rows = scene.initial, problem, rows
         self.phases = problem.layout.phases
         self.solids = list(constituents_of(problem).values())
-        self.loadings = {(gas, phase.name): phase.full(f"q_{gas}") for phase in self.phases for gas in phase.inside}
+        self.loadings = {
+            (gas, phase.name): phase.full(f"q_{gas}")
+            for phase in self.phases
+            for gas in phase.inside
+        }
 
     def profile(self) -> Profile:
         """Return what the rows say."""
         self._has_no_other_columns()
         temperatures = self._temperatures()
         inner = self._inner(temperatures)
-        return Profile(self.rows, temperatures, self._fractions(), self._amounts(), inner)
+        return Profile(
+            self.rows, temperatures, self._fractions(), self._amounts(), inner
+        )
 
     def _has(self, name: str) -> bool:
         return name in self.rows.table.names
 
     def _missing(self, name: str, why: str) -> SceneError:
-        return self.rows.table.error(self.rows.table.header_line, f"no column '{name}'; {why}")
+        return self.rows.table.error(
+            self.rows.table.header_line, f"no column '{name}'; {why}"
+        )
 
     def _has_no_other_columns(self) -> None:
         problem = self.problem
         solids = [name for names in self.solids for name in names]
         known = ["T_fluid", "T_solid", *(phase.temperature for phase in self.phases)]
         known += [f"x_{name}" for name in problem.species.gases]
-        known += [f"{of}_{name}" for name in solids for of in ("n", "w")] + [*self.loadings.values()]
-        for name, unit in zip(self.rows.table.names, self.rows.table.units, strict=True):
+        known += [f"{of}_{name}" for name in solids for of in ("n", "w")] + [
+            *self.loadings.values()
+        ]
+        for name, unit in zip(
+            self.rows.table.names, self.rows.table.units, strict=True
+        ):
             if name in (*known, self.rows.place) or OF_RESULTS.fullmatch(name):
                 continue
-            if name[:2] in (GAS, "n_", "w_", "q_") and not np.any(self.rows.column(name, unit or "1")):
+            if name[:2] in (GAS, "n_", "w_", "q_") and not np.any(
+                self.rows.column(name, unit or "1")
+            ):
                 continue  # what this scene does not have is nowhere in the file either
-            text = f"column '{name}': nothing in this scene; remove it, or {nearest(name, known)}"
+            text = (
+                f"column '{name}': nothing in this scene; remove it, or "
+                f"{nearest(name, known)}"
+            )
             raise self.rows.table.error(self.rows.table.header_line, text)
 
     def _temperatures(self) -> dict[str, Array]:
@@ -163,27 +200,54 @@ class _Reader:
         if not there or not wanted:
             return {}
         if self.given.temperature is not None:
-            text = f"column '{there[0]}': temperatures stand in initial.temperature as well; remove one of both"
+            text = (
+                f"column '{there[0]}': temperatures stand in initial.temperature as "
+                "well; remove one of both"
+            )
             raise self.rows.table.error(self.rows.table.header_line, text)
         found = {}
         for name in wanted:
-            own = ("T_solid", "T_fluid") if name == "T" else (name, "T_solid") if name in own_names else (name,)
-            column = there[0] if len(there) == 1 else next((each for each in own if each in values), None)
+            own = (
+                ("T_solid", "T_fluid")
+                if name == "T"
+                else (name, "T_solid")
+                if name in own_names
+                else (name,)
+            )
+            column = (
+                there[0]
+                if len(there) == 1
+                else next((each for each in own if each in values), None)
+            )
             if column is None:
-                raise self._missing(own[0], f"the file has {', '.join(there)}; give it as well, or one for all")
+                raise self._missing(
+                    own[0],
+                    f"the file has {', '.join(there)}; give it as well, or one for all",
+                )
             found[name] = values[column]
         return found
 
     def _temperature(self, name: str) -> Array:
         T = self.rows.column(name, "K")
-        high = max(item.T_range[1] for item in self.problem.species.all.values()) * (1.0 + WARM)
+        high = max(item.T_range[1] for item in self.problem.species.all.values()) * (
+            1.0 + WARM
+        )
         for row, least, text in (
             (int(T.argmin()), LEAST_T, f"lies below {LEAST_T:g} K"),
-            (int(T.argmax()), -high, f"lies above {high / (1.0 + WARM):g} K, where the data of all species end"),
+            (
+                int(T.argmax()),
+                -high,
+                f"lies above {high / (1.0 + WARM):g} K, where the data of all species "
+                "end",
+            ),
         ):
             if np.sign(least) * T[row] < least:
-                advice = f"a temperature in degrees Celsius stands under '{name} [degC]'"
-                raise self.rows.error(row, f"column '{name}': {T[row]:g} K {text}; {advice}")
+                advice = (
+                    f"a temperature in degrees Celsius stands under '{name} [degC]'"
+                )
+                raise self.rows.error(
+                    row, f"column '{name}': {T[row]:g} K {text}; {advice}"
+                )
         return T
 
     def _not_negative(self, name: str, values: Array, whole: Array | float) -> Array:
@@ -191,18 +255,27 @@ class _Reader:
         low = values + ROUNDED * np.asarray(whole)
         if low.min() < 0.0:
             row = int(low.argmin())
-            raise self.rows.error(row, f"column '{name}': {values[row]:.6g} is below zero; correct it")
+            raise self.rows.error(
+                row, f"column '{name}': {values[row]:.6g} is below zero; correct it"
+            )
         found: Array = np.maximum(values, 0.0)
         return found
 
-    def _sum_to_one(self, what: str, values: Iterable[Array], rest: float = 0.0) -> Array:
-        """Return the sums of fractions, which with a `rest` are one but for their digits."""
+    def _sum_to_one(
+        self, what: str, values: Iterable[Array], rest: float = 0.0
+    ) -> Array:
+        """Return the sums of fractions, which with a `rest` are one but for their
+        digits.
+        """
         total: Array = np.asarray(sum(values))
         wrong = np.abs(total + rest - 1.0)
         if wrong.max() > SUM:
             row = int(wrong.argmax())
             others = f", {rest:.6g} of them of what does not react" if rest else ""
-            raise self.rows.error(row, f"{what} sum to {total[row] + rest:.6g}{others}; they must sum to 1")
+            raise self.rows.error(
+                row,
+                f"{what} sum to {total[row] + rest:.6g}{others}; they must sum to 1",
+            )
         return total
 
     def _fractions(self) -> dict[str, Array]:
@@ -213,7 +286,10 @@ class _Reader:
         if not given:
             return {}
         if self.given.gas.composition is not None:
-            text = f"column '{GAS}{next(iter(given))}': the gas stands in initial.gas.composition as well; remove one"
+            text = (
+                f"column '{GAS}{next(iter(given))}': the gas stands in "
+                "initial.gas.composition as well; remove one"
+            )
             raise self.rows.table.error(self.rows.table.header_line, text)
         total = self._sum_to_one("mole fractions, x_GAS [1],", given.values())
         none = np.zeros_like(total)
@@ -234,12 +310,20 @@ class _Reader:
         fed = self.problem.streams.solid
         for name in names:
             if name not in react and self._has(f"n_{name}"):
-                self._is_as_fed(f"n_{name}", self.rows.column(f"n_{name}", PER_VOLUME), fed[name])
+                self._is_as_fed(
+                    f"n_{name}", self.rows.column(f"n_{name}", PER_VOLUME), fed[name]
+                )
             elif name in react and not self._has(f"n_{name}"):
-                raise self._missing(f"n_{name}", "give the moles of all solids that react, 0 of those not there")
+                raise self._missing(
+                    f"n_{name}",
+                    "give the moles of all solids that react, 0 of those not there",
+                )
         n = {name: self.rows.column(f"n_{name}", PER_VOLUME) for name in react}
         whole = sum(np.abs(values) for values in n.values())
-        return {f"n_{name}": self._not_negative(f"n_{name}", values, whole) for name, values in n.items()}
+        return {
+            f"n_{name}": self._not_negative(f"n_{name}", values, whole)
+            for name, values in n.items()
+        }
 
     def _by_mass(self, names: list[str], react: list[str]) -> dict[str, Array]:
         solids, fed = self.problem.species.solids, self.problem.streams.solid
@@ -250,20 +334,39 @@ class _Reader:
                 self._is_as_fed(f"w_{name}", self.rows.column(f"w_{name}", "1"), share)
         w = {name: self._not_negative(f"w_{name}", self.rows.column(f"w_{name}", "1"), 1.0)
              for name in react if self._has(f"w_{name}")}  # fmt: skip
-        inert = sum(fed[name] * solids[name].molar_mass for name in names if name not in react) / density
-        total = self._sum_to_one("mass fractions, w_SOLID [1],", w.values(), float(inert))
+        inert = (
+            sum(
+                fed[name] * solids[name].molar_mass
+                for name in names
+                if name not in react
+            )
+            / density
+        )
+        total = self._sum_to_one(
+            "mass fractions, w_SOLID [1],", w.values(), float(inert)
+        )
         none, scale = np.zeros_like(total), density * (1.0 - inert) / total
-        return {f"n_{name}": w.get(name, none) * scale / solids[name].molar_mass for name in react}
+        return {
+            f"n_{name}": w.get(name, none) * scale / solids[name].molar_mass
+            for name in react
+        }
 
     def _is_as_fed(self, column: str, values: Array, fed: float) -> None:
         wrong = np.abs(values - fed)
         if wrong.max() > SUM * max(fed, ROUNDED):
             row = int(wrong.argmax())
-            text = f"{values[row]:.6g}, and this solid does not react and is there as it enters, {fed:.6g}"
-            raise self.rows.error(row, f"column '{column}': {text}; remove the column, or change [solids]")
+            text = (
+                f"{values[row]:.6g}, and this solid does not react and is there as "
+                f"it enters, {fed:.6g}"
+            )
+            raise self.rows.error(
+                row, f"column '{column}': {text}; remove the column, or change [solids]"
+            )
 
     def _inner(self, temperatures: Mapping[str, Array]) -> dict[tuple[str, str], Array]:
-        """Return the concentrations in the pores of particles that hold the loadings of the file."""
+        """Return the concentrations in the pores of particles that hold the loadings
+        of the file.
+        """
         found: dict[tuple[str, str], Array] = {}
         for phase, own in phases_of(self.problem):
             name = phase.layout.name
@@ -273,7 +376,9 @@ class _Reader:
             q = {}
             for gas, column in columns.items():
                 if not self._has(column):
-                    raise self._missing(column, "give the loadings of all gases that are adsorbed")
+                    raise self._missing(
+                        column, "give the loadings of all gases that are adsorbed"
+                    )
                 values = self.rows.column(column, PER_MASS)
                 q[gas] = self._not_negative(column, values, float(np.abs(values).max()))
             T: Any = temperatures.get(phase.layout.temperature, temperatures.get("T"))
@@ -284,9 +389,14 @@ class _Reader:
             for gas, values in c.items():
                 if not np.isfinite(values).all():
                     row = int(np.flatnonzero(~np.isfinite(values))[0])
-                    text = f"{q[gas][row]:.6g} mol/kg is no less than the capacity of the particles"
+                    text = (
+                        f"{q[gas][row]:.6g} mol/kg is no less than the capacity of "
+                        "the particles"
+                    )
                     raise self.rows.error(
-                        row, f"column '{columns[gas]}': {text}; see solids.{name}.adsorption.{gas}.capacity"
+                        row,
+                        f"column '{columns[gas]}': {text}; see "
+                        f"solids.{name}.adsorption.{gas}.capacity",
                     )
                 found[gas, name] = values
         return found

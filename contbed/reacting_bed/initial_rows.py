@@ -1,4 +1,6 @@
-"""The file that a run of a reacting bed begins with: its rows, and the gases that it names; see `initial`."""
+"""The file that a run of a reacting bed begins with: its rows, and the gases that it
+names; see `initial`.
+"""
 
 from __future__ import annotations
 
@@ -21,11 +23,14 @@ def rows_of(initial: s.Initial, base: Path) -> Rows | None:
     ------
     SceneError : the file cannot be used
     """
-    return None if initial.file is None else rows_along(base / initial.file, initial.time)
+    return (
+        None if initial.file is None else rows_along(base / initial.file, initial.time)
+    )
 
 
 def gases_in(initial: s.Initial, base: Path) -> dict[str, str]:
-    """Return the gases that a file names and that are somewhere, with where their columns stand.
+    """Return the gases that a file names and that are somewhere, with where their
+    columns stand.
 
     Raises
     ------
@@ -35,7 +40,11 @@ def gases_in(initial: s.Initial, base: Path) -> dict[str, str]:
     if rows is None:
         return {}
     place = f"{rows.table.path.name}:{rows.table.header_line}"
-    names = [name for name in rows.table.names if name.startswith(GAS) and np.any(rows.column(name, "1"))]
+    names = [
+        name
+        for name in rows.table.names
+        if name.startswith(GAS) and np.any(rows.column(name, "1"))
+    ]
     return {name.removeprefix(GAS): f"{place}: column '{name}'" for name in names}
 
 

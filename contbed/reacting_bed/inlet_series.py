@@ -1,6 +1,8 @@
-"""What enters a reacting bed as a function of time: flows, and the composition of the gas.
+"""What enters a reacting bed as a function of time: flows, and the composition of the
+gas.
 
-composition = { times = ["0 s", "10 min"], values = ["N2:1", "N2:0.9, CO2:0.1"], form = "step" }
+composition = { times = ["0 s", "10 min"], values = ["N2:1", "N2:0.9, CO2:0.1"],
+form = "step" }
 composition = { file = "feed.csv" }      with columns t [min], N2 [1], CO2 [%], mole fractions of each species
 """
 
@@ -48,11 +50,18 @@ class SpeedSeries(Series):
 class CompositionSeries(Series):
     """Mole fractions of the gas that enters as functions of time."""
 
-    values: tuple[str, ...] = Field((), description='one for each time, "N2:0.9, CO2:0.1"')
-    column: None = Field(None, description="has no meaning: a file has a column for each species")
+    values: tuple[str, ...] = Field(
+        (), description='one for each time, "N2:0.9, CO2:0.1"'
+    )
+    column: None = Field(
+        None, description="has no meaning: a file has a column for each species"
+    )
 
-    def fractions(self, base: Path) -> tuple[tuple[str, ...], NDArray[np.float64], NDArray[np.float64], list[str]]:
-        """Return species, times (n,), mole fractions (n, species) and the begin of messages about each time.
+    def fractions(
+        self, base: Path
+    ) -> tuple[tuple[str, ...], NDArray[np.float64], NDArray[np.float64], list[str]]:
+        """Return species, times (n,), mole fractions (n, species) and the begin of
+        messages about each time.
 
         Raises
         ------
@@ -61,9 +70,12 @@ class CompositionSeries(Series):
         if self.file is None:
             parts = [mole_fractions(text) for text in self.values]
             names = tuple(dict.fromkeys(name for part in parts for name in part))
-            table = np.array([[part.get(name, 0.0) for name in names] for part in parts])
+            table = np.array(
+                [[part.get(name, 0.0) for name in names] for part in parts]
+            )
             return names, np.array(self.times), table, [""] * len(parts)
-        from contbed.scene.data_table import read_table  # with it the conversion of units
+        # with it the conversion of units
+        from contbed.scene.data_table import read_table
         from contbed.scene.units import factor_and_offset
 
         read = read_table(base / self.file)
@@ -74,12 +86,23 @@ class CompositionSeries(Series):
             if factor_and_offset(given or "1", "1") is not None
         )
         if not names:
-            raise SceneError(f"{read.path.name}: no column with mole fractions, such as 'CO2 [1]'")
+            raise SceneError(
+                f"{read.path.name}: no column with mole fractions, such as 'CO2 [1]'"
+            )
         table = np.column_stack([read.column(name, "1") for name in names])
         for line, row in zip(read.lines, table, strict=True):
             if row.min() < 0.0 or abs(row.sum() - 1.0) > SUM:
-                raise read.error(line, f"mole fractions must be 0 or more and sum to 1; they sum to {row.sum():.6g}")
-        return names, times, table / table.sum(axis=1)[:, None], [f"{read.path.name}:{line}: " for line in read.lines]
+                raise read.error(
+                    line,
+                    "mole fractions must be 0 or more and sum to 1; they sum to "
+                    f"{row.sum():.6g}",
+                )
+        return (
+            names,
+            times,
+            table / table.sum(axis=1)[:, None],
+            [f"{read.path.name}:{line}: " for line in read.lines],
+        )
 
     def samples(self, base: Path) -> Samples:
         """Return times and mole fractions (times, species); see `fractions`."""
@@ -88,20 +111,26 @@ class CompositionSeries(Series):
 
 
 def constant(value: Any) -> float:
-    """Return a value of a scene whose series have been replaced by the values of a time."""
+    """Return a value of a scene whose series have been replaced by the values of a
+    time.
+    """
     assert not isinstance(value, Series)
     return float(value)
 
 
 MassFluxOrSeries = Annotated[
-    Annotated[MassFlux, Tag("number")] | Annotated[MassFluxSeries, Tag("series")], Discriminator(how_written)
+    Annotated[MassFlux, Tag("number")] | Annotated[MassFluxSeries, Tag("series")],
+    Discriminator(how_written),
 ]
 MolarFluxOrSeries = Annotated[
-    Annotated[MolarFlux, Tag("number")] | Annotated[MolarFluxSeries, Tag("series")], Discriminator(how_written)
+    Annotated[MolarFlux, Tag("number")] | Annotated[MolarFluxSeries, Tag("series")],
+    Discriminator(how_written),
 ]
 SpeedOrSeries = Annotated[
-    Annotated[Speed, Tag("number")] | Annotated[SpeedSeries, Tag("series")], Discriminator(how_written)
+    Annotated[Speed, Tag("number")] | Annotated[SpeedSeries, Tag("series")],
+    Discriminator(how_written),
 ]
 CompositionOrSeries = Annotated[
-    Annotated[str, Tag("number")] | Annotated[CompositionSeries, Tag("series")], Discriminator(how_written)
+    Annotated[str, Tag("number")] | Annotated[CompositionSeries, Tag("series")],
+    Discriminator(how_written),
 ]

@@ -1,7 +1,9 @@
-"""Level of intraparticle adsorption: external film only, a linear driving force, or intraparticle points.
+"""Level of intraparticle adsorption: external film only, a linear driving force, or
+intraparticle points.
 
-The cheaper levels are judged by the exact breakthrough of a step, or in a bed that moves by its exact steady state,
-both for the straight isotherm through what the gas that enters would load (`particle.uptake`).
+The cheaper levels are judged by the exact breakthrough of a step, or in a bed that
+moves by its exact steady state, both for the straight isotherm through what the gas
+that enters would load (`particle.uptake`).
 """
 
 from __future__ import annotations
@@ -22,15 +24,22 @@ from contbed.reacting_bed.equations.inside import Inside, Isotherm, adsorbed
 from contbed.reacting_bed.equations.unknowns import State
 
 SHAPES = {"spheres": "sphere", "rods": "cylinder"}
-LEVELS: Mapping[str, Level] = {"film": "lumped", "linear_driving_force": "effective", "interior": "interior"}
-LEAST_FRACTION = 1e-9  # at which the slope of an isotherm is taken where none of its gas enters at the start
+LEVELS: Mapping[str, Level] = {
+    "film": "lumped",
+    "linear_driving_force": "effective",
+    "interior": "interior",
+}
+# at which the slope of an isotherm is taken where none of its gas enters at the start
+LEAST_FRACTION = 1e-9
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The level of a bed and the numbers that chose it, those of the gas for which the cheaper levels miss most.
+    """The level of a bed and the numbers that chose it, those of the gas for which the
+    cheaper levels miss most.
 
-    biot : k_f R/D; units : k_f a L/u; fourier : D L/(K v R^2) of moving particles, None at rest, with K the amount held
+    biot : k_f R/D; units : k_f a L/u; fourier : D L/(K v R^2) of moving particles, None
+        at rest, with K the amount held
     per volume of particles over the concentration of the gas
     error : of each cheaper level in what leaves, over its step
     reacts : whether gases react inside, which these errors do not know
@@ -47,14 +56,18 @@ class Choice:
     def __str__(self) -> str:
         which = {
             "film": "one concentration per particle, external film only",
-            "linear_driving_force": "one concentration per particle, film in series with diffusion inside",
+            "linear_driving_force": "one concentration per particle, film in series "
+            "with diffusion inside",
             "interior": "intraparticle points",
         }[self.level]
         residence = "" if self.fourier is None else f", Fo = {self.fourier:.3g}"
         reacts = ". Points are resolved, as adsorbed gases react" if self.reacts else ""
-        errors = ", ".join(f"{name} {percent(error)}" for name, error in self.error.items())
+        errors = ", ".join(
+            f"{name} {percent(error)}" for name, error in self.error.items()
+        )
         return (
-            f"{which} ({self.gas}: Bi = {self.biot:.3g}{residence}, {self.units:.3g} transfer units). Predicted outlet "
+            f"{which} ({self.gas}: Bi = {self.biot:.3g}{residence}, {self.units:.3g} "
+            "transfer units). Predicted outlet "
             f"error, with linear isotherms: {errors}{reacts}"
         )
 
@@ -62,33 +75,52 @@ class Choice:
 def isotherms_of(table: s.Solid) -> dict[str, Isotherm]:
     """Return the isotherms of a solid phase by gas."""
     return {
-        name: Isotherm(float(given.henry or given.affinity or 0.0), given.capacity, given.enthalpy, given.temperature)
+        name: Isotherm(
+            float(given.henry or given.affinity or 0.0),
+            given.capacity,
+            given.enthalpy,
+            given.temperature,
+        )
         for name, given in table.adsorption.items()
     }
 
 
-def with_inside(scene: s.ReactingScene, bed: Bed, entering: State) -> tuple[Bed, dict[str, Choice]]:
-    """Return a bed whose particles take up gas, and how the level of each solid phase was chosen.
+def with_inside(
+    scene: s.ReactingScene, bed: Bed, entering: State
+) -> tuple[Bed, dict[str, Choice]]:
+    """Return a bed whose particles take up gas, and how the level of each solid phase
+    was chosen.
 
-    Errors of several phases add at most, at rest and with straight isotherms: what passes one phase is spread by the
-    others. Each may have its part of `solver.accuracy`.
+    Errors of several phases add at most, at rest and with straight isotherms: what
+    passes one phase is spread by the others. Each may have its part of
+    `solver.accuracy`.
 
     Parameters
     ----------
     bed : without its particles' inside
     entering : state of the gas and the particles as they enter
     """
-    films = {name: transport.films for name, transport in bed.medium.at(entering).phases.items()}
+    films = {
+        name: transport.films
+        for name, transport in bed.medium.at(entering).phases.items()
+    }
     adsorbing = [name for name, table in scene.solids.items() if table.adsorption]
     choices: dict[str, Choice] = {}
     for name in adsorbing:
         bed, inside = _with_points(scene, bed, name)
         limit = scene.solver.accuracy / len(adsorbing)
-        choices[name] = _chosen(scene, bed, name, entering.phases[name], films[name], limit)
+        choices[name] = _chosen(
+            scene, bed, name, entering.phases[name], films[name], limit
+        )
         if choices[name].level != "interior":
             share = 1.0 / (SURFACE_OVER_VOLUME[SHAPES[scene.solids[name].shape]] + 2)
             resistance = 0.0 if choices[name].level == "film" else share
-            one = replace(inside, weights=np.ones(1), stiffness=np.zeros((1, 1)), resistance=resistance)
+            one = replace(
+                inside,
+                weights=np.ones(1),
+                stiffness=np.zeros((1, 1)),
+                resistance=resistance,
+            )
             bed = _with(bed, name, one)
     return bed, choices
 
@@ -123,9 +155,15 @@ def _with(bed: Bed, name: str, inside: Inside) -> Bed:
 
 
 def _chosen(
-    scene: s.ReactingScene, bed: Bed, phase: str, entering: State, films: Mapping[str, Any], accuracy: float
+    scene: s.ReactingScene,
+    bed: Bed,
+    phase: str,
+    entering: State,
+    films: Mapping[str, Any],
+    accuracy: float,
 ) -> Choice:
-    """Return the level that a scene names for a phase, or the cheapest whose error is small for every gas.
+    """Return the level that a scene names for a phase, or the cheapest whose error is
+    small for every gas.
 
     Parameters
     ----------
@@ -139,7 +177,10 @@ def _chosen(
     assert inside is not None
     T, u, length = float(entering.T_solid), float(entering.u), scene.mesh.length
     molar = float(entering.p) / (R_GAS * float(entering.T_fluid))
-    c = {name: max(float(entering.c[name]), LEAST_FRACTION * molar) for name in inside.gases}
+    c = {
+        name: max(float(entering.c[name]), LEAST_FRACTION * molar)
+        for name in inside.gases
+    }
     q = adsorbed(inside.isotherms, c, T)
     found: list[Choice] = []
     for name in inside.gases:
@@ -155,10 +196,16 @@ def _chosen(
             if level == "interior":
                 continue
             if fourier is not None and scene.time is None:
-                error[level] = moving_bed_error(v * inside.solids * held / u, biot, fourier, exact, shape)
+                error[level] = moving_bed_error(
+                    v * inside.solids * held / u, biot, fourier, exact, shape
+                )
             else:
                 error[level] = breakthrough_error(units, biot, exact, shape)
-        found.append(Choice(scene.solids[phase].inside.adsorption, name, biot, units, fourier, error))
+        found.append(
+            Choice(
+                scene.solids[phase].inside.adsorption, name, biot, units, fourier, error
+            )
+        )
     worst = max(found, key=lambda each: each.error["linear_driving_force"])
     if worst.level != "auto":
         return worst

@@ -1,4 +1,6 @@
-"""Checks of intraparticle transport: gases that are adsorbed and react, pellets that are resolved."""
+"""Checks of intraparticle transport: gases that are adsorbed and react, pellets that
+are resolved.
+"""
 
 from __future__ import annotations
 
@@ -9,15 +11,28 @@ from contbed.errors import SceneError
 from contbed.materials.composition import names_in
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.laws import STAGED
-from contbed.reacting_bed.phase_checks import Boundaries, Reactions, Solids, reactions_in
+from contbed.reacting_bed.phase_checks import (
+    Boundaries,
+    Reactions,
+    Solids,
+    reactions_in,
+)
 from contbed.reacting_bed.schedule import series_of
 from contbed.reacting_bed.streams import given_velocity
-from contbed.reacting_bed.substances import equations_of, fed_to, gases_named, phases_named
+from contbed.reacting_bed.substances import (
+    equations_of,
+    fed_to,
+    gases_named,
+    phases_named,
+)
 from contbed.scene.checking import Mistakes
 from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
 
-PARTICLES_REACT = "resolves catalytic reactions of gases; particles that react have shrinking_core or three_interfaces"
+PARTICLES_REACT = (
+    "resolves catalytic reactions of gases; particles that react have "
+    "shrinking_core or three_interfaces"
+)
 
 
 def adsorbed_gases_are_there(
@@ -28,7 +43,9 @@ def adsorbed_gases_are_there(
     initial: s.Initial,
     origin: Origin,
 ) -> Mistakes:
-    """Check that the gases that are adsorbed enter the bed, fill it at the start or are made in it."""
+    """Check that the gases that are adsorbed enter the bed, fill it at the start or
+    are made in it.
+    """
     try:
         there = _gases_there(gas, boundary, initial, reactions, origin)
     except SceneError:
@@ -36,12 +53,19 @@ def adsorbed_gases_are_there(
     for phase, table in solids.items():
         for name in table.adsorption:
             if name not in there:
-                text = f"no gas of this name enters, fills the bed or reacts; {nearest(name, sorted(there))}"
+                text = (
+                    "no gas of this name enters, fills the bed or reacts; "
+                    f"{nearest(name, sorted(there))}"
+                )
                 yield ("solids", phase, "adsorption", name), text
 
 
 def _gases_there(
-    gas: s.Mixture, boundary: Boundaries, initial: s.Initial, reactions: Reactions, origin: Origin
+    gas: s.Mixture,
+    boundary: Boundaries,
+    initial: s.Initial,
+    reactions: Reactions,
+    origin: Origin,
 ) -> set[str]:
     """Return the gases that enter, fill the bed or react.
 
@@ -57,7 +81,11 @@ def _gases_there(
 
         there |= set(gases_in(initial, origin.base))
     for name, table in reactions.items():
-        there |= {key for equation in equations_of(name, table).values() for key in equation.stoichiometry}
+        there |= {
+            key
+            for equation in equations_of(name, table).values()
+            for key in equation.stoichiometry
+        }
     return there
 
 
@@ -67,18 +95,30 @@ def particles_can_adsorb(solids: Solids, closures: s.Closures) -> Mistakes:
         if not table.adsorption:
             continue
         if closures.sherwood is None:
-            text = "missing; the film around particles that adsorb: a number, or sherwood_wakao_funazkri"
+            text = (
+                "missing; the film around particles that adsorb: a number, or "
+                "sherwood_wakao_funazkri"
+            )
             yield ("closures", "sherwood"), text
         if table.density is None and table.composition is None:
-            yield ("solids", phase, "density"), "missing; loadings are per mass of particles"
+            yield (
+                ("solids", phase, "density"),
+                "missing; loadings are per mass of particles",
+            )
 
 
 def _species_in_particles(reactions: Reactions, solid: s.Solid) -> dict[str, set[str]]:
-    """Return the species of the reactions that run in particles; none where an equation cannot be read."""
+    """Return the species of the reactions that run in particles; none where an
+    equation cannot be read.
+    """
     try:
         constituents = set(solid.constituent) | set(fed_to(solid))
         species = {
-            name: {key for equation in equations_of(name, table).values() for key in equation.stoichiometry}
+            name: {
+                key
+                for equation in equations_of(name, table).values()
+                for key in equation.stoichiometry
+            }
             for name, table in reactions.items()
         }
     except SceneError:
@@ -86,35 +126,52 @@ def _species_in_particles(reactions: Reactions, solid: s.Solid) -> dict[str, set
     return {
         name: named
         for name, named in species.items()
-        if reactions[name].basis in ("catalyst", "particle") or reactions[name].law in REFORMING or named & constituents
+        if reactions[name].basis in ("catalyst", "particle")
+        or reactions[name].law in REFORMING
+        or named & constituents
     }
 
 
-def _reacting_though_adsorbed(solids: Solids, reactions: Reactions) -> Iterator[tuple[str, str, str]]:
-    """Yield phase, reaction and gas where a gas reacts in the particles that adsorb it."""
+def _reacting_though_adsorbed(
+    solids: Solids, reactions: Reactions
+) -> Iterator[tuple[str, str, str]]:
+    """Yield phase, reaction and gas where a gas reacts in the particles that adsorb
+    it.
+    """
     for phase, table in solids.items():
-        for name, species in _species_in_particles(reactions_in(reactions, phase), table).items():
+        for name, species in _species_in_particles(
+            reactions_in(reactions, phase), table
+        ).items():
             for gas in sorted(species & set(table.adsorption))[:1]:
                 yield phase, name, gas
 
 
-def adsorbed_gases_react_by_their_concentrations(solids: Solids, reactions: Reactions) -> Mistakes:
-    """Check that pores are modelled once where gases are adsorbed in the particles in which they react."""
+def adsorbed_gases_react_by_their_concentrations(
+    solids: Solids, reactions: Reactions
+) -> Mistakes:
+    """Check that pores are modelled once where gases are adsorbed in the particles
+    in which they react.
+    """
     said: set[tuple[str, str]] = set()
     for phase, name, gas in _reacting_though_adsorbed(solids, reactions):
         table, inside = reactions[name], solids[phase].inside
         law, path = table.law or "power", ("reactions", name)
-        resolved = inside.mass == "interior" or (inside.mass != "none" and bool(inside.diffusivity))
+        resolved = inside.mass == "interior" or (
+            inside.mass != "none" and bool(inside.diffusivity)
+        )
         text = f"{gas} is adsorbed by the particles in which it reacts"
         mistake = ""
         if law == "shrinking_core" or law in STAGED:
             mistake = (
-                f"{text}, and {law} has a film and a layer of its own; give a rate by concentrations, or name the "
-                f"phase in which it runs, reactions.{name}.solid, and that which adsorbs"
+                f"{text}, and {law} has a film and a layer of its own; give a rate by "
+                "concentrations, or name the "
+                f"phase in which it runs, reactions.{name}.solid, and that which "
+                "adsorbs"
             )
         elif resolved or (inside.mass == "effectiveness" and table.diffusivity):
             mistake = (
-                f"{text}: it diffuses to the points of solids.{phase}.adsorption.{gas}, where it reacts; remove "
+                f"{text}: it diffuses to the points of "
+                f"solids.{phase}.adsorption.{gas}, where it reacts; remove "
                 f"solids.{phase}.inside.mass and the diffusivities of pellets"
             )
         if mistake and (name, mistake) not in said:
@@ -123,25 +180,44 @@ def adsorbed_gases_react_by_their_concentrations(solids: Solids, reactions: Reac
 
 
 def pellets_have_diffusivities(solids: Solids, reactions: Reactions) -> Mistakes:
-    """Check that gases that react in pellets that are resolved have diffusivities, and no others have."""
+    """Check that gases that react in pellets that are resolved have diffusivities,
+    and no others have.
+    """
     for phase, table in solids.items():
         path, inside = ("solids", phase, "inside"), table.inside
-        asked = inside.mass == "interior" or (inside.mass == "auto" and bool(inside.diffusivity))
+        asked = inside.mass == "interior" or (
+            inside.mass == "auto" and bool(inside.diffusivity)
+        )
         if not asked:
             if inside.diffusivity and len(solids) > 1 and table.composition is not None:
                 yield (*path, "diffusivity"), PARTICLES_REACT
             yield from _needless(path, inside.diffusivity, set())
             continue
-        own = {name: each for name, each in reactions.items() if len(solids) == 1 or phase in phases_named(each)}
+        own = {
+            name: each
+            for name, each in reactions.items()
+            if len(solids) == 1 or phase in phases_named(each)
+        }
         species = _species_in_particles(own, table)
         if table.composition is not None:
-            yield (*path, "mass" if inside.mass == "interior" else "diffusivity"), PARTICLES_REACT
+            yield (
+                (*path, "mass" if inside.mass == "interior" else "diffusivity"),
+                PARTICLES_REACT,
+            )
         elif inside.mass == "interior" and not species:
-            text = f"nothing reacts in these particles; remove it, or give a reaction solid = '{phase}'"
+            text = (
+                "nothing reacts in these particles; remove it, or give a reaction "
+                f"solid = '{phase}'"
+            )
             yield (*path, "mass"), text
-        gases = set() if table.composition is not None else set().union(*species.values())
+        gases = (
+            set() if table.composition is not None else set().union(*species.values())
+        )
         for gas in sorted(gases - set(inside.diffusivity)):
-            yield (*path, "diffusivity"), f"{gas} reacts in the particles and has none; give {gas} = in m2/s"
+            yield (
+                (*path, "diffusivity"),
+                f"{gas} reacts in the particles and has none; give {gas} = in m2/s",
+            )
         yield from _needless(path, inside.diffusivity, gases)
 
 
@@ -161,7 +237,11 @@ def uptake_has_a_meaning(
 ) -> Mistakes:
     """Check that a bed that adsorbs is not one in which nothing is taken up."""
     reacting = {phase for phase, _, _ in _reacting_though_adsorbed(solids, reactions)}
-    idle = [phase for phase, table in solids.items() if table.adsorption and phase not in reacting]
+    idle = [
+        phase
+        for phase, table in solids.items()
+        if table.adsorption and phase not in reacting
+    ]
     if not idle:
         return
     if time is None:
@@ -169,7 +249,8 @@ def uptake_has_a_meaning(
             if given_velocity(boundary, phase)[1] == 0.0:
                 yield (
                     ("solids", phase, "adsorption"),
-                    "particles at rest take up nothing in a steady state: add a [time] table, or give "
+                    "particles at rest take up nothing in a steady state: add a [time] "
+                    "table, or give "
                     f"boundary.NAME.solids.{phase}.velocity",
                 )
         return
@@ -177,6 +258,7 @@ def uptake_has_a_meaning(
     if initial.gas.composition is None and initial.file is None and not changes:
         yield (
             ("initial", "gas", "composition"),
-            "missing; particles begin in equilibrium with the gas that fills the bed, and without it this is the gas "
+            "missing; particles begin in equilibrium with the gas that fills the bed, "
+            "and without it this is the gas "
             "that enters, of which nothing more is taken up",
         )

@@ -1,4 +1,6 @@
-"""Rate laws that scenes name: which there are, what they need, and the equations that belong to them."""
+"""Rate laws that scenes name: which there are, what they need, and the equations
+that belong to them.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,15 @@ STAGED: dict[str, str] = {f"three_interfaces_{gas}": gas for gas in TAKAHASHI}
 IRON = ("Fe2O3", "Fe3O4", "FeO", "Fe")
 LAWS_WITH_EQUATION: dict[str, str | tuple[str, ...]] = {
     **REFORMING,
-    **{f"{name}.{law.name}": law.reaction for name, laws in LAWS.items() for law in laws.values()},
-    **{key: tuple(stage.format(gas, TAKAHASHI[gas].oxidised) for stage in _STAGES) for key, gas in STAGED.items()},
+    **{
+        f"{name}.{law.name}": law.reaction
+        for name, laws in LAWS.items()
+        for law in laws.values()
+    },
+    **{
+        key: tuple(stage.format(gas, TAKAHASHI[gas].oxidised) for stage in _STAGES)
+        for key, gas in STAGED.items()
+    },
 }
 # keys that each law of a scene's own constants needs
 NEEDS: dict[str, tuple[str, ...]] = {

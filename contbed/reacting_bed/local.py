@@ -1,4 +1,6 @@
-"""The state at points of the bed as a reaction sees it, and how sharp its powers are where nothing is left."""
+"""The state at points of the bed as a reaction sees it, and how sharp its powers are
+where nothing is left.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +8,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-FINEST = 1e-7  # share of a solid that is left, below which powers of it are straight lines
+# share of a solid that is left, below which powers of it are straight lines
+FINEST = 1e-7
 
 
 class Smoothing(NamedTuple):
     """Shares below which powers between 0 and 1 are straight lines.
 
-    solids : of a solid that is left, in laws with a name; amounts : of all gases or solids, in orders and formulas
+    solids : of a solid that is left, in laws with a name; amounts : of all gases or
+        solids, in orders and formulas
     """
 
     solids: float = FINEST

@@ -1,4 +1,6 @@
-"""Coefficients of a reacting bed at a state: closures, films, dispersion, resistance, from the scene."""
+"""Coefficients of a reacting bed at a state: closures, films, dispersion,
+resistance, from the scene.
+"""
 
 from __future__ import annotations
 
@@ -22,13 +24,16 @@ from contbed.reacting_bed.local import SHARPEST, Local, Smoothing
 from contbed.reacting_bed.streams import Streams, mean_conductivity, sauter_mean
 from contbed.reacting_bed.substances import Substances
 
-SLOW = 1e-9  # share of the speed below which |U| is rounded, so that a change of sign is smooth
+# share of the speed below which |U| is rounded, so that a change of sign is smooth
+SLOW = 1e-9
 AREA = {"spheres": 6.0, "rods": 4.0}  # surface over volume, times the diameter
 
 
 @dataclass(frozen=True)
 class PhaseTransport:
-    """Coefficients of one solid phase at points: exchange [W/m3/K], conductivity [W/m/K] by its share, films [m/s]."""
+    """Coefficients of one solid phase at points: exchange [W/m3/K],
+    conductivity [W/m/K] by its share, films [m/s].
+    """
 
     exchange: Any = 0.0
     conductivity_solid: Any = 0.0
@@ -48,12 +53,16 @@ class Transport:
     @property
     def conductivity(self) -> Any:
         """Conductivity of gas and particles [W/m/K]."""
-        return sum((each.conductivity_solid for each in self.phases.values()), self.conductivity_fluid)
+        return sum(
+            (each.conductivity_solid for each in self.phases.values()),
+            self.conductivity_fluid,
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class Closures:
-    """Closures and numbers of a scene by the key of each, evaluated at a state of a packing.
+    """Closures and numbers of a scene by the key of each, evaluated at a state of a
+    packing.
 
     diameter, conductivity : of the particles [m], [W/m/K]
     velocity_solid : superficial velocity of the particles [m/s]
@@ -77,7 +86,9 @@ class Closures:
         if key not in self.bound:
             return self.specs[key]
         closure = self.bound[key]
-        return closure(**{name: self.argument(name, properties) for name in closure.takes})
+        return closure(
+            **{name: self.argument(name, properties) for name in closure.takes}
+        )
 
     def argument(self, name: str, properties: Properties) -> Any:
         """Return an argument of a closure."""
@@ -96,18 +107,28 @@ class Closures:
         return values[name]()
 
     def reynolds(self, properties: Properties) -> Any:
-        """Return the Reynolds number of the particles, on the velocity relative to them."""
+        """Return the Reynolds number of the particles, on the velocity relative to
+        them.
+        """
         slip, d = self.slip(properties.state), self.diameter
-        return properties.once(f"Re {d!r} {self.velocity_solid!r}", lambda: properties.reynolds(d, slip))
+        return properties.once(
+            f"Re {d!r} {self.velocity_solid!r}", lambda: properties.reynolds(d, slip)
+        )
 
     def conductivity_of(self, key: str, properties: Properties, phase: str) -> Any:
-        """Return an effective conductivity; 0 where none is given, that of a phase by its volume for "phase"."""
+        """Return an effective conductivity; 0 where none is given, that of a phase
+        by its volume for "phase".
+        """
         spec = self.specs.get(key)
         if spec is None:
             return 0.0
         if is_phase(spec):
             eps = self.porosity
-            return eps * properties.k_fluid if phase == "fluid" else (1.0 - eps) * self.k_solid
+            return (
+                eps * properties.k_fluid
+                if phase == "fluid"
+                else (1.0 - eps) * self.k_solid
+            )
         return self.value(key, properties)
 
     @property
@@ -131,7 +152,11 @@ class Closures:
 
     def used(self) -> list[RangeUse]:
         """Return how each closure was used in its last evaluation."""
-        return [closure.use() for closure in self.bound.values() if closure._last is not None]
+        return [
+            closure.use()
+            for closure in self.bound.values()
+            if closure._last is not None
+        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,14 +186,24 @@ class PhaseMedium(Closures):
         """Return the coefficients at a state."""
         exchange: Any = 0.0
         if "nusselt" in self.specs:
-            exchange = self.value("nusselt", properties) * properties.k_fluid * (self.area / self.diameter)
-        K = self.share * self.conductivity_of("conductivity_solids", properties, "solid")
+            exchange = (
+                self.value("nusselt", properties)
+                * properties.k_fluid
+                * (self.area / self.diameter)
+            )
+        K = self.share * self.conductivity_of(
+            "conductivity_solids", properties, "solid"
+        )
         films = self._films(properties) if "sherwood" in self.specs else {}
         return PhaseTransport(exchange, K, films)
 
     def across(self, properties: Properties) -> Any:
-        """Return the conductivity across the flow, by the share of the volume [W/m/K]."""
-        return self.share * self.conductivity_of("section.conductivity_solids", properties, "solid")
+        """Return the conductivity across the flow, by the share of the
+        volume [W/m/K].
+        """
+        return self.share * self.conductivity_of(
+            "section.conductivity_solids", properties, "solid"
+        )
 
     def _films(self, properties: Properties) -> dict[str, Any]:
         """Return the coefficient of the film of each gas [m/s]."""
@@ -178,7 +213,9 @@ class PhaseMedium(Closures):
             if "sherwood" in self.bound:
                 Sc = properties.viscosity / (properties.state.rho * D)
                 Re = self.reynolds(properties)
-                Sh = self.bound["sherwood"](eps=self.porosity, d_p=self.diameter, Re=Re, Sc=Sc)
+                Sh = self.bound["sherwood"](
+                    eps=self.porosity, d_p=self.diameter, Re=Re, Sc=Sc
+                )
             out[name] = Sh * D * (1.0 / self.diameter)
         return out
 
@@ -190,7 +227,9 @@ class PhaseMedium(Closures):
         small: Smoothing | None = None,
         inner: Mapping[str, Any] | None = None,
     ) -> Local:
-        """Return the state as a reaction sees it, with intraparticle concentrations `inner` of gases."""
+        """Return the state as a reaction sees it, with intraparticle concentrations
+        `inner` of gases.
+        """
         at_surface = reaction.site != "gas" and state.films and not reaction.own_film
         c = {**state.c, **state.films} if at_surface else state.c
         if inner:
@@ -200,7 +239,9 @@ class PhaseMedium(Closures):
             total = state.p / (R_GAS * np.maximum(state.T_fluid, LEAST_T))
             x = {name: value / total for name, value in c.items()}
         return Local(
-            np.maximum(state.T_fluid if reaction.site == "gas" else state.T_solid, LEAST_T),
+            np.maximum(
+                state.T_fluid if reaction.site == "gas" else state.T_solid, LEAST_T
+            ),
             state.p,
             c,
             x,
@@ -225,7 +266,13 @@ class Medium(Closures):
     phases: Mapping[str, PhaseMedium]
 
     @classmethod
-    def of(cls, scene: s.ReactingScene, species: Substances, entering: Streams, with_pressure: bool) -> Medium:
+    def of(
+        cls,
+        scene: s.ReactingScene,
+        species: Substances,
+        entering: Streams,
+        with_pressure: bool,
+    ) -> Medium:
         """Bind the closures of a scene."""
         phases = {}
         for name, table in scene.solids.items():
@@ -252,12 +299,16 @@ class Medium(Closures):
         )
 
     def within(self, scene: s.ReactingScene, entering: Streams) -> Medium:
-        """Return the medium with the streams and surroundings of a scene that differs in nothing else."""
+        """Return the medium with the streams and surroundings of a scene that
+        differs in nothing else.
+        """
         phases = {
             name: replace(phase, scene=scene, velocity_solid=entering.velocities[name])
             for name, phase in self.phases.items()
         }
-        return replace(self, scene=scene, velocity_solid=entering.mean_velocity, phases=phases)
+        return replace(
+            self, scene=scene, velocity_solid=entering.mean_velocity, phases=phases
+        )
 
     def at(self, state: State) -> Transport:
         """Return the coefficients at a state."""
@@ -267,16 +318,24 @@ class Medium(Closures):
             K_f = K_f + self.value("dispersion", properties)
         wall, width = self.scene.wall, self.scene.mesh.diameter
         q_wall: Any = 0.0
-        if self.scene.heat is not None and wall is not None and self.scene.section is None:
+        if (
+            self.scene.heat is not None
+            and wall is not None
+            and self.scene.section is None
+        ):
             assert width is not None  # `checks` sees to it
             q_wall = self.through_wall(state.T_fluid, wall.coefficient) * (4.0 / width)
         gradient = self.resistance(state, properties) if self.with_pressure else 0.0
         dispersion = self._dispersion("dispersion_mass", properties)
-        phases = {name: phase.at(properties.of(name)) for name, phase in self.phases.items()}
+        phases = {
+            name: phase.at(properties.of(name)) for name, phase in self.phases.items()
+        }
         return Transport(K_f, q_wall, gradient, dispersion, phases)
 
     def radial(self, state: State) -> Transport:
-        """Return the coefficients across the flow: conductivities, of each phase by its share, and dispersion."""
+        """Return the coefficients across the flow: conductivities, of each phase by
+        its share, and dispersion.
+        """
         properties = Properties(self.scene, self.species, state)
         K_f = self.conductivity_of("section.conductivity_gas", properties, "fluid")
         if "section.dispersion" in self.specs:
@@ -289,22 +348,38 @@ class Medium(Closures):
         return Transport(conductivity_fluid=K_f, dispersion=dispersion, phases=phases)
 
     def argument(self, name: str, properties: Properties) -> Any:
-        """Return an argument of a closure; that of the wall may take the stagnant conductivity beside it."""
-        return self.stagnant(properties) if name == "k_stagnant" else super().argument(name, properties)
+        """Return an argument of a closure; that of the wall may take the stagnant
+        conductivity beside it.
+        """
+        return (
+            self.stagnant(properties)
+            if name == "k_stagnant"
+            else super().argument(name, properties)
+        )
 
     def stagnant(self, properties: Properties) -> Any:
-        """Return the conductivity of gas and particles across the flow without dispersion [W/m/K]."""
+        """Return the conductivity of gas and particles across the flow without
+        dispersion [W/m/K].
+        """
         K_f = self.conductivity_of("section.conductivity_gas", properties, "fluid")
-        return sum((phase.across(properties.of(name)) for name, phase in self.phases.items()), K_f)
+        return sum(
+            (phase.across(properties.of(name)) for name, phase in self.phases.items()),
+            K_f,
+        )
 
     def wall_coefficient(self, state: State) -> Any:
-        """Return the coefficient of the wall [W/m2/K] at a state beside it, None for a wall with a given flux."""
+        """Return the coefficient of the wall [W/m2/K] at a state beside it, None for
+        a wall with a given flux.
+        """
         if "coefficient" not in self.specs:
             return None
         return self.value("coefficient", Properties(self.scene, self.species, state))
 
-    def through_wall(self, T: Any, coefficient: Any, K: Any = 1.0, distance: float = 0.0) -> Any:
-        """Return the heat through the wall into the bed [W/m2 of wall] from a temperature at a distance [m] from it.
+    def through_wall(
+        self, T: Any, coefficient: Any, K: Any = 1.0, distance: float = 0.0
+    ) -> Any:
+        """Return the heat through the wall into the bed [W/m2 of wall] from a
+        temperature at a distance [m] from it.
 
         K is the conductivity between both [W/m/K], `coefficient` that of the wall.
         """
@@ -318,9 +393,14 @@ class Medium(Closures):
         return coefficient * (constant(wall.ambient) - T)
 
     def resistance(self, state: State, properties: Properties | None = None) -> Any:
-        """Return -dp/dx [Pa/m] by permeability and Forchheimer coefficient, on the velocity to particles."""
+        """Return -dp/dx [Pa/m] by permeability and Forchheimer coefficient, on the
+        velocity to particles.
+        """
         properties = properties or Properties(self.scene, self.species, state)
-        K, c_F = self.value("permeability", properties), self.value("forchheimer", properties)
+        K, c_F = (
+            self.value("permeability", properties),
+            self.value("forchheimer", properties),
+        )
         U = self.slip(state)
         speed = np.abs(U) if not hasattr(U, "tangents") else (U * U + SLOW**2) ** 0.5
         return properties.viscosity * U / K + c_F * state.rho * speed * U / K**0.5
@@ -350,9 +430,13 @@ class Medium(Closures):
         closure, v = self.bound[key], np.abs(properties.state.u) / self.porosity
         return {
             name: closure(eps=self.porosity, d_p=self.diameter, v=v, D_gas=D)
-            for name, D in zip(self.species.gases, properties.diffusivities, strict=True)
+            for name, D in zip(
+                self.species.gases, properties.diffusivities, strict=True
+            )
         }
 
     def ranges(self) -> list[RangeUse]:
-        """Return how each closure of the bed and of its solid phases was used in its last evaluation."""
+        """Return how each closure of the bed and of its solid phases was used in its
+        last evaluation.
+        """
         return [use for each in (self, *self.phases.values()) for use in each.used()]

@@ -1,11 +1,13 @@
-"""Whether the inside of catalyst pellets is resolved: what their diffusion changes in the bed, judged without it.
+"""Whether the inside of catalyst pellets is resolved: what their diffusion changes in
+the bed, judged without it.
 
     E = max_k | int sum_j nu_kj (R_j - r_j) dx | / max_k | int sum_j nu_kj r_j dx |
 
-r_j are the rates of the bed in which nothing resists inside of the pellets, along its steady state, and R_j those of
-resolved pellets at its compositions and temperatures. Where a rate falls the less is used up the more is left for the
-pellets behind, so that E is more than what diffusion changes in what leaves, as long as reactions do not speed up as
-they proceed.
+r_j are the rates of the bed in which nothing resists inside of the pellets, along its
+steady state, and R_j those of resolved pellets at its compositions and temperatures.
+Where a rate falls the less is used up the more is left for the pellets behind, so that
+E is more than what diffusion changes in what leaves, as long as reactions do not speed
+up as they proceed.
 """
 
 from __future__ import annotations
@@ -30,7 +32,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PelletLevel:
-    """Whether pellets are resolved, and the share E of what reacts that chose it; None where it could not be found."""
+    """Whether pellets are resolved, and the share E of what reacts that chose it;
+    None where it could not be found.
+    """
 
     resolved: bool
     error: float | None
@@ -41,15 +45,24 @@ class PelletLevel:
             return self.why
         side = "above" if self.resolved else "within"
         change = percent(self.error)
-        return f"neglecting intrapellet diffusion changes the reacted amounts by {change}, {side} solver.accuracy"
+        return (
+            "neglecting intrapellet diffusion changes the reacted amounts by "
+            f"{change}, {side} solver.accuracy"
+        )
 
 
-def decided(scene: s.ReactingScene, vertices: Array) -> tuple[s.ReactingScene, PelletLevel | None]:
-    """Return a scene with solids.NAME.inside.mass = "auto" decided, and why; None where it is no question.
+def decided(
+    scene: s.ReactingScene, vertices: Array
+) -> tuple[s.ReactingScene, PelletLevel | None]:
+    """Return a scene with solids.NAME.inside.mass = "auto" decided, and why; None where
+    it is no question.
 
-    `vertices` are the cells to judge it on. A run in time has no one state to judge it by: its pellets are resolved.
+    `vertices` are the cells to judge it on. A run in time has no one state to judge it
+    by: its pellets are resolved.
     """
-    if not any(table.inside.mass == "auto" for table in _with_diffusivities(scene).values()):
+    if not any(
+        table.inside.mass == "auto" for table in _with_diffusivities(scene).values()
+    ):
         return scene, None
     if scene.time is not None:
         return scene, PelletLevel(True, None, "always resolved in transients")
@@ -58,7 +71,9 @@ def decided(scene: s.ReactingScene, vertices: Array) -> tuple[s.ReactingScene, P
 
 
 def undecided(scene: s.ReactingScene) -> s.ReactingScene:
-    """Return a scene whose pellets are not resolved where that would have to be decided."""
+    """Return a scene whose pellets are not resolved where that would have to be
+    decided.
+    """
     return _with(scene, "none")
 
 
@@ -74,7 +89,9 @@ def _with(scene: s.ReactingScene, mass: str) -> s.ReactingScene:
 
 def _with_diffusivities(scene: s.ReactingScene) -> dict[str, s.Solid]:
     """Return the solid phases that have diffusivities of gases."""
-    return {name: table for name, table in scene.solids.items() if table.inside.diffusivity}
+    return {
+        name: table for name, table in scene.solids.items() if table.inside.diffusivity
+    }
 
 
 def _judged(scene: s.ReactingScene, vertices: Array) -> PelletLevel:
@@ -83,7 +100,10 @@ def _judged(scene: s.ReactingScene, vertices: Array) -> PelletLevel:
         error = missed(scene, Problem.of(scene, vertices, species), species)
     except ContbedError as found:
         return PelletLevel(
-            True, None, f"resolved, as the bed without intrapellet diffusion has no steady state ({found})"
+            True,
+            None,
+            "resolved, as the bed without intrapellet diffusion has no steady state "
+            f"({found})",
         )
     return PelletLevel(error > scene.solver.accuracy, error)
 
@@ -100,13 +120,25 @@ def missed(scene: s.ReactingScene, problem: Problem, species: Substances) -> flo
         table = problem.mean(np.broadcast_to(rate, shape).reshape(-1, *u[0].shape))[0]
         return float(np.einsum("cj,j,c->", table, line.weights, line.h))
 
-    free = {r.name: total(rate) for r, rate in zip(problem.reactions, bed.rates(state, values), strict=True)}
+    free = {
+        r.name: total(rate)
+        for r, rate in zip(problem.reactions, bed.rates(state, values), strict=True)
+    }
     held: dict[str, float] = {}
     for phase, table in _with_diffusivities(scene).items():
-        gases, inside = species.gases, [r for r in problem.reactions if r.phase == phase]
-        chosen = [r for r in inside if runs_in_pellets(r.site, r.own_film, r.stoichiometry, gases)]
+        gases, inside = (
+            species.gases,
+            [r for r in problem.reactions if r.phase == phase],
+        )
+        chosen = [
+            r
+            for r in inside
+            if runs_in_pellets(r.site, r.own_film, r.stoichiometry, gases)
+        ]
         solids = bed.phases[phase].medium.solids
-        means = Pellets.of(chosen, table.inside.diffusivity, solids)(problem.local(state, chosen[0]))
+        means = Pellets.of(chosen, table.inside.diffusivity, solids)(
+            problem.local(state, chosen[0])
+        )
         held |= {r.name: total(mean) for r, mean in zip(chosen, means, strict=True)}
 
     def largest(extents: dict[str, float]) -> float:
@@ -117,4 +149,8 @@ def missed(scene: s.ReactingScene, problem: Problem, species: Substances) -> flo
         return max(map(abs, made.values()))
 
     whole = largest(free)
-    return largest({name: value - free[name] for name, value in held.items()}) / whole if whole else 0.0
+    return (
+        largest({name: value - free[name] for name, value in held.items()}) / whole
+        if whole
+        else 0.0
+    )

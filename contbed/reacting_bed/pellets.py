@@ -1,16 +1,20 @@
-"""Catalyst pellets whose inside is resolved: rates as means over a sphere in which gases diffuse and react.
+"""Catalyst pellets whose inside is resolved: rates as means over a sphere in which
+gases diffuse and react.
 
     D_k laplacian(c_k) = -sum_j nu_kj r_j(c, T, p) inside,    c_k that of the gas at the surface
 
-As all sources come from a few independent reactions, their extents xi_b are the unknowns, 0 at the surface:
+As all sources come from a few independent reactions, their extents xi_b are the
+unknowns, 0 at the surface:
 
     c_k = c_k,surface + sum_b nu_kb xi_b/D_k,    (1/R^2) sum_l K_il xi_b,l = w_i sum_j a_bj r_j,i
 
-with the points and matrices of `particle.shells`. Pellets of all points of the bed are solved at once by Newton's
-method and condensed: the bed sees mean rates and, by the theorem of implicit functions, their derivatives. The pellet
-has one temperature and one pressure.
+with the points and matrices of `particle.shells`. Pellets of all points of the bed are
+solved at once by Newton's method and condensed: the bed sees mean rates and, by the
+theorem of implicit functions, their derivatives. The pellet has one temperature and one
+pressure.
 
-Source: Aris 1975, The Mathematical Theory of Diffusion and Reaction in Permeable Catalysts, vol. 1.
+Source: Aris 1975, The Mathematical Theory of Diffusion and Reaction in Permeable
+    Catalysts, vol. 1.
 """
 
 from __future__ import annotations
@@ -30,19 +34,23 @@ from contbed.reacting_bed.kinetics import Reaction
 from contbed.reacting_bed.local import Local
 
 Array = NDArray[np.float64]
-RAMP = (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.4, 1.0)  # shares of the rates, from a pellet without gradients to its own
+# shares of the rates, from a pellet without gradients to its own
+RAMP = (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.4, 1.0)
 ITERATIONS = 60  # of Newton's method for each share
 LARGEST_FALL = 0.8  # of a concentration in one iteration
 LEAST_SHARE = 1e-4  # of the molecules, below which a fall is not held up
-EXACT = 1e-11  # change of concentrations over that of all molecules at which an iteration ends
-INDEPENDENT = 1e-9  # singular value over the largest below which reactions are sums of others
+# change of concentrations over that of all molecules at which an iteration ends
+EXACT = 1e-11
+# singular value over the largest below which reactions are sums of others
+INDEPENDENT = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Pellets:
     """Catalytic reactions and the pellets in which they run.
 
-    gases : of the reactions; moles : (gases, reactions) made per mole; diffusivities : (gases,) [m2/s]
+    gases : of the reactions; moles : (gases, reactions) made per mole; diffusivities :
+        (gases,) [m2/s]
     solids : volume of pellets per volume of bed
     """
 
@@ -51,19 +59,39 @@ class Pellets:
     moles: Array
     diffusivities: Array
     solids: float
-    known: dict[int, Array] = field(default_factory=dict)  # last extents by number of pellets, for first guesses alone
+    # last extents by number of pellets, for first guesses alone
+    known: dict[int, Array] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, reactions: Sequence[Reaction], diffusivities: Mapping[str, float], solids: float) -> Pellets:
+    def of(
+        cls,
+        reactions: Sequence[Reaction],
+        diffusivities: Mapping[str, float],
+        solids: float,
+    ) -> Pellets:
         """Return the pellets of reactions whose species are gases."""
-        gases = tuple(dict.fromkeys(name for reaction in reactions for name in reaction.stoichiometry))
-        moles = np.array([[reaction.stoichiometry.get(name, 0.0) for reaction in reactions] for name in gases])
+        gases = tuple(
+            dict.fromkeys(
+                name for reaction in reactions for name in reaction.stoichiometry
+            )
+        )
+        moles = np.array(
+            [
+                [reaction.stoichiometry.get(name, 0.0) for reaction in reactions]
+                for name in gases
+            ]
+        )
         D = np.array([diffusivities[name] for name in gases])
         return cls(tuple(reactions), gases, moles, D, solids)
 
     def resolved(self) -> list[Reaction]:
-        """Return the reactions with rates that are means over pellets; they share their work."""
-        return [replace(reaction, rate=self, step=k) for k, reaction in enumerate(self.reactions)]
+        """Return the reactions with rates that are means over pellets; they share
+        their work.
+        """
+        return [
+            replace(reaction, rate=self, step=k)
+            for k, reaction in enumerate(self.reactions)
+        ]
 
     def __call__(self, at: Local) -> list[Any]:
         """Return the mean rates of all reactions [mol/m3 bed/s].
@@ -87,13 +115,16 @@ class Pellets:
         return out
 
     def basis(self) -> tuple[Array, Array]:
-        """Return the moles of independent reactions (gases, b), and all reactions as sums of them, a (b, reactions)."""
+        """Return the moles of independent reactions (gases, b), and all reactions as
+        sums of them, a (b, reactions).
+        """
         u, size, vt = np.linalg.svd(self.moles, full_matrices=False)
         rank = int((size > INDEPENDENT * size[0]).sum())
         return u[:, :rank] * size[:rank], vt[:rank]
 
     def means(self, values: Array, at: Local) -> tuple[Array, Array]:
-        """Return mean rates (reactions, N) and their derivatives (reactions, inputs, N).
+        """Return mean rates (reactions, N) and their derivatives (reactions, inputs,
+        N).
 
         Parameters
         ----------
@@ -106,16 +137,23 @@ class Pellets:
         matrix, by_extent = self._matrix(r, slopes, at, made, shares, 1.0)
         N, inputs = values.shape[1], len(values)
         w = points.weights
-        # F = K xi/R^2 - w a r: derivatives to the inputs at given extents, then of the extents
-        direct = -np.einsum("i,bj,jsni->nbis", w[:-1], shares, slopes[..., :-1]).reshape(N, -1, inputs)
+        # F = K xi/R^2 - w a r: derivatives to the inputs at given extents, then of the
+        # extents
+        direct = -np.einsum(
+            "i,bj,jsni->nbis", w[:-1], shares, slopes[..., :-1]
+        ).reshape(N, -1, inputs)
         along = -np.linalg.solve(matrix, direct).reshape(N, made.shape[1], -1, inputs)
         mean = np.einsum("i,jni->jn", w, r)
         total = np.einsum("i,jsni->jsn", w, slopes)
         total += np.einsum("i,jbni,nbis->jsn", w[:-1], by_extent[..., :-1], along)
         return self.solids * mean, self.solids * total
 
-    def _rates(self, values: Array, xi: Array, at: Local, made: Array) -> tuple[Array, Array]:
-        """Return rates per volume of pellets (reactions, N, points) and derivatives (reactions, inputs, N, points)."""
+    def _rates(
+        self, values: Array, xi: Array, at: Local, made: Array
+    ) -> tuple[Array, Array]:
+        """Return rates per volume of pellets (reactions, N, points) and derivatives
+        (reactions, inputs, N, points).
+        """
         N, inputs, count = values.shape[1], len(values), xi.shape[-1]
         step = np.einsum("kb,nbi->kni", made / self.diffusivities[:, None], xi)
         flat = [np.repeat(row, count) for row in values]
@@ -132,24 +170,50 @@ class Pellets:
         }
         molar = p / (R_GAS * T)
         inside = {**others, **c}
-        local = replace(at, T=T, p=p, c=inside, x={name: z / molar for name, z in inside.items()}, films={})
-        rates, slopes = np.zeros((len(self.reactions), N, count)), np.zeros((len(self.reactions), inputs, N, count))
+        local = replace(
+            at,
+            T=T,
+            p=p,
+            c=inside,
+            x={name: z / molar for name, z in inside.items()},
+            films={},
+        )
+        rates, slopes = (
+            np.zeros((len(self.reactions), N, count)),
+            np.zeros((len(self.reactions), inputs, N, count)),
+        )
         for j, reaction in enumerate(self.reactions):
             found: Any = reaction.rate(local)
             value = getattr(found, "value", found)
             rates[j] = np.broadcast_to(value, N * count).reshape(N, count)
-            for k, tangent in getattr(found, "tangents", {}).items():  # a constant has none
+            # a constant has none
+            for k, tangent in getattr(found, "tangents", {}).items():
                 slopes[j, k] = np.broadcast_to(tangent, N * count).reshape(N, count)
         return rates / self.solids, slopes / self.solids
 
     def _matrix(
-        self, r: Array, slopes: Array, at: Local, made: Array, shares: Array, strength: float
+        self,
+        r: Array,
+        slopes: Array,
+        at: Local,
+        made: Array,
+        shares: Array,
+        strength: float,
     ) -> tuple[Array, Array]:
-        """Return dF/dxi (N, b n, b n) of points inside, and dr/dxi (reactions, b, N, points)."""
+        """Return dF/dxi (N, b n, b n) of points inside, and dr/dxi (reactions, b, N,
+        points).
+        """
         points = shells()
         N, n, b = r.shape[1], len(points.weights) - 1, made.shape[1]
-        by_extent = np.einsum("jkni,kb->jbni", slopes[:, 2:], made / self.diffusivities[:, None])
-        local = np.einsum("i,cj,jbni->ncbi", points.weights[:-1] * strength, shares, by_extent[..., :-1])
+        by_extent = np.einsum(
+            "jkni,kb->jbni", slopes[:, 2:], made / self.diffusivities[:, None]
+        )
+        local = np.einsum(
+            "i,cj,jbni->ncbi",
+            points.weights[:-1] * strength,
+            shares,
+            by_extent[..., :-1],
+        )
         matrix = np.zeros((N, b, n, b, n))
         inner = points.stiffness[:-1, :-1] / at.radius**2
         every = np.arange(n)
@@ -171,13 +235,25 @@ class Pellets:
         for strength in RAMP:
             found = self._newton(xi, values, at, made, shares, strength)
             if found is None:
-                raise ConvergenceError("diffusion and reaction inside of the pellets are not found")
+                raise ConvergenceError(
+                    "diffusion and reaction inside of the pellets are not found"
+                )
             xi = found
         self.known[N] = xi
         return xi
 
-    def _newton(self, xi: Array, values: Array, at: Local, made: Array, shares: Array, strength: float) -> Array | None:
-        """Return the extents at a share of the rates; None where Newton's method does not converge."""
+    def _newton(
+        self,
+        xi: Array,
+        values: Array,
+        at: Local,
+        made: Array,
+        shares: Array,
+        strength: float,
+    ) -> Array | None:
+        """Return the extents at a share of the rates; None where Newton's method
+        does not converge.
+        """
         points = shells()
         N, molar = len(xi), values[1] / (R_GAS * values[0])
         inner = points.stiffness[:-1] / at.radius**2
@@ -185,35 +261,52 @@ class Pellets:
         for _ in range(ITERATIONS):
             r, slopes = self._rates(values, xi, at, made)
             residual = np.einsum("il,nbl->nbi", inner, xi)
-            residual -= strength * np.einsum("i,bj,jni->nbi", points.weights[:-1], shares, r[..., :-1])
+            residual -= strength * np.einsum(
+                "i,bj,jni->nbi", points.weights[:-1], shares, r[..., :-1]
+            )
             matrix, _ = self._matrix(r, slopes, at, made, shares, strength)
             if not (np.isfinite(matrix).all() and np.isfinite(residual).all()):
                 return None
-            step = -np.linalg.solve(matrix, residual.reshape(N, -1, 1)).reshape(residual.shape)
+            step = -np.linalg.solve(matrix, residual.reshape(N, -1, 1)).reshape(
+                residual.shape
+            )
             change = np.einsum("kb,nbi->nki", scale, step)
             c = values[2:].T[:, :, None] + np.einsum("kb,nbi->nki", scale, xi[..., :-1])
             floor = LEAST_SHARE * molar[:, None, None]
             with np.errstate(divide="ignore"):
-                share = np.where(change < 0.0, LARGEST_FALL * np.maximum(c, floor) / -change, 1.0)
+                share = np.where(
+                    change < 0.0, LARGEST_FALL * np.maximum(c, floor) / -change, 1.0
+                )
             taken = np.minimum(share.min(axis=(1, 2)), 1.0)
             xi = xi.copy()
             xi[..., :-1] += taken[:, None, None] * step
-            if np.all(taken == 1.0) and np.abs(change / molar[:, None, None]).max() < EXACT:
+            if (
+                np.all(taken == 1.0)
+                and np.abs(change / molar[:, None, None]).max() < EXACT
+            ):
                 return xi
         return None
 
 
 def in_pellets(
-    reactions: Sequence[Reaction], gases: Mapping[str, Any], diffusivities: Mapping[str, float], solids: float
+    reactions: Sequence[Reaction],
+    gases: Mapping[str, Any],
+    diffusivities: Mapping[str, float],
+    solids: float,
 ) -> list[Reaction]:
-    """Return reactions of a solid phase with those of gases in particles as means over resolved pellets.
+    """Return reactions of a solid phase with those of gases in particles as means over
+    resolved pellets.
 
     Parameters
     ----------
     diffusivities : of the gases that react in the pellets [m2/s]
     solids : volume of pellets per volume of bed
     """
-    chosen = [each for each in reactions if runs_in_pellets(each.site, each.own_film, each.stoichiometry, gases)]
+    chosen = [
+        each
+        for each in reactions
+        if runs_in_pellets(each.site, each.own_film, each.stoichiometry, gases)
+    ]
     if not chosen:
         return list(reactions)
     pellets = Pellets.of(chosen, diffusivities, solids)
@@ -221,6 +314,8 @@ def in_pellets(
     return [resolved.get(each.name, each) for each in reactions]
 
 
-def runs_in_pellets(site: str, own_film: bool, species: Mapping[str, float], gases: Mapping[str, Any]) -> bool:
+def runs_in_pellets(
+    site: str, own_film: bool, species: Mapping[str, float], gases: Mapping[str, Any]
+) -> bool:
     """Return whether a reaction is one of gases alone in particles."""
     return site != "gas" and not own_film and all(name in gases for name in species)

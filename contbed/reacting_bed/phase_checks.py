@@ -1,4 +1,6 @@
-"""Checks of solid phases: names, shares and data, that there is what is needed of them, and their reactions."""
+"""Checks of solid phases: names, shares and data, that there is what is needed of
+them, and their reactions.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,12 @@ from collections.abc import Mapping
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.streams import given_velocity
-from contbed.reacting_bed.substances import constituents_of, equations_of, fed_to, phases_named
+from contbed.reacting_bed.substances import (
+    constituents_of,
+    equations_of,
+    fed_to,
+    phases_named,
+)
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.names import nearest
 
@@ -21,12 +28,20 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*")
 
 
 def reactions_in(reactions: Reactions, phase: str) -> Reactions:
-    """Return the reactions that may run in a solid phase: those that name it, or none."""
-    return {name: each for name, each in reactions.items() if each.solid is None or phase in phases_named(each)}
+    """Return the reactions that may run in a solid phase: those that name it, or
+    none.
+    """
+    return {
+        name: each
+        for name, each in reactions.items()
+        if each.solid is None or phase in phases_named(each)
+    }
 
 
 def constituents_in(solids: Solids, phase: str) -> set[str]:
-    """Return the constituents of a solid phase as far as tables say; of several phases those that enter with it."""
+    """Return the constituents of a solid phase as far as tables say; of several
+    phases those that enter with it.
+    """
     try:
         fed = set(fed_to(solids[phase]))
     except SceneError:
@@ -35,42 +50,70 @@ def constituents_in(solids: Solids, phase: str) -> set[str]:
 
 
 def stoichiometry(name: str, table: s.Reaction) -> Mapping[str, float]:
-    """Return the moles made of each species by the equations of a reaction; none where they cannot be read."""
+    """Return the moles made of each species by the equations of a reaction; none
+    where they cannot be read.
+    """
     try:
-        return {key: n for equation in equations_of(name, table).values() for key, n in equation.stoichiometry.items()}
+        return {
+            key: n
+            for equation in equations_of(name, table).values()
+            for key, n in equation.stoichiometry.items()
+        }
     except SceneError:
         return {}
 
 
 def phases_fill_the_bed(solids: Solids, mesh: s.Line, see: See) -> Mistakes:
-    """Check names, shares and sizes of solid phases, and that each constituent has its data once."""
+    """Check names, shares and sizes of solid phases, and that each constituent has
+    its data once.
+    """
     total = sum(table.volume_share for table in solids.values())
     if not math.isclose(total, 1.0, abs_tol=WHOLE):
-        yield ("solids",), f"the shares of the volume sum to {total:.6g}, not to 1; correct volume_share"
+        yield (
+            ("solids",),
+            f"the shares of the volume sum to {total:.6g}, not to 1; correct "
+            "volume_share",
+        )
     seen: dict[str, tuple[str, s.Substance]] = {}
     for phase, table in solids.items():
         if len(solids) > 1 and not NAME.fullmatch(phase):
-            yield ("solids", phase), "names of results end with it: letters and digits only, beginning with a letter"
+            yield (
+                ("solids", phase),
+                "names of results end with it: letters and digits only, beginning with "
+                "a letter",
+            )
         if table.diameter > mesh.length:
-            text = f"{table.diameter:g} m is more than the length of the bed, {see('mesh.length')}"
+            text = (
+                f"{table.diameter:g} m is more than the length of the bed, "
+                f"{see('mesh.length')}"
+            )
             yield ("solids", phase, "diameter"), f"{text}; is a unit missing?"
         for name, data in table.constituent.items():
             first, other = seen.setdefault(name, (phase, data))
             if other != data:
                 yield (
                     ("solids", phase, "constituent", name),
-                    f"has other data in solids.{first}; they hold in all phases: give them once, or another name",
+                    f"has other data in solids.{first}; they hold in all phases: give "
+                    "them once, or another name",
                 )
 
 
 def own_closures_have_a_meaning(solids: Solids, closures: s.Closures) -> Mistakes:
-    """Check that a phase has numbers of Nusselt and Sherwood of its own only where the others have some."""
+    """Check that a phase has numbers of Nusselt and Sherwood of its own only where
+    the others have some.
+    """
     for phase, table in solids.items():
         if table.nusselt is not None and closures.nusselt is None:
             text = "has no meaning where gas and particles have one temperature"
-            yield ("solids", phase, "nusselt"), f"{text}; give closures.nusselt, which the others have"
+            yield (
+                ("solids", phase, "nusselt"),
+                f"{text}; give closures.nusselt, which the others have",
+            )
         if table.sherwood is not None and closures.sherwood is None:
-            text = "has no meaning without closures.sherwood, which the others have; give it"
+            text = (
+                "has no meaning without closures.sherwood, which the others have; "
+                "give it"
+            )
             yield ("solids", phase, "sherwood"), text
 
 
@@ -82,57 +125,97 @@ def reactions_name_phases(reactions: Reactions, solids: Solids) -> Mistakes:
         path = ("reactions", name, "solid")
         for phase in phases_named(table):
             if phase not in solids:
-                yield path, f"there is no solid phase {phase!r}; {nearest(phase, list(solids))}"
+                yield (
+                    path,
+                    f"there is no solid phase {phase!r}; {nearest(phase, list(solids))}",
+                )
         if table.basis in ("gas", "bed"):
-            yield path, f"a rate per m3 of {table.basis} is not that of a phase; give basis = 'catalyst' or 'particle'"
+            yield (
+                path,
+                f"a rate per m3 of {table.basis} is not that of a phase; give basis = "
+                "'catalyst' or 'particle'",
+            )
 
 
-def steady_states_exist(reactions: Reactions, solids: Solids, boundary: Boundaries, time: s.Time | None) -> Mistakes:
+def steady_states_exist(
+    reactions: Reactions, solids: Solids, boundary: Boundaries, time: s.Time | None
+) -> Mistakes:
     """Check that solids that react in a steady bed are supplied."""
     for phase in solids if time is None else ():
         if given_velocity(boundary, phase)[1]:
             continue
         there = constituents_in(solids, phase)
         for name, table in reactions_in(reactions, phase).items():
-            used = [key for key, n in stoichiometry(name, table).items() if n < 0 and key in there]
+            used = [
+                key
+                for key, n in stoichiometry(name, table).items()
+                if n < 0 and key in there
+            ]
             if used:
                 yield (
                     ("reactions", name),
-                    f"takes {', '.join(used)} of particles at rest, which are used up: no steady state exists; give "
+                    f"takes {', '.join(used)} of particles at rest, which are used up: "
+                    "no steady state exists; give "
                     f"boundary.NAME.solids.{phase}.velocity, or add a [time] table",
                 )
 
 
 def particles_are_known(
-    solids: Solids, boundary: Boundaries, heat: s.Heat | None, time: s.Time | None, reactions: Reactions
+    solids: Solids,
+    boundary: Boundaries,
+    heat: s.Heat | None,
+    time: s.Time | None,
+    reactions: Reactions,
 ) -> Mistakes:
-    """Check that particles have the density and the heat capacity that something needs."""
+    """Check that particles have the density and the heat capacity that something
+    needs.
+    """
     for phase, table in solids.items():
         moves = bool(given_velocity(boundary, phase)[1])
         if table.density is None:
             yield from _density_is_missing(
-                phase, table, solids, reactions, moves or (heat is not None and time is not None)
+                phase,
+                table,
+                solids,
+                reactions,
+                moves or (heat is not None and time is not None),
             )
         stores_heat = heat is not None and (moves or time is not None)
         path = ("solids", phase, "heat_capacity")
         if stores_heat and table.composition is None and table.heat_capacity is None:
-            yield path, "missing; particles that move or whose temperature changes hold heat"
+            yield (
+                path,
+                "missing; particles that move or whose temperature changes hold heat",
+            )
         if table.composition is not None and table.heat_capacity is not None:
-            yield path, "has no meaning with a composition, whose constituents have theirs"
+            yield (
+                path,
+                "has no meaning with a composition, whose constituents have theirs",
+            )
 
 
-def _density_is_missing(phase: str, table: s.Solid, solids: Solids, reactions: Reactions, needed: bool) -> Mistakes:
+def _density_is_missing(
+    phase: str, table: s.Solid, solids: Solids, reactions: Reactions, needed: bool
+) -> Mistakes:
     """Say what needs the density of particles without one."""
     path = ("solids", phase, "density")
     if table.composition is not None:
         data = constituents_of(solids)
-        for name in constituents_in({phase: table.model_copy(update={"constituent": {}})}, phase):
+        for name in constituents_in(
+            {phase: table.model_copy(update={"constituent": {}})}, phase
+        ):
             if name not in data or data[name].density is None:
-                yield path, f"missing; or give solids.{phase}.constituent.{name}.density"
+                yield (
+                    path,
+                    f"missing; or give solids.{phase}.constituent.{name}.density",
+                )
                 return
         return
     if needed:
-        yield path, "missing; particles without composition that move or store heat need it"
+        yield (
+            path,
+            "missing; particles without composition that move or store heat need it",
+        )
         return
     for name, each in reactions.items():
         per_mass = each.basis == "catalyst" or str(each.law).startswith("xu_froment")
@@ -142,4 +225,8 @@ def _density_is_missing(phase: str, table: s.Solid, solids: Solids, reactions: R
             return
 
 
-CHECKS: tuple[Check, ...] = (phases_fill_the_bed, own_closures_have_a_meaning, reactions_name_phases)
+CHECKS: tuple[Check, ...] = (
+    phases_fill_the_bed,
+    own_closures_have_a_meaning,
+    reactions_name_phases,
+)

@@ -27,7 +27,8 @@ from contbed.reacting_bed.substances import (
 def described_phases(phases: Mapping[str, s.Solid]) -> str:
     """Return shares and diameters of the solid phases, and their mean, in words."""
     each = [
-        f"{name} ({shares_of(phases)[name]:.4g} of the volume, {1e3 * table.diameter:.4g} mm)"
+        f"{name} ({shares_of(phases)[name]:.4g} of the volume, "
+        f"{1e3 * table.diameter:.4g} mm)"
         for name, table in phases.items()
     ]
     return f"{', '.join(each)}; Sauter mean {1e3 * sauter_mean(phases):.4g} mm"
@@ -40,9 +41,15 @@ def places(scene: s.ReactingScene, species: Species) -> dict[str, tuple[str, ...
     ------
     SceneError : a reaction at particles runs in none of several phases
     """
-    equations = {name: list(equations_of(name, table).values()) for name, table in scene.reactions.items()}
+    equations = {
+        name: list(equations_of(name, table).values())
+        for name, table in scene.reactions.items()
+    }
     at_particles = {
-        name: any(_is_at_particles(scene.reactions[name], equation, species) for equation in found)
+        name: any(
+            _is_at_particles(scene.reactions[name], equation, species)
+            for equation in found
+        )
         for name, found in equations.items()
     }
     if len(scene.solids) == 1:
@@ -53,10 +60,14 @@ def places(scene: s.ReactingScene, species: Species) -> dict[str, tuple[str, ...
         if inside and not found[name]:
             where = scene.origin.at(("reactions", name))
             raise SceneError(
-                f"{where}: reactions.{name}.solid: missing; it runs in particles, and none that enter hold what "
+                f"{where}: reactions.{name}.solid: missing; it runs in particles, and "
+                "none that enter hold what "
                 f"reacts; name their phase, of {', '.join(scene.solids)}"
             )
-    return {name: tuple(phase for phase in scene.solids if phase in inside) for name, inside in found.items()}
+    return {
+        name: tuple(phase for phase in scene.solids if phase in inside)
+        for name, inside in found.items()
+    }
 
 
 def _is_at_particles(table: s.Reaction, equation: Equation, species: Species) -> bool:
@@ -65,9 +76,13 @@ def _is_at_particles(table: s.Reaction, equation: Equation, species: Species) ->
 
 
 def _running(
-    scene: s.ReactingScene, equations: Mapping[str, Iterable[Equation]], species: Species
+    scene: s.ReactingScene,
+    equations: Mapping[str, Iterable[Equation]],
+    species: Species,
 ) -> dict[str, set[str]]:
-    """Return the phases of each reaction: those that it names, or that hold what reacts, also what others make."""
+    """Return the phases of each reaction: those that it names, or that hold what
+    reacts, also what others make.
+    """
     held = {phase: set(fed_to(table)) for phase, table in scene.solids.items()}
     found: dict[str, set[str]] = {name: set() for name in scene.reactions}
     grows = True
@@ -75,9 +90,13 @@ def _running(
         grows = False
         for name, table in scene.reactions.items():
             for equation in equations[name]:
-                solids = {key for key in equation.stoichiometry if key in species.solids}
+                solids = {
+                    key for key in equation.stoichiometry if key in species.solids
+                }
                 for phase, there in held.items():
-                    runs = phase in phases_named(table) or (table.solid is None and _starts(equation, there, solids))
+                    runs = phase in phases_named(table) or (
+                        table.solid is None and _starts(equation, there, solids)
+                    )
                     if runs and not (phase in found[name] and solids <= there):
                         there |= solids
                         found[name].add(phase)
@@ -86,7 +105,9 @@ def _running(
 
 
 def _starts(equation: Equation, held: set[str], solids: set[str]) -> bool:
-    """Return whether particles hold all solids on a side from which a reaction starts."""
+    """Return whether particles hold all solids on a side from which a reaction
+    starts.
+    """
     sides = [{name for name in solids if equation.stoichiometry[name] < 0}]
     if equation.reversible:
         sides.append({name for name in solids if equation.stoichiometry[name] > 0})
@@ -102,7 +123,11 @@ def species_of(scene: s.ReactingScene) -> Substances:
     """
     total, transport = species_without_phases(scene)
     where = places(scene, total)
-    densities = {name: data.density for name, data in constituents_of(scene.solids).items() if data.density is not None}
+    densities = {
+        name: data.density
+        for name, data in constituents_of(scene.solids).items()
+        if data.density is not None
+    }
     several = len(scene.solids) > 1
     phases = {}
     for phase, table in scene.solids.items():
@@ -110,10 +135,22 @@ def species_of(scene: s.ReactingScene) -> Substances:
         there = set(fed)
         for name, reaction in scene.reactions.items():
             if phase in where[name] or not several:
-                there |= {key for each in equations_of(name, reaction).values() for key in each.stoichiometry}
+                there |= {
+                    key
+                    for each in equations_of(name, reaction).values()
+                    for key in each.stoichiometry
+                }
                 there |= set(reaction.orders or {})
-        solids = {name: item for name, item in total.solids.items() if name in there or not several}
+        solids = {
+            name: item
+            for name, item in total.solids.items()
+            if name in there or not several
+        }
         suffix = f"_{phase}" if several else ""
         phases[phase] = PhaseSpecies(total.gases, solids, suffix, fed, densities)
-    every = {each.full(name): item for each in phases.values() for name, item in each.solids.items()}
+    every = {
+        each.full(name): item
+        for each in phases.values()
+        for name, item in each.solids.items()
+    }
     return Substances(total.gases, every, transport, phases)

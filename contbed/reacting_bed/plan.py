@@ -1,4 +1,6 @@
-"""Plan of a reacting bed from its scene: unknowns, first cells, what is left out and why."""
+"""Plan of a reacting bed from its scene: unknowns, first cells, what is left out and
+why.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,8 @@ from contbed.reacting_bed.time_cells import FEWEST, SHORTEST
 from contbed.scene.toml_lines import KeyPath, Origin
 
 TRANSIENT_CELLS = 60  # of one length, through which fronts move
-SHORT_RESIDENCE = 0.01  # of the gas over the times in which something changes, below which it is quasi-steady
+# of the gas over the times in which something changes, below which it is quasi-steady
+SHORT_RESIDENCE = 0.01
 PARTS = {"tube": "rings", "plane": "layers", "duct": "columns of a quarter"}
 PELLETS = "intrapellet diffusion"
 FIRST_LAYER = 1e-4  # length of the first and last cell over that of the bed
@@ -35,7 +38,9 @@ FIRST_LAYER = 1e-4  # length of the first and last cell over that of the bed
 
 @dataclass(frozen=True)
 class Plan:
-    """The scene, the problem on its first cells at the start, its series, and what is built and left out."""
+    """The scene, the problem on its first cells at the start, its series, and what
+    is built and left out.
+    """
 
     scene: s.ReactingScene
     problem: Problem
@@ -66,12 +71,16 @@ class Plan:
 
 
 def first_vertices(scene: s.ReactingScene) -> NDArray[np.float64]:
-    """Return the vertices that a run begins with: given cells of one length, or cells that grow from both ends."""
+    """Return the vertices that a run begins with: given cells of one length, or
+    cells that grow from both ends.
+    """
     length = scene.mesh.length
     if scene.mesh.cells is not None:
         return np.linspace(0.0, length, scene.mesh.cells * 2**scene.mesh.refine + 1)
     if scene.time is not None:
-        return np.linspace(0.0, length, (FEWEST if follows(scene) else TRANSIENT_CELLS) + 1)
+        return np.linspace(
+            0.0, length, (FEWEST if follows(scene) else TRANSIENT_CELLS) + 1
+        )
     half = 0.5 * np.geomspace(2.0 * FIRST_LAYER, 1.0, FIRST_CELLS // 2)
     return length * np.concatenate([[0.0], half, 1.0 - half[-2::-1], [1.0]])
 
@@ -89,7 +98,10 @@ def plan(scene: s.ReactingScene) -> Plan:
     stores_gas, reason = _gas_storage(scene, problem, schedule)
     built, skipped = _lists(scene, problem, schedule)
     if level is not None and level.resolved:
-        built = [(what, f"{text}; {level}" if what == PELLETS else text) for what, text in built]
+        built = [
+            (what, f"{text}; {level}" if what == PELLETS else text)
+            for what, text in built
+        ]
     elif level is not None:
         skipped.append((PELLETS, str(level)))
     if scene.time is not None and scene.initial.file is not None:
@@ -103,14 +115,16 @@ def plan(scene: s.ReactingScene) -> Plan:
             built.append(
                 (
                     "cyclic steady state",
-                    "periods until one closes, of which the run is the last; the time is that of one",
+                    "periods until one closes, of which the run is the last; the time "
+                    "is that of one",
                 )
             )
     return Plan(scene, problem, schedule, stores_gas, tuple(built), tuple(skipped))
 
 
 def require_buildable(scene: s.ReactingScene) -> None:
-    """Refuse what a plan refuses; a bed that a plan would solve to judge its pellets has none inside here.
+    """Refuse what a plan refuses; a bed that a plan would solve to judge its pellets
+    has none inside here.
 
     Raises
     ------
@@ -128,11 +142,15 @@ def _at_its_place(origin: Origin) -> Iterator[None]:
     except SceneError as error:
         if any(text.startswith((origin.name, "override")) for text in error.problems):
             raise
-        raise SceneError([f"{origin.at(_place(text))}: {text}" for text in error.problems]) from None
+        raise SceneError(
+            [f"{origin.at(_place(text))}: {text}" for text in error.problems]
+        ) from None
 
 
 def _built(scene: s.ReactingScene) -> tuple[Schedule, Problem]:
-    """Return the series and the problem at the start, whose equations have been evaluated as everything enters."""
+    """Return the series and the problem at the start, whose equations have been
+    evaluated as everything enters.
+    """
     schedule = Schedule.of(tables_of(scene), scene.origin.base)
     problem = _at_start(scene, schedule)
     with np.errstate(all="ignore"):
@@ -141,8 +159,12 @@ def _built(scene: s.ReactingScene) -> tuple[Schedule, Problem]:
     return schedule, problem
 
 
-def _with_other_gases(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -> Iterator[Problem]:
-    """Yield the problem with the streams of the first time at which other gases are there or not."""
+def _with_other_gases(
+    scene: s.ReactingScene, problem: Problem, schedule: Schedule
+) -> Iterator[Problem]:
+    """Yield the problem with the streams of the first time at which other gases are
+    there or not.
+    """
     known = {_gases_there(problem)}
     for moment in schedule.moments() if schedule.species else ():
         at = problem.within(schedule.frozen(scene, moment))
@@ -155,13 +177,18 @@ def _gases_there(problem: Problem) -> frozenset[str]:
     return frozenset(name for name, moles in problem.streams.gas.items() if moles)
 
 
-def _gas_storage(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -> tuple[bool, str]:
+def _gas_storage(
+    scene: s.ReactingScene, problem: Problem, schedule: Schedule
+) -> tuple[bool, str]:
     """Return whether the gas is stored in time, and why."""
     time = scene.time
     if time is None:
         return False, ""
     moments = schedule.moments() or [0.0]
-    delay = max(problem.within(schedule.frozen(scene, moment)).gas_residence for moment in moments)
+    delay = max(
+        problem.within(schedule.frozen(scene, moment)).gas_residence
+        for moment in moments
+    )
     shortest = schedule.shortest(scene, together=SHORT_RESIDENCE * delay)
     what = (
         "the run"
@@ -172,26 +199,33 @@ def _gas_storage(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -
     storage = scene.packed_bed.gas_storage
     if storage != "auto":
         return storage == "stored", f'packed_bed.gas_storage = "{storage}"; {size}'
-    fills = scene.initial.gas.composition is not None and not scene.adsorbs  # where no particles hold gas as well
+    # where no particles hold gas as well
+    fills = scene.initial.gas.composition is not None and not scene.adsorbs
     stored = delay > SHORT_RESIDENCE * shortest or fills
     return stored, size if stored else f"what leaves is early by that: {size}"
 
 
 def _at_start(scene: s.ReactingScene, schedule: Schedule) -> Problem:
-    """Return the problem with the streams at the start; it has a pressure if one of the streams of the run needs it."""
+    """Return the problem with the streams at the start; it has a pressure if one of
+    the streams of the run needs it.
+    """
     species, vertices = species_of(scene), first_vertices(scene)
     problem = Problem.of(schedule.frozen(scene, 0.0), vertices, species)
     if problem.layout.pressure or scene.packed_bed.pressure_drop == "none":
         return problem
     for moment in schedule.moments():
-        if Problem.of(schedule.frozen(scene, moment), vertices, species).layout.pressure:
+        if Problem.of(
+            schedule.frozen(scene, moment), vertices, species
+        ).layout.pressure:
             resisted = scene.with_table("packed_bed", pressure_drop="ergun")
             return Problem.of(schedule.frozen(resisted, 0.0), vertices, species)
     return problem
 
 
 def _effectiveness(problem: Problem, phase: str) -> str:
-    """Return the effectiveness of each reaction in a solid phase where the gas enters, resolved and by Thiele."""
+    """Return the effectiveness of each reaction in a solid phase where the gas
+    enters, resolved and by Thiele.
+    """
     pellets = problem.pellets[phase]
     at = problem.local(problem.bed.state(problem.first_point()), pellets.reactions[0])
     parts = []
@@ -201,15 +235,23 @@ def _effectiveness(problem: Problem, phase: str) -> str:
             parts.append(f"{reaction.name} at rest")
             continue
         text = f"{reaction.name} {float(mean) / rate:.3g}"
-        gas, moles = next((name, -n) for name, n in reaction.stoichiometry.items() if n < 0)
+        gas, moles = next(
+            (name, -n) for name, n in reaction.stoichiometry.items() if n < 0
+        )
         k = moles * rate / pellets.solids / max(float(at.c[gas]), 1e-300)
         if k > 0.0:
             D = pellets.diffusivities[pellets.gases.index(gas)]
-            text += f" (by the Thiele modulus of {gas} {float(effectiveness_of(at.radius, k, D)):.3g})"
+            text += (
+                f" (by the Thiele modulus of {gas} "
+                f"{float(effectiveness_of(at.radius, k, D)):.3g})"
+            )
         parts.append(text)
     where = f" in {phase}" if len(problem.bed.phases) > 1 else ""
     gases = ", ".join(pellets.gases)
-    return f"diffusion and reaction of {gases}{where}; effectiveness at the inlet: {', '.join(parts)}"
+    return (
+        f"diffusion and reaction of {gases}{where}; effectiveness at the inlet: "
+        f"{', '.join(parts)}"
+    )
 
 
 def _place(text: str) -> KeyPath:
@@ -224,7 +266,10 @@ def _followed(problem: Problem) -> str:
     if not follows(problem.scene):
         return ""
     shortest = SHORTEST * problem.scene.mesh.length
-    return f"; adaptive, to errors of {aim(problem):.1e} of the sizes of the fields, down to {shortest:.2g} m"
+    return (
+        f"; adaptive, to errors of {aim(problem):.1e} of the sizes of the fields, "
+        f"down to {shortest:.2g} m"
+    )
 
 
 def _lists(
@@ -234,7 +279,8 @@ def _lists(
     built = [
         (
             "cells",
-            f"{problem.line.cells} initially, polynomials of degree {scene.solver.degree}{_followed(problem)}",
+            f"{problem.line.cells} initially, polynomials of degree "
+            f"{scene.solver.degree}{_followed(problem)}",
         ),
         ("gas", f"{', '.join(layout.gases)}: mole fluxes"),
     ]
@@ -243,54 +289,92 @@ def _lists(
         built.append(("solids", f"{', '.join(layout.solids)}: moles per volume"))
     inert = [name for name in species.solids if name not in layout.solids]
     if inert:
-        skipped.append((f"unknowns of {', '.join(inert)}", "inert: no reaction consumes or forms it"))
+        skipped.append(
+            (
+                f"unknowns of {', '.join(inert)}",
+                "inert: no reaction consumes or forms it",
+            )
+        )
     several = len(scene.solids) > 1
     if several:
         built.append(("solid phases", described_phases(scene.solids)))
     if layout.temperatures:
         count = len(layout.temperatures)
         each = f"{count} temperatures: of the gas, and of {', '.join(scene.solids)}"
-        built.append(("energy", {1: "one temperature", 2: "two temperatures"}.get(count, each)))
+        built.append(
+            ("energy", {1: "one temperature", 2: "two temperatures"}.get(count, each))
+        )
     else:
-        skipped.append(("energy", f"no [heat] table: isothermal at {problem.streams.T_gas:g} K"))
+        skipped.append(
+            ("energy", f"no [heat] table: isothermal at {problem.streams.T_gas:g} K")
+        )
     if layout.pressure:
         built.append(("pressure", "by closures.permeability and closures.forchheimer"))
     elif scene.packed_bed.pressure_drop == "none":
         skipped.append(("pressure", 'packed_bed.pressure_drop = "none"'))
     else:
-        skipped.append(("pressure", "its drop is below 0.1 %, or no viscosity is known"))
+        skipped.append(
+            ("pressure", "its drop is below 0.1 %, or no viscosity is known")
+        )
     closures = scene.closures
     if closures.sherwood is None and closures.dispersion_mass is None:
-        skipped.append(("films and dispersion of species", "no closures.sherwood, no closures.dispersion_mass"))
+        skipped.append(
+            (
+                "films and dispersion of species",
+                "no closures.sherwood, no closures.dispersion_mass",
+            )
+        )
     else:
         if closures.dispersion_mass is not None:
             built.append(("dispersion of species", "axial"))
         if layout.films:
             built.append(("films", f"{', '.join(layout.films)} at the particles"))
-        elif closures.sherwood is not None and not (layout.inside or any(r.own_film for r in problem.reactions)):
+        elif closures.sherwood is not None and not (
+            layout.inside or any(r.own_film for r in problem.reactions)
+        ):
             skipped.append(("films", "no reaction at particles needs them"))
     across_it = across(problem)
     if problem.rings is not None:
         built.append(
             (
                 "the section",
-                f"{problem.rings.count} {PARTS[problem.rings.shape]}" + (f"; {across_it}" if across_it else ""),
+                f"{problem.rings.count} {PARTS[problem.rings.shape]}"
+                + (f"; {across_it}" if across_it else ""),
             )
         )
     elif across_it is not None:
         advice = "" if across_it.fits else ". Add [packed_bed.section] to resolve it"
-        skipped.append(("differences across the bed", f"one dimension: {across_it}{advice}"))
+        skipped.append(
+            ("differences across the bed", f"one dimension: {across_it}{advice}")
+        )
     for phase, choice in problem.choices.items():
         by = f" by {phase}" if several else ""
-        built.append((f"adsorption of {', '.join(scene.solids[phase].adsorption)}{by}", str(choice)))
+        built.append(
+            (
+                f"adsorption of {', '.join(scene.solids[phase].adsorption)}{by}",
+                str(choice),
+            )
+        )
     if problem.pellets:
-        built.append((PELLETS, "; ".join(_effectiveness(problem, phase) for phase in problem.pellets)))
+        built.append(
+            (
+                PELLETS,
+                "; ".join(_effectiveness(problem, phase) for phase in problem.pellets),
+            )
+        )
     for reaction in problem.reactions:
         where = "at the particles" + (f", {reaction.phase}" if several else "")
-        built.append((f"reaction {reaction.name}", "in the gas" if reaction.site == "gas" else where))
+        built.append(
+            (
+                f"reaction {reaction.name}",
+                "in the gas" if reaction.site == "gas" else where,
+            )
+        )
     if schedule:
         assert scene.time is not None
-        keys = ", ".join(".".join(str(part) for part in path) for path in schedule.samples)
+        keys = ", ".join(
+            ".".join(str(part) for part in path) for path in schedule.samples
+        )
         pieces = len(schedule.cuts(scene.time.end, schedule.small(scene))) - 1
         built.append(("time series", f"{keys}, in {pieces} pieces"))
     return built, skipped

@@ -1,4 +1,6 @@
-"""A reacting bed as a system on a line: unknowns, what enters, first guess, sizes, results of a state."""
+"""A reacting bed as a system on a line: unknowns, what enters, first guess, sizes,
+results of a state.
+"""
 
 from __future__ import annotations
 
@@ -43,19 +45,34 @@ class Problem:
     reactions: tuple[Reaction, ...]
     bed: Bed
     line: Line
-    choices: Mapping[str, Choice] = field(default_factory=dict)  # of intraparticle adsorption, by phase
-    peaks: Mapping[str, float] = field(default_factory=dict)  # largest mole fractions of gases that are adsorbed
+    # of intraparticle adsorption, by phase
+    choices: Mapping[str, Choice] = field(default_factory=dict)
+    # largest mole fractions of gases that are adsorbed
+    peaks: Mapping[str, float] = field(default_factory=dict)
     damping: Array | None = None  # of fields in cells (m, N), see `fem.line_dg`
 
     @classmethod
-    def of(cls, scene: s.ReactingScene, vertices: Array, species: Substances | None = None) -> Problem:
-        """Build the bed of a scene; `species` if they are known from one with the same."""
+    def of(
+        cls, scene: s.ReactingScene, vertices: Array, species: Substances | None = None
+    ) -> Problem:
+        """Build the bed of a scene; `species` if they are known from one with the
+        same.
+        """
         species = species or species_of(scene)
         entering = streams(scene, species)
         medium = Medium.of(scene, species, entering, True)
-        medium = replace(medium, with_pressure=_pressure_drops(scene, species, entering, medium))
+        medium = replace(
+            medium, with_pressure=_pressure_drops(scene, species, entering, medium)
+        )
         bed = bed_of(scene, species, entering, medium)
-        made = cls(scene, species, entering, tuple(bed.reactions), bed, Line(vertices, scene.solver.degree))
+        made = cls(
+            scene,
+            species,
+            entering,
+            tuple(bed.reactions),
+            bed,
+            Line(vertices, scene.solver.degree),
+        )
         return made._with_inside() if scene.adsorbs else made
 
     def _with_inside(self) -> Problem:
@@ -65,40 +82,62 @@ class Problem:
         return replace(self, bed=bed, choices=choices).with_peaks(at_inlet.x)
 
     def with_peaks(self, fractions: Mapping[str, float]) -> Problem:
-        """Return the problem whose adsorbed gases are measured by their largest mole fractions, where these are known.
+        """Return the problem whose adsorbed gases are measured by their largest mole
+        fractions, where these are known.
 
-        Other gases are measured by the flux of all: reactions make much of what enters as a trace.
+        Other gases are measured by the flux of all: reactions make much of what enters
+        as a trace.
         """
-        known = {name: float(x) for name, x in fractions.items() if name in self.layout.inside and x > 0.0}
+        known = {
+            name: float(x)
+            for name, x in fractions.items()
+            if name in self.layout.inside and x > 0.0
+        }
         return replace(self, peaks={**self.peaks, **known})
 
     def on(self, vertices: Array) -> Problem:
-        """Return the problem on other cells; pressures at which gas is stored are the polynomials of these."""
+        """Return the problem on other cells; pressures at which gas is stored are
+        the polynomials of these.
+        """
         line, pressure = replace(self.line, vertices=vertices), self.bed.gas_pressure
         made = replace(self, line=line, damping=None)
         if not np.ndim(pressure):
             return made
-        return made.with_gas_stored(projected(self.line, pressure.reshape(-1, *self.line.points.shape), line).ravel())
+        return made.with_gas_stored(
+            projected(
+                self.line, pressure.reshape(-1, *self.line.points.shape), line
+            ).ravel()
+        )
 
     def within(self, scene: s.ReactingScene) -> Problem:
-        """Return the problem with the streams and surroundings of a scene that differs in nothing else."""
+        """Return the problem with the streams and surroundings of a scene that
+        differs in nothing else.
+        """
         entering = streams(scene, self.species)
-        return replace(self, scene=scene, streams=entering, bed=within(self.bed, scene, entering))
+        return replace(
+            self, scene=scene, streams=entering, bed=within(self.bed, scene, entering)
+        )
 
     def with_strength(self, strength: float) -> Problem:
         """Return the problem with all rates multiplied by a factor."""
         return replace(self, bed=replace(self.bed, strength=strength))
 
     def with_gas_stored(self, pressure: Any) -> Problem:
-        """Return the problem whose gas is stored in time at a pressure [Pa], one number or one for each node."""
+        """Return the problem whose gas is stored in time at a pressure [Pa], one
+        number or one for each node.
+        """
         return replace(self, bed=replace(self.bed, gas_pressure=pressure))
 
     def with_small(self, small: Smoothing | None) -> Problem:
-        """Return the problem with powers between 0 and 1 made straight below other shares; None: those of the laws."""
+        """Return the problem with powers between 0 and 1 made straight below other
+        shares; None: those of the laws.
+        """
         return replace(self, bed=replace(self.bed, small=small))
 
     def with_most_lost(self, most: Array) -> Problem:
-        """Return the problem in which solids lose at most so much at the nodes (m, N, p + 1) [mol/m3 bed/s]."""
+        """Return the problem in which solids lose at most so much at the nodes (m,
+        N, p + 1) [mol/m3 bed/s].
+        """
         at = dict(zip(self.layout.names, self.at_all_points(most), strict=True))
         found = {name: at[f"n_{name}"] for name in self.layout.solids}
         return replace(self, bed=replace(self.bed, most_lost=found))
@@ -110,33 +149,51 @@ class Problem:
 
     @property
     def has_roots(self) -> bool:
-        """Whether rates may have powers between 0 and 1, whose slopes are infinite where nothing is left."""
-        return bool(self.layout.solids) or any(reaction.has_roots for reaction in self.reactions)
+        """Whether rates may have powers between 0 and 1, whose slopes are infinite
+        where nothing is left.
+        """
+        return bool(self.layout.solids) or any(
+            reaction.has_roots for reaction in self.reactions
+        )
 
     @property
     def pellets(self) -> dict[str, Pellets]:
         """Catalyst pellets whose inside is resolved, by solid phase."""
-        return {str(each.phase): each.rate for each in self.reactions if isinstance(each.rate, Pellets)}
+        return {
+            str(each.phase): each.rate
+            for each in self.reactions
+            if isinstance(each.rate, Pellets)
+        }
 
     def local(self, state: State, reaction: Reaction) -> Local:
-        """Return a state as a reaction of a solid phase sees it, nothing of which is adsorbed."""
+        """Return a state as a reaction of a solid phase sees it, nothing of which is
+        adsorbed.
+        """
         phase = str(reaction.phase)
         transport = self.bed.medium.at(state).phases[phase]
-        return self.bed.phases[phase].medium.local(state.phases[phase], transport, reaction, self.bed.small)
+        return self.bed.phases[phase].medium.local(
+            state.phases[phase], transport, reaction, self.bed.small
+        )
 
     @cached_property
     def system(self) -> System:
         """Equations on the line."""
         point, coupling = self.section or self.bed, self.bed.coupling()
         if coupling is not None and self.rings is not None:
-            coupling = np.asarray(np.kron(np.eye(self.rings.count), coupling), dtype=float)
+            coupling = np.asarray(
+                np.kron(np.eye(self.rings.count), coupling), dtype=float
+            )
         exchanged = (self._directions, self._diffuses, point, self._ends, self._local)
-        damping = None if self.damping is None else self.gas_signs[:, None] * self.damping
+        damping = (
+            None if self.damping is None else self.gas_signs[:, None] * self.damping
+        )
         return System(self.line, *exchanged, coupling, damping)
 
     @property
     def gas_signs(self) -> Array:
-        """Signs by which unknowns of gas count along its stream: its fluxes are negative to the left (m,)."""
+        """Signs by which unknowns of gas count along its stream: its fluxes are
+        negative to the left (m,).
+        """
         gas = 1.0 if self.streams.ahead else -1.0
         return np.array([gas if name.startswith("g_") else 1.0 for name in self.names])
 
@@ -160,11 +217,15 @@ class Problem:
         return self.layout.names * (1 if self.rings is None else self.rings.count)
 
     def mean(self, values: Array) -> Array:
-        """Return means over the section of unknowns or fluxes of the line, by the names of the layout."""
+        """Return means over the section of unknowns or fluxes of the line, by the
+        names of the layout.
+        """
         return values if self.rings is None else self.rings.mean(values)
 
     def at_all_points(self, u: Array) -> list[Array]:
-        """Return each unknown of the layout at all points, those of one ring after those of another."""
+        """Return each unknown of the layout at all points, those of one ring after
+        those of another.
+        """
         if self.rings is None:
             return list(u.reshape(len(u), -1))
         by_ring = u.reshape(self.rings.count, len(self.layout.names), -1)
@@ -172,35 +233,53 @@ class Problem:
 
     @property
     def _local(self) -> list[int]:
-        """Return the unknowns of particles at rest and of films, which are in no flux."""
+        """Return the unknowns of particles at rest and of films, which are in no
+        flux.
+        """
         return [
             k
             for k, name in enumerate(self.names)
-            if name.startswith("s_") or (name.startswith(("n_", "a_")) and not self.bed.velocity_of(name))
+            if name.startswith("s_")
+            or (name.startswith(("n_", "a_")) and not self.bed.velocity_of(name))
         ]
 
     @property
     def _directions(self) -> list[int]:
         gas = 1 if self.streams.ahead else -1
         solid = -1 if self.bed.velocity_solid < 0 else 1
-        return [solid if name.startswith(("n_", "a_", "T_solid")) else gas for name in self.names]
+        return [
+            solid if name.startswith(("n_", "a_", "T_solid")) else gas
+            for name in self.names
+        ]
 
     @property
     def _diffuses(self) -> list[bool]:
         closures, heat = self.scene.closures, self.scene.heat is not None
         mass = closures.dispersion_mass not in (None, 0.0)
-        fluid = heat and (closures.conductivity_gas is not None or closures.dispersion is not None)
+        fluid = heat and (
+            closures.conductivity_gas is not None or closures.dispersion is not None
+        )
         solid = heat and closures.conductivity_solids is not None
         by_name = {"T": fluid or solid, "T_fluid": fluid}
-        by_name |= {name: solid for name in self.layout.temperatures if name.startswith("T_solid")}
-        return [mass if name.startswith("g_") else by_name.get(name, False) for name in self.names]
+        by_name |= {
+            name: solid
+            for name in self.layout.temperatures
+            if name.startswith("T_solid")
+        }
+        return [
+            mass if name.startswith("g_") else by_name.get(name, False)
+            for name in self.names
+        ]
 
     @cached_property
     def entering(self) -> dict[str, float]:
         """Values of the unknowns in the streams that enter."""
         streams = self.streams
         one = {"T": streams.T_gas, "T_fluid": streams.T_gas, "p": streams.pressure}
-        one |= {phase.temperature: streams.T_solids[phase.name] for phase in self.layout.phases}
+        one |= {
+            phase.temperature: streams.T_solids[phase.name]
+            for phase in self.layout.phases
+        }
         molar = streams.pressure / (R_GAS * streams.T_gas)
         total = sum(streams.gas.values())
         one |= {f"g_{name}": g for name, g in streams.gas.items()}
@@ -213,7 +292,10 @@ class Problem:
         """Return the state of all that enters, with solid phases so much warmer [K]."""
         values = self.entering
         if warmer:
-            values = values | {phase.temperature: values[phase.temperature] + warmer for phase in self.layout.phases}
+            values = values | {
+                phase.temperature: values[phase.temperature] + warmer
+                for phase in self.layout.phases
+            }
         return self.bed.state([values[name] for name in self.layout.names])
 
     def _state_entering_values(self) -> list[float]:
@@ -230,9 +312,18 @@ class Problem:
         h = self.bed.enthalpies
         gas = float(sum(g * h[name](streams.T_gas) for name, g in streams.gas.items()))
         pairs = self.bed.with_states(state)
-        solid = [float(phase.velocity * phase.enthalpy(at)) if phase.velocity else 0.0 for phase, at in pairs]
+        solid = [
+            float(phase.velocity * phase.enthalpy(at)) if phase.velocity else 0.0
+            for phase, at in pairs
+        ]
         found |= {"T": gas + sum(solid), "T_fluid": gas, "p": streams.pressure}
-        found |= dict(zip((name for name in names if name.startswith("T_solid")), solid, strict=False))
+        found |= dict(
+            zip(
+                (name for name in names if name.startswith("T_solid")),
+                solid,
+                strict=False,
+            )
+        )
         return {name: found.get(name, 0.0) for name in names}
 
     @property
@@ -246,7 +337,11 @@ class Problem:
         fixed = gas_inlet(self.scene.boundary).fixed_temperature is not None
         for k, name in enumerate(names):
             end = 0 if ahead[k] else 1
-            moves = name.startswith("g_") or name in ("p", "T_fluid", "T") or self.bed.velocity_of(name) != 0.0
+            moves = (
+                name.startswith("g_")
+                or name in ("p", "T_fluid", "T")
+                or self.bed.velocity_of(name) != 0.0
+            )
             if name.startswith("s_"):
                 continue
             if fixed and (name.startswith("g_") or name in ("T", "T_fluid")):
@@ -264,10 +359,17 @@ class Problem:
 
     @property
     def mixing_temperature(self) -> float:
-        """Temperature of both streams if they were mixed before anything reacts, with capacities as they enter [K]."""
+        """Temperature of both streams if they were mixed before anything reacts,
+        with capacities as they enter [K].
+        """
         streams, h = self.streams, self.bed.enthalpies
         rise = 1.0  # [K]
-        gas = abs(sum(g * (h[name](streams.T_gas + rise) - h[name](streams.T_gas)) for name, g in streams.gas.items()))
+        gas = abs(
+            sum(
+                g * (h[name](streams.T_gas + rise) - h[name](streams.T_gas))
+                for name, g in streams.gas.items()
+            )
+        )
         states = self._state_entering(), self._state_entering(rise)
         capacity, heat = gas, gas * streams.T_gas
         for name, phase in self.bed.phases.items():
@@ -277,7 +379,9 @@ class Problem:
         return float(heat / capacity)
 
     def start(self, T: float | None = None) -> Array:
-        """Return the state in which everything is as it enters; `T` [K] replaces both temperatures."""
+        """Return the state in which everything is as it enters; `T` [K] replaces
+        both temperatures.
+        """
         out = np.empty((len(self.names), *self.line.points.shape))
         for k, name in enumerate(self.names):
             out[k] = self.entering[name]
@@ -300,25 +404,43 @@ class Problem:
 
     @cached_property
     def sizes(self) -> Array:
-        """Typical values of the unknowns (m,); of a constituent that of all in its solid phase."""
+        """Typical values of the unknowns (m,); of a constituent that of all in its
+        solid phase.
+        """
         molar = self.streams.pressure / (R_GAS * self.streams.T_gas)
         one = {"g": self.moles, "p": self.streams.pressure, "s": molar, "a": molar}
         for phase in self.species.phases.values():
             names = [phase.full(name) for name in phase.solids]
             total = max(sum(self.streams.solid[name] for name in names), 1e-30)
             one |= {f"n_{name}": total for name in names}
-        sizes = [one.get(name, one.get(name.split("_")[0], LARGE_T)) * self._share(name) for name in self.names]
+        sizes = [
+            one.get(name, one.get(name.split("_")[0], LARGE_T)) * self._share(name)
+            for name in self.names
+        ]
         return np.array(sizes, dtype=float)
 
     @cached_property
     def flux_sizes(self) -> Array:
         """Typical fluxes of the equations (m,)."""
         moles = self.moles
-        solids = abs(self.bed.velocity_solid) * max(sum(self.streams.solid.values()), 1e-30)
+        solids = abs(self.bed.velocity_solid) * max(
+            sum(self.streams.solid.values()), 1e-30
+        )
         cp = 30.0  # [J/mol/K], of most gases
-        one = {"g": moles, "n": max(solids, 1e-9 * moles), "p": self.streams.pressure, "s": moles, "a": moles}
+        one = {
+            "g": moles,
+            "n": max(solids, 1e-9 * moles),
+            "p": self.streams.pressure,
+            "s": moles,
+            "a": moles,
+        }
         heat = moles * cp * LARGE_T + solids * 1e5
-        return np.array([one.get(name.split("_")[0], heat) * self._share(name) for name in self.names])
+        return np.array(
+            [
+                one.get(name.split("_")[0], heat) * self._share(name)
+                for name in self.names
+            ]
+        )
 
     def state(self, u: Array) -> State:
         """Return what follows from values of the unknowns (m, points)."""
@@ -329,30 +451,51 @@ class Problem:
         return dict(zip(self.layout.names, self.line.at(self.mean(u), x), strict=True))
 
     def flux_at(self, u: Array) -> Mapping[str, Array]:
-        """Return the fluxes of all equations through the vertices, signed along x, per area of the bed."""
-        return dict(zip(self.layout.names, self.mean(self.system.fluxes(u)), strict=True))
+        """Return the fluxes of all equations through the vertices, signed along x,
+        per area of the bed.
+        """
+        return dict(
+            zip(self.layout.names, self.mean(self.system.fluxes(u)), strict=True)
+        )
 
 
-def _pressure_drops(scene: s.ReactingScene, species: Substances, entering: Streams, medium: Medium) -> bool:
+def _pressure_drops(
+    scene: s.ReactingScene, species: Substances, entering: Streams, medium: Medium
+) -> bool:
     """Return whether the pressure is an unknown."""
     if scene.packed_bed.pressure_drop != "auto":
         return scene.packed_bed.pressure_drop == "ergun"
     return _drop(scene, species, entering, medium) > LITTLE_DROP * entering.pressure
 
 
-def _drop(scene: s.ReactingScene, species: Substances, entering: Streams, medium: Medium) -> float:
-    """Return the pressure drop of the gas as it enters, at the hottest temperature given [Pa]."""
+def _drop(
+    scene: s.ReactingScene, species: Substances, entering: Streams, medium: Medium
+) -> float:
+    """Return the pressure drop of the gas as it enters, at the hottest temperature
+    given [Pa].
+    """
     if species.transport is None or species.transport.viscosities is None:
         return 0.0
     hottest = max(entering.T_gas, *entering.T_solids.values())
     gases = tuple(species.gases)
-    bed = Bed(Layout(gases, (), False), species.molar_masses, {}, (), medium, {}, entering.pressure, hottest)
+    bed = Bed(
+        Layout(gases, (), False),
+        species.molar_masses,
+        {},
+        (),
+        medium,
+        {},
+        entering.pressure,
+        hottest,
+    )
     state = bed.state([entering.gas[name] for name in gases])
     return abs(float(medium.resistance(state))) * scene.mesh.length
 
 
 def isothermal_drop(problem: Problem) -> float | None:
-    """Return the pressure drop of the gas as it enters, expanding at its temperature [Pa]; None if it cannot pass."""
+    """Return the pressure drop of the gas as it enters, expanding at its
+    temperature [Pa]; None if it cannot pass.
+    """
     drop = _drop(problem.scene, problem.species, problem.streams, problem.bed.medium)
     p = problem.streams.pressure
     square = p * p - 2.0 * p * drop  # p dp/dx is constant along an isothermal ideal gas

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 FLOW = "give boundary.NAME.gas.{} where the gas enters, positive into the bed"
-VELOCITY = "give boundary.NAME.solids.NAME.velocity where the solids enter, positive into the bed"
+VELOCITY = (
+    "give boundary.NAME.solids.NAME.velocity where the solids enter, positive "
+    "into the bed"
+)
 
 RENAMED: Mapping[str, str] = {
     "fluid": "gas",
@@ -29,7 +32,8 @@ RENAMED: Mapping[str, str] = {
     "heat.dispersion": "closures.dispersion",
     "mass.sherwood": "closures.sherwood",
     "mass.dispersion": "closures.dispersion_mass",
-    "mass": "remove it: without closures.sherwood and closures.dispersion_mass there is no film and no dispersion",
+    "mass": "remove it: without closures.sherwood and closures.dispersion_mass there "
+    "is no film and no dispersion",
     "wall.diameter": "mesh.diameter",
     "wall.coefficient": "boundary.wall.coefficient",
     "wall.ambient": "boundary.wall.ambient",

@@ -23,7 +23,9 @@ BETWEEN = 2  # positions of profiles inside of each cell
 
 
 def positions(problem: Problem) -> Array:
-    """Return the positions of profiles: those of the scene, or vertices and points between."""
+    """Return the positions of profiles: those of the scene, or vertices and points
+    between.
+    """
     given = problem.scene.output.positions
     if given:
         return np.array(given)
@@ -33,8 +35,12 @@ def positions(problem: Problem) -> Array:
 
 
 def values_at(problem: Problem, u: Array, x: Array) -> State:
-    """Return the state at positions, means over the section; temperatures and pressure as arrays."""
-    return problem.bed.state([problem.line.at(part, x) for part in problem.mean(between_nodes(problem, u))])
+    """Return the state at positions, means over the section; temperatures and
+    pressure as arrays.
+    """
+    return problem.bed.state(
+        [problem.line.at(part, x) for part in problem.mean(between_nodes(problem, u))]
+    )
 
 
 def profiles(problem: Problem, u: Array) -> dict[str, Array]:
@@ -43,28 +49,44 @@ def profiles(problem: Problem, u: Array) -> dict[str, Array]:
     state = values_at(problem, u, x)
     ones = np.ones_like(x)
     out = {"x [m]": x, "T_fluid [K]": state.T_fluid * ones}
-    out |= {f"{name} [K]": T * ones for name, T in temperatures_of_solids(problem, state).items()}
+    out |= {
+        f"{name} [K]": T * ones
+        for name, T in temperatures_of_solids(problem, state).items()
+    }
     out |= {"p_gas [Pa]": state.p * ones, "u [m/s]": state.u * ones}
     out |= {f"x_{name} [1]": value * ones for name, value in state.x.items()}
     out |= loadings(problem, state, ones)
     if problem.layout.solids:
-        out |= {f"n_{name} [mol/m3]": state.n[name] * ones for name in problem.layout.solids}
-        out |= {f"w_{name} [1]": w * ones for name, w in fractions(problem, solids_at(problem, state, ones)).items()}
+        out |= {
+            f"n_{name} [mol/m3]": state.n[name] * ones for name in problem.layout.solids
+        }
+        out |= {
+            f"w_{name} [1]": w * ones
+            for name, w in fractions(problem, solids_at(problem, state, ones)).items()
+        }
     return out | ({} if problem.rings is None else across(problem, u, x))
 
 
 def temperatures_of_solids(problem: Problem, state: State) -> dict[str, Any]:
-    """Return the temperatures of the particles by name, of each solid phase where they differ."""
+    """Return the temperatures of the particles by name, of each solid phase where
+    they differ.
+    """
     if len(problem.layout.temperatures) <= 2:
         return {"T_solid": state.T_solid}
-    return {phase.layout.temperature: own.T_solid for phase, own in problem.bed.with_states(state)}
+    return {
+        phase.layout.temperature: own.T_solid
+        for phase, own in problem.bed.with_states(state)
+    }
 
 
 def fractions(problem: Problem, solids: Mapping[str, Any]) -> dict[str, Any]:
     """Return mass fractions of constituents in the particles of their solid phase."""
     out: dict[str, Any] = {}
     for names in constituents_of(problem).values():
-        held = {name: solids[name] * problem.species.solids[name].molar_mass for name in names}
+        held = {
+            name: solids[name] * problem.species.solids[name].molar_mass
+            for name in names
+        }
         mass = sum(held.values())
         out |= {name: m / mass for name, m in held.items()}
     return out
@@ -73,37 +95,51 @@ def fractions(problem: Problem, solids: Mapping[str, Any]) -> dict[str, Any]:
 def constituents_of(problem: Problem) -> dict[str, list[str]]:
     """Return the names of the constituents of each solid phase that has some."""
     phases = problem.species.phases
-    found = {name: [phase.full(each) for each in phase.solids] for name, phase in phases.items()}
+    found = {
+        name: [phase.full(each) for each in phase.solids]
+        for name, phase in phases.items()
+    }
     return {name: names for name, names in found.items() if names}
 
 
 def loadings(problem: Problem, state: State, ones: Array) -> dict[str, Array]:
-    """Return the intraparticle moles of each gas, adsorbed and in their pores, per mass of their solid phase."""
+    """Return the intraparticle moles of each gas, adsorbed and in their pores, per
+    mass of their solid phase.
+    """
     out = {}
     for phase, own in problem.bed.with_states(state):
         if (inside := phase.inside) is None:
             continue
         for name, points in inside.held(own.inner, own.T_solid)[0].items():
             column = phase.layout.full(f"q_{name}")
-            out[f"{column} [mol/kg]"] = sum(points) / (inside.solids * inside.density) * ones
+            out[f"{column} [mol/kg]"] = (
+                sum(points) / (inside.solids * inside.density) * ones
+            )
     return out
 
 
 def solids_at(problem: Problem, state: State, ones: Array) -> dict[str, Array]:
     """Return the moles of all constituents per volume of bed."""
-    return {name: state.n.get(name, n) * ones for name, n in problem.streams.solid.items()}
+    return {
+        name: state.n.get(name, n) * ones for name, n in problem.streams.solid.items()
+    }
 
 
 def ends(problem: Problem) -> tuple[int, int]:
-    """Return the index of the vertex where gas leaves, and of that where solids leave."""
+    """Return the index of the vertex where gas leaves, and of that where solids
+    leave.
+    """
     gas = -1 if problem.streams.ahead else 0
     return gas, (-1 if problem.bed.velocity_solid >= 0 else 0)
 
 
-def fill(problem: Problem, u: Array, result: Result, passed: Least | None = None) -> None:
+def fill(
+    problem: Problem, u: Array, result: Result, passed: Least | None = None
+) -> None:
     """Fill in profiles, results, balances, ranges and warnings of a state.
 
-    `passed` is the least amount of a run in time, whose balances are not those of its state.
+    `passed` is the least amount of a run in time, whose balances are not those of its
+    state.
     """
     result.profiles = profiles(problem, u)
     fluxes = problem.flux_at(u)
@@ -121,7 +157,9 @@ def fill(problem: Problem, u: Array, result: Result, passed: Least | None = None
 
 
 def across(problem: Problem, u: Array, x: Array) -> dict[str, Array]:
-    """Return the temperatures of the bed at the axis and at the wall [K], of parabolas through two rings there."""
+    """Return the temperatures of the bed at the axis and at the wall [K], of
+    parabolas through two rings there.
+    """
     assert problem.rings is not None
     by_ring = problem.line.at(u, x).reshape(-1, len(problem.layout.names), len(x))
     found = {}
@@ -138,21 +176,35 @@ def _across(result: Result) -> None:
     """Add the largest difference of temperature between the axis and the wall."""
     at = result.profiles
     if "T_fluid_wall [K]" in at:
-        result.qoi["dT_section_max_K"] = float(np.abs(at["T_fluid_wall [K]"] - at["T_fluid_axis [K]"]).max())
+        result.qoi["dT_section_max_K"] = float(
+            np.abs(at["T_fluid_wall [K]"] - at["T_fluid_axis [K]"]).max()
+        )
 
 
 def _at(value: Any, end: int) -> float:
     return float(np.broadcast_to(value, (2,))[end])
 
 
-def _gas(problem: Problem, fluxes: Mapping[str, Array], state: State, end: int, result: Result) -> None:
+def _gas(
+    problem: Problem,
+    fluxes: Mapping[str, Array],
+    state: State,
+    end: int,
+    result: Result,
+) -> None:
     qoi, streams = result.qoi, problem.streams
     leaving = {
-        name: abs(float(fluxes[f"g_{name}"][end])) * _sign(fluxes[f"g_{name}"][end], problem) for name in streams.gas
+        name: abs(float(fluxes[f"g_{name}"][end]))
+        * _sign(fluxes[f"g_{name}"][end], problem)
+        for name in streams.gas
     }
     total = sum(leaving.values())
-    takes_part = {name for reaction in problem.reactions for name in reaction.stoichiometry}
-    takes_part |= {str(conserved(name)) for name in problem.layout.names if name.startswith("a_")}
+    takes_part = {
+        name for reaction in problem.reactions for name in reaction.stoichiometry
+    }
+    takes_part |= {
+        str(conserved(name)) for name in problem.layout.names if name.startswith("a_")
+    }
     for name, entering in streams.gas.items():
         qoi[f"out_{name}_mol_m2s"] = leaving[name]
         qoi[f"x_{name}_out"] = leaving[name] / total
@@ -160,9 +212,15 @@ def _gas(problem: Problem, fluxes: Mapping[str, Array], state: State, end: int, 
             qoi[f"conversion_{name}"] = 1.0 - leaving[name] / abs(entering)
     water = leaving.get("H2O", 0.0)
     if water:
-        qoi |= {f"x_{name}_dry": n / (total - water) for name, n in leaving.items() if name != "H2O"}
+        qoi |= {
+            f"x_{name}_dry": n / (total - water)
+            for name, n in leaving.items()
+            if name != "H2O"
+        }
     qoi["gas_out_mol_m2s"] = total
-    qoi["mass_flux_out_kg_m2s"] = sum(n * problem.species.gases[name].molar_mass for name, n in leaving.items())
+    qoi["mass_flux_out_kg_m2s"] = sum(
+        n * problem.species.gases[name].molar_mass for name, n in leaving.items()
+    )
     qoi["T_fluid_out_K"] = _at(state.T_fluid, end)
     qoi["u_in_m_s"], qoi["u_out_m_s"] = _inlet_velocity(problem), abs(_at(state.u, end))
     if problem.layout.pressure:
@@ -179,7 +237,13 @@ def _inlet_velocity(problem: Problem) -> float:
     return abs(sum(streams.gas.values())) * R_GAS * streams.T_gas / streams.pressure
 
 
-def _solids(problem: Problem, fluxes: Mapping[str, Array], state: State, end: int, result: Result) -> None:
+def _solids(
+    problem: Problem,
+    fluxes: Mapping[str, Array],
+    state: State,
+    end: int,
+    result: Result,
+) -> None:
     qoi, streams = result.qoi, problem.streams
     if not problem.bed.velocity_solid:
         return
@@ -189,7 +253,11 @@ def _solids(problem: Problem, fluxes: Mapping[str, Array], state: State, end: in
     amounts = dict(streams.solid)
     for name in problem.layout.solids:
         if v := abs(problem.bed.velocity_of(f"n_{name}")):
-            amounts[name] = abs(float(fluxes[f"n_{name}"][end])) / v * _along(fluxes[f"n_{name}"][end], problem)
+            amounts[name] = (
+                abs(float(fluxes[f"n_{name}"][end]))
+                / v
+                * _along(fluxes[f"n_{name}"][end], problem)
+            )
     share = fractions(problem, amounts)
     for name in problem.layout.solids:
         if problem.bed.velocity_of(f"n_{name}"):
@@ -203,51 +271,84 @@ def _along(value: Any, problem: Problem) -> float:
     return 1.0 if float(value) * problem.bed.velocity_solid >= 0 else -1.0
 
 
-def _extents(problem: Problem, u: Array, state: State, end: int, result: Result) -> None:
-    """Add what each reaction has made, and how far the gas that leaves is from equilibrium."""
+def _extents(
+    problem: Problem, u: Array, state: State, end: int, result: Result
+) -> None:
+    """Add what each reaction has made, and how far the gas that leaves is from
+    equilibrium.
+    """
     flat = problem.at_all_points(u)
     inner = problem.bed.state(flat)
     rates = problem.bed.rates(inner, problem.bed.medium.at(inner))
     line = problem.line
     for reaction, rate in zip(problem.reactions, rates, strict=True):
-        table = problem.mean(np.broadcast_to(rate, flat[0].shape).reshape(-1, *u[0].shape))[0]
+        table = problem.mean(
+            np.broadcast_to(rate, flat[0].shape).reshape(-1, *u[0].shape)
+        )[0]
         extent = float(np.einsum("cj,j,c->", table, line.weights, line.h))
         result.qoi[f"extent_{reaction.name}_mol_m2s"] = extent
         if reaction.key != reaction.name:  # in several solid phases
             whole = f"extent_{reaction.key}_mol_m2s"
             result.qoi[whole] = result.qoi.get(whole, 0.0) + extent
-        gases = {name: n for name, n in reaction.stoichiometry.items() if name in problem.species.gases}
+        gases = {
+            name: n
+            for name, n in reaction.stoichiometry.items()
+            if name in problem.species.gases
+        }
         all_gas = len(gases) == len(reaction.stoichiometry)
         known = all(problem.species.gases[name].has_entropy for name in gases)
         if reaction.equation.reversible and all_gas and known:
-            T = _at(state.of(reaction.phase).T_solid if reaction.site != "gas" else state.T_fluid, end)
-            pressures = {name: max(_at(state.x[name] * state.p, end), 1e-300) / 1e5 for name in gases}
+            T = _at(
+                state.of(reaction.phase).T_solid
+                if reaction.site != "gas"
+                else state.T_fluid,
+                end,
+            )
+            pressures = {
+                name: max(_at(state.x[name] * state.p, end), 1e-300) / 1e5
+                for name in gases
+            }
             Q = sum(n * np.log(pressures[name]) for name, n in gases.items())
             factor = problem.scene.reactions[reaction.key].equilibrium_factor
-            K = Equilibrium(gases, problem.species.all, frozenset(gases), factor).ln_K(T)
+            K = Equilibrium(gases, problem.species.all, frozenset(gases), factor).ln_K(
+                T
+            )
             result.qoi[f"Q_over_K_{reaction.name}"] = float(np.exp(Q - K))
 
 
-def _balances(problem: Problem, u: Array, fluxes: Mapping[str, Array], result: Result) -> None:
+def _balances(
+    problem: Problem, u: Array, fluxes: Mapping[str, Array], result: Result
+) -> None:
     """Add the balance of every element, and of energy with heats of formation."""
     names, inward = problem.layout.names, (1.0, -1.0)
-    elements = dict.fromkeys(e for item in problem.species.all.values() for e in item.composition)
+    elements = dict.fromkeys(
+        e for item in problem.species.all.values() for e in item.composition
+    )
     for element in elements:
         streams = []
         for name in names:
             if (key := conserved(name)) is not None:
                 atoms = problem.species.all[key].composition.get(element, 0.0)
-                streams += [sign * float(fluxes[name][k]) * atoms for k, sign in zip((0, -1), inward, strict=True)]
+                streams += [
+                    sign * float(fluxes[name][k]) * atoms
+                    for k, sign in zip((0, -1), inward, strict=True)
+                ]
         entering = sum(value for value in streams if value > 0)
         if entering > 0:
             leaving = -sum(value for value in streams if value < 0)
-            result.balances[element] = Balance(entering, leaving, "mol/m2/s", scale=entering).as_dict()
+            result.balances[element] = Balance(
+                entering, leaving, "mol/m2/s", scale=entering
+            ).as_dict()
     temperatures = problem.layout.temperatures
     if not temperatures:
         return
     sources = dict(zip(names, problem.mean(problem.system.sources(u)), strict=True))
     wall = sum(sources[name] for name in temperatures)
-    parts = [sign * float(fluxes[name][k]) for name in temperatures for k, sign in zip((0, -1), inward, strict=True)]
+    parts = [
+        sign * float(fluxes[name][k])
+        for name in temperatures
+        for k, sign in zip((0, -1), inward, strict=True)
+    ]
     if problem.scene.wall is not None:
         result.qoi["heat_wall_W"] = wall
         result.units["heat_wall_W"] = "W/m2"
@@ -258,29 +359,48 @@ def _balances(problem: Problem, u: Array, fluxes: Mapping[str, Array], result: R
 
 
 def heat_carried(problem: Problem, u: Array) -> float:
-    """Return the heat above 298.15 K of all streams that enter or leave [W/m2], the measure of the energy balance."""
+    """Return the heat above 298.15 K of all streams that enter or leave [W/m2], the
+    measure of the energy balance.
+    """
     state = values_at(problem, u, problem.line.vertices[[0, -1]])
     h = problem.bed.enthalpies
     total = 0.0
     for k in (0, 1):
         T_f = _at(state.T_fluid, k)
-        total += abs(sum(_at(g, k) * float(h[name](T_f) - h[name](T_STANDARD)) for name, g in state.g.items()))
+        total += abs(
+            sum(
+                _at(g, k) * float(h[name](T_f) - h[name](T_STANDARD))
+                for name, g in state.g.items()
+            )
+        )
         for phase, own in problem.bed.with_states(state):
             T_s, v, h_s = _at(own.T_solid, k), phase.velocity, phase.enthalpies
             moles = {name: _at(n, k) for name, n in own.n.items()}
-            total += abs(v * sum(n * float(h_s[name](T_s) - h_s[name](T_STANDARD)) for name, n in moles.items()))
-            total += abs(v * sum(n * float(of(T_s) - of(T_STANDARD)) for n, of in phase.inert))
+            total += abs(
+                v
+                * sum(
+                    n * float(h_s[name](T_s) - h_s[name](T_STANDARD))
+                    for name, n in moles.items()
+                )
+            )
+            total += abs(
+                v * sum(n * float(of(T_s) - of(T_STANDARD)) for n, of in phase.inert)
+            )
     return max(total, 1e-300)
 
 
 def _remarks(problem: Problem, u: Array, result: Result, found: Least | None) -> None:
-    """Record the use of closures and laws, and what lies below zero or outside of data."""
+    """Record the use of closures and laws, and what lies below zero or outside of
+    data.
+    """
     state = problem.bed.state(problem.at_all_points(u))
     problem.bed.medium.at(state)
     if problem.rings is not None:
         problem.bed.medium.radial(state)
     result.closures = [use.to_dict() for use in problem.bed.medium.ranges()]
-    result.warnings += [outside(closure) for closure in result.closures if closure["share_outside"] > 0]
+    result.warnings += [
+        outside(closure) for closure in result.closures if closure["share_outside"] > 0
+    ]
     share = 0.0
     whole = max(sum(problem.streams.solid.values()), 1e-300)
     for value in [*state.x.values(), *(n / whole for n in state.n.values())]:
@@ -290,7 +410,10 @@ def _remarks(problem: Problem, u: Array, result: Result, found: Least | None) ->
         result.warnings.append(sentence)
     ranges = [(state.T_fluid, problem.species.gases)]
     ranges += [
-        (state.of(phase).T_solid, {name: problem.species.solids[name] for name in names})
+        (
+            state.of(phase).T_solid,
+            {name: problem.species.solids[name] for name in names},
+        )
         for phase, names in constituents_of(problem).items()
     ]
     for T, items in ranges:
@@ -298,5 +421,6 @@ def _remarks(problem: Problem, u: Array, result: Result, found: Least | None) ->
             low, high = item.T_range
             if np.min(T) < low * (1 - 1e-3) or np.max(T) > high * (1 + 1e-3):
                 result.warnings.append(
-                    f"{name}: thermodynamics from {low:g} to {high:g} K, used {np.min(T):.4g} to {np.max(T):.4g} K"
+                    f"{name}: thermodynamics from {low:g} to {high:g} K, used "
+                    f"{np.min(T):.4g} to {np.max(T):.4g} K"
                 )

@@ -1,4 +1,6 @@
-"""Named results of solids that leave: of each solid phase and of all, and of iron ore."""
+"""Named results of solids that leave: of each solid phase and of all, and of iron
+ore.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +15,23 @@ OXYGEN = dict(zip(IRON, (3.0, 4.0, 1.0, 0.0), strict=True))
 
 
 def of_iron(amounts: Mapping[str, float]) -> dict[str, float]:
-    """Return metallization and degree of reduction of iron oxides, from moles or fluxes of each."""
+    """Return metallization and degree of reduction of iron oxides, from moles or
+    fluxes of each.
+    """
     iron = sum(ATOMS[name] * amounts.get(name, 0.0) for name in IRON)
     oxygen = sum(OXYGEN[name] * amounts.get(name, 0.0) for name in IRON)
-    return {"metallization": amounts["Fe"] / iron, "reduction": 1.0 - oxygen / (1.5 * iron)}
+    return {
+        "metallization": amounts["Fe"] / iron,
+        "reduction": 1.0 - oxygen / (1.5 * iron),
+    }
 
 
-def fill_phases(problem: Problem, amounts: Mapping[str, float], qoi: dict[str, Any]) -> None:
-    """Add what leaves of each solid phase that moves and of all; `amounts` by full name [mol/m3 bed]."""
+def fill_phases(
+    problem: Problem, amounts: Mapping[str, float], qoi: dict[str, Any]
+) -> None:
+    """Add what leaves of each solid phase that moves and of all; `amounts` by full
+    name [mol/m3 bed].
+    """
     bed, species = problem.bed, problem.species
     several = len(bed.phases) > 1
     total = 0.0

@@ -1,4 +1,6 @@
-"""Run of a reacting bed: a steady state, states followed over a value of the scene, or steps in time."""
+"""Run of a reacting bed: a steady state, states followed over a value of the scene,
+or steps in time.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +14,24 @@ from contbed.reacting_bed.problem import Problem, isothermal_drop
 from contbed.reacting_bed.rate_checks import taken_though_absent
 from contbed.result import Result
 
-LARGE_SMOOTHING = 1e-5  # share of a gas or solid above which a warning says what was rounded
-RESTART_MAY_CHANGE = ("time.end", "time.times", "time.checkpoint_every", "time.cycle.tolerance", "output")
+# share of a gas or solid above which a warning says what was rounded
+LARGE_SMOOTHING = 1e-5
+RESTART_MAY_CHANGE = (
+    "time.end",
+    "time.times",
+    "time.checkpoint_every",
+    "time.cycle.tolerance",
+    "output",
+)
 
 
-def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
+def run(
+    plan: Plan,
+    result: Result,
+    folder: Path | None,
+    quiet: bool,
+    start: tuple[Any, Any] | None,
+) -> None:
     """Solve and fill the result.
 
     Parameters
@@ -26,7 +41,8 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
 
     Raises
     ------
-    ConvergenceError : no state is found; the last one is kept, the message names where it fails
+    ConvergenceError : no state is found; the last one is kept, the message names where
+        it fails
     """
     if plan.scene.time is not None:
         from contbed.reacting_bed.course import Course
@@ -47,23 +63,37 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
             problem, u = whole = solve.steady(problem, report)
             problem, u = limited.limited(problem, u, report)
         except ConvergenceError as error:
-            raise ConvergenceError(_sentence(problem, error), report.history, error.state) from None
+            raise ConvergenceError(
+                _sentence(problem, error), report.history, error.state
+            ) from None
     result.history += report.history
     result.adaptations = report.rounds
-    smoothed = solve.smoothing_changes(problem, u, report) if report.small > LARGE_SMOOTHING else 0.0
+    smoothed = (
+        solve.smoothing_changes(problem, u, report)
+        if report.small > LARGE_SMOOTHING
+        else 0.0
+    )
     if report.rounds:
-        result.qoi["estimated_error"] = max(report.estimate, report.damping_changes, smoothed)
+        result.qoi["estimated_error"] = max(
+            report.estimate, report.damping_changes, smoothed
+        )
     if report.stopped:
-        result.warnings.append("the last better cells gave no state: the errors are those of `estimated_error`")
+        result.warnings.append(
+            "the last better cells gave no state: the errors are those of "
+            "`estimated_error`"
+        )
     if smoothed > plan.scene.solver.tolerance:
         result.warnings.append(
-            f"powers of what is left of a gas or solid are straight lines below {report.small:g} of the whole, as "
-            f"sharper ones give no state on these cells; this changes what leaves by {smoothed:.2g} of what enters. A "
+            "powers of what is left of a gas or solid are straight lines below "
+            f"{report.small:g} of the whole, as "
+            "sharper ones give no state on these cells; this changes what leaves by "
+            f"{smoothed:.2g} of what enters. A "
             "solver.tolerance that differs, or mesh.cells, gives other cells"
         )
     if report.damping_changes > limited.LARGE_CHANGE * plan.scene.solver.tolerance:
         result.warnings.append(
-            f"amounts are damped in {report.damped} cells where they would be negative, which changes what leaves by "
+            f"amounts are damped in {report.damped} cells where they would be "
+            "negative, which changes what leaves by "
             f"{report.damping_changes:.2g} of what enters: use more mesh.cells"
         )
     if report.marched:
@@ -72,7 +102,9 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         results.fill(problem, u, result)
     result.solved = problem, u
     if (sentence := taken_though_absent(problem, u)) is not None:
-        raise ConvergenceError(f"{sentence}; this is no state that can be", report.history, u)
+        raise ConvergenceError(
+            f"{sentence}; this is no state that can be", report.history, u
+        )
     result.qoi |= {"cells": problem.line.cells, "cells_damped": report.damped}
     if plan.scene.continuation is not None:
         from contbed.reacting_bed.branch import follow
@@ -87,11 +119,16 @@ def _sentence(problem: Problem, error: ConvergenceError) -> str:
     drop = isothermal_drop(problem)
     if problem.layout.pressure and drop is None:
         return (
-            f"{problem.scene.origin.at(('boundary',))}: boundary: the gas cannot pass the bed: by "
-            f"closures.permeability and closures.forchheimer its pressure of {problem.streams.pressure:.4g} Pa is used "
-            "up before the other end; lower the flow or mesh.length, or raise gas.pressure or the diameter of [solids]"
+            f"{problem.scene.origin.at(('boundary',))}: boundary: the gas cannot pass "
+            "the bed: by "
+            "closures.permeability and closures.forchheimer its pressure of "
+            f"{problem.streams.pressure:.4g} Pa is used "
+            "up before the other end; lower the flow or mesh.length, or raise "
+            "gas.pressure or the diameter of [solids]"
         )
     return (
-        f"{origin}: no steady state is found: {error}. Give initial.temperature near the state that is meant, slow the "
-        "fastest reaction by its factor, or add closures.dispersion or closures.dispersion_mass where a front is steep"
+        f"{origin}: no steady state is found: {error}. Give initial.temperature near "
+        "the state that is meant, slow the "
+        "fastest reaction by its factor, or add closures.dispersion or "
+        "closures.dispersion_mass where a front is steep"
     )

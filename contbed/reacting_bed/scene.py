@@ -1,4 +1,5 @@
-"""The vocabulary of a packed or moving bed with species along one line: every table and key.
+"""The vocabulary of a packed or moving bed with species along one line: every table and
+key.
 
     [mesh]             along the bed; diameter of a tube
     [gas]              the mixture that enters: a mechanism of Cantera, or species with data; closures need properties
@@ -66,10 +67,13 @@ from contbed.scene.tables import (
 ActivationEnergy = Annotated[MolarEnergy, Field(ge=0)]
 Diffusivity = Annotated[float, *unit("m**2/s"), Field(ge=0)]
 DiffusivityOrName = Annotated[
-    Annotated[PositiveDiffusivity, Tag("number")] | Annotated[Literal["cantera", "fuller"], Tag("name")],
+    Annotated[PositiveDiffusivity, Tag("number")]
+    | Annotated[Literal["cantera", "fuller"], Tag("name")],
     Discriminator(form),
 ]
-DispersionOfMass = Annotated[Annotated[Diffusivity, Tag("number")] | NamedOrFile, Discriminator(form)]
+DispersionOfMass = Annotated[
+    Annotated[Diffusivity, Tag("number")] | NamedOrFile, Discriminator(form)
+]
 
 MASS_DISPERSION = takes("mass_dispersion")
 CONDUCTIVITY = takes("conductivity")
@@ -79,7 +83,9 @@ class Line(MeshLine):
     """The bed along x; of a tube with a wall or a section also its diameter."""
 
     diameter: Length | None = Field(
-        None, description="inner diameter of a tube, distance of two walls, or side of a duct; absent: no wall"
+        None,
+        description="inner diameter of a tube, distance of two walls, or side of a "
+        "duct; absent: no wall",
     )
 
 
@@ -87,60 +93,87 @@ class Mixture(Table):
     """The gas, an ideal mixture, and properties of its species."""
 
     composition: str | None = Field(
-        None, description='mole fractions that enter, "CH4:0.975, CO2:0.025", where a boundary gives no others'
+        None,
+        description='mole fractions that enter, "CH4:0.975, CO2:0.025", where a '
+        "boundary gives no others",
     )
     pressure: Pressure = Field(101325.0, description="where the gas enters")
     viscosity: Viscosity | None = Field(None, description="of the mixture, constant")
-    conductivity: Conductivity | None = Field(None, description="of the mixture, constant")
+    conductivity: Conductivity | None = Field(
+        None, description="of the mixture, constant"
+    )
     diffusivity: DiffusivityOrName | None = Field(
-        None, description='of every species; "fuller" by its equation, "cantera" by the mechanism'
+        None,
+        description='of every species; "fuller" by its equation, "cantera" by the '
+        "mechanism",
     )
     viscosity_rule: Literal["wilke", "herning_zipperer"] = Field(
         "wilke", description="mixing rule for the viscosity of the gas"
     )
-    species: dict[str, Substance] = Field(default_factory=dict, description="data of species by name")
+    species: dict[str, Substance] = Field(
+        default_factory=dict, description="data of species by name"
+    )
 
 
 class GasCantera(Mixture):
     """Species with the thermodynamics and transport data of a Cantera mechanism."""
 
-    model: Literal["cantera"] = Field(description="ideal gas mixture with properties by Cantera")
-    mechanism: str = Field("gri30.yaml", description="Cantera mechanism with the species: a name or a YAML file")
+    model: Literal["cantera"] = Field(
+        description="ideal gas mixture with properties by Cantera"
+    )
+    mechanism: str = Field(
+        "gri30.yaml",
+        description="Cantera mechanism with the species: a name or a YAML file",
+    )
 
 
 class GasIdeal(Mixture):
     """Species whose data stand in [gas.species.NAME]."""
 
-    model: Literal["ideal_gas"] = Field(description="ideal gas whose species have the data of the scene")
+    model: Literal["ideal_gas"] = Field(
+        description="ideal gas whose species have the data of the scene"
+    )
 
 
 Gas = Annotated[GasCantera | GasIdeal, Field(discriminator="model")]
 
 
 class Section(Table):
-    """The bed resolved across the flow, from the axis to the wall at half of mesh.diameter; absent: one dimension."""
+    """The bed resolved across the flow, from the axis to the wall at half of
+    mesh.diameter; absent: one dimension.
+    """
 
     shape: Literal["tube", "plane", "duct"] = Field(
-        "tube", description="round, between two plane walls at the distance mesh.diameter, or square with it as side"
+        "tube",
+        description="round, between two plane walls at the distance mesh.diameter, or "
+        "square with it as side",
     )
     rings: Annotated[Whole, Field(ge=2, le=40)] = Field(
         8,
-        description="of equal width, of a duct columns along each half of the side; the error across the flow is of "
+        description="of equal width, of a duct columns along each half of the side; "
+        "the error across the flow is of "
         "second order",
     )
     conductivity_gas: ConductivityOrClosure | None = Field(
-        None, description="effective, radial; absent: none", json_schema_extra=CONDUCTIVITY
+        None,
+        description="effective, radial; absent: none",
+        json_schema_extra=CONDUCTIVITY,
     )
     conductivity_solids: ConductivityOrClosure | None = Field(
         None,
-        description="effective, radial, of the particles or of the whole bed at one temperature; absent: none",
+        description="effective, radial, of the particles or of the whole bed at one "
+        "temperature; absent: none",
         json_schema_extra=CONDUCTIVITY,
     )
-    dispersion: ConductivityOrClosure | None = Field(None, description="transverse closure, or W/m/K; absent: none")
+    dispersion: ConductivityOrClosure | None = Field(
+        None, description="transverse closure, or W/m/K; absent: none"
+    )
     dispersion_mass: DispersionOfMass | None = Field(
         None,
-        description="of species across the flow, by name or in m2/s on the velocity between the particles; "
-        '{ name = "mass_dispersion_peclet", Pe_p = 10 } is usual across beds of spheres; absent: none',
+        description="of species across the flow, by name or in m2/s on the velocity "
+        "between the particles; "
+        '{ name = "mass_dispersion_peclet", Pe_p = 10 } is usual across beds of '
+        "spheres; absent: none",
         json_schema_extra=MASS_DISPERSION,
     )
 
@@ -148,66 +181,100 @@ class Section(Table):
 class PackedBed(Table):
     """What only a packed bed has."""
 
-    porosity: Fraction = Field(description="of the bed: share of the volume between the particles")
+    porosity: Fraction = Field(
+        description="of the bed: share of the volume between the particles"
+    )
     pressure_drop: Literal["auto", "ergun", "none"] = Field(
-        "auto", description="by closures.permeability and closures.forchheimer; auto leaves it out below 0.1 %"
+        "auto",
+        description="by closures.permeability and closures.forchheimer; auto leaves it "
+        "out below 0.1 %",
     )
     gas_storage: Literal["auto", "quasi_steady", "stored"] = Field(
         "auto",
-        description="in time, in the gas between particles; auto leaves it out where its residence time is below 1 % "
-        "of the times in which streams change and of the run; changes within 1 % of that time count as one",
+        description="in time, in the gas between particles; auto leaves it out where "
+        "its residence time is below 1 % "
+        "of the times in which streams change and of the run; changes within 1 % of "
+        "that time count as one",
     )
-    section: Section | None = Field(None, description="the bed resolved across the flow")
+    section: Section | None = Field(
+        None, description="the bed resolved across the flow"
+    )
 
 
 class Closures(Table):
     """Closures of the bed: a name, a name with parameters, a number, or a file."""
 
-    permeability: PermeabilityOrClosure = Field("permeability_ergun", description="permeability of the bed")
-    forchheimer: NonNegativeOrClosure = Field("forchheimer_ergun", description="Forchheimer coefficient of the bed")
-    nusselt: NonNegativeOrClosure | None = Field(
-        None, description="exchange of heat between particles and gas; absent: both at one temperature"
+    permeability: PermeabilityOrClosure = Field(
+        "permeability_ergun", description="permeability of the bed"
     )
-    sherwood: NonNegativeOrClosure | None = Field(None, description="of the film around particles; absent: no film")
+    forchheimer: NonNegativeOrClosure = Field(
+        "forchheimer_ergun", description="Forchheimer coefficient of the bed"
+    )
+    nusselt: NonNegativeOrClosure | None = Field(
+        None,
+        description="exchange of heat between particles and gas; absent: both at one "
+        "temperature",
+    )
+    sherwood: NonNegativeOrClosure | None = Field(
+        None, description="of the film around particles; absent: no film"
+    )
     conductivity_gas: ConductivityOrClosure | None = Field(
-        None, description="effective, axial; absent: none", json_schema_extra=CONDUCTIVITY
+        None,
+        description="effective, axial; absent: none",
+        json_schema_extra=CONDUCTIVITY,
     )
     conductivity_solids: ConductivityOrClosure | None = Field(
         None,
-        description="effective, axial, of the particles or of the whole bed at one temperature; absent: none",
+        description="effective, axial, of the particles or of the whole bed at one "
+        "temperature; absent: none",
         json_schema_extra=CONDUCTIVITY,
     )
-    dispersion: ConductivityOrClosure | None = Field(None, description="of heat, axial closure, or W/m/K; absent: none")
+    dispersion: ConductivityOrClosure | None = Field(
+        None, description="of heat, axial closure, or W/m/K; absent: none"
+    )
     dispersion_mass: DispersionOfMass | None = Field(
         None,
-        description="of species, axial, by name or in m2/s on the velocity between the particles; absent: none",
+        description="of species, axial, by name or in m2/s on the velocity between the "
+        "particles; absent: none",
         json_schema_extra=MASS_DISPERSION,
     )
 
 
 class Heat(Table):
-    """With this table temperatures are solved: two with closures.nusselt, else one of gas and particles."""
+    """With this table temperatures are solved: two with closures.nusselt, else one
+    of gas and particles.
+    """
 
 
 class InitialGas(Table):
     """The gas in the bed at the start."""
 
-    composition: str | None = Field(None, description="where it is stored; absent: of the gas that enters")
+    composition: str | None = Field(
+        None, description="where it is stored; absent: of the gas that enters"
+    )
 
 
 class Initial(Table):
-    """The state at the start of a transient run, one along the bed or from a file; the first guess of a steady one."""
+    """The state at the start of a transient run, one along the bed or from a file;
+    the first guess of a steady one.
+    """
 
     temperature: Temperature | None = Field(
-        None, description="of gas and particles; absent: of the gas that enters, as a guess that of mixed streams"
+        None,
+        description="of gas and particles; absent: of the gas that enters, as a guess "
+        "that of mixed streams",
     )
     gas: InitialGas = Field(InitialGas(), description="the gas in the bed at the start")
     file: str | None = Field(
         None,
-        description="CSV file with positions, x [m], and any of T_fluid, T_solid [K], x_GAS [1], n_SOLID [mol/m3] or "
+        description="CSV file with positions, x [m], and any of T_fluid, T_solid [K], "
+        "x_GAS [1], n_SOLID [mol/m3] or "
         "w_SOLID [1], q_GAS [mol/kg], relative to the scene; the rest is uniform",
     )
-    time: Instant | None = Field(None, description="of the rows of the file, where it has several; absent: the last")
+    time: Instant | None = Field(
+        None,
+        description="of the rows of the file, where it has several; absent: the last",
+    )
 
 
 def text_or_number(value: Any) -> str:
@@ -216,50 +283,96 @@ def text_or_number(value: Any) -> str:
 
 
 Parameter = Annotated[
-    Annotated[FiniteFloat, Tag("number")] | Annotated[str, Tag("name")], Discriminator(text_or_number)
+    Annotated[FiniteFloat, Tag("number")] | Annotated[str, Tag("name")],
+    Discriminator(text_or_number),
 ]
 
 
-PhaseOrPhases = Annotated[Annotated[str, Tag("name")] | Annotated[tuple[str, ...], Tag("list")], Discriminator(form)]
+PhaseOrPhases = Annotated[
+    Annotated[str, Tag("name")] | Annotated[tuple[str, ...], Tag("list")],
+    Discriminator(form),
+]
 
 
 class Reaction(Table):
     """One reaction: a rate law by name with its constants, or a formula."""
 
-    equation: str | None = Field(None, description='"CH4 + 12 Fe2O3 -> 8 Fe3O4 + CO2 + 2 H2O"; <-> if reversible')
-    law: str | None = Field(None, description="power, grain, grain_remaining, shrinking_core, or a law with a name")
-    rate: str | None = Field(None, description="formula instead, of T, p_X, c_X, x_X, n_X, X, R and parameters")
-    unit: str | None = Field(None, description="of the formula, such as kmol/kg/h; absent: SI of the basis")
-    parameters: dict[str, Parameter] = Field(default_factory=dict, description='of the formula, {E = "49 kJ/mol"}')
-    A: Annotated[Number, Field(ge=0)] | None = Field(None, description="of k = A T^b exp(-E/(R T)), in mol, m and s")
-    b: Number = Field(0.0, description="exponent of the temperature in k = A T^b exp(-E/(R T))")
+    equation: str | None = Field(
+        None, description='"CH4 + 12 Fe2O3 -> 8 Fe3O4 + CO2 + 2 H2O"; <-> if reversible'
+    )
+    law: str | None = Field(
+        None,
+        description="power, grain, grain_remaining, shrinking_core, or a law with a "
+        "name",
+    )
+    rate: str | None = Field(
+        None,
+        description="formula instead, of T, p_X, c_X, x_X, n_X, X, R and parameters",
+    )
+    unit: str | None = Field(
+        None, description="of the formula, such as kmol/kg/h; absent: SI of the basis"
+    )
+    parameters: dict[str, Parameter] = Field(
+        default_factory=dict, description='of the formula, {E = "49 kJ/mol"}'
+    )
+    A: Annotated[Number, Field(ge=0)] | None = Field(
+        None, description="of k = A T^b exp(-E/(R T)), in mol, m and s"
+    )
+    b: Number = Field(
+        0.0, description="exponent of the temperature in k = A T^b exp(-E/(R T))"
+    )
     E: ActivationEnergy | None = Field(None, description="activation energy")
-    orders: dict[str, Number] | None = Field(None, description="in concentrations; absent: 1 for each reactant gas")
+    orders: dict[str, Number] | None = Field(
+        None, description="in concentrations; absent: 1 for each reactant gas"
+    )
     solid: PhaseOrPhases | None = Field(
-        None, description="phase, or list of phases, of [solids] in which it runs; absent: those that hold what reacts"
+        None,
+        description="phase, or list of phases, of [solids] in which it runs; absent: "
+        "those that hold what reacts",
     )
     basis: Literal["gas", "catalyst", "particle", "bed"] | None = Field(
-        None, description="rate per m3 of gas, kg of catalyst, m3 of particles or of bed; absent: gas, or particle"
+        None,
+        description="rate per m3 of gas, kg of catalyst, m3 of particles or of bed; "
+        "absent: gas, or particle",
     )
-    factor: Positive = Field(1.0, description="multiplies the rate, such as an effectiveness")
+    factor: Positive = Field(
+        1.0, description="multiplies the rate, such as an effectiveness"
+    )
     equilibrium_factor: Positive = Field(
-        1.0, description="multiplies K of a reversible reaction, which comes from the thermodynamics of its species"
+        1.0,
+        description="multiplies K of a reversible reaction, which comes from the "
+        "thermodynamics of its species",
     )
-    grain_radius: Length | None = Field(None, description="radius of the grains in the particles")
-    molar_density: Positive | None = Field(None, description="of the reacting solid in a grain [mol/m3]")
-    active_share: Positive = Field(1.0, description="share of the surface of grains that reacts")
-    diffusivity: PositiveDiffusivity | None = Field(None, description="effective, in the product layer or particle")
+    grain_radius: Length | None = Field(
+        None, description="radius of the grains in the particles"
+    )
+    molar_density: Positive | None = Field(
+        None, description="of the reacting solid in a grain [mol/m3]"
+    )
+    active_share: Positive = Field(
+        1.0, description="share of the surface of grains that reacts"
+    )
+    diffusivity: PositiveDiffusivity | None = Field(
+        None, description="effective, in the product layer or particle"
+    )
 
 
 class Continuation(Table):
-    """The branch of steady states from the value in this scene to another, through the folds between them."""
+    """The branch of steady states from the value in this scene to another, through
+    the folds between them.
+    """
 
     parameter: str = Field(
-        description='key of a number in this scene, "reactions.NAME.factor" or "boundary.left.gas.mass_flux"'
+        description='key of a number in this scene, "reactions.NAME.factor" or '
+        '"boundary.left.gas.mass_flux"'
     )
     to: Number = Field(description="in SI")
-    back_to: Number | None = Field(None, description="end of the other side; absent: the value in this scene")
-    at: Number | None = Field(None, description="value at which all steady states of the branch are listed")
+    back_to: Number | None = Field(
+        None, description="end of the other side; absent: the value in this scene"
+    )
+    at: Number | None = Field(
+        None, description="value at which all steady states of the branch are listed"
+    )
     points: Annotated[Whole, Field(ge=3, le=10_000)] = Field(400, description="at most")
 
 
@@ -267,35 +380,56 @@ class Time(Table):
     """A transient run; absent means steady."""
 
     end: Seconds = Field(description="time at which the run ends")
-    times: tuple[Instant, ...] = Field((), description="output times; the end is always one")
-    tolerance: Fraction = Field(1e-4, description="local error over typical sizes of the fields, of an order below")
-    cycle: CycleSettings | None = Field(
-        None, description="the run is one period of a cyclic steady state; the state at the start is a guess"
+    times: tuple[Instant, ...] = Field(
+        (), description="output times; the end is always one"
     )
-    checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
+    tolerance: Fraction = Field(
+        1e-4,
+        description="local error over typical sizes of the fields, of an order below",
+    )
+    cycle: CycleSettings | None = Field(
+        None,
+        description="the run is one period of a cyclic steady state; the state at the "
+        "start is a guess",
+    )
+    checkpoint_every: Seconds = Field(
+        10.0, description="wall-clock time between checkpoints"
+    )
 
 
 class Solver(Table):
     """Numerics; the defaults suit nearly all scenes."""
 
-    degree: Annotated[Whole, Field(ge=1, le=5)] = Field(3, description="degree of the polynomials in a cell")
+    degree: Annotated[Whole, Field(ge=1, le=5)] = Field(
+        3, description="degree of the polynomials in a cell"
+    )
     tolerance: Fraction = Field(
-        1e-6, description="target error of all fields for automatic cells, over their spans, in time over typical sizes"
+        1e-6,
+        description="target error of all fields for automatic cells, over their spans, "
+        "in time over typical sizes",
     )
     accuracy: Fraction = Field(
-        5e-3, description="largest predicted error, over the step of what leaves, of a level that the plan takes"
+        5e-3,
+        description="largest predicted error, over the step of what leaves, of a level "
+        "that the plan takes",
     )
     adapt: Annotated[Whole, Field(ge=0, le=20)] | None = Field(
         None,
-        description="rounds of new cells, absent: 10; in time of each step, so that cells follow its fronts, absent: "
+        description="rounds of new cells, absent: 10; in time of each step, so that "
+        "cells follow its fronts, absent: "
         "cells stay as they are",
     )
     newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = Field(
         1e-10,
-        description="residual norm, relative to the scale of the equations, at which Newton's method has converged",
+        description="residual norm, relative to the scale of the equations, at which "
+        "Newton's method has converged",
     )
-    newton_iterations: Whole = Field(40, ge=1, le=1000, description="most iterations of Newton's method")
-    balance_tolerance: Positive = Field(1e-10, description="largest relative residual of a balance that a run accepts")
+    newton_iterations: Whole = Field(
+        40, ge=1, le=1000, description="most iterations of Newton's method"
+    )
+    balance_tolerance: Positive = Field(
+        1e-10, description="largest relative residual of a balance that a run accepts"
+    )
     strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
@@ -307,12 +441,18 @@ class ReactingScene(SceneBase):
 
     mesh: Line
     gas: Gas
-    solids: dict[str, Solid] = Field(min_length=1, description="solid phases that fill the bed, by name")
+    solids: dict[str, Solid] = Field(
+        min_length=1, description="solid phases that fill the bed, by name"
+    )
     packed_bed: PackedBed
     closures: Closures = Closures()
     heat: Heat | None = None
-    reactions: dict[str, Reaction] = Field(default_factory=dict, description="reactions by name")
-    boundary: dict[str, Boundary] = Field(default_factory=dict, description="`left`, `right` and `wall`")
+    reactions: dict[str, Reaction] = Field(
+        default_factory=dict, description="reactions by name"
+    )
+    boundary: dict[str, Boundary] = Field(
+        default_factory=dict, description="`left`, `right` and `wall`"
+    )
     initial: Initial = Initial()
     continuation: Continuation | None = None
     time: Time | None = None
@@ -341,4 +481,6 @@ class ReactingScene(SceneBase):
 
     def with_table(self, name: str, **update: Any) -> ReactingScene:
         """Return the scene with keys of a table replaced."""
-        return self.model_copy(update={name: getattr(self, name).model_copy(update=update)})
+        return self.model_copy(
+            update={name: getattr(self, name).model_copy(update=update)}
+        )

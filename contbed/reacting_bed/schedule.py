@@ -1,8 +1,9 @@
-"""What changes in the course of a run of a reacting bed: streams that enter and surroundings of the wall.
+"""What changes in the course of a run of a reacting bed: streams that enter and
+surroundings of the wall.
 
-A run is cut at every jump of its series and at kinks that are larger than the error of a step allows, so that no time
-step crosses one; each stage of a step takes the values of its own time. A scene `frozen` at a time has numbers in place
-of all series.
+A run is cut at every jump of its series and at kinks that are larger than the error of
+a step allows, so that no time step crosses one; each stage of a step takes the values
+of its own time. A scene `frozen` at a time has numbers in place of all series.
 """
 
 from __future__ import annotations
@@ -27,7 +28,9 @@ from contbed.scene.values import with_value
 
 
 def series_of(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Series]]:
-    """Yield key and series of everything in the tables of a scene that changes with time."""
+    """Yield key and series of everything in the tables of a scene that changes with
+    time.
+    """
     if isinstance(part, Series):
         yield path, part
     elif isinstance(part, Mapping):
@@ -47,8 +50,8 @@ def tables_of(scene: s.ReactingScene) -> dict[str, Any]:
 class Schedule(SeriesByKey):
     """The series of a scene.
 
-    `species` are the columns of the series of compositions by key, `temperatures` the keys of the series of
-    temperatures.
+    `species` are the columns of the series of compositions by key, `temperatures` the
+    keys of the series of temperatures.
     """
 
     species: dict[KeyPath, tuple[str, ...]]
@@ -63,15 +66,22 @@ class Schedule(SeriesByKey):
         SceneError : a series cannot be used
         """
         found = dict(series_of(tables))
-        names = {path: item.fractions(base)[0] for path, item in found.items() if isinstance(item, CompositionSeries)}
+        names = {
+            path: item.fractions(base)[0]
+            for path, item in found.items()
+            if isinstance(item, CompositionSeries)
+        }
         kelvin = frozenset(path for path, item in found.items() if item.quantity == "K")
-        return cls({path: item.samples(base) for path, item in found.items()}, names, kelvin)
+        return cls(
+            {path: item.samples(base) for path, item in found.items()}, names, kelvin
+        )
 
     def small(self, scene: s.ReactingScene) -> dict[KeyPath, float]:
-        """Return the sizes of kinks that a step may pass: of temperatures, mole fractions and flows.
+        """Return the sizes of kinks that a step may pass: of temperatures, mole
+        fractions and flows.
 
-        What errors refer to is here the range of all temperatures that change, with that at the start; one; the
-        largest flow.
+        What errors refer to is here the range of all temperatures that change, with
+        that at the start; one; the largest flow.
         """
         assert scene.time is not None
         known = [self.samples[path].values for path in self.temperatures]
@@ -80,30 +90,54 @@ class Schedule(SeriesByKey):
         sizes = {path: 1.0 if path in self.species else float(np.abs(self.samples[path].values).max())
                  for path in self.samples}  # fmt: skip
         if known:
-            sizes |= dict.fromkeys(self.temperatures, float(np.ptp(np.concatenate(known))))
+            sizes |= dict.fromkeys(
+                self.temperatures, float(np.ptp(np.concatenate(known)))
+            )
         return self.passed(sizes, scene.time.tolerance)
 
-    def at(self, tables: Mapping[str, Any], time: float, before: bool = False, since: float = 0.0) -> dict[str, Any]:
-        """Return the tables with the values at a time, just after or `before` a jump, `since` an earlier one."""
+    def at(
+        self,
+        tables: Mapping[str, Any],
+        time: float,
+        before: bool = False,
+        since: float = 0.0,
+    ) -> dict[str, Any]:
+        """Return the tables with the values at a time, just after or `before` a
+        jump, `since` an earlier one.
+        """
         found: Any = dict(tables)
         for path, samples in self.samples.items():
             value = samples.at(time, before, since)
             names = self.species.get(path)
-            found = with_value(found, path, float(value) if names is None else _text(names, value))
+            found = with_value(
+                found, path, float(value) if names is None else _text(names, value)
+            )
         return dict(found)
 
-    def frozen(self, scene: s.ReactingScene, time: float, before: bool = False, since: float = 0.0) -> s.ReactingScene:
-        """Return the scene with the values at a time, just after or `before` a jump, `since` an earlier one."""
+    def frozen(
+        self,
+        scene: s.ReactingScene,
+        time: float,
+        before: bool = False,
+        since: float = 0.0,
+    ) -> s.ReactingScene:
+        """Return the scene with the values at a time, just after or `before` a jump,
+        `since` an earlier one.
+        """
         if not self:
             return scene
         return scene.model_copy(update=self.at(tables_of(scene), time, before, since))
 
     def moments(self) -> list[float]:
         """Return all times of the series [s]."""
-        return sorted({float(t) for samples in self.samples.values() for t in samples.times})
+        return sorted(
+            {float(t) for samples in self.samples.values() for t in samples.times}
+        )
 
     def shortest(self, scene: s.ReactingScene, together: float) -> float:
-        """Return the shortest time between changes in a run; those that lie `together` count as one [s]."""
+        """Return the shortest time between changes in a run; those that lie
+        `together` count as one [s].
+        """
         assert scene.time is not None
         apart, end = [0.0], scene.time.end
         for cut in self.cuts(end, self.small(scene)):
@@ -113,11 +147,14 @@ class Schedule(SeriesByKey):
 
 
 def _text(names: tuple[str, ...], fractions: Any) -> str:
-    return ", ".join(f"{name}:{float(x)!r}" for name, x in zip(names, fractions, strict=True))
+    return ", ".join(
+        f"{name}:{float(x)!r}" for name, x in zip(names, fractions, strict=True)
+    )
 
 
 def boundaries_in_time(boundary: Boundaries, origin: Origin) -> Iterator[Boundaries]:
-    """Yield the conditions at each time of their series, streams that do not enter then without a state.
+    """Yield the conditions at each time of their series, streams that do not enter then
+    without a state.
 
     Nothing is yielded where a series cannot be used.
     """
@@ -133,7 +170,9 @@ def boundaries_in_time(boundary: Boundaries, origin: Origin) -> Iterator[Boundar
 
 
 def _of_streams_that_enter(boundary: Boundaries) -> Boundaries:
-    """Return the conditions without temperatures and compositions of streams that do not enter at the moment."""
+    """Return the conditions without temperatures and compositions of streams that do
+    not enter at the moment.
+    """
     gas, found = gas_sign(boundary), dict(boundary)
     for end, into in INWARD.items():
         if end not in found:
@@ -143,7 +182,9 @@ def _of_streams_that_enter(boundary: Boundaries) -> Boundaries:
             idle = {"temperature": None, "fixed_temperature": None, "composition": None}
             table = table.model_copy(update={"gas": table.gas.model_copy(update=idle)})
         solids = {
-            phase: each if velocity_of(boundary, phase) * into > 0.0 else each.model_copy(update={"temperature": None})
+            phase: each
+            if velocity_of(boundary, phase) * into > 0.0
+            else each.model_copy(update={"temperature": None})
             for phase, each in table.solids.items()
         }
         found[end] = table.model_copy(update={"solids": solids})

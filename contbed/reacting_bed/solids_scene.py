@@ -1,4 +1,6 @@
-"""Tables of a reacting bed on its solid phases: data of constituents, adsorption, intraparticle diffusion."""
+"""Tables of a reacting bed on its solid phases: data of constituents, adsorption,
+intraparticle diffusion.
+"""
 
 from __future__ import annotations
 
@@ -28,48 +30,73 @@ MolarEnergy = Annotated[float, *unit("J/mol")]
 MolarEntropy = Annotated[float, *unit("J/mol/K")]
 MolarHeatCapacity = Annotated[float, *unit("J/mol/K"), Field(gt=0)]
 HeatCapacityOfSolid = Annotated[float, *unit("J/kg/K"), Field(gt=0)]
-Curve = Annotated[tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1, max_length=4)]
+Curve = Annotated[
+    tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1, max_length=4)
+]
 PositiveDiffusivity = Annotated[float, *unit("m**2/s"), Field(gt=0)]
 
 
 class Substance(Table):
-    """Data of one species; what is absent comes from its formula, the mechanism or the thermodynamic tables."""
+    """Data of one species; what is absent comes from its formula, the mechanism or
+    the thermodynamic tables.
+    """
 
-    elements: dict[str, Positive] | None = Field(None, description="atoms, {C = 1, H = 4}; absent: from the name")
+    elements: dict[str, Positive] | None = Field(
+        None, description="atoms, {C = 1, H = 4}; absent: from the name"
+    )
     molar_mass: MolarMass | None = Field(None, description="absent: from the elements")
     shomate: tuple[FiniteFloat, ...] | None = Field(
         None,
         min_length=5,
         max_length=8,
-        description="A to H of the Shomate equation, T/1000 K, J/mol/K and kJ/mol; F and G may be left out",
+        description="A to H of the Shomate equation, T/1000 K, J/mol/K and kJ/mol; F "
+        "and G may be left out",
     )
-    heat_capacity: MolarHeatCapacity | None = Field(None, description="constant, instead of shomate")
-    enthalpy: MolarEnergy | None = Field(None, description="of formation at 298.15 K, with heat_capacity or A to E")
+    heat_capacity: MolarHeatCapacity | None = Field(
+        None, description="constant, instead of shomate"
+    )
+    enthalpy: MolarEnergy | None = Field(
+        None, description="of formation at 298.15 K, with heat_capacity or A to E"
+    )
     entropy: MolarEntropy | None = Field(None, description="standard, at 298.15 K")
     density: Density | None = Field(None, description="of a solid without pores")
-    viscosity: Annotated[Annotated[Viscosity, Tag("number")] | Curve, Discriminator(form)] | None = Field(
+    viscosity: (
+        Annotated[Annotated[Viscosity, Tag("number")] | Curve, Discriminator(form)]
+        | None
+    ) = Field(
         None, description="of a gas; a list is c1 to c4 of c1 T^c2/(1 + c3/T + c4/T^2)"
     )
-    conductivity: Annotated[Annotated[Conductivity, Tag("number")] | Curve, Discriminator(form)] | None = Field(
-        None, description="of a gas, as viscosity"
-    )
+    conductivity: (
+        Annotated[Annotated[Conductivity, Tag("number")] | Curve, Discriminator(form)]
+        | None
+    ) = Field(None, description="of a gas, as viscosity")
 
 
 class Adsorption(Table):
-    """Isotherm of a gas and its diffusion in the pores; give henry, or capacity and affinity (Langmuir)."""
+    """Isotherm of a gas and its diffusion in the pores; give henry, or capacity and
+    affinity (Langmuir).
+    """
 
     henry: Annotated[float, *unit("mol/kg/Pa"), Field(gt=0)] | None = Field(
-        None, description="moles adsorbed per mass of particles over the partial pressure"
+        None,
+        description="moles adsorbed per mass of particles over the partial pressure",
     )
     capacity: Annotated[float, *unit("mol/kg"), Field(gt=0)] | None = Field(
-        None, description="moles adsorbed per mass of particles when all sites are taken"
+        None,
+        description="moles adsorbed per mass of particles when all sites are taken",
     )
     affinity: Annotated[float, *unit("1/Pa"), Field(gt=0)] | None = Field(
         None, description="b of q = q_s b p/(1 + sum b p)"
     )
-    temperature: Temperature = Field(298.15, description="at which henry or affinity holds")
-    enthalpy: MolarEnergy = Field(0.0, description="of adsorption, negative where heat is released")
-    diffusivity: PositiveDiffusivity = Field(description="effective, in the pores of the particles")
+    temperature: Temperature = Field(
+        298.15, description="at which henry or affinity holds"
+    )
+    enthalpy: MolarEnergy = Field(
+        0.0, description="of adsorption, negative where heat is released"
+    )
+    diffusivity: PositiveDiffusivity = Field(
+        description="effective, in the pores of the particles"
+    )
 
     @model_validator(mode="after")
     def _one_isotherm(self) -> Adsorption:
@@ -85,42 +112,70 @@ class Inside(Table):
 
     mass: Literal["auto", "none", "effectiveness", "interior"] = Field(
         "auto",
-        description="effectiveness of a sphere by the Thiele modulus of each reaction with a diffusivity; interior: "
-        "diffusion and reaction of all gases resolved in the particles, with `diffusivity`; auto: "
+        description="effectiveness of a sphere by the Thiele modulus of each reaction "
+        "with a diffusivity; interior: "
+        "diffusion and reaction of all gases resolved in the particles, with "
+        "`diffusivity`; auto: "
         "resolved where that changes what reacts by more than solver.accuracy",
     )
     diffusivity: dict[str, PositiveDiffusivity] = Field(
         default_factory=dict,
-        description='effective, of each gas that reacts in the particles, { CH4 = "2e-6 m**2/s" }',
+        description="effective, of each gas that reacts in the particles, { CH4 = "
+        '"2e-6 m**2/s" }',
     )
     adsorption: Literal["auto", "film", "linear_driving_force", "interior"] = Field(
         "auto",
-        description="resistance to the uptake of gas: external film only; in series with it diffusion inside, by one "
-        "concentration per particle; diffusion between points inside. auto: the cheapest whose error in what "
+        description="resistance to the uptake of gas: external film only; in series "
+        "with it diffusion inside, by one "
+        "concentration per particle; diffusion between points inside. auto: the "
+        "cheapest whose error in what "
         "leaves is within solver.accuracy",
     )
-    points: Annotated[Whole, Field(ge=2, le=20)] = Field(3, description="inside of a particle, beside its surface")
+    points: Annotated[Whole, Field(ge=2, le=20)] = Field(
+        3, description="inside of a particle, beside its surface"
+    )
 
 
 class Solid(SolidPhase):
     """One solid phase of the bed; several are mixed evenly where they enter."""
 
-    diameter: Length = Field(description="diameter of the particles of this solid phase")
+    diameter: Length = Field(
+        description="diameter of the particles of this solid phase"
+    )
     shape: Literal["spheres", "rods"] = Field(
-        "spheres", description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods"
+        "spheres",
+        description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods",
     )
     volume_share: Annotated[Number, Field(gt=0, le=1)] = Field(
-        1.0, description="of the volume of all particles where they enter, or at rest; those of all phases sum to 1"
+        1.0,
+        description="of the volume of all particles where they enter, or at rest; "
+        "those of all phases sum to 1",
     )
-    density: Density | None = Field(None, description="of particles that enter; absent: from constituents and porosity")
-    heat_capacity: HeatCapacityOfSolid | None = Field(None, description="of particles without constituents")
+    density: Density | None = Field(
+        None,
+        description="of particles that enter; absent: from constituents and porosity",
+    )
+    heat_capacity: HeatCapacityOfSolid | None = Field(
+        None, description="of particles without constituents"
+    )
     conductivity: Conductivity | None = Field(None, description="of the particles")
-    composition: str | None = Field(None, description='mass fractions that enter, "Fe2O3:0.45, Al2O3:0.55"')
-    porosity: Annotated[Number, Field(ge=0, lt=1)] = Field(0.0, description="of the particles that enter")
-    constituent: dict[str, Substance] = Field(
-        default_factory=dict, description="data of constituents by name, which hold in all phases"
+    composition: str | None = Field(
+        None, description='mass fractions that enter, "Fe2O3:0.45, Al2O3:0.55"'
     )
-    nusselt: NonNegativeOrClosure | None = Field(None, description="of this phase; absent: closures.nusselt")
-    sherwood: NonNegativeOrClosure | None = Field(None, description="of this phase; absent: closures.sherwood")
-    adsorption: dict[str, Adsorption] = Field(default_factory=dict, description="of gases by name")
+    porosity: Annotated[Number, Field(ge=0, lt=1)] = Field(
+        0.0, description="of the particles that enter"
+    )
+    constituent: dict[str, Substance] = Field(
+        default_factory=dict,
+        description="data of constituents by name, which hold in all phases",
+    )
+    nusselt: NonNegativeOrClosure | None = Field(
+        None, description="of this phase; absent: closures.nusselt"
+    )
+    sherwood: NonNegativeOrClosure | None = Field(
+        None, description="of this phase; absent: closures.sherwood"
+    )
+    adsorption: dict[str, Adsorption] = Field(
+        default_factory=dict, description="of gases by name"
+    )
     inside: Inside = Field(Inside(), description="what happens in the particles")

@@ -1,4 +1,6 @@
-"""Steady states of a reacting bed: Newton's method, its fallbacks, and adaptive cells."""
+"""Steady states of a reacting bed: Newton's method, its fallbacks, and adaptive
+cells.
+"""
 
 from __future__ import annotations
 
@@ -20,18 +22,23 @@ LARGEST_T = 150.0  # change of a temperature in one step [K]
 LARGEST_SHARE = 0.7  # of an amount that a step may take away
 LEAST_SHARE = 1e-3  # of the typical size, below which a fall is not held up
 SHORTEST = 1e-3  # step of Newton's method at which it is given up
-PROGRESS, PATIENCE = 0.8, 14  # iterations in which the least residual has to fall by this factor
-LOOSE = 1e-5  # residual at which a step of a march in time, which need not be exact, is taken
+# iterations in which the least residual has to fall by this factor
+PROGRESS, PATIENCE = 0.8, 14
+# residual at which a step of a march in time, which need not be exact, is taken
+LOOSE = 1e-5
 FIRST_CELLS = 24  # of the first mesh, which only has to show where the fronts are
 ROUNDS = 10  # of better cells at most, each from the estimate on the last ones
 FIRST_ITERATIONS = 60  # of Newton's method from a first guess
 FEW_ITERATIONS = 15  # where the guess is near
-SMOOTHEST = 0.1  # share of a gas or solid below which its powers are straight lines, to begin with
-SHARPER, LEAST_SHARPER = 0.1, 0.7  # factor from one such share to the next, and beyond which no sharper is tried
+# share of a gas or solid below which its powers are straight lines, to begin with
+SMOOTHEST = 0.1
+# factor from one such share to the next, and beyond which no sharper is tried
+SHARPER, LEAST_SHARPER = 0.1, 0.7
 STEPS = 120  # of the march in time
 GROWTH, SHORTER = 1.6, 0.25  # of its steps
 MOST_FAILURES = 15  # in a row, after which steps are 1e-9 of the first
-STEPS_PER_CELLS = 3  # of the march on the same cells, before these are put where the fronts have gone
+# of the march on the same cells, before these are put where the fronts have gone
+STEPS_PER_CELLS = 3
 STILL = 1e-7  # largest change in a step, over typical sizes, of a state that is steady
 EVEN_CELLS = 30  # that are put between the first ones for the march
 START_OF_MARCH = 1e-2  # of the residence time of the solids
@@ -44,28 +51,37 @@ class Report:
 
     history: list[float] = field(default_factory=list)
     rounds: int = 0
-    estimate: float = np.inf  # change of what leaves between the last two meshes over what enters
+    # change of what leaves between the last two meshes over what enters
+    estimate: float = np.inf
     marched: bool = False
     stopped: bool = False  # whether no state was found on better cells
-    sharpest: bool = False  # whether no sharper powers of what is left of solids are tried
-    small: float = 0.0  # share of a gas or solid below which its powers are straight lines; 0 for that of the laws
+    # whether no sharper powers of what is left of solids are tried
+    sharpest: bool = False
+    # share of a gas or solid below which its powers are straight lines; 0 for that of
+    # the laws
+    small: float = 0.0
     damped: int = 0  # cells in which amounts would fall below zero, see `limited`
     damping_changes: float = 0.0  # what leaves, over what enters
 
 
 def measure(problem: Problem, residual: Array) -> float:
-    """Return the norm of residuals: the largest over cells and equations, over typical fluxes."""
+    """Return the norm of residuals: the largest over cells and equations, over
+    typical fluxes.
+    """
     return float((np.abs(residual).max(axis=(1, 2)) / problem.flux_sizes).max())
 
 
 def limited(problem: Problem, u: Array, du: Array) -> float:
-    """Return the share of a step that leaves temperatures and amounts near what they were."""
+    """Return the share of a step that leaves temperatures and amounts near what they
+    were.
+    """
     share = 1.0
     for k, name in enumerate(problem.names):
         step = du[k]
         if name.startswith("T"):
             share = min(share, LARGEST_T / max(float(np.abs(step).max()), 1e-300))
-        elif not name.startswith("a_"):  # isotherms are concave: Newton's method needs no shorter steps
+        # isotherms are concave: Newton's method needs no shorter steps
+        elif not name.startswith("a_"):
             typical = problem.moles if name.startswith("g_") else problem.sizes[k]
             size = typical * (np.sign(u[k].mean()) if name.startswith("g_") else 1.0)
             size = np.where(size == 0.0, typical, size)
@@ -77,8 +93,11 @@ def limited(problem: Problem, u: Array, du: Array) -> float:
     return share
 
 
-def step(problem: Problem, u: Array, report: Report, storage: Storage | None = None) -> tuple[Array, float, float]:
-    """Return a step of Newton's method, the share of it that may be taken, and the norm of the residual before.
+def step(
+    problem: Problem, u: Array, report: Report, storage: Storage | None = None
+) -> tuple[Array, float, float]:
+    """Return a step of Newton's method, the share of it that may be taken, and the norm
+    of the residual before.
 
     Raises
     ------
@@ -96,12 +115,21 @@ def step(problem: Problem, u: Array, report: Report, storage: Storage | None = N
         du = slopes.factors(problem.flux_sizes, problem.sizes).solve(-residual)
         share = limited(problem, u, du)
     if not np.isfinite(du).all():
-        raise failed("a step of Newton's method is not finite", problem, u, report, storage)
+        raise failed(
+            "a step of Newton's method is not finite", problem, u, report, storage
+        )
     return du, share, norm
 
 
-def newton(problem: Problem, u: Array, report: Report, storage: Storage | None = None, most: int = 0) -> Array:
-    """Return the solution of the steady equations, or of a step in time where `storage` adds to them.
+def newton(
+    problem: Problem,
+    u: Array,
+    report: Report,
+    storage: Storage | None = None,
+    most: int = 0,
+) -> Array:
+    """Return the solution of the steady equations, or of a step in time where `storage`
+    adds to them.
 
     Raises
     ------
@@ -115,22 +143,44 @@ def newton(problem: Problem, u: Array, report: Report, storage: Storage | None =
         du, share, norm = step(problem, u, report, storage)
         change = float(np.abs(du / scale).max())
         if share < SHORTEST:
-            raise failed("Newton's method takes ever smaller steps", problem, u, report, storage)
+            raise failed(
+                "Newton's method takes ever smaller steps", problem, u, report, storage
+            )
         best, since = (norm, 0) if norm < PROGRESS * best else (best, since + 1)
         if since > PATIENCE:
             break
         u = u + share * du
         if share == 1.0 and change < tolerance:
             return u
-        if storage is not None and storage.loose and share == 1.0 and norm < LOOSE and change < LOOSE**0.5:
+        if (
+            storage is not None
+            and storage.loose
+            and share == 1.0
+            and norm < LOOSE
+            and change < LOOSE**0.5
+        ):
             return u
         if share == 1.0 and norm < 1e-12 and change < 1e3 * tolerance:
             return u
-    raise failed(f"Newton's method stops at a residual of {norm:.2g}", problem, u, report, storage)
+    raise failed(
+        f"Newton's method stops at a residual of {norm:.2g}",
+        problem,
+        u,
+        report,
+        storage,
+    )
 
 
-def failed(text: str, problem: Problem, u: Array, report: Report, storage: Storage | None = None) -> ConvergenceError:
-    """Return the error of a state, which says where in the bed and for what its residuals are largest."""
+def failed(
+    text: str,
+    problem: Problem,
+    u: Array,
+    report: Report,
+    storage: Storage | None = None,
+) -> ConvergenceError:
+    """Return the error of a state, which says where in the bed and for what its
+    residuals are largest.
+    """
     with np.errstate(all="ignore"):
         residual = problem.system.assemble(u, False)[0]
         if storage is not None:
@@ -138,13 +188,20 @@ def failed(text: str, problem: Problem, u: Array, report: Report, storage: Stora
         sizes = np.abs(residual).max(axis=2) / problem.flux_sizes[:, None]
     k, cell = divmod(int(sizes.argmax()), sizes.shape[1])
     name = problem.names[k]
-    where = f"it is worst for {conserved(name) or name.removeprefix('s_')} at x = {problem.line.vertices[cell]:.4g} m"
+    where = (
+        f"it is worst for {conserved(name) or name.removeprefix('s_')} at x = "
+        f"{problem.line.vertices[cell]:.4g} m"
+    )
     endless = taken_to_the_end(problem, u)
-    return ConvergenceError("; ".join(filter(None, (text, where, endless))), report.history, u)
+    return ConvergenceError(
+        "; ".join(filter(None, (text, where, endless))), report.history, u
+    )
 
 
 def residence_time(problem: Problem) -> float:
-    """Return the time that particles, or gas through a bed at rest times 1000, take through the bed [s]."""
+    """Return the time that particles, or gas through a bed at rest times 1000, take
+    through the bed [s].
+    """
     length = problem.line.vertices[-1] - problem.line.vertices[0]
     v = abs(problem.bed.velocity_solid)
     if v:
@@ -154,7 +211,8 @@ def residence_time(problem: Problem) -> float:
 
 
 def march(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
-    """Go to a steady state by steps in time of growing length, in which the gas is quasi-steady, on adaptive cells.
+    """Go to a steady state by steps in time of growing length, in which the gas is
+    quasi-steady, on adaptive cells.
 
     Raises
     ------
@@ -166,13 +224,17 @@ def march(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
     adapts = problem.scene.mesh.cells is None
     while dt < END_OF_MARCH * tau and taken < STEPS:
         try:
-            found = newton(problem, u, report, Storage.after(problem, u, dt), most=FEW_ITERATIONS)
+            found = newton(
+                problem, u, report, Storage.after(problem, u, dt), most=FEW_ITERATIONS
+            )
         except ConvergenceError as error:
             dt *= SHORTER
             failures += 1
             if failures > MOST_FAILURES:
                 text = f"the longest step in time that converged is {longest:.3g} s"
-                raise failed(text, problem, u if error.state is None else error.state, report) from None
+                raise failed(
+                    text, problem, u if error.state is None else error.state, report
+                ) from None
             continue
         change = float(np.abs((found - u) / problem.sizes[:, None, None]).max())
         u, taken, longest = found, taken + 1, max(longest, dt)
@@ -185,7 +247,9 @@ def march(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
     return problem, u
 
 
-def steady(problem: Problem, report: Report, guess: Array | None = None) -> tuple[Problem, Array]:
+def steady(
+    problem: Problem, report: Report, guess: Array | None = None
+) -> tuple[Problem, Array]:
     """Return the steady state on cells adapted to its errors.
 
     Raises
@@ -194,7 +258,9 @@ def steady(problem: Problem, report: Report, guess: Array | None = None) -> tupl
     """
     scene = problem.scene
     T = scene.initial.temperature or problem.mixing_temperature
-    problem, u = first(problem, guess if guess is not None else problem.start(T), report)
+    problem, u = first(
+        problem, guess if guess is not None else problem.start(T), report
+    )
     if scene.mesh.cells is not None:
         report.rounds = 0
         return problem, u
@@ -217,8 +283,12 @@ def steady(problem: Problem, report: Report, guess: Array | None = None) -> tupl
     return problem, u
 
 
-def on_better_cells(problem: Problem, u: Array, vertices: Array, report: Report) -> tuple[Problem, Array] | None:
-    """Return the state on other cells, or else on halves of the present ones; None if it is found on neither."""
+def on_better_cells(
+    problem: Problem, u: Array, vertices: Array, report: Report
+) -> tuple[Problem, Array] | None:
+    """Return the state on other cells, or else on halves of the present ones; None
+    if it is found on neither.
+    """
     for chosen in (vertices, halves(problem)):
         if len(chosen) > MOST_CELLS:
             continue
@@ -250,7 +320,9 @@ def first(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
 
 
 def on_cells(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
-    """Return a steady state on given cells: by Newton's method, and where that fails by what else helps."""
+    """Return a steady state on given cells: by Newton's method, and where that fails
+    by what else helps.
+    """
     with np.errstate(all="ignore"):
         try:
             return problem, newton(problem, u, report, most=FIRST_ITERATIONS)
@@ -271,19 +343,27 @@ def on_cells(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array
 
 
 def sharpened(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
-    """Return the state reached with powers of what is left made sharper step by step, on adaptive cells.
+    """Return the state reached with powers of what is left made sharper step by step,
+    on adaptive cells.
 
-    Where reaction ends at a point, powers below one have infinite slopes there, and Newton's method goes from one side
-    of zero to the other; the sharpest that converges is kept.
+    Where reaction ends at a point, powers below one have infinite slopes there, and
+    Newton's method goes from one side of zero to the other; the sharpest that converges
+    is kept.
     """
     small, factor = SMOOTHEST, SHARPER
     done, u = smooth(problem.with_small(Smoothing(small, small)), u, report)
     while small > FINEST and factor < LEAST_SHARPER:
-        cells = done if problem.scene.mesh.cells is not None else done.on(next_cells(done, u)[0])
+        cells = (
+            done
+            if problem.scene.mesh.cells is not None
+            else done.on(next_cells(done, u)[0])
+        )
         below = max(factor * small, FINEST)
         trial = cells.with_small(Smoothing(below, below))
         try:
-            found = newton(trial, moved(done, u, trial), report, most=2 * FEW_ITERATIONS)
+            found = newton(
+                trial, moved(done, u, trial), report, most=2 * FEW_ITERATIONS
+            )
         except ConvergenceError:
             factor **= 0.5
             continue
@@ -293,7 +373,9 @@ def sharpened(problem: Problem, u: Array, report: Report) -> tuple[Problem, Arra
 
 
 def smooth(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
-    """Return a state with smooth powers: by Newton's method, growing rates, or where heat matters a march in time."""
+    """Return a state with smooth powers: by Newton's method, growing rates, or where
+    heat matters a march in time.
+    """
     try:
         return problem, newton(problem, u, report, most=FIRST_ITERATIONS)
     except ConvergenceError:
@@ -303,7 +385,9 @@ def smooth(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
     even = problem
     if problem.scene.mesh.cells is None:
         v = problem.line.vertices
-        every = np.sort(np.concatenate([v, np.linspace(v[0], v[-1], EVEN_CELLS + 1)[1:-1]]))
+        every = np.sort(
+            np.concatenate([v, np.linspace(v[0], v[-1], EVEN_CELLS + 1)[1:-1]])
+        )
         apart = np.concatenate([[True], np.diff(every) > np.diff(v).min()])
         apart[-1] = True
         even = problem.on(every[apart])
@@ -314,7 +398,9 @@ def smooth(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
 
 
 def sharper(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
-    """Return the state with powers of what is left one step sharper, where that converges."""
+    """Return the state with powers of what is left one step sharper, where that
+    converges.
+    """
     small = max(SHARPER * report.small, FINEST)
     if report.sharpest or not small < report.small:
         return problem, u
@@ -329,16 +415,22 @@ def sharper(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]
 
 
 def smoothing_changes(problem: Problem, u: Array, report: Report) -> float:
-    """Return by how much what leaves would change with powers as sharp as those of the laws, over what enters.
+    """Return by how much what leaves would change with powers as sharp as those of the
+    laws, over what enters.
 
-    By one step of Newton's method, which shows it where the method itself does not converge.
+    By one step of Newton's method, which shows it where the method itself does not
+    converge.
     """
     du, share, _ = step(problem.with_small(None), u, report)
-    return float(np.abs(what_leaves(problem, u + share * du) - what_leaves(problem, u)).max())
+    return float(
+        np.abs(what_leaves(problem, u + share * du) - what_leaves(problem, u)).max()
+    )
 
 
 def grown(problem: Problem, u: Array, report: Report) -> Array:
-    """Return the steady state reached with all rates growing from a small share to their own values."""
+    """Return the steady state reached with all rates growing from a small share to
+    their own values.
+    """
     strength, step = 0.0, 0.02
     u = newton(problem.with_strength(0.0), u, report, most=FIRST_ITERATIONS)
     failures = 0

@@ -1,14 +1,17 @@
-"""One step in time of a reacting bed, d/dt C(u) + R(u, t) = 0 with the content C and fluxes less sources R.
+"""One step in time of a reacting bed, d/dt C(u) + R(u, t) = 0 with the content C and
+fluxes less sources R.
 
-Two stages of an L-stable diagonally implicit method of order 2 with gamma = 1 - 1/sqrt(2), written for C, so that what
-is stored is exactly what has passed:
+Two stages of an L-stable diagonally implicit method of order 2 with
+gamma = 1 - 1/sqrt(2), written for C, so that what is stored is exactly what has passed:
 
     C(U1) = C_n - gamma dt R(U1, t + gamma dt),
     C(u) = C_n - (1 - gamma) dt R(U1, t + gamma dt) - gamma dt R(u, t + dt)
 
-Both have the same matrix C'/(gamma dt) + R' but for the change of the state: it is computed and factorised once for a
-step and again only where corrections do not fall fast. The error of a step is the difference to a method of order 1,
-filtered by the first matrix of the step: whether another is needed may hang on rounding, and the steps then as well.
+Both have the same matrix C'/(gamma dt) + R' but for the change of the state: it is
+computed and factorised once for a step and again only where corrections do not fall
+fast. The error of a step is the difference to a method of order 1, filtered by the
+first matrix of the step: whether another is needed may hang on rounding, and the steps
+then as well.
 
 Source: Alexander 1977, SIAM J. Numer. Anal. 14, 1006-1021, doi:10.1137/0714068.
 """
@@ -31,8 +34,10 @@ Array = NDArray[np.float64]
 GAMMA = 1.0 - 0.5**0.5
 SLOWEST = 0.2  # factor by which a correction with an older matrix has to fall
 CORRECTIONS = 12  # at most, with an older matrix
-ROUNDINGS = 1e3  # of the terms of a residual, below which no other matrix makes it smaller
-ROUNDING = 5e-16  # of typical sizes, below which what is left of an error does not open balances
+# of the terms of a residual, below which no other matrix makes it smaller
+ROUNDINGS = 1e3
+# of typical sizes, below which what is left of an error does not open balances
+ROUNDING = 5e-16
 
 
 def stages(
@@ -44,7 +49,8 @@ def stages(
     sizes: Array,
     ended: NDArray[np.bool_] | None = None,
 ) -> tuple[Array, Array, float]:
-    """Return both stages of a step from a state, and the estimate of its local error over sizes.
+    """Return both stages of a step from a state, and the estimate of its local error
+    over sizes.
 
     Parameters
     ----------
@@ -53,21 +59,30 @@ def stages(
     guess : of the first stage
     dt : length of the step [s]
     sizes : (m,) of the unknowns, that the estimate refers to
-    ended : (m, N, p + 1) solids at rest of which neither stage takes more than there is; None for none
+    ended : (m, N, p + 1) solids at rest of which neither stage takes more than there
+        is; None for none
 
     Raises
     ------
     ConvergenceError : a stage is not found
     """
     before = Storage(problems[0], np.zeros_like(u), GAMMA * dt).content(u, False)[0]
-    start = problems[0] if ended is None else _limited(problems[0], before, (1.0 - GAMMA) * dt, ended)
+    start = (
+        problems[0]
+        if ended is None
+        else _limited(problems[0], before, (1.0 - GAMMA) * dt, ended)
+    )
     one = Storage(start, before, GAMMA * dt, loose=False)
     with np.errstate(all="ignore"):
         matrix = _matrix(start, guess, one)
     first, factors = _solved(start, guess, report, one, matrix, own=True)
     slope = (one.content(first, False)[0] - before) / (GAMMA * dt)
     target = before + (1.0 - GAMMA) * dt * slope
-    end = problems[1] if ended is None else _limited(problems[1], target, GAMMA * dt, ended)
+    end = (
+        problems[1]
+        if ended is None
+        else _limited(problems[1], target, GAMMA * dt, ended)
+    )
     two = Storage(end, target, GAMMA * dt, loose=False)
     last, _ = _solved(end, first, report, two, factors, own=False)
     change = slope - (two.content(last, False)[0] - target) / (GAMMA * dt)
@@ -76,13 +91,19 @@ def stages(
     filtered = matrix.solve(difference) / sizes[:, None, None]
     if problems[1].damping is not None:
         means = (filtered @ line.weights)[:, :, None]
-        moves = (carried(problems[1])[:, None] > 0.0) & (problems[1].damping > 0.0).any(axis=0)
+        moves = (carried(problems[1])[:, None] > 0.0) & (problems[1].damping > 0.0).any(
+            axis=0
+        )
         filtered = np.where(moves[:, :, None], means, filtered)
     return first, last, float(np.abs(filtered).max())
 
 
-def _limited(problem: Problem, there: Array, dt: float, ended: NDArray[np.bool_]) -> Problem:
-    """Return the problem that in a time takes no more of some solids at rest than is there."""
+def _limited(
+    problem: Problem, there: Array, dt: float, ended: NDArray[np.bool_]
+) -> Problem:
+    """Return the problem that in a time takes no more of some solids at rest than is
+    there.
+    """
     return problem.with_most_lost(np.where(ended, np.maximum(there, 0.0) / dt, np.inf))
 
 
@@ -93,11 +114,18 @@ def _matrix(problem: Problem, u: Array, storage: Storage) -> Any:
 
 
 def _solved(
-    problem: Problem, guess: Array, report: solve.Report, storage: Storage, factors: Any, own: bool
+    problem: Problem,
+    guess: Array,
+    report: solve.Report,
+    storage: Storage,
+    factors: Any,
+    own: bool,
 ) -> tuple[Array, Any]:
-    """Return the solution of a stage, and the last matrix; that which is given is used as long as it serves.
+    """Return the solution of a stage, and the last matrix; that which is given is used
+    as long as it serves.
 
-    `own` says whether it is that of the guess, so that another one of it would be the same.
+    `own` says whether it is that of the guess, so that another one of it would be the
+    same.
     """
     with np.errstate(all="ignore"):
         found = _corrected(problem, guess, report, storage, factors)
@@ -110,19 +138,27 @@ def _solved(
         return found, factors
 
 
-def _by_newton(problem: Problem, guess: Array, report: solve.Report, storage: Storage) -> Array:
-    """Return the solution of a stage by Newton's method, from one with smoother powers where that is of use.
+def _by_newton(
+    problem: Problem, guess: Array, report: solve.Report, storage: Storage
+) -> Array:
+    """Return the solution of a stage by Newton's method, from one with smoother powers
+    where that is of use.
 
-    A gas that follows at once is not nearer to its solution in a shorter step, as one that is stored is.
+    A gas that follows at once is not nearer to its solution in a shorter step, as one
+    that is stored is.
 
     Raises
     ------
     ConvergenceError : it does not converge
     """
     try:
-        return solve.newton(problem, guess, report, storage, most=solve.FIRST_ITERATIONS)
+        return solve.newton(
+            problem, guess, report, storage, most=solve.FIRST_ITERATIONS
+        )
     except ConvergenceError:
-        if problem.bed.gas_pressure is not None or not any(each.has_roots for each in problem.reactions):
+        if problem.bed.gas_pressure is not None or not any(
+            each.has_roots for each in problem.reactions
+        ):
             raise
     own, share, factor = problem.bed.small, solve.SMOOTHEST, solve.SHARPER
     smooth = problem.with_small(Smoothing(max(share, own.solids), share))
@@ -131,7 +167,9 @@ def _by_newton(problem: Problem, guess: Array, report: solve.Report, storage: St
         below = max(factor * share, own.amounts)
         trial = problem.with_small(Smoothing(max(below, own.solids), below))
         try:
-            guess = solve.newton(trial, guess, report, storage, most=solve.FIRST_ITERATIONS)
+            guess = solve.newton(
+                trial, guess, report, storage, most=solve.FIRST_ITERATIONS
+            )
             share = below
         except ConvergenceError:
             factor **= 0.5
@@ -140,8 +178,12 @@ def _by_newton(problem: Problem, guess: Array, report: solve.Report, storage: St
     return guess
 
 
-def _corrected(problem: Problem, u: Array, report: solve.Report, storage: Storage, factors: Any) -> Array | None:
-    """Return the solution by corrections with one matrix; None where they do not fall fast."""
+def _corrected(
+    problem: Problem, u: Array, report: solve.Report, storage: Storage, factors: Any
+) -> Array | None:
+    """Return the solution by corrections with one matrix; None where they do not
+    fall fast.
+    """
     scale = problem.sizes[:, None, None]
     before = np.inf
     for _ in range(CORRECTIONS):

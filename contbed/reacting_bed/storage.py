@@ -1,4 +1,6 @@
-"""What a reacting bed holds in time, added to the residuals of its steady equations: implicit Euler steps."""
+"""What a reacting bed holds in time, added to the residuals of its steady equations:
+implicit Euler steps.
+"""
 
 from __future__ import annotations
 
@@ -12,18 +14,23 @@ from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.problem import Problem
 
 Array = NDArray[np.float64]
-NO_DATA = 1e6  # [J/m3/K], heat capacity of a bed in marches whose particles have no data
+# [J/m3/K], heat capacity of a bed in marches whose particles have no data
+NO_DATA = 1e6
 
 
 def stored_rows(problem: Problem) -> NDArray[np.intp]:
-    """Return the rows of the unknowns that store something in time; the others follow at once."""
+    """Return the rows of the unknowns that store something in time; the others
+    follow at once.
+    """
     fills = problem.bed.gas_pressure is not None
     warm = [name for name in problem.layout.temperatures if fills or name != "T_fluid"]
     return np.array(
         [
             k
             for k, name in enumerate(problem.names)
-            if name.startswith(("n_", "a_")) or name in warm or (fills and name.startswith("g_"))
+            if name.startswith(("n_", "a_"))
+            or name in warm
+            or (fills and name.startswith("g_"))
         ],
         dtype=np.intp,
     )
@@ -31,12 +38,19 @@ def stored_rows(problem: Problem) -> NDArray[np.intp]:
 
 def gas_of_rings(problem: Problem) -> tuple[NDArray[np.intp], ...]:
     """Return the rows of the gases of each ring, one ring in one dimension."""
-    gases = np.array([k for k, name in enumerate(problem.layout.names) if name.startswith("g_")])
-    return tuple(first + gases for first in range(0, len(problem.names), len(problem.layout.names)))
+    gases = np.array(
+        [k for k, name in enumerate(problem.layout.names) if name.startswith("g_")]
+    )
+    return tuple(
+        first + gases
+        for first in range(0, len(problem.names), len(problem.layout.names))
+    )
 
 
 class Storage:
-    """What particles, and where asked for the gas, hold: implicit Euler steps for marches to a steady state."""
+    """What particles, and where asked for the gas, hold: implicit Euler steps for
+    marches to a steady state.
+    """
 
     def __init__(self, problem: Problem, held: Array, dt: float, loose: bool = True):
         self.problem, self.dt, self.held, self.loose = problem, dt, held, loose
@@ -47,11 +61,21 @@ class Storage:
         return cls(problem, cls(problem, before, dt).content(before, False)[0], dt)
 
     def content(self, u: Array, jacobian: bool) -> tuple[Array, Any]:
-        """Return the content per volume of bed by equation at the nodes, and its derivatives."""
+        """Return the content per volume of bed by equation at the nodes, and its
+        derivatives.
+        """
         flat, section = u.reshape(len(u), -1), self.problem.section
         one = np.ones(flat.shape[1])
-        values: list[Any] = [Dual(x, {("u", k): one}) for k, x in enumerate(flat)] if jacobian else list(flat)
-        parts = self._of_bed(values) if section is None else section.held(values, self._of_bed)
+        values: list[Any] = (
+            [Dual(x, {("u", k): one}) for k, x in enumerate(flat)]
+            if jacobian
+            else list(flat)
+        )
+        parts = (
+            self._of_bed(values)
+            if section is None
+            else section.held(values, self._of_bed)
+        )
         table = np.empty_like(flat)
         for row, part in zip(table, parts, strict=True):
             row[:] = getattr(part, "value", part)
@@ -62,8 +86,16 @@ class Storage:
         bed = self.bed_at(values)
         state = bed.state(values)
         parts: list[Any] = [0.0] * len(bed.layout.names)
-        gas, heat = bed.held_by_gas(state) if bed.gas_pressure is not None else ({}, 0.0)
-        inside = iter([moles for phase, own in bed.with_states(state) for moles in phase.moles_inside(own)])
+        gas, heat = (
+            bed.held_by_gas(state) if bed.gas_pressure is not None else ({}, 0.0)
+        )
+        inside = iter(
+            [
+                moles
+                for phase, own in bed.with_states(state)
+                for moles in phase.moles_inside(own)
+            ]
+        )
         for k, name in enumerate(bed.layout.names):
             if name.startswith("n_"):
                 parts[k] = values[k]
@@ -81,7 +113,9 @@ class Storage:
         return parts
 
     def bed_at(self, _: list[Any]) -> Bed:
-        """Return the bed whose gas is stored at the pressure of values of the unknowns."""
+        """Return the bed whose gas is stored at the pressure of values of the
+        unknowns.
+        """
         return self.problem.bed
 
     def residual(self, u: Array) -> Array:
@@ -91,17 +125,30 @@ class Storage:
         return found
 
     def rounding(self) -> Array:
-        """Return what one rounding of all terms is in the residuals: of the content, over the step, and of fluxes."""
+        """Return what one rounding of all terms is in the residuals: of the content,
+        over the step, and of fluxes.
+        """
         line, sizes = self.problem.line, self.problem.flux_sizes[:, None, None]
-        found: Array = np.finfo(float).eps * (np.abs(self.held) * line.weights * line.h[:, None] / self.dt + sizes)
+        found: Array = np.finfo(float).eps * (
+            np.abs(self.held) * line.weights * line.h[:, None] / self.dt + sizes
+        )
         return found
 
     def add(self, u: Array, residual: Array, slopes: Any) -> Array:
-        """Return the residuals with what storage adds, and add its derivatives to theirs."""
+        """Return the residuals with what storage adds, and add its derivatives to
+        theirs.
+        """
         line = self.problem.line
         _, N, n = u.shape
         held, parts = self.content(u, True)
         for e, part in enumerate(parts):
             for (_, f), tangent in getattr(part, "tangents", {}).items():
-                slopes.add_source(e, f, "u", np.broadcast_to(-tangent / self.dt, (N * n,)).reshape(N, n))
-        return residual + (held - self.held) * (line.weights * line.h[:, None] / self.dt)
+                slopes.add_source(
+                    e,
+                    f,
+                    "u",
+                    np.broadcast_to(-tangent / self.dt, (N * n,)).reshape(N, n),
+                )
+        return residual + (held - self.held) * (
+            line.weights * line.h[:, None] / self.dt
+        )

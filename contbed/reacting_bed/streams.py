@@ -23,10 +23,13 @@ class Streams:
     """What enters: fluxes per area of the bed.
 
     gas : mole flux of each gas [mol/m2/s], signed along x
-    solid : moles of each constituent where particles enter [mol/m3 bed], also of those that only reactions make
-    T_solids : temperature of each solid phase [K]; of one at rest that of the gas, or of the first that moves
-    shares, velocities, densities : of each solid phase its share of the volume of all particles, the superficial
-        velocity along x as if it filled the bed [m/s], and the mass per volume of bed [kg/m3]
+    solid : moles of each constituent where particles enter [mol/m3 bed], also of those
+        that only reactions make
+    T_solids : temperature of each solid phase [K]; of one at rest that of the gas, or
+        of the first that moves
+    shares, velocities, densities : of each solid phase its share of the volume of all
+        particles, the superficial velocity along x as if it filled the bed [m/s], and
+        the mass per volume of bed [kg/m3]
     """
 
     gas: dict[str, float]
@@ -55,7 +58,9 @@ def streams(scene: s.ReactingScene, species: Substances) -> Streams:
     boundary, pressure = scene.boundary, scene.gas.pressure
     table = gas_inlet(boundary)
     T_gas = temperature_of(table)
-    composition = scene.gas.composition if table.composition is None else table.composition
+    composition = (
+        scene.gas.composition if table.composition is None else table.composition
+    )
     assert isinstance(composition, str)  # `checks` and `Schedule.frozen` see to it
     entering = mole_fractions(composition)
     mean = sum(x * species.gases[name].molar_mass for name, x in entering.items())
@@ -79,10 +84,22 @@ def streams(scene: s.ReactingScene, species: Substances) -> Streams:
             moles_alone = density * phase.fed.get(constituent, 0.0) / data.molar_mass
             solid[phase.full(constituent)] = shares[name] * moles_alone
     T_solids = _temperatures_of_solids(boundary, velocities, T_gas)
-    return Streams(gas, solid, moles * mean, T_gas, T_solids, pressure, shares, velocities, densities)
+    return Streams(
+        gas,
+        solid,
+        moles * mean,
+        T_gas,
+        T_solids,
+        pressure,
+        shares,
+        velocities,
+        densities,
+    )
 
 
-def _temperatures_of_solids(boundary: Boundaries, velocities: Mapping[str, float], T_gas: float) -> dict[str, float]:
+def _temperatures_of_solids(
+    boundary: Boundaries, velocities: Mapping[str, float], T_gas: float
+) -> dict[str, float]:
     """Return the temperature of each solid phase where it enters."""
     moving = {}
     for name, velocity in velocities.items():
@@ -95,11 +112,17 @@ def _temperatures_of_solids(boundary: Boundaries, velocities: Mapping[str, float
 
 
 def flow_of_gas(boundary: Boundaries) -> tuple[str, str]:
-    """Return the boundary that gives the flow of the gas, and its key there; "" where none does."""
+    """Return the boundary that gives the flow of the gas, and its key there; ""
+    where none does.
+    """
     for side in INWARD:
         table = boundary.get(side)
         for key in s.FLOWS:
-            if table is not None and table.gas is not None and getattr(table.gas, key) is not None:
+            if (
+                table is not None
+                and table.gas is not None
+                and getattr(table.gas, key) is not None
+            ):
                 return side, key
     return "", ""
 
@@ -107,7 +130,11 @@ def flow_of_gas(boundary: Boundaries) -> tuple[str, str]:
 def gas_sign(boundary: Boundaries) -> float:
     """Return the direction of the gas along x, 0 where none flows."""
     side, key = flow_of_gas(boundary)
-    return float(np.sign(INWARD[side] * constant(getattr(boundary[side].gas, key)))) if side else 0.0
+    return (
+        float(np.sign(INWARD[side] * constant(getattr(boundary[side].gas, key))))
+        if side
+        else 0.0
+    )
 
 
 def entry(direction: float) -> str:
@@ -124,11 +151,17 @@ def gas_inlet(boundary: Boundaries) -> s.GasCondition:
 
 def temperature_of(table: s.GasCondition) -> float:
     """Return the temperature of the gas that enters [K]."""
-    return constant(table.temperature if table.fixed_temperature is None else table.fixed_temperature)
+    return constant(
+        table.temperature
+        if table.fixed_temperature is None
+        else table.fixed_temperature
+    )
 
 
 def given_velocity(boundary: Boundaries, phase: str) -> tuple[str, Any]:
-    """Return the boundary that gives the velocity of a solid phase, and the value; "" and 0 for one at rest."""
+    """Return the boundary that gives the velocity of a solid phase, and the value;
+    "" and 0 for one at rest.
+    """
     for side in INWARD:
         table = boundary[side].solids.get(phase) if side in boundary else None
         if table is not None and table.velocity is not None:
@@ -142,8 +175,12 @@ def velocity_of(boundary: Boundaries, phase: str) -> float:
     return INWARD[side] * constant(value) if side else 0.0
 
 
-def solid_inlet(boundary: Boundaries, phase: str, velocity: float) -> s.SolidCondition | None:
-    """Return what the boundary says where a solid phase with a velocity along x enters."""
+def solid_inlet(
+    boundary: Boundaries, phase: str, velocity: float
+) -> s.SolidCondition | None:
+    """Return what the boundary says where a solid phase with a velocity along x
+    enters.
+    """
     side = entry(velocity)
     return boundary[side].solids.get(phase) if side in boundary else None
 
@@ -154,7 +191,9 @@ def slowest(velocities: Iterable[float]) -> float:
 
 
 def particle_density(table: s.Solid, phase: PhaseSpecies) -> float:
-    """Return the density of the particles of a phase as they enter [kg/m3], 0 where it is not known."""
+    """Return the density of the particles of a phase as they enter [kg/m3], 0 where
+    it is not known.
+    """
     if table.density is not None:
         return table.density
     if not phase.fed:
@@ -174,12 +213,19 @@ def sauter_mean(solids: Mapping[str, s.Solid]) -> float:
     first, *others = solids.values()
     if not others:
         return first.diameter
-    return 1.0 / sum(share / solids[name].diameter for name, share in shares_of(solids).items())
+    return 1.0 / sum(
+        share / solids[name].diameter for name, share in shares_of(solids).items()
+    )
 
 
 def mean_conductivity(solids: Mapping[str, s.Solid]) -> float | None:
-    """Return the mean conductivity of all particles by volume [W/m/K]; None where that of a phase is not known."""
+    """Return the mean conductivity of all particles by volume [W/m/K]; None where
+    that of a phase is not known.
+    """
     known = [table.conductivity for table in solids.values()]
     if None in known:
         return None
-    return sum(share * float(k or 0.0) for share, k in zip(shares_of(solids).values(), known, strict=True))
+    return sum(
+        share * float(k or 0.0)
+        for share, k in zip(shares_of(solids).values(), known, strict=True)
+    )

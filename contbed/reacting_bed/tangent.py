@@ -1,9 +1,10 @@
-"""Linear response of a steady reacting bed to small changes of its scene: the discrete tangent.
+"""Linear response of a steady reacting bed to small changes of its scene: the discrete
+tangent.
 
     R(u, p) = 0:   du = -A^-1 (R(u, p + h) - R(u, p - h))/2,   A = dR/du
 
-Results at u +- du and p +- h have a central difference with an error of O(h^2). The cells stay in number, and their
-ends move with the length of the bed.
+Results at u +- du and p +- h have a central difference with an error of O(h^2). The
+cells stay in number, and their ends move with the length of the bed.
 """
 
 from __future__ import annotations
@@ -43,8 +44,11 @@ class Tangent:
         found: Factors = slopes.factors(self.problem.flux_sizes, self.problem.sizes)
         return found
 
-    def results(self, below: ReactingScene, above: ReactingScene) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the named results of two scenes with a key a little below and above that of the solved one.
+    def results(
+        self, below: ReactingScene, above: ReactingScene
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the named results of two scenes with a key a little below and above
+        that of the solved one.
 
         Raises
         ------
@@ -70,7 +74,9 @@ class Tangent:
         # data of the species take longer to read than the equations to make
         before, now = ((of.gas, of.solids) for of in (base.scene, frozen))
         same = before == now
-        made = Problem.of(frozen, base.line.vertices * ratio, base.species if same else None)
+        made = Problem.of(
+            frozen, base.line.vertices * ratio, base.species if same else None
+        )
         made = made.with_strength(base.bed.strength).with_small(base.bed.small)
         if made.layout != base.layout or len(made.reactions) != len(base.reactions):
             raise UnlikeError(OTHER)

@@ -1,9 +1,12 @@
-"""Dynamic h-adaptivity: the cells of a coarse mesh are bisected repeatedly where the error indicator is large.
+"""Dynamic h-adaptivity: the cells of a coarse mesh are bisected repeatedly where the
+error indicator is large.
 
-After a step the jumps between cells and the highest modes of all fields are taken over the sizes that errors of steps
-refer to. Where one is larger than what is aimed at, the step is repeated on cells that are shorter there, with some
-room for a front that moves, and longer where errors are small. Cells that stay as they were keep their state to
-rounding, and those that are divided what they hold at each place; only cells that are joined lose something of it.
+After a step the jumps between cells and the highest modes of all fields are taken over
+the sizes that errors of steps refer to. Where one is larger than what is aimed at, the
+step is repeated on cells that are shorter there, with some room for a front that moves,
+and longer where errors are small. Cells that stay as they were keep their state to
+rounding, and those that are divided what they hold at each place; only cells that are
+joined lose something of it.
 """
 
 from __future__ import annotations
@@ -22,24 +25,32 @@ from contbed.reacting_bed.transfer import transferred
 
 Array = NDArray[np.float64]
 FEWEST = 8  # cells of a bed in time, a power of 2
-SHORTEST = 2.0**-10  # cell in time over the bed: steps of a front that has no width are as short
-ROOM = 3.0  # lengths of a short cell around it in which others are as short, so that a front can move
-FINER, COARSER = 0.25, 4.0  # lengths of cells in time over those before: errors of long cells lie in a part of them
+# cell in time over the bed: steps of a front that has no width are as short
+SHORTEST = 2.0**-10
+# lengths of a short cell around it in which others are as short, so that a front can
+# move
+ROOM = 3.0
+# lengths of cells in time over those before: errors of long cells lie in a part of them
+FINER, COARSER = 0.25, 4.0
 FEWER = 0.8  # of the present cells, below which fewer are taken although none needs it
 SAME_LENGTH = 1.0 + 1e-6
 
 
 def halved(vertices: Array, wanted: Array) -> Array:
-    """Return vertices of repeatedly bisected first cells, none longer than is wanted there (N,), with room beside it.
+    """Return vertices of repeatedly bisected first cells, none longer than is wanted
+    there (N,), with room beside it.
 
-    `vertices` are the present ones; away from a short cell lengths grow by no more than the distance.
+    `vertices` are the present ones; away from a short cell lengths grow by no more than
+    the distance.
     """
     start, length = vertices[0], vertices[-1] - vertices[0]
     parts, size, done = np.arange(FEWEST) / FEWEST, 1.0 / FEWEST, []
     while len(parts):
         low = start + length * parts[:, None]
         beyond = np.maximum(vertices[:-1] - (low + length * size), low - vertices[1:])
-        allowed = (wanted + (COARSEST - 1.0) * np.maximum(beyond - ROOM * wanted, 0.0)).min(axis=1)
+        allowed = (
+            wanted + (COARSEST - 1.0) * np.maximum(beyond - ROOM * wanted, 0.0)
+        ).min(axis=1)
         long = (length * size > SAME_LENGTH * allowed) & (size > SHORTEST)
         done.append(parts[~long])
         size *= 0.5
@@ -48,15 +59,20 @@ def halved(vertices: Array, wanted: Array) -> Array:
     return found
 
 
-def following(problem: Problem, states: Sequence[Array], sizes: Array) -> tuple[Array | None, float]:
-    """Return vertices of better cells for the states of a step, None where they are good, and the error of the last.
+def following(
+    problem: Problem, states: Sequence[Array], sizes: Array
+) -> tuple[Array | None, float]:
+    """Return vertices of better cells for the states of a step, None where they are
+    good, and the error of the last.
 
     The error is over sizes of the unknowns (m,).
     """
     found = [errors(problem, u, sizes) for u in states]
     wanted = wanted_lengths(problem, np.maximum.reduce(found), FINER, COARSER)
     vertices, worst = halved(problem.line.vertices, wanted), float(found[-1].max())
-    bad = (found[-1] > aim(problem)) & (problem.line.h > SAME_LENGTH * SHORTEST * problem.scene.mesh.length)
+    bad = (found[-1] > aim(problem)) & (
+        problem.line.h > SAME_LENGTH * SHORTEST * problem.scene.mesh.length
+    )
     needless = len(vertices) - 1 < FEWER * problem.line.cells
     if not (bad.any() or needless) or np.array_equal(vertices, problem.line.vertices):
         return None, worst
@@ -64,7 +80,9 @@ def following(problem: Problem, states: Sequence[Array], sizes: Array) -> tuple[
 
 
 def fitted(course: Course) -> Course:
-    """Return the course on cells that fit the state at the start, where cells follow errors."""
+    """Return the course on cells that fit the state at the start, where cells follow
+    errors.
+    """
     for _ in range(course.rounds):
         u = course.start()
         better, _ = following(course.problem, [u], course.sizes(u))
@@ -74,7 +92,9 @@ def fitted(course: Course) -> Course:
     return course
 
 
-def on_cells(course: Course, history: History, vertices: Array) -> tuple[Course, History]:
+def on_cells(
+    course: Course, history: History, vertices: Array
+) -> tuple[Course, History]:
     """Return the course and the history on other cells, which hold the same.
 
     Raises

@@ -1,10 +1,12 @@
-"""Steps in time of a reacting bed: particles store moles and heat, the gas too or it follows at once.
+"""Steps in time of a reacting bed: particles store moles and heat, the gas too or it
+follows at once.
 
     d/dt C(u) + R(u, t) = 0,    C the content per volume of bed, zero for equations of a gas that follows at once
 
-What is stored is exactly what has passed the ends, weighted as the stages of a step are (`stages`). No step crosses a
-jump of a series, or a kink that is larger than its error allows: streams that enter have at each stage the values of
-its time, and those before a jump where it ends there.
+What is stored is exactly what has passed the ends, weighted as the stages of a step are
+(`stages`). No step crosses a jump of a series, or a kink that is larger than its error
+allows: streams that enter have at each stage the values of its time, and those before a
+jump where it ends there.
 """
 
 from __future__ import annotations
@@ -36,10 +38,14 @@ from contbed.scene.identity import identity
 
 Array = NDArray[np.float64]
 SAFETY, MOST_GROWTH, LEAST_GROWTH = 0.8, 2.5, 0.2
-DIGITS = 2**10  # steps between two powers of 2: a thousandth, of estimates that rounding changes by 1e-9
+# steps between two powers of 2: a thousandth, of estimates that rounding changes by
+# 1e-9
+DIGITS = 2**10
 SHORTER = 0.25  # of a step that does not converge
 MOST_TRIALS = 4  # of a step whose amounts are below zero, each of a shorter one
-MOST_UNBOUNDED = 10  # steps of a run with amounts below zero, from which on shorter ones are known not to help
+# steps of a run with amounts below zero, from which on shorter ones are known not to
+# help
+MOST_UNBOUNDED = 10
 
 
 def run_transient(
@@ -50,9 +56,11 @@ def run_transient(
     start: tuple[Any, Any] | None,
     periods: Callable[..., Iterator[Any]] | None = None,
 ) -> None:
-    """Take steps to the end and fill the result; the checkpoint in `folder` always holds an accepted step.
+    """Take steps to the end and fill the result; the checkpoint in `folder` always
+    holds an accepted step.
 
-    `periods` are those of a cycle, see `cycle`, of which the last is the run; None for any other run.
+    `periods` are those of a cycle, see `cycle`, of which the last is the run; None for
+    any other run.
 
     Raises
     ------
@@ -66,7 +74,8 @@ def run_transient(
         history = begin(fit, fit.start())
     else:
         history = History.unpack(*start)
-        if periods is None:  # of a cycle the state alone counts, from which periods begin anew
+        # of a cycle the state alone counts, from which periods begin anew
+        if periods is None:
             history = history.fitted(time, origin)
     label = identity(course.scene) if folder is not None else {}
 
@@ -88,7 +97,11 @@ def run_transient(
     found = None
     try:
         with result.timed("bed"), Progress(time.end, "s", quiet) as progress:
-            for found in () if periods is None else periods(course, history.u, report, progress.advance_to):
+            for found in (
+                ()
+                if periods is None
+                else periods(course, history.u, report, progress.advance_to)
+            ):
                 history = found.history
                 save_if_due()
             if found is not None and found.taken is not None:
@@ -118,9 +131,12 @@ def run_transient(
     if found is not None and not found.closed:
         assert time.cycle is not None
         raise ConvergenceError(
-            f"{origin.at(('time', 'cycle'))}: time.cycle: of {found.periods} periods the best changes the bed by "
-            f"{found.change:.3g} of its typical sizes, allowed are {time.cycle.tolerance:.3g}: use more mesh.cells, "
-            "raise time.cycle.tolerance, or begin with the profiles of that period, which were written, initial.file",
+            f"{origin.at(('time', 'cycle'))}: time.cycle: of {found.periods} periods "
+            "the best changes the bed by "
+            f"{found.change:.3g} of its typical sizes, allowed are "
+            f"{time.cycle.tolerance:.3g}: use more mesh.cells, "
+            "raise time.cycle.tolerance, or begin with the profiles of that period, "
+            "which were written, initial.file",
             report.history,
             history.u,
         )
@@ -131,7 +147,9 @@ class _Infeasible(ConvergenceError):
 
 
 def taken_in(course: Course, before: History, after: History) -> str | None:
-    """Return what rates take though there is none of it, after a step with amounts below zero; None if they do not."""
+    """Return what rates take though there is none of it, after a step with amounts
+    below zero; None if they do not.
+    """
     if after.unbounded == before.unbounded:
         return None
     sentence = taken_though_absent(course.on(after).at(after.time), after.u)
@@ -140,9 +158,14 @@ def taken_in(course: Course, before: History, after: History) -> str | None:
 
 def _advice(course: Course, history: History) -> str:
     """Return what to try where steps fail at a state."""
-    problem, stops = course.at(history.time, before=False), "it would flow back from the other end"
+    problem, stops = (
+        course.at(history.time, before=False),
+        "it would flow back from the other end",
+    )
     if (without := rate_without_value(problem, history.u)) is not None:
-        return f"{without}: add a small amount to what it divides by, such as c_X + 1e-6"
+        return (
+            f"{without}: add a small amount to what it divides by, such as c_X + 1e-6"
+        )
     gases = [k for k, name in enumerate(problem.layout.names) if name.startswith("g_")]
     enters = abs(sum(problem.streams.gas.values()))
     u = turned(problem, history.u)
@@ -150,23 +173,31 @@ def _advice(course: Course, history: History) -> str:
     cooled = _contraction(problem, u)
     if problem.bed.gas_pressure is not None and taken >= enters:
         return (
-            f"reactions take {taken:.3g} mol/m2/s of the gas that fills the bed and {enters:.3g} enter: {stops}. "
-            "Begin with initial.gas.composition of gas that has reacted, or give packed_bed.gas_storage = "
+            f"reactions take {taken:.3g} mol/m2/s of the gas that fills the bed and "
+            f"{enters:.3g} enter: {stops}. "
+            "Begin with initial.gas.composition of gas that has reacted, or give "
+            "packed_bed.gas_storage = "
             '"quasi_steady"'
         )
     if problem.bed.gas_pressure is not None and taken + cooled >= enters:
         return (
-            f"the particles cool the gas that fills the bed, which makes room for {cooled:.3g} mol/m2/s, and "
+            "the particles cool the gas that fills the bed, which makes room for "
+            f"{cooled:.3g} mol/m2/s, and "
             f'{enters:.3g} enter: {stops}. Give packed_bed.gas_storage = "quasi_steady"'
         )
-    return f"use {finer(course.scene)}, or smooth a rate whose slope is infinite where nothing is left"
+    return (
+        f"use {finer(course.scene)}, or smooth a rate whose slope is infinite where "
+        "nothing is left"
+    )
 
 
 def _contraction(problem: Problem, u: Array) -> float:
-    """Return the moles that the gas in the pores makes room for as it cools to the particles [mol/m2/s].
+    """Return the moles that the gas in the pores makes room for as it cools to the
+    particles [mol/m2/s].
 
-    At constant pressure these are -n/T dT/dt, and the heat n c dT/dt is what the equations of the gas leave at `u`;
-    none where gas and particles have one temperature.
+    At constant pressure these are -n/T dT/dt, and the heat n c dT/dt is what the
+    equations of the gas leave at `u`; none where gas and particles have one
+    temperature.
     """
     layout, residual = problem.layout, problem.system.assemble(u, False)[0]
     room = np.zeros(len(u))
@@ -190,9 +221,15 @@ def begin(course: Course, u: Array) -> History:
     held = contents(course.problem, u)
     passed, none = np.zeros((len(held), 2)), np.zeros(u.shape[:2])
     first, vertices = FIRST_STEP * course.time.end, course.problem.line.vertices
-    history = History(u, first, held, passed, passed, passed[:, 0], none, none[0] > 0.0, vertices)
+    history = History(
+        u, first, held, passed, passed, passed[:, 0], none, none[0] > 0.0, vertices
+    )
     pressure = course.problem.bed.gas_pressure
-    return replace(history, pressure=pressure) if course.rounds and np.ndim(pressure) else history
+    return (
+        replace(history, pressure=pressure)
+        if course.rounds and np.ndim(pressure)
+        else history
+    )
 
 
 def march(course: Course, history: History, report: solve.Report) -> Iterator[History]:
@@ -214,8 +251,11 @@ def march(course: Course, history: History, report: solve.Report) -> Iterator[Hi
             yield history
 
 
-def advanced(course: Course, history: History, stop: float, report: solve.Report) -> History:
-    """Return the history after the longest step towards a time that its error allows, within bounds where one is found.
+def advanced(
+    course: Course, history: History, stop: float, report: solve.Report
+) -> History:
+    """Return the history after the longest step towards a time that its error allows,
+    within bounds where one is found.
 
     Raises
     ------
@@ -243,10 +283,18 @@ def advanced(course: Course, history: History, stop: float, report: solve.Report
 def _guess_inside(course: Course, history: History) -> None:
     """Take the first guesses inside of pellets from a history."""
     for kind, pellets in course.problem.pellets.items():
-        pellets.known.update({count: xi for (count, of), xi in history.extents.items() if of == (kind or "")})
+        pellets.known.update(
+            {
+                count: xi
+                for (count, of), xi in history.extents.items()
+                if of == (kind or "")
+            }
+        )
 
 
-def _advanced(course: Course, history: History, stop: float, report: solve.Report, dt: float) -> History:
+def _advanced(
+    course: Course, history: History, stop: float, report: solve.Report, dt: float
+) -> History:
     """Return the history after a step no longer than dt that its error allows."""
     time, rounds = course.time, course.rounds
     shortest, rough = SHORTEST_STEP * time.end, 0.0
@@ -259,7 +307,13 @@ def _advanced(course: Course, history: History, stop: float, report: solve.Repor
             raise ConvergenceError("steps in time become ever smaller")
         try:
             found = bounded(
-                _problems(course, history.time, step), history.u, u, step, report, course.sizes(u), history.damping
+                _problems(course, history.time, step),
+                history.u,
+                u,
+                step,
+                report,
+                course.sizes(u),
+                history.damping,
             )
         except ConvergenceError:
             dt = SHORTER * step
@@ -271,22 +325,31 @@ def _advanced(course: Course, history: History, stop: float, report: solve.Repor
             dt = with_few_digits(step * max(growth, LEAST_GROWTH))
             continue
         if course.rounds:
-            better, rough = following(course.problem, (history.u, found.states[1]), course.sizes(u))
+            better, rough = following(
+                course.problem, (history.u, found.states[1]), course.sizes(u)
+            )
             if better is not None and rounds:
                 try:
                     course, history = on_cells(course, history, better)
                     u, rounds = _guess(course, history), rounds - 1
                     continue
-                except ConvergenceError:  # cells that would hold more than particles can stay as they are
+                # cells that would hold more than particles can stay as they are
+                except ConvergenceError:
                     rounds = 0
-        later = with_few_digits(dt * min(max(growth, LEAST_GROWTH), MOST_GROWTH)) if step == dt else dt
+        later = (
+            with_few_digits(dt * min(max(growth, LEAST_GROWTH), MOST_GROWTH))
+            if step == dt
+            else dt
+        )
         end = history.time + step
         end = stop if end >= stop * (1.0 - SAME) else end
         return _passed(history, found, step, end, later, rough)
 
 
 def _guess(course: Course, history: History) -> Array:
-    """Return the first guess of a step: the state, or after a jump another with the flux of the gas that enters."""
+    """Return the first guess of a step: the state, or after a jump another with the
+    flux of the gas that enters.
+    """
     if course.schedule and history.time > 0.0 and course.schedule.jumps(history.time):
         return turned(course.at(history.time, before=False), history.u)
     return history.u
@@ -295,13 +358,16 @@ def _guess(course: Course, history: History) -> Array:
 def _problems(course: Course, time: float, step: float) -> tuple[Problem, Problem]:
     """Return the bed at both stages of a step."""
     since = course.since(time)
-    return course.at(time + GAMMA * step, since=since), course.at(time + step, since=since)
+    return course.at(time + GAMMA * step, since=since), course.at(
+        time + step, since=since
+    )
 
 
 def repeated(
     course: Course, history: History, ends: Sequence[float], report: solve.Report
 ) -> Iterator[tuple[History, float]]:
-    """Yield the histories after steps that end at given times [s], whatever their errors, and these.
+    """Yield the histories after steps that end at given times [s], whatever their
+    errors, and these.
 
     Raises
     ------
@@ -312,7 +378,9 @@ def repeated(
     for end in ends:
         step, guess = end - history.time, _guess(course, history)
         problems, sizes = _problems(course, history.time, step), course.sizes(guess)
-        found = bounded(problems, history.u, guess, step, report, sizes, history.damping, kept=True)
+        found = bounded(
+            problems, history.u, guess, step, report, sizes, history.damping, kept=True
+        )
         history = _passed(history, found, step, end, history.dt)
         if end in outputs:
             history = history.keeping(end)
@@ -320,15 +388,31 @@ def repeated(
 
 
 def with_few_digits(dt: float) -> float:
-    """Return the next shorter step of so few digits that rounding in the estimates of errors does not decide them."""
+    """Return the next shorter step of so few digits that rounding in the estimates
+    of errors does not decide them.
+    """
     mantissa, exponent = math.frexp(dt)
     return math.ldexp(math.floor(mantissa * DIGITS), exponent) / DIGITS
 
 
-def _passed(history: History, found: Bounded, step: float, end: float, dt: float, rough: float = 0.0) -> History:
-    """Return the history after a step; its weights are those of the stages, so that totals close to rounding."""
+def _passed(
+    history: History,
+    found: Bounded,
+    step: float,
+    end: float,
+    dt: float,
+    rough: float = 0.0,
+) -> History:
+    """Return the history after a step; its weights are those of the stages, so that
+    totals close to rounding.
+    """
     problems, states = found.problems, found.states
-    passed, both_ways, sources, carried = history.passed, history.both_ways, history.sources, history.carried
+    passed, both_ways, sources, carried = (
+        history.passed,
+        history.both_ways,
+        history.sources,
+        history.carried,
+    )
     fluxes = passed
     for problem, u, weight in zip(problems, states, (1.0 - GAMMA, GAMMA), strict=True):
         fluxes = problem.mean(problem.system.fluxes(u)[:, [0, -1]])
@@ -339,7 +423,9 @@ def _passed(history: History, found: Bounded, step: float, end: float, dt: float
             carried += step * weight * results.heat_carried(problem, u)
     row = outlet(problems[1], states[1], fluxes, end)
     pellets = problems[1].pellets.items()
-    low = min(history.least, least(problems[1], states[1], end), key=lambda each: each.value)
+    low = min(
+        history.least, least(problems[1], states[1], end), key=lambda each: each.value
+    )
     return replace(
         history,
         u=states[1],
@@ -360,12 +446,18 @@ def _passed(history: History, found: Bounded, step: float, end: float, dt: float
         unbounded=history.unbounded + (not found.within),
         most=max(history.most, problems[1].line.cells),
         rough=history.rough + step * rough,
-        extents={(count, kind or ""): xi for kind, each in pellets for count, xi in each.known.items()},
+        extents={
+            (count, kind or ""): xi
+            for kind, each in pellets
+            for count, xi in each.known.items()
+        },
     )
 
 
 def turned(problem: Problem, u: Array) -> Array:
-    """Return a first guess after a jump of the streams: the gas with its new flux, as hot as it was."""
+    """Return a first guess after a jump of the streams: the gas with its new flux,
+    as hot as it was.
+    """
     out, count = u.copy(), len(problem.names) // len(problem.layout.names)
     gas = [k for k, name in enumerate(problem.names) if name.startswith("g_")]
     out[gas] *= count * sum(problem.streams.gas.values()) / u[gas].sum(axis=0).mean()
@@ -373,10 +465,14 @@ def turned(problem: Problem, u: Array) -> Array:
 
 
 def outlet(problem: Problem, u: Array, fluxes: Array, time: float) -> dict[str, float]:
-    """Return what leaves with the gas at a time; `fluxes` (m, 2) of all equations through both ends."""
+    """Return what leaves with the gas at a time; `fluxes` (m, 2) of all equations
+    through both ends.
+    """
     end = -1 if problem.streams.ahead else 0
     gas = {name: fluxes[k, end] for k, name in enumerate(problem.layout.gases)}
     total = sum(gas.values())
     state = results.values_at(problem, u, problem.line.vertices[[0, -1]])
     T = float(np.broadcast_to(state.T_fluid, (2,))[end])
-    return {"t [s]": time, "T_fluid [K]": T} | {f"x_{k} [1]": float(g / total) for k, g in gas.items()}
+    return {"t [s]": time, "T_fluid [K]": T} | {
+        f"x_{k} [1]": float(g / total) for k, g in gas.items()
+    }

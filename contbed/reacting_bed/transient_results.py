@@ -1,4 +1,6 @@
-"""Results of a transient run of a reacting bed: profiles at output times, the outlet over time, totals that close."""
+"""Results of a transient run of a reacting bed: profiles at output times, the outlet
+over time, totals that close.
+"""
 
 from __future__ import annotations
 
@@ -21,16 +23,32 @@ LARGE_ERROR = 3.0  # of cells over what is aimed at, above which the run warns
 
 
 def fill(course: Course, history: History, result: Result) -> None:
-    """Fill in results at the end, profiles at the output times, the outlet over time and totals of the run."""
+    """Fill in results at the end, profiles at the output times, the outlet over time
+    and totals of the run.
+    """
     problem = course.on(history).at(history.time)
     results.fill(problem, history.u, result, history.least)
     kept = history.kept or {history.time: (history.vertices, history.u)}
-    tables = [(t, results.profiles(course.at(t).on(vertices), u)) for t, (vertices, u) in kept.items()]
-    result.profiles = {"t [s]": np.concatenate([np.full(len(c["x [m]"]), t) for t, c in tables])}
-    result.profiles |= {key: np.concatenate([c[key] for _, c in tables]) for key in tables[0][1]}
+    tables = [
+        (t, results.profiles(course.at(t).on(vertices), u))
+        for t, (vertices, u) in kept.items()
+    ]
+    result.profiles = {
+        "t [s]": np.concatenate([np.full(len(c["x [m]"]), t) for t, c in tables])
+    }
+    result.profiles |= {
+        key: np.concatenate([c[key] for _, c in tables]) for key in tables[0][1]
+    }
     result.tables["outlet"] = history.table()
-    result.qoi |= {"time_steps": history.steps, "time_reached_s": history.time, "cells": problem.line.cells}
-    result.qoi |= {"cells_damped": int(history.damped.sum()), "steps_damped": history.steps_damped}
+    result.qoi |= {
+        "time_steps": history.steps,
+        "time_reached_s": history.time,
+        "cells": problem.line.cells,
+    }
+    result.qoi |= {
+        "cells_damped": int(history.damped.sum()),
+        "steps_damped": history.steps_damped,
+    }
     result.qoi |= {"steps_limited": history.steps_limited}
     if course.rounds:
         result.adaptations = history.changes
@@ -45,26 +63,34 @@ def _short_fronts(problem: Problem, error: float) -> str:
     """Return the warning about fronts that the shortest cells do not resolve."""
     shortest = SHORTEST * problem.scene.mesh.length
     return (
-        f"fronts are shorter than the shortest cells, {shortest:.2g} m: errors there are {error:.2g} of the sizes of "
-        f"the fields, {aim(problem):.2g} are aimed at; add conduction or dispersion in [closures], or raise "
+        f"fronts are shorter than the shortest cells, {shortest:.2g} m: errors there "
+        f"are {error:.2g} of the sizes of "
+        f"the fields, {aim(problem):.2g} are aimed at; add conduction or dispersion in "
+        "[closures], or raise "
         "solver.tolerance"
     )
 
 
 def contents(problem: Problem, u: Array) -> Array:
-    """Return what the bed holds by equation, per area, means over the section by name of the layout (m,)."""
+    """Return what the bed holds by equation, per area, means over the section by
+    name of the layout (m,).
+    """
     held = Storage(problem, np.zeros_like(u), 1.0).content(u, False)[0]
     line = problem.line
     return problem.mean(np.einsum("ecj,j,c->e", held, line.weights, line.h))
 
 
 def _balances(problem: Problem, history: History, result: Result) -> None:
-    """Add what of every element, and of energy with heats of formation, has passed the ends and is stored."""
+    """Add what of every element, and of energy with heats of formation, has passed
+    the ends and is stored.
+    """
     held = contents(problem, history.u)
     gain = held - history.held
     names = problem.layout.names
     inward = history.passed * np.array([1.0, -1.0])
-    for element in dict.fromkeys(e for item in problem.species.all.values() for e in item.composition):
+    for element in dict.fromkeys(
+        e for item in problem.species.all.values() for e in item.composition
+    ):
         atoms = np.zeros(len(names))
         for k, name in enumerate(names):
             if (species := conserved(name)) is not None:
@@ -73,10 +99,19 @@ def _balances(problem: Problem, history: History, result: Result) -> None:
         entering, leaving = parts[parts > 0].sum(), -parts[parts < 0].sum()
         stored = float(gain @ atoms)
         through = 0.5 * float(np.abs(history.both_ways * atoms[:, None]).sum())
-        scale = max(entering, through, float(np.abs(gain * atoms).max()), _blurring(held * atoms))
+        scale = max(
+            entering,
+            through,
+            float(np.abs(gain * atoms).max()),
+            _blurring(held * atoms),
+        )
         if scale > 0.0:
             result.balances[element] = Balance(
-                float(entering), float(leaving), "mol/m2", stored=stored, scale=float(scale)
+                float(entering),
+                float(leaving),
+                "mol/m2",
+                stored=stored,
+                scale=float(scale),
             ).as_dict()
     heat = [k for k, name in enumerate(names) if name in problem.layout.temperatures]
     if heat:
@@ -90,5 +125,7 @@ def _balances(problem: Problem, history: History, result: Result) -> None:
 
 
 def _blurring(held: Array) -> float:
-    """Return the least scale of a balance by what a bed holds: each step rounds it, whatever passes or reacts."""
+    """Return the least scale of a balance by what a bed holds: each step rounds it,
+    whatever passes or reacts.
+    """
     return HELD_SHARE * float(np.abs(held).sum())

@@ -1,4 +1,6 @@
-"""The report of a calibration: its keys, what the data see of them, warnings and pictures."""
+"""The report of a calibration: its keys, what the data see of them, warnings and
+pictures.
+"""
 
 from __future__ import annotations
 
@@ -19,9 +21,17 @@ from contbed.report.linked import Column, Linked, linked, read_columns
 from contbed.report.study import Content, Found, Study, has
 
 PICTURES = {"fit": "Measured and predicted", "residuals": "Residuals", "keys": "Keys"}
-ENDS = ("low", "high", "low of profile", "high of profile", "low of posterior", "high of posterior")
+ENDS = (
+    "low",
+    "high",
+    "low of profile",
+    "high of profile",
+    "low of posterior",
+    "high of posterior",
+)
 MOST_SAMPLES = 2000  # of a posterior in linked plots, which more make slow
-NUMBERS = ("t", "x", "measured", "predicted", "low", "high", "deviation over error")  # columns of points.csv
+# columns of points.csv
+NUMBERS = ("t", "x", "measured", "predicted", "low", "high", "deviation over error")
 TEXTS = ("experiment", "line", "quantity", "unit", "fitted")
 
 
@@ -86,22 +96,38 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
     points = read_columns(folder / "points.csv", TEXTS, NUMBERS)
     data = found["data"]
     about = (
-        f"{data['fitted']} fitted values, chi-square {page.number(data['chi_square'])} of "
-        f"{page.number(data['degrees of freedom'])} degrees of freedom; {found['runs']['kept']} runs, "
+        f"{data['fitted']} fitted values, chi-square {page.number(data['chi_square'])} "
+        "of "
+        f"{page.number(data['degrees of freedom'])} degrees of freedom; "
+        f"{found['runs']['kept']} runs, "
         f"{found['runs']['failed']} failed"
     )
     if data["kept back"]:
-        about += f"; {data['kept back inside of the band']} of {data['kept back']} values kept back are in the band"
+        about += (
+            f"; {data['kept back inside of the band']} of {data['kept back']} "
+            "values kept back are in the band"
+        )
     sections = [
         page.warnings(found["warnings"]),
         page.section("Fitted keys, intervals of 90 %", _keys(found["keys"]), "keys"),
-        page.section("Covariance of the keys, and correlation", _covariance(found), "covariance"),
+        page.section(
+            "Covariance of the keys, and correlation", _covariance(found), "covariance"
+        ),
         page.section("What the data see", _combinations(found), "combinations"),
-        page.section("Measured and predicted, each with its band", made.grid(_parity(points)), "parity"),
-        *(page.section(name, _picture(folder / f"{file}.png"), file) for file, name in PICTURES.items()),
+        page.section(
+            "Measured and predicted, each with its band",
+            made.grid(_parity(points)),
+            "parity",
+        ),
+        *(
+            page.section(name, _picture(folder / f"{file}.png"), file)
+            for file, name in PICTURES.items()
+        ),
         _compared(points).section("Linked plots", made.place),
         *_posterior(folder / "posterior.csv", found, made),
-        page.section("All predicted values, in SI, bands of 90 %", _table(points), "points"),
+        page.section(
+            "All predicted values, in SI, bands of 90 %", _table(points), "points"
+        ),
     ]
     title = found["title"] or f"Calibration {Path(found['calibration']).stem}"
     return Content(str(title), about, sections)
@@ -109,13 +135,22 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
 
 def _covariance(found: Found) -> str:
     """Return covariance in the units of the keys, and correlation, as two tables."""
-    names, units = found["covariance"]["keys"], {name: about["unit"] for name, about in found["keys"].items()}
+    names, units = (
+        found["covariance"]["keys"],
+        {name: about["unit"] for name, about in found["keys"].items()},
+    )
     labels = [Column(name, units[name], ()).label for name in names]
-    both = ("covariance", found["covariance"]["matrix"]), ("correlation", found["correlation"])
+    both = (
+        ("covariance", found["covariance"]["matrix"]),
+        ("correlation", found["correlation"]),
+    )
     return "".join(
         page.table(
             [what, *labels],
-            [[escape(label), *map(page.number, row)] for label, row in zip(labels, matrix, strict=True)],
+            [
+                [escape(label), *map(page.number, row)]
+                for label, row in zip(labels, matrix, strict=True)
+            ],
             range(1, 1 + len(names)),
         )
         for what, matrix in both
@@ -123,13 +158,19 @@ def _covariance(found: Found) -> str:
 
 
 def _parity(points: Mapping[str, Column]) -> list[dict[str, Any]]:
-    """Return a chart for each quantity: predicted over measured values, with the ends of the band."""
+    """Return a chart for each quantity: predicted over measured values, with the
+    ends of the band.
+    """
     charts = []
     kinds = zip(points["quantity"].values, points["unit"].values, strict=True)
     for quantity, unit in dict.fromkeys(kinds):
-        here = [k for k, name in enumerate(points["quantity"].values) if name == quantity]
+        here = [
+            k for k, name in enumerate(points["quantity"].values) if name == quantity
+        ]
         shown = ("measured", "predicted", "low", "high")
-        here = [k for k in here if all(points[name].values[k] is not None for name in shown)]
+        here = [
+            k for k in here if all(points[name].values[k] is not None for name in shown)
+        ]
         if not here:
             continue
         take = {name: [points[name].values[k] for k in here] for name in shown}
@@ -137,8 +178,14 @@ def _parity(points: Mapping[str, Column]) -> list[dict[str, Any]]:
         bars = {
             "type": "data",
             "symmetric": False,
-            "array": [high - value for high, value in zip(take["high"], take["predicted"], strict=True)],
-            "arrayminus": [value - low for low, value in zip(take["low"], take["predicted"], strict=True)],
+            "array": [
+                high - value
+                for high, value in zip(take["high"], take["predicted"], strict=True)
+            ],
+            "arrayminus": [
+                value - low
+                for low, value in zip(take["low"], take["predicted"], strict=True)
+            ],
         }
         ends = [min(measured), max(measured)]
         label = Column("", str(unit or ""), ()).label
@@ -166,10 +213,26 @@ def _names(points: Mapping[str, Column]) -> list[str]:
 
 
 def _compared(points: Mapping[str, Column]) -> Linked:
-    """Return linked plots of the measured values; their standard errors and bands are in the table."""
-    shown = ("experiment", "quantity", "t", "x", "fitted", "measured", "predicted", "deviation over error")
-    there = [k for k, value in enumerate(points["measured"].values) if value is not None]
-    columns = [Column(name, points[name].unit, tuple(points[name].values[k] for k in there)) for name in shown]
+    """Return linked plots of the measured values; their standard errors and bands
+    are in the table.
+    """
+    shown = (
+        "experiment",
+        "quantity",
+        "t",
+        "x",
+        "fitted",
+        "measured",
+        "predicted",
+        "deviation over error",
+    )
+    there = [
+        k for k, value in enumerate(points["measured"].values) if value is not None
+    ]
+    columns = [
+        Column(name, points[name].unit, tuple(points[name].values[k] for k in there))
+        for name in shown
+    ]
     names = _names(points)
     return linked(columns, [names[k] for k in there])
 
@@ -183,12 +246,19 @@ def _posterior(file: Path, found: Found, made: page.Charts) -> list[str]:
     every = range(0, count, max(1, math.ceil(count / MOST_SAMPLES)))
     drawn = [Column(c.name, c.unit, tuple(c.values[k] for k in every)) for c in columns]
     title = f"Samples of the posterior, {len(every)} of {count}"
-    return [linked(drawn, [f"sample {k + 1}" for k in every]).section(title, made.place, "posterior")]
+    return [
+        linked(drawn, [f"sample {k + 1}" for k in every]).section(
+            title, made.place, "posterior"
+        )
+    ]
 
 
 def _table(points: Mapping[str, Column]) -> str:
     columns = list(points.values())
-    rows = [[page.number(column.values[k]) for column in columns] for k in range(len(columns[0].values))]
+    rows = [
+        [page.number(column.values[k]) for column in columns]
+        for k in range(len(columns[0].values))
+    ]
     numbers = [k for k, column in enumerate(columns) if column.is_number]
     return page.table([column.label for column in columns], rows, numbers)
 
@@ -196,7 +266,12 @@ def _table(points: Mapping[str, Column]) -> str:
 def _keys(keys: Mapping[str, Any]) -> str:
     head = ["key", "unit", "prior", "fitted", "standard error", *ENDS]
     rows = [
-        [escape(name), escape(about["unit"]), escape(about["prior"]), *(page.number(about[key]) for key in head[3:])]
+        [
+            escape(name),
+            escape(about["unit"]),
+            escape(about["prior"]),
+            *(page.number(about[key]) for key in head[3:]),
+        ]
         for name, about in keys.items()
     ]
     return page.table(head, rows, range(3, len(head)))
@@ -204,18 +279,35 @@ def _keys(keys: Mapping[str, Any]) -> str:
 
 def _combinations(found: Found) -> str:
     rows = [
-        [escape(one["combination"]), page.number(one["singular value"]), "yes" if one["seen"] else "no"]
+        [
+            escape(one["combination"]),
+            page.number(one["singular value"]),
+            "yes" if one["seen"] else "no",
+        ]
         for one in found["combinations"]
     ]
-    return page.table(["combination, in standard deviations of the priors", "times better known", "seen"], rows, [1])
+    return page.table(
+        [
+            "combination, in standard deviations of the priors",
+            "times better known",
+            "seen",
+        ],
+        rows,
+        [1],
+    )
 
 
 def _picture(file: Path) -> str:
     try:
         data = b64encode(file.read_bytes()).decode("ascii")
     except OSError as error:
-        raise ContbedError(f"{file}: cannot be read: {error.strerror}; run the calibration again") from error
-    return f'<img style="max-width:100%" alt="{escape(file.stem)}" src="data:image/png;base64,{data}">'
+        raise ContbedError(
+            f"{file}: cannot be read: {error.strerror}; run the calibration again"
+        ) from error
+    return (
+        f'<img style="max-width:100%" alt="{escape(file.stem)}" '
+        f'src="data:image/png;base64,{data}">'
+    )
 
 
 CALIBRATION = Study(

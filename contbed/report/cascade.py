@@ -1,4 +1,6 @@
-"""The report of a cascade: each result with its band, the shares of packing, fit, laws, data and mesh in it."""
+"""The report of a cascade: each result with its band, the shares of packing, fit,
+laws, data and mesh in it.
+"""
 
 from __future__ import annotations
 
@@ -75,43 +77,80 @@ class CascadeSummary(Shape):
 
 
 def _content(folder: Path, found: Found, made: page.Charts) -> Content:
-    samples = read_columns(folder / "samples.csv", numbers=[result(name).name for name in found["qoi"]])
+    samples = read_columns(
+        folder / "samples.csv", numbers=[result(name).name for name in found["qoi"]]
+    )
     count = len(next(iter(samples.values())).values)
     about = (
-        f"{len(found['porosities'])} packings, {count} runs with everything uncertain at once; "
+        f"{len(found['porosities'])} packings, {count} runs with everything uncertain "
+        "at once; "
         f"{found['runs']['asked']} runs in all"
     )
-    charts = [chart for name in found["qoi"] for chart in (_samples(found, samples, name), _bars(found, name))]
+    charts = [
+        chart
+        for name in found["qoi"]
+        for chart in (_samples(found, samples, name), _bars(found, name))
+    ]
     rows = [f"run {k + 1}" for k in range(count)]
     sections = [
         page.section("What was found", _answer(found), "results"),
         page.warnings(found["warnings"]),
         page.section("What the bands come from", _parts(found), "parts"),
-        page.section("Measured points", _measured(found) + made.grid(_points(folder, found)), "measured"),
+        page.section(
+            "Measured points",
+            _measured(found) + made.grid(_points(folder, found)),
+            "measured",
+        ),
         page.section("Bands and shares", made.grid(charts), "bands"),
-        linked(list(samples.values()), rows).section("Linked plots of the runs with everything uncertain", made.place),
-        page.section("What the bed visits and the packings have", _visited(found), "visited"),
+        linked(list(samples.values()), rows).section(
+            "Linked plots of the runs with everything uncertain", made.place
+        ),
+        page.section(
+            "What the bed visits and the packings have", _visited(found), "visited"
+        ),
     ]
-    return Content(str(found.get("title") or f"Cascade of {found['cascade']}"), about, sections)
+    return Content(
+        str(found.get("title") or f"Cascade of {found['cascade']}"), about, sections
+    )
 
 
 def _answer(found: Found) -> str:
-    """Return each result at the best values, its band, and mean and standard deviation of the runs."""
+    """Return each result at the best values, its band, and mean and standard
+    deviation of the runs.
+    """
     if not found["qoi"]:
         return ""
     rows = []
     for name, value in found["qoi"].items():
         band, unit = found["band"][name], unit_of(name)
-        cells = (value, band["low"], band["high"], band["mean"], band["standard_deviation"])
+        cells = (
+            value,
+            band["low"],
+            band["high"],
+            band["mean"],
+            band["standard_deviation"],
+        )
         rows.append([page.code(name), *map(page.number, cells), page.unit(unit)])
     share = next(iter(found["band"].values()))["probability"]
-    head = ["result", "at the best values", f"{share:.0%} from", "to", "mean", "standard deviation", "unit"]
+    head = [
+        "result",
+        "at the best values",
+        f"{share:.0%} from",
+        "to",
+        "mean",
+        "standard deviation",
+        "unit",
+    ]
     return page.table(head, rows, range(1, 6))
 
 
 def _shares(found: Found, name: str) -> dict[str, tuple[float, float]]:
-    """Return standard deviation and share in the sum of the variances of each part, the largest first."""
-    deviations = {part["name"]: float(part["standard_deviation"][name]) for part in found["parts"]}
+    """Return standard deviation and share in the sum of the variances of each part,
+    the largest first.
+    """
+    deviations = {
+        part["name"]: float(part["standard_deviation"][name]) for part in found["parts"]
+    }
     total = sum(value**2 for value in deviations.values()) or 1.0
     order = sorted(deviations, key=lambda part: -deviations[part])
     return {part: (deviations[part], deviations[part] ** 2 / total) for part in order}
@@ -131,27 +170,44 @@ def _parts(found: Found) -> str:
     ]
     if not rows:
         return ""
-    head = ["result", "part", "standard deviation", "unit", "share of the sum of the variances"]
-    return page.table(head, rows, (2, 4)) + f"<p class=quiet>Laws of one particle: {escape(found['laws'])}.</p>"
+    head = [
+        "result",
+        "part",
+        "standard deviation",
+        "unit",
+        "share of the sum of the variances",
+    ]
+    return (
+        page.table(head, rows, (2, 4))
+        + f"<p class=quiet>Laws of one particle: {escape(found['laws'])}.</p>"
+    )
 
 
 def _measured(found: Found) -> str:
-    """Return how many of the measured points the bands hold, and the shares of the parts at them."""
+    """Return how many of the measured points the bands hold, and the shares of the
+    parts at them.
+    """
     about = found.get("measured")
     if not about:
         return ""
     text = (
-        f"{about['case']}, {about['points']} points of {about['quantity']}: {about['share in the band']:.1%} are in "
-        f"the band of {BAND:.0%}, {about['share in the band of a measurement']:.1%} with their own scatter of "
+        f"{about['case']}, {about['points']} points of {about['quantity']}: "
+        f"{about['share in the band']:.1%} are in "
+        f"the band of {BAND:.0%}, {about['share in the band of a measurement']:.1%} "
+        "with their own scatter of "
         f"{page.number(about['uncertainty'])} {about['unit']}"
     )
     order = sorted(about["shares of the parts"].items(), key=lambda item: -item[1])
     rows = [[escape(part), f"{share:.1%}"] for part, share in order]
-    return f"<p>{escape(text)}.</p>" + page.table(["part", "share of the variances at all points"], rows, (1,))
+    return f"<p>{escape(text)}.</p>" + page.table(
+        ["part", "share of the variances at all points"], rows, (1,)
+    )
 
 
 def _points(folder: Path, found: Found) -> list[dict[str, Any]]:
-    """Return measured and predicted values over time with the band, a chart for each position."""
+    """Return measured and predicted values over time with the band, a chart for each
+    position.
+    """
     about = found.get("measured")
     if not about:
         return []
@@ -171,12 +227,21 @@ def _points(folder: Path, found: Found) -> list[dict[str, Any]]:
             line | {"mode": "markers", "name": "measured", "y": take["measured"], "marker": {"color": COLOURS[6]}},
         ]  # fmt: skip
         layout = page.axes("t [s]", f"{about['quantity']} [{about['unit']}]")
-        charts.append({"kind": "curves", "title": f"at {place:g} m", "data": traces, "layout": layout})
+        charts.append(
+            {
+                "kind": "curves",
+                "title": f"at {place:g} m",
+                "data": traces,
+                "layout": layout,
+            }
+        )
     return charts
 
 
 def _samples(found: Found, samples: Mapping[str, Column], name: str) -> dict[str, Any]:
-    """Return the histogram of a result with its band and the result at the best values."""
+    """Return the histogram of a result with its band and the result at the best
+    values.
+    """
     about = result(name)
     band, column = found["band"][name], samples[about.name]
     shapes = [
@@ -185,9 +250,17 @@ def _samples(found: Found, samples: Mapping[str, Column], name: str) -> dict[str
         {"type": "line", "yref": "paper", "x0": found["qoi"][name], "x1": found["qoi"][name], "y0": 0, "y1": 1,
          "line": {"color": COLOURS[1]}},
     ]  # fmt: skip
-    bars = {"type": "histogram", "x": list(column.values), "marker": {"color": COLOURS[0]}, "name": "runs"}
+    bars = {
+        "type": "histogram",
+        "x": list(column.values),
+        "marker": {"color": COLOURS[0]},
+        "name": "runs",
+    }
     layout = page.axes(column.label, "runs", shapes=shapes)
-    title = f"{about.name}: runs, band of {band['probability']:.0%} (blue) and best values (line)"
+    title = (
+        f"{about.name}: runs, band of {band['probability']:.0%} (blue) and best "
+        "values (line)"
+    )
     return {"kind": "bars", "title": title, "data": [bars], "layout": layout}
 
 
@@ -198,11 +271,25 @@ def _bars(found: Found, name: str) -> dict[str, Any]:
 
 
 def _visited(found: Found) -> str:
-    rows = [[escape(name), page.number(low), page.number(high)] for name, (low, high) in found["visited"].items()]
+    rows = [
+        [escape(name), page.number(low), page.number(high)]
+        for name, (low, high) in found["visited"].items()
+    ]
     rows.append(
-        ["porosity of the packings", page.number(min(found["porosities"])), page.number(max(found["porosities"]))]
+        [
+            "porosity of the packings",
+            page.number(min(found["porosities"])),
+            page.number(max(found["porosities"])),
+        ]
     )
     return page.table(["", "from", "to"], rows, (1, 2))
 
 
-CASCADE = Study("cascade", "cascade", CascadeSummary, _content, "the summary of a cascade", has("cascade"))
+CASCADE = Study(
+    "cascade",
+    "cascade",
+    CascadeSummary,
+    _content,
+    "the summary of a cascade",
+    has("cascade"),
+)

@@ -1,4 +1,6 @@
-"""Charts of a report as data for plotly: curves by unit, pictures of fields, and costs."""
+"""Charts of a report as data for plotly: curves by unit, pictures of fields, and
+costs.
+"""
 
 from __future__ import annotations
 
@@ -16,47 +18,76 @@ from contbed.report.read import Run
 Array = NDArray[np.float64]
 Chart = dict[str, Any]
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")  # Okabe, Ito 2008
+# Okabe, Ito 2008
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 DASHES = ("solid", "dash", "dot", "dashdot")
 LEVELS = 65534  # of values in a picture, whose error is a part in 65534 of their span
 MAX_POINTS = 1000  # of a curve
 MARGINS = 100  # height of axis and margins of a picture [pixels]
-PICTURE = 360  # width of a picture [pixels] in half of a page, without axes and scale of colours
+# width of a picture [pixels] in half of a page, without axes and scale of colours
+PICTURE = 360
 COORDINATES = ("x", "y", "z", "r", "height")
 
 
 def packed(values: Array) -> Chart:
-    """Return values as 16-bit numbers between the lowest and the highest, 65535 where there is none, in base64."""
+    """Return values as 16-bit numbers between the lowest and the highest, 65535
+    where there is none, in base64.
+    """
     finite = values[np.isfinite(values)]
-    low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+    low, high = (
+        (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+    )
     scaled = np.full(values.shape, 65535, dtype="<u2")
     there = np.isfinite(values)
-    scaled[there] = np.round((values[there] - low) / (high - low or 1.0) * LEVELS).astype("<u2")
-    return {"low": low, "high": high, "shape": list(values.shape), "data": b64encode(scaled.tobytes()).decode("ascii")}
+    scaled[there] = np.round(
+        (values[there] - low) / (high - low or 1.0) * LEVELS
+    ).astype("<u2")
+    return {
+        "low": low,
+        "high": high,
+        "shape": list(values.shape),
+        "data": b64encode(scaled.tobytes()).decode("ascii"),
+    }
 
 
 def curves(runs: Sequence[Run]) -> list[Chart]:
-    """Return one chart for each unit of each table, with the curves of all runs that have it.
+    """Return one chart for each unit of each table, with the curves of all runs that
+    have it.
 
-    In a table of several times the chart has a slider: one frame for each time of the first run.
+    In a table of several times the chart has a slider: one frame for each time of the
+    first run.
     """
     found: list[Chart] = []
     for table in dict.fromkeys(name for run in runs for name in run.tables):
-        columns = dict.fromkeys(header for run in runs for header in run.tables.get(table, {}))
+        columns = dict.fromkeys(
+            header for run in runs for header in run.tables.get(table, {})
+        )
         axis, moving = _axis([run.tables[table] for run in runs if table in run.tables])
         if axis is None:
             continue
-        for unit in dict.fromkeys(_unit(header) for header in columns if header not in (axis, moving)):
-            headers = [header for header in columns if _unit(header) == unit and header not in (axis, moving)]
+        for unit in dict.fromkeys(
+            _unit(header) for header in columns if header not in (axis, moving)
+        ):
+            headers = [
+                header
+                for header in columns
+                if _unit(header) == unit and header not in (axis, moving)
+            ]
             found.append(_chart(runs, table, axis, moving, headers, unit))
     return found
 
 
 def _axis(tables: Sequence[dict[str, Array]]) -> tuple[str | None, str | None]:
-    """Return the column along the axis, and that of the time where each time has several rows."""
+    """Return the column along the axis, and that of the time where each time has
+    several rows.
+    """
     names = {header.split(" [")[0]: header for columns in tables for header in columns}
     time = names.get("t")
-    once = all(len(np.unique(columns[time])) == len(columns[time]) for columns in tables if time in columns)
+    once = all(
+        len(np.unique(columns[time])) == len(columns[time])
+        for columns in tables
+        if time in columns
+    )
     place = next((names[name] for name in COORDINATES if name in names), None)
     if place is None or (time is not None and once):
         return time or next(iter(names.values()), None), None
@@ -67,9 +98,21 @@ def _unit(header: str) -> str:
     return header.partition(" [")[2].rstrip("]") or "1"
 
 
-def _chart(runs: Sequence[Run], table: str, axis: str, moving: str | None, headers: list[str], unit: str) -> Chart:
+def _chart(
+    runs: Sequence[Run],
+    table: str,
+    axis: str,
+    moving: str | None,
+    headers: list[str],
+    unit: str,
+) -> Chart:
     """Return the chart of the columns of one unit."""
-    moves = [run for run in runs if moving in (columns := run.tables.get(table, {})) and set(headers) & set(columns)]
+    moves = [
+        run
+        for run in runs
+        if moving in (columns := run.tables.get(table, {}))
+        and set(headers) & set(columns)
+    ]
     times = sorted({float(t) for run in moves for t in run.tables[table][moving or ""]})
     frames: list[list[Chart]] = []
     instants: list[float | None] = [*times] or [None]
@@ -91,7 +134,10 @@ def _chart(runs: Sequence[Run], table: str, axis: str, moving: str | None, heade
                         "name": label,
                         "x": _short(_thinned(columns[axis][here])),
                         "y": _short(_thinned(columns[header][here])),
-                        "line": {"color": colour, "dash": DASHES[(0 if len(runs) == 1 else n) % len(DASHES)]},
+                        "line": {
+                            "color": colour,
+                            "dash": DASHES[(0 if len(runs) == 1 else n) % len(DASHES)],
+                        },
                     }
                 )
         frames.append(traces)
@@ -103,14 +149,26 @@ def _chart(runs: Sequence[Run], table: str, axis: str, moving: str | None, heade
         "data": frames[-1],
         "layout": {
             "xaxis": {"title": {"text": axis.replace(" [1]", "")}},
-            "yaxis": {"title": {"text": _with_unit(headers[0].split(" [")[0] if len(headers) == 1 else "", unit)}},
+            "yaxis": {
+                "title": {
+                    "text": _with_unit(
+                        headers[0].split(" [")[0] if len(headers) == 1 else "", unit
+                    )
+                }
+            },
         },
     }
     lines = [[[trace["x"], trace["y"]] for trace in traces] for traces in frames]
     if any(frame != lines[0] for frame in lines):
         chart["times"] = times
         chart["lines"] = lines
-        values = np.concatenate([np.asarray(trace["y"], dtype=float) for traces in frames for trace in traces])
+        values = np.concatenate(
+            [
+                np.asarray(trace["y"], dtype=float)
+                for traces in frames
+                for trace in traces
+            ]
+        )
         low, high = float(np.nanmin(values)), float(np.nanmax(values))
         margin = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
         chart["layout"]["yaxis"]["range"] = [low - margin, high + margin]
@@ -122,7 +180,9 @@ def _with_unit(name: str, unit: str) -> str:
 
 
 def _nearest(columns: dict[str, Array], moving: str | None, time: float | None) -> Any:
-    """Return the rows of the last time that is not after `time`, the first one before that."""
+    """Return the rows of the last time that is not after `time`, the first one
+    before that.
+    """
     if moving is None or time is None or moving not in columns:
         return slice(None)
     times = np.unique(columns[moving])
@@ -134,7 +194,9 @@ def _thinned(values: Array) -> Array:
     """Return a curve of at most some `MAX_POINTS` points, its ends included."""
     if len(values) <= MAX_POINTS:
         return values
-    thinned: Array = values[np.unique(np.linspace(0, len(values) - 1, MAX_POINTS).round().astype(int))]
+    thinned: Array = values[
+        np.unique(np.linspace(0, len(values) - 1, MAX_POINTS).round().astype(int))
+    ]
     return thinned
 
 
@@ -144,7 +206,9 @@ def _short(values: Array) -> list[float | None]:
 
 
 def picture(run: Run, item: Pictures | Cloud, several: bool) -> Chart:
-    """Return the chart of a field over a plane, or of particles from the side, with a slider over the times."""
+    """Return the chart of a field over a plane, or of particles from the side, with
+    a slider over the times.
+    """
     entry = quantities.field(item.field.strip("|"))
     unit = "" if entry is None or entry.unit == "1" else f" [{entry.unit}]"
     title = f"{run.name}: {item.field}{unit}" if several else f"{item.field}{unit}"
@@ -157,7 +221,8 @@ def picture(run: Run, item: Pictures | Cloud, several: bool) -> Chart:
         "y": _short(item.y),
         "colorscale": "Viridis",
         "colorbar": {"title": {"text": unit.strip(" []")}},
-        "hovertemplate": f"{item.axes[0]} = %{{x:.4g}} m<br>{item.axes[1]} = %{{y:.4g}} m<br>%{{z:.5g}}<extra></extra>",
+        "hovertemplate": f"{item.axes[0]} = %{{x:.4g}} m<br>{item.axes[1]} = "
+        f"%{{y:.4g}} m<br>%{{z:.5g}}<extra></extra>",
     }
     steady = bool((np.nan_to_num(item.frames) == np.nan_to_num(item.frames[:1])).all())
     return {
@@ -172,23 +237,44 @@ def picture(run: Run, item: Pictures | Cloud, several: bool) -> Chart:
 
 
 def _cloud(item: Cloud, title: str, unit: str) -> Chart:
-    """Return the chart of particles, drawn in their size as far as the width of the page allows."""
+    """Return the chart of particles, drawn in their size as far as the width of the
+    page allows.
+    """
     (left, right), (bottom, top) = item.box()
     ratio = (top - bottom) / (right - left)
     height = _height(ratio)
-    scale = min(PICTURE / (right - left), (height - MARGINS) / (top - bottom))  # pixels/m
+    # pixels/m
+    scale = min(PICTURE / (right - left), (height - MARGINS) / (top - bottom))
     points = [[x, z, value, 2 * scale * radius] for x, z, radius, value in item.frames]
     values = np.concatenate([frame[2] for frame in points])
     x, z, value, size = (_short(part) for part in points[-1])
-    marker = {"color": value, "cmin": float(values.min()), "cmax": float(values.max()), "size": size}
-    marker |= {"colorscale": "Viridis", "colorbar": {"title": {"text": unit.strip(" []")}}, "opacity": 1.0}
+    marker = {
+        "color": value,
+        "cmin": float(values.min()),
+        "cmax": float(values.max()),
+        "size": size,
+    }
+    marker |= {
+        "colorscale": "Viridis",
+        "colorbar": {"title": {"text": unit.strip(" []")}},
+        "opacity": 1.0,
+    }
     trace = {"type": "scattergl", "mode": "markers", "x": x, "y": z, "marker": marker}
     layout = _plane(("x", "z"))
     layout["xaxis"] |= {"range": [left, right]}
     layout["yaxis"] |= {"range": [bottom, top]}
-    chart: Chart = {"kind": "cloud", "title": title, "data": [trace], "layout": layout, "height": height}
+    chart: Chart = {
+        "kind": "cloud",
+        "title": title,
+        "data": [trace],
+        "layout": layout,
+        "height": height,
+    }
     if len(item.times) > 1:
-        chart |= {"times": list(item.times), "points": [[_short(part) for part in frame] for frame in points]}
+        chart |= {
+            "times": list(item.times),
+            "points": [[_short(part) for part in frame] for frame in points],
+        }
     return chart
 
 
@@ -200,7 +286,11 @@ def _height(ratio: float) -> int:
 def _plane(axes: tuple[str, str]) -> Chart:
     return {
         "xaxis": {"title": {"text": f"{axes[0]} [m]"}, "constrain": "domain"},
-        "yaxis": {"title": {"text": f"{axes[1]} [m]"}, "scaleanchor": "x", "constrain": "domain"},
+        "yaxis": {
+            "title": {"text": f"{axes[1]} [m]"},
+            "scaleanchor": "x",
+            "constrain": "domain",
+        },
     }
 
 
@@ -208,7 +298,11 @@ def cost(runs: Sequence[Run]) -> Chart:
     """Return the wall time by phase as bars."""
     data = []
     for k, run in enumerate(runs):
-        timings = {phase: value for phase, value in run.summary.get("timings", {}).items() if phase != "total"}
+        timings = {
+            phase: value
+            for phase, value in run.summary.get("timings", {}).items()
+            if phase != "total"
+        }
         data.append(
             {
                 "type": "bar",
@@ -219,5 +313,13 @@ def cost(runs: Sequence[Run]) -> Chart:
                 "marker": {"color": COLOURS[k % len(COLOURS)]},
             }
         )
-    layout = {"xaxis": {"title": {"text": "wall time [s]"}}, "yaxis": {"autorange": "reversed", "automargin": True}}
-    return {"kind": "bars", "title": "Wall time by phase", "data": data, "layout": layout}
+    layout = {
+        "xaxis": {"title": {"text": "wall time [s]"}},
+        "yaxis": {"autorange": "reversed", "automargin": True},
+    }
+    return {
+        "kind": "bars",
+        "title": "Wall time by phase",
+        "data": data,
+        "layout": layout,
+    }

@@ -1,6 +1,8 @@
-"""Fields of a run on a regular grid for the pictures of a report: planes as they are, boxes in their middle plane.
+"""Fields of a run on a regular grid for the pictures of a report: planes as they are,
+boxes in their middle plane.
 
-Cells of first and second order become triangles, on which values at nodes are linear and values of cells constant.
+Cells of first and second order become triangles, on which values at nodes are linear
+and values of cells constant.
 """
 
 from __future__ import annotations
@@ -21,13 +23,23 @@ Array = NDArray[np.float64]
 
 LONG_SIDE = 140  # points of a picture along its longer side
 MAX_FRAMES = 25  # times of a transient
-MAX_SAMPLES = 1_500_000  # values of all pictures of one run together, which take 2.7 bytes each
+# values of all pictures of one run together, which take 2.7 bytes each
+MAX_SAMPLES = 1_500_000
 # triangles of the nodes of VTK's cells
 _TRIANGLES = {
     "triangle": [(0, 1, 2)],
     "triangle6": [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)],
     "quad": [(0, 1, 2), (0, 2, 3)],
-    "quad9": [(0, 4, 8), (0, 8, 7), (4, 1, 5), (4, 5, 8), (8, 5, 2), (8, 2, 6), (7, 8, 6), (7, 6, 3)],
+    "quad9": [
+        (0, 4, 8),
+        (0, 8, 7),
+        (4, 1, 5),
+        (4, 5, 8),
+        (8, 5, 2),
+        (8, 2, 6),
+        (7, 8, 6),
+        (7, 6, 3),
+    ],
 }
 
 
@@ -35,8 +47,9 @@ _TRIANGLES = {
 class Pictures:
     """One field over a plane at several times.
 
-    `frames` (times, ny, nx) has nan outside of the bed; `x` and `y` [m] are the points, `axes` their names; `remark`
-    says where a box is cut, `times` [s] is empty in a steady run.
+    `frames` (times, ny, nx) has nan outside of the bed; `x` and `y` [m] are the points,
+    `axes` their names; `remark` says where a box is cut, `times` [s] is empty in a
+    steady run.
     """
 
     field: str
@@ -50,7 +63,9 @@ class Pictures:
 
 @dataclass(frozen=True)
 class Cloud:
-    """Particles at several times, seen from the side: x, z and radius [m], and one value of each for its colour."""
+    """Particles at several times, seen from the side: x, z and radius [m], and one
+    value of each for its colour.
+    """
 
     field: str
     frames: tuple[tuple[Array, Array, Array, Array], ...]
@@ -59,13 +74,18 @@ class Cloud:
 
     def box(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the intervals of x and z [m] that hold all particles at all times."""
-        x, z, radius = (np.concatenate([frame[k] for frame in self.frames]) for k in range(3))
-        across, along = ((float((at - radius).min()), float((at + radius).max())) for at in (x, z))
+        x, z, radius = (
+            np.concatenate([frame[k] for frame in self.frames]) for k in range(3)
+        )
+        across, along = (
+            (float((at - radius).min()), float((at + radius).max())) for at in (x, z)
+        )
         return across, along
 
 
 def pictures(run: Run, most: int = MAX_FRAMES) -> list[Pictures | Cloud]:
-    """Return the pictures of all fields of a run at `most` times at most; none without fields or on a line.
+    """Return the pictures of all fields of a run at `most` times at most; none without
+    fields or on a line.
 
     Raises
     ------
@@ -98,16 +118,23 @@ def _chosen(snapshots: tuple[Snapshot, ...], most: int) -> list[Snapshot]:
 
 
 def _require_alike(meshes: Sequence[Any], chosen: Sequence[Snapshot]) -> None:
-    """Raise ContbedError where a file has other cells or fields than the first one, or particles without a size."""
+    """Raise ContbedError where a file has other cells or fields than the first one,
+    or particles without a size.
+    """
     first = _contents(meshes[0])
     for mesh, snapshot in zip(meshes, chosen, strict=True):
         kinds, names = _contents(mesh)
         advice = "remove it, or run the scene again"
         if (kinds, names) != first:
             one = min((kinds ^ first[0]) or (names ^ first[1]))
-            raise ContbedError(f"{snapshot.file}: its fields are not those of {chosen[0].file.name} ({one}); {advice}")
+            raise ContbedError(
+                f"{snapshot.file}: its fields are not those of {chosen[0].file.name} "
+                f"({one}); {advice}"
+            )
         if kinds == {"vertex"} and "radius" not in names:
-            raise ContbedError(f"{snapshot.file}: particles without their radius; {advice}")
+            raise ContbedError(
+                f"{snapshot.file}: particles without their radius; {advice}"
+            )
 
 
 def _contents(mesh: Any) -> tuple[set[str], set[str]]:
@@ -116,21 +143,31 @@ def _contents(mesh: Any) -> tuple[set[str], set[str]]:
 
 
 def _scalars(mesh: Any) -> dict[str, tuple[Array, bool]]:
-    """Return the fields by name, magnitudes of vectors, and whether they are of cells."""
+    """Return the fields by name, magnitudes of vectors, and whether they are of
+    cells.
+    """
     found = {}
     for name, values in mesh.point_data.items():
         found[name] = (np.asarray(values, dtype=float), False)
     for name, blocks in mesh.cell_data.items():
         if name != "region":
-            found[name] = (np.concatenate([np.asarray(block, dtype=float) for block in blocks]), True)
+            found[name] = (
+                np.concatenate([np.asarray(block, dtype=float) for block in blocks]),
+                True,
+            )
     return {
-        f"|{name}|" if values.ndim > 1 else name: (np.linalg.norm(values, axis=1) if values.ndim > 1 else values, cells)
+        f"|{name}|" if values.ndim > 1 else name: (
+            np.linalg.norm(values, axis=1) if values.ndim > 1 else values,
+            cells,
+        )
         for name, (values, cells) in found.items()
     }
 
 
 def _grid(points: Array, axes: tuple[int, int], count: int) -> tuple[Array, Array]:
-    """Return the points of a picture along its two axes, at the middle of equal parts."""
+    """Return the points of a picture along its two axes, at the middle of equal
+    parts.
+    """
     low, high = points[:, axes].min(axis=0), points[:, axes].max(axis=0)
     size = high - low
     numbers = np.maximum(2, np.round(LONG_SIDE * size / size.max())).astype(int)
@@ -141,7 +178,9 @@ def _grid(points: Array, axes: tuple[int, int], count: int) -> tuple[Array, Arra
     return x, y
 
 
-def _planes(meshes: list[Any], times: tuple[float, ...], flat: int, run: Run) -> list[Pictures | Cloud]:
+def _planes(
+    meshes: list[Any], times: tuple[float, ...], flat: int, run: Run
+) -> list[Pictures | Cloud]:
     from matplotlib.tri import LinearTriInterpolator, Triangulation
 
     axes = tuple(k for k in range(3) if k != flat)
@@ -158,7 +197,9 @@ def _planes(meshes: list[Any], times: tuple[float, ...], flat: int, run: Run) ->
                 triangles.append(block.data[:, corners])
                 owners.append(start + np.arange(len(block.data)))
             start += len(block.data)
-        plane = Triangulation(mesh.points[:, axes[0]], mesh.points[:, axes[1]], np.concatenate(triangles))
+        plane = Triangulation(
+            mesh.points[:, axes[0]], mesh.points[:, axes[1]], np.concatenate(triangles)
+        )
         finder = plane.get_trifinder()
         where = np.asarray(finder(X, Y))
         owner = np.concatenate(owners)
@@ -166,13 +207,20 @@ def _planes(meshes: list[Any], times: tuple[float, ...], flat: int, run: Run) ->
             if cells:
                 sampled = np.where(where >= 0, values[owner[where]], np.nan)
             else:
-                sampled = np.ma.filled(LinearTriInterpolator(plane, values, finder)(X, Y), np.nan)
+                sampled = np.ma.filled(
+                    LinearTriInterpolator(plane, values, finder)(X, Y), np.nan
+                )
             found.setdefault(name, []).append(sampled)
-    return [Pictures(name, names, x, y, np.array(frames), times, "") for name, frames in found.items()]
+    return [
+        Pictures(name, names, x, y, np.array(frames), times, "")
+        for name, frames in found.items()
+    ]
 
 
 def _slices(meshes: list[Any], times: tuple[float, ...]) -> list[Pictures | Cloud]:
-    """Return the fields of a box in the plane through the middle of its shortest side."""
+    """Return the fields of a box in the plane through the middle of its shortest
+    side.
+    """
     points = meshes[0].points
     normal = int(np.argmin(np.ptp(points, axis=0)))
     axes = tuple(k for k in range(3) if k != normal)
@@ -180,36 +228,62 @@ def _slices(meshes: list[Any], times: tuple[float, ...]) -> list[Pictures | Clou
     middle = 0.5 * (points[:, normal].min() + points[:, normal].max())
     X, Y = np.meshgrid(x, y)
     wanted = np.empty((X.size, 3))
-    wanted[:, axes[0]], wanted[:, axes[1]], wanted[:, normal] = X.ravel(), Y.ravel(), middle
+    wanted[:, axes[0]], wanted[:, axes[1]], wanted[:, normal] = (
+        X.ravel(),
+        Y.ravel(),
+        middle,
+    )
     found: dict[str, list[Array]] = {}
     for mesh in meshes:
-        centres = np.concatenate([mesh.points[block.data].mean(axis=1) for block in mesh.cells])
+        centres = np.concatenate(
+            [mesh.points[block.data].mean(axis=1) for block in mesh.cells]
+        )
         fields = _scalars(mesh)
         kinds = {cells for _, cells in fields.values()}
-        nearest = {cells: Nearest.of(centres if cells else mesh.points, wanted) for cells in kinds}
+        nearest = {
+            cells: Nearest.of(centres if cells else mesh.points, wanted)
+            for cells in kinds
+        }
         for name, (values, cells) in fields.items():
             found.setdefault(name, []).append(nearest[cells](values).reshape(X.shape))
     remark = f"plane {'xyz'[normal]} = {middle:.4g} m"
     names = ("xyz"[axes[0]], "xyz"[axes[1]])
-    return [Pictures(name, names, x, y, np.array(frames), times, remark) for name, frames in found.items()]
+    return [
+        Pictures(name, names, x, y, np.array(frames), times, remark)
+        for name, frames in found.items()
+    ]
 
 
 def _cloud(meshes: list[Any], times: tuple[float, ...]) -> Cloud:
-    """Return particles from the side, coloured by temperature where there is one, else by speed."""
+    """Return particles from the side, coloured by temperature where there is one,
+    else by speed.
+    """
     first = _scalars(meshes[0])
-    field = next((name for name in ("T", "T_solid", "|velocity|") if name in first), next(iter(first)))
+    field = next(
+        (name for name in ("T", "T_solid", "|velocity|") if name in first),
+        next(iter(first)),
+    )
     frames = []
     for mesh in meshes:
         known = _scalars(mesh)
         nearest_last = np.argsort(-mesh.points[:, 1])
         x, _, z = mesh.points[nearest_last].T
-        frames.append((x, z, known["radius"][0][nearest_last], known[field][0][nearest_last]))
+        frames.append(
+            (x, z, known["radius"][0][nearest_last], known[field][0][nearest_last])
+        )
     return Cloud(field, tuple(frames), times, "all particles, seen along y")
 
 
 def _axis_names(run: Run, axes: tuple[int, ...]) -> tuple[str, str]:
-    """Return the names of the axes of a plane; r and z where the mesh is axisymmetric."""
-    headers = {header.split(" ")[0] for table in run.tables.values() for header in table}
-    if "axisymmetric" in str(run.summary.get("scene", {}).get("mesh", {})) or "r" in headers:
+    """Return the names of the axes of a plane; r and z where the mesh is
+    axisymmetric.
+    """
+    headers = {
+        header.split(" ")[0] for table in run.tables.values() for header in table
+    }
+    if (
+        "axisymmetric" in str(run.summary.get("scene", {}).get("mesh", {}))
+        or "r" in headers
+    ):
         return "r", "z"
     return "xyz"[axes[0]], "xyz"[axes[1]]

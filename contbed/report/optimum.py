@@ -1,4 +1,6 @@
-"""The report of a search for an optimum: the point and its results, what each constraint costs, the way to it."""
+"""The report of a search for an optimum: the point and its results, what each
+constraint costs, the way to it.
+"""
 
 from __future__ import annotations
 
@@ -85,13 +87,23 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
     columns = read_columns(file, ("number", "exit code", *TEXTS))
     require_numbers(file, columns, [name for name in columns if name not in TEXTS])
     runs = found["runs"]
-    about = f"{runs['evaluated']} evaluations, {runs['failed']} of them failed; derivatives: {found['gradients']}"
+    about = (
+        f"{runs['evaluated']} evaluations, {runs['failed']} of them failed; "
+        f"derivatives: {found['gradients']}"
+    )
     names = list(columns.values())
-    numbers = [c for c in names if c.name not in ("number", "run", "exit code", "problem", "gradient")]
+    numbers = [
+        c
+        for c in names
+        if c.name not in ("number", "run", "exit code", "problem", "gradient")
+    ]
     ended = [k for k, code in enumerate(columns["exit code"].values) if not code]
     here = [Column(c.name, c.unit, tuple(c.values[k] for k in ended)) for c in numbers]
     run_names = [str(columns["run"].values[k]) for k in ended]
-    rows = [[page.number(column.values[k]) for column in names] for k in range(len(columns["number"].values))]
+    rows = [
+        [page.number(column.values[k]) for column in names]
+        for k in range(len(columns["number"].values))
+    ]
     sections = [
         page.section("What was found", _answer(found), "results"),
         page.warnings(found["warnings"]),
@@ -99,20 +111,38 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
         page.section("Gradient at the point", _gradient(found), "gradient"),
         page.section("Results at the point", page.found(found["qoi"]), "qoi"),
         page.section("The way to it", made.grid(_way(found, columns)), "way"),
-        linked(here, run_names, f"{found['objective']['formula']}{OBJECTIVE}").section("Linked plots", made.place),
-        page.section("All evaluations", page.table([c.label for c in names], rows, range(len(names))), "runs"),
+        linked(here, run_names, f"{found['objective']['formula']}{OBJECTIVE}").section(
+            "Linked plots", made.place
+        ),
+        page.section(
+            "All evaluations",
+            page.table([c.label for c in names], rows, range(len(names))),
+            "runs",
+        ),
     ]
-    return Content(str(found.get("title") or f"Optimum of {found['design']}"), about, sections)
+    return Content(
+        str(found.get("title") or f"Optimum of {found['design']}"), about, sections
+    )
 
 
 def _answer(found: Found) -> str:
     """Return verdict, objective, and the keys with their bounds."""
     aim = found["objective"]
     good = "good" if found["status"] in ("optimum", "settled") else "bad"
-    lines = [f'<span class="{good}">{escape(found["status"])}</span> {escape(found["verdict"])}']
-    answer = f"{aim['aim']} {page.code(aim['formula'])}: {page.number(aim['value'])} {page.unit(aim['unit'])}"
+    lines = [
+        f'<span class="{good}">{escape(found["status"])}</span> '
+        f"{escape(found['verdict'])}"
+    ]
+    answer = (
+        f"{aim['aim']} {page.code(aim['formula'])}: {page.number(aim['value'])} "
+        f"{page.unit(aim['unit'])}"
+    )
     active = [one["constraint"] for one in found["constraints"] if one["active"]]
-    held = f"active constraints: {escape(', '.join(active))}" if active else "no constraint is active"
+    held = (
+        f"active constraints: {escape(', '.join(active))}"
+        if active
+        else "no constraint is active"
+    )
     rows = []
     for name, key in found["keys"].items():
         price = key["price_of_bound"]
@@ -121,16 +151,37 @@ def _answer(found: Found) -> str:
         rows.append([page.code(name), *ends, page.unit(key["unit"]),
                      page.number(price) if price else "inside of its bounds", per])  # fmt: skip
     keys = page.table(
-        ["key", "value", "from", "to", "unit", "price of its bound", "unit of the price"], rows, (1, 2, 3, 5)
+        [
+            "key",
+            "value",
+            "from",
+            "to",
+            "unit",
+            "price of its bound",
+            "unit of the price",
+        ],
+        rows,
+        (1, 2, 3, 5),
     )
     expected = found["surrogate"] or {}
     told = [
-        [escape(name), page.number(each["expected"]), page.number(each["standard_error"])]
+        [
+            escape(name),
+            page.number(each["expected"]),
+            page.number(each["standard_error"]),
+        ]
         for name, each in expected.items()
         if isinstance(each, dict)
     ]
-    surrogate = page.table(["by the surrogate", "expected", "standard error"], told, (1, 2)) if told else ""
-    return f'<p class="verdict">{"".join(lines)}</p><p>{answer}; {held}</p>{keys}{surrogate}'
+    surrogate = (
+        page.table(["by the surrogate", "expected", "standard error"], told, (1, 2))
+        if told
+        else ""
+    )
+    return (
+        f'<p class="verdict">{"".join(lines)}</p><p>{answer}; '
+        f"{held}</p>{keys}{surrogate}"
+    )
 
 
 def _constraints(found: Found) -> str:
@@ -140,17 +191,31 @@ def _constraints(found: Found) -> str:
          escape(one["price_unit"])]
         for one in found["constraints"]
     ]  # fmt: skip
-    head = ["constraint", "value", "bound", "unit", "missed by", "active", "price", "unit of the price"]
+    head = [
+        "constraint",
+        "value",
+        "bound",
+        "unit",
+        "missed by",
+        "active",
+        "price",
+        "unit of the price",
+    ]
     costs = "".join(f"<li>{escape(text)}</li>" for text in found["costs"])
     body = page.table(head, rows, (1, 2, 4, 6)) if rows else ""
     return body + (f"<ul>{costs}</ul>" if costs else "")
 
 
 def _gradient(found: Found) -> str:
-    """Return the derivatives of objective and constraints by each key, in the units of both."""
+    """Return the derivatives of objective and constraints by each key, in the units
+    of both.
+    """
     aim = found["objective"]
     functions = [(aim["formula"], aim["unit"], aim["gradient"])]
-    functions += [(one["constraint"], one["unit"], one["gradient"]) for one in found["constraints"]]
+    functions += [
+        (one["constraint"], one["unit"], one["gradient"])
+        for one in found["constraints"]
+    ]
     rows = [
         [
             escape(name),
@@ -165,9 +230,13 @@ def _gradient(found: Found) -> str:
 
 
 def _way(found: Found, columns: Mapping[str, Column]) -> list[dict[str, Any]]:
-    """Return the objective over the evaluations with the best so far, and by how much constraints were missed."""
+    """Return the objective over the evaluations with the best so far, and by how
+    much constraints were missed.
+    """
     aim = found["objective"]
-    objective = next((c for name, c in columns.items() if name.endswith(OBJECTIVE)), None)
+    objective = next(
+        (c for name, c in columns.items() if name.endswith(OBJECTIVE)), None
+    )
     if objective is None:
         return []
     number = list(columns["number"].values)
@@ -181,23 +250,44 @@ def _way(found: Found, columns: Mapping[str, Column]) -> list[dict[str, Any]]:
     ]  # fmt: skip
     charts = [_chart("Objective over the evaluations", traces, objective)]
     for column in excess:
-        missed = [line | {"mode": "lines+markers", "name": column.name, "y": list(column.values)}]
-        charts.append(_chart(f"{column.name}; held where it is not above zero", missed, column))
+        missed = [
+            line
+            | {"mode": "lines+markers", "name": column.name, "y": list(column.values)}
+        ]
+        charts.append(
+            _chart(f"{column.name}; held where it is not above zero", missed, column)
+        )
     return charts
 
 
-def _best(maximise: bool, objective: Column, excess: Sequence[Column]) -> list[float | None]:
-    """Return the best objective up to each evaluation of those that hold all constraints; None before the first."""
+def _best(
+    maximise: bool, objective: Column, excess: Sequence[Column]
+) -> list[float | None]:
+    """Return the best objective up to each evaluation of those that hold all
+    constraints; None before the first.
+    """
     better = max if maximise else min
     by = [
-        [abs(v) if v is not None and "==" in column.name else v for v in column.values] for column in excess
+        [abs(v) if v is not None and "==" in column.name else v for v in column.values]
+        for column in excess
     ]  # an equality is missed on both sides
-    allowed = [FEASIBLE * max((abs(v) for v in values if v is not None), default=0.0) for values in by]
+    allowed = [
+        FEASIBLE * max((abs(v) for v in values if v is not None), default=0.0)
+        for values in by
+    ]
     best: list[float | None] = []
     for k, value in enumerate(objective.values):
-        held = value is not None and all(_is_held(values[k], most) for values, most in zip(by, allowed, strict=True))
+        held = value is not None and all(
+            _is_held(values[k], most) for values, most in zip(by, allowed, strict=True)
+        )
         former = best[-1] if best else None
-        best.append(value if held and former is None else better(value, former) if held else former)
+        best.append(
+            value
+            if held and former is None
+            else better(value, former)
+            if held
+            else former
+        )
     return best
 
 
@@ -205,7 +295,9 @@ def _is_held(missed: float | None, most: float) -> bool:
     return missed is not None and missed <= most
 
 
-def _chart(title: str, traces: Sequence[dict[str, Any]], column: Column) -> dict[str, Any]:
+def _chart(
+    title: str, traces: Sequence[dict[str, Any]], column: Column
+) -> dict[str, Any]:
     label = Column(column.name.partition(": ")[0], column.unit, ()).label
     layout = page.axes("evaluation", label)
     return {"kind": "curves", "title": title, "data": list(traces), "layout": layout}

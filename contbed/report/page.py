@@ -1,4 +1,6 @@
-"""The HTML of a report: text and tables by themselves, charts by plotly, whose code is packed into the file."""
+"""The HTML of a report: text and tables by themselves, charts by plotly, whose code
+is packed into the file.
+"""
 
 from __future__ import annotations
 
@@ -20,19 +22,26 @@ LIMIT_MB = 5.0  # of the file; what is larger opens slowly and is not sent by ma
 
 
 def page(title: str, parts: Iterable[str], charts: Sequence[dict[str, Any]]) -> str:
-    """Return the file: `parts` are the sections, in which `place` puts a chart by its number."""
-    data = json.dumps(plain(list(charts)), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    """Return the file: `parts` are the sections, in which `place` puts a chart by
+    its number.
+    """
+    data = json.dumps(
+        plain(list(charts)), ensure_ascii=False, separators=(",", ":"), allow_nan=False
+    )
     style, script = (
-        files("contbed.report").joinpath(name).read_text(encoding="utf-8") for name in ("report.css", "report.js")
+        files("contbed.report").joinpath(name).read_text(encoding="utf-8")
+        for name in ("report.css", "report.js")
     )
     return "\n".join(
         [
             "<!DOCTYPE html>",
             '<html lang="en">',
-            '<head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">',
+            '<head><meta charset="utf-8"><meta name="viewport" '
+            'content="width=device-width, initial-scale=1">',
             f"<title>{escape(title)}</title><style>{style}</style></head>",
             f"<body><main>{''.join(parts)}</main>",
-            f'<script type="text/plain" id="plotly">{_plotly() if charts else ""}</script>',
+            '<script type="text/plain" '
+            f'id="plotly">{_plotly() if charts else ""}</script>',
             f'<script type="text/plain" id="charts">{_compressed(data)}</script>',
             f"<script>{script}</script></body></html>",
             "",
@@ -41,14 +50,18 @@ def page(title: str, parts: Iterable[str], charts: Sequence[dict[str, Any]]) -> 
 
 
 def _compressed(text: str) -> str:
-    return b64encode(gzip.compress(text.encode("utf-8"), compresslevel=9, mtime=0)).decode("ascii")
+    return b64encode(
+        gzip.compress(text.encode("utf-8"), compresslevel=9, mtime=0)
+    ).decode("ascii")
 
 
 def _plotly() -> str:
     try:
         from plotly.offline import get_plotlyjs
     except ImportError as error:
-        raise ContbedError("a report needs plotly: pip install 'contbed[report]'") from error
+        raise ContbedError(
+            "a report needs plotly: pip install 'contbed[report]'"
+        ) from error
     return _compressed(get_plotlyjs())
 
 
@@ -87,8 +100,15 @@ def axes(x: str, y: str, **more: Any) -> dict[str, Any]:
 
 
 def bars(title: str, values: Mapping[str, Any], x: str, **more: Any) -> dict[str, Any]:
-    """Return a chart of bars to the right, the first on top; `more` describes the axis of the values."""
-    trace = {"type": "bar", "orientation": "h", "y": list(values), "x": list(values.values())}
+    """Return a chart of bars to the right, the first on top; `more` describes the
+    axis of the values.
+    """
+    trace = {
+        "type": "bar",
+        "orientation": "h",
+        "y": list(values),
+        "x": list(values.values()),
+    }
     layout = {
         "xaxis": {"title": {"text": x}, **more},
         "yaxis": {"autorange": "reversed", "automargin": True},
@@ -99,7 +119,9 @@ def bars(title: str, values: Mapping[str, Any], x: str, **more: Any) -> dict[str
 def warnings(texts: Iterable[str]) -> str:
     """Return the section of warnings; nothing where there are none."""
     items = "".join(f"<li>{escape(text)}</li>" for text in texts)
-    return section("Warnings", f'<ul class="warnings">{items}</ul>' if items else "", "warnings")
+    return section(
+        "Warnings", f'<ul class="warnings">{items}</ul>' if items else "", "warnings"
+    )
 
 
 def place(number: int, chart: dict[str, Any]) -> str:
@@ -110,24 +132,39 @@ def place(number: int, chart: dict[str, Any]) -> str:
         last = len(times) - 1
         slider = (
             f'<label class="time">t = <output>{times[-1]:.5g} s</output>'
-            f'<input type="range" min="0" max="{last}" value="{last}" data-chart="{number}" aria-label="time"></label>'
+            f'<input type="range" min="0" max="{last}" value="{last}" '
+            f'data-chart="{number}" aria-label="time"></label>'
         )
     wide = " wide" if chart.get("wide") else ""
     caption = f"<figcaption>{escape(chart['title'])}</figcaption>"
-    return f'<figure class="chart{wide}">{caption}<div id="chart{number}"></div>{slider}</figure>'
+    return (
+        f'<figure class="chart{wide}">{caption}<div '
+        f'id="chart{number}"></div>{slider}</figure>'
+    )
 
 
 def section(title: str, body: str, anchor: str) -> str:
     """Return a section with its heading; nothing where it has no content."""
-    return f'<section id="{anchor}"><h2>{escape(title)}</h2>{body}</section>' if body else ""
+    return (
+        f'<section id="{anchor}"><h2>{escape(title)}</h2>{body}</section>'
+        if body
+        else ""
+    )
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]], numbers: Sequence[int] = ()) -> str:
-    """Return a table of cells that are HTML already; columns in `numbers` are aligned to the right."""
+def table(
+    head: Sequence[str], rows: Iterable[Sequence[str]], numbers: Sequence[int] = ()
+) -> str:
+    """Return a table of cells that are HTML already; columns in `numbers` are
+    aligned to the right.
+    """
     cells = "".join(f"<th>{escape(name)}</th>" for name in head)
     body = "".join(
         "<tr>"
-        + "".join(f"<td{' class=number' if k in numbers else ''}>{cell}</td>" for k, cell in enumerate(row))
+        + "".join(
+            f"<td{' class=number' if k in numbers else ''}>{cell}</td>"
+            for k, cell in enumerate(row)
+        )
         + "</tr>"
         for row in rows
     )
@@ -158,12 +195,23 @@ def found(values: Mapping[str, Any]) -> str:
 
 
 def results(runs: Sequence[Run]) -> str:
-    """Return the named results of the runs side by side, with the difference to the first."""
-    names = list(dict.fromkeys(key for run in runs for key in run.summary.get("qoi", {})))
+    """Return the named results of the runs side by side, with the difference to the
+    first.
+    """
+    names = list(
+        dict.fromkeys(key for run in runs for key in run.summary.get("qoi", {}))
+    )
     rows = []
     for name in names:
         entry = quantities.result(name)
-        own_unit = next((run.summary["units"][name] for run in runs if name in run.summary.get("units", {})), "1")
+        own_unit = next(
+            (
+                run.summary["units"][name]
+                for run in runs
+                if name in run.summary.get("units", {})
+            ),
+            "1",
+        )
         values = [run.summary.get("qoi", {}).get(name) for run in runs]
         cells = [number(values[0])]
         for value in values[1:]:
@@ -172,21 +220,35 @@ def results(runs: Sequence[Run]) -> str:
         rows.append([code(quantities.name_of(name)), *cells, unit(own_unit), meaning])
     if not rows:
         return ""
-    head = ["result", *((run.name for run in runs) if len(runs) > 1 else ["value"]), "unit", "meaning"]
+    head = [
+        "result",
+        *((run.name for run in runs) if len(runs) > 1 else ["value"]),
+        "unit",
+        "meaning",
+    ]
     return table(head, rows, range(1, len(runs) + 1))
 
 
 def _difference(value: Any, first: Any) -> str:
-    if not isinstance(value, int | float) or not isinstance(first, int | float) or not first or value == first:
+    if (
+        not isinstance(value, int | float)
+        or not isinstance(first, int | float)
+        or not first
+        or value == first
+    ):
         return ""
     return f' <span class="quiet">{100.0 * (value - first) / abs(first):+.3g} %</span>'
 
 
 def verdict(run: Run) -> str:
-    """Return status, balances, closures out of their range and warnings of a run as short lines."""
+    """Return status, balances, closures out of their range and warnings of a run as
+    short lines.
+    """
     summary = run.summary
     good = summary.get("status") == "ok"
-    lines = [f'<span class="{"good" if good else "bad"}">{escape(str(summary.get("status", "unknown")))}</span>']
+    lines = [
+        f'<span class="{"good" if good else "bad"}">{escape(str(summary.get("status", "unknown")))}</span>'
+    ]
     for name, balance in summary.get("balances", {}).items():
         residual = balance.get("relative_residual")
         text = (
@@ -199,11 +261,19 @@ def verdict(run: Run) -> str:
     beyond = [closure for closure in closures if closure.get("share_outside")]
     for closure in beyond:
         share = 100.0 * closure["share_outside"]
-        lines.append(f'<span class="bad">{escape(closure["name"])} out of its range on {share:.3g} %</span>')
+        lines.append(
+            f'<span class="bad">{escape(closure["name"])} out of its range on '
+            f"{share:.3g} %</span>"
+        )
     if closures and not beyond:
-        lines.append(f'<span class="good">all {len(closures)} closures inside of their ranges</span>')
+        lines.append(
+            f'<span class="good">all {len(closures)} closures inside of their '
+            "ranges</span>"
+        )
     body = f'<p class="verdict">{" ".join(lines)}</p>'
-    warnings = "".join(f"<li>{escape(text)}</li>" for text in summary.get("warnings", []))
+    warnings = "".join(
+        f"<li>{escape(text)}</li>" for text in summary.get("warnings", [])
+    )
     return body + (f'<ul class="warnings">{warnings}</ul>' if warnings else "")
 
 
@@ -211,10 +281,19 @@ def balances(run: Run) -> str:
     """Return the balances of a run as a table."""
     parts = ("in", "out", "source", "stored", "relative_residual")
     rows = [
-        [escape(f"{name} [{item['unit']}]" if item.get("unit") else name), *(number(item.get(part)) for part in parts)]
+        [
+            escape(f"{name} [{item['unit']}]" if item.get("unit") else name),
+            *(number(item.get(part)) for part in parts),
+        ]
         for name, item in run.summary.get("balances", {}).items()
     ]
-    return table(["balance", *(part.replace("_", " ") for part in parts)], rows, range(1, 6)) if rows else ""
+    return (
+        table(
+            ["balance", *(part.replace("_", " ") for part in parts)], rows, range(1, 6)
+        )
+        if rows
+        else ""
+    )
 
 
 def closures(run: Run) -> str:
@@ -225,27 +304,49 @@ def closures(run: Run) -> str:
             used = "" if use is None else _span(use["used"])
             declared = "" if use is None else _span(use["declared"])
             share = use["share_outside"] if use is not None else 0.0
-            outside = f'<span class="bad">{100 * share:.3g} %</span>' if share else "none"
+            outside = (
+                f'<span class="bad">{100 * share:.3g} %</span>' if share else "none"
+            )
             rows.append([code(closure["name"]), escape(argument), used, declared, outside,
                          escape(str(closure.get("source", "")))])  # fmt: skip
-    return table(["closure", "argument", "used", "range", "outside", "source"], rows) if rows else ""
+    return (
+        table(["closure", "argument", "used", "range", "outside", "source"], rows)
+        if rows
+        else ""
+    )
 
 
 def _span(ends: Sequence[float | None]) -> str:
     low, high = ends
     if low is not None and low == high:
         return number(low)
-    return f"{'–∞' if low is None else number(low)} to {'∞' if high is None else number(high)}"
+    return (
+        f"{'–∞' if low is None else number(low)} to "
+        f"{'∞' if high is None else number(high)}"
+    )
 
 
 def scene(keys: Sequence[Key]) -> str:
-    """Return what a scene gives as a table, and what was left at its defaults below it."""
-    given = [[code(key.name), number(key.value), escape(key.unit)] for key in keys if not key.default]
-    left = [[code(key.name), number(key.value), escape(key.unit)] for key in keys if key.default]
+    """Return what a scene gives as a table, and what was left at its defaults below
+    it.
+    """
+    given = [
+        [code(key.name), number(key.value), escape(key.unit)]
+        for key in keys
+        if not key.default
+    ]
+    left = [
+        [code(key.name), number(key.value), escape(key.unit)]
+        for key in keys
+        if key.default
+    ]
     head = ["key", "value in SI", "unit"]
     text = table(head, given)
     if left:
-        text += f"<details><summary>{len(left)} keys at their defaults</summary>{table(head, left)}</details>"
+        text += (
+            f"<details><summary>{len(left)} keys at their "
+            f"defaults</summary>{table(head, left)}</details>"
+        )
     return text
 
 
@@ -256,17 +357,37 @@ def differences(runs: Sequence[Run]) -> str:
     rows = []
     for name in names:
         found = [keys.get(name) for keys in every]
-        if len({json.dumps(key.value if key else None, sort_keys=True) for key in found}) > 1:
+        if (
+            len(
+                {
+                    json.dumps(key.value if key else None, sort_keys=True)
+                    for key in found
+                }
+            )
+            > 1
+        ):
             own_unit = next((key.unit for key in found if key and key.unit), "")
             cells = [number(key.value) if key else "–" for key in found]
             rows.append([code(name), *cells, escape(own_unit)])
-    return table(["key", *(run.name for run in runs), "unit"], rows, range(1, len(runs) + 1)) if rows else ""
+    return (
+        table(
+            ["key", *(run.name for run in runs), "unit"], rows, range(1, len(runs) + 1)
+        )
+        if rows
+        else ""
+    )
 
 
 def built(run: Run) -> str:
     """Return what the run built and left out, with the reasons."""
-    rows = [["built", escape(item["what"]), escape(item["why"])] for item in run.summary.get("built", [])]
-    rows += [["left out", escape(item["what"]), escape(item["why"])] for item in run.summary.get("skipped", [])]
+    rows = [
+        ["built", escape(item["what"]), escape(item["why"])]
+        for item in run.summary.get("built", [])
+    ]
+    rows += [
+        ["left out", escape(item["what"]), escape(item["why"])]
+        for item in run.summary.get("skipped", [])
+    ]
     return table(["", "what", "why"], rows) if rows else ""
 
 
@@ -274,14 +395,25 @@ def provenance(run: Run) -> str:
     """Return versions, unknowns, machine and hash of a run."""
     summary = run.summary
     rows = [
-        [escape(f"version of {name}"), escape(str(version))] for name, version in summary.get("versions", {}).items()
+        [escape(f"version of {name}"), escape(str(version))]
+        for name, version in summary.get("versions", {}).items()
     ]
-    rows += [[escape(f"unknowns of {name}"), number(count)] for name, count in (summary.get("dofs") or {}).items()]
+    rows += [
+        [escape(f"unknowns of {name}"), number(count)]
+        for name, count in (summary.get("dofs") or {}).items()
+    ]
     names = {"host": "machine", "begun": "begun (UTC)"}
-    rows += [[name, escape(str(summary[key]))] for key, name in names.items() if key in summary]
+    rows += [
+        [name, escape(str(summary[key]))]
+        for key, name in names.items()
+        if key in summary
+    ]
     values = json.dumps(summary.get("scene", {}), sort_keys=True)
     rows += [["hash of the scene", hashlib.sha256(values.encode()).hexdigest()[:16]]]
     total = summary.get("timings", {}).get("total")
     rows += [["wall time [s]", number(total)]] if total is not None else []
-    rows += [["folder", escape(str(run.folder))], ["files", number(summary.get("files", []))]]
+    rows += [
+        ["folder", escape(str(run.folder))],
+        ["files", number(summary.get("files", []))],
+    ]
     return table(["", ""], rows)

@@ -1,4 +1,6 @@
-"""What a report shows of the folder of a run: its summary, its tables and its fields."""
+"""What a report shows of the folder of a run: its summary, its tables and its
+fields.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,9 @@ class Snapshot:
 
 @dataclass(frozen=True)
 class Run:
-    """One run: its name in the report, the content of summary.json, its tables by name, the files of its fields."""
+    """One run: its name in the report, the content of summary.json, its tables by
+    name, the files of its fields.
+    """
 
     name: str
     folder: Path
@@ -56,8 +60,14 @@ class Run:
         return str(self.summary.get("scene", {}).get("title") or self.name)
 
     def scene_keys(self) -> list[Key]:
-        """Return the keys of the scene in their order, each with its unit and whether it is as by default."""
-        scene = {key: value for key, value in self.summary.get("scene", {}).items() if key != "title"}
+        """Return the keys of the scene in their order, each with its unit and
+        whether it is as by default.
+        """
+        scene = {
+            key: value
+            for key, value in self.summary.get("scene", {}).items()
+            if key != "title"
+        }
         kind = kind_of(scene) if scene else "packed_bed"
         return list(_keys(schema.of(MODELS[kind].scene), scene, ()))
 
@@ -70,12 +80,20 @@ def read_run(folder: Path, name: str) -> Run:
     ContbedError : there is no run in it, it has not ended, or a file of it is damaged
     """
     if not (folder / SUMMARY).is_file():
-        raise ContbedError(f"{folder}: no summary.json of a run; give the folder of `contbed run --out`")
+        raise ContbedError(
+            f"{folder}: no summary.json of a run; give the folder of `contbed run "
+            "--out`"
+        )
     summary = read_json(folder / SUMMARY, RunSummary, "the summary of a run", AGAIN)
     if summary["status"] == "running":
-        raise ContbedError(f"{folder}: the run has not ended; wait for it, or run the scene again if it was stopped")
+        raise ContbedError(
+            f"{folder}: the run has not ended; wait for it, or run the scene again if "
+            "it was stopped"
+        )
     tables = {}
-    for file in sorted(folder.glob("*.csv"), key=lambda file: (file.stem != "profiles", file.stem)):
+    for file in sorted(
+        folder.glob("*.csv"), key=lambda file: (file.stem != "profiles", file.stem)
+    ):
         if file.name in summary.get("files", [file.name]):
             tables[file.stem] = read_table(file)
     return Run(name, folder, summary, tables, tuple(_snapshots(folder)))
@@ -91,14 +109,31 @@ def _keys(root: schema.Node, values: Any, path: tuple[str, ...]) -> list[Key]:
         nodes = schema.at(root, here)
         defaults = [node["default"] for node in nodes if "default" in node]
         unit = schema.unit(root, here)
-        found.append(Key(".".join(here), value, "" if unit in (None, "1") else str(unit), value in defaults))
+        found.append(
+            Key(
+                ".".join(here),
+                value,
+                "" if unit in (None, "1") else str(unit),
+                value in defaults,
+            )
+        )
     return found
 
 
 def _snapshots(folder: Path) -> list[Snapshot]:
-    """Return the files of the fields in order of time; of pieces the .pvtu that names them."""
+    """Return the files of the fields in order of time; of pieces the .pvtu that
+    names them.
+    """
     series = sorted(folder.glob("*.pvd"))
     if series:
-        return [Snapshot(time, file) for time, file in read_series(series[0]) if file.suffix in (".vtu", ".pvtu")]
-    whole = [file for file in folder.glob("*.vtu") if not re.search(r"_p\d+\.vtu$", file.name)]
+        return [
+            Snapshot(time, file)
+            for time, file in read_series(series[0])
+            if file.suffix in (".vtu", ".pvtu")
+        ]
+    whole = [
+        file
+        for file in folder.glob("*.vtu")
+        if not re.search(r"_p\d+\.vtu$", file.name)
+    ]
     return [Snapshot(None, file) for file in sorted([*whole, *folder.glob("*.pvtu")])]

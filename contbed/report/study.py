@@ -1,4 +1,6 @@
-"""What a study needs for a report of its own: the file that shows it, and the sections of the page."""
+"""What a study needs for a report of its own: the file that shows it, and the
+sections of the page.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,8 @@ class Study:
     name : what it is, "cascade"
     command : of contbed that writes it
     shape : of its file
-    content : returns the page for a folder and the content of the file; its charts are added to the third argument
+    content : returns the page for a folder and the content of the file; its charts are
+        added to the third argument
     what : names the file in messages
     file : in the folder
     is_in : whether a folder holds such a study
@@ -59,9 +62,13 @@ class Study:
         about = content.about
         if "versions" in found:
             about += f"; contbed {found['versions'].get('contbed', '?')}"
-        return page.page(content.title, [page.header(content.title, about), *content.sections], made)
+        return page.page(
+            content.title, [page.header(content.title, about), *content.sections], made
+        )
 
 
 def has(key: str) -> Callable[[Path], bool]:
-    """Return whether the summary of a folder has a key that only one kind of study has."""
+    """Return whether the summary of a folder has a key that only one kind of study
+    has.
+    """
     return lambda folder: key in read_summary(folder)

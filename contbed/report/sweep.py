@@ -45,7 +45,11 @@ class SweepTable(Shape):
 
 
 def _content(folder: Path, found: Found, made: page.Charts) -> Content:
-    units = {name: about.get("unit") or "" for group in ("parameters", "qoi") for name, about in found[group].items()}
+    units = {
+        name: about.get("unit") or ""
+        for group in ("parameters", "qoi")
+        for name, about in found[group].items()
+    }
     head = ["run", *(Column(name, unit, ()).label for name, unit in units.items())]
     good = [run for run in found["runs"] if not run["exit_code"]]
     columns = [
@@ -54,18 +58,27 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
         for name in found[group]
     ]
     rows = [_row(found, run, units) for run in found["runs"]]
-    about = f"{found['ended']} of {found['cases']} runs have ended, {len(found['runs']) - len(good)} of them failed"
+    about = (
+        f"{found['ended']} of {found['cases']} runs have ended, "
+        f"{len(found['runs']) - len(good)} of them failed"
+    )
     sections = [
         page.warnings(found.get("warnings", [])),
         page.section("Uncertainty", uncertainty(folder), "uncertainty"),
-        linked(columns, [run["run"] for run in good]).section("Linked plots", made.place),
+        linked(columns, [run["run"] for run in good]).section(
+            "Linked plots", made.place
+        ),
         page.section("All runs", page.table(head, rows, range(1, len(head))), "runs"),
     ]
-    return Content(f"Sweep {Path(str(found.get('study', folder.name))).stem}", about, sections)
+    return Content(
+        f"Sweep {Path(str(found.get('study', folder.name))).stem}", about, sections
+    )
 
 
 def _row(found: Found, run: dict[str, Any], names: dict[str, str]) -> list[str]:
-    """Return the cells of a run; of one that failed the problem stands under the first result."""
+    """Return the cells of a run; of one that failed the problem stands under the
+    first result.
+    """
     values = {**run["parameters"], **run["qoi"]}
     if run["exit_code"]:
         problem = f"exit code {run['exit_code']}: {run['problem']}"
@@ -82,4 +95,6 @@ def _is_in(folder: Path) -> bool:
     return (folder / TABLE).is_file()
 
 
-SWEEP = Study("sweep", "sweep", SweepTable, _content, "the table of a sweep", _is_in, TABLE)
+SWEEP = Study(
+    "sweep", "sweep", SweepTable, _content, "the table of a sweep", _is_in, TABLE
+)

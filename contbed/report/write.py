@@ -1,4 +1,6 @@
-"""`contbed report DIR...`: reads runs, or the folder of a command that makes many, and writes report.html."""
+"""`contbed report DIR...`: reads runs, or the folder of a command that makes many,
+and writes report.html.
+"""
 
 from __future__ import annotations
 
@@ -24,27 +26,38 @@ FILE = "report.html"
 
 
 def write(folders: Sequence[Path], file: Path | None = None) -> Path:
-    """Write the report of one or several runs, or of one other command that makes many, and return its file.
+    """Write the report of one or several runs, or of one other command that makes many,
+    and return its file.
 
     Parameters
     ----------
-    folders : of runs, or one of a sweep, an optimum, a calibration, a cascade or derivatives
+    folders : of runs, or one of a sweep, an optimum, a calibration, a cascade or
+        derivatives
     file : where to write; report.html in the first folder if None
 
     Raises
     ------
-    ContbedError : a folder holds no run, plotly is not installed, or the file cannot be written
+    ContbedError : a folder holds no run, plotly is not installed, or the file cannot be
+        written
     """
     target = file or folders[0] / FILE
     for study in STUDIES:
         if any(map(study.is_in, folders)):
             if len(folders) > 1:
                 what = study.name
-                raise ContbedError(f"{folders[0]}: a report shows one {what}, or runs; give one folder of a {what}")
+                raise ContbedError(
+                    f"{folders[0]}: a report shows one {what}, or runs; give one "
+                    f"folder of a {what}"
+                )
             text = study.report(folders[0])
             break
     else:
-        text = of_runs([read_run(folder, name) for folder, name in zip(folders, _names(folders), strict=True)])
+        text = of_runs(
+            [
+                read_run(folder, name)
+                for folder, name in zip(folders, _names(folders), strict=True)
+            ]
+        )
     with atomic(target) as temporary:
         temporary.write_text(text, encoding="utf-8")
     _list(target)
@@ -52,17 +65,23 @@ def write(folders: Sequence[Path], file: Path | None = None) -> Path:
 
 
 def _list(file: Path) -> None:
-    """Add a report to the files of the run in its folder, which the next run there removes."""
+    """Add a report to the files of the run in its folder, which the next run there
+    removes.
+    """
     summary = read_summary(file.parent)
     listed = summary.get("files")
     if listed is not None and file.name not in listed:
-        write_json(file.parent / SUMMARY, {**summary, "files": sorted([*listed, file.name])})
+        write_json(
+            file.parent / SUMMARY, {**summary, "files": sorted([*listed, file.name])}
+        )
 
 
 def _names(folders: Sequence[Path]) -> list[str]:
     """Return short names of the folders, longer ones where they would be the same."""
     short = [folder.resolve().name for folder in folders]
-    return short if len(set(short)) == len(short) else [str(folder) for folder in folders]
+    return (
+        short if len(set(short)) == len(short) else [str(folder) for folder in folders]
+    )
 
 
 def of_runs(runs: Sequence[Run]) -> str:
@@ -70,25 +89,46 @@ def of_runs(runs: Sequence[Run]) -> str:
     several = len(runs) > 1
     made = charts.curves(runs)
     curves = list(range(len(made)))
-    made += [charts.picture(run, item, several) for run in runs for item in pictures(run)]
+    made += [
+        charts.picture(run, item, several) for run in runs for item in pictures(run)
+    ]
     fields = list(range(len(curves), len(made)))
     made.append(charts.cost(runs))
-    title = runs[0].title if not several else f"Comparison of {', '.join(run.name for run in runs)}"
+    title = (
+        runs[0].title
+        if not several
+        else f"Comparison of {', '.join(run.name for run in runs)}"
+    )
     heads = "".join(
-        (f"<h3>{escape(run.name)}: {escape(run.title)}</h3>" if several else "") + page.verdict(run) for run in runs
+        (f"<h3>{escape(run.name)}: {escape(run.title)}</h3>" if several else "")
+        + page.verdict(run)
+        for run in runs
     )
     parts = [
-        f"<header><h1>{escape(title)}</h1><p class=quiet>report of contbed {escape(_version(runs))}</p>",
+        f"<header><h1>{escape(title)}</h1><p class=quiet>report of contbed "
+        f"{escape(_version(runs))}</p>",
         f"{_links(fields, several)}</header>",
         page.section("What was found", heads + page.results(runs), "results"),
-        page.section("Where the scenes differ", page.differences(runs) if several else "", "differences"),
+        page.section(
+            "Where the scenes differ",
+            page.differences(runs) if several else "",
+            "differences",
+        ),
         page.section("Curves", _grid(curves, made), "curves"),
         page.section("Fields", _grid(fields, made), "fields"),
         page.section("Balances", _each(runs, page.balances), "balances"),
         page.section("Closures", _each(runs, page.closures), "closures"),
-        page.section("Scene", _each(runs, lambda run: page.scene(run.scene_keys())), "scene"),
-        page.section("What was built and what was left out", _each(runs, page.built), "built"),
-        page.section("Cost and origin", _grid([len(made) - 1], made) + _each(runs, page.provenance), "cost"),
+        page.section(
+            "Scene", _each(runs, lambda run: page.scene(run.scene_keys())), "scene"
+        ),
+        page.section(
+            "What was built and what was left out", _each(runs, page.built), "built"
+        ),
+        page.section(
+            "Cost and origin",
+            _grid([len(made) - 1], made) + _each(runs, page.provenance),
+            "cost",
+        ),
     ]
     return page.page(title, parts, made)
 
@@ -97,7 +137,11 @@ STUDIES = (CALIBRATION, OPTIMUM, CASCADE, SWEEP, DERIVATIVES)
 
 
 def _version(runs: Sequence[Run]) -> str:
-    return ", ".join(dict.fromkeys(str(run.summary.get("versions", {}).get("contbed", "?")) for run in runs))
+    return ", ".join(
+        dict.fromkeys(
+            str(run.summary.get("versions", {}).get("contbed", "?")) for run in runs
+        )
+    )
 
 
 def _links(fields: Sequence[int], several: bool) -> str:
@@ -109,7 +153,14 @@ def _links(fields: Sequence[int], several: bool) -> str:
         "balances",
         "closures",
     ]
-    return "<nav>" + "".join(f'<a href="#{name}">{name}</a>' for name in [*names, "scene", "built", "cost"]) + "</nav>"
+    return (
+        "<nav>"
+        + "".join(
+            f'<a href="#{name}">{name}</a>'
+            for name in [*names, "scene", "built", "cost"]
+        )
+        + "</nav>"
+    )
 
 
 def _grid(numbers: Sequence[int], made: Sequence[dict[str, Any]]) -> str:
@@ -120,4 +171,8 @@ def _grid(numbers: Sequence[int], made: Sequence[dict[str, Any]]) -> str:
 def _each(runs: Sequence[Run], of: Any) -> str:
     """Return a part for each run, under its name where there are several."""
     parts = [(run, of(run)) for run in runs]
-    return "".join((f"<h3>{escape(run.name)}</h3>" if len(runs) > 1 else "") + text for run, text in parts if text)
+    return "".join(
+        (f"<h3>{escape(run.name)}</h3>" if len(runs) > 1 else "") + text
+        for run, text in parts
+        if text
+    )

@@ -1,1 +1,3 @@
-"""The scene: its settings, how a TOML file is read into them, and the checks of its values."""
+"""The scene: its settings, how a TOML file is read into them, and the checks of its
+values.
+"""

@@ -18,24 +18,37 @@ THERMAL = ("temperature", "fixed_temperature", "heat_flux", "coefficient", "emis
 
 
 class ThermalCondition(Table):
-    """Thermal condition of one phase on one boundary: at most one of the five; none is adiabatic."""
+    """Thermal condition of one phase on one boundary: at most one of the five; none
+    is adiabatic.
+    """
 
     temperature: TemperatureOrSeries | None = Field(
-        None, description="Danckwerts: of the stream while it enters; nothing while it leaves"
+        None,
+        description="Danckwerts: of the stream while it enters; nothing while it leaves",
     )
-    fixed_temperature: TemperatureOrSeries | None = Field(None, description="Dirichlet: prescribed temperature")
+    fixed_temperature: TemperatureOrSeries | None = Field(
+        None, description="Dirichlet: prescribed temperature"
+    )
     heat_flux: HeatFluxOrSeries | None = Field(None, description="into the bed")
     coefficient: WallCoefficientOrClosure | None = Field(
-        None, description="Robin: wall coefficient to `ambient`", json_schema_extra=takes("wall")
+        None,
+        description="Robin: wall coefficient to `ambient`",
+        json_schema_extra=takes("wall"),
     )
-    emissivity: Emissivity | None = Field(None, description="of a surface that radiates to surroundings at `ambient`")
-    ambient: TemperatureOrSeries | None = Field(None, description="temperature of the surroundings")
+    emissivity: Emissivity | None = Field(
+        None, description="of a surface that radiates to surroundings at `ambient`"
+    )
+    ambient: TemperatureOrSeries | None = Field(
+        None, description="temperature of the surroundings"
+    )
 
     @model_validator(mode="after")
     def _at_most_one(self) -> ThermalCondition:
         given = [name for name in THERMAL if getattr(self, name) is not None]
         if len(given) > 1:
-            raise ValueError(f"give one of {', '.join(THERMAL)}; found {', '.join(given)}")
+            raise ValueError(
+                f"give one of {', '.join(THERMAL)}; found {', '.join(given)}"
+            )
         needs_ambient = given in (["coefficient"], ["emissivity"])
         if needs_ambient != (self.ambient is not None):
             name = given[0] if needs_ambient else "coefficient or emissivity"
@@ -49,7 +62,9 @@ class ThermalCondition(Table):
 
 
 def conditions_of(boundary: Mapping[str, Any]) -> Iterator[tuple[KeyPath, str, Any]]:
-    """Yield the path, the phase and the table of each condition of a phase; the phase is "gas" or a solid's name."""
+    """Yield the path, the phase and the table of each condition of a phase; the
+    phase is "gas" or a solid's name.
+    """
     for side, table in boundary.items():
         if table.gas is not None:
             yield ("boundary", side, "gas"), "gas", table.gas

@@ -1,4 +1,5 @@
-"""Tables of numbers in CSV files, each column with its unit in the header: measured data, schedules, profiles.
+"""Tables of numbers in CSV files, each column with its unit in the header: measured
+data, schedules, profiles.
 
     # lines that begin with # are comments
     t [h],T_inlet [degC]
@@ -35,7 +36,8 @@ _HEADER = re.compile(r"\s*(.+?)\s*\[(.+)\]\s*")
 class DataTable:
     """The columns of a CSV file.
 
-    names, units : of the columns; "" is the unit of a column without brackets, whose cells are texts
+    names, units : of the columns; "" is the unit of a column without brackets, whose
+        cells are texts
     cells : texts, row by row; lines : line of each row in the file
     """
 
@@ -57,30 +59,46 @@ class DataTable:
             if given and factor_and_offset(given, unit) is not None:
                 return name
         wanted = QUANTITIES.get(unit, "quantity")
-        raise self.error(self.header_line, f"no column with a {wanted}, such as 'name [{unit}]'; found {self._found()}")
+        raise self.error(
+            self.header_line,
+            f"no column with a {wanted}, such as 'name [{unit}]'; found {self._found()}",
+        )
 
     def column(self, name: str, unit: str) -> NDArray[np.float64]:
         """Return the values of a column in the SI unit `unit`, shape (rows,).
 
         Raises
         ------
-        SceneError : no such column, another kind of quantity, or a cell that is no finite number
+        SceneError : no such column, another kind of quantity, or a cell that is no
+            finite number
         """
         if name not in self.names:
-            raise self.error(self.header_line, f"no column '{name}'; {nearest(name, list(self.names))}")
+            raise self.error(
+                self.header_line,
+                f"no column '{name}'; {nearest(name, list(self.names))}",
+            )
         index = self.names.index(name)
         scale = factor_and_offset(self.units[index] or "1", unit)
         if scale is None:
-            found = f"'{name} [{self.units[index]}]'" if self.units[index] else f"'{name}' without a unit"
+            found = (
+                f"'{name} [{self.units[index]}]'"
+                if self.units[index]
+                else f"'{name}' without a unit"
+            )
             raise self.error(
-                self.header_line, f"expected a {QUANTITIES.get(unit, 'quantity')} in {unit}, found {found}"
+                self.header_line,
+                f"expected a {QUANTITIES.get(unit, 'quantity')} in {unit}, found "
+                f"{found}",
             )
         values = np.empty(len(self.cells))
         for row, (cells, line) in enumerate(zip(self.cells, self.lines, strict=True)):
             try:
                 values[row] = float(cells[index])
             except ValueError:
-                raise self.error(line, f"column '{name}': expected a number, found '{cells[index][:40]}'") from None
+                raise self.error(
+                    line,
+                    f"column '{name}': expected a number, found '{cells[index][:40]}'",
+                ) from None
             if not isfinite(values[row]):
                 raise self.error(line, f"column '{name}': not a finite number")
         factor, offset = scale
@@ -89,7 +107,10 @@ class DataTable:
     def texts(self, name: str) -> tuple[str, ...]:
         """Return the cells of a column as they are written."""
         if name not in self.names:
-            raise self.error(self.header_line, f"no column '{name}'; {nearest(name, list(self.names))}")
+            raise self.error(
+                self.header_line,
+                f"no column '{name}'; {nearest(name, list(self.names))}",
+            )
         index = self.names.index(name)
         return tuple(cells[index] for cells in self.cells)
 
@@ -99,7 +120,8 @@ class DataTable:
 
     def _found(self) -> str:
         return ", ".join(
-            f"'{name} [{unit}]'" if unit else f"'{name}'" for name, unit in zip(self.names, self.units, strict=True)
+            f"'{name} [{unit}]'" if unit else f"'{name}'"
+            for name, unit in zip(self.names, self.units, strict=True)
         )
 
 
@@ -108,7 +130,8 @@ def read_table(path: Path) -> DataTable:
 
     Raises
     ------
-    SceneError : the file cannot be read, is empty, or a line has too few or too many cells
+    SceneError : the file cannot be read, is empty, or a line has too few or too many
+        cells
     """
     try:
         status = path.stat()
@@ -132,23 +155,43 @@ def _read(path: Path, inode: int, changed: int, size: int) -> DataTable:
         try:
             row = tuple(cell.strip() for cell in next(csv.reader([line])))
         except csv.Error as error:
-            raise SceneError(f"{path.name}:{number}: no line of a table: {error}") from None
+            raise SceneError(
+                f"{path.name}:{number}: no line of a table: {error}"
+            ) from None
         if not header_line:
-            if len(row) == 1 and (other := next((mark for mark in OTHER_MARKS if mark in line), "")):
-                advice = "commas between columns and points in numbers are read; export the table so"
-                raise SceneError(f"{path.name}:{number}: columns are separated by {OTHER_MARKS[other]}; {advice}")
+            if len(row) == 1 and (
+                other := next((mark for mark in OTHER_MARKS if mark in line), "")
+            ):
+                advice = (
+                    "commas between columns and points in numbers are read; "
+                    "export the table so"
+                )
+                raise SceneError(
+                    f"{path.name}:{number}: columns are separated by "
+                    f"{OTHER_MARKS[other]}; {advice}"
+                )
             parts = [_HEADER.fullmatch(cell) for cell in row]
-            names = tuple(part[1] if part else cell for part, cell in zip(parts, row, strict=True))
-            units, header_line = tuple(part[2] if part else "" for part in parts), number
+            names = tuple(
+                part[1] if part else cell for part, cell in zip(parts, row, strict=True)
+            )
+            units, header_line = (
+                tuple(part[2] if part else "" for part in parts),
+                number,
+            )
             if twice := [name for name in names if names.count(name) > 1]:
-                raise SceneError(f"{path.name}:{number}: column '{twice[0]}' is there twice")
+                raise SceneError(
+                    f"{path.name}:{number}: column '{twice[0]}' is there twice"
+                )
         elif len(row) != len(names):
             raise SceneError(
-                f"{path.name}:{number}: {len(row)} cells, the header in line {header_line} has {len(names)}"
+                f"{path.name}:{number}: {len(row)} cells, the header in line "
+                f"{header_line} has {len(names)}"
             )
         else:
             cells.append(row)
             lines.append(number)
     if not cells:
-        raise SceneError(f"{path.name}: a table needs a header line and at least one line of numbers")
+        raise SceneError(
+            f"{path.name}: a table needs a header line and at least one line of numbers"
+        )
     return DataTable(path, names, units, tuple(cells), tuple(lines), header_line)

@@ -1,4 +1,6 @@
-"""The [gas] table, which may also be a liquid: constants, a material, a Cantera mixture or a CoolProp fluid."""
+"""The [gas] table, which may also be a liquid: constants, a material, a Cantera
+mixture or a CoolProp fluid.
+"""
 
 from __future__ import annotations
 
@@ -19,22 +21,35 @@ from contbed.scene.tables import from_library, names_material
 
 
 class GasConstant(Table):
-    """A gas or liquid with constant properties, given or those of a material at a temperature."""
+    """A gas or liquid with constant properties, given or those of a material at a
+    temperature.
+    """
 
-    model: Literal["constant"] = Field("constant", description="gas or liquid with constant properties")
-    material: str | None = Field(None, description="liquid of the library; keys that are given replace its properties")
+    model: Literal["constant"] = Field(
+        "constant", description="gas or liquid with constant properties"
+    )
+    material: str | None = Field(
+        None,
+        description="liquid of the library; keys that are given replace its properties",
+    )
     material_temperature: Temperature | None = Field(
         None, description="at which the properties of the material are taken"
     )
     density: Density = Field(description="density of the fluid")
     viscosity: Viscosity = Field(description="dynamic viscosity of the fluid")
-    heat_capacity: HeatCapacity | None = Field(None, description="needed with a [heat] table")
-    conductivity: Conductivity | None = Field(None, description="needed with a [heat] table")
+    heat_capacity: HeatCapacity | None = Field(
+        None, description="needed with a [heat] table"
+    )
+    conductivity: Conductivity | None = Field(
+        None, description="needed with a [heat] table"
+    )
 
     @model_validator(mode="before")
     @classmethod
     def _material(cls, values: Any) -> Any:
-        if isinstance(values, dict) and ("material" in values) != ("material_temperature" in values):
+        if isinstance(values, dict) and ("material" in values) != (
+            "material_temperature" in values
+        ):
             raise ValueError("material and material_temperature belong together")
         if not names_material(values):
             return values
@@ -44,23 +59,34 @@ class GasConstant(Table):
 class GasCantera(Table):
     """An ideal-gas mixture with the polynomials of a Cantera mechanism."""
 
-    model: Literal["cantera"] = Field("cantera", description="ideal gas mixture with properties by Cantera")
+    model: Literal["cantera"] = Field(
+        "cantera", description="ideal gas mixture with properties by Cantera"
+    )
     composition: str = Field(description='mole fractions, "N2:0.79, O2:0.21"')
     pressure: Pressure = Field(101325.0, description="absolute pressure of the gas")
-    mechanism: str = Field("gri30.yaml", description="Cantera mechanism with the species: a name or a YAML file")
+    mechanism: str = Field(
+        "gri30.yaml",
+        description="Cantera mechanism with the species: a name or a YAML file",
+    )
 
 
 class GasCoolProp(Table):
     """A real fluid at constant pressure from CoolProp."""
 
-    model: Literal["coolprop"] = Field(description="pure real fluid with properties by CoolProp")
+    model: Literal["coolprop"] = Field(
+        description="pure real fluid with properties by CoolProp"
+    )
     name: str = Field(description="name of the fluid in CoolProp")
     pressure: Pressure = Field(101325.0, description="absolute pressure of the fluid")
-    T_range: tuple[Temperature, Temperature] = Field(description="temperatures to tabulate, one phase only")
+    T_range: tuple[Temperature, Temperature] = Field(
+        description="temperatures to tabulate, one phase only"
+    )
 
 
 def with_its_model(values: Any) -> Any:
-    """Return a [gas] table with its model: "cantera" with a composition, else "constant"."""
+    """Return a [gas] table with its model: "cantera" with a composition, else
+    "constant".
+    """
     if isinstance(values, dict) and "composition" in values:
         return _of_composition(values)
     return {"model": "constant"} | values if isinstance(values, dict) else values
@@ -73,4 +99,8 @@ def _of_composition(values: Any) -> Any:
 
 GasOfComposition = Annotated[GasCantera, BeforeValidator(_of_composition)]
 
-Gas = Annotated[GasConstant | GasCantera | GasCoolProp, Field(discriminator="model"), BeforeValidator(with_its_model)]
+Gas = Annotated[
+    GasConstant | GasCantera | GasCoolProp,
+    Field(discriminator="model"),
+    BeforeValidator(with_its_model),
+]

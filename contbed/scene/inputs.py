@@ -1,7 +1,9 @@
-"""Input files that a scene names: which they are, whether they can be read, and whether reading them runs code.
+"""Input files that a scene names: which they are, whether they can be read, and whether
+reading them runs code.
 
-No file is used before it has been checked here: pipes and devices, which may never end, very large files and files
-that run programs are refused with the line of their key. `Origin` says what the user has allowed.
+No file is used before it has been checked here: pipes and devices, which may never end,
+very large files and files that run programs are refused with the line of their key.
+`Origin` says what the user has allowed.
 """
 
 from __future__ import annotations
@@ -19,7 +21,8 @@ from contbed.scene.mechanism import code_in_mechanism, mechanism_file, mechanism
 from contbed.scene.quantities import Table
 from contbed.scene.toml_lines import KeyPath, Origin
 
-LARGE_FILE = 500_000_000  # bytes, unpacked, above which a file is only read with --allow-large
+# bytes, unpacked, above which a file is only read with --allow-large
+LARGE_FILE = 500_000_000
 _PIECE = 1 << 20  # bytes
 _GEOMETRY = ".geo"
 _TRUST = "refused unless you trust it: --trust, in Python load(..., trust=True)"
@@ -27,7 +30,9 @@ _ALLOW = "read only with --allow-large, in Python load(..., allow_large=True)"
 
 
 def named_files(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
-    """Yield key and name of the files that a scene names: meshes, closures, particles, mechanisms."""
+    """Yield key and name of the files that a scene names: meshes, closures,
+    particles, mechanisms.
+    """
     if isinstance(part, Mapping):
         for name, item in part.items():
             yield from named_files(item, (*path, name))
@@ -37,7 +42,9 @@ def named_files(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
     elif isinstance(part, Table):
         for name in type(part).model_fields:
             value = getattr(part, name)
-            named = name == "file" or (name == "mechanism" and getattr(part, "composition", None) is not None)
+            named = name == "file" or (
+                name == "mechanism" and getattr(part, "composition", None) is not None
+            )
             if named and isinstance(value, str):
                 yield (*path, name), value
             else:
@@ -50,7 +57,9 @@ def file_of(path: KeyPath, name: str, base: Path) -> Path | None:
 
 
 def inputs_by_key(part: Any, base: Path) -> Iterator[tuple[KeyPath, Path]]:
-    """Yield key and path of all files that a scene names; missing files are left out."""
+    """Yield key and path of all files that a scene names; missing files are left
+    out.
+    """
     for path, name in named_files(part):
         file = file_of(path, name, base)
         if file is None or "\0" in name or not file.is_file():
@@ -63,7 +72,9 @@ def all_inputs(part: Any, base: Path) -> list[Path]:
     return list(dict.fromkeys(file for _, file in inputs_by_key(part, base)))
 
 
-def unusable_files(parts: Mapping[str, Any], origin: Origin) -> Iterator[tuple[KeyPath, str]]:
+def unusable_files(
+    parts: Mapping[str, Any], origin: Origin
+) -> Iterator[tuple[KeyPath, str]]:
     """Yield the keys whose file must not be read, and why.
 
     The checks of each physics report files that are missing.
@@ -73,7 +84,9 @@ def unusable_files(parts: Mapping[str, Any], origin: Origin) -> Iterator[tuple[K
             continue
         file = file_of(path, name, origin.base)
         if file is None:
-            folders = ", ".join(str(folder.absolute()) for folder in mechanism_folders(origin.base))
+            folders = ", ".join(
+                str(folder.absolute()) for folder in mechanism_folders(origin.base)
+            )
             yield path, f"no such mechanism; looked in {folders}"
             continue
         try:
@@ -91,7 +104,9 @@ def unusable_files(parts: Mapping[str, Any], origin: Origin) -> Iterator[tuple[K
 
 
 def _size(file: Path, status: os.stat_result) -> int:
-    """Return the size of a file [bytes], of a .gz what it unpacks to; count no further than to the limit."""
+    """Return the size of a file [bytes], of a .gz what it unpacks to; count no
+    further than to the limit.
+    """
     if file.suffix != ".gz" or status.st_size > LARGE_FILE:
         return status.st_size
     return _unpacked_size(file, status.st_ino, status.st_mtime_ns, status.st_size)
@@ -114,8 +129,12 @@ def _code(path: KeyPath, file: Path, base: Path) -> list[str]:
     try:
         if path[-1] == "mechanism":
             inside = mechanism_folders(base)[-1]
-            shipped = inside.name == "data" and file.resolve().is_relative_to(inside.resolve())
-            return [] if shipped else [found] if (found := code_in_mechanism(file)) else []
+            shipped = inside.name == "data" and file.resolve().is_relative_to(
+                inside.resolve()
+            )
+            return (
+                [] if shipped else [found] if (found := code_in_mechanism(file)) else []
+            )
         if file.suffix.lower() == _GEOMETRY:
             return ["a geometry of gmsh may run programs and write files"]
     except OSError:

@@ -1,8 +1,9 @@
-"""Materials by name with the sources of their values, for tables of solids and fluids: `material = "alumina"`.
+"""Materials by name with the sources of their values, for tables of solids and fluids:
+`material = "alumina"`.
 
-Properties are polynomials a0 + a1 T + a2 T^2 + ... of T [K], as in a scene. They follow the values of the source within
-`error`; where no source gives a property that holds for the material in general, it is absent and a scene has to give
-it.
+Properties are polynomials a0 + a1 T + a2 T^2 + ... of T [K], as in a scene. They follow
+the values of the source within `error`; where no source gives a property that holds for
+the material in general, it is absent and a scene has to give it.
 """
 
 from __future__ import annotations
@@ -14,16 +15,24 @@ from contbed.scene.names import nearest
 
 Coefficients = tuple[float, ...]
 
-_INCROPERA = "Incropera, DeWitt, Bergman, Lavine 2007, Fundamentals of Heat and Mass Transfer, 6th edition, Wiley"
-_CHASE = "Chase 1998, NIST-JANAF Thermochemical Tables, 4th edition, as Shomate equation in the NIST WebBook, SRD 69"
+_INCROPERA = (
+    "Incropera, DeWitt, Bergman, Lavine 2007, Fundamentals of Heat and Mass "
+    "Transfer, 6th edition, Wiley"
+)
+_CHASE = (
+    "Chase 1998, NIST-JANAF Thermochemical Tables, 4th edition, as Shomate "
+    "equation in the NIST WebBook, SRD 69"
+)
 _HORAI = "Horai 1971, J. Geophys. Res. 76, 1278-1308, doi:10.1029/JB076i005p01278"
 
 
 @dataclass(frozen=True)
 class Material:
-    """Properties of a solid or a liquid as coefficients of polynomials, None where a scene has to give them.
+    """Properties of a solid or a liquid as coefficients of polynomials, None where a
+    scene has to give them.
 
-    `T_range` [K] is where they hold, `error` their largest relative deviation from the values of the source.
+    `T_range` [K] is where they hold, `error` their largest relative deviation from the
+    values of the source.
     """
 
     name: str
@@ -39,20 +48,32 @@ class Material:
 
     def at(self, T: float) -> dict[str, float]:
         """Return the properties at a temperature [K]."""
-        return {name: sum(c * T**n for n, c in enumerate(a)) for name, a in self.properties().items()}
+        return {
+            name: sum(c * T**n for n, c in enumerate(a))
+            for name, a in self.properties().items()
+        }
 
     def properties(self) -> dict[str, Coefficients]:
-        """Return the coefficients of the properties that there are, by the keys of a scene."""
+        """Return the coefficients of the properties that there are, by the keys of a
+        scene.
+        """
         names = ("density", "heat_capacity", "conductivity", "viscosity")
         return {name: a for name in names if (a := getattr(self, name)) is not None}
 
 
-_UNITS = {"density": "kg/m3", "heat_capacity": "J/kg/K", "conductivity": "W/m/K", "viscosity": "Pa s"}
+_UNITS = {
+    "density": "kg/m3",
+    "heat_capacity": "J/kg/K",
+    "conductivity": "W/m/K",
+    "viscosity": "Pa s",
+}
 
 _ALL = (
     Material(
-        "alumina", "sintered alpha-Al2O3, 99.5 % and dense; the density is that at 20 degC", "solid", (293.0, 1773.0),
-        "Munro 1997, J. Am. Ceram. Soc. 80, 1919-1928, doi:10.1111/j.1151-2916.1997.tb03074.x; NIST SRD 150",
+        "alumina", "sintered alpha-Al2O3, 99.5 % and dense; the density is that at 20 "
+                   "degC", "solid", (293.0, 1773.0),
+        "Munro 1997, J. Am. Ceram. Soc. 80, 1919-1928, "
+        "doi:10.1111/j.1151-2916.1997.tb03074.x; NIST SRD 150",
         (3984.0,), (59.9293, 3.2644, -0.00353037, 1.74021e-06, -3.15663e-10),
         (67.007, -0.1562, 0.000157078, -7.17348e-08, 1.23675e-11), error=0.005,
     ),
@@ -63,17 +84,22 @@ _ALL = (
         (0.883934, 0.00240487, -3.32141e-06, 2.90146e-09), error=0.007,
     ),
     Material(
-        "sand", "grains of alpha quartz; the conductivity is that at 25 degC and falls with temperature", "solid",
-        (298.0, 847.0), f"cp: {_CHASE}; conductivity: {_HORAI}, mean of all directions; density of the crystal",
+        "sand", "grains of alpha quartz; the conductivity is that at 25 degC and falls "
+                "with temperature", "solid",
+        (298.0, 847.0), f"cp: {_CHASE}; conductivity: {_HORAI}, mean of all "
+                        "directions; density of the crystal",
         (2650.0,), (-99.399, 4.1821, -0.00539661, 2.80112e-06), (7.69,), error=0.001,
     ),
     Material(
-        "steel", "stainless steel AISI 304", "solid", (300.0, 1500.0), f"{_INCROPERA}, table A.1",
+        "steel", "stainless steel AISI 304", "solid", (300.0, 1500.0), f"{_INCROPERA}, "
+                                                                       "table A.1",
         (7900.0,), (357.687, 0.513894, -0.000382372, 1.22926e-07), (9.86617, 0.0175964, -2.04084e-06), error=0.01,
     ),
     Material(
-        "iron_ore", "dense grains of hematite, Fe2O3; the conductivity is that at 25 degC; pellets are porous", "solid",
-        (298.0, 950.0), f"cp: {_CHASE}; conductivity: {_HORAI}, hematite; density of the mineral",
+        "iron_ore", "dense grains of hematite, Fe2O3; the conductivity is that at 25 "
+                    "degC; pellets are porous", "solid",
+        (298.0, 950.0), f"cp: {_CHASE}; conductivity: {_HORAI}, hematite; density of "
+                        "the mineral",
         (5260.0,), (214.135, 1.997, -0.00199508, 8.87077e-07), (11.28,), error=0.01,
     ),
     Material(
@@ -81,13 +107,15 @@ _ALL = (
         f"{_INCROPERA}, table A.3, glass, plate (soda lime)", (2500.0,), (750.0,), (1.4,),
     ),
     Material(
-        "coal_ash", "mineral matter of coal; density and conductivity vary too much to be given", "solid",
+        "coal_ash", "mineral matter of coal; density and conductivity vary too much to "
+                    "be given", "solid",
         (273.0, 1273.0), "Kirov 1965, as used by Merrick 1983, Fuel 62, 540-546",
         None, (593.9341, 0.586),
     ),
     Material(
         "FCC", "fluid cracking catalyst, density of the porous particle", "solid", (280.0, 1000.0),
-        "McKeen, Pugsley 2003, Powder Technol. 129, 139-152, doi:10.1016/S0032-5910(02)00294-2", (1400.0,),
+        "McKeen, Pugsley 2003, Powder Technol. 129, 139-152, "
+        "doi:10.1016/S0032-5910(02)00294-2", (1400.0,),
     ),
     Material(
         "solar_salt", "molten salt, 60 % NaNO3 and 40 % KNO3 by mass", "fluid", (533.0, 873.0),
@@ -109,7 +137,11 @@ def material(name: str, phase: str) -> Material:
     """
     known = [entry.name for entry in _ALL if entry.phase == phase]
     if name not in known:
-        other = f" is a {MATERIALS[name].phase}, not a {phase};" if name in MATERIALS else " is not in the library;"
+        other = (
+            f" is a {MATERIALS[name].phase}, not a {phase};"
+            if name in MATERIALS
+            else " is not in the library;"
+        )
         raise SceneError(f"material {name!r}{other} {nearest(name, known)}")
     return MATERIALS[name]
 
@@ -122,11 +154,20 @@ def data_sheet(name: str) -> str:
     properties = found.properties()
     for key, unit in _UNITS.items():
         if key in properties:
-            ends = " to ".join(f"{found.at(T)[key]:.4g}" for T in (low, high)) if len(properties[key]) > 1 else ""
+            ends = (
+                " to ".join(f"{found.at(T)[key]:.4g}" for T in (low, high))
+                if len(properties[key]) > 1
+                else ""
+            )
             text = ends or f"{properties[key][0]:g}"
-            lines.append(f"    {key}: {text} {unit}; coefficients {', '.join(f'{a:g}' for a in properties[key])}")
+            lines.append(
+                f"    {key}: {text} {unit}; coefficients "
+                f"{', '.join(f'{a:g}' for a in properties[key])}"
+            )
         elif found.phase == "fluid" or key != "viscosity":
-            lines.append(f"    {key}: not in the library, to be given in the scene [{unit}]")
+            lines.append(
+                f"    {key}: not in the library, to be given in the scene [{unit}]"
+            )
     if found.error:
         lines.append(f"    polynomials within {100 * found.error:g} % of the source")
     return "\n".join([*lines, f"    source: {found.source}"])

@@ -1,6 +1,8 @@
-"""Location of a Cantera mechanism, and whether reading it would run code; Cantera itself is not imported.
+"""Location of a Cantera mechanism, and whether reading it would run code; Cantera
+itself is not imported.
 
-A mechanism file can name extensions, Python modules that Cantera imports when it reads the file.
+A mechanism file can name extensions, Python modules that Cantera imports when it reads
+the file.
 """
 
 from __future__ import annotations
@@ -10,13 +12,20 @@ import re
 from importlib.util import find_spec
 from pathlib import Path
 
-_EXTENSIONS = re.compile(rb"extensions|\\")  # the key as it is, or text that is written with escapes
+# the key as it is, or text that is written with escapes
+_EXTENSIONS = re.compile(rb"extensions|\\")
 
 
 def mechanism_folders(base: Path) -> list[Path]:
-    """Return the folders searched for a mechanism, in order: beside the scene, then Cantera's own."""
+    """Return the folders searched for a mechanism, in order: beside the scene, then
+    Cantera's own.
+    """
     named = os.environ.get("CANTERA_DATA", "")
-    folders = [base, Path(), *(Path(folder) for folder in named.split(os.pathsep) if folder)]
+    folders = [
+        base,
+        Path(),
+        *(Path(folder) for folder in named.split(os.pathsep) if folder),
+    ]
     spec = find_spec("cantera")
     if spec is not None and spec.submodule_search_locations:
         folders += [Path(folder) / "data" for folder in spec.submodule_search_locations]
@@ -27,19 +36,33 @@ def mechanism_file(name: str, base: Path) -> Path | None:
     """Return the file of a mechanism; None if there is none."""
     if "\0" in name:
         return None
-    return next((folder / name for folder in mechanism_folders(base) if (folder / name).is_file()), None)
+    return next(
+        (
+            folder / name
+            for folder in mechanism_folders(base)
+            if (folder / name).is_file()
+        ),
+        None,
+    )
 
 
 def find_mechanism(name: str, base: Path) -> str:
-    """Return the path of a mechanism for Cantera, or its name where no such file is found."""
+    """Return the path of a mechanism for Cantera, or its name where no such file is
+    found.
+    """
     path = mechanism_file(name, base)
     return name if path is None else str(path.absolute())
 
 
 def code_in_mechanism(path: Path) -> str:
-    """Return what in a mechanism file would run code, with its line; empty if nothing does."""
+    """Return what in a mechanism file would run code, with its line; empty if
+    nothing does.
+    """
     if path.suffix.lower() not in (".yaml", ".yml"):
-        return f"{path.name}: no YAML file; formats of older versions of Cantera are programs"
+        return (
+            f"{path.name}: no YAML file; formats of older versions of Cantera are "
+            "programs"
+        )
     data = path.read_bytes()
     if b"\0" in data:
         return f"{path.name}: no UTF-8 text"
@@ -51,8 +74,12 @@ def code_in_mechanism(path: Path) -> str:
         from ruamel.yaml import YAML
 
         content = YAML(typ="safe", pure=True).load(data)
-    except Exception as error:  # of many kinds; what cannot be read here is not known to be safe
-        return f"{path.name}:{line}: cannot be looked through: {' '.join(str(error).split())}"
+    # of many kinds; what cannot be read here is not known to be safe
+    except Exception as error:
+        return (
+            f"{path.name}:{line}: cannot be looked through: "
+            f"{' '.join(str(error).split())}"
+        )
     if isinstance(content, dict) and "extensions" not in content:
         return ""
     return f"{path.name}:{line}: extensions import Python modules"

@@ -7,7 +7,15 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from contbed.scene.quantities import Cells, Length, Order, Positive, Switch, Table, Whole
+from contbed.scene.quantities import (
+    Cells,
+    Length,
+    Order,
+    Positive,
+    Switch,
+    Table,
+    Whole,
+)
 
 REGION = "bed"  # the only region of a built-in mesh
 GRADED = "grade the given number of cells to the layer widths; uniform otherwise"
@@ -19,10 +27,18 @@ class MeshLine(Table):
     dimension: ClassVar[int] = 1
     sides: ClassVar = (("left", "right"),)
     type: Literal["line"] = Field(description="built-in mesh of a line, along the flow")
-    length: Length = Field(description="length of the domain along x, for axisymmetric meshes along the axis")
-    cells: Cells | None = Field(None, description="number of cells; automatic grading to the layer widths if absent")
+    length: Length = Field(
+        description="length of the domain along x, for axisymmetric meshes along the "
+        "axis"
+    )
+    cells: Cells | None = Field(
+        None,
+        description="number of cells; automatic grading to the layer widths if absent",
+    )
     graded: Switch = Field(False, description=GRADED)
-    refine: Whole = Field(0, ge=0, le=12, description="uniform refinements after construction")
+    refine: Whole = Field(
+        0, ge=0, le=12, description="uniform refinements after construction"
+    )
 
     @property
     def extents(self) -> tuple[float, ...]:
@@ -31,19 +47,31 @@ class MeshLine(Table):
 
 
 class MeshRectangle(Table):
-    """A planar channel, x along `length`, y along `height`; boundaries `left`, `right`, `bottom`, `top`."""
+    """A planar channel, x along `length`, y along `height`; boundaries `left`,
+    `right`, `bottom`, `top`.
+    """
 
     dimension: ClassVar[int] = 2
     sides: ClassVar = (("left", "right"), ("bottom", "top"))
     type: Literal["rectangle"] = Field(description="built-in mesh of a rectangle")
-    length: Length = Field(description="length of the domain along x, for axisymmetric meshes along the axis")
+    length: Length = Field(
+        description="length of the domain along x, for axisymmetric meshes along the "
+        "axis"
+    )
     height: Length = Field(description="height of the domain along y")
     cells: tuple[Cells, Cells] | None = Field(
         None, description="number of cells along x and y; absent: chosen by the plan"
     )
     graded: Switch = Field(False, description=GRADED)
-    shape: Literal["triangle", "quadrilateral"] = Field("quadrilateral", description="shape of the cells")
-    refine: Whole = Field(0, ge=0, le=8, description="number of uniform refinements, each halves all cells")
+    shape: Literal["triangle", "quadrilateral"] = Field(
+        "quadrilateral", description="shape of the cells"
+    )
+    refine: Whole = Field(
+        0,
+        ge=0,
+        le=8,
+        description="number of uniform refinements, each halves all cells",
+    )
 
     @property
     def extents(self) -> tuple[float, ...]:
@@ -52,17 +80,33 @@ class MeshRectangle(Table):
 
 
 class MeshAxisymmetric(Table):
-    """A cylinder in (r, z), z along `length`; boundaries `axis`, `wall`, `bottom`, `top`."""
+    """A cylinder in (r, z), z along `length`; boundaries `axis`, `wall`, `bottom`,
+    `top`.
+    """
 
     dimension: ClassVar[int] = 2
     sides: ClassVar = (("axis", "wall"), ("bottom", "top"))
-    type: Literal["axisymmetric"] = Field(description="built-in mesh of a cylinder with axial symmetry")
-    length: Length = Field(description="length of the domain along x, for axisymmetric meshes along the axis")
+    type: Literal["axisymmetric"] = Field(
+        description="built-in mesh of a cylinder with axial symmetry"
+    )
+    length: Length = Field(
+        description="length of the domain along x, for axisymmetric meshes along the "
+        "axis"
+    )
     radius: Length = Field(description="radius of the domain")
-    cells: tuple[Cells, Cells] | None = Field(None, description="cells along r and along z")
+    cells: tuple[Cells, Cells] | None = Field(
+        None, description="cells along r and along z"
+    )
     graded: Switch = Field(False, description=GRADED)
-    shape: Literal["triangle", "quadrilateral"] = Field("quadrilateral", description="shape of the cells")
-    refine: Whole = Field(0, ge=0, le=8, description="number of uniform refinements, each halves all cells")
+    shape: Literal["triangle", "quadrilateral"] = Field(
+        "quadrilateral", description="shape of the cells"
+    )
+    refine: Whole = Field(
+        0,
+        ge=0,
+        le=8,
+        description="number of uniform refinements, each halves all cells",
+    )
 
     @property
     def extents(self) -> tuple[float, ...]:
@@ -71,20 +115,32 @@ class MeshAxisymmetric(Table):
 
 
 class MeshBox(Table):
-    """A box, x along `length`, y `width`, z `height`; boundaries `left right front back bottom top`."""
+    """A box, x along `length`, y `width`, z `height`; boundaries `left right front
+    back bottom top`.
+    """
 
     dimension: ClassVar[int] = 3
     sides: ClassVar = (("left", "right"), ("front", "back"), ("bottom", "top"))
     type: Literal["box"] = Field(description="built-in mesh of a box")
-    length: Length = Field(description="length of the domain along x, for axisymmetric meshes along the axis")
+    length: Length = Field(
+        description="length of the domain along x, for axisymmetric meshes along the "
+        "axis"
+    )
     width: Length = Field(description="width of the domain along y")
     height: Length = Field(description="height of the domain along z")
     cells: tuple[Cells, Cells, Cells] | None = Field(
         None, description="number of cells along x, y and z; absent: chosen by the plan"
     )
     graded: Switch = Field(False, description=GRADED)
-    shape: Literal["tetrahedron", "hexahedron"] = Field("hexahedron", description="shape of the cells")
-    refine: Whole = Field(0, ge=0, le=6, description="number of uniform refinements, each halves all cells")
+    shape: Literal["tetrahedron", "hexahedron"] = Field(
+        "hexahedron", description="shape of the cells"
+    )
+    refine: Whole = Field(
+        0,
+        ge=0,
+        le=6,
+        description="number of uniform refinements, each halves all cells",
+    )
 
     @property
     def extents(self) -> tuple[float, ...]:
@@ -93,22 +149,44 @@ class MeshBox(Table):
 
 
 class MeshFile(Table):
-    """A gmsh geometry (.geo, meshed by gmsh) or a mesh (.msh); physical groups name regions and boundaries."""
+    """A gmsh geometry (.geo, meshed by gmsh) or a mesh (.msh); physical groups name
+    regions and boundaries.
+    """
 
     type: Literal["file"] = Field(description="mesh or geometry from a file")
     file: str = Field(description="path relative to the scene")
     dimension: Order = Field(2, description="dimension of the mesh")
     axisymmetric: Switch = Field(False, description="coordinates are (r, z)")
-    scale: Positive = Field(1.0, description="factor from the file's length unit to metres")
-    size: Length | None = Field(None, description="target cell size for a .geo; its own sizes if absent")
-    refine: Whole = Field(0, ge=0, le=8, description="number of uniform refinements, each halves all cells")
+    scale: Positive = Field(
+        1.0, description="factor from the file's length unit to metres"
+    )
+    size: Length | None = Field(
+        None, description="target cell size for a .geo; its own sizes if absent"
+    )
+    refine: Whole = Field(
+        0,
+        ge=0,
+        le=8,
+        description="number of uniform refinements, each halves all cells",
+    )
 
 
 def power_units(names: Iterable[str], mesh: Mesh) -> dict[str, str]:
-    """Return the unit of each heat flow among named results: per area of section on a line, per depth in a plane."""
-    round_bed = isinstance(mesh, MeshAxisymmetric) or getattr(mesh, "axisymmetric", False)
+    """Return the unit of each heat flow among named results: per area of section on
+    a line, per depth in a plane.
+    """
+    round_bed = isinstance(mesh, MeshAxisymmetric) or getattr(
+        mesh, "axisymmetric", False
+    )
     unit = "W" if round_bed else {1: "W/m2", 2: "W/m", 3: "W"}[mesh.dimension]
-    return {name: unit for name in names if name == "duty_W" or (name.startswith("heat_") and name.endswith("_W"))}
+    return {
+        name: unit
+        for name in names
+        if name == "duty_W" or (name.startswith("heat_") and name.endswith("_W"))
+    }
 
 
-Mesh = Annotated[MeshLine | MeshRectangle | MeshAxisymmetric | MeshBox | MeshFile, Field(discriminator="type")]
+Mesh = Annotated[
+    MeshLine | MeshRectangle | MeshAxisymmetric | MeshBox | MeshFile,
+    Field(discriminator="type"),
+]

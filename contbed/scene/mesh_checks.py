@@ -1,4 +1,6 @@
-"""Checks of the mesh of a scene and of the names of its boundaries, regions and positions."""
+"""Checks of the mesh of a scene and of the names of its boundaries, regions and
+positions.
+"""
 
 from __future__ import annotations
 
@@ -12,21 +14,38 @@ from contbed.scene.tables import Output
 from contbed.scene.toml_lines import Origin
 
 
-def names_exist(mesh: Mesh, boundary: Mapping[str, Any], region: Mapping[str, Any]) -> Mistakes:
-    """Check that a built-in mesh has the boundaries and regions that the scene names."""
+def names_exist(
+    mesh: Mesh, boundary: Mapping[str, Any], region: Mapping[str, Any]
+) -> Mistakes:
+    """Check that a built-in mesh has the boundaries and regions that the scene
+    names.
+    """
     if isinstance(mesh, MeshFile):
         return
     known = [name for pair in mesh.sides for name in pair if name != "axis"]
     for name in boundary:
         if name == "axis" and isinstance(mesh, MeshAxisymmetric):
-            yield ("boundary", name), "the axis is a line of symmetry and takes no condition; remove this table"
+            yield (
+                ("boundary", name),
+                "the axis is a line of symmetry and takes no condition; remove this "
+                "table",
+            )
         elif name not in known:
-            text = f"a mesh of type '{mesh.type}' has no such boundary; it has {', '.join(known)}"
+            text = (
+                f"a mesh of type '{mesh.type}' has no such boundary; it has "
+                f"{', '.join(known)}"
+            )
             near = get_close_matches(name.lower(), known, n=1)
-            yield ("boundary", name), text + (f"; did you mean '{near[0]}'?" if near else "")
+            yield (
+                ("boundary", name),
+                text + (f"; did you mean '{near[0]}'?" if near else ""),
+            )
     for name in region:
         if name != REGION:
-            yield ("region", name), f"a mesh of type '{mesh.type}' has one region, '{REGION}'"
+            yield (
+                ("region", name),
+                f"a mesh of type '{mesh.type}' has one region, '{REGION}'",
+            )
 
 
 def mesh_file_exists(mesh: Mesh, see: See, origin: Origin) -> Mistakes:
@@ -36,17 +55,28 @@ def mesh_file_exists(mesh: Mesh, see: See, origin: Origin) -> Mistakes:
     path = origin.base / mesh.file
     suffix = path.suffix.lower()
     if suffix not in (".geo", ".msh"):
-        yield ("mesh", "file"), "is neither a gmsh geometry (.geo) nor a gmsh mesh (.msh)"
+        yield (
+            ("mesh", "file"),
+            "is neither a gmsh geometry (.geo) nor a gmsh mesh (.msh)",
+        )
     elif "\0" in mesh.file or not path.is_file():
         yield ("mesh", "file"), f"no such file; looked for {path.absolute()}"
     if suffix == ".msh" and mesh.size is not None:
-        yield ("mesh", "size"), f"is for a .geo; a .msh has its cells already; see {see('mesh.file')}"
+        yield (
+            ("mesh", "size"),
+            f"is for a .geo; a .msh has its cells already; see {see('mesh.file')}",
+        )
     if mesh.axisymmetric and mesh.dimension != 2:
-        yield ("mesh", "axisymmetric"), f"an axisymmetric mesh has 2 dimensions; see {see('mesh.dimension')}"
+        yield (
+            ("mesh", "axisymmetric"),
+            f"an axisymmetric mesh has 2 dimensions; see {see('mesh.dimension')}",
+        )
 
 
 def positions_lie_in_the_bed(mesh: Mesh, output: Output, see: See) -> Mistakes:
-    """Check that the output positions lie between 0 and the length of a built-in mesh."""
+    """Check that the output positions lie between 0 and the length of a built-in
+    mesh.
+    """
     if isinstance(mesh, MeshFile):
         return
     for index, position in enumerate(output.positions):
@@ -57,19 +87,32 @@ def positions_lie_in_the_bed(mesh: Mesh, output: Output, see: See) -> Mistakes:
             )
 
 
-def the_line_of_profiles_fits_the_mesh(mesh: Mesh, output: Output, see: See) -> Mistakes:
-    """Find coordinates of output.across that are too many, too few, or outside of a built-in mesh."""
+def the_line_of_profiles_fits_the_mesh(
+    mesh: Mesh, output: Output, see: See
+) -> Mistakes:
+    """Find coordinates of output.across that are too many, too few, or outside of a
+    built-in mesh.
+    """
     if output.across is None:
         return
     path = ("output", "across")
     if len(output.across) != mesh.dimension - 1:
-        yield path, f"has {len(output.across)} coordinates, the mesh needs {mesh.dimension - 1}; see {see('mesh.type')}"
+        yield (
+            path,
+            f"has {len(output.across)} coordinates, the mesh needs "
+            f"{mesh.dimension - 1}; see {see('mesh.type')}",
+        )
     elif not isinstance(mesh, MeshFile):
         axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
         extents = [extent for k, extent in enumerate(mesh.extents) if k != axis]
-        for index, (place, extent) in enumerate(zip(output.across, extents, strict=True)):
+        for index, (place, extent) in enumerate(
+            zip(output.across, extents, strict=True)
+        ):
             if not 0 <= place <= extent:
-                yield (*path, index), f"outside of the bed, 0 to {extent:g} m; see {see('mesh.type')}"
+                yield (
+                    (*path, index),
+                    f"outside of the bed, 0 to {extent:g} m; see {see('mesh.type')}",
+                )
 
 
 def boundaries_exist(mesh: Mesh, boundary: Mapping[str, Any]) -> Mistakes:

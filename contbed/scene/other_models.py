@@ -14,7 +14,9 @@ from contbed.scene import schema
 from contbed.scene.toml_lines import KeyPath
 
 
-def take_keys_of_others(values: dict[str, Any], own: schema.Node, others: Sequence[schema.Node]) -> list[KeyPath]:
+def take_keys_of_others(
+    values: dict[str, Any], own: schema.Node, others: Sequence[schema.Node]
+) -> list[KeyPath]:
     """Remove the keys that only other models have from the values of a scene.
 
     Parameters

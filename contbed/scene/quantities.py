@@ -1,6 +1,7 @@
 """Types of the values in a scene: numbers with unit and bounds, converted to SI.
 
-A plain number is SI; a string may carry a unit ("3 mm", "100 degC") and is converted here.
+A plain number is SI; a string may carry a unit ("3 mm", "100 degC") and is converted
+here.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ from pydantic import (
 )
 
 CLOSURE = "closure"  # of a key in the schema: the kind of closures that it names
-LARGEST = 1e50  # beyond it, and below its inverse, fourth powers and squares of products leave a computer's numbers
+# beyond it, and below its inverse, fourth powers and squares of products leave a
+# computer's numbers
+LARGEST = 1e50
 
 
 def computable(value: float) -> float:
@@ -32,12 +35,17 @@ def computable(value: float) -> float:
     ValueError : it is too large, or too close to zero
     """
     if value and math.isfinite(value) and not 1.0 / LARGEST <= abs(value) <= LARGEST:
-        raise ValueError(f"{value:g} is no size that a bed has; numbers are 0, or from {1 / LARGEST:g} to {LARGEST:g}")
+        raise ValueError(
+            f"{value:g} is no size that a bed has; numbers are 0, or from "
+            f"{1 / LARGEST:g} to {LARGEST:g}"
+        )
     return value
 
 
 def in_unit(name: str) -> BeforeValidator:
-    """Return a validator that turns "3 mm" into 0.003 for `name` "m", also inside lists; other values pass."""
+    """Return a validator that turns "3 mm" into 0.003 for `name` "m", also inside
+    lists; other values pass.
+    """
 
     def convert(value: Any) -> Any:
         if isinstance(value, (list, tuple)):
@@ -68,7 +76,9 @@ def given_one(table: Table, *names: str) -> str:
     """
     given = [name for name in names if getattr(table, name) is not None]
     if len(given) != 1:
-        raise ValueError(f"give one of {', '.join(names)}; found {', '.join(given) or 'none'}")
+        raise ValueError(
+            f"give one of {', '.join(names)}; found {', '.join(given) or 'none'}"
+        )
     return given[0]
 
 
@@ -79,14 +89,22 @@ class ClosureFile(Table):
 
 
 def form(value: Any) -> str:
-    """Return how a value is written: "file", "parameters", "list", "name" or "number", the tags of unions."""
-    if isinstance(value, ClosureFile) or (isinstance(value, dict) and "file" in value and "name" not in value):
+    """Return how a value is written: "file", "parameters", "list", "name" or
+    "number", the tags of unions.
+    """
+    if isinstance(value, ClosureFile) or (
+        isinstance(value, dict) and "file" in value and "name" not in value
+    ):
         return "file"
     if isinstance(value, (dict, Table)):
         return "parameters"
     if isinstance(value, (list, tuple)):
         return "list"
-    if isinstance(value, str) and not value.strip()[:1].isdigit() and value.strip()[:1] not in {"-", "+", "."}:
+    if (
+        isinstance(value, str)
+        and not value.strip()[:1].isdigit()
+        and value.strip()[:1] not in {"-", "+", "."}
+    ):
         return "name"
     return "number"
 
@@ -104,7 +122,9 @@ def unit(name: str) -> tuple[Any, ...]:
 
 
 def takes(kind: str) -> dict[str, JsonValue]:
-    """Return what the schema says of a key that names closures of a kind: `json_schema_extra` of its field."""
+    """Return what the schema says of a key that names closures of a kind:
+    `json_schema_extra` of its field.
+    """
     return {CLOSURE: kind}
 
 
@@ -129,9 +149,12 @@ Viscosity = Annotated[float, *unit("Pa*s"), Field(gt=0)]
 Pressure = Annotated[float, *unit("Pa"), Field(gt=0)]
 Seconds = Annotated[float, *unit("s"), Field(gt=0)]
 Instant = Annotated[float, *unit("s"), Field(ge=0)]
-FiniteFloat = Annotated[float, Strict(), Field(allow_inf_nan=False), AfterValidator(computable)]
+FiniteFloat = Annotated[
+    float, Strict(), Field(allow_inf_nan=False), AfterValidator(computable)
+]
 Velocity = Annotated[
-    Annotated[FiniteFloat, Tag("number")] | Annotated[tuple[FiniteFloat, ...], Tag("list")],
+    Annotated[FiniteFloat, Tag("number")]
+    | Annotated[tuple[FiniteFloat, ...], Tag("list")],
     Field(json_schema_extra={"unit": "m/s"}),
     Discriminator(form),
     in_unit("m/s"),

@@ -1,11 +1,13 @@
-"""Former names of tables and keys of a scene, and the message that names the present one.
+"""Former names of tables and keys of a scene, and the message that names the present
+one.
 
-A pattern is a dotted key such as "time.initial_solid" or "boundary.NAME.fluid.inflow"; NAME is any name. Items of a
-list of tables count as the list: "initial.layer.eps_s". The present name repeats each NAME in its order; one more
-NAME stays as it is. A text with spaces in place of the present name is the whole message.
-"NAME:inlet" is a name whose table has the type "inlet".
-A key that has become a table, "boundary.NAME.gas" now "boundary.NAME.gas.wall", is a former one as long as it holds
-something else than a table.
+A pattern is a dotted key such as "time.initial_solid" or "boundary.NAME.fluid.inflow";
+NAME is any name. Items of a list of tables count as the list: "initial.layer.eps_s".
+The present name repeats each NAME in its order; one more NAME stays as it is. A text
+with spaces in place of the present name is the whole message. "NAME:inlet" is a name
+whose table has the type "inlet". A key that has become a table, "boundary.NAME.gas" now
+"boundary.NAME.gas.wall", is a former one as long as it holds something else than a
+table.
 """
 
 from __future__ import annotations
@@ -18,8 +20,12 @@ from contbed.scene.toml_lines import KeyPath
 NAME = "NAME"
 
 
-def take_former_keys(values: dict[str, Any], renamed: Mapping[str, str]) -> list[tuple[KeyPath, str]]:
-    """Remove former keys from the values of a scene; return where they were and what to write instead."""
+def take_former_keys(
+    values: dict[str, Any], renamed: Mapping[str, str]
+) -> list[tuple[KeyPath, str]]:
+    """Remove former keys from the values of a scene; return where they were and what
+    to write instead.
+    """
     found: dict[KeyPath, str] = {}
     for pattern, new in renamed.items():
         for path in _matches(values, tuple(pattern.split("."))):
@@ -30,7 +36,9 @@ def take_former_keys(values: dict[str, Any], renamed: Mapping[str, str]) -> list
     return list(found.items())
 
 
-def _matches(values: Any, steps: tuple[str, ...], path: KeyPath = ()) -> Iterator[KeyPath]:
+def _matches(
+    values: Any, steps: tuple[str, ...], path: KeyPath = ()
+) -> Iterator[KeyPath]:
     """Yield the paths of the values that a pattern fits."""
     if not steps:
         yield path
@@ -50,7 +58,9 @@ def _type(table: Any) -> Any:
 
 
 def _is_former(values: Any, path: KeyPath, pattern: str, new: str) -> bool:
-    """Return whether a value stands under a former name; a table does not where the key has become one."""
+    """Return whether a value stands under a former name; a table does not where the
+    key has become one.
+    """
     for key in path:
         values = values[key]
     return not (new.startswith(f"{pattern}.") and isinstance(values, dict))
@@ -70,7 +80,11 @@ def _is_name(step: str) -> bool:
 def _substituted(pattern: str, new: str, path: KeyPath) -> str:
     """Return a new name with the names of a path in place of NAME."""
     keys = [key for key in path if isinstance(key, str)]
-    names = [key for step, key in zip(pattern.split("."), keys, strict=True) if _is_name(step)]
+    names = [
+        key
+        for step, key in zip(pattern.split("."), keys, strict=True)
+        if _is_name(step)
+    ]
     steps = new.split(".")
     places = [index for index, step in enumerate(steps) if _is_name(step)]
     for index, name in zip(places, names, strict=False):
@@ -79,7 +93,8 @@ def _substituted(pattern: str, new: str, path: KeyPath) -> str:
 
 
 def _remove(values: Any, path: KeyPath) -> None:
-    """Remove a key, and tables that become empty by it; an item of a list stays, so that others keep their places.
+    """Remove a key, and tables that become empty by it; an item of a list stays, so
+    that others keep their places.
 
     A table that is already gone, as it had become empty, is not missed.
     """

@@ -1,7 +1,9 @@
-"""Facts of the schema about a table or key of a scene: type, unit, bounds, default, meaning.
+"""Facts of the schema about a table or key of a scene: type, unit, bounds, default,
+meaning.
 
-Errors, `contbed explain` and table headers all read the JSON schemas of the scenes through this module, so that each
-fact stands in one place. A name that the user chooses, like that of a boundary, is written NAME.
+Errors, `contbed explain` and table headers all read the JSON schemas of the scenes
+through this module, so that each fact stands in one place. A name that the user
+chooses, like that of a boundary, is written NAME.
 """
 
 from __future__ import annotations
@@ -24,45 +26,61 @@ _BOUNDS = {
     "le": "<=",
     "maximum": "<=",
 }
-POWERS_OF = "powers_of"  # of a list of coefficients: the unit of the variable of the polynomial
+# of a list of coefficients: the unit of the variable of the polynomial
+POWERS_OF = "powers_of"
 _TYPES = {"number": "number", "integer": "integer", "boolean": "true or false"}
 
 
-_definitions: dict[str, Node] = {}  # of the schemas that have been asked for; one name means one table in all of them
+# of the schemas that have been asked for; one name means one table in all of them
+_definitions: dict[str, Node] = {}
 
 
 @cache
 def of(model: Any) -> Node:
     """Return the JSON schema of a kind of scene from its pydantic model."""
     found: Node = model.model_json_schema(ref_template=f"{model.kind}/{{model}}")
-    _definitions.update({f"{model.kind}/{name}": node for name, node in found.get("$defs", {}).items()})
+    _definitions.update(
+        {f"{model.kind}/{name}": node for name, node in found.get("$defs", {}).items()}
+    )
     return found
 
 
 def options(node: Node) -> list[Node]:
-    """Return the ways in which a value may be written, with references resolved and null left out."""
+    """Return the ways in which a value may be written, with references resolved and
+    null left out.
+    """
     if "$ref" in node:
         return options(_definitions[node["$ref"]])
     members = node.get("oneOf") or node.get("anyOf")
     if members is None:
         return [] if node.get("type") == "null" else [node]
-    return [{**_unit_of(node), **option} for member in members for option in options(member)]
+    return [
+        {**_unit_of(node), **option} for member in members for option in options(member)
+    ]
 
 
 def _unit_of(node: Node) -> Node:
-    """Return the unit, which stands at the list or union and holds for its items or members."""
+    """Return the unit, which stands at the list or union and holds for its items or
+    members.
+    """
     return {"unit": node["unit"]} if "unit" in node else {}
 
 
 def _unit_of_coefficient(node: Node, option: Node, power: int) -> Node:
-    """Return the unit of a coefficient of a polynomial, which the number beside the list has; nothing of others."""
+    """Return the unit of a coefficient of a polynomial, which the number beside the
+    list has; nothing of others.
+    """
     whole = next((way["unit"] for way in options(node) if "unit" in way), None)
     if whole is None or POWERS_OF not in option:
         return {}
     if not power:
         return {"unit": whole}
     variable = option[POWERS_OF]
-    start, power = (whole, power + 1) if whole.endswith(f"/{variable}") else (f"{whole}/{variable}", power)
+    start, power = (
+        (whole, power + 1)
+        if whole.endswith(f"/{variable}")
+        else (f"{whole}/{variable}", power)
+    )
     return {"unit": f"{start}**{power}" if power > 1 else start}
 
 
@@ -74,7 +92,13 @@ def children(node: Node, key: str | int) -> list[Node]:
             parts = option.get("prefixItems", [])
             item = parts[key] if key < len(parts) else option.get("items")
             if item is not None:
-                found.append({**_unit_of(option), **_unit_of_coefficient(node, option, key), **item})
+                found.append(
+                    {
+                        **_unit_of(option),
+                        **_unit_of_coefficient(node, option, key),
+                        **item,
+                    }
+                )
         elif key in option.get("properties", {}):
             found.append(option["properties"][key])
         elif isinstance(option.get("additionalProperties"), dict):
@@ -83,7 +107,9 @@ def children(node: Node, key: str | int) -> list[Node]:
 
 
 def at(root: Node, path: KeyPath) -> list[Node]:
-    """Return the nodes of a key path; several if a table on the way has several types, none if it is unknown."""
+    """Return the nodes of a key path; several if a table on the way has several
+    types, none if it is unknown.
+    """
     nodes = [root]
     for key in path:
         nodes = [child for node in nodes for child in children(node, key)]
@@ -94,7 +120,9 @@ def unit(root: Node, path: KeyPath) -> str | None:
     """Return the SI unit of a key; None if it has none or is not a number."""
     for node in at(root, path):
         for option in [node, *options(node)]:
-            item = next(iter(option.get("prefixItems", [])), option.get("items", option))
+            item = next(
+                iter(option.get("prefixItems", [])), option.get("items", option)
+            )
             if found := option.get("unit") or item.get("unit"):
                 return str(found)
     return None
@@ -112,7 +140,9 @@ def keys(node: Node) -> list[str]:
 
 
 def is_closure(option: Node) -> bool:
-    """Return whether an option is a closure's table, the only one that may have further keys."""
+    """Return whether an option is a closure's table, the only one that may have
+    further keys.
+    """
     return option.get("additionalProperties") is True and "properties" in option
 
 
@@ -122,20 +152,34 @@ def is_closure_file(option: Node) -> bool:
 
 
 def choices(node: Node) -> list[Any]:
-    """Return the permitted values of a key that is a choice, or that selects the type of its table."""
+    """Return the permitted values of a key that is a choice, or that selects the
+    type of its table.
+    """
     found = []
     for option in options(node):
-        found += option.get("enum", []) + ([option["const"]] if "const" in option else [])
+        found += option.get("enum", []) + (
+            [option["const"]] if "const" in option else []
+        )
     return found
 
 
 def allowed(node: Node) -> str:
-    """Return the permitted values in words: "> 0 m", "'line' or 'box'", "a number >= 0, a closure's name"."""
+    """Return the permitted values in words: "> 0 m", "'line' or 'box'", "a
+    number >= 0, a closure's name".
+    """
     if values := choices(node):
         return " or ".join(json.dumps(value) for value in values)
     ways = options(node)
-    text = "a text" if {way.get("type") for way in ways} <= {"string", "array"} else "a closure's name"
-    return ", or ".join(dict.fromkeys(text if way.get("type") == "string" else _one(way) for way in ways))
+    text = (
+        "a text"
+        if {way.get("type") for way in ways} <= {"string", "array"}
+        else "a closure's name"
+    )
+    return ", or ".join(
+        dict.fromkeys(
+            text if way.get("type") == "string" else _one(way) for way in ways
+        )
+    )
 
 
 def _one(option: Node) -> str:
@@ -151,7 +195,9 @@ def _one(option: Node) -> str:
         if parts := option.get("prefixItems"):
             return f"a list of {len(parts)}: {_one(parts[0])}"
         return f"a list, each {allowed(option.get('items', {}))}"
-    bounds = [f"{sign} {option[key]:g}" for key, sign in _BOUNDS.items() if key in option]
+    bounds = [
+        f"{sign} {option[key]:g}" for key, sign in _BOUNDS.items() if key in option
+    ]
     words = [
         "an" if kind == "integer" else "a",
         _TYPES.get(str(kind), "value"),
@@ -168,7 +214,9 @@ def sheet(name: str, node: Node) -> Iterator[str]:
     tables = [
         option
         for option in options(node)
-        if "properties" in option and not is_closure(option) and not is_closure_file(option)
+        if "properties" in option
+        and not is_closure(option)
+        and not is_closure_file(option)
     ]
     written_otherwise = any("properties" not in option for option in options(node))
     if written_otherwise or not tables:
@@ -184,7 +232,10 @@ def sheet(name: str, node: Node) -> Iterator[str]:
         yield f"[{name}] {table.get('description', '')}"
         required = table.get("required", [])
         for key, child in table["properties"].items():
-            if all("properties" in option and not is_closure(option) for option in options(child)):
+            if all(
+                "properties" in option and not is_closure(option)
+                for option in options(child)
+            ):
                 text = f"table, see {dotted((*name.split('.'), key))}"
             else:
                 text = allowed(child)

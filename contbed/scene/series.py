@@ -1,7 +1,8 @@
-"""Values of a scene that change with time or along the bed: pairs in the scene, or a column of a CSV file.
+"""Values of a scene that change with time or along the bed: pairs in the scene, or a
+column of a CSV file.
 
-temperature = {times = ["0 h", "6 h"], values = ["290 degC", "390 degC"], form = "step", period = "24 h"}
-ambient = {file = "weather.csv", column = "T_ambient"}
+temperature = {times = ["0 h", "6 h"], values = ["290 degC", "390 degC"], form = "step",
+period = "24 h"} ambient = {file = "weather.csv", column = "T_ambient"}
 initial.solids.pebbles.temperature = {file = "results/charge/profiles.csv"}
 """
 
@@ -17,7 +18,16 @@ from numpy.typing import NDArray
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from contbed.errors import SceneError
-from contbed.scene.quantities import FiniteFloat, HeatFlux, Instant, Seconds, Table, Temperature, Velocity, in_unit
+from contbed.scene.quantities import (
+    FiniteFloat,
+    HeatFlux,
+    Instant,
+    Seconds,
+    Table,
+    Temperature,
+    Velocity,
+    in_unit,
+)
 
 if TYPE_CHECKING:
     from contbed.scene.profile import Rows
@@ -32,12 +42,23 @@ class Series(Table):
 
     quantity: ClassVar[str] = "1"
 
-    times: tuple[Instant, ...] = Field((), description="when the values hold; the first is 0")
+    times: tuple[Instant, ...] = Field(
+        (), description="when the values hold; the first is 0"
+    )
     values: tuple[Any, ...] = Field((), description="one for each time")
-    file: str | None = Field(None, description="CSV file instead, path relative to the scene")
-    column: str | None = Field(None, description="of the file; absent: the first column with the right kind of unit")
-    form: Literal["linear", "step"] = Field("linear", description="between the times; step holds until the next")
-    period: Seconds | None = Field(None, description="the series repeats after this time")
+    file: str | None = Field(
+        None, description="CSV file instead, path relative to the scene"
+    )
+    column: str | None = Field(
+        None,
+        description="of the file; absent: the first column with the right kind of unit",
+    )
+    form: Literal["linear", "step"] = Field(
+        "linear", description="between the times; step holds until the next"
+    )
+    period: Seconds | None = Field(
+        None, description="the series repeats after this time"
+    )
 
     @model_validator(mode="after")
     def _pairs_or_file(self) -> Self:
@@ -46,7 +67,10 @@ class Series(Table):
         if self.file is not None and self.values:
             raise ValueError("a file has the values already; remove values")
         if self.file is None and len(self.times) != len(self.values):
-            raise ValueError(f"{len(self.times)} times and {len(self.values)} values; each time needs one value")
+            raise ValueError(
+                f"{len(self.times)} times and {len(self.values)} values; each time "
+                "needs one value"
+            )
         if self.file is None and self.column is not None:
             raise ValueError("column is for a file")
         return self
@@ -59,35 +83,52 @@ class Series(Table):
         SceneError : the file cannot be used, or times that do not increase from 0
         """
         if self.file is None:
-            times, values, where = np.array(self.times), np.array(self.values, dtype=float), [""] * len(self.times)
+            times, values, where = (
+                np.array(self.times),
+                np.array(self.values, dtype=float),
+                [""] * len(self.times),
+            )
         else:
-            from contbed.scene.data_table import read_table  # with it the conversion of units
+            # with it the conversion of units
+            from contbed.scene.data_table import read_table
 
             table = read_table(base / self.file)
             times = table.column(table.name_in("s"), "s")
-            values = table.column(self.column or table.name_in(self.quantity), self.quantity)
+            values = table.column(
+                self.column or table.name_in(self.quantity), self.quantity
+            )
             where = [f"{table.path.name}:{line}: " for line in table.lines]
         if self.quantity == "K" and np.min(values, initial=1.0) <= 0.0:
             raise SceneError(
-                f"{where[int(np.argmin(values.ravel()))]}a temperature of {values.min():g} K; it must be > 0"
+                f"{where[int(np.argmin(values.ravel()))]}a temperature of "
+                f"{values.min():g} K; it must be > 0"
             )
         return self.checked(times, values, where)
 
     def checked(self, times: Array, values: Array, where: list[str]) -> Samples:
-        """Return times and values that were read; `where` begins the message about each time.
+        """Return times and values that were read; `where` begins the message about each
+        time.
 
         Raises
         ------
         SceneError : times do not increase from 0, or lie beyond the period
         """
         if times[0] != 0.0:
-            raise SceneError(f"{where[0]}the first time is {times[0]:g} s; a series begins at 0 s")
+            raise SceneError(
+                f"{where[0]}the first time is {times[0]:g} s; a series begins at 0 s"
+            )
         late = np.flatnonzero(np.diff(times) <= 0.0)
         if len(late):
             k = int(late[0]) + 1
-            raise SceneError(f"{where[k]}times must increase: {times[k]:g} s comes after {times[k - 1]:g} s")
+            raise SceneError(
+                f"{where[k]}times must increase: {times[k]:g} s comes after "
+                f"{times[k - 1]:g} s"
+            )
         if self.period is not None and times[-1] > self.period:
-            raise SceneError(f"{where[-1]}{times[-1]:g} s lies beyond the period of {self.period:g} s")
+            raise SceneError(
+                f"{where[-1]}{times[-1]:g} s lies beyond the period of {self.period:g} "
+                "s"
+            )
         return Samples(times, values, self.form, self.period)
 
 
@@ -110,12 +151,16 @@ class VelocitySeries(Series):
 
     quantity: ClassVar[str] = "m/s"
     values: tuple[Velocity, ...] = Field((), description="one for each time")
-    form: Literal["step"] = Field("step", description="a velocity holds until the next time")
+    form: Literal["step"] = Field(
+        "step", description="a velocity holds until the next time"
+    )
 
 
 @dataclass(frozen=True)
 class Samples:
-    """Times [s] and values in SI of a series, the first time 0; values (times,) or (times, dimension)."""
+    """Times [s] and values in SI of a series, the first time 0; values (times,) or
+    (times, dimension).
+    """
 
     times: Array
     values: Array
@@ -123,12 +168,20 @@ class Samples:
     period: float | None
 
     def at(self, time: float, before: bool = False, since: float = 0.0) -> Any:
-        """Return the value at a time, at a jump that after it, or `before` it and those that are one with it.
+        """Return the value at a time, at a jump that after it, or `before` it and those
+        that are one with it.
 
-        What holds before a time holds `since` an earlier jump [s], which may be as near as those that are one.
+        What holds before a time holds `since` an earlier jump [s], which may be as near
+        as those that are one.
         """
-        moment = max(time * (1.0 - SAME), since * (1.0 + TINY)) if before else time * (1.0 + TINY)
-        start = 0.0 if self.period is None else np.floor(moment / self.period) * self.period
+        moment = (
+            max(time * (1.0 - SAME), since * (1.0 + TINY))
+            if before
+            else time * (1.0 + TINY)
+        )
+        start = (
+            0.0 if self.period is None else np.floor(moment / self.period) * self.period
+        )
         local = max(time - start, 0.0)
         k = max(int(np.searchsorted(self.times, moment - start, side="right")) - 1, 0)
         if self.form == "step":
@@ -143,7 +196,9 @@ class Samples:
         return self.values[k] + share * (value - self.values[k])
 
     def breaks(self, end: float) -> Iterator[float]:
-        """Yield the times in (0, end) at which the value jumps or its slope changes [s]."""
+        """Yield the times in (0, end) at which the value jumps or its slope
+        changes [s].
+        """
         start = 0.0
         while start < end:
             for time in self.times:
@@ -154,45 +209,90 @@ class Samples:
             start += self.period
 
     def kink(self, time: float) -> Any:
-        """Return how far the value at a break lies off the line between its neighbours; inf where it may jump."""
-        start = 0.0 if self.period is None else np.floor(time * (1.0 + TINY) / self.period) * self.period
+        """Return how far the value at a break lies off the line between its
+        neighbours; inf where it may jump.
+        """
+        start = (
+            0.0
+            if self.period is None
+            else np.floor(time * (1.0 + TINY) / self.period) * self.period
+        )
         k = int(np.abs(self.times - (time - start)).argmin())
         if self.form == "step" or not 0 < k < len(self.times) - 1:
             return np.full_like(self.values[0], np.inf)
-        share = (self.times[k] - self.times[k - 1]) / (self.times[k + 1] - self.times[k - 1])
-        return np.abs(self.values[k] - self.values[k - 1] - share * (self.values[k + 1] - self.values[k - 1]))
+        share = (self.times[k] - self.times[k - 1]) / (
+            self.times[k + 1] - self.times[k - 1]
+        )
+        return np.abs(
+            self.values[k]
+            - self.values[k - 1]
+            - share * (self.values[k + 1] - self.values[k - 1])
+        )
 
     def unseen(self, start: float, end: float, stages: Sequence[float]) -> Any:
-        """Return how far values between two times without a jump lie off the polynomial through those at stages.
+        """Return how far values between two times without a jump lie off the polynomial
+        through those at stages.
 
         Parameters
         ----------
         start, end : of a time step [s]
         stages : where a step looks at the series, shares of its length
         """
-        offset = 0.0 if self.period is None else np.floor(start * (1.0 + TINY) / self.period) * self.period
-        first = int(np.searchsorted(self.times, start * (1.0 + SAME) - offset, side="right"))
-        last = int(np.searchsorted(self.times, end * (1.0 - SAME) - offset, side="left"))
+        offset = (
+            0.0
+            if self.period is None
+            else np.floor(start * (1.0 + TINY) / self.period) * self.period
+        )
+        first = int(
+            np.searchsorted(self.times, start * (1.0 + SAME) - offset, side="right")
+        )
+        last = int(
+            np.searchsorted(self.times, end * (1.0 - SAME) - offset, side="left")
+        )
         if first >= last:
             return np.zeros_like(self.values[0])
-        shares, nodes = (self.times[first:last] + offset - start) / (end - start), np.array(stages)
-        known = np.array([self.at(start + share * (end - start), True, start) for share in stages])
-        basis = [np.prod([(shares - b) / (a - b) for b in nodes if b != a], axis=0) for a in nodes]
-        return np.abs(self.values[first:last] - np.tensordot(np.array(basis), known, (0, 0))).max(axis=0)
+        shares, nodes = (
+            (self.times[first:last] + offset - start) / (end - start),
+            np.array(stages),
+        )
+        known = np.array(
+            [self.at(start + share * (end - start), True, start) for share in stages]
+        )
+        basis = [
+            np.prod([(shares - b) / (a - b) for b in nodes if b != a], axis=0)
+            for a in nodes
+        ]
+        return np.abs(
+            self.values[first:last] - np.tensordot(np.array(basis), known, (0, 0))
+        ).max(axis=0)
 
     def reaches(self, end: float) -> bool:
-        """Return whether the series says what holds until `end`; the last step holds for ever."""
-        return self.period is not None or self.form == "step" or self.times[-1] >= end * (1.0 - TINY)
+        """Return whether the series says what holds until `end`; the last step holds
+        for ever.
+        """
+        return (
+            self.period is not None
+            or self.form == "step"
+            or self.times[-1] >= end * (1.0 - TINY)
+        )
 
 
 class ProfileFile(Table):
-    """Temperatures along the bed from a CSV file, such as the profiles.csv of an earlier run."""
+    """Temperatures along the bed from a CSV file, such as the profiles.csv of an
+    earlier run.
+    """
 
-    file: str = Field(description="CSV file with a column of positions and one of temperatures, relative to the scene")
-    column: str | None = Field(None, description="absent: T_fluid or T_solid, or the first with a temperature")
+    file: str = Field(
+        description="CSV file with a column of positions and one of temperatures, "
+        "relative to the scene"
+    )
+    column: str | None = Field(
+        None, description="absent: T_fluid or T_solid, or the first with a temperature"
+    )
 
     def samples(self, base: Path, name: str) -> tuple[Array, Array]:
-        """Return positions [m] in increasing order and temperatures [K]; at the last time if the file has several.
+        """Return positions [m] in increasing order and temperatures [K]; at the last
+        time if the file has several.
 
         Parameters
         ----------
@@ -201,13 +301,19 @@ class ProfileFile(Table):
 
         Raises
         ------
-        SceneError : the file cannot be used, positions that are given twice, a temperature not above 0 K
+        SceneError : the file cannot be used, positions that are given twice, a
+            temperature not above 0 K
         """
         rows = self.rows(base)
-        chosen = self.column or (name if name in rows.table.names else rows.table.name_in("K"))
+        chosen = self.column or (
+            name if name in rows.table.names else rows.table.name_in("K")
+        )
         values = rows.column(chosen, "K")
         if values.min() <= 0.0:
-            raise rows.error(int(np.argmin(values)), f"a temperature of {values.min():g} K; it must be above 0")
+            raise rows.error(
+                int(np.argmin(values)),
+                f"a temperature of {values.min():g} K; it must be above 0",
+            )
         return rows.where, values
 
     def rows(self, base: Path) -> Rows:
@@ -223,17 +329,21 @@ class ProfileFile(Table):
 
 
 def how_written(value: Any) -> str:
-    """Return "series" for a table, "list" for a list, else "number", the tags of the unions below."""
+    """Return "series" for a table, "list" for a list, else "number", the tags of the
+    unions below.
+    """
     if isinstance(value, (dict, Table)):
         return "series"
     return "list" if isinstance(value, (list, tuple)) else "number"
 
 
 TemperatureOrSeries = Annotated[
-    Annotated[Temperature, Tag("number")] | Annotated[TemperatureSeries, Tag("series")], Discriminator(how_written)
+    Annotated[Temperature, Tag("number")] | Annotated[TemperatureSeries, Tag("series")],
+    Discriminator(how_written),
 ]
 HeatFluxOrSeries = Annotated[
-    Annotated[HeatFlux, Tag("number")] | Annotated[HeatFluxSeries, Tag("series")], Discriminator(how_written)
+    Annotated[HeatFlux, Tag("number")] | Annotated[HeatFluxSeries, Tag("series")],
+    Discriminator(how_written),
 ]
 VelocityOrSeries = Annotated[
     Annotated[FiniteFloat, Tag("number")]
@@ -244,5 +354,6 @@ VelocityOrSeries = Annotated[
     in_unit("m/s"),
 ]
 TemperatureOrProfile = Annotated[
-    Annotated[Temperature, Tag("number")] | Annotated[ProfileFile, Tag("series")], Discriminator(how_written)
+    Annotated[Temperature, Tag("number")] | Annotated[ProfileFile, Tag("series")],
+    Discriminator(how_written),
 ]

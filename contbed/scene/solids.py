@@ -1,4 +1,6 @@
-"""What all tables [solids.NAME] share: a material of the library, and the properties of the particles' material."""
+"""What all tables [solids.NAME] share: a material of the library, and the properties
+of the particles' material.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +8,23 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from contbed.scene.quantities import Conductivity, Density, HeatCapacity, Length, Table, Temperature, form
+from contbed.scene.quantities import (
+    Conductivity,
+    Density,
+    HeatCapacity,
+    Length,
+    Table,
+    Temperature,
+    form,
+)
 from contbed.scene.tables import Polynomial, from_library, names_material
 
-HeatCapacityOfSolid = Annotated[Annotated[HeatCapacity, Tag("number")] | Polynomial, Discriminator(form)]
-ConductivityOfSolid = Annotated[Annotated[Conductivity, Tag("number")] | Polynomial, Discriminator(form)]
+HeatCapacityOfSolid = Annotated[
+    Annotated[HeatCapacity, Tag("number")] | Polynomial, Discriminator(form)
+]
+ConductivityOfSolid = Annotated[
+    Annotated[Conductivity, Tag("number")] | Polynomial, Discriminator(form)
+]
 
 _FROM_MATERIAL = ("density", "heat_capacity", "conductivity")
 
@@ -18,15 +32,21 @@ _FROM_MATERIAL = ("density", "heat_capacity", "conductivity")
 class SolidPhase(Table):
     """Particles whose properties may come from a material of the library.
 
-    A model adds its own keys, and declares a key again where it needs one or has another default for it.
-    `varies` says whether properties may depend on temperature: as lists of coefficients a0 + a1 T + a2 T^2 + ...
+    A model adds its own keys, and declares a key again where it needs one or has
+    another default for it. `varies` says whether properties may depend on temperature:
+    as lists of coefficients a0 + a1 T + a2 T^2 + ...
     """
 
     varies: ClassVar[bool] = False
 
-    material: str | None = Field(None, description="solid of the library; keys that are given replace its properties")
+    material: str | None = Field(
+        None,
+        description="solid of the library; keys that are given replace its properties",
+    )
     material_temperature: Temperature | None = Field(
-        None, description="at which properties of the material that vary are taken as constants"
+        None,
+        description="at which properties of the material that vary are taken as "
+        "constants",
     )
     diameter: Length | None = Field(None, description="diameter of the particles")
     density: Density | None = Field(None, description="density of the solid material")
@@ -38,25 +58,39 @@ class SolidPhase(Table):
 
         Raises
         ------
-        ValueError : an unknown material, or a property that varies where the model takes constants only
+        ValueError : an unknown material, or a property that varies where the model
+            takes constants only
         """
-        if isinstance(values, dict) and "material_temperature" in values and "material" not in values:
+        if (
+            isinstance(values, dict)
+            and "material_temperature" in values
+            and "material" not in values
+        ):
             raise ValueError("material_temperature has no use without material")
         if not names_material(values):
             return values
         properties = from_library("solid", values)
-        known = {key: properties[key] for key in _FROM_MATERIAL if key in properties and key in cls.model_fields}
+        known = {
+            key: properties[key]
+            for key in _FROM_MATERIAL
+            if key in properties and key in cls.model_fields
+        }
         if not cls.varies:
             _require_constants(known, values)
         return known | values
 
 
 def _require_constants(known: dict[str, Any], values: dict[str, Any]) -> None:
-    """Refuse properties of a material that vary with temperature and are not given as numbers."""
+    """Refuse properties of a material that vary with temperature and are not given
+    as numbers.
+    """
     for key, value in known.items():
         if isinstance(value, tuple) and key not in values:
             name = values["material"]
-            raise ValueError(f"the {key} of {name} varies: give material_temperature, or {key} itself")
+            raise ValueError(
+                f"the {key} of {name} varies: give material_temperature, or {key} "
+                "itself"
+            )
 
 
 def one_solid(solids: dict[str, Any]) -> dict[str, Any]:
@@ -68,5 +102,7 @@ def one_solid(solids: dict[str, Any]) -> dict[str, Any]:
     """
     if len(solids) != 1:
         found = ", ".join(solids) or "none"
-        raise ValueError(f"this model has one solid phase, [solids.NAME]; found {found}")
+        raise ValueError(
+            f"this model has one solid phase, [solids.NAME]; found {found}"
+        )
     return solids

@@ -1,6 +1,7 @@
 """Tables that scenes of several physics share: closures by name, numerics, output.
 
-Absent keys take the default that stands here, once. Values are in SI behind `quantities`.
+Absent keys take the default that stands here, once. Values are in SI behind
+`quantities`.
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ from contbed.scene.toml_lines import KeyPath, Origin
 
 
 def from_library(phase: str, values: Any) -> Any:
-    """Return the data of the library for a table's `material`, at its `material_temperature` if given.
+    """Return the data of the library for a table's `material`, at its
+    `material_temperature` if given.
 
     Raises
     ------
@@ -51,10 +53,20 @@ def from_library(phase: str, values: Any) -> Any:
 
         low, high = found.T_range
         T = to_si(given, "K") if isinstance(given, str) else given
-        if isinstance(T, bool) or not isinstance(T, int | float) or not low <= T <= high:
-            raise ValueError(f"material_temperature = {given!r}: {found.name} is known from {low:g} to {high:g} K")
+        if (
+            isinstance(T, bool)
+            or not isinstance(T, int | float)
+            or not low <= T <= high
+        ):
+            raise ValueError(
+                f"material_temperature = {given!r}: {found.name} is known from {low:g} "
+                f"to {high:g} K"
+            )
         properties = dict(found.at(float(T)))
-    return {key: a[0] if isinstance(a, tuple) and len(a) == 1 else a for key, a in properties.items()}
+    return {
+        key: a[0] if isinstance(a, tuple) and len(a) == 1 else a
+        for key, a in properties.items()
+    }
 
 
 def names_material(values: Any) -> bool:
@@ -78,11 +90,21 @@ class Closure(Table):
 
 Named = Annotated[str, Tag("name")] | Annotated[Closure, Tag("parameters")]
 NamedOrFile = Named | Annotated[ClosureFile, Tag("file")]
-PermeabilityOrClosure = Annotated[Annotated[Permeability, Tag("number")] | NamedOrFile, Discriminator(form)]
-NonNegativeOrClosure = Annotated[Annotated[NonNegative, Tag("number")] | NamedOrFile, Discriminator(form)]
-ConductivityOrClosure = Annotated[Annotated[Conductivity, Tag("number")] | NamedOrFile, Discriminator(form)]
-NumberOrClosure = Annotated[Annotated[Number, Tag("number")] | NamedOrFile, Discriminator(form)]
-WallCoefficientOrClosure = Annotated[Annotated[WallCoefficient, Tag("number")] | NamedOrFile, Discriminator(form)]
+PermeabilityOrClosure = Annotated[
+    Annotated[Permeability, Tag("number")] | NamedOrFile, Discriminator(form)
+]
+NonNegativeOrClosure = Annotated[
+    Annotated[NonNegative, Tag("number")] | NamedOrFile, Discriminator(form)
+]
+ConductivityOrClosure = Annotated[
+    Annotated[Conductivity, Tag("number")] | NamedOrFile, Discriminator(form)
+]
+NumberOrClosure = Annotated[
+    Annotated[Number, Tag("number")] | NamedOrFile, Discriminator(form)
+]
+WallCoefficientOrClosure = Annotated[
+    Annotated[WallCoefficient, Tag("number")] | NamedOrFile, Discriminator(form)
+]
 
 
 class Solver(Table):
@@ -90,35 +112,54 @@ class Solver(Table):
 
     degree: Order = Field(2, description="polynomial degree of the temperatures")
     stabilisation: Switch = Field(True, description="residual-based SUPG")
-    tolerance: Fraction = Field(1e-5, description="target error of theta for automatic meshes")
+    tolerance: Fraction = Field(
+        1e-5, description="target error of theta for automatic meshes"
+    )
     accuracy: Fraction | None = Field(
         None,
-        description="the plan accepts a cheaper sub-model if its predicted error, relative to the temperature span, "
-        "is below this; absent: 0.005 for intraparticle conduction, 0.01 for Rosseland, and sides of a bed that "
+        description="the plan accepts a cheaper sub-model if its predicted error, "
+        "relative to the temperature span, "
+        "is below this; absent: 0.005 for intraparticle conduction, 0.01 for "
+        "Rosseland, and sides of a bed that "
         "exchange heat are resolved",
     )
     adapt: Annotated[Whole, Field(ge=0, le=10)] | None = Field(
-        None, description="refinements where the error estimate of a steady run exceeds `tolerance`; absent: automatic"
+        None,
+        description="refinements where the error estimate of a steady run exceeds "
+        "`tolerance`; absent: automatic",
     )
-    reduce: Switch = Field(True, description="solve a plug-flow scene with adiabatic walls in one dimension")
+    reduce: Switch = Field(
+        True,
+        description="solve a plug-flow scene with adiabatic walls in one dimension",
+    )
     newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = Field(
         1e-10,
-        description="residual norm, relative to the scale of the equations, at which Newton's method has converged",
+        description="residual norm, relative to the scale of the equations, at which "
+        "Newton's method has converged",
     )
-    newton_iterations: Whole = Field(30, ge=1, le=1000, description="most iterations of Newton's method")
-    balance_tolerance: Positive = Field(1e-10, description="largest relative residual of a balance that a run accepts")
+    newton_iterations: Whole = Field(
+        30, ge=1, le=1000, description="most iterations of Newton's method"
+    )
+    balance_tolerance: Positive = Field(
+        1e-10, description="largest relative residual of a balance that a run accepts"
+    )
     strict: Switch = Field(False, description="a closure out of its range is an error")
     memory_GB: Positive | None = Field(
-        None, description="refuse a factorisation predicted above this; 60 % of the free memory if absent"
+        None,
+        description="refuse a factorisation predicted above this; 60 % of the free "
+        "memory if absent",
     )
 
 
 class CycleSettings(Table):
-    """A run that is one period of a cycle: it begins with the state that it ends with."""
+    """A run that is one period of a cycle: it begins with the state that it ends
+    with.
+    """
 
     tolerance: Fraction = Field(
         1e-8,
-        description="change over one period over the span of temperatures, in reacting beds also of amounts over those "
+        description="change over one period over the span of temperatures, in reacting "
+        "beds also of amounts over those "
         "that enter",
     )
 
@@ -126,12 +167,17 @@ class CycleSettings(Table):
 class Output(Table):
     """What a run writes besides summary.json."""
 
-    positions: tuple[Position, ...] = Field((), description="profile positions along the axis; automatic if empty")
+    positions: tuple[Position, ...] = Field(
+        (), description="profile positions along the axis; automatic if empty"
+    )
     across: tuple[Position, ...] | None = Field(
         None,
-        description="other coordinates of the line of profiles; absent: the middle, or a line inside of the mesh",
+        description="other coordinates of the line of profiles; absent: the middle, or "
+        "a line inside of the mesh",
     )
-    profiles: Switch = Field(True, description="profiles.csv, which sweeps of many scenes may not need")
+    profiles: Switch = Field(
+        True, description="profiles.csv, which sweeps of many scenes may not need"
+    )
     fields: Switch = Field(True, description="write fields for ParaView (.vtu)")
     plots: Switch = Field(True, description="draw plots (.png)")
 
@@ -145,8 +191,12 @@ class SceneBase(Table):
     # tables of other kinds that this one does not take: why, and what to do
     refused: ClassVar[Mapping[str, str]] = {}
 
-    title: str = Field("", description="title of the scene, shown in plots, reports and summary.json")
-    model: str | None = Field(None, description="name of the model; absent: derived from the tables")
+    title: str = Field(
+        "", description="title of the scene, shown in plots, reports and summary.json"
+    )
+    model: str | None = Field(
+        None, description="name of the model; absent: derived from the tables"
+    )
 
     _origin: Origin = PrivateAttr(default_factory=Origin)
     _warnings: tuple[str, ...] = PrivateAttr(())
@@ -154,12 +204,16 @@ class SceneBase(Table):
 
     @property
     def origin(self) -> Origin:
-        """Where the values come from: a name for messages, the lines of the keys, the folder of the file."""
+        """Where the values come from: a name for messages, the lines of the keys,
+        the folder of the file.
+        """
         return self._origin
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the scene says that is possible but seldom meant, each with file, line and key."""
+        """What the scene says that is possible but seldom meant, each with file,
+        line and key.
+        """
         return self._warnings
 
     @property

@@ -1,4 +1,6 @@
-"""TOML with line numbers: tomllib gives the values, a small scanner gives the line of every key."""
+"""TOML with line numbers: tomllib gives the values, a small scanner gives the line
+of every key.
+"""
 
 from __future__ import annotations
 
@@ -30,21 +32,36 @@ _DUPLICATE = re.compile(r"Cannot (?:overwrite a value|mutate immutable namespace
 
 @dataclass(frozen=True)
 class Origin:
-    """Where the values of a scene come from; it is ignored in comparisons, so equal values are equal scenes."""
+    """Where the values of a scene come from; it is ignored in comparisons, so equal
+    values are equal scenes.
+    """
 
     name: str = field(default="scene", compare=False)
     base: Path = field(default=Path(), compare=False)
     lines: Mapping[KeyPath, int] = field(default_factory=dict, compare=False)
     overrides: tuple[KeyPath, ...] = field(default=(), compare=False)
-    trust: bool = field(default=False, compare=False)  # files of the scene may run programs
-    allow_large: bool = field(default=False, compare=False)  # a size above the default limit is intended
+    # files of the scene may run programs
+    trust: bool = field(default=False, compare=False)
+    # a size above the default limit is intended
+    allow_large: bool = field(default=False, compare=False)
 
     def line(self, path: KeyPath) -> int:
-        """Return the line of a key, or of the nearest table around it; 0 where an override has set it."""
+        """Return the line of a key, or of the nearest table around it; 0 where an
+        override has set it.
+        """
         for key in self.overrides:
-            if path[: len(key)] == key or (key[: len(path)] == path and path not in self.lines):
+            if path[: len(key)] == key or (
+                key[: len(path)] == path and path not in self.lines
+            ):
                 return 0
-        return next((self.lines[path[:end]] for end in range(len(path), 0, -1) if path[:end] in self.lines), 1)
+        return next(
+            (
+                self.lines[path[:end]]
+                for end in range(len(path), 0, -1)
+                if path[:end] in self.lines
+            ),
+            1,
+        )
 
     def at(self, path: KeyPath) -> str:
         """Return "file:line" of a key, or "override"."""
@@ -53,7 +70,9 @@ class Origin:
 
 
 def parse(text: str, name: str, base: Path = Path()) -> tuple[dict[str, Any], Origin]:
-    """Return the values of a TOML text and where they stand; raise SceneError with file:line if it is not TOML."""
+    """Return the values of a TOML text and where they stand; raise SceneError with
+    file:line if it is not TOML.
+    """
     text = text.replace("\r\n", "\n")
     try:
         values = tomllib.loads(text)
@@ -63,7 +82,9 @@ def parse(text: str, name: str, base: Path = Path()) -> tuple[dict[str, Any], Or
     except ValueError:
         long = re.search(r"\d{4301}", text)
         line = text.count("\n", 0, long.start()) + 1 if long else 1
-        raise SceneError(f"{name}:{line}: an integer with more than 4300 digits") from None
+        raise SceneError(
+            f"{name}:{line}: an integer with more than 4300 digits"
+        ) from None
     except RecursionError:
         raise SceneError(f"{name}:1: arrays or tables are nested too deeply") from None
     return values, Origin(name, base, lines)
@@ -78,13 +99,16 @@ def read(path: str | Path) -> tuple[dict[str, Any], Origin]:
             raise SceneError(f"{path}:1: is a pipe or a device; give a file")
         if status.st_size > _LONGEST:
             raise SceneError(
-                f"{path}:1: {status.st_size / 1e6:.0f} MB; a TOML file has at most {_LONGEST / 1e6:.0f} MB"
+                f"{path}:1: {status.st_size / 1e6:.0f} MB; a TOML file has at most "
+                f"{_LONGEST / 1e6:.0f} MB"
             )
         data = path.read_bytes()
     except FileNotFoundError:
         raise SceneError(f"{path}:1: no such file") from None
     except IsADirectoryError:
-        raise SceneError(f"{path}:1: is a directory; give the TOML file in it") from None
+        raise SceneError(
+            f"{path}:1: is a directory; give the TOML file in it"
+        ) from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise SceneError(one_line(f"{path}:1: cannot be read: {reason}")) from None
@@ -92,7 +116,10 @@ def read(path: str | Path) -> tuple[dict[str, Any], Origin]:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise SceneError(f"{path}:{line}: not UTF-8 text (byte 0x{data[error.start]:02x}); save it as UTF-8") from None
+        raise SceneError(
+            f"{path}:{line}: not UTF-8 text (byte 0x{data[error.start]:02x}); save it "
+            "as UTF-8"
+        ) from None
     return parse(text, str(path), path.absolute().parent)
 
 
@@ -103,7 +130,9 @@ def dotted(path: KeyPath) -> str:
         if isinstance(key, int):
             shown += f"[{key}]"
         else:
-            shown += ("." if shown else "") + (key if BARE_KEY.fullmatch(key) else json.dumps(key))
+            shown += ("." if shown else "") + (
+                key if BARE_KEY.fullmatch(key) else json.dumps(key)
+            )
     return shown
 
 
@@ -113,12 +142,16 @@ def one_line(text: str) -> str:
 
 
 def key_lines(text: str) -> dict[KeyPath, int]:
-    """Return the line, from 1, of every key, table header and array item of a valid TOML text."""
+    """Return the line, from 1, of every key, table header and array item of a valid
+    TOML text.
+    """
     return _Scanner(text).lines
 
 
 def parse_key(text: str) -> KeyPath:
-    """Return a dotted key, quotes allowed, as a path; raise ValueError if it is not one."""
+    """Return a dotted key, quotes allowed, as a path; raise ValueError if it is not
+    one.
+    """
     scanner = _Scanner(text, scan=False)
     path = scanner.key()
     if scanner.position != len(text) or len(path) != scanner.dots + 1:
@@ -127,17 +160,23 @@ def parse_key(text: str) -> KeyPath:
 
 
 def _syntax(message: str, text: str, name: str) -> str:
-    found = re.search(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)", message)
+    found = re.search(
+        r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)", message
+    )
     line = int(found[1]) if found and found[1] else text.rstrip("\n").count("\n") + 1
     if found:
         message = message[: found.start()]
     if _DUPLICATE.match(message):
         message = "this key stands twice in its table"
-    return one_line(f"{name}:{line}: not valid TOML: {message[:1].lower()}{message[1:]}")
+    return one_line(
+        f"{name}:{line}: not valid TOML: {message[:1].lower()}{message[1:]}"
+    )
 
 
 class _Scanner:
-    """One pass over text that tomllib has accepted, so that no error handling is needed."""
+    """One pass over text that tomllib has accepted, so that no error handling is
+    needed.
+    """
 
     def __init__(self, text: str, scan: bool = True):
         self.text = text

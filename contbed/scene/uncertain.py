@@ -1,4 +1,5 @@
-"""Numbers of a scene that are not known exactly: a table of standard uncertainties, in SI or as a share.
+"""Numbers of a scene that are not known exactly: a table of standard uncertainties, in
+SI or as a share.
 
 [uncertain]
 packed_bed.porosity = 0.01
@@ -25,12 +26,16 @@ def share_of(given: Any) -> float | None:
     return None if found is None else float(found[1]) / 100.0
 
 
-def uncertain_numbers(table: Mapping[str, Any], scene: Any, origin: Origin) -> Iterator[tuple[str, float, float]]:
-    """Yield key, value and standard uncertainty in SI of a table `uncertain` about a scene.
+def uncertain_numbers(
+    table: Mapping[str, Any], scene: Any, origin: Origin
+) -> Iterator[tuple[str, float, float]]:
+    """Yield key, value and standard uncertainty in SI of a table `uncertain` about a
+    scene.
 
     Raises
     ------
-    SceneError : a key that the scene does not have as a number, or an uncertainty that is none
+    SceneError : a key that the scene does not have as a number, or an uncertainty that
+        is none
     """
     for key, given in _flat(table):
         where = f"{origin.at(('uncertain', *parse_key(key)))}: uncertain.{key}"
@@ -38,10 +43,20 @@ def uncertain_numbers(table: Mapping[str, Any], scene: Any, origin: Origin) -> I
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise SceneError(f"{where}: the scene has no number under this key")
         share = share_of(given)
-        number = isinstance(given, int | float) and not isinstance(given, bool) and 0 < given < math.inf
+        number = (
+            isinstance(given, int | float)
+            and not isinstance(given, bool)
+            and 0 < given < math.inf
+        )
         if share is None and not number:
-            raise SceneError(f'{where}: expected a number > 0 in SI, or a share like "5 %"')
-        yield key, float(value), share * abs(value) if share is not None else float(given)
+            raise SceneError(
+                f'{where}: expected a number > 0 in SI, or a share like "5 %"'
+            )
+        yield (
+            key,
+            float(value),
+            share * abs(value) if share is not None else float(given),
+        )
 
 
 def _flat(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:

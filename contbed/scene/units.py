@@ -1,4 +1,6 @@
-"""Conversion of unit strings: "3 mm" becomes 0.003. pint is imported only when a unit string occurs."""
+"""Conversion of unit strings: "3 mm" becomes 0.003. pint is imported only when a
+unit string occurs.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,9 @@ QUANTITIES = {
     "J/kg/K": "heat capacity",
     "Pa*s": "viscosity",
 }
-_QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
+_QUANTITY = re.compile(
+    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL
+)
 _DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d")
 # What may stand in a unit; anything else never reaches pint's parser.
 _LETTERS = r"A-Za-z%\u00b0\u00b5\u03bc\u00b2\u00b3\u2103"
@@ -34,7 +38,10 @@ _UNIT = re.compile(rf"[{_LETTERS}][{_LETTERS}0-9_ .*/^()+-]{{0,60}}")
 # Powers of numbers and long exponents could keep the parser busy for hours.
 _LARGE_POWER = re.compile(r"\d\s*(?:\*\*|\^)|\d{3}|\)\s*(?:\*\*|\^)")
 
-_GAUGE, _ABSOLUTE = "; pressures are absolute: add that of the air and write {}", "; pressures are absolute: write {}"
+_GAUGE, _ABSOLUTE = (
+    "; pressures are absolute: add that of the air and write {}",
+    "; pressures are absolute: write {}",
+)
 _HINTS = {
     "barg": _GAUGE.format("bar"),
     "psig": _GAUGE.format("psi"),
@@ -44,7 +51,8 @@ _HINTS = {
 
 
 def to_si(text: str, unit: str) -> float:
-    """Convert `text`, a quantity like "3 mm", to the SI unit `unit`; ValueError says what is wrong.
+    """Convert `text`, a quantity like "3 mm", to the SI unit `unit`; ValueError says
+    what is wrong.
 
     >>> to_si("100 degC", "K")
     373.15
@@ -63,16 +71,25 @@ def to_si(text: str, unit: str) -> float:
     if not name:
         if unit == "1":
             return number
-        raise ValueError(f"{expected}, found '{shown}' without a unit; write {match[1]} for SI, or '{match[1]} {unit}'")
+        raise ValueError(
+            f"{expected}, found '{shown}' without a unit; write {match[1]} for SI, or "
+            f"'{match[1]} {unit}'"
+        )
     name = f"1{name}" if name.startswith("/") else name
-    readable = _UNIT.fullmatch(name.removeprefix("1/")) and not _LARGE_POWER.search(name)
+    readable = _UNIT.fullmatch(name.removeprefix("1/")) and not _LARGE_POWER.search(
+        name
+    )
     found = _parse(name) if readable else None
     if found is None:
-        raise ValueError(f"unknown unit '{name[:60]}'{_HINTS.get(name, '')}; {expected}")
+        raise ValueError(
+            f"unknown unit '{name[:60]}'{_HINTS.get(name, '')}; {expected}"
+        )
     registry = _registry()
     wanted = registry.parse_units("" if unit == "1" else unit)
     if found.dimensionality != wanted.dimensionality:
-        celsius = "; degrees Celsius are 'degC'" if unit == "K" and name in {"C", "c"} else ""
+        celsius = (
+            "; degrees Celsius are 'degC'" if unit == "K" and name in {"C", "c"} else ""
+        )
         raise ValueError(f"{expected}, found '{shown}'{celsius}")
     try:
         return float(registry.Quantity(number, found).to(wanted).magnitude)
@@ -82,7 +99,8 @@ def to_si(text: str, unit: str) -> float:
 
 @cache
 def factor_and_offset(name: str, unit: str) -> tuple[float, float] | None:
-    """Return (a, b) so that a value x in the unit `name` is a x + b in the SI unit `unit`.
+    """Return (a, b) so that a value x in the unit `name` is a x + b in the SI unit
+    `unit`.
 
     None if `name` is unknown or measures something else.
 
@@ -107,7 +125,9 @@ def _registry() -> UnitRegistry[float]:
 
 
 def _parse(name: str) -> Unit | None:
-    """Return pint's unit of a name, or None; "kg/m3" and "W m-2" are read like "kg/m**3" and "W m**-2"."""
+    """Return pint's unit of a name, or None; "kg/m3" and "W m-2" are read like
+    "kg/m**3" and "W m**-2".
+    """
     for spelling in (name, re.sub(r"([A-Za-z])(-?\d)", r"\1**\2", name)):
         try:
             return _registry().parse_units(spelling)
@@ -117,15 +137,22 @@ def _parse(name: str) -> Unit | None:
 
 
 def base_value(text: str) -> float:
-    """Convert a quantity with any unit, "49 kJ/mol", to SI base units; ValueError says what is wrong.
+    """Convert a quantity with any unit, "49 kJ/mol", to SI base units; ValueError says
+    what is wrong.
 
     >>> base_value("2 1/ms")
     2000.0
     """
     match = _QUANTITY.fullmatch(text)
     name = "" if match is None else match[2]
-    if not match or not _UNIT.fullmatch(name.removeprefix("1/")) or _LARGE_POWER.search(name):
-        raise ValueError(f"expected a number with a unit like '49 kJ/mol', found '{text[:60]}'")
+    if (
+        not match
+        or not _UNIT.fullmatch(name.removeprefix("1/"))
+        or _LARGE_POWER.search(name)
+    ):
+        raise ValueError(
+            f"expected a number with a unit like '49 kJ/mol', found '{text[:60]}'"
+        )
     found = _parse(name)
     if found is None:
         raise ValueError(f"unknown unit '{name}'")
@@ -146,7 +173,8 @@ def exponents(unit: str) -> dict[str, float]:
 
 
 def unit_with(powers: dict[str, float]) -> str:
-    """Return a unit with these exponents of the base units, a short one where there is one.
+    """Return a unit with these exponents of the base units, a short one where there is
+    one.
 
     >>> unit_with({"kilogram": 1.0, "meter": 1.0, "second": -3.0}), unit_with({})
     ('W/m', '1')

@@ -10,7 +10,11 @@ from contbed.scene.toml_lines import parse_key
 def value_at(scene: Any, key: str) -> Any:
     """Return the value of a dotted key; None where there is none."""
     for step in parse_key(key):
-        scene = scene.get(step) if isinstance(scene, dict) else getattr(scene, str(step), None)
+        scene = (
+            scene.get(step)
+            if isinstance(scene, dict)
+            else getattr(scene, str(step), None)
+        )
     return scene
 
 

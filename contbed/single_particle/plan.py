@@ -25,8 +25,14 @@ class Plan:
         return Policy(1)
 
     def unknowns(self) -> dict[str, int]:
-        """Return the number of unknowns: temperature, constituents and flow of gas of each shell, and the surface."""
-        return {"particle": (len(self.scene.solid.constituent) + 2) * self.scene.single_particle.cells + 1}
+        """Return the number of unknowns: temperature, constituents and flow of gas
+        of each shell, and the surface.
+        """
+        return {
+            "particle": (len(self.scene.solid.constituent) + 2)
+            * self.scene.single_particle.cells
+            + 1
+        }
 
     def __str__(self) -> str:
         return plan_text(self)
@@ -34,8 +40,17 @@ class Plan:
 
 def plan(scene: SingleParticleScene) -> Plan:
     """Say what is built for a scene."""
-    cells, constituents, skipped = scene.single_particle.cells, scene.solid.constituent, []
-    built = [("particle", f"{cells} shells, {len(constituents)} constituents, transient, TR-BDF2")]
+    cells, constituents, skipped = (
+        scene.single_particle.cells,
+        scene.solid.constituent,
+        [],
+    )
+    built = [
+        (
+            "particle",
+            f"{cells} shells, {len(constituents)} constituents, transient, TR-BDF2",
+        )
+    ]
     if scene.reactions:
         built.append(("reactions", f"{len(scene.reactions)} of first order"))
     else:
@@ -43,7 +58,9 @@ def plan(scene: SingleParticleScene) -> Plan:
     if scene.surface.fixed_temperature is not None:
         built.append(("surface", "held at the temperature given"))
     else:
-        how = "convection" + (" and radiation" if scene.surface.emissivity is not None else "")
+        how = "convection" + (
+            " and radiation" if scene.surface.emissivity is not None else ""
+        )
         built.append(("surface", f"heated by {how}"))
     if scene.gas.heat_capacity == 0.0:
         skipped.append(("heat carried by the gas", "gas.heat_capacity is 0"))

@@ -1,4 +1,6 @@
-"""Run of one particle: time steps, balances of mass and heat, what is left and how hot it is."""
+"""Run of one particle: time steps, balances of mass and heat, what is left and how
+hot it is.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,8 @@ from contbed.single_particle.scene import SURFACE, SingleParticleScene
 from contbed.solvers.timestep import LEVELS, STAGES, WEIGHTS, Step, level_of, march
 
 ROWS = 100  # output times where none are given
-LEAST_LOSS = 1e-9  # of the mass, below which none is lost, and no time in which half of it is
+# of the mass, below which none is lost, and no time in which half of it is
+LEAST_LOSS = 1e-9
 
 
 def material_of(scene: SingleParticleScene) -> Material:
@@ -36,8 +39,17 @@ def material_of(scene: SingleParticleScene) -> Material:
     solid = scene.solid
     names, fresh = list(solid.constituent), mole_fractions(solid.composition)
     reactions = list(scene.reactions.values())
-    change = np.array([[r.yields.get(name, 0.0) - (r.of == name) for r in reactions] for name in names])
-    product = solid.conductivity if solid.conductivity_product is None else solid.conductivity_product
+    change = np.array(
+        [
+            [r.yields.get(name, 0.0) - (r.of == name) for r in reactions]
+            for name in names
+        ]
+    )
+    product = (
+        solid.conductivity
+        if solid.conductivity_product is None
+        else solid.conductivity_product
+    )
     return Material(
         0.5 * solid.diameter,
         solid.density,
@@ -56,13 +68,25 @@ def material_of(scene: SingleParticleScene) -> Material:
 
 def series_of(scene: SingleParticleScene) -> SeriesByKey:
     """Return the series of a scene, by key."""
-    given = {key: getattr(scene.surface, key) for key in ("fixed_temperature", "ambient")}
-    found = {key: value.samples(scene.origin.base) for key, value in given.items() if isinstance(value, Series)}
-    return SeriesByKey({("boundary", SURFACE, key): samples for key, samples in found.items()})
+    given = {
+        key: getattr(scene.surface, key) for key in ("fixed_temperature", "ambient")
+    }
+    found = {
+        key: value.samples(scene.origin.base)
+        for key, value in given.items()
+        if isinstance(value, Series)
+    }
+    return SeriesByKey(
+        {("boundary", SURFACE, key): samples for key, samples in found.items()}
+    )
 
 
-def surface_of(scene: SingleParticleScene, series: SeriesByKey, since: float = 0.0) -> Surface:
-    """Return the condition at the surface from a jump or kink of the series to the next, `since` the former [s]."""
+def surface_of(
+    scene: SingleParticleScene, series: SeriesByKey, since: float = 0.0
+) -> Surface:
+    """Return the condition at the surface from a jump or kink of the series to the
+    next, `since` the former [s].
+    """
     table = scene.surface
 
     def function(key: str) -> Callable[[float], float]:
@@ -75,20 +99,31 @@ def surface_of(scene: SingleParticleScene, series: SeriesByKey, since: float = 0
     if table.fixed_temperature is not None:
         given = function("fixed_temperature")
         return Surface(given, given, 0.0, 0.0)
-    return Surface(None, function("ambient"), table.coefficient, table.emissivity or 0.0)
+    return Surface(
+        None, function("ambient"), table.coefficient, table.emissivity or 0.0
+    )
 
 
-def _pieces(problem: Sphere, state: Any, plan: Plan, series: SeriesByKey, span: float) -> Iterator[Step]:
-    """Yield the time steps, none of which crosses a jump of the surroundings, or a kink beyond its error."""
+def _pieces(
+    problem: Sphere, state: Any, plan: Plan, series: SeriesByKey, span: float
+) -> Iterator[Step]:
+    """Yield the time steps, none of which crosses a jump of the surroundings, or a
+    kink beyond its error.
+    """
     scene, size, tolerance = plan.scene, 0.0, plan.scene.time.tolerance
     small = series.passed(dict.fromkeys(series.samples, span), tolerance)
-    options = {"tolerance": scene.solver.newton_tolerance, "iterations": scene.solver.newton_iterations}
+    options = {
+        "tolerance": scene.solver.newton_tolerance,
+        "iterations": scene.solver.newton_iterations,
+    }
     for start, end in pairwise(series.cuts(scene.time.end, small)):
         problem.surface = surface_of(scene, series, start)
         if start > 0.0:
             problem.at(start)
             state = problem.with_surface(state)
-        level = level_of(size, end - start) if size and not series.jumps(start) else None
+        level = (
+            level_of(size, end - start) if size and not series.jumps(start) else None
+        )
         for step in march(
             problem,
             state,
@@ -102,11 +137,20 @@ def _pieces(problem: Sphere, state: Any, plan: Plan, series: SeriesByKey, span: 
             sees=lambda begin, until: series.sees(begin, until, STAGES, small),
         ):
             yield step
-            state, size = step.states[-1], (end - start) * 2.0 ** (step.next_level - LEVELS)
+            state, size = (
+                step.states[-1],
+                (end - start) * 2.0 ** (step.next_level - LEVELS),
+            )
 
 
 @timed("particle")
-def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
+def run(
+    plan: Plan,
+    result: Result,
+    folder: Path | None,
+    quiet: bool,
+    start: tuple[Any, Any] | None,
+) -> None:
     """Solve and fill the result; a run of seconds keeps no checkpoint.
 
     Raises
@@ -116,13 +160,18 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     scene = plan.scene
     material, series = material_of(scene), series_of(scene)
     surface, end = surface_of(scene, series), scene.time.end
-    moments = sorted({*(scene.time.times or np.linspace(0.0, end, ROWS + 1).tolist()), end})
-    values = [v for samples in series.samples.values() for v in samples.values] or [surface.furnace(0.0)]
+    moments = sorted(
+        {*(scene.time.times or np.linspace(0.0, end, ROWS + 1).tolist()), end}
+    )
+    values = [v for samples in series.samples.values() for v in samples.values] or [
+        surface.furnace(0.0)
+    ]
     span = max(max(values) - material.start, material.start - min(values), 1.0)
     problem = Sphere(material, surface, scene.single_particle.cells, span)
     state = problem.initial()
     kept = [state] if moments[0] == 0.0 else []
-    sums, exchanged = np.zeros(4), 0.0  # heat conducted in, carried out, released [J/kg], gas that left; heat both ways
+    # heat conducted in, carried out, released [J/kg], gas that left; heat both ways
+    sums, exchanged = np.zeros(4), 0.0
     passed = [(0.0, _mass(problem, state), problem.centre(state))]
     before = problem.content(state, False)[0]
     mass0 = _mass(problem, state)
@@ -132,14 +181,22 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         for step in _told(steps, scene.origin):
             for moment in moments[len(kept) :]:
                 if moment <= step.end * (1 + 1e-12):
-                    kept.append(step.states[-1] if moment >= step.end else step.at(moment))
+                    kept.append(
+                        step.states[-1] if moment >= step.end else step.at(moment)
+                    )
             for weight, share, stage in zip(WEIGHTS, STAGES, step.states, strict=True):
                 problem.at(step.start + share * step.size)
                 rates = np.array([*problem.heat_in(stage), stage[gas]])
                 sums += weight * step.size * rates
                 exchanged += weight * step.size * abs(rates[0])
                 if share:
-                    passed.append((step.start + share * step.size, _mass(problem, stage), problem.centre(stage)))
+                    passed.append(
+                        (
+                            step.start + share * step.size,
+                            _mass(problem, stage),
+                            problem.centre(stage),
+                        )
+                    )
             state = step.states[-1]
             progress.advance_to(step.end)
     whole = material.density * np.pi / 6.0 * (2.0 * material.radius) ** 3
@@ -152,7 +209,9 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         parts, "J", released * whole, stored * whole, floor=max(held, exchanged) * whole
     ).as_dict()
     mass = _mass(problem, state)
-    result.balances["mass"] = Balance.of_fluxes([-left * whole], "kg", 0.0, (mass - mass0) * whole, whole).as_dict()
+    result.balances["mass"] = Balance.of_fluxes(
+        [-left * whole], "kg", 0.0, (mass - mass0) * whole, whole
+    ).as_dict()
     _profiles(plan, problem, moments, kept, result)
     _findings(np.array(passed), result)
 
@@ -171,11 +230,18 @@ def _told(steps: Iterator[Step], origin: Origin) -> Iterator[Step]:
             reached = step.end
     except ConvergenceError as error:
         text = f"{origin.at(('reactions',))}: {error}, at t = {reached:.4g} s"
-        advice = "no shorter step helps; a reaction may be too fast: lower its A, or raise its E"
-        raise ConvergenceError(f"{text}: {advice}", error.history, error.state) from None
+        advice = (
+            "no shorter step helps; a reaction may be too fast: lower its A, or "
+            "raise its E"
+        )
+        raise ConvergenceError(
+            f"{text}: {advice}", error.history, error.state
+        ) from None
 
 
-def _profiles(plan: Plan, problem: Sphere, moments: list[float], kept: list[Any], result: Result) -> None:
+def _profiles(
+    plan: Plan, problem: Sphere, moments: list[float], kept: list[Any], result: Result
+) -> None:
     """Fill in what is left and temperatures at the output times."""
     n, volume = problem.shells, problem.volume
     masses = np.array([problem.masses(state) @ volume for state in kept])
@@ -191,7 +257,9 @@ def _profiles(plan: Plan, problem: Sphere, moments: list[float], kept: list[Any]
 
 
 def _findings(passed: NDArray[np.float64], result: Result) -> None:
-    """Fill in numbers of the whole run; `passed` (n, 3) are times, masses and centre temperatures of all steps."""
+    """Fill in numbers of the whole run; `passed` (n, 3) are times, masses and centre
+    temperatures of all steps.
+    """
     times, mass, centre = passed.T
     hottest = int(np.argmax(centre))
     result.qoi |= {
@@ -202,4 +270,6 @@ def _findings(passed: NDArray[np.float64], result: Result) -> None:
     if mass[0] - mass[-1] > LEAST_LOSS:
         left, middle = PchipInterpolator(times, mass), 0.5 * (mass[0] + mass[-1])
         k = int(np.argmax(mass <= middle))
-        result.qoi["half_time_s"] = float(brentq(lambda t: left(t) - middle, times[k - 1], times[k]))
+        result.qoi["half_time_s"] = float(
+            brentq(lambda t: left(t) - middle, times[k - 1], times[k])
+        )

@@ -1,4 +1,5 @@
-"""Tables of a scene of one sphere that is heated, dries, decomposes or burns out, in SI.
+"""Tables of a scene of one sphere that is heated, dries, decomposes or burns out, in
+SI.
 
 See `single_particle.equations`.
 
@@ -46,7 +47,9 @@ SURFACE = "surface"  # the only boundary
 class Constituent(Table):
     """A solid constituent of the particle, initial or formed by reactions."""
 
-    heat_capacity: HeatCapacity = Field(description="specific heat capacity of the constituent")
+    heat_capacity: HeatCapacity = Field(
+        description="specific heat capacity of the constituent"
+    )
 
 
 class Solid(SolidPhase):
@@ -56,10 +59,16 @@ class Solid(SolidPhase):
     density: Density = Field(description="fresh")
     conductivity: Conductivity = Field(description="fresh")
     conductivity_product: Conductivity | None = Field(
-        None, description="where nothing fresh is left, linear between by mass; absent: as fresh"
+        None,
+        description="where nothing fresh is left, linear between by mass; absent: as "
+        "fresh",
     )
-    composition: str = Field(description='mass fractions of the fresh particle, "wood:0.93, water:0.07"')
-    constituent: dict[str, Constituent] = Field(min_length=1, description="constituents of the particle by name")
+    composition: str = Field(
+        description='mass fractions of the fresh particle, "wood:0.93, water:0.07"'
+    )
+    constituent: dict[str, Constituent] = Field(
+        min_length=1, description="constituents of the particle by name"
+    )
 
 
 class Gas(Table):
@@ -71,32 +80,56 @@ class Gas(Table):
 
 
 class Reaction(Table):
-    """A first-order reaction of a constituent; what does not become a constituent leaves as gas."""
+    """A first-order reaction of a constituent; what does not become a constituent
+    leaves as gas.
+    """
 
     of: str = Field(description="constituent that decomposes")
-    A: Annotated[float, *unit("1/s"), Field(gt=0)] = Field(description="rate is A exp(-E/(R T)) per mass")
-    E: Annotated[float, *unit("J/mol"), Field(ge=0)] = Field(description="activation energy")
-    heat: Annotated[float, *unit("J/kg")] = Field(0.0, description="taken up per mass that reacts, at its temperature")
+    A: Annotated[float, *unit("1/s"), Field(gt=0)] = Field(
+        description="rate is A exp(-E/(R T)) per mass"
+    )
+    E: Annotated[float, *unit("J/mol"), Field(ge=0)] = Field(
+        description="activation energy"
+    )
+    heat: Annotated[float, *unit("J/kg")] = Field(
+        0.0, description="taken up per mass that reacts, at its temperature"
+    )
     yields: dict[str, Annotated[NonNegative, Field(le=1)]] = Field(
-        default_factory=dict, description="mass of each constituent made per mass that reacts"
+        default_factory=dict,
+        description="mass of each constituent made per mass that reacts",
     )
 
 
 class Boundary(Table):
-    """What is around the particle: the temperature of its surface, or a furnace and its gas."""
+    """What is around the particle: the temperature of its surface, or a furnace and
+    its gas.
+    """
 
-    fixed_temperature: TemperatureOrSeries | None = Field(None, description="measured temperature of the surface")
-    ambient: TemperatureOrSeries | None = Field(None, description="temperature of the furnace and its gas")
+    fixed_temperature: TemperatureOrSeries | None = Field(
+        None, description="measured temperature of the surface"
+    )
+    ambient: TemperatureOrSeries | None = Field(
+        None, description="temperature of the furnace and its gas"
+    )
     coefficient: WallCoefficient = Field(0.0, description="of convection, to `ambient`")
-    emissivity: Emissivity | None = Field(None, description="of the particle in a large furnace at `ambient`")
+    emissivity: Emissivity | None = Field(
+        None, description="of the particle in a large furnace at `ambient`"
+    )
 
     @model_validator(mode="after")
     def _one(self) -> Boundary:
         if (self.fixed_temperature is None) == (self.ambient is None):
             raise ValueError("give one of fixed_temperature, ambient")
         if self.fixed_temperature is not None and (self.coefficient or self.emissivity):
-            raise ValueError("coefficient and emissivity belong to ambient; the surface has the temperature given")
-        if self.ambient is not None and not self.coefficient and self.emissivity is None:
+            raise ValueError(
+                "coefficient and emissivity belong to ambient; the surface has the "
+                "temperature given"
+            )
+        if (
+            self.ambient is not None
+            and not self.coefficient
+            and self.emissivity is None
+        ):
             raise ValueError("ambient heats nothing without coefficient or emissivity")
         return self
 
@@ -111,14 +144,20 @@ class Time(Table):
     """End and output times."""
 
     end: Seconds = Field(description="time at which the run ends")
-    times: tuple[Instant, ...] = Field((), description="output times; absent: 100 equal steps; the end is always one")
-    tolerance: Fraction = Field(1e-4, description="local error of temperatures over their span, and of masses")
+    times: tuple[Instant, ...] = Field(
+        (), description="output times; absent: 100 equal steps; the end is always one"
+    )
+    tolerance: Fraction = Field(
+        1e-4, description="local error of temperatures over their span, and of masses"
+    )
 
 
 class SingleParticle(Table):
     """What only this model has."""
 
-    cells: Annotated[Whole, Field(ge=4, le=1000)] = Field(30, description="shells of equal thickness")
+    cells: Annotated[Whole, Field(ge=4, le=1000)] = Field(
+        30, description="shells of equal thickness"
+    )
 
 
 class Output(Table):
@@ -133,10 +172,15 @@ class Solver(Table):
 
     newton_tolerance: Fraction = Field(
         1e-10,
-        description="residual norm, relative to the scale of the equations, at which Newton's method has converged",
+        description="residual norm, relative to the scale of the equations, at which "
+        "Newton's method has converged",
     )
-    newton_iterations: Whole = Field(30, ge=1, le=1000, description="most iterations of Newton's method")
-    balance_tolerance: Positive = Field(1e-9, description="largest relative residual of a balance that a run accepts")
+    newton_iterations: Whole = Field(
+        30, ge=1, le=1000, description="most iterations of Newton's method"
+    )
+    balance_tolerance: Positive = Field(
+        1e-9, description="largest relative residual of a balance that a run accepts"
+    )
     strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
@@ -149,18 +193,24 @@ class SingleParticleScene(SceneBase):
         "particle.temperature": "initial.temperature",
         "particle.gas_heat_capacity": "gas.heat_capacity",
         "particle": "solids.NAME",
-        "constituent.NAME.mass_fraction": "give the mass fractions of the fresh particle as solids.NAME.composition",
+        "constituent.NAME.mass_fraction": "give the mass fractions of the fresh "
+        "particle as solids.NAME.composition",
         "constituent": "solids.NAME.constituent",
-        "reactions.NAME.activation_temperature": "give E, the activation temperature times 8.31446 J/mol/K",
+        "reactions.NAME.activation_temperature": "give E, the activation temperature "
+        "times 8.31446 J/mol/K",
         "surroundings.surface": "boundary.surface.fixed_temperature",
         "surroundings.temperature": "boundary.surface.ambient",
         "surroundings.coefficient": "boundary.surface.coefficient",
         "surroundings.emissivity": "boundary.surface.emissivity",
     }
 
-    solids: dict[str, Solid] = Field(min_length=1, max_length=1, description="the particle, by name")
+    solids: dict[str, Solid] = Field(
+        min_length=1, max_length=1, description="the particle, by name"
+    )
     gas: Gas = Gas()
-    reactions: dict[str, Reaction] = Field(default_factory=dict, description="reactions of constituents by name")
+    reactions: dict[str, Reaction] = Field(
+        default_factory=dict, description="reactions of constituents by name"
+    )
     boundary: dict[str, Boundary] = Field(min_length=1, description="`surface` alone")
     initial: Initial
     time: Time

@@ -1,1 +1,3 @@
-"""Solvers: linear systems, Newton's method, time steps, pseudo-transient continuation and branches."""
+"""Solvers: linear systems, Newton's method, time steps, pseudo-transient
+continuation and branches.
+"""

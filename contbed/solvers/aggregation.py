@@ -1,10 +1,13 @@
-"""Iterative solution of symmetric systems on the links of cells of any shape, sum of coef (x - x_neighbour) = rhs.
+"""Iterative solution of symmetric systems on the links of cells of any shape, sum of
+coef (x - x_neighbour) = rhs.
 
-Conjugate gradients, preconditioned by aggregation: cells are joined twice in pairs along their strongest links, so that
-no aggregate reaches across a jump of the coefficients, and a coarse system has the sums of the links between aggregates
-and so the same form. Two steps of conjugate gradients on each coarse level (K-cycle: Notay, Electron. Trans. Numer.
-Anal. 37 (2010) 123) make the number of iterations all but independent of the number of cells. The aggregates follow
-from the coefficients alone: nothing is kept from step to step.
+Conjugate gradients, preconditioned by aggregation: cells are joined twice in pairs
+along their strongest links, so that no aggregate reaches across a jump of the
+coefficients, and a coarse system has the sums of the links between aggregates and so
+the same form. Two steps of conjugate gradients on each coarse level (K-cycle: Notay,
+Electron. Trans. Numer. Anal. 37 (2010) 123) make the number of iterations all but
+independent of the number of cells. The aggregates follow from the coefficients alone:
+nothing is kept from step to step.
 """
 
 from __future__ import annotations
@@ -21,9 +24,14 @@ Indices = NDArray[np.int64]
 
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True}
 COARSEST = 60  # cells of a level that is solved directly
-STRONG_CONNECTION = 0.25  # share of the strongest link of a cell from which on it is joined along a link (Notay 2010)
-SECOND_STEP = 0.25  # residual after one step on a coarse level above which there is a second one (Notay 2010)
-TOLERANCE = 1e-11  # residual over the largest right-hand side; what is left of the divergence of the flux
+# share of the strongest link of a cell from which on it is joined along a link (Notay
+# 2010)
+STRONG_CONNECTION = 0.25
+# residual after one step on a coarse level above which there is a second one (Notay
+# 2010)
+SECOND_STEP = 0.25
+# residual over the largest right-hand side; what is left of the divergence of the flux
+TOLERANCE = 1e-11
 ROUNDING = 1e-16  # residual over the largest term, where the right-hand side is zero
 MAX_ITERATIONS = 100  # of one system
 
@@ -31,8 +39,8 @@ MAX_ITERATIONS = 100  # of one system
 class Level(NamedTuple):
     """One system.
 
-    Neighbours `beside` and links `value` of a cell from start[c] to start[c + 1], its diagonal, and its number on the
-    next level.
+    Neighbours `beside` and links `value` of a cell from start[c] to start[c + 1], its
+    diagonal, and its number on the next level.
     """
 
     start: Indices
@@ -53,17 +61,30 @@ class Multigrid:
 
     def __init__(self, left: Indices, right: Indices, count: int):
         interior = len(right)
-        self.start, self.beside, self.faces = neighbours_by_cell(left[:interior], right, count)
+        self.start, self.beside, self.faces = neighbours_by_cell(
+            left[:interior], right, count
+        )
         self.boundary_cells = left[interior:]
 
-    def solve(self, coef: Array, floating: bool, rhs: Array, x: Array, tolerance: float = TOLERANCE) -> int:
-        """Put the solution in `x`, which holds a guess; return the number of iterations, -1 without convergence.
+    def solve(
+        self,
+        coef: Array,
+        floating: bool,
+        rhs: Array,
+        x: Array,
+        tolerance: float = TOLERANCE,
+    ) -> int:
+        """Put the solution in `x`, which holds a guess; return the number of
+        iterations, -1 without convergence.
 
-        The diagonal of the first cell counts twice where the system is `floating`. A cell without links gets its
-        right-hand side. `tolerance` is the largest residual over the largest right-hand side.
+        The diagonal of the first cell counts twice where the system is `floating`. A
+        cell without links gets its right-hand side. `tolerance` is the largest residual
+        over the largest right-hand side.
         """
         value, rest = coef[self.faces], np.zeros(len(x))
-        np.add.at(rest, self.boundary_cells, coef[len(coef) - len(self.boundary_cells) :])
+        np.add.at(
+            rest, self.boundary_cells, coef[len(coef) - len(self.boundary_cells) :]
+        )
         if floating:
             rest[0] += rest[0] + value[self.start[0] : self.start[1]].sum()
         if not np.isfinite(coef.sum() + rhs.sum()):
@@ -72,10 +93,18 @@ class Multigrid:
         return found
 
 
-def neighbours_by_cell(left: Indices, right: Indices, count: int) -> tuple[Indices, Indices, Indices]:
-    """Start (count + 1,), cells, faces : neighbours of cell c from start[c] to start[c + 1], and the faces between."""
-    other = np.flatnonzero(left != right)  # a periodic row of one cell links with itself
-    ends = np.concatenate((left[other], right[other])), np.concatenate((right[other], left[other]))
+def neighbours_by_cell(
+    left: Indices, right: Indices, count: int
+) -> tuple[Indices, Indices, Indices]:
+    """Start (count + 1,), cells, faces : neighbours of cell c from start[c] to
+    start[c + 1], and the faces between.
+    """
+    # a periodic row of one cell links with itself
+    other = np.flatnonzero(left != right)
+    ends = (
+        np.concatenate((left[other], right[other])),
+        np.concatenate((right[other], left[other])),
+    )
     order = np.argsort(ends[0], kind="stable")
     start = np.searchsorted(ends[0][order], np.arange(count + 1))
     return start, ends[1][order], np.concatenate((other, other))[order]
@@ -83,7 +112,9 @@ def neighbours_by_cell(left: Indices, right: Indices, count: int) -> tuple[Indic
 
 @inner(**OPTIONS)
 def _pairs(start: Indices, beside: Indices, value: Array) -> tuple[Indices, int]:
-    """Return the number of the pair of each cell, and of pairs; without a strong link to a free cell it is alone."""
+    """Return the number of the pair of each cell, and of pairs; without a strong
+    link to a free cell it is alone.
+    """
     count = len(start) - 1
     group, found = np.full(count, -1), 0
     for c in range(count):
@@ -103,11 +134,19 @@ def _pairs(start: Indices, beside: Indices, value: Array) -> tuple[Indices, int]
 
 @inner(**OPTIONS)
 def _joined(
-    start: Indices, beside: Indices, value: Array, rest: Array, group: Indices, found: int
+    start: Indices,
+    beside: Indices,
+    value: Array,
+    rest: Array,
+    group: Indices,
+    found: int,
 ) -> tuple[Indices, Indices, Array, Array]:
     """Return the coarse system of groups."""
     count = len(group)
-    members, first = np.empty(count, dtype=np.int64), np.zeros(found + 1, dtype=np.int64)
+    members, first = (
+        np.empty(count, dtype=np.int64),
+        np.zeros(found + 1, dtype=np.int64),
+    )
     for c in range(count):
         first[group[c] + 1] += 1
     first = np.cumsum(first)
@@ -139,7 +178,12 @@ def _joined(
 @inner(**OPTIONS)
 def _product(level: Level, x: Array, out: Array) -> None:
     """Matrix of a level times x."""
-    start, beside, value, diagonal = level.start, level.beside, level.value, level.diagonal
+    start, beside, value, diagonal = (
+        level.start,
+        level.beside,
+        level.value,
+        level.diagonal,
+    )
     for c in range(len(x)):
         total = diagonal[c] * x[c]
         for j in range(start[c], start[c + 1]):
@@ -150,7 +194,12 @@ def _product(level: Level, x: Array, out: Array) -> None:
 @inner(**OPTIONS)
 def _sweep(level: Level, b: Array, x: Array, backwards: bool) -> None:
     """Gauss-Seidel over all cells."""
-    start, beside, value, diagonal = level.start, level.beside, level.value, level.diagonal
+    start, beside, value, diagonal = (
+        level.start,
+        level.beside,
+        level.value,
+        level.diagonal,
+    )
     for i in range(len(x)):
         c = len(x) - 1 - i if backwards else i
         total = b[c]
@@ -171,13 +220,18 @@ def _cycle(
 ) -> None:
     """One K-cycle (Notay 2010): approximate solution x[0] for the right-hand side b[0].
 
-    Each list holds one vector for each level. A level is smoothed by Gauss-Seidel, corrected from the next coarser one
-    and smoothed again. On coarse levels the result is the direction of one step of conjugate gradients, or of two where
-    the residual is above SECOND_STEP. `first` and `along` keep the first direction and the matrix times it, `q` is a
-    workspace, `down` is true on the way to the coarsest level.
+    Each list holds one vector for each level. A level is smoothed by Gauss-Seidel,
+    corrected from the next coarser one and smoothed again. On coarse levels the result
+    is the direction of one step of conjugate gradients, or of two where the residual is
+    above SECOND_STEP. `first` and `along` keep the first direction and the matrix times
+    it, `q` is a workspace, `down` is true on the way to the coarsest level.
     """
     last, at, down = len(levels) - 1, 0, True
-    again, rho, alpha = np.zeros(last + 1, dtype=np.bool_), np.zeros(last + 1), np.zeros(last + 1)
+    again, rho, alpha = (
+        np.zeros(last + 1, dtype=np.bool_),
+        np.zeros(last + 1),
+        np.zeros(last + 1),
+    )
     while True:
         if down and at < last:
             x[at][:] = 0.0
@@ -197,9 +251,15 @@ def _cycle(
             if again[at]:
                 both = np.dot(x[at], along[at])
                 part = slope / (np.dot(x[at], q[at]) - both * both / rho[at])
-                x[at][:] = part * x[at] + (alpha[at] - both * part) / rho[at] * first[at]
+                x[at][:] = (
+                    part * x[at] + (alpha[at] - both * part) / rho[at] * first[at]
+                )
             else:
-                rho[at], alpha[at], size = np.dot(x[at], q[at]), slope, np.dot(b[at], b[at])
+                rho[at], alpha[at], size = (
+                    np.dot(x[at], q[at]),
+                    slope,
+                    np.dot(b[at], b[at]),
+                )
                 if rho[at] > 0.0:
                     first[at][:], along[at][:] = x[at], q[at]
                     b[at][:] -= slope / rho[at] * q[at]
@@ -217,7 +277,9 @@ def _cycle(
 
 @inner(**OPTIONS)
 def _levels(start: Indices, beside: Indices, value: Array, rest: Array) -> list[Level]:
-    """All levels, each with half or a quarter of the cells of the one before; the cells of the last are not joined."""
+    """All levels, each with half or a quarter of the cells of the one before; the
+    cells of the last are not joined.
+    """
     levels = []
     while True:
         diagonal = rest.copy()
@@ -227,28 +289,49 @@ def _levels(start: Indices, beside: Indices, value: Array, rest: Array) -> list[
             if diagonal[c] == 0.0:
                 diagonal[c] = 1.0
         if len(rest) <= COARSEST:
-            levels.append(Level(start, beside, value, diagonal, np.zeros(0, dtype=np.int64)))
+            levels.append(
+                Level(start, beside, value, diagonal, np.zeros(0, dtype=np.int64))
+            )
             return levels
         group, found = _pairs(start, beside, value)
         middle = _joined(start, beside, value, rest, group, found)
         pair, found = _pairs(middle[0], middle[1], middle[2])
         levels.append(Level(start, beside, value, diagonal, pair[group]))
-        start, beside, value, rest = _joined(middle[0], middle[1], middle[2], middle[3], pair, found)
+        start, beside, value, rest = _joined(
+            middle[0], middle[1], middle[2], middle[3], pair, found
+        )
 
 
 @entry(**OPTIONS)
-def _solve(start: Indices, beside: Indices, value: Array, rest: Array, rhs: Array, x: Array, tolerance: float) -> int:
+def _solve(
+    start: Indices,
+    beside: Indices,
+    value: Array,
+    rest: Array,
+    rhs: Array,
+    x: Array,
+    tolerance: float,
+) -> int:
     """Solution in `x`; the number of iterations, -1 if too many."""
     levels = _levels(start, beside, value, rest)
-    start, beside, value, diagonal = levels[-1].start, levels[-1].beside, levels[-1].value, levels[-1].diagonal
+    start, beside, value, diagonal = (
+        levels[-1].start,
+        levels[-1].beside,
+        levels[-1].value,
+        levels[-1].diagonal,
+    )
     matrix = np.diag(diagonal)
     for c in range(len(diagonal)):
         for j in range(start[c], start[c + 1]):
             matrix[c, beside[j]] -= value[j]
     inverse = np.linalg.inv(matrix)
-    b, z, first, along, q = [[np.empty(len(level.diagonal)) for level in levels] for _ in range(5)]
+    b, z, first, along, q = [
+        [np.empty(len(level.diagonal)) for level in levels] for _ in range(5)
+    ]
 
-    least = tolerance * np.max(np.abs(rhs)) + ROUNDING * np.max(np.abs(levels[0].diagonal * x))
+    least = tolerance * np.max(np.abs(rhs)) + ROUNDING * np.max(
+        np.abs(levels[0].diagonal * x)
+    )
     p, product, before, rho = np.zeros(len(x)), np.empty(len(x)), np.empty(len(x)), 1.0
     _product(levels[0], x, product)
     r = rhs - product

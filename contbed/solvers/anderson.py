@@ -5,7 +5,8 @@
 
 over the last `DEPTH` evaluations; for a linear map this is GMRES.
 
-Source: Anderson, J. ACM 12 (1965) 547, doi:10.1145/321296.321305; Walker, Ni, SIAM J. Numer. Anal. 49 (2011) 1715,
+Source: Anderson, J. ACM 12 (1965) 547, doi:10.1145/321296.321305; Walker, Ni, SIAM J.
+    Numer. Anal. 49 (2011) 1715,
 doi:10.1137/10078356X.
 """
 

@@ -1,6 +1,8 @@
-"""Matrices of a line, with few diagonals beside the main one: products by BLAS and factors by LAPACK.
+"""Matrices of a line, with few diagonals beside the main one: products by BLAS and
+factors by LAPACK.
 
-Products and solutions of some hundred unknowns cost microseconds, a tenth of what general sparse matrices take.
+Products and solutions of some hundred unknowns cost microseconds, a tenth of what
+general sparse matrices take.
 """
 
 from __future__ import annotations
@@ -20,12 +22,16 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from contbed.errors import ConvergenceError
 
 Array = NDArray[np.float64]
-WIDEST = 24  # diagonals on each side up to which a band is cheaper than general factors; two fields of degree 3 have 13
+# diagonals on each side up to which a band is cheaper than general factors; two fields
+# of degree 3 have 13
+WIDEST = 24
 
 
 @dataclass(frozen=True)
 class Band:
-    """A square matrix with `width` diagonals on each side: data (2 width + 1, n), the main diagonal in row `width`."""
+    """A square matrix with `width` diagonals on each side: data (2 width + 1, n),
+    the main diagonal in row `width`.
+    """
 
     width: int
     data: Array
@@ -40,7 +46,8 @@ class Band:
         return Band(self.width, self.data + factor * other.data)
 
     def solver(self, fixed: NDArray[np.int64]) -> Callable[[Array], Array]:
-        """Return the solution for a right-hand side; rows and columns of `fixed` unknowns are those of the identity.
+        """Return the solution for a right-hand side; rows and columns of `fixed`
+        unknowns are those of the identity.
 
         Raises
         ------
@@ -49,17 +56,25 @@ class Band:
         width, size = self.width, self.data.shape[1]
         wide = np.zeros((3 * width + 1, size), order="F")
         wide[width:] = self.data
-        for offset in range(-width, width + 1):  # entry (i, j) stands in row width + (i - j)
+        # entry (i, j) stands in row width + (i - j)
+        for offset in range(-width, width + 1):
             rows = fixed + offset
             inside = (rows >= 0) & (rows < size)
-            wide[2 * width - offset, rows[inside]] = 0.0  # row i: columns j = i + offset
+            # row i: columns j = i + offset
+            wide[2 * width - offset, rows[inside]] = 0.0
             wide[2 * width + offset, fixed[inside]] = 0.0  # column j
         wide[2 * width, fixed] = 1.0
         if not np.isfinite(wide).all():
-            raise ConvergenceError("the matrix holds values that are not finite: check closures and initial values")
+            raise ConvergenceError(
+                "the matrix holds values that are not finite: check closures and "
+                "initial values"
+            )
         factors, pivots, info = dgbtrf(wide, width, width)
         if info:
-            raise ConvergenceError("the linear system is singular: is a temperature or the pressure fixed anywhere?")
+            raise ConvergenceError(
+                "the linear system is singular: is a temperature or the pressure fixed "
+                "anywhere?"
+            )
         return partial(_solve, factors, pivots, width)
 
 
@@ -70,7 +85,9 @@ def _solve(factors: Array, pivots: Any, width: int, rhs: Array) -> Array:
 
 @dataclass(frozen=True)
 class Ordering:
-    """An order of the unknowns, `order[new] = old`, in which a matrix has `width` diagonals on each side."""
+    """An order of the unknowns, `order[new] = old`, in which a matrix has `width`
+    diagonals on each side.
+    """
 
     order: NDArray[np.int64]
     back: NDArray[np.int64]
@@ -78,14 +95,20 @@ class Ordering:
 
     @classmethod
     def of(cls, matrix: sp.csc_matrix) -> Ordering | None:
-        """Return the order by reverse Cuthill and McKee, or None if it leaves a wide band or nothing outside of it."""
+        """Return the order by reverse Cuthill and McKee, or None if it leaves a wide
+        band or nothing outside of it.
+        """
         pattern = (abs(matrix) + abs(matrix).T).tocsr()
         order = reverse_cuthill_mckee(pattern, symmetric_mode=True).astype(np.int64)
         back = np.empty_like(order)
         back[order] = np.arange(len(order))
         entries = pattern.tocoo()
         width = int(np.abs(back[entries.row] - back[entries.col]).max(initial=0))
-        return cls(order, back, width) if width <= WIDEST and 2 * width + 1 <= len(order) else None
+        return (
+            cls(order, back, width)
+            if width <= WIDEST and 2 * width + 1 <= len(order)
+            else None
+        )
 
     def band(self, matrix: sp.csc_matrix) -> Band:
         """Return a matrix of the same pattern in this order."""
@@ -98,7 +121,9 @@ class Ordering:
 
 
 class Affine(Protocol):
-    """A linear problem as matrices and a vector, counted from a state `origin` (size,)."""
+    """A linear problem as matrices and a vector, counted from a state `origin`
+    (size,).
+    """
 
     fixed: Any
     origin: Any
@@ -125,14 +150,18 @@ class Affine(Protocol):
 
 
 class BandedProblem:
-    """A linear problem whose unknowns, or the first of them, are taken in the order of a band."""
+    """A linear problem whose unknowns, or the first of them, are taken in the order
+    of a band.
+    """
 
     def __init__(self, problem: Affine, ordering: Ordering):
         self.problem, self.order, self.back = problem, ordering.order, ordering.back
         self.fixed = np.sort(ordering.back[problem.fixed])
 
     def vector(self, time: float) -> Array:
-        """Put the boundary values of a time [s] in place; return the steady residual of the origin."""
+        """Put the boundary values of a time [s] in place; return the steady residual
+        of the origin.
+        """
         self.problem.at(time)
         found: Array = self.problem.vector[self.order]
         return found

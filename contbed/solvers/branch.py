@@ -1,12 +1,15 @@
-"""Branches of steady states R(x, p) = 0 over a parameter p, through their folds, by pseudo-arclength (Keller 1977).
+"""Branches of steady states R(x, p) = 0 over a parameter p, through their folds, by
+pseudo-arclength (Keller 1977).
 
     R(x, p) = 0,   t_x . (x - x_0) / N^2 + t_p (p - p_0) / P^2 = s
 
-(x_0, p_0) is the last point, t its unit tangent, s the step; N^2 = n X^2 measures all n unknowns as one of size X, P is
-the span of p. The bordered matrix is regular at folds, where t_p changes sign; each fold is then located by steps of
-other lengths from the point before it. Steps grow and shrink with the number of Newton iterations.
+(x_0, p_0) is the last point, t its unit tangent, s the step; N^2 = n X^2 measures all n
+unknowns as one of size X, P is the span of p. The bordered matrix is regular at folds,
+where t_p changes sign; each fold is then located by steps of other lengths from the
+point before it. Steps grow and shrink with the number of Newton iterations.
 
-Source: Keller 1977, in Rabinowitz (ed.), Applications of Bifurcation Theory, Academic Press, 359-384.
+Source: Keller 1977, in Rabinowitz (ed.), Applications of Bifurcation Theory, Academic
+    Press, 359-384.
 """
 
 from __future__ import annotations
@@ -27,7 +30,8 @@ Assemble = Callable[[Array, float, bool], tuple[Array, Any]]
 DIFFERENCE = 1e-4  # share of the span by which R is differentiated along the parameter
 MAX_ITERATIONS = 8  # of Newton's method in one step
 MIN_STEP = 1e-7  # step below which the branch is given up
-MAX_STEP = 0.1  # step, of a distance in which the whole span of the parameter counts as one
+# step, of a distance in which the whole span of the parameter counts as one
+MAX_STEP = 0.1
 MAX_FOLD_STEPS = 30  # steps at most that look for a fold
 FOLD_TOLERANCE = 1e-9  # share of the span within which a fold is found
 
@@ -36,8 +40,9 @@ FOLD_TOLERANCE = 1e-9  # share of the span within which a fold is found
 class Branch:
     """Points of a branch in the order in which they are found.
 
-    `folds` holds (index of the point behind the fold, parameter, state). `complete` says whether the branch reaches an
-    end of the range of the parameter, or the first fold if no more is wanted.
+    `folds` holds (index of the point behind the fold, parameter, state). `complete`
+    says whether the branch reaches an end of the range of the parameter, or the first
+    fold if no more is wanted.
     """
 
     parameter: list[float] = field(default_factory=list)
@@ -56,7 +61,15 @@ class _Point:
 class _Continuation:
     """Pseudo-arclength steps from one point of a branch to the next."""
 
-    def __init__(self, assemble: Assemble, weights: Array, size: float, span: float, policy: Policy, tolerance: float):
+    def __init__(
+        self,
+        assemble: Assemble,
+        weights: Array,
+        size: float,
+        span: float,
+        policy: Policy,
+        tolerance: float,
+    ):
         self.assemble, self.policy, self.tolerance = assemble, policy, tolerance
         self.metric = weights**2 / (len(weights) * size**2)
         self.weights, self.size, self.span = weights, size, span
@@ -66,8 +79,12 @@ class _Continuation:
         step = DIFFERENCE * self.span
         return (self.assemble(x, p + step, False)[0] - residual) / step
 
-    def bordered(self, x: Array, p: float, row: tuple[Array, float]) -> tuple[Array, Callable[[Array, float], Any]]:
-        """Return the residual and a solver of the bordered system; its last row and column are scaled alike."""
+    def bordered(
+        self, x: Array, p: float, row: tuple[Array, float]
+    ) -> tuple[Array, Callable[[Array, float], Any]]:
+        """Return the residual and a solver of the bordered system; its last row and
+        column are scaled alike.
+        """
         residual, matrix = self.assemble(x, p, True)
         column = self.span * self.slope(x, p, residual)
         weight = float((abs(matrix) @ np.ones(len(x))).max())
@@ -80,7 +97,9 @@ class _Continuation:
 
         return residual, solve
 
-    def tangent(self, x: Array, p: float, before: tuple[Array, float]) -> tuple[Array, float]:
+    def tangent(
+        self, x: Array, p: float, before: tuple[Array, float]
+    ) -> tuple[Array, float]:
         """Return the unit tangent that continues in the direction of the last one."""
         _, solve = self.bordered(x, p, before)
         tx, tp = solve(np.zeros(len(x)), 1.0)
@@ -88,13 +107,17 @@ class _Continuation:
         return tx / length, tp / length
 
     def step(self, at: _Point, s: float) -> tuple[_Point, int]:
-        """Return the point of the branch at distance `s` (backward if negative) and the number of iterations."""
+        """Return the point of the branch at distance `s` (backward if negative) and
+        the number of iterations.
+        """
         tx, tp = at.tangent
         x, p = at.x + s * tx, at.p + s * tp
         for iteration in range(1, MAX_ITERATIONS + 1):
             with np.errstate(all="ignore"):
                 residual, solve = self.bordered(x, p, at.tangent)
-                ahead = float(self.metric @ (tx * (x - at.x)) + tp * (p - at.p) / self.span**2)
+                ahead = float(
+                    self.metric @ (tx * (x - at.x)) + tp * (p - at.p) / self.span**2
+                )
                 if not np.isfinite(residual).all():
                     break
                 change, shift = solve(-residual, s - ahead)
@@ -104,12 +127,17 @@ class _Continuation:
         raise ConvergenceError(f"branch: a step of {s:.2g} does not converge", [], x)
 
     def fold(self, a: _Point, length: float) -> _Point:
-        """Find the fold between `a` and the point `length` further, where t_p = 0, by regula falsi."""
+        """Find the fold between `a` and the point `length` further, where t_p = 0,
+        by regula falsi.
+        """
         low, high = (0.0, a.tangent[1]), (length, self.step(a, length)[0].tangent[1])
         point = a
         for _ in range(MAX_FOLD_STEPS):
             s = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
-            s = min(max(s, low[0] + 0.05 * (high[0] - low[0])), high[0] - 0.05 * (high[0] - low[0]))
+            s = min(
+                max(s, low[0] + 0.05 * (high[0] - low[0])),
+                high[0] - 0.05 * (high[0] - low[0]),
+            )
             point = self.step(a, s)[0]
             if abs(point.tangent[1]) * (high[0] - low[0]) < FOLD_TOLERANCE * self.span:
                 break
@@ -136,14 +164,18 @@ def trace(
     tolerance: float = 1e-8,
     watch: Callable[[float, str], None] = unwatched,
 ) -> Branch:
-    """Follow the branch of `assemble(x, p, jacobian) -> (R, matrix)` from a state `x` at `start`.
+    """Follow the branch of `assemble(x, p, jacobian) -> (R, matrix)` from a state `x`
+    at `start`.
 
-    It ends where p passes `stop` or, on the other side, `back`, or where `points` are found; with `first_fold` at the
-    first fold as well. `weights` make the
-    unknowns comparable with `size`. A branch that cannot be continued is returned incomplete. `watch` is called with
-    the share of the way, by the parameter or by the number of points, and the parameter.
+    It ends where p passes `stop` or, on the other side, `back`, or where `points` are
+    found; with `first_fold` at the first fold as well. `weights` make the unknowns
+    comparable with `size`. A branch that cannot be continued is returned incomplete.
+    `watch` is called with the share of the way, by the parameter or by the number of
+    points, and the parameter.
     """
-    continuation = _Continuation(assemble, weights, size, abs(stop - start), policy, tolerance)
+    continuation = _Continuation(
+        assemble, weights, size, abs(stop - start), policy, tolerance
+    )
     out = Branch([start], [x])
     toward = (np.zeros_like(x), float(np.sign(stop - start)))
     point, s = _Point(x, start, continuation.tangent(x, start, toward)), first
@@ -169,19 +201,32 @@ def trace(
         out.states.append(found.x)
         if out.complete:
             break
-        share = max(abs(found.p - start) / abs(stop - start), len(out.parameter) / points)
+        share = max(
+            abs(found.p - start) / abs(stop - start), len(out.parameter) / points
+        )
         watch(min(share, 1.0), f"{found.p:.4g}")
-        point, s = found, min(MAX_STEP, s * (2.0 if iterations <= 3 else 1.0 if iterations <= 5 else 0.5))
+        point, s = (
+            found,
+            min(
+                MAX_STEP,
+                s * (2.0 if iterations <= 3 else 1.0 if iterations <= 5 else 0.5),
+            ),
+        )
     return out
 
 
 def _at(continuation: _Continuation, a: _Point, b: _Point, p: float) -> _Point:
-    """Return the point with parameter p near the line from a to b, by Newton's method at fixed p."""
+    """Return the point with parameter p near the line from a to b, by Newton's
+    method at fixed p.
+    """
     x = a.x + (p - a.p) / (b.p - a.p) * (b.x - a.x)
     for _ in range(2 * MAX_ITERATIONS):
         residual, matrix = continuation.assemble(x, p, True)
         change = Solver(matrix, continuation.policy)(-residual)
         x = x + change
-        if np.abs(continuation.weights * change).max() <= continuation.tolerance * continuation.size:
+        if (
+            np.abs(continuation.weights * change).max()
+            <= continuation.tolerance * continuation.size
+        ):
             return _Point(x, p, b.tangent)
     return b

@@ -1,4 +1,6 @@
-"""Steady states that Newton does not reach from a cold start: implicit Euler steps of growing size."""
+"""Steady states that Newton does not reach from a cold start: implicit Euler steps
+of growing size.
+"""
 
 from __future__ import annotations
 
@@ -33,11 +35,13 @@ def relax(
     iterations: int = 30,
     watch: Callable[[float, str], None] = unwatched,
 ) -> Any:
-    """March from `state` to a steady state with steps that grow from `first` to `last` [s].
+    """March from `state` to a steady state with steps that grow from `first` to
+    `last` [s].
 
-    A step that needs more than `iterations` of Newton's method, or fails, is shortened. Unknowns stay above `lower`.
-    After `patience` steps of which none is the longest so far the march is given up. `watch` is called with the share
-    of the way to `last`, by powers of ten, and the step.
+    A step that needs more than `iterations` of Newton's method, or fails, is shortened.
+    Unknowns stay above `lower`. After `patience` steps of which none is the longest so
+    far the march is given up. `watch` is called with the share of the way to `last`, by
+    powers of ten, and the step.
 
     Raises
     ------
@@ -50,16 +54,21 @@ def relax(
     for _ in range(MAX_STEPS):
         before = problem.content(state, False)[0]
 
-        def assemble(x: Any, jacobian: bool, before: Any = before, dt: float = dt) -> tuple[Any, Any]:
+        def assemble(
+            x: Any, jacobian: bool, before: Any = before, dt: float = dt
+        ) -> tuple[Any, Any]:
             content, mass = problem.content(x, jacobian)
             steady, stiffness = problem.steady(x, jacobian)
-            return (content - before) / dt + steady, mass / dt + stiffness if jacobian else None
+            return (
+                content - before
+            ) / dt + steady, mass / dt + stiffness if jacobian else None
 
         stale += 1
         if stale > patience:
             break
         try:
-            with np.errstate(over="ignore", invalid="ignore"):  # a step too far may overflow; it is shortened below
+            # a step too far may overflow; it is shortened below
+            with np.errstate(over="ignore", invalid="ignore"):
                 state, history = newton(
                     assemble,
                     state,
@@ -81,5 +90,8 @@ def relax(
             return state
         watch(np.log(max(dt / first, 1.0)) / np.log(last / first), f"step {dt:.2g} s")
         dt *= growth
-    message = f"no steady state by steps in time; the longest step that converged is {longest:.3g} s"
+    message = (
+        "no steady state by steps in time; the longest step that converged is "
+        f"{longest:.3g} s"
+    )
     raise ConvergenceError(message, history, state)

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class MemoryPerUnknown:
-    """Takes the place of a policy of linear solvers where no matrix is factored: bytes for each unknown."""
+    """Takes the place of a policy of linear solvers where no matrix is factored:
+    bytes for each unknown.
+    """
 
     bytes_each: float
 

@@ -1,13 +1,17 @@
-"""Two-level preconditioner of diffusive fields in 3-D: relaxation on the mesh, correction on its vertices.
+"""Two-level preconditioner of diffusive fields in 3-D: relaxation on the mesh,
+correction on its vertices.
 
-A cycle is one Gauss-Seidel sweep forward, a correction by the Galerkin matrix P' A P, and one sweep backward. The
-columns of P are the piecewise linear functions of the vertices, the fields of a vertex side by side, because exchange
-binds them. The matrix on the vertices, an eighth in size for elements of degree 2, is replaced by one cycle of smoothed
-aggregation (Vanek, Mandel & Brezina, Computing 56 (1996) 179, doi:10.1007/BF02238511) on these blocks.
+A cycle is one Gauss-Seidel sweep forward, a correction by the Galerkin matrix P' A P,
+and one sweep backward. The columns of P are the piecewise linear functions of the
+vertices, the fields of a vertex side by side, because exchange binds them. The matrix
+on the vertices, an eighth in size for elements of degree 2, is replaced by one cycle of
+smoothed aggregation (Vanek, Mandel & Brezina, Computing 56 (1996) 179,
+doi:10.1007/BF02238511) on these blocks.
 
-With two temperatures of degree 2 on hexahedra the iterations of GMRES stay at 13 to 20 from 30 000 to 200 000
-unknowns, and time and memory grow with their number; factors grow as n^2 and n^(4/3). Cells longer than about ten times
-their width take more iterations, 60 and beyond at thirty times.
+With two temperatures of degree 2 on hexahedra the iterations of GMRES stay at 13 to 20
+from 30 000 to 200 000 unknowns, and time and memory grow with their number; factors
+grow as n^2 and n^(4/3). Cells longer than about ten times their width take more
+iterations, 60 and beyond at thirty times.
 """
 
 from __future__ import annotations
@@ -19,23 +23,28 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-STRENGTH = 0.05  # a_ij^2 over a_ii a_jj above which two vertices are aggregated; 0.02 and 0.1 take longer
+# a_ij^2 over a_ii a_jj above which two vertices are aggregated; 0.02 and 0.1 take
+# longer
+STRENGTH = 0.05
 COARSEST = 500  # unknowns that are solved by a pseudo-inverse
 
 
 @dataclass(frozen=True)
 class Vertices:
-    """Interpolation from the vertices: `matrix` (size, nvertices * fields), fields of a vertex side by side."""
+    """Interpolation from the vertices: `matrix` (size, nvertices * fields), fields
+    of a vertex side by side.
+    """
 
     matrix: sp.csr_matrix
     fields: int
 
 
 def two_level(matrix: sp.csr_matrix, vertices: Vertices) -> Callable[[Any], Any]:
-    """Return the preconditioner of a matrix (size, size), whose fields follow each other, as a function of a vector.
+    """Return the preconditioner of a matrix (size, size), whose fields follow each
+    other, as a function of a vector.
 
-    Rows are multiplied by the inverse of the fields' block at each node, so that the sweeps relax all fields of a node
-    at once.
+    Rows are multiplied by the inverse of the fields' block at each node, so that the
+    sweeps relax all fields of a node at once.
     """
     from pyamg import smoothed_aggregation_solver
     from pyamg.relaxation.relaxation import gauss_seidel
@@ -70,13 +79,21 @@ def two_level(matrix: sp.csr_matrix, vertices: Vertices) -> Callable[[Any], Any]
 
 
 def _blocks(matrix: sp.csr_matrix, fields: int) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-    """Return the inverses of the diagonal blocks of all nodes as a matrix, and the blocks themselves."""
+    """Return the inverses of the diagonal blocks of all nodes as a matrix, and the
+    blocks themselves.
+    """
     nodes = matrix.shape[0] // fields
     parts = [
-        [matrix[i * nodes : (i + 1) * nodes, j * nodes : (j + 1) * nodes].diagonal() for j in range(fields)]
+        [
+            matrix[i * nodes : (i + 1) * nodes, j * nodes : (j + 1) * nodes].diagonal()
+            for j in range(fields)
+        ]
         for i in range(fields)
     ]
     inverse = np.moveaxis(np.linalg.inv(np.moveaxis(np.array(parts), -1, 0)), 0, -1)
-    diagonals = ([[sp.diags(values) for values in row] for row in block] for block in (inverse, parts))
+    diagonals = (
+        [[sp.diags(values) for values in row] for row in block]
+        for block in (inverse, parts)
+    )
     scale, unscale = (sp.bmat(block, format="csr") for block in diagonals)
     return scale, unscale

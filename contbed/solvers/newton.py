@@ -1,4 +1,6 @@
-"""Newton's method with exact Jacobians and step control; the history of residuals is kept when it fails."""
+"""Newton's method with exact Jacobians and step control; the history of residuals is
+kept when it fails.
+"""
 
 from __future__ import annotations
 
@@ -32,27 +34,37 @@ def newton(
     rough: bool = False,
     what: str = "Newton",
 ) -> tuple[Any, list[float]]:
-    """Solve `assemble(state, jacobian) -> (residual, matrix)` for the unknowns not in `fixed`.
+    """Solve `assemble(state, jacobian) -> (residual, matrix)` for the unknowns not in
+    `fixed`.
 
-    `state` already holds the fixed values. The norm is that of the residual relative to the first one. A step that
-    raises it is halved, and none takes an unknown further than `MAX_SHARE_TO_BOUND` of its distance to `lower`. A
-    linear problem takes one step. Residuals below `floor` count as rounding where the relative step is below
-    `far_step`; if `floor` is None, it is estimated from the terms that cancel in them. `weights` make the steps of all
-    unknowns comparable. A `rough` solution, where another problem starts, is not improved after convergence.
-    Returns the state and the history of norms.
+    `state` already holds the fixed values. The norm is that of the residual relative to
+    the first one. A step that raises it is halved, and none takes an unknown further
+    than `MAX_SHARE_TO_BOUND` of its distance to `lower`. A linear problem takes one
+    step. Residuals below `floor` count as rounding where the relative step is below
+    `far_step`; if `floor` is None, it is estimated from the terms that cancel in them.
+    `weights` make the steps of all unknowns comparable. A `rough` solution, where
+    another problem starts, is not improved after convergence. Returns the state and the
+    history of norms.
     """
     state = state.copy()
     residual, matrix = assemble(state, True)
     residual[fixed] = 0.0
     scale = max(float(np.linalg.norm(residual)), 1e-300)
     if floor is None:
-        floor = 0.0 if linear else 1e-15 * float(np.linalg.norm(abs(matrix) @ np.maximum(1.0, np.abs(state))))
+        floor = (
+            0.0
+            if linear
+            else 1e-15
+            * float(np.linalg.norm(abs(matrix) @ np.maximum(1.0, np.abs(state))))
+        )
     history = [1.0]
     solver = None
     goal = 1e-2 * tolerance
     for _ in range(iterations):
         try:
-            solver, step = _direction(solver, constrain(matrix, fixed), -residual, policy, history, goal)
+            solver, step = _direction(
+                solver, constrain(matrix, fixed), -residual, policy, history, goal
+            )
         except ConvergenceError:
             if history[-1] * scale > floor or not np.isfinite(far_step):
                 raise
@@ -63,15 +75,19 @@ def newton(
         nearest = state - MAX_SHARE_TO_BOUND * (state - lower)
         while True:
             trial = np.maximum(state + damping * step, nearest)
-            with np.errstate(all="ignore"):  # a step too far may leave the range of a property; it is halved below
+            # a step too far may leave the range of a property; it is halved below
+            with np.errstate(all="ignore"):
                 residual, _ = assemble(trial, False)
                 residual[fixed] = 0.0
                 norm = float(np.linalg.norm(residual))
-            if np.isfinite(norm) and (norm <= (1 - 0.1 * damping) * history[-1] * scale or norm <= floor):
+            if np.isfinite(norm) and (
+                norm <= (1 - 0.1 * damping) * history[-1] * scale or norm <= floor
+            ):
                 break
             damping /= 2
             if damping < 1e-3 and (
-                history[-1] <= tolerance or (np.isfinite(far_step) and history[-1] * scale <= floor)
+                history[-1] <= tolerance
+                or (np.isfinite(far_step) and history[-1] * scale <= floor)
             ):
                 return state, history  # as low as rounding lets it
             if damping < 1e-3:
@@ -84,16 +100,24 @@ def newton(
         small = damping == 1.0 and length <= tolerance
         rounded = norm <= floor and length <= far_step
         if norm <= goal * scale or rounded or small:
-            return state if rough else _polish(assemble, state, residual, fixed, solver), history
+            return state if rough else _polish(
+                assemble, state, residual, fixed, solver
+            ), history
         _, matrix = assemble(state, True)
     if norm <= floor and np.isfinite(far_step):
         return state, history
-    message = f"{what}: not converged in {iterations} iterations, residual {history[-1]:.2g}"
+    message = (
+        f"{what}: not converged in {iterations} iterations, residual {history[-1]:.2g}"
+    )
     raise ConvergenceError(message, history, state)
 
 
-def _polish(assemble: Assemble, state: Any, residual: Any, fixed: Any, solver: Solver) -> Any:
-    """Improve the state with the factors at hand as long as each step lowers the residual fivefold."""
+def _polish(
+    assemble: Assemble, state: Any, residual: Any, fixed: Any, solver: Solver
+) -> Any:
+    """Improve the state with the factors at hand as long as each step lowers the
+    residual fivefold.
+    """
     norm = np.linalg.norm(residual)
     for _ in range(MAX_POLISHING_STEPS):
         better = state + solver.approximate(-residual)
@@ -107,15 +131,24 @@ def _polish(assemble: Assemble, state: Any, residual: Any, fixed: Any, solver: S
 
 
 def _direction(
-    solver: Solver | None, matrix: Any, rhs: Any, policy: Policy, history: list[float], goal: float
+    solver: Solver | None,
+    matrix: Any,
+    rhs: Any,
+    policy: Policy,
+    history: list[float],
+    goal: float,
 ) -> tuple[Solver, Any]:
-    """Return the Newton step; factors of an earlier matrix are kept as long as GMRES needs few iterations with them.
+    """Return the Newton step; factors of an earlier matrix are kept as long as GMRES
+    needs few iterations with them.
 
-    The linear tolerance is the square of the last reduction, so that convergence stays superlinear, but not below what
-    reaches `goal` (Eisenstat & Walker 1996, doi:10.1137/0917003, choice 2; Kelley 1995, Eq. 6.20).
+    The linear tolerance is the square of the last reduction, so that convergence stays
+    superlinear, but not below what reaches `goal` (Eisenstat & Walker 1996,
+    doi:10.1137/0917003, choice 2; Kelley 1995, Eq. 6.20).
     """
     if solver is not None:
-        forcing = max((history[-1] / history[-2]) ** 2, 0.5 * goal / max(history[-1], 1e-300))
+        forcing = max(
+            (history[-1] / history[-2]) ** 2, 0.5 * goal / max(history[-1], 1e-300)
+        )
         step = solver.solve_other(matrix, rhs, min(0.1, forcing))
         if step is not None:
             return solver, step

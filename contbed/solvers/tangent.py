@@ -1,9 +1,11 @@
-"""Response of a discrete solution to a small change, from residuals on both sides of it.
+"""Response of a discrete solution to a small change, from residuals on both sides of
+it.
 
     R(u, p) = 0,   A = dR/du:      du = -A^-1 (R(u, p + h) - R(u, p - h))/2
 
-The two states u +- du differ by the central difference of the solution, whose error is O(h^2), as the second-order
-terms of both sides are alike. The residuals R(u, p +- h) +- A du belong to these states, to the same order.
+The two states u +- du differ by the central difference of the solution, whose error is
+O(h^2), as the second-order terms of both sides are alike. The residuals R(u, p +- h) +-
+A du belong to these states, to the same order.
 """
 
 from __future__ import annotations
@@ -15,7 +17,8 @@ from numpy.typing import NDArray
 
 from contbed.solvers.linear import Policy, Solver, constrain
 
-STEP = 1e-5  # relative, of a key: leaves a truncation of some 1e-10, and 1e-8 of rounding at most
+# relative, of a key: leaves a truncation of some 1e-10, and 1e-8 of rounding at most
+STEP = 1e-5
 REFINED = 1e-11  # share of the right-hand side that one solution may leave
 
 Array = NDArray[np.float64]
@@ -23,7 +26,9 @@ Pair = tuple[Array, Array]
 
 
 class Response:
-    """The Jacobian of a solution and its factors; `fixed` are the unknowns that are prescribed."""
+    """The Jacobian of a solution and its factors; `fixed` are the unknowns that are
+    prescribed.
+    """
 
     def __init__(self, matrix: Any, fixed: NDArray[np.int64], policy: Policy):
         self.matrix, self.fixed = matrix, fixed
@@ -47,7 +52,10 @@ class Response:
         if np.linalg.norm(rest) > REFINED * np.linalg.norm(free):
             step = -self.solver(free)
             lift = self.matrix @ step
-        return (starts[0] - step, starts[1] + step), (residuals[0] - lift, residuals[1] + lift)
+        return (starts[0] - step, starts[1] + step), (
+            residuals[0] - lift,
+            residuals[1] + lift,
+        )
 
 
 def with_prescribed(state: Array, fixed: NDArray[np.int64], values: Array) -> Array:

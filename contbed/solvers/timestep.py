@@ -1,16 +1,20 @@
 """TR-BDF2 in conservative form with error control; steps are halved or doubled.
 
-For m(U)' + R(U, t) = 0, where m is the tested heat content and R the tested steady residual, one step of size dt is
+For m(U)' + R(U, t) = 0, where m is the tested heat content and R the tested steady
+residual, one step of size dt is
 
     m(U1) + d dt R(U1) = m(U0) - d dt R(U0)                      U1 at t + gamma dt
     m(U2) + d dt R(U2) = m(U0) - w dt (R(U0) + R(U1))            U2 at t + dt
 
-with gamma = 2 - sqrt 2, d = gamma/2, w = sqrt 2/4 (Bank et al. 1985, doi:10.1109/T-ED.1985.22232; Hosea & Shampine
-1996, doi:10.1016/0168-9274(95)00115-8). Both stages share one matrix, the method is L-stable, and summing the equations
-gives the balance of the step to round-off. The embedded third-order error is filtered by the same matrix.
+with gamma = 2 - sqrt 2, d = gamma/2, w = sqrt 2/4 (Bank et al. 1985,
+doi:10.1109/T-ED.1985.22232; Hosea & Shampine 1996, doi:10.1016/0168-9274(95)00115-8).
+Both stages share one matrix, the method is L-stable, and summing the equations gives
+the balance of the step to round-off. The embedded third-order error is filtered by the
+same matrix.
 
-Steps are `end * 2**-level` and double only where the time is a multiple of the doubled step, so a few matrices serve
-the whole run, the end is met exactly, and time is an integer: a restart repeats the same numbers.
+Steps are `end * 2**-level` and double only where the time is a multiple of the doubled
+step, so a few matrices serve the whole run, the end is met exactly, and time is an
+integer: a restart repeats the same numbers.
 """
 
 from __future__ import annotations
@@ -32,7 +36,8 @@ GAMMA = 2.0 - 2.0**0.5
 D = GAMMA / 2.0
 W = 2.0**0.5 / 4.0
 WEIGHTS = (W, W, D)
-STAGES = (0.0, GAMMA, 1.0)  # times of the states of a step, from its start, over its size
+# times of the states of a step, from its start, over its size
+STAGES = (0.0, GAMMA, 1.0)
 _ERROR = (W - (1 - W) / 3, W - (3 * W + 1) / 3, D - D / 3)
 
 LEVELS = 48  # the shortest step is end * 2**-LEVELS
@@ -71,7 +76,9 @@ class LinearProblem(BoundaryProblem, Protocol):
     """A linear problem whose boundary values come to others along straight lines."""
 
     def shares(self, time: float) -> Any:
-        """Return how far boundary values have come at a time [s] to each of the others (n,)."""
+        """Return how far boundary values have come at a time [s] to each of the
+        others (n,).
+        """
 
     def put(self, shares: Any) -> None:
         """Put the boundary values in place that have come so far to others."""
@@ -82,15 +89,18 @@ class TransientProblem(BoundaryProblem, Protocol):
 
     @property
     def inside(self) -> Inside | None:
-        """Modes of the particles at the nodes of a line that are condensed; None without."""
+        """Modes of the particles at the nodes of a line that are condensed; None
+        without.
+        """
 
 
 @dataclass(frozen=True)
 class Step:
     """One accepted step.
 
-    `start` and `size` [s]; `states` at the start, the stage and the end, `rates` their steady residuals; `gain` of
-    tested content; `tick` is the time in shortest steps, `level` and `next_level` say that a step is 2**level of these.
+    `start` and `size` [s]; `states` at the start, the stage and the end, `rates` their
+    steady residuals; `gain` of tested content; `tick` is the time in shortest steps,
+    `level` and `next_level` say that a step is 2**level of these.
     """
 
     start: float
@@ -108,7 +118,9 @@ class Step:
         return self.start + self.size
 
     def at(self, time: float) -> Any:
-        """Return the state at a time within the step, by the parabola through its three states."""
+        """Return the state at a time within the step, by the parabola through its
+        three states.
+        """
         s = (time - self.start) / self.size
         a, b, c = 0.0, GAMMA, 1.0
         la = (s - b) * (s - c) / ((a - b) * (a - c))
@@ -118,7 +130,9 @@ class Step:
 
 
 def level_of(size: float, span: float) -> int:
-    """Return the level of the longest step that is not longer than `size` [s] in a time of `span` [s]."""
+    """Return the level of the longest step that is not longer than `size` [s] in a
+    time of `span` [s].
+    """
     return max(0, min(LEVELS, int(np.floor(LEVELS + np.log2(size / span)))))
 
 
@@ -139,17 +153,24 @@ def march(
     levels: Sequence[int] | None = None,
     sees: Callable[[float, float], bool] | None = None,
 ) -> Iterator[Step]:
-    """Yield accepted steps from `tick` (0, or where a checkpoint stopped) to `end`; tick 0 is at `start`.
+    """Yield accepted steps from `tick` (0, or where a checkpoint stopped) to `end`;
+    tick 0 is at `start`.
 
-    `levels` are the levels of all steps from the start, of a run that is repeated; they are not judged again.
-    `sees` says whether a step between two times [s] may be taken at all, of data that it knows at its stages alone.
-    `tolerance` is the local error relative to `span`; a constant `step` [s] is rounded down to divide the time.
-    Linear problems are measured from the state `origin`, a number or one for each unknown, which loses fewer digits
-    than measuring from zero. A step whose error is too large, or in which Newton's method fails, is halved; the
-    shortest is accepted whatever its error, so that a jump in a layer far thinner than the mesh decays.
+    `levels` are the levels of all steps from the start, of a run that is repeated; they
+    are not judged again. `sees` says whether a step between two times [s] may be taken
+    at all, of data that it knows at its stages alone. `tolerance` is the local error
+    relative to `span`; a constant `step` [s] is rounded down to divide the time. Linear
+    problems are measured from the state `origin`, a number or one for each unknown,
+    which loses fewer digits than measuring from zero. A step whose error is too large,
+    or in which Newton's method fails, is halved; the shortest is accepted whatever its
+    error, so that a jump in a layer far thinner than the mesh decays.
     """
     if step is not None:
-        total = max(1, int(np.ceil((end - start) / step * (1 - 1e-12)))) if end > start else 0
+        total = (
+            max(1, int(np.ceil((end - start) / step * (1 - 1e-12))))
+            if end > start
+            else 0
+        )
         unit, level, adaptive = (end - start) / max(total, 1), 0, False
     else:
         total = 2**LEVELS if end > start else 0
@@ -158,7 +179,9 @@ def march(
     if levels is not None:
         adaptive = False
     repeated = iter(levels or ())
-    stage = _stages(problem, np.full_like(state, origin), start, policy, newton_options or {})
+    stage = _stages(
+        problem, np.full_like(state, origin), start, policy, newton_options or {}
+    )
     while tick < total:
         level = level if levels is None else next(repeated)
         width = 2**level
@@ -169,7 +192,8 @@ def march(
             continue
         try:
             states, rates, gain, error = stage.take(state, moments, dt, level)
-        except ConvergenceError:  # too far from the state for Newton's method: a shorter step is nearer
+        # too far from the state for Newton's method: a shorter step is nearer
+        except ConvergenceError:
             if not adaptive or level == 0:
                 raise
             level -= 1
@@ -177,19 +201,35 @@ def march(
         if adaptive:
             norm = float(np.abs(error * problem.weights).max()) / (tolerance * span)
             if level == 0 and not np.isfinite(norm):
-                raise ConvergenceError(f"time step below {dt:.3g} s at t = {start + tick * unit:.6g} s: state blows up")
+                raise ConvergenceError(
+                    f"time step below {dt:.3g} s at t = {start + tick * unit:.6g} s: "
+                    "state blows up"
+                )
             if level > 0 and not norm <= 1.0:
                 level -= 1
                 continue
         after, wider = tick + width, level
-        if adaptive and norm < 0.05 and after % (2 * width) == 0 and after + 2 * width <= total:
+        if (
+            adaptive
+            and norm < 0.05
+            and after % (2 * width) == 0
+            and after + 2 * width <= total
+        ):
             wider = level + 1
         yield Step(start + tick * unit, dt, states, rates, gain, tick, level, wider)
         state, tick, level = states[-1], after, wider
 
 
-def _stages(problem: TransientProblem, origin: Any, start: float, policy: Policy, options: dict[str, Any]) -> Any:
-    """Return the cheapest stages that solve a problem: bands, with insides of particles condensed, or general."""
+def _stages(
+    problem: TransientProblem,
+    origin: Any,
+    start: float,
+    policy: Policy,
+    options: dict[str, Any],
+) -> Any:
+    """Return the cheapest stages that solve a problem: bands, with insides of
+    particles condensed, or general.
+    """
     if not problem.linear:
         return _Stages(problem, policy, options)
     linear: Any = problem
@@ -200,14 +240,24 @@ def _stages(problem: TransientProblem, origin: Any, start: float, policy: Policy
             return CondensedStages(bed, narrow, problem.inside, (GAMMA, D, W, _ERROR))
     solved = _Affine(linear, origin, start)
     # matrices of another engine solve by themselves
-    narrow = Ordering.of(abs(solved.mass) + abs(solved.stiffness)) if sp.issparse(solved.stiffness) else None
-    return _Stages(solved, policy, options) if narrow is None else _LineStages(solved, narrow)
+    narrow = (
+        Ordering.of(abs(solved.mass) + abs(solved.stiffness))
+        if sp.issparse(solved.stiffness)
+        else None
+    )
+    return (
+        _Stages(solved, policy, options)
+        if narrow is None
+        else _LineStages(solved, narrow)
+    )
 
 
 class _Affine:
-    """A linear problem as two matrices and vectors: a residual costs a product instead of an assembly.
+    """A linear problem as two matrices and vectors: a residual costs a product instead
+    of an assembly.
 
-    The vector of the residual is linear in the shares by which boundary values have come to others.
+    The vector of the residual is linear in the shares by which boundary values have
+    come to others.
     """
 
     linear, inside = True, None
@@ -221,7 +271,9 @@ class _Affine:
             every = np.eye(len(problem.shares(start)))
             for shares in every:
                 problem.put(shares)
-                self._others.append((problem.steady(origin, False)[0], np.array(problem.fixed_values)))
+                self._others.append(
+                    (problem.steady(origin, False)[0], np.array(problem.fixed_values))
+                )
             problem.put(np.zeros(len(every)))
         self._steady = problem.steady(origin, True)
         self._first = self._steady[0], np.array(problem.fixed_values)
@@ -246,7 +298,9 @@ class _Affine:
     def at(self, time: float) -> None:
         if self.changes:
             vector, self.fixed_values = self._first
-            for share, (other, fixed) in zip(self._shares(time), self._others, strict=True):
+            for share, (other, fixed) in zip(
+                self._shares(time), self._others, strict=True
+            ):
                 vector = vector + share * (other - self._first[0])
                 self.fixed_values = self.fixed_values + share * (fixed - self._first[1])
             self._steady = vector, self._steady[1]
@@ -261,18 +315,25 @@ class _Affine:
 
 
 class _LineStages(BandedProblem):
-    """The two stages of a step of a linear problem whose matrices are bands, with factors for each size of step.
+    """The two stages of a step of a linear problem whose matrices are bands, with
+    factors for each size of step.
 
-    All vectors are in the order of the bands and count from the uniform state of `_Affine`.
+    All vectors are in the order of the bands and count from the uniform state of
+    `_Affine`.
     """
 
     def __init__(self, problem: _Affine, ordering: Ordering):
         super().__init__(problem, ordering)
-        self.mass, self.stiffness = ordering.band(problem.mass), ordering.band(problem.stiffness)
+        self.mass, self.stiffness = (
+            ordering.band(problem.mass),
+            ordering.band(problem.stiffness),
+        )
         self.solvers: dict[int, Callable[[Any], Any]] = {}
         self.last: tuple[Any, Any, Any, Any] | None = None
 
-    def take(self, state: Any, moments: tuple[float, float], dt: float, level: int) -> tuple[Any, Any, Any, Any]:
+    def take(
+        self, state: Any, moments: tuple[float, float], dt: float, level: int
+    ) -> tuple[Any, Any, Any, Any]:
         start, end = moments
         if self.last is None or self.last[0] is not state:
             vector = self.vector(start)
@@ -284,15 +345,26 @@ class _LineStages(BandedProblem):
         def stage(guess: Any, rhs: Any, time: float) -> tuple[Any, Any, Any]:
             vector = self.vector(time)
             guess = self.prescribed(guess)
-            residual = rhs - self.mass @ guess - (D * dt) * (self.stiffness @ guess + vector)
+            residual = (
+                rhs - self.mass @ guess - (D * dt) * (self.stiffness @ guess + vector)
+            )
             residual[self.fixed] = 0.0
             state = self.problem.origin + (guess + solve(residual))[self.back]
-            found = (state - self.problem.origin)[self.order]  # as a restart from this state finds it, to the last bit
+            # as a restart from this state finds it, to the last bit
+            found = (state - self.problem.origin)[self.order]
             return state, found, self.stiffness @ found + vector
 
-        state_first, first, steady_first = stage(begin, content - (D * dt) * steady, start + GAMMA * dt)
-        state_last, last, steady_last = stage(first, content - (W * dt) * (steady + steady_first), end)
-        defect = (-dt * _ERROR[0]) * steady - (dt * _ERROR[1]) * steady_first - (dt * _ERROR[2]) * steady_last
+        state_first, first, steady_first = stage(
+            begin, content - (D * dt) * steady, start + GAMMA * dt
+        )
+        state_last, last, steady_last = stage(
+            first, content - (W * dt) * (steady + steady_first), end
+        )
+        defect = (
+            (-dt * _ERROR[0]) * steady
+            - (dt * _ERROR[1]) * steady_first
+            - (dt * _ERROR[2]) * steady_last
+        )
         defect[self.fixed] = 0.0
         error = solve(defect)
         content_last = self.mass @ last
@@ -300,28 +372,43 @@ class _LineStages(BandedProblem):
             self.last = state_last, last, content_last, steady_last
         back = self.back
         rates = steady[back], steady_first[back], steady_last[back]
-        return (state, state_first, state_last), rates, (content_last - content)[back], error[back]
+        return (
+            (state, state_first, state_last),
+            rates,
+            (content_last - content)[back],
+            error[back],
+        )
 
     def _solver(self, dt: float, level: int) -> Callable[[Any], Any]:
         if level not in self.solvers:
-            self.solvers[level] = self.mass.plus(self.stiffness, D * dt).solver(self.fixed)
+            self.solvers[level] = self.mass.plus(self.stiffness, D * dt).solver(
+                self.fixed
+            )
         return self.solvers[level]
 
 
 class _Stages:
     """The two stages of a step, with factorisations kept for each size of step."""
 
-    def __init__(self, problem: TransientProblem, policy: Policy, options: dict[str, Any]):
+    def __init__(
+        self, problem: TransientProblem, policy: Policy, options: dict[str, Any]
+    ):
         self.problem, self.policy, self.options = problem, policy, options
         self.solvers: dict[int, Solver] = {}
         self.last: tuple[Any, Any, Any] | None = None
 
-    def take(self, state: Any, moments: tuple[float, float], dt: float, level: int) -> tuple[Any, Any, Any, Any]:
+    def take(
+        self, state: Any, moments: tuple[float, float], dt: float, level: int
+    ) -> tuple[Any, Any, Any, Any]:
         problem, fixed = self.problem, self.problem.fixed
         start, end = moments
         if self.last is None or self.last[0] is not state:
             problem.at(start)
-            self.last = (state, problem.content(state, False)[0], problem.steady(state, False)[0])
+            self.last = (
+                state,
+                problem.content(state, False)[0],
+                problem.steady(state, False)[0],
+            )
         _, content, steady = self.last
         problem.at(start + GAMMA * dt)
         first = self._solve(state, content - D * dt * steady, dt, level)
@@ -329,19 +416,29 @@ class _Stages:
         problem.at(end)
         last = self._solve(first, content - W * dt * (steady + steady_first), dt, level)
         steady_last = problem.steady(last, False)[0]
-        defect = -dt * (_ERROR[0] * steady + _ERROR[1] * steady_first + _ERROR[2] * steady_last)
+        defect = -dt * (
+            _ERROR[0] * steady + _ERROR[1] * steady_first + _ERROR[2] * steady_last
+        )
         defect[fixed] = 0.0
         error = self._solver(last, dt, level)(defect)
         content_last = problem.content(last, False)[0]
         if np.isfinite(error).all():
             self.last = (last, content_last, steady_last)
-        return (state, first, last), (steady, steady_first, steady_last), content_last - content, error
+        return (
+            (state, first, last),
+            (steady, steady_first, steady_last),
+            content_last - content,
+            error,
+        )
 
     def _system(self, dt: float) -> Callable[[Any, bool], tuple[Any, Any]]:
         def assemble(state: Any, jacobian: bool) -> tuple[Any, Any]:
             content, mass = self.problem.content(state, jacobian)
             steady, stiffness = self.problem.steady(state, jacobian)
-            return content + D * dt * steady, mass + D * dt * stiffness if jacobian else None
+            return (
+                content + D * dt * steady,
+                mass + D * dt * stiffness if jacobian else None,
+            )
 
         return assemble
 
@@ -350,10 +447,15 @@ class _Stages:
             matrix = self._system(dt)(state, True)[1]
             return Solver(constrain(matrix, self.problem.fixed), self.policy)
         if level not in self.solvers:
-            mass, stiffness = self.problem.content(state, True)[1], self.problem.steady(state, True)[1]
+            mass, stiffness = (
+                self.problem.content(state, True)[1],
+                self.problem.steady(state, True)[1],
+            )
             while len(self.solvers) >= MAX_FACTORISATIONS:
                 self.solvers.pop(next(iter(self.solvers)))
-            self.solvers[level] = Solver(constrain(mass + D * dt * stiffness, self.problem.fixed), self.policy)
+            self.solvers[level] = Solver(
+                constrain(mass + D * dt * stiffness, self.problem.fixed), self.policy
+            )
         return self.solvers[level]
 
     def _solve(self, guess: Any, rhs: Any, dt: float, level: int) -> Any:
@@ -370,5 +472,12 @@ class _Stages:
             residual, matrix = assemble(state, jacobian)
             return residual - rhs, matrix
 
-        state, _ = newton(shifted, guess, self.problem.fixed, self.policy, what="time step", **self.options)
+        state, _ = newton(
+            shifted,
+            guess,
+            self.problem.fixed,
+            self.policy,
+            what="time step",
+            **self.options,
+        )
         return state

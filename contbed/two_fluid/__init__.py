@@ -1,1 +1,3 @@
-"""Transient two-fluid model of gas and particles with the kinetic theory of granular flow."""
+"""Transient two-fluid model of gas and particles with the kinetic theory of granular
+flow.
+"""

@@ -1,4 +1,6 @@
-"""Cell velocities from the normal velocities of faces, by least squares; the reverse of the interpolation to faces."""
+"""Cell velocities from the normal velocities of faces, by least squares; the reverse
+of the interpolation to faces.
+"""
 
 from __future__ import annotations
 
@@ -12,16 +14,19 @@ from contbed.two_fluid.face_velocities import Cells, Velocities
 from contbed.two_fluid.fv.gradient import neighbour_weight
 from contbed.two_fluid.fv.grid import Geometry
 
-# weight of a face [-] below which it is left out of the least squares of a cell's particle velocity
-# (test_level_bed_on_triangles_calms_down)
+# weight of a face [-] below which it is left out of the least squares of a cell's
+# particle velocity (test_level_bed_on_triangles_calms_down)
 MIN_FACE_WEIGHT = 1e-4
-# weight [-] that every face has in the moment, so that it can be inverted: in directions without faces the least
-# squares give 0, and add_reconstruction_remainder gives H (test_cell_without_particles_on_its_faces)
+# weight [-] that every face has in the moment, so that it can be inverted: in
+# directions without faces the least squares give 0, and add_reconstruction_remainder
+# gives H (test_cell_without_particles_on_its_faces)
 MIN_MOMENT_WEIGHT = 1e-12
 
 
 class FaceVelocities(NamedTuple):
-    """Normal velocities (nf,) [m/s] of both phases with the pressure, normal H, and the solids fraction."""
+    """Normal velocities (nf,) [m/s] of both phases with the pressure, normal H, and
+    the solids fraction.
+    """
 
     gas: Array
     solid: Array
@@ -31,7 +36,9 @@ class FaceVelocities(NamedTuple):
 
 
 class Gathered(NamedTuple):
-    """Cell vectors (nc, dim) [m/s] from the face velocities and from the normal H of both phases."""
+    """Cell vectors (nc, dim) [m/s] from the face velocities and from the normal H of
+    both phases.
+    """
 
     gas: Array
     solid: Array
@@ -46,18 +53,26 @@ class Gathered(NamedTuple):
 
 @inner
 def solid_face_weight(there: float, here: float) -> float:
-    """Weight in the least squares of a cell of a face with solids fraction `there`; tiny ones are left out."""
+    """Weight in the least squares of a cell of a face with solids fraction `there`;
+    tiny ones are left out.
+    """
     share = neighbour_weight(there, here)
     return share if share > MIN_FACE_WEIGHT else 0.0
 
 
 @kernel
 def gather_gas(
-    g: Geometry, faces: FaceVelocities, grad_new: Array, grad_h: Array, corrected: bool, out: Gathered
+    g: Geometry,
+    faces: FaceVelocities,
+    grad_new: Array,
+    grad_h: Array,
+    corrected: bool,
+    out: Gathered,
 ) -> None:
     """Cell vectors of the gas from the normal u and H of the faces by least squares.
 
-    Exact for linear fields where they are `corrected` with the gradients (nc, dim, dim) of both.
+    Exact for linear fields where they are `corrected` with the gradients (nc, dim, dim)
+    of both.
     """
     ni, dim = len(g.right), len(g.axes)
     new, old = out.gas, out.h_gas
@@ -70,7 +85,9 @@ def gather_gas(
             if corrected:
                 for k in range(dim):
                     for d in range(dim):
-                        arm = g.normal[f, k] * (g.arm_left[f, d] if side == 0 else g.arm_right[f, d])
+                        arm = g.normal[f, k] * (
+                            g.arm_left[f, d] if side == 0 else g.arm_right[f, d]
+                        )
                         u -= grad_new[c, k, d] * arm
                         h -= grad_h[c, k, d] * arm
             for k in range(dim):
@@ -90,9 +107,17 @@ def gather_gas(
 
 @kernel
 def gather_solid(
-    g: Geometry, faces: FaceVelocities, s: Array, grad_new: Array, grad_h: Array, corrected: bool, out: Gathered
+    g: Geometry,
+    faces: FaceVelocities,
+    s: Array,
+    grad_new: Array,
+    grad_h: Array,
+    corrected: bool,
+    out: Gathered,
 ) -> None:
-    """Cell vectors of the particles as `gather_gas`; a face with far fewer particles than the cell has less weight."""
+    """Cell vectors of the particles as `gather_gas`; a face with far fewer particles
+    than the cell has less weight.
+    """
     ni, dim = len(g.right), len(g.axes)
     new, old = out.solid, out.h_solid
     moment = np.zeros((len(s), dim, dim))
@@ -106,7 +131,9 @@ def gather_solid(
             if corrected:
                 for k in range(dim):
                     for d in range(dim):
-                        arm = g.normal[f, k] * (g.arm_left[f, d] if side == 0 else g.arm_right[f, d])
+                        arm = g.normal[f, k] * (
+                            g.arm_left[f, d] if side == 0 else g.arm_right[f, d]
+                        )
                         u -= grad_new[c, k, d] * arm
                         h -= grad_h[c, k, d] * arm
             for k in range(dim):
@@ -114,9 +141,14 @@ def gather_solid(
                 new[c, k] += n * u
                 old[c, k] += n * h
                 for d in range(k, dim):
-                    moment[c, k, d] += (weight + MIN_MOMENT_WEIGHT * g.face_size[f]) * g.normal[f, k] * g.normal[f, d]
+                    moment[c, k, d] += (
+                        (weight + MIN_MOMENT_WEIGHT * g.face_size[f])
+                        * g.normal[f, k]
+                        * g.normal[f, d]
+                    )
     for c in range(len(g.volume)):
-        # Cholesky's decomposition without roots: the moment is small, symmetric and positive
+        # Cholesky's decomposition without roots: the moment is small, symmetric and
+        # positive
         for i in range(dim):
             for j in range(i + 1, dim):
                 factor = moment[c, i, j] / moment[c, i, i]
@@ -133,8 +165,12 @@ def gather_solid(
 
 
 @kernel
-def divergence_solid(g: Geometry, faces: FaceVelocities, s: Array, u: Array, out: Array) -> None:
-    """Divergence (nc,) [1/s] of the velocity of the solids, weighted as in `gather_solid`."""
+def divergence_solid(
+    g: Geometry, faces: FaceVelocities, s: Array, u: Array, out: Array
+) -> None:
+    """Divergence (nc,) [1/s] of the velocity of the solids, weighted as in
+    `gather_solid`.
+    """
     ni, dim = len(g.right), len(g.axes)
     for c in range(len(s)):
         out[c] = u[c, 0] / g.radius[c] if g.radius[c] > 0.0 else 0.0
@@ -149,12 +185,16 @@ def divergence_solid(g: Geometry, faces: FaceVelocities, s: Array, u: Array, out
 
 
 @kernel
-def face_residual(g: Geometry, edge: Edge, face: Array, u: Array, grad: Array, out: Array) -> None:
-    """Set the Rhie-Chow residual `out` (nf,) [m/s]: normal gas velocity less the interpolated cell velocity.
+def face_residual(
+    g: Geometry, edge: Edge, face: Array, u: Array, grad: Array, out: Array
+) -> None:
+    """Set the Rhie-Chow residual `out` (nf,) [m/s]: normal gas velocity less the
+    interpolated cell velocity.
 
     It is zero on boundary faces other than outlets.
 
-    u (nc, dim) [m/s] are the cell velocities, `grad` (nc, dim, dim) their gradients, used on skewed grids.
+    u (nc, dim) [m/s] are the cell velocities, `grad` (nc, dim, dim) their gradients,
+    used on skewed grids.
     """
     ni, dim = len(g.right), len(g.axes)
     for f in range(len(g.left)):
@@ -169,7 +209,9 @@ def face_residual(g: Geometry, edge: Edge, face: Array, u: Array, grad: Array, o
             if g.skewed and f < ni:
                 for d in range(dim):
                     along = g.normal[f, k] * g.skew[f, d]
-                    out[f] -= along * (w * grad[left, k, d] + (1.0 - w) * grad[right, k, d])
+                    out[f] -= along * (
+                        w * grad[left, k, d] + (1.0 - w) * grad[right, k, d]
+                    )
 
 
 @kernel
@@ -183,10 +225,12 @@ def add_reconstruction_remainder(
     force_gas: Array,
     force_solid: Array,
 ) -> None:
-    """Add to the cell velocities, in place, the remainder of H that interpolation and least squares lose.
+    """Add to the cell velocities, in place, the remainder of H that interpolation and
+    least squares lose.
 
-    Drag damps the remainder of each phase but couples it not to the other phase: in a bed at rest, the gas that speeds
-    up towards the surface would lift particles. The forces (nc, dim) [m/s2] are (velocity - H)/dt.
+    Drag damps the remainder of each phase but couples it not to the other phase: in a
+    bed at rest, the gas that speeds up towards the surface would lift particles. The
+    forces (nc, dim) [m/s2] are (velocity - H)/dt.
     """
     s = cells.eps_s
     for k in range(velocities.h_gas.shape[1]):
@@ -196,7 +240,12 @@ def add_reconstruction_remainder(
             gathered.h_gas[:, k],
             gathered.h_solid[:, k],
         )
-        new_g, new_s, force_g, force_s = gathered.gas[:, k], gathered.solid[:, k], force_gas[:, k], force_solid[:, k]
+        new_g, new_s, force_g, force_s = (
+            gathered.gas[:, k],
+            gathered.solid[:, k],
+            force_gas[:, k],
+            force_solid[:, k],
+        )
         for c in range(np.uint64(begin), np.uint64(end)):
             a_s = dt * cells.drag[c] / cells.rho_solid
             a_g = dt * cells.drag[c] * s[c] / ((1.0 - s[c]) * cells.rho_gas[c])

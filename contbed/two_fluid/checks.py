@@ -25,7 +25,16 @@ from contbed.two_fluid.closures import (
     takes,
     terminal_velocity,
 )
-from contbed.two_fluid.conditions import Boundary, Initial, Inlet, Layer, Outlet, Periodic, Wall, places
+from contbed.two_fluid.conditions import (
+    Boundary,
+    Initial,
+    Inlet,
+    Layer,
+    Outlet,
+    Periodic,
+    Wall,
+    places,
+)
 from contbed.two_fluid.heat.checks import HEAT_CHECKS
 from contbed.two_fluid.warnings import WARNINGS as WARNINGS
 
@@ -39,25 +48,48 @@ def mesh_has_cells(mesh: meshes.Mesh, origin: Origin) -> Mistakes:
     """Check that the mesh is a file that exists or has a number of cells."""
     if isinstance(mesh, meshes.MeshFile):
         if not (origin.base / mesh.file).is_file():
-            yield ("mesh", "file"), f"no such file; looked for {(origin.base / mesh.file).absolute()}"
+            yield (
+                ("mesh", "file"),
+                f"no such file; looked for {(origin.base / mesh.file).absolute()}",
+            )
     elif mesh.cells is None:
-        yield ("mesh", "cells"), "missing; a two-fluid model has no layers to grade a mesh by"
-    elif mesh.refine == 0 and (mesh.cells if isinstance(mesh.cells, int) else prod(mesh.cells)) == 1:
-        yield ("mesh", "cells"), "one cell has no neighbour to exchange anything with; give at least 2"
+        yield (
+            ("mesh", "cells"),
+            "missing; a two-fluid model has no layers to grade a mesh by",
+        )
+    elif (
+        mesh.refine == 0
+        and (mesh.cells if isinstance(mesh.cells, int) else prod(mesh.cells)) == 1
+    ):
+        yield (
+            ("mesh", "cells"),
+            "one cell has no neighbour to exchange anything with; give at least 2",
+        )
 
 
 def layers_are_in_the_vessel(initial: Initial, mesh: meshes.Mesh) -> Mistakes:
-    """Check that each layer is in the vessel, and that no two layers set the same field at the same place."""
+    """Check that each layer is in the vessel, and that no two layers set the same
+    field at the same place.
+    """
     for k, layer in enumerate(initial.layer):
         if layer.end <= 0.0 and not isinstance(mesh, meshes.MeshFile):
-            yield ("initial", "layer", k, "end"), "the vessel begins at 0 m; nothing of the layer is in it"
+            yield (
+                ("initial", "layer", k, "end"),
+                "the vessel begins at 0 m; nothing of the layer is in it",
+            )
         if not isinstance(mesh, meshes.MeshFile) and layer.start >= mesh.extents[-1]:
-            text = f"the vessel ends at {mesh.extents[-1]:.6g} m; nothing of the layer is in it"
+            text = (
+                f"the vessel ends at {mesh.extents[-1]:.6g} m; nothing of the layer "
+                "is in it"
+            )
             yield ("initial", "layer", k, "start"), text
     for (i, first), (k, second) in combinations(enumerate(initial.layer), 2):
         fields = sorted(_given_fields(first) & _given_fields(second))
         if fields and max(first.start, second.start) < min(first.end, second.end):
-            text = f"overlaps layer {i + 1}, which sets {', '.join(fields)} there too; change start and end"
+            text = (
+                f"overlaps layer {i + 1}, which sets {', '.join(fields)} there too; "
+                "change start and end"
+            )
             yield ("initial", "layer", k), text
 
 
@@ -69,16 +101,25 @@ def _given_fields(layer: Layer) -> set[str]:
     return found
 
 
-def solids_exist(solids: dict[str, t.Solid], initial: Initial, boundary: dict[str, Boundary]) -> Mistakes:
+def solids_exist(
+    solids: dict[str, t.Solid], initial: Initial, boundary: dict[str, Boundary]
+) -> Mistakes:
     """Check that the start and the boundaries name solids that the scene has."""
     for where, part in places(initial, boundary):
         for name in getattr(part, "solids", {}):
             if name not in solids:
-                yield (*where, "solids", name), f"no such solid; {nearest(name, list(solids))}"
+                yield (
+                    (*where, "solids", name),
+                    f"no such solid; {nearest(name, list(solids))}",
+                )
 
 
-def gas_has_properties(gas: t.Gas, initial: Initial, boundary: dict[str, Boundary], origin: Origin) -> Mistakes:
-    """Check that a gas whose properties vary has a temperature at which they are taken."""
+def gas_has_properties(
+    gas: t.Gas, initial: Initial, boundary: dict[str, Boundary], origin: Origin
+) -> Mistakes:
+    """Check that a gas whose properties vary has a temperature at which they are
+    taken.
+    """
     try:
         t.fluid_of(gas, initial, boundary, origin.base)
     except SceneError as error:
@@ -90,19 +131,35 @@ def pieces_do_not_overlap(boundary: dict[str, Boundary]) -> Mistakes:
     pieces = [
         (name, part)
         for name, part in boundary.items()
-        if not isinstance(part, Periodic) and part.on is not None and part.start is not None and part.end is not None
+        if not isinstance(part, Periodic)
+        and part.on is not None
+        and part.start is not None
+        and part.end is not None
     ]
     for (first, one), (second, other) in combinations(pieces, 2):
-        assert one.start is not None and one.end is not None and other.start is not None and other.end is not None
+        assert (
+            one.start is not None
+            and one.end is not None
+            and other.start is not None
+            and other.end is not None
+        )
         if one.on == other.on and max(one.start, other.start) < min(one.end, other.end):
-            yield ("boundary", second, "start"), f"overlaps boundary.{first}, also a piece of {one.on!r}"
+            yield (
+                ("boundary", second, "start"),
+                f"overlaps boundary.{first}, also a piece of {one.on!r}",
+            )
 
 
-def particles_fit_the_mesh(solids: dict[str, t.Solid], mesh: meshes.Mesh, see: See) -> Mistakes:
+def particles_fit_the_mesh(
+    solids: dict[str, t.Solid], mesh: meshes.Mesh, see: See
+) -> Mistakes:
     """Check that a particle has room in the vessel."""
     ((name, solid),) = solids.items()
     if not isinstance(mesh, meshes.MeshFile) and solid.diameter >= min(mesh.extents):
-        text = f"no smaller than the vessel, which is {min(mesh.extents):.4g} m wide; see {see('mesh')}"
+        text = (
+            f"no smaller than the vessel, which is {min(mesh.extents):.4g} m wide; "
+            f"see {see('mesh')}"
+        )
         yield ("solids", name, "diameter"), text
 
 
@@ -112,8 +169,13 @@ def window_is_in_the_vessel(output: t.Output, mesh: meshes.Mesh) -> Mistakes:
         return
     if window.start >= window.end:
         yield ("output", "window", "end"), "is not above start"
-    elif not isinstance(mesh, meshes.MeshFile) and (window.end <= 0.0 or window.start >= mesh.extents[-1]):
-        yield ("output", "window"), f"outside of the vessel, which reaches from 0 to {mesh.extents[-1]:.6g} m"
+    elif not isinstance(mesh, meshes.MeshFile) and (
+        window.end <= 0.0 or window.start >= mesh.extents[-1]
+    ):
+        yield (
+            ("output", "window"),
+            f"outside of the vessel, which reaches from 0 to {mesh.extents[-1]:.6g} m",
+        )
 
 
 def levels_are_in_the_vessel(output: t.Output, mesh: meshes.Mesh) -> Mistakes:
@@ -124,7 +186,8 @@ def levels_are_in_the_vessel(output: t.Output, mesh: meshes.Mesh) -> Mistakes:
         if not 0.0 <= level < mesh.extents[-1]:
             yield (
                 ("output", "levels", k),
-                f"outside of the vessel, which reaches from 0 to {mesh.extents[-1]:.6g} m",
+                "outside of the vessel, which reaches from 0 to "
+                f"{mesh.extents[-1]:.6g} m",
             )
 
 
@@ -134,7 +197,10 @@ def closures_exist(closures: t.Closures, origin: Origin) -> Mistakes:
         chosen = getattr(closures, key)
         if chosen == ABSENT:
             if kind in ("radial_distribution", "granular_pressure"):
-                text = 'cannot be "none"; without collisions: granular_pressure = "granular_pressure_dilute"'
+                text = (
+                    'cannot be "none"; without collisions: granular_pressure = '
+                    '"granular_pressure_dilute"'
+                )
                 yield ("closures", key), text
             continue
         try:
@@ -146,27 +212,44 @@ def closures_exist(closures: t.Closures, origin: Origin) -> Mistakes:
 def friction_of_particles_is_complete(
     closures: t.Closures, solids: dict[str, t.Solid], see: See, origin: Origin
 ) -> Mistakes:
-    """Check that the friction of particles has its closure, the closure its coefficient, and that both fit."""
+    """Check that the friction of particles has its closure, the closure its
+    coefficient, and that both fit.
+    """
     ((name, solid),) = solids.items()
     chosen, friction = closures.effective_restitution, solid.sliding_friction
     kind, coefficient = "effective_restitution", f"solids.{name}.sliding_friction"
     if chosen == ABSENT:
         if friction is not None:
-            text = f"does nothing without closures.{kind}; name one of {', '.join(names(kind))}, or leave it out"
+            text = (
+                f"does nothing without closures.{kind}; name one of "
+                f"{', '.join(names(kind))}, or leave it out"
+            )
             yield ("solids", name, "sliding_friction"), text
         return
     if closures.granular_dissipation == ABSENT:
         known = see("closures.granular_dissipation")
-        yield ("closures", kind), f"stands in the dissipation, which is absent; see {known}"
+        yield (
+            ("closures", kind),
+            f"stands in the dissipation, which is absent; see {known}",
+        )
     if friction is None:
-        yield ("closures", kind), f"needs {coefficient}, Coulomb's coefficient of two particles"
+        yield (
+            ("closures", kind),
+            f"needs {coefficient}, Coulomb's coefficient of two particles",
+        )
         return
     try:
-        value = float(bind(chosen, kind, GIVES[kind], origin.base)(e=solid.restitution, sliding_friction=friction))
+        value = float(
+            bind(chosen, kind, GIVES[kind], origin.base)(
+                e=solid.restitution, sliding_friction=friction
+            )
+        )
     except SceneError:
         return  # closures_exist reports it
     if not 0.0 <= value <= 1.0:
-        text = f"gives {value:.4g}, no restitution between 0 and 1; see {see(coefficient)}"
+        text = (
+            f"gives {value:.4g}, no restitution between 0 and 1; see {see(coefficient)}"
+        )
         yield ("closures", kind), f"{text} and {see(f'solids.{name}.restitution')}"
 
 
@@ -180,24 +263,42 @@ def filtered_closures_have_their_velocity(
     see: See,
     origin: Origin,
 ) -> Mistakes:
-    """Check that particles settle, and that the filtered stress has the granular temperature that it is given over."""
+    """Check that particles settle, and that the filtered stress has the granular
+    temperature that it is given over.
+    """
     ((name, solid),) = solids.items()
     if (fluid := t.known_fluid(gas, initial, boundary, origin.base)) is None:
         return
     settling = terminal_velocity(two_fluid.gravity, fluid, solid)
-    keys = [key for key, kind in KINDS.items() if kind in FROM_CELLS and takes(getattr(closures, key), kind)]
+    keys = [
+        key
+        for key, kind in KINDS.items()
+        if kind in FROM_CELLS and takes(getattr(closures, key), kind)
+    ]
     if settling <= 0.0:
         for key in keys:
-            yield ("closures", key), f"needs particles that settle; see {see('two_fluid.gravity')} and the densities"
+            yield (
+                ("closures", key),
+                f"needs particles that settle; see {see('two_fluid.gravity')} and the "
+                "densities",
+            )
         return
     if not is_filtered_stress(closures):
         return
     if two_fluid.granular_temperature != "frozen":
-        yield ("two_fluid", "granular_temperature"), 'must be "frozen": the filtered stress takes its place'
+        yield (
+            ("two_fluid", "granular_temperature"),
+            'must be "frozen": the filtered stress takes its place',
+        )
     start = [part.solid.granular_temperature for part in initial.parts]
-    if any(abs(theta / settling**2 - 1.0) > SAME_THETA for theta in start if theta is not None):
+    if any(
+        abs(theta / settling**2 - 1.0) > SAME_THETA
+        for theta in start
+        if theta is not None
+    ):
         text = (
-            f"must be {settling**2:.6g} m2/s2, the square of the terminal velocity, which the filtered stress is over"
+            f"must be {settling**2:.6g} m2/s2, the square of the terminal velocity, "
+            "which the filtered stress is over"
         )
         yield ("initial", "solids", name, "granular_temperature"), text
 
@@ -211,7 +312,9 @@ def factors_near_walls_have_what_they_multiply(
     boundary: dict[str, Boundary],
     origin: Origin,
 ) -> Mistakes:
-    """Check that factors near walls multiply filtered closures, of particles that settle."""
+    """Check that factors near walls multiply filtered closures, of particles that
+    settle.
+    """
     (solid,) = solids.values()
     if (fluid := t.known_fluid(gas, initial, boundary, origin.base)) is None:
         return
@@ -220,19 +323,40 @@ def factors_near_walls_have_what_they_multiply(
             continue
         name = full_name(getattr(closures, of), KINDS[of])
         absent = getattr(closures, of) == ABSENT
-        if absent or (name in names(KINDS[of]) and "filter_froude" not in sheet(name).arguments):
+        if absent or (
+            name in names(KINDS[of]) and "filter_froude" not in sheet(name).arguments
+        ):
             there = ABSENT if absent else name
-            text = f"multiplies a filtered {of}, but closures.{of} is {there!r}: leave it out"
+            text = (
+                f"multiplies a filtered {of}, but closures.{of} is {there!r}: leave "
+                "it out"
+            )
             yield ("closures", key), text
         if terminal_velocity(two_fluid.gravity, fluid, solid) <= 0.0:
-            yield ("closures", key), "needs particles that settle, under gravity and heavier than the gas"
+            yield (
+                ("closures", key),
+                "needs particles that settle, under gravity and heavier than the gas",
+            )
 
 
-def fractions_fit(initial: Initial, boundary: dict[str, Boundary], solids: dict[str, t.Solid], see: See) -> Mistakes:
-    """Check that fractions and the onset of friction are below the packing limit, and that layers have a height."""
+def fractions_fit(
+    initial: Initial,
+    boundary: dict[str, Boundary],
+    solids: dict[str, t.Solid],
+    see: See,
+) -> Mistakes:
+    """Check that fractions and the onset of friction are below the packing limit,
+    and that layers have a height.
+    """
     ((solid_name, solid),) = solids.items()
-    known, key = see(f"solids.{solid_name}.packing_limit"), ("solids", solid_name, "volume_fraction")
-    too_dense, largest = f"denser than the densest packing with its noise; see {known}", 1.0 + initial.noise
+    known, key = (
+        see(f"solids.{solid_name}.packing_limit"),
+        ("solids", solid_name, "volume_fraction"),
+    )
+    too_dense, largest = (
+        f"denser than the densest packing with its noise; see {known}",
+        1.0 + initial.noise,
+    )
     if initial.solid.volume_fraction * largest > solid.packing_limit:
         yield ("initial", *key), too_dense
     for k, layer in enumerate(initial.layer):
@@ -242,60 +366,111 @@ def fractions_fit(initial: Initial, boundary: dict[str, Boundary], solids: dict[
             yield ("initial", "layer", k, "end"), "is not above start"
     for name, part in boundary.items():
         if isinstance(part, Inlet) and part.solid.volume_fraction > solid.packing_limit:
-            yield ("boundary", name, *key), f"denser than the densest packing; see {known}"
+            yield (
+                ("boundary", name, *key),
+                f"denser than the densest packing; see {known}",
+            )
     if solid.friction.start >= solid.packing_limit:
-        yield ("solids", solid_name, "friction", "start"), f"is not below the densest packing; see {known}"
+        yield (
+            ("solids", solid_name, "friction", "start"),
+            f"is not below the densest packing; see {known}",
+        )
 
 
-def boundaries_are_complete(boundary: dict[str, Boundary], mesh: meshes.Mesh) -> Mistakes:
-    """Check that each side of the mesh has one condition, and conditions what they need."""
-    sides = () if isinstance(mesh, meshes.MeshFile) else tuple(name for pair in mesh.sides for name in pair)
-    partners = {part.partner for part in boundary.values() if isinstance(part, Periodic)}
+def boundaries_are_complete(
+    boundary: dict[str, Boundary], mesh: meshes.Mesh
+) -> Mistakes:
+    """Check that each side of the mesh has one condition, and conditions what they
+    need.
+    """
+    sides = (
+        ()
+        if isinstance(mesh, meshes.MeshFile)
+        else tuple(name for pair in mesh.sides for name in pair)
+    )
+    partners = {
+        part.partner for part in boundary.values() if isinstance(part, Periodic)
+    }
     for name, part in boundary.items():
         where = ("boundary", name)
         whole = getattr(part, "on", None)
-        if whole is not None and (part.start is None or part.end is None or part.start >= part.end):  # type: ignore[union-attr]
+        if whole is not None and (
+            part.start is None or part.end is None or part.start >= part.end
+        ):  # type: ignore[union-attr]
             yield where, f"a piece of {whole!r} needs start and end, start below end"
         if sides and (whole or name) not in sides:
-            yield where, f"the mesh has no boundary {whole or name!r}; it has {', '.join(sides)}"
+            yield (
+                where,
+                f"the mesh has no boundary {whole or name!r}; it has {', '.join(sides)}",
+            )
         if isinstance(part, Periodic) and sides and part.partner not in sides:
-            yield (*where, "partner"), f"the mesh has no such boundary; it has {', '.join(sides)}"
+            yield (
+                (*where, "partner"),
+                f"the mesh has no such boundary; it has {', '.join(sides)}",
+            )
         if name in partners:
-            yield where, "is the partner of a periodic boundary and cannot be given twice"
+            yield (
+                where,
+                "is the partner of a periodic boundary and cannot be given twice",
+            )
         if isinstance(part, Wall):
             yield from _wall_is_complete(where, part)
         if isinstance(part, Inlet):
             yield from _feed_is_complete(where, part)
     for side in sides:
         if side not in boundary and side not in partners and side != "axis":
-            yield ("boundary", side), "missing; every side of the mesh needs a condition"
+            yield (
+                ("boundary", side),
+                "missing; every side of the mesh needs a condition",
+            )
 
 
 def _wall_is_complete(where: KeyPath, wall: Wall) -> Mistakes:
-    """Check that the law of particles at a wall has its coefficients, and that no other law has them."""
+    """Check that the law of particles at a wall has its coefficients, and that no
+    other law has them.
+    """
     for name, solid in wall.solids.items():
         here, rough = (*where, "solids", name), solid.wall == "johnson_jackson"
         if rough != (solid.specularity is not None):
-            yield (*here, "specularity"), "belongs to wall = 'johnson_jackson', which needs it"
+            yield (
+                (*here, "specularity"),
+                "belongs to wall = 'johnson_jackson', which needs it",
+            )
         if solid.friction and not rough:
-            yield (*here, "friction"), "belongs to wall = 'johnson_jackson'; elsewhere particles stick or slip freely"
+            yield (
+                (*here, "friction"),
+                "belongs to wall = 'johnson_jackson'; elsewhere particles stick or "
+                "slip freely",
+            )
 
 
 def _feed_is_complete(where: KeyPath, inlet: Inlet) -> Mistakes:
-    """Check that particles that enter have a fraction and either a flux or a velocity."""
+    """Check that particles that enter have a fraction and either a flux or a
+    velocity.
+    """
     for name, solid in inlet.solids.items():
-        here, moves = (*where, "solids", name), solid.mass_flux is not None or solid.velocity is not None
+        here, moves = (
+            (*where, "solids", name),
+            solid.mass_flux is not None or solid.velocity is not None,
+        )
         if solid.mass_flux is not None and solid.velocity is not None:
             yield (*here, "velocity"), "give either mass_flux or velocity"
         if (solid.volume_fraction > 0) != moves:
-            yield here, "particles that enter need volume_fraction and either mass_flux or velocity"
+            yield (
+                here,
+                "particles that enter need volume_fraction and either mass_flux or "
+                "velocity",
+            )
 
 
 def what_enters_can_leave(boundary: dict[str, Boundary]) -> Mistakes:
     """Check that there is an outlet where something enters."""
     inlets = [name for name, part in boundary.items() if isinstance(part, Inlet)]
     if inlets and not any(isinstance(part, Outlet) for part in boundary.values()):
-        yield ("boundary", inlets[0]), "enters but nothing leaves; one boundary has to be of type 'outlet'"
+        yield (
+            ("boundary", inlets[0]),
+            "enters but nothing leaves; one boundary has to be of type 'outlet'",
+        )
 
 
 def inlets_blow(boundary: dict[str, Boundary]) -> Mistakes:
@@ -304,7 +479,10 @@ def inlets_blow(boundary: dict[str, Boundary]) -> Mistakes:
         if not isinstance(part, Inlet) or part.solid.volume_fraction > 0.0:
             continue
         if "velocity" not in part.gas.model_fields_set:
-            yield ("boundary", name, "gas", "velocity"), "missing; nothing enters (a closed boundary has type = 'wall')"
+            yield (
+                ("boundary", name, "gas", "velocity"),
+                "missing; nothing enters (a closed boundary has type = 'wall')",
+            )
 
 
 def pulses_end_in_an_inlet(boundary: dict[str, Boundary]) -> Mistakes:
@@ -313,7 +491,10 @@ def pulses_end_in_an_inlet(boundary: dict[str, Boundary]) -> Mistakes:
         if isinstance(part, Inlet) and part.until is not None:
             whole = boundary.get(part.on or "")
             if not isinstance(whole, Inlet) or whole.until is not None:
-                yield ("boundary", name, "until"), "belongs to a piece `on` an inlet that does not end itself"
+                yield (
+                    ("boundary", name, "until"),
+                    "belongs to a piece `on` an inlet that does not end itself",
+                )
 
 
 def times_are_in_order(time: t.Time, see: See) -> Mistakes:
@@ -323,7 +504,10 @@ def times_are_in_order(time: t.Time, see: See) -> Mistakes:
     if time.step is not None and time.step > time.end:
         yield ("time", "step"), f"is longer than the run; see {see('time.end')}"
     if time.first > time.longest:
-        yield ("time", "first"), f"is longer than the longest step; see {see('time.longest')}"
+        yield (
+            ("time", "first"),
+            f"is longer than the longest step; see {see('time.longest')}",
+        )
 
 
 CHECKS = (

@@ -1,8 +1,9 @@
 """The closures of a two-fluid model as functions of all cells.
 
-The very functions of `contbed.closures` are compiled and called cell by cell, see `closures.compiled`. Near packing
-the radial distribution is evaluated at most at MAX_RADIAL_FRACTION of eps_max; friction has a limit of its own. The
-cells in which this limit or a guard of dilute flow acts are counted.
+The very functions of `contbed.closures` are compiled and called cell by cell, see
+`closures.compiled`. Near packing the radial distribution is evaluated at most at
+MAX_RADIAL_FRACTION of eps_max; friction has a limit of its own. The cells in which this
+limit or a guard of dilute flow acts are counted.
 """
 
 from __future__ import annotations
@@ -25,13 +26,18 @@ from contbed.two_fluid.rheology import Closures, Rheology
 Array = NDArray[np.float64]
 Counter = NDArray[np.int64]
 
-MAX_RADIAL_FRACTION = 0.997  # eps_s/eps_max [-] up to which the radial distribution, singular at 1, is evaluated
+# eps_s/eps_max [-] up to which the radial distribution, singular at 1, is evaluated
+MAX_RADIAL_FRACTION = 0.997
 MIN_DRAG_FRACTION = 1e-9  # eps_s [-] below which K = beta/eps_s is that of one particle
 MIN_KINETIC_FRACTION = (
-    1e-4  # eps_s [-] below which kinetic viscosity and conductivity fade: they do not vanish with eps_s
+    # eps_s [-] below which kinetic viscosity and conductivity fade: they do not vanish
+    # with eps_s
+    1e-4
 )
-MIN_UNGUARDED_SHARE = 0.99  # share of a kinetic part [-] below which its cell counts as guarded
-SLOPE_STEP = 1e-7  # step of eps_s over eps_max [-] in the difference quotient of the pressure
+# share of a kinetic part [-] below which its cell counts as guarded
+MIN_UNGUARDED_SHARE = 0.99
+# step of eps_s over eps_max [-] in the difference quotient of the pressure
+SLOPE_STEP = 1e-7
 TABLE_SIZE = 4001  # entries of the friction tables, evenly spaced in eps_s
 
 KINETIC_THEORY = (
@@ -59,7 +65,8 @@ class FrictionTables(NamedTuple):
 class GuardCounts(NamedTuple):
     """Cells, summed over all steps, in which a limit acted; arrays of one number each.
 
-    drag_guard_cells, free_path_guard_cells : guards of dilute flow left less than MIN_UNGUARDED_SHARE
+    drag_guard_cells, free_path_guard_cells : guards of dilute flow left less than
+        MIN_UNGUARDED_SHARE
     packed_cells : above MAX_RADIAL_FRACTION
     """
 
@@ -71,7 +78,8 @@ class GuardCounts(NamedTuple):
 class GranularConstants(NamedTuple):
     """Numbers that the granular closures take in all cells.
 
-    dissipative : restitution of the dissipation; free_path [m] : infinite without guards
+    dissipative : restitution of the dissipation; free_path [m] : infinite without
+        guards
     """
 
     rho_solid: float
@@ -87,9 +95,12 @@ class GranularConstants(NamedTuple):
 class ParticleProperties:
     """What the closures need of the particles besides `Materials`.
 
-    restitution : of two particles [-]; dissipative_restitution : that of the dissipation
-    friction_from : fraction above which particles rub; friction_strength [Pa]; friction_angle [rad]
-    free_path : the largest that the guards of dilute flow allow [m]; None without guards
+    restitution : of two particles [-]; dissipative_restitution : that of the
+        dissipation
+    friction_from : fraction above which particles rub; friction_strength [Pa];
+        friction_angle [rad]
+    free_path : the largest that the guards of dilute flow allow [m]; None without
+        guards
     """
 
     restitution: float
@@ -102,24 +113,35 @@ class ParticleProperties:
 
 @dataclass(frozen=True)
 class CompiledClosures:
-    """`closures` are what the step calls, made of the `bound` closures by kind; `counts` are added to by each call."""
+    """`closures` are what the step calls, made of the `bound` closures by kind;
+    `counts` are added to by each call.
+    """
 
     closures: Closures
     bound: Bound
     counts: GuardCounts
 
 
-def make(materials: Materials, particles: ParticleProperties, bound: Bound) -> CompiledClosures:
-    """Compile the bound closures into functions of all cells; a closure that is None contributes nothing."""
+def make(
+    materials: Materials, particles: ParticleProperties, bound: Bound
+) -> CompiledClosures:
+    """Compile the bound closures into functions of all cells; a closure that is None
+    contributes nothing.
+    """
     counts = GuardCounts(*(np.zeros(1, dtype=np.int64) for _ in GuardCounts._fields))
     drag, own = _drag(bound["drag"]), own_values(bound["drag"])
     theory = tuple(bound[kind] for kind in KINETIC_THEORY)
-    granular, parameters = _granular(theory), tuple(own_values(closure) for closure in theory)
+    granular, parameters = (
+        _granular(theory),
+        tuple(own_values(closure) for closure in theory),
+    )
     tables = _friction(materials, particles, bound["granular_friction"])
     gas, m = (materials.rho_gas, materials.mu_gas, materials.d_p), materials
     path = particles.free_path if particles.free_path is not None else np.inf
     e, dissipative = particles.restitution, particles.dissipative_restitution
-    constants = GranularConstants(m.rho_solid, m.d_p, m.eps_max, e, dissipative, path, particles.friction_from)
+    constants = GranularConstants(
+        m.rho_solid, m.d_p, m.eps_max, e, dissipative, path, particles.friction_from
+    )
 
     def drag_coefficient(eps_s: Array, slip: Array) -> Array:
         """K = beta/eps_s (nc,) [kg/m3/s]."""
@@ -130,7 +152,9 @@ def make(materials: Materials, particles: ParticleProperties, bound: Bound) -> C
     def rheology(eps_s: Array, theta: Array, K: Array) -> Rheology:
         """Kinetic theory and frictional pressure in all cells."""
         out = Rheology(*(np.empty_like(eps_s) for _ in Rheology._fields))
-        found = parallel(granular, len(eps_s), (eps_s, theta, K), constants, parameters, tables, out)
+        found = parallel(
+            granular, len(eps_s), (eps_s, theta, K), constants, parameters, tables, out
+        )
         for number, of_parts in zip(counts, zip(*found, strict=True), strict=True):
             number += sum(of_parts)
         return out
@@ -139,15 +163,27 @@ def make(materials: Materials, particles: ParticleProperties, bound: Bound) -> C
     sheared = viscosity is not None and "shear_rate" in viscosity.takes
 
     def friction_viscosity(p: Array, shear_rate: Array) -> Array:
-        """Frictional viscosity (nc,) [Pa s] from the frictional pressure p [Pa] and the shear rate [1/s]."""
+        """Frictional viscosity (nc,) [Pa s] from the frictional pressure p [Pa] and
+        the shear rate [1/s].
+        """
         if viscosity is None:
             return 0.0 * p
-        mu = viscosity(p_friction=p, angle=particles.friction_angle, shear_rate=shear_rate)
+        mu = viscosity(
+            p_friction=p, angle=particles.friction_angle, shear_rate=shear_rate
+        )
         return mu if sheared else mu + 0.0 * p  # type: ignore[no-any-return]
 
     first = particles.friction_from
-    packing = (first, (m.eps_max - first) / (TABLE_SIZE - 1), tables.p_friction / m.rho_solid)
-    return CompiledClosures(Closures(drag_coefficient, rheology, friction_viscosity, sheared, packing), bound, counts)
+    packing = (
+        first,
+        (m.eps_max - first) / (TABLE_SIZE - 1),
+        tables.p_friction / m.rho_solid,
+    )
+    return CompiledClosures(
+        Closures(drag_coefficient, rheology, friction_viscosity, sheared, packing),
+        bound,
+        counts,
+    )
 
 
 def _drag(closure: BoundClosure | None) -> Callable[..., None]:
@@ -162,8 +198,12 @@ drag_guard = free_path_guard = beta
 singular = True  # whether the radial distribution is singular at eps_max
 
 
-def _drag_in_cells(begin: int, end: int, eps_s: Any, slip: Any, gas: Any, own: Any, out: Any) -> None:
-    """Set out = K (nc,) [kg/m3/s]; gas = (rho, mu, d_p), own = parameters of the closure."""
+def _drag_in_cells(
+    begin: int, end: int, eps_s: Any, slip: Any, gas: Any, own: Any, out: Any
+) -> None:
+    """Set out = K (nc,) [kg/m3/s]; gas = (rho, mu, d_p), own = parameters of the
+    closure.
+    """
     rho, mu, d_p = gas
     for i in range(begin, end):
         s = max(eps_s[i], MIN_DRAG_FRACTION)
@@ -171,13 +211,26 @@ def _drag_in_cells(begin: int, end: int, eps_s: Any, slip: Any, gas: Any, own: A
 
 
 def _granular(theory: tuple[BoundClosure | None, ...]) -> Callable[..., None]:
-    """Compile the kinetic theory of closures in the order of KINETIC_THEORY, and friction from its table."""
-    names = ("radial_distribution", "pressure", "viscosity", "bulk", "conductivity", "dissipation")
+    """Compile the kinetic theory of closures in the order of KINETIC_THEORY, and
+    friction from its table.
+    """
+    names = (
+        "radial_distribution",
+        "pressure",
+        "viscosity",
+        "bulk",
+        "conductivity",
+        "dissipation",
+    )
     faces = {
-        name: face(closure, GIVES[kind]) for name, kind, closure in zip(names, KINETIC_THEORY, theory, strict=True)
+        name: face(closure, GIVES[kind])
+        for name, kind, closure in zip(names, KINETIC_THEORY, theory, strict=True)
     }
     singular = theory[0] is not None and "eps_max" in theory[0].takes
-    guards: dict[str, Any] = {"drag_guard": share_drag, "free_path_guard": share_free_path}
+    guards: dict[str, Any] = {
+        "drag_guard": share_drag,
+        "free_path_guard": share_free_path,
+    }
     return kernel(_granular_in_cells, faces | guards, singular=singular)
 
 
@@ -186,17 +239,27 @@ def _granular_in_cells(
 ) -> tuple[int, int, int]:
     """Set the `Rheology` out and return the numbers of `GuardCounts`.
 
-    `fields` are eps_s, theta and K; `own` are the parameters of the closures in the order of KINETIC_THEORY.
+    `fields` are eps_s, theta and K; `own` are the parameters of the closures in the
+    order of KINETIC_THEORY.
 
-    The guards limit the kinetic parts of viscosity and conductivity in dilute flow; they take the dilute limits of both
-    over rho_s d_p sqrt(theta). The factor of `share_drag` is 2 for viscosity and 1.2 for conductivity.
+    The guards limit the kinetic parts of viscosity and conductivity in dilute flow;
+    they take the dilute limits of both over rho_s d_p sqrt(theta). The factor of
+    `share_drag` is 2 for viscosity and 1.2 for conductivity.
     """
     eps_s, theta, K = fields
-    rho, d_p, eps_max, e = constants.rho_solid, constants.d_p, constants.eps_max, constants.restitution
+    rho, d_p, eps_max, e = (
+        constants.rho_solid,
+        constants.d_p,
+        constants.eps_max,
+        constants.restitution,
+    )
     path, first = constants.free_path, constants.friction_from
     h_table, p_table = tables.h, tables.p_friction
     eta, spacing = 0.5 * (1.0 + e), (eps_max - first) / (TABLE_SIZE - 1)
-    dilute_mu, dilute_k = 5.0 / 96.0 * ROOT_PI, 75.0 * ROOT_PI / (48.0 * eta * (41.0 - 33.0 * eta))
+    dilute_mu, dilute_k = (
+        5.0 / 96.0 * ROOT_PI,
+        75.0 * ROOT_PI / (48.0 * eta * (41.0 - 33.0 * eta)),
+    )
     few_by_drag = few_by_path = packed = 0
     for i in range(begin, end):
         s, t = eps_s[i], theta[i]
@@ -205,9 +268,10 @@ def _granular_in_cells(
             packed += 1
         g0, s_ahead = radial_distribution(s, eps_max, own[0]), s + SLOPE_STEP * eps_max
         p = pressure(s, g0, e, own[1])
-        slope = (pressure(s_ahead, radial_distribution(s_ahead, eps_max, own[0]), e, own[1]) - p) / (
-            SLOPE_STEP * eps_max
-        )
+        slope = (
+            pressure(s_ahead, radial_distribution(s_ahead, eps_max, own[0]), e, own[1])
+            - p
+        ) / (SLOPE_STEP * eps_max)
         kinetic_mu = s * s / (s * s + MIN_KINETIC_FRACTION * MIN_KINETIC_FRACTION)
         kinetic_k = kinetic_mu
         if path < np.inf:
@@ -226,7 +290,9 @@ def _granular_in_cells(
         out.mu[i] = scale * viscosity(s, g0, e, kinetic_mu, own[2])
         out.bulk[i] = scale * bulk(s, g0, e, own[3])
         out.conductivity[i] = scale * conductivity(s, g0, e, kinetic_k, own[4])
-        out.dissipation[i] = rho / d_p * dissipation(s, g0, constants.dissipative, own[5])
+        out.dissipation[i] = (
+            rho / d_p * dissipation(s, g0, constants.dissipative, own[5])
+        )
         out.h[i] = 0.0
         out.p_friction[i] = 0.0
         if eps_s[i] > first:
@@ -238,11 +304,21 @@ def _granular_in_cells(
     return few_by_drag, few_by_path, packed
 
 
-def _friction(materials: Materials, particles: ParticleProperties, closure: BoundClosure | None) -> FrictionTables:
+def _friction(
+    materials: Materials, particles: ParticleProperties, closure: BoundClosure | None
+) -> FrictionTables:
     """Tabulate friction from its onset to the packing limit; zero without a closure."""
-    s, p = np.linspace(particles.friction_from, materials.eps_max, TABLE_SIZE), np.zeros(TABLE_SIZE)
+    s, p = (
+        np.linspace(particles.friction_from, materials.eps_max, TABLE_SIZE),
+        np.zeros(TABLE_SIZE),
+    )
     if closure is not None:
         first, strength = particles.friction_from, particles.friction_strength
-        p = closure(eps_s=s, eps_max=materials.eps_max, eps_min=first, strength=strength) * np.ones(TABLE_SIZE)
-    h = np.concatenate(([0.0], np.cumsum(2.0 * np.diff(p) / (s[1:] + s[:-1])))) / materials.rho_solid
+        p = closure(
+            eps_s=s, eps_max=materials.eps_max, eps_min=first, strength=strength
+        ) * np.ones(TABLE_SIZE)
+    h = (
+        np.concatenate(([0.0], np.cumsum(2.0 * np.diff(p) / (s[1:] + s[:-1]))))
+        / materials.rho_solid
+    )
     return FrictionTables(h, p)

@@ -1,4 +1,6 @@
-"""Closures of a two-fluid model: their keys in a scene, and the arguments that the model gives them."""
+"""Closures of a two-fluid model: their keys in a scene, and the arguments that the
+model gives them.
+"""
 
 from __future__ import annotations
 
@@ -39,8 +41,11 @@ KINDS = {
 HEAT_KINDS = {"nusselt": "nusselt", "conductivity_bed": "conductivity"}
 """Kinds of the closures of heat by the keys of [closures]."""
 
-MIN_REPORTED_FRACTION = 1e-6  # solids fraction below which the range use of closures is not recorded
-FILTER_CELLS = 2.0  # cells across a filter, of which the resolved scales are free of the scheme's own diffusion
+# solids fraction below which the range use of closures is not recorded
+MIN_REPORTED_FRACTION = 1e-6
+# cells across a filter, of which the resolved scales are free of the scheme's own
+# diffusion
+FILTER_CELLS = 2.0
 _THEORY = ("eps_s", "g0", "e")
 GIVES: dict[str, tuple[str, ...]] = {
     "drag": ("Re", "eps", "d_p", "mu"),
@@ -76,7 +81,10 @@ def bound(scene: t.TwoFluidScene) -> Bound:
     base = scene.origin.base
     chosen = {kind: getattr(scene.closures, key) for key, kind in KINDS.items()}
     chosen |= {kind: filtered(chosen[kind], kind, scene) for kind in FROM_CELLS}
-    found = {kind: None if spec == ABSENT else bind(spec, kind, GIVES[kind], base) for kind, spec in chosen.items()}
+    found = {
+        kind: None if spec == ABSENT else bind(spec, kind, GIVES[kind], base)
+        for kind, spec in chosen.items()
+    }
     if scene.heat is not None:
         for key, kind in HEAT_KINDS.items():
             if named(spec := getattr(scene.closures, key)):
@@ -85,13 +93,16 @@ def bound(scene: t.TwoFluidScene) -> Bound:
 
 
 def filtered(spec: Any, kind: str, scene: t.TwoFluidScene) -> Any:
-    """Return the closure with what it takes of FROM_CELLS, if it is one for cells that do not resolve clusters.
+    """Return the closure with what it takes of FROM_CELLS, if it is one for cells that
+    do not resolve clusters.
 
-    Filter size FILTER_CELLS times the square root of a cell's area, in a box the cube root of its volume.
+    Filter size FILTER_CELLS times the square root of a cell's area, in a box the cube
+    root of its volume.
 
     Raises
     ------
-    SceneError : the cells of a mesh file have no common size, so that the scene has to give the number
+    SceneError : the cells of a mesh file have no common size, so that the scene has to
+        give the number
     """
     missing = lacks(spec, kind)
     if not missing:
@@ -102,7 +113,9 @@ def filtered(spec: Any, kind: str, scene: t.TwoFluidScene) -> Any:
 
 
 def lacks(spec: Any, kind: str) -> tuple[str, ...]:
-    """Return the parameters of FROM_CELLS that a closure takes and its scene does not give."""
+    """Return the parameters of FROM_CELLS that a closure takes and its scene does
+    not give.
+    """
     given = spec.model_extra or {} if isinstance(spec, Closure) else {}
     return tuple(key for key in takes(spec, kind) if key not in given)
 
@@ -121,19 +134,31 @@ def full_name(spec: Any, kind: str) -> str:
 
 
 def is_filtered_stress(closures: t.Closures) -> bool:
-    """Whether pressure or viscosity of the particles are those of cells that do not resolve clusters."""
+    """Whether pressure or viscosity of the particles are those of cells that do not
+    resolve clusters.
+    """
     kinds = ("granular_pressure", "granular_viscosity")
-    return any(full_name(getattr(closures, kind), kind) == f"{kind}_igci" for kind in kinds)
+    return any(
+        full_name(getattr(closures, kind), kind) == f"{kind}_igci" for kind in kinds
+    )
 
 
 def conducts(closures: t.Closures, two_fluid: t.TwoFluid) -> bool:
     """Whether any heat is conducted."""
-    return closures.conductivity_bed is not None or two_fluid.conductivity_gas + two_fluid.conductivity_solids > 0
+    return (
+        closures.conductivity_bed is not None
+        or two_fluid.conductivity_gas + two_fluid.conductivity_solids > 0
+    )
 
 
 def terminal_velocity(gravity: float, fluid: Constants, solid: t.Solid) -> float:
     """Stokes' terminal velocity of a particle [m/s]."""
-    return gravity * solid.diameter**2 * (solid.density - fluid.density) / (18.0 * fluid.viscosity)
+    return (
+        gravity
+        * solid.diameter**2
+        * (solid.density - fluid.density)
+        / (18.0 * fluid.viscosity)
+    )
 
 
 def _filter_froude(scene: t.TwoFluidScene, kind: str) -> float:
@@ -142,11 +167,16 @@ def _filter_froude(scene: t.TwoFluidScene, kind: str) -> float:
         key = next(key for key, of in KINDS.items() if of == kind)
         name = full_name(getattr(scene.closures, key), kind)
         where = scene.origin.at(("closures", key))
-        text = f'cells of unknown size; give the filter: {{ name = "{name}", filter_froude = ... }}'
+        text = (
+            f'cells of unknown size; give the filter: {{ name = "{name}", '
+            f"filter_froude = ... }}"
+        )
         raise SceneError(f"{where}: closures.{key}: {text}")
     cells = np.atleast_1d(scene.mesh.cells) * 2**scene.mesh.refine
     size = float(np.prod(_extents(scene.mesh) / cells) ** (1.0 / len(cells)))
-    return FILTER_CELLS * size * scene.two_fluid.gravity / _terminal_velocity(scene) ** 2
+    return (
+        FILTER_CELLS * size * scene.two_fluid.gravity / _terminal_velocity(scene) ** 2
+    )
 
 
 def _terminal_velocity(scene: t.TwoFluidScene) -> float:
@@ -154,20 +184,35 @@ def _terminal_velocity(scene: t.TwoFluidScene) -> float:
 
 
 def _terminal_reynolds(scene: t.TwoFluidScene, _: str) -> float:
-    return _terminal_velocity(scene) * scene.fluid.density * scene.solid.diameter / scene.fluid.viscosity
+    return (
+        _terminal_velocity(scene)
+        * scene.fluid.density
+        * scene.solid.diameter
+        / scene.fluid.viscosity
+    )
 
 
 def _terminal_froude(scene: t.TwoFluidScene, _: str) -> float:
-    return _terminal_velocity(scene) ** 2 / (scene.two_fluid.gravity * scene.solid.diameter)
+    return _terminal_velocity(scene) ** 2 / (
+        scene.two_fluid.gravity * scene.solid.diameter
+    )
 
 
-_OF_SCENE = {"filter_froude": _filter_froude, "Re_t": _terminal_reynolds, "terminal_froude": _terminal_froude}
+_OF_SCENE = {
+    "filter_froude": _filter_froude,
+    "Re_t": _terminal_reynolds,
+    "terminal_froude": _terminal_froude,
+}
 
 
 def _extents(mesh: Any) -> Any:
-    """Length, height or radius, width of a built-in mesh, as many as it has axes [m]."""
+    """Length, height or radius, width of a built-in mesh, as many as it has
+    axes [m].
+    """
     names = ("length", "radius", "width", "height")
-    return np.array([value for name in names if (value := getattr(mesh, name, None)) is not None])
+    return np.array(
+        [value for name in names if (value := getattr(mesh, name, None)) is not None]
+    )
 
 
 def constants(scene: t.TwoFluidScene) -> dict[str, Any]:
@@ -188,12 +233,18 @@ def constants(scene: t.TwoFluidScene) -> dict[str, Any]:
     if scene.heat is not None:
         k, heat_capacity = fluid.conductivity, fluid.heat_capacity
         assert k is not None and heat_capacity is not None
-        found |= {"k_fluid": k, "k_solid": solid.conductivity, "Pr": heat_capacity * fluid.viscosity / k}
+        found |= {
+            "k_fluid": k,
+            "k_solid": solid.conductivity,
+            "Pr": heat_capacity * fluid.viscosity / k,
+        }
     return found
 
 
 def dissipative_restitution(scene: t.TwoFluidScene) -> float:
-    """Restitution that the dissipation has: that of the particles, or the effective one, which stands for friction."""
+    """Restitution that the dissipation has: that of the particles, or the effective
+    one, which stands for friction.
+    """
     chosen = scene.closures.effective_restitution
     if chosen == ABSENT:
         return scene.solid.restitution

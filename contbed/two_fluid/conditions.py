@@ -1,4 +1,6 @@
-"""Tables of a scene of two fluids that say what is given: [initial] and [boundary.NAME]."""
+"""Tables of a scene of two fluids that say what is given: [initial] and
+[boundary.NAME].
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,16 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from contbed.scene.quantities import HeatFlux, Number, Position, Seconds, Table, Temperature, Whole, unit
+from contbed.scene.quantities import (
+    HeatFlux,
+    Number,
+    Position,
+    Seconds,
+    Table,
+    Temperature,
+    Whole,
+    unit,
+)
 from contbed.scene.toml_lines import KeyPath
 
 Speed = Annotated[float, *unit("m/s")]
@@ -20,14 +31,20 @@ class GasInLayer(Table):
     """Gas at the start."""
 
     velocity: Speed | None = Field(None, description="intrinsic, along the last axis")
-    temperature: Temperature | None = Field(None, description="initial temperature of the gas in the layer")
+    temperature: Temperature | None = Field(
+        None, description="initial temperature of the gas in the layer"
+    )
 
 
 class SolidInLayer(Table):
     """Particles at the start."""
 
-    volume_fraction: Share | None = Field(None, description="initial volume fraction of the solids in the layer")
-    granular_temperature: Theta | None = Field(None, description="initial granular temperature in the layer")
+    volume_fraction: Share | None = Field(
+        None, description="initial volume fraction of the solids in the layer"
+    )
+    granular_temperature: Theta | None = Field(
+        None, description="initial granular temperature in the layer"
+    )
     velocity: Speed | None = Field(None, description="along the last axis")
     temperature: Temperature | None = Field(None, description="absent: as the gas")
 
@@ -41,18 +58,26 @@ class GasAtStart(GasInLayer):
 class SolidAtStart(SolidInLayer):
     """Particles at the start."""
 
-    volume_fraction: Share = Field(0.0, description="initial volume fraction of the solids, outside of the layers")
-    granular_temperature: Theta = Field(1e-4, description="initial granular temperature")
+    volume_fraction: Share = Field(
+        0.0, description="initial volume fraction of the solids, outside of the layers"
+    )
+    granular_temperature: Theta = Field(
+        1e-4, description="initial granular temperature"
+    )
     velocity: Speed = Field(0.0, description="along the last axis")
 
 
 class Layer(Table):
-    """Fields between two positions along the last axis; what is not given stays as it was."""
+    """Fields between two positions along the last axis; what is not given stays as
+    it was.
+    """
 
     start: Position = Field(-1e30, description="lower end of the layer")
     end: Position = Field(1e30, description="upper end of the layer")
     gas: GasInLayer = GasInLayer()
-    solids: dict[str, SolidInLayer] = Field(default_factory=dict, description="data of the solid phases by name")
+    solids: dict[str, SolidInLayer] = Field(
+        default_factory=dict, description="data of the solid phases by name"
+    )
 
     @property
     def solid(self) -> SolidInLayer:
@@ -64,13 +89,21 @@ class Initial(Table):
     """Fields at the start."""
 
     gas: GasAtStart = GasAtStart()
-    solids: dict[str, SolidAtStart] = Field(default_factory=dict, description="data of the solid phases by name")
-    shear: Annotated[float, *unit("1/s")] = Field(0.0, description="of the particles: u_x grows with the last axis")
+    solids: dict[str, SolidAtStart] = Field(
+        default_factory=dict, description="data of the solid phases by name"
+    )
+    shear: Annotated[float, *unit("1/s")] = Field(
+        0.0, description="of the particles: u_x grows with the last axis"
+    )
     noise: Annotated[Number, Field(ge=0, lt=1)] = Field(
         0.0, description="relative, of the volume fraction, to break symmetry"
     )
-    seed: Annotated[Whole, Field(ge=0)] = Field(0, description="seed of the random disturbance")
-    layer: tuple[Layer, ...] = Field((), description="layers with initial values of their own")
+    seed: Annotated[Whole, Field(ge=0)] = Field(
+        0, description="seed of the random disturbance"
+    )
+    layer: tuple[Layer, ...] = Field(
+        (), description="layers with initial values of their own"
+    )
 
     @property
     def parts(self) -> tuple[Initial | Layer, ...]:
@@ -84,24 +117,36 @@ class Initial(Table):
 
 
 class Part(Table):
-    """A boundary, or a piece of one along the last axis; along the first, of one that is level."""
+    """A boundary, or a piece of one along the last axis; along the first, of one
+    that is level.
+    """
 
-    on: str | None = Field(None, description="boundary of the mesh that this is a piece of, from start to end")
-    start: Position | None = Field(None, description="lower end of the part of the side; absent: the whole side")
-    end: Position | None = Field(None, description="upper end of the part of the side; absent: the whole side")
+    on: str | None = Field(
+        None,
+        description="boundary of the mesh that this is a piece of, from start to end",
+    )
+    start: Position | None = Field(
+        None, description="lower end of the part of the side; absent: the whole side"
+    )
+    end: Position | None = Field(
+        None, description="upper end of the part of the side; absent: the whole side"
+    )
 
 
 class GasAtWall(Table):
     """Gas at a wall."""
 
-    wall: Literal["no_slip", "slip"] = Field("no_slip", description="condition of the gas at the wall")
+    wall: Literal["no_slip", "slip"] = Field(
+        "no_slip", description="condition of the gas at the wall"
+    )
 
 
 class SolidAtWall(Table):
     """Particles at a wall."""
 
     wall: Literal["no_slip", "slip", "johnson_jackson"] = Field(
-        "no_slip", description="condition of the solids at the wall; johnson_jackson: partial slip"
+        "no_slip",
+        description="condition of the solids at the wall; johnson_jackson: partial slip",
     )
     specularity: Annotated[Number, Field(gt=0, le=1)] | None = Field(
         None, description="specularity coefficient of collisions with the wall"
@@ -110,7 +155,9 @@ class SolidAtWall(Table):
         None, description="coefficient of restitution between particles and wall"
     )
     friction: Annotated[Number, Field(ge=0, le=2)] = Field(
-        0.0, description="Coulomb's coefficient of particles that rub along the wall under their frictional pressure"
+        0.0,
+        description="Coulomb's coefficient of particles that rub along the wall under "
+        "their frictional pressure",
     )
 
 
@@ -119,12 +166,18 @@ class Wall(Part):
 
     type: Literal["wall"] = Field(description="wall")
     gas: GasAtWall = Field(GasAtWall(), description="condition of the gas at the wall")
-    solids: dict[str, SolidAtWall] = Field(default_factory=dict, description="data of the solid phases by name")
+    solids: dict[str, SolidAtWall] = Field(
+        default_factory=dict, description="data of the solid phases by name"
+    )
     velocity: tuple[Speed, ...] = Field((), description="of the wall in its own plane")
     temperature: Temperature | None = Field(
-        None, description="with [heat]: heat is conducted to the wall at this temperature; absent: adiabatic"
+        None,
+        description="with [heat]: heat is conducted to the wall at this temperature; "
+        "absent: adiabatic",
     )
-    heat_flux: HeatFlux | None = Field(None, description="into the bed; the phases share it by their fractions")
+    heat_flux: HeatFlux | None = Field(
+        None, description="into the bed; the phases share it by their fractions"
+    )
 
     @property
     def solid(self) -> SolidAtWall:
@@ -149,16 +202,24 @@ class GasAtInlet(Table):
     """Gas that enters."""
 
     velocity: Annotated[Speed, Field(ge=0)] = Field(0.0, description="superficial")
-    temperature: Temperature | None = Field(None, description="temperature of the gas that enters")
+    temperature: Temperature | None = Field(
+        None, description="temperature of the gas that enters"
+    )
 
 
 class SolidAtInlet(Table):
     """Particles that enter."""
 
-    volume_fraction: Share = Field(0.0, description="volume fraction of the solids that enter")
+    volume_fraction: Share = Field(
+        0.0, description="volume fraction of the solids that enter"
+    )
     mass_flux: Flux | None = Field(None, description="through this boundary")
-    velocity: Annotated[Speed, Field(gt=0)] | None = Field(None, description="velocity of the solids that enter")
-    granular_temperature: Theta = Field(0.0, description="granular temperature of the solids that enter")
+    velocity: Annotated[Speed, Field(gt=0)] | None = Field(
+        None, description="velocity of the solids that enter"
+    )
+    granular_temperature: Theta = Field(
+        0.0, description="granular temperature of the solids that enter"
+    )
     temperature: Temperature | None = Field(None, description="absent: as the gas")
 
 
@@ -166,9 +227,13 @@ class Inlet(Part):
     """Gas, with or without particles."""
 
     type: Literal["inlet"] = Field(description="inlet of gas and solids")
-    until: Seconds | None = Field(None, description="then it is as the inlet that it is a piece of")
+    until: Seconds | None = Field(
+        None, description="then it is as the inlet that it is a piece of"
+    )
     gas: GasAtInlet = GasAtInlet()
-    solids: dict[str, SolidAtInlet] = Field(default_factory=dict, description="data of the solid phases by name")
+    solids: dict[str, SolidAtInlet] = Field(
+        default_factory=dict, description="data of the solid phases by name"
+    )
 
     @property
     def solid(self) -> SolidAtInlet:
@@ -179,7 +244,9 @@ class Inlet(Part):
 class GasOutside(Table):
     """Gas beyond an outlet."""
 
-    pressure: Annotated[float, *unit("Pa")] = Field(0.0, description="gauge pressure at the outlet")
+    pressure: Annotated[float, *unit("Pa")] = Field(
+        0.0, description="gauge pressure at the outlet"
+    )
 
 
 class Outlet(Part):
@@ -189,10 +256,14 @@ class Outlet(Part):
     gas: GasOutside = GasOutside()
 
 
-Boundary = Annotated[Wall | Symmetry | Periodic | Inlet | Outlet, Field(discriminator="type")]
+Boundary = Annotated[
+    Wall | Symmetry | Periodic | Inlet | Outlet, Field(discriminator="type")
+]
 
 
-def places(initial: Initial, boundary: Mapping[str, Boundary]) -> list[tuple[KeyPath, Any]]:
+def places(
+    initial: Initial, boundary: Mapping[str, Boundary]
+) -> list[tuple[KeyPath, Any]]:
     """Return the tables of the start and of boundaries with their paths."""
     layers = [(("initial", "layer", k), layer) for k, layer in enumerate(initial.layer)]
     sides = [(("boundary", name), part) for name, part in boundary.items()]

@@ -1,4 +1,6 @@
-"""Pressure on floor and roof: from the cells there by their gradient, which is exact where it is linear."""
+"""Pressure on floor and roof: from the cells there by their gradient, which is exact
+where it is linear.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +12,17 @@ from contbed.two_fluid.boundary import OUTLET, Edge
 from contbed.two_fluid.compiled import Array, Indices
 from contbed.two_fluid.fv.grid import Grid
 
-LEVEL = 1e-6  # share of the height of the bed by which faces of one end may lie lower or higher
-MIN_UPRIGHT = 0.5  # cosine between the vertical and the normal of a face above which it counts as floor or roof
+# share of the height of the bed by which faces of one end may lie lower or higher
+LEVEL = 1e-6
+# cosine between the vertical and the normal of a face above which it counts as floor or
+# roof
+MIN_UPRIGHT = 0.5
 
 
 class EndPressure(NamedTuple):
-    """Mean pressure of an end as weights @ p + outside, with weights (nc,) of the cells and the outlets' part [Pa]."""
+    """Mean pressure of an end as weights @ p + outside, with weights (nc,) of the
+    cells and the outlets' part [Pa].
+    """
 
     weights: Array
     outside: float
@@ -26,10 +33,12 @@ class EndPressure(NamedTuple):
 
 
 def end_pressure(grid: Grid, edge: Edge, side: int) -> EndPressure:
-    """Mean over the area of the bottom (side -1) or the top (1), zero where these are periodic.
+    """Mean over the area of the bottom (side -1) or the top (1), zero where these are
+    periodic.
 
-    An outlet has the pressure outside. On other faces the pressure of the cell is extended by its gradient, the least
-    squares over its neighbours with weights 1/distance^2, on skewed grids also over theirs.
+    An outlet has the pressure outside. On other faces the pressure of the cell is
+    extended by its gradient, the least squares over its neighbours with weights
+    1/distance^2, on skewed grids also over theirs.
     """
     g, first = grid.geometry, grid.interior
     height = side * grid.middles[first:, -1]
@@ -45,7 +54,10 @@ def end_pressure(grid: Grid, edge: Edge, side: int) -> EndPressure:
         assert reach is not None
         cell = g.left[first + b]
         around, steps = _patch(cell, grid.skewed, *reach)
-        slopes = np.linalg.pinv(steps / (length := np.linalg.norm(steps, axis=1))[:, None]) / length
+        slopes = (
+            np.linalg.pinv(steps / (length := np.linalg.norm(steps, axis=1))[:, None])
+            / length
+        )
         jumps = g.arm_left[first + b] @ slopes
         weights[cell] += part * (1.0 - jumps.sum())
         np.add.at(weights, around, part * jumps)
@@ -53,17 +65,26 @@ def end_pressure(grid: Grid, edge: Edge, side: int) -> EndPressure:
 
 
 def _steps_to_neighbours(grid: Grid) -> tuple[Indices, Indices, Array]:
-    """Neighbours of all cells: where those of each begin, their cells and the steps (n, dim) [m] to their centres."""
+    """Neighbours of all cells: where those of each begin, their cells and the steps
+    (n, dim) [m] to their centres.
+    """
     g, ni = grid.geometry, grid.interior
-    here, there = np.concatenate((g.left[:ni], g.right)), np.concatenate((g.right, g.left[:ni]))
+    here, there = (
+        np.concatenate((g.left[:ni], g.right)),
+        np.concatenate((g.right, g.left[:ni])),
+    )
     step = g.arm_left[:ni] - g.arm_right
     order = np.argsort(here, kind="stable")
     begin = np.searchsorted(here[order], np.arange(len(grid.cells) + 1))
     return begin, there[order], np.concatenate((step, -step))[order]
 
 
-def _patch(cell: int, wide: bool, begin: Indices, there: Indices, steps: Array) -> tuple[Indices, Array]:
-    """Cells around a cell and the steps to their centres; a wide patch has the neighbours of neighbours."""
+def _patch(
+    cell: int, wide: bool, begin: Indices, there: Indices, steps: Array
+) -> tuple[Indices, Array]:
+    """Cells around a cell and the steps to their centres; a wide patch has the
+    neighbours of neighbours.
+    """
     near = slice(begin[cell], begin[cell + 1])
     cells, ways = [there[near]], [steps[near]]
     for middle, way in zip(there[near], steps[near], strict=True) if wide else ():

@@ -11,12 +11,16 @@
     p_s [Pa]              solids pressure                         k [kg/m/s]         granular conductivity
     gamma [W/m3]          dissipation by collisions               g [m/s2]           gravity
 
-with p_s = rho_s eps_s theta (1 + 2 (1 + e) eps_s g0) and friction near packing (Gidaspow 1994, Multiphase Flow and
-Fluidization, Academic Press). Heat is in heat/equations.py.
+with p_s = rho_s eps_s theta (1 + 2 (1 + e) eps_s g0) and friction near packing
+(Gidaspow 1994, Multiphase Flow and Fluidization, Academic Press). Heat is in
+heat/equations.py.
 
-Discretization: cell-centred finite volumes on any mesh, collocated. One step (step.py) is a projection method: solids
-move with one limited volume flux; both velocities are convected (MUSCL, explicit) and sheared (implicit); forces and
-partially eliminated drag act on faces, and one pressure equation makes the flux of both phases free of divergence; cell
-velocities are reconstructed from the faces. Drag, solids pressure, stress and granular temperature are implicit. The
-step is bound by the Courant number of the particles and by the heat of compression and shear; faster gas is sub-cycled.
+Discretization: cell-centred finite volumes on any mesh, collocated. One step (step.py)
+    is a projection method: solids
+move with one limited volume flux; both velocities are convected (MUSCL, explicit) and
+sheared (implicit); forces and partially eliminated drag act on faces, and one pressure
+equation makes the flux of both phases free of divergence; cell velocities are
+reconstructed from the faces. Drag, solids pressure, stress and granular temperature are
+implicit. The step is bound by the Courant number of the particles and by the heat of
+compression and shear; faster gas is sub-cycled.
 """

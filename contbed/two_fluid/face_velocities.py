@@ -1,16 +1,18 @@
 """Velocities of both phases on faces: forces, implicit drag, fractions by upwinding.
 
-With intrinsic velocities, K = beta/eps_s, a_g = dt beta/(eps_g rho_g) and a_s = dt K/rho_s, the normal velocities on
-a face obey
+With intrinsic velocities, K = beta/eps_s, a_g = dt beta/(eps_g rho_g) and a_s = dt
+K/rho_s, the normal velocities on a face obey
 
     (1 + a_g) u_g - a_g u_s = H_g + dt (g - grad p/rho_g)
     (1 + a_s) u_s - a_s u_g = H_s + dt (g - grad p/rho_s - grad P/eps_s - grad h)
 
-where H are the velocities after convection and stress, rho_s P is the kinetic and collisional pressure of the particles
-and h(eps_s) = integral of d p_friction/(rho_s eps_s): a bed at rest has h + z g constant, on any mesh. Both equations
-are solved together on each face (partial elimination of drag, Spalding 1980, in Numerical Computation of Multi-Phase
-Fluid Flow, PCH). The residual of the last step, added to the interpolation of H, is a Rhie-Chow type correction (Rhie
-and Chow 1983, AIAA J. 21, 1525-1532).
+where H are the velocities after convection and stress, rho_s P is the kinetic and
+collisional pressure of the particles and h(eps_s) = integral of d p_friction/(rho_s
+eps_s): a bed at rest has h + z g constant, on any mesh. Both equations are solved
+together on each face (partial elimination of drag, Spalding 1980, in Numerical
+Computation of Multi-Phase Fluid Flow, PCH). The residual of the last step, added to the
+interpolation of H, is a Rhie-Chow type correction (Rhie and Chow 1983, AIAA J. 21,
+1525-1532).
 """
 
 from __future__ import annotations
@@ -26,17 +28,20 @@ from contbed.two_fluid.state import ForceGradients
 
 Value = TypeVar("Value", float, Array)
 
-# solids fraction on a face over that of its upwind cell [-] (test_level_bed_on_triangles_calms_down)
+# solids fraction on a face over that of its upwind cell [-]
+# (test_level_bed_on_triangles_calms_down)
 MAX_OVERSHOOT = 2.0
-# (N dt)^2 [-] of a buoyancy wave of frequency N up to which the step follows it: 60 steps a period, at a Courant number
-# of 0.5 waves 5 cells high; faster ones grow from rounding (test_fronts_stay_level_at_half_a_cell_a_step)
+# (N dt)^2 [-] of a buoyancy wave of frequency N up to which the step follows it: 60
+# steps a period, at a Courant number of 0.5 waves 5 cells high; faster ones grow from
+# rounding (test_fronts_stay_level_at_half_a_cell_a_step)
 WAVE_RESOLVED = 0.01
 
 
 class Cells(NamedTuple):
     """What acts in the cells (nc,).
 
-    rho_gas [kg/m3], eps_s, drag K = beta/eps_s [kg/m3/s], kinetic P [m2/s2], friction h [m2/s2], p [Pa]
+    rho_gas [kg/m3], eps_s, drag K = beta/eps_s [kg/m3/s], kinetic P [m2/s2], friction
+    h [m2/s2], p [Pa]
     resting : whether particles rest in or beside a cell
     rho_solid [kg/m3], gravity (dim,) [m/s2] : of all cells
     """
@@ -53,7 +58,9 @@ class Cells(NamedTuple):
 
 
 class Velocities(NamedTuple):
-    """H (nc, dim) of both phases after convection and stress, and the velocities (nc, dim) before [m/s]."""
+    """H (nc, dim) of both phases after convection and stress, and the velocities
+    (nc, dim) before [m/s].
+    """
 
     h_gas: Array
     h_solid: Array
@@ -64,8 +71,8 @@ class Velocities(NamedTuple):
 class FaceGradients(NamedTuple):
     """What interpolation to faces needs besides two cell values.
 
-    Gradients (nc, dim, dim) of H and of the forces, used on skewed grids, and the Rhie-Chow residual (nf,) [m/s] of the
-    gas from the last step.
+    Gradients (nc, dim, dim) of H and of the forces, used on skewed grids, and the
+    Rhie-Chow residual (nf,) [m/s] of the gas from the last step.
     """
 
     h_gas: Array
@@ -75,11 +82,13 @@ class FaceGradients(NamedTuple):
 
 
 class FacePredictor(NamedTuple):
-    """Normal velocities (nf,) [m/s] without the pressure, with the last pressure, and without any force; mobilities.
+    """Normal velocities (nf,) [m/s] without the pressure, with the last pressure, and
+    without any force; mobilities.
 
     star_gas, star_solid : without the pressure gradient
     mobility_gas, mobility_solid [m3 s/kg] : velocity per pressure gradient
-    upwind_gas, upwind_solid : with the last pressure, which choose the cell that fractions come from
+    upwind_gas, upwind_solid : with the last pressure, which choose the cell that
+        fractions come from
     h_gas, h_solid : normal H
     """
 
@@ -101,18 +110,27 @@ class FaceFractions(NamedTuple):
 
 
 @kernel
-def eliminate_drag(first: Value, second: Value, a_g: Value, a_s: Value) -> tuple[Value, Value]:
-    """Both velocities, or temperatures, after implicit exchange with the coefficients a."""
+def eliminate_drag(
+    first: Value, second: Value, a_g: Value, a_s: Value
+) -> tuple[Value, Value]:
+    """Both velocities, or temperatures, after implicit exchange with the
+    coefficients a.
+    """
     scale = 1.0 / (1.0 + a_g + a_s)
-    return scale * ((1.0 + a_s) * first + a_g * second), scale * (a_s * first + (1.0 + a_g) * second)
+    return scale * ((1.0 + a_s) * first + a_g * second), scale * (
+        a_s * first + (1.0 + a_g) * second
+    )
 
 
 @inner
-def particle_force(weight: float, steep: float, opposite_mean: float, friction: float) -> float:
+def particle_force(
+    weight: float, steep: float, opposite_mean: float, friction: float
+) -> float:
     """Acceleration of particles by gravity and by their own pressure.
 
-    `steep` is the gradient of the kinetic pressure P, `friction` that of h. With the mean of eps_s whose weights are
-    those of the opposite cells, the force of P on both cells together is its jump, as momentum needs.
+    `steep` is the gradient of the kinetic pressure P, `friction` that of h. With the
+    mean of eps_s whose weights are those of the opposite cells, the force of P on both
+    cells together is its jump, as momentum needs.
     """
     return weight - steep / (opposite_mean + SMALLEST) - friction
 
@@ -121,7 +139,9 @@ def particle_force(weight: float, steep: float, opposite_mean: float, friction: 
 def drag_numbers(
     dt: float, drag: float, mean: float, upwind: float, rho_gas: float, rho_solid: float
 ) -> tuple[float, float]:
-    """a_g and a_s of a face with the mean of eps_s; drag acts on the gas as far as particles follow from upwind."""
+    """a_g and a_s of a face with the mean of eps_s; drag acts on the gas as far as
+    particles follow from upwind.
+    """
     a_g = dt * drag * mean * neighbour_weight(upwind, mean) / ((1.0 - mean) * rho_gas)
     return a_g, dt * drag / rho_solid
 
@@ -136,10 +156,14 @@ def kept_residual(dt: float, hg: float, a_g: float, distance: float) -> float:
 
 
 @inner
-def mobilities(dt: float, a_g: float, a_s: float, rho_gas: float, rho_solid: float) -> tuple[float, float]:
+def mobilities(
+    dt: float, a_g: float, a_s: float, rho_gas: float, rho_solid: float
+) -> tuple[float, float]:
     """Velocity of both phases per pressure gradient [m3 s/kg], with implicit drag."""
     scale = dt / (1.0 + a_g + a_s)
-    return scale * ((1.0 + a_s) / rho_gas + a_g / rho_solid), scale * (a_s / rho_gas + (1.0 + a_g) / rho_solid)
+    return scale * ((1.0 + a_s) / rho_gas + a_g / rho_solid), scale * (
+        a_s / rho_gas + (1.0 + a_g) / rho_solid
+    )
 
 
 @kernel
@@ -154,13 +178,28 @@ def predict_on_faces(
 ) -> None:
     """Set the face velocities `out` without the pressure gradient.
 
-    Without the Rhie-Chow residual of the last step p would have noise that grows as the steps become small.
+    Without the Rhie-Chow residual of the last step p would have noise that grows as the
+    steps become small.
     """
-    s, drag, kinetic, friction, p = cells.eps_s, cells.drag, cells.kinetic, cells.friction, cells.p
+    s, drag, kinetic, friction, p = (
+        cells.eps_s,
+        cells.drag,
+        cells.kinetic,
+        cells.friction,
+        cells.p,
+    )
     h_g, h_s = velocities.h_gas, velocities.h_solid
-    grad_p, grad_kinetic, grad_rest = gradients.forces.p, gradients.forces.kinetic, gradients.forces.rest
+    grad_p, grad_kinetic, grad_rest = (
+        gradients.forces.p,
+        gradients.forces.kinetic,
+        gradients.forces.rest,
+    )
     rho_gas, rho_s, resting = cells.rho_gas, cells.rho_solid, cells.resting
-    grad_h_gas, grad_h_solid, residual = gradients.h_gas, gradients.h_solid, gradients.residual
+    grad_h_gas, grad_h_solid, residual = (
+        gradients.h_gas,
+        gradients.h_solid,
+        gradients.residual,
+    )
     dim = len(g.axes)
     for f in range(len(g.right)):
         left, right, w, distance = g.left[f], g.right[f], g.weight[f], g.distance[f]
@@ -174,13 +213,23 @@ def predict_on_faces(
             for d in range(dim):
                 for k in range(dim):
                     along = g.normal[f, k] * g.skew[f, d]
-                    hg += along * (w * grad_h_gas[left, k, d] + (1.0 - w) * grad_h_gas[right, k, d])
-                    hs += along * (w * grad_h_solid[left, k, d] + (1.0 - w) * grad_h_solid[right, k, d])
+                    hg += along * (
+                        w * grad_h_gas[left, k, d] + (1.0 - w) * grad_h_gas[right, k, d]
+                    )
+                    hs += along * (
+                        w * grad_h_solid[left, k, d]
+                        + (1.0 - w) * grad_h_solid[right, k, d]
+                    )
                 cross = g.non_orthogonal[f, d]
                 cross_p += cross * (w * grad_p[left, d] + (1.0 - w) * grad_p[right, d])
-                cross_kinetic += cross * (w * grad_kinetic[left, d] + (1.0 - w) * grad_kinetic[right, d])
-                cross_rest += cross * (w * grad_rest[left, d] + (1.0 - w) * grad_rest[right, d])
-            # a cell with few particles, which fall, must not pull others out of a cell where they rest
+                cross_kinetic += cross * (
+                    w * grad_kinetic[left, d] + (1.0 - w) * grad_kinetic[right, d]
+                )
+                cross_rest += cross * (
+                    w * grad_rest[left, d] + (1.0 - w) * grad_rest[right, d]
+                )
+            # a cell with few particles, which fall, must not pull others out of a cell
+            # where they rest
             here, there = (left, right) if hs >= 0.0 else (right, left)
             own, share = 0.0, neighbour_weight(s[there], s[here])
             for k in range(dim):
@@ -191,7 +240,8 @@ def predict_on_faces(
             cross_kinetic = min(max(cross_kinetic, -most), most)
             cross_solid = cross_p / rho_s
             if resting[left] or resting[right]:
-                # between two centres the forces have a potential, and particles come to rest where it is level
+                # between two centres the forces have a potential, and particles come to
+                # rest where it is level
                 most = 2.0 * min(friction[left], friction[right]) / distance
                 cross_solid = min(max(cross_rest, -most), most)
                 for k in range(dim):
@@ -200,15 +250,32 @@ def predict_on_faces(
         mean = w * s[left] + (1.0 - w) * s[right]
         steep = (kinetic[right] - kinetic[left]) / distance + cross_kinetic
         opposite_mean = (1.0 - w) * s[left] + w * s[right]
-        force = particle_force(weight, steep, opposite_mean, (friction[right] - friction[left]) / distance)
+        force = particle_force(
+            weight, steep, opposite_mean, (friction[right] - friction[left]) / distance
+        )
         upwind = s[left] if hs + dt * force >= 0.0 else s[right]
-        a_g, a_s = drag_numbers(dt, w * drag[left] + (1.0 - w) * drag[right], mean, upwind, rho_g, rho_s)
+        a_g, a_s = drag_numbers(
+            dt, w * drag[left] + (1.0 - w) * drag[right], mean, upwind, rho_g, rho_s
+        )
         hg += kept_residual(dt, hg, a_g, distance) * residual[f]
         move_g, move_s = mobilities(dt, a_g, a_s, rho_g, rho_s)
-        u_g, u_s = eliminate_drag(hg + dt * (weight - cross_p / rho_g), hs + dt * (force - cross_solid), a_g, a_s)
+        u_g, u_s = eliminate_drag(
+            hg + dt * (weight - cross_p / rho_g),
+            hs + dt * (force - cross_solid),
+            a_g,
+            a_s,
+        )
         drop = (p[right] - p[left]) / distance
-        out.star_gas[f], out.star_solid[f], out.mobility_gas[f], out.mobility_solid[f] = u_g, u_s, move_g, move_s
-        out.upwind_gas[f], out.upwind_solid[f] = u_g - move_g * drop, u_s - move_s * drop
+        (
+            out.star_gas[f],
+            out.star_solid[f],
+            out.mobility_gas[f],
+            out.mobility_solid[f],
+        ) = u_g, u_s, move_g, move_s
+        out.upwind_gas[f], out.upwind_solid[f] = (
+            u_g - move_g * drop,
+            u_s - move_s * drop,
+        )
         out.h_gas[f], out.h_solid[f] = hg, hs
     predict_on_boundary(g, edge, dt, cells, velocities, gradients, out)
 
@@ -223,18 +290,30 @@ def predict_on_boundary(
     gradients: FaceGradients,
     out: FacePredictor,
 ) -> None:
-    """Set the velocities of boundary faces, see `predict_on_faces`; forces act on outlets alone."""
-    h_g, h_s, gas, solid, rho_s = velocities.h_gas, velocities.h_solid, edge.gas, edge.solid, cells.rho_solid
+    """Set the velocities of boundary faces, see `predict_on_faces`; forces act on
+    outlets alone.
+    """
+    h_g, h_s, gas, solid, rho_s = (
+        velocities.h_gas,
+        velocities.h_solid,
+        edge.gas,
+        edge.solid,
+        cells.rho_solid,
+    )
     ni, dim = len(g.right), len(g.axes)
     for f in range(g.edge_from, g.edge_to):
         b, c, distance = f - ni, g.left[f], g.distance[f]
         s, rho_g = cells.eps_s[c], cells.rho_gas[c]
         if gas.kind[b] != OUTLET:
             eps = edge.eps_s[b] if solid.kind[b] == GIVEN else s
-            hg, hs = gas.flux[b] / (1.0 - eps), solid.flux[b] / eps if solid.flux[b] != 0.0 else 0.0
+            hg, hs = (
+                gas.flux[b] / (1.0 - eps),
+                solid.flux[b] / eps if solid.flux[b] != 0.0 else 0.0,
+            )
             out.star_gas[f], out.star_solid[f] = hg, hs
             out.mobility_gas[f] = out.mobility_solid[f] = 0.0
-            # where velocities are given, the force is the one that keeps them so; at a wall there is none
+            # where velocities are given, the force is the one that keeps them so; at a
+            # wall there is none
             for k in range(dim):
                 if gas.kind[b] == GIVEN:
                     hg += g.normal[f, k] * (h_g[c, k] - velocities.old_gas[c, k])
@@ -252,43 +331,87 @@ def predict_on_boundary(
         a_g, a_s = drag_numbers(dt, cells.drag[c], s, s, rho_g, rho_s)
         hg += kept_residual(dt, hg, a_g, distance) * gradients.residual[f]
         move_g, move_s = mobilities(dt, a_g, a_s, rho_g, rho_s)
-        u_g, u_s = eliminate_drag(hg + dt * (weight - cross_p / rho_g), hs + dt * (weight - cross_p / rho_s), a_g, a_s)
+        u_g, u_s = eliminate_drag(
+            hg + dt * (weight - cross_p / rho_g),
+            hs + dt * (weight - cross_p / rho_s),
+            a_g,
+            a_s,
+        )
         drop = (edge.p[b] - cells.p[c]) / distance
         if u_s - move_s * drop < 0.0:
-            # no particles come back: those of the cell are held as by a sieve, and gas passes them
+            # no particles come back: those of the cell are held as by a sieve, and gas
+            # passes them
             hs = u_s = move_s = 0.0
-            u_g, move_g = (hg + dt * (weight - cross_p / rho_g)) / (1.0 + a_g), dt / (1.0 + a_g) / rho_g
-        out.star_gas[f], out.star_solid[f], out.mobility_gas[f], out.mobility_solid[f] = u_g, u_s, move_g, move_s
-        out.upwind_gas[f], out.upwind_solid[f] = u_g - move_g * drop, u_s - move_s * drop
+            u_g, move_g = (
+                (hg + dt * (weight - cross_p / rho_g)) / (1.0 + a_g),
+                dt / (1.0 + a_g) / rho_g,
+            )
+        (
+            out.star_gas[f],
+            out.star_solid[f],
+            out.mobility_gas[f],
+            out.mobility_solid[f],
+        ) = u_g, u_s, move_g, move_s
+        out.upwind_gas[f], out.upwind_solid[f] = (
+            u_g - move_g * drop,
+            u_s - move_s * drop,
+        )
         out.h_gas[f], out.h_solid[f] = hg, hs
 
 
 @kernel
 def reconstruct_fractions(
-    g: Geometry, edge: Edge, field: Reconstruction, predictor: FacePredictor, out: FaceFractions
+    g: Geometry,
+    edge: Edge,
+    field: Reconstruction,
+    predictor: FacePredictor,
+    out: FaceFractions,
 ) -> None:
-    """Set the fractions `out` of both phases on faces, each from the cell that its velocity comes from."""
-    s, grad, half_step, limited = field.values, field.gradient, field.half_step, field.limited
+    """Set the fractions `out` of both phases on faces, each from the cell that its
+    velocity comes from.
+    """
+    s, grad, half_step, limited = (
+        field.values,
+        field.gradient,
+        field.half_step,
+        field.limited,
+    )
     for f in range(len(g.right)):
-        out.gas[f] = 1.0 - face_value(g, f, predictor.upwind_gas[f] >= 0.0, s, grad, half_step, limited)
+        out.gas[f] = 1.0 - face_value(
+            g, f, predictor.upwind_gas[f] >= 0.0, s, grad, half_step, limited
+        )
         forward = predictor.upwind_solid[f] >= 0.0
         found = face_value(g, f, forward, s, grad, half_step, limited)
-        out.solid[f] = carried_fraction(found, s[g.left[f], 0] if forward else s[g.right[f], 0], limited)
+        out.solid[f] = carried_fraction(
+            found, s[g.left[f], 0] if forward else s[g.right[f], 0], limited
+        )
     reconstruct_boundary_fractions(g, edge, field, predictor, out)
 
 
 @inner
 def carried_fraction(found: float, upwind: float, limited: bool) -> float:
-    """Solids fraction `found` on a face within bounds: an empty cell gives nothing, whatever its slope is."""
+    """Solids fraction `found` on a face within bounds: an empty cell gives nothing,
+    whatever its slope is.
+    """
     return min(max(0.0, found), MAX_OVERSHOOT * upwind) if limited else max(0.0, found)
 
 
 @inner
 def reconstruct_boundary_fractions(
-    g: Geometry, edge: Edge, field: Reconstruction, predictor: FacePredictor, out: FaceFractions
+    g: Geometry,
+    edge: Edge,
+    field: Reconstruction,
+    predictor: FacePredictor,
+    out: FaceFractions,
 ) -> None:
     """Set the fractions of boundary faces, see `reconstruct_fractions`."""
-    ni, s, grad, half_step, limited = len(g.right), field.values, field.gradient, field.half_step, field.limited
+    ni, s, grad, half_step, limited = (
+        len(g.right),
+        field.values,
+        field.gradient,
+        field.half_step,
+        field.limited,
+    )
     for f in range(g.edge_from, g.edge_to):
         b, left = f - ni, g.left[f]
         if edge.gas.kind[b] == OUTLET:
@@ -304,16 +427,21 @@ def reconstruct_boundary_fractions(
                 for d in range(len(g.axes)):
                     part += grad[left, 0, d] * g.arm_left[f, d]
                 jump = eps - s[left, 0]
-                eps = s[left, 0] + (min(max(part, min(0.0, jump)), max(0.0, jump)) if limited else part)
+                eps = s[left, 0] + (
+                    min(max(part, min(0.0, jump)), max(0.0, jump)) if limited else part
+                )
             out.solid[f] = eps
 
 
 @kernel
-def damp_buoyancy_waves(g: Geometry, dt: float, cells: Cells, fractions: FaceFractions, out: FacePredictor) -> None:
+def damp_buoyancy_waves(
+    g: Geometry, dt: float, cells: Cells, fractions: FaceFractions, out: FacePredictor
+) -> None:
     """Reduce the volume flux where lighter lies on denser in a closed vessel.
 
-    Gravity acts on the layers as the volume flux will have moved them, as far as a step does not resolve their buoyancy
-    wave. Explicit, a wave of frequency N grows where N dt > 1.
+    Gravity acts on the layers as the volume flux will have moved them, as far as a step
+    does not resolve their buoyancy wave. Explicit, a wave of frequency N grows where N
+    dt > 1.
     """
     s, rho_s = cells.eps_s, cells.rho_solid
     for f in range(len(g.right)):
@@ -326,10 +454,17 @@ def damp_buoyancy_waves(g: Geometry, dt: float, cells: Cells, fractions: FaceFra
         steep = dt * dt * weight * (rho_s - gas) * (s[right] - s[left]) / g.distance[f]
         least = WAVE_RESOLVED * (gas + mean * (rho_s - gas))
         if steep > least:
-            # both phases are slowed alike; fractions that come from two cells do not sum to one
+            # both phases are slowed alike; fractions that come from two cells do not
+            # sum to one
             slower = (1.0 - least / steep) / (fractions.gas[f] + fractions.solid[f])
-            flux = slower * (fractions.gas[f] * out.star_gas[f] + fractions.solid[f] * out.star_solid[f])
-            mobility = slower * (fractions.gas[f] * out.mobility_gas[f] + fractions.solid[f] * out.mobility_solid[f])
+            flux = slower * (
+                fractions.gas[f] * out.star_gas[f]
+                + fractions.solid[f] * out.star_solid[f]
+            )
+            mobility = slower * (
+                fractions.gas[f] * out.mobility_gas[f]
+                + fractions.solid[f] * out.mobility_solid[f]
+            )
             out.star_gas[f] -= flux
             out.star_solid[f] -= flux
             out.mobility_gas[f] -= mobility

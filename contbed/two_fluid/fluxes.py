@@ -1,4 +1,6 @@
-"""Kernels of the pressure equation: what both fluxes are before it, and with the pressure that it gives."""
+"""Kernels of the pressure equation: what both fluxes are before it, and with the
+pressure that it gives.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +14,24 @@ from contbed.two_fluid.state import Fluxes
 
 @kernel
 def assemble_pressure(
-    g: Geometry, edge: Edge, fractions: FaceFractions, predictor: FacePredictor, coef: Array, rhs: Array
+    g: Geometry,
+    edge: Edge,
+    fractions: FaceFractions,
+    predictor: FacePredictor,
+    coef: Array,
+    rhs: Array,
 ) -> None:
-    """Assemble sum of coef (nf,) (p - p_neighbour) = rhs (nc,) from the sum of both fluxes; `rhs` holds the sources."""
+    """Assemble sum of coef (nf,) (p - p_neighbour) = rhs (nc,) from the sum of both
+    fluxes; `rhs` holds the sources.
+    """
     for f in range(len(g.right)):
         eps_g, eps_s = fractions.gas[f], fractions.solid[f]
-        flux = g.area[f] * (eps_g * predictor.star_gas[f] + eps_s * predictor.star_solid[f])
-        mobility = eps_g * predictor.mobility_gas[f] + eps_s * predictor.mobility_solid[f]
+        flux = g.area[f] * (
+            eps_g * predictor.star_gas[f] + eps_s * predictor.star_solid[f]
+        )
+        mobility = (
+            eps_g * predictor.mobility_gas[f] + eps_s * predictor.mobility_solid[f]
+        )
         coef[f] = g.area[f] * mobility / g.distance[f]
         rhs[g.left[f]] -= flux
         rhs[g.right[f]] += flux
@@ -27,7 +40,12 @@ def assemble_pressure(
 
 @inner
 def assemble_boundary_pressure(
-    g: Geometry, edge: Edge, fractions: FaceFractions, predictor: FacePredictor, coef: Array, rhs: Array
+    g: Geometry,
+    edge: Edge,
+    fractions: FaceFractions,
+    predictor: FacePredictor,
+    coef: Array,
+    rhs: Array,
 ) -> None:
     """Add given fluxes and pressures of the boundary, see `assemble_pressure`."""
     ni, gas, solid = len(g.right), edge.gas, edge.solid
@@ -38,9 +56,13 @@ def assemble_boundary_pressure(
             rhs[c] -= g.area[f] * (gas.flux[b] + solid.flux[b])
             continue
         eps_g, eps_s = fractions.gas[f], fractions.solid[f]
-        mobility = eps_g * predictor.mobility_gas[f] + eps_s * predictor.mobility_solid[f]
+        mobility = (
+            eps_g * predictor.mobility_gas[f] + eps_s * predictor.mobility_solid[f]
+        )
         coef[f] = g.area[f] * mobility / g.distance[f]
-        rhs[c] += coef[f] * edge.p[b] - g.area[f] * (eps_g * predictor.star_gas[f] + eps_s * predictor.star_solid[f])
+        rhs[c] += coef[f] * edge.p[b] - g.area[f] * (
+            eps_g * predictor.star_gas[f] + eps_s * predictor.star_solid[f]
+        )
 
 
 @kernel
@@ -53,7 +75,9 @@ def correct_fluxes(
     faces: FaceVelocities,
     fluxes: Fluxes,
 ) -> None:
-    """Set the velocities of `faces` with the pressure p (nc,), and the `fluxes` but for `moved`."""
+    """Set the velocities of `faces` with the pressure p (nc,), and the `fluxes` but
+    for `moved`.
+    """
     outflow_gas, outflow_solid = fluxes.outflow_gas, fluxes.outflow_solid
     outflow_gas[:] = 0.0
     outflow_solid[:] = 0.0

@@ -1,7 +1,9 @@
-"""The kernels of a step that differ between rectangular and other grids, under one name each.
+"""The kernels of a step that differ between rectangular and other grids, under one name
+each.
 
-Those of any grid run over single faces. Those of rectangular grids run over rows of faces, on several cores, and take
-fields by component. A model chooses its table once, by its grid; both take the same arguments.
+Those of any grid run over single faces. Those of rectangular grids run over rows of
+faces, on several cores, and take fields by component. A model chooses its table once,
+by its grid; both take the same arguments.
 """
 
 from __future__ import annotations
@@ -26,7 +28,9 @@ Kernel = Callable[..., object]
 
 
 class Kernels(NamedTuple):
-    """Kernels of one grid, without its geometry as their first argument; the functions of any grid describe them."""
+    """Kernels of one grid, without its geometry as their first argument; the
+    functions of any grid describe them.
+    """
 
     gradient: Kernel
     gradient_solid: Kernel
@@ -58,12 +62,19 @@ def _predictor_half_step(g: Geometry, *arguments: Any) -> None:
     reconstruction.predictor_half_step(*arguments)
 
 
-def _divergence(g: Geometry, flux: Array, face: Array, values: Array, out: Array) -> None:
+def _divergence(
+    g: Geometry, flux: Array, face: Array, values: Array, out: Array
+) -> None:
     reconstruction.divergence(g, flux, face, values, np.empty_like(out), out)
 
 
 def _gather(
-    g: Geometry, faces: FaceVelocities, eps_s: Array, grad_gas: Array, grad_solid: Array, out: Gathered
+    g: Geometry,
+    faces: FaceVelocities,
+    eps_s: Array,
+    grad_gas: Array,
+    grad_solid: Array,
+    out: Gathered,
 ) -> None:
     cell_velocities.gather_gas(g, faces, grad_gas, grad_gas, False, out)
     cell_velocities.gather_solid(g, faces, eps_s, grad_solid, grad_solid, False, out)

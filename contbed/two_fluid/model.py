@@ -1,4 +1,6 @@
-"""What a two-fluid step needs besides the state: grid, materials, closures, boundary conditions, options, solver."""
+"""What a two-fluid step needs besides the state: grid, materials, closures, boundary
+conditions, options, solver.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Materials:
-    """Densities [kg/m3], gas viscosity [Pa s], particle diameter [m], packing limit, gravity [m/s2]."""
+    """Densities [kg/m3], gas viscosity [Pa s], particle diameter [m], packing limit,
+    gravity [m/s2].
+    """
 
     rho_gas: float
     mu_gas: float
@@ -38,11 +42,12 @@ class Materials:
 class Options:
     """How to step.
 
-    courant : largest share of a cell that particles cross in a step, and gas in a sub-cycle of its temperature
+    courant : largest share of a cell that particles cross in a step, and gas in a
+        sub-cycle of its temperature
     dt_max, dt_first [s] : largest and first step; growth : of the step at most
     dt [s] : fixed step, instead of the Courant number
-    order : in time, 1 or 2; a step of order 2 extrapolates from one step and two halves, and costs three; where a limit
-        acts it does not, and is counted
+    order : in time, 1 or 2; a step of order 2 extrapolates from one step and two
+        halves, and costs three; where a limit acts it does not, and is counted
     limited : limit reconstructions; off keeps full order for smooth fields
     theta : "pde", "algebraic" (production balances dissipation) or "frozen"
     """
@@ -60,8 +65,8 @@ class Options:
 class Sources(NamedTuple):
     """Sources per volume, zero unless set.
 
-    Of solids and gas volume (nc,) [1/s], accelerations (nc, dim) [m/s2] of both phases, and granular energy (nc,)
-    [W/m3].
+    Of solids and gas volume (nc,) [1/s], accelerations (nc, dim) [m/s2] of both phases,
+    and granular energy (nc,) [W/m3].
     """
 
     solid: Array
@@ -77,7 +82,8 @@ class Model:
 
     edge : boundary conditions of each face
     pressure_solver : of the pressure equation, with its workspace
-    closed : nothing flows through and gravity acts along the walls, so that at rest the volume flux is zero
+    closed : nothing flows through and gravity acts along the walls, so that at rest the
+        volume flux is zero
     heat : None for an isothermal bed
     timer : wall time of the phases of the step
     """
@@ -112,7 +118,9 @@ class Model:
     @cached_property
     def ends(self) -> tuple[EndPressure, EndPressure]:
         """Pressure of floor and roof."""
-        return end_pressure(self.grid, self.edge, -1), end_pressure(self.grid, self.edge, 1)
+        return end_pressure(self.grid, self.edge, -1), end_pressure(
+            self.grid, self.edge, 1
+        )
 
     @cached_property
     def no_cells(self) -> Flags:
@@ -142,11 +150,14 @@ def build_model(
 
     Raises
     ------
-    SceneError : conditions and boundaries do not match; a mesh that the pressure solver cannot use
+    SceneError : conditions and boundaries do not match; a mesh that the pressure solver
+        cannot use
     """
     edge = boundary.assemble(grid, boundaries, materials.rho_solid)
     nc, dim = len(grid.cells), grid.dimension
-    across = grid.geometry.normal[grid.interior :] @ np.array(materials.gravity, dtype=float)
+    across = grid.geometry.normal[grid.interior :] @ np.array(
+        materials.gravity, dtype=float
+    )
     return Model(
         grid,
         materials,

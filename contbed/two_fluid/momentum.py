@@ -1,4 +1,6 @@
-"""Momentum of both phases: convection and stress before the pressure projection, cell velocities after it."""
+"""Momentum of both phases: convection and stress before the pressure projection,
+cell velocities after it.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,12 @@ import numpy as np
 from contbed.compiled.threads import parallel
 from contbed.two_fluid import boundary
 from contbed.two_fluid.boundary import Particles, Side, boundary_velocity, wall_slip
-from contbed.two_fluid.cell_velocities import Gathered, add_reconstruction_remainder, gather_gas, gather_solid
+from contbed.two_fluid.cell_velocities import (
+    Gathered,
+    add_reconstruction_remainder,
+    gather_gas,
+    gather_solid,
+)
 from contbed.two_fluid.compiled import Array, Flags, kernel
 from contbed.two_fluid.continuity import Moved
 from contbed.two_fluid.fv.gradient import NO_PARTICLES
@@ -24,7 +31,8 @@ from contbed.two_fluid.state import Energy, Properties, State
 from contbed.two_fluid.stress import Fluid, Motion, add_hoop_stress
 from contbed.two_fluid.timing import phase
 
-# subcycles of the convection of the gas in a step; more would cost more than shorter steps
+# subcycles of the convection of the gas in a step; more would cost more than shorter
+# steps
 MAX_SUBCYCLES = 4
 # share of a cell that the gas crosses in a subcycle [-] (test_a_wave_travels)
 SUBCYCLE_COURANT = 0.9
@@ -36,9 +44,11 @@ class Phase(NamedTuple):
     name : of its velocity
     rho [kg/m3], rho_ratio : density, and the density of the cells over it
     fluid : fraction and viscosities; flux (nf,) [m3/s]; subcycles : of convection
-    side, slip : conditions at the boundary, and the share of the tangential velocity that walls leave
-    u, rate, force, source (nc, dim) : velocity, its rate without convection, accelerations of the last step and given
-    first_order (nc,) : cells that give their own value to all faces
+    side, slip : conditions at the boundary, and the share of the tangential velocity
+        that walls leave
+    u, rate, force, source (nc, dim) : velocity, its rate without convection,
+    accelerations of the last step and given first_order (nc,) : cells that give their
+    own value to all faces
     """
 
     name: str
@@ -57,7 +67,9 @@ class Phase(NamedTuple):
 
 
 class Accelerations(NamedTuple):
-    """Rate of change without convection, given and last accelerations, each (nc, dim) [m/s2]."""
+    """Rate of change without convection, given and last accelerations, each (nc,
+    dim) [m/s2].
+    """
 
     rate: Array
     source: Array
@@ -67,11 +79,11 @@ class Accelerations(NamedTuple):
 class Predicted(NamedTuple):
     """One phase after convection and stress.
 
-    h (nc, dim) [m/s] : H, the velocity after convection and stress, without pressure, drag and gravity
-    gradient (nc, dim, dim) [1/s] : of the velocity at the start of the step
-    convected (nc, dim) [m/s2] : rate of change by convection
-    shear_production (nc,) [W] : production of granular energy by the stress
-    slip (nb,) : share of the tangential velocity that walls leave
+    h (nc, dim) [m/s] : H, the velocity after convection and stress, without pressure,
+    drag and gravity gradient (nc, dim, dim) [1/s] : of the velocity at the start of the
+    step convected (nc, dim) [m/s2] : rate of change by convection shear_production
+    (nc,) [W] : production of granular energy by the stress slip (nb,) : share of the
+    tangential velocity that walls leave
     wall_force [N] : of the walls along the last axis
     """
 
@@ -84,7 +96,9 @@ class Predicted(NamedTuple):
 
 
 class Velocity(NamedTuple):
-    """Cell velocities (nc, dim) [m/s] of both phases, their accelerations by forces, and the memory of faces."""
+    """Cell velocities (nc, dim) [m/s] of both phases, their accelerations by forces,
+    and the memory of faces.
+    """
 
     gas: Array
     solid: Array
@@ -104,22 +118,30 @@ def add_forces(
     system: System,
     convected: Array,
 ) -> None:
-    """Turn the convection of the right-hand side [m3/s times u] into a force, and add the given accelerations.
+    """Turn the convection of the right-hand side [m3/s times u] into a force, and add
+    the given accelerations.
 
-    volume (nc, 1) [m3] : of the phase; its mass over dt is the content. The accelerations (nc, m) are `given` ones and
-    those of the last step; `convected` (nc, m) becomes the rate of change by convection.
+    volume (nc, 1) [m3] : of the phase; its mass over dt is the content. The
+    accelerations (nc, m) are `given` ones and those of the last step; `convected` (nc,
+    m) becomes the rate of change by convection.
     """
     rhs, content, source, force = system.rhs, system.content, given[0], given[1]
     for k in range(rhs.shape[1]):
         for c in range(np.uint64(begin), np.uint64(end)):
             convected[c, k] = rhs[c, k] / volume[c, 0]
             content[c, k] = rho / dt * volume[c, 0]
-            rhs[c, k] = rho * rhs[c, k] + rho * volume[c, 0] * (source[c, k] + force[c, k])
+            rhs[c, k] = rho * rhs[c, k] + rho * volume[c, 0] * (
+                source[c, k] + force[c, k]
+            )
 
 
 @kernel
-def add_change(begin: int, end: int, dt: float, u: Array, force: Array, change: Array) -> None:
-    """Turn the `change` (nc, m) of u in a step into H: the new velocity without what `force` gave it."""
+def add_change(
+    begin: int, end: int, dt: float, u: Array, force: Array, change: Array
+) -> None:
+    """Turn the `change` (nc, m) of u in a step into H: the new velocity without what
+    `force` gave it.
+    """
     for k in range(u.shape[1]):
         for c in range(np.uint64(begin), np.uint64(end)):
             change[c, k] = u[c, k] + change[c, k] - dt * force[c, k]
@@ -127,23 +149,43 @@ def add_change(begin: int, end: int, dt: float, u: Array, force: Array, change: 
 
 @kernel
 def advance_subcycle(
-    begin: int, end: int, part: float, n: int, now: Array, rhs: Array, volume: Array, given: Accelerations
+    begin: int,
+    end: int,
+    part: float,
+    n: int,
+    now: Array,
+    rhs: Array,
+    volume: Array,
+    given: Accelerations,
 ) -> None:
-    """Set `now` (nc, dim), the velocity at the start of the step, to that after `n` subcycles of `part` [s].
+    """Set `now` (nc, dim), the velocity at the start of the step, to that after `n`
+    subcycles of `part` [s].
 
-    rhs (nc, dim) is the sum of their convection. The last forces go along, so that a steady flow stays as it is.
+    rhs (nc, dim) is the sum of their convection. The last forces go along, so that a
+    steady flow stays as it is.
     """
     source, force = given.source, given.force
     for k in range(now.shape[1]):
         for c in range(np.uint64(begin), np.uint64(end)):
-            now[c, k] += part * (rhs[c, k] / volume[c, 0] + n * (source[c, k] + force[c, k]))
+            now[c, k] += part * (
+                rhs[c, k] / volume[c, 0] + n * (source[c, k] + force[c, k])
+            )
 
 
-def convect_in_subcycles(one: Phase, field: Reconstruction, dt: float, volume: Array, out: Array, model: Model) -> None:
-    """Set `out` (nc, dim) [m3/s times u] to the mean convection of the subcycles of a step.
+def convect_in_subcycles(
+    one: Phase,
+    field: Reconstruction,
+    dt: float,
+    volume: Array,
+    out: Array,
+    model: Model,
+) -> None:
+    """Set `out` (nc, dim) [m3/s times u] to the mean convection of the subcycles of a
+    step.
 
-    The velocity of each subcycle is reconstructed anew. `volume` (nc, 1) [m3] is that of the phase, times its relative
-    density; `field` is the velocity at the start, without a half step.
+    The velocity of each subcycle is reconstructed anew. `volume` (nc, 1) [m3] is that
+    of the phase, times its relative density; `field` is the velocity at the start,
+    without a half step.
     """
     part, out[:] = dt / one.subcycles, 0.0
     given = Accelerations(one.rate, one.source, one.force)
@@ -163,15 +205,42 @@ def convect_in_subcycles(one: Phase, field: Reconstruction, dt: float, volume: A
 
 @phase("momentum")
 def predict(
-    state: State, moved: Moved, gas_flux: Array, properties: Properties, energy: Energy | None, dt: float, model: Model
+    state: State,
+    moved: Moved,
+    gas_flux: Array,
+    properties: Properties,
+    energy: Energy | None,
+    dt: float,
+    model: Model,
 ) -> tuple[Predicted, Predicted]:
-    """Gas and solids after convection and stress, without pressure, drag and gravity."""
-    materials, edge, r, eps_s = model.materials, model.edge, properties.rheology, moved.eps_s
+    """Gas and solids after convection and stress, without pressure, drag and
+    gravity.
+    """
+    materials, edge, r, eps_s = (
+        model.materials,
+        model.edge,
+        properties.rheology,
+        moved.eps_s,
+    )
     mu_solid, slip = r.mu + properties.mu_friction, np.empty(len(model.boundary_cells))
-    particles = Particles(materials.rho_solid, materials.eps_max, eps_s, state.theta, r.g0)
-    wall_slip(model.grid.geometry, edge, particles, mu_solid, r.p_friction, state.u_solid, slip)
+    particles = Particles(
+        materials.rho_solid, materials.eps_max, eps_s, state.theta, r.g0
+    )
+    wall_slip(
+        model.grid.geometry,
+        edge,
+        particles,
+        mu_solid,
+        r.p_friction,
+        state.u_solid,
+        slip,
+    )
     halo = model.grid.halo
-    crossed = dt * halo.max(float(state.fluxes.outflow_gas[halo.cells].max())) / SUBCYCLE_COURANT
+    crossed = (
+        dt
+        * halo.max(float(state.fluxes.outflow_gas[halo.cells].max()))
+        / SUBCYCLE_COURANT
+    )
     gas = Phase(
         "u_gas",
         materials.rho_gas,
@@ -202,8 +271,13 @@ def predict(
         model.sources.force_solid,
         moved.upwind_cells,
     )
-    predicted_gas, predicted_solid = _advance(gas, state, dt, model), _advance(solid, state, dt, model)
-    model.kernels.add_compaction_velocity(moved.compaction_velocity, materials.eps_max, eps_s, predicted_solid.h)
+    predicted_gas, predicted_solid = (
+        _advance(gas, state, dt, model),
+        _advance(solid, state, dt, model),
+    )
+    model.kernels.add_compaction_velocity(
+        moved.compaction_velocity, materials.eps_max, eps_s, predicted_solid.h
+    )
     halo.exchange(predicted_solid.h)
     return predicted_gas, predicted_solid
 
@@ -220,23 +294,42 @@ def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
     field = Reconstruction(u, grad, u, given, one.first_order, model.options.limited)
     convect_in_subcycles(one, field, dt, volume, system.rhs, model)
     convected = np.empty_like(u)
-    # with the last forces the change vanishes in a steady state, which the implicit part then leaves alone
-    parallel(add_forces, len(u), dt, one.rho, volume, (one.source, one.force), system, convected)
+    # with the last forces the change vanishes in a steady state, which the implicit
+    # part then leaves alone
+    parallel(
+        add_forces,
+        len(u),
+        dt,
+        one.rho,
+        volume,
+        (one.source, one.force),
+        system,
+        convected,
+    )
     work, motion = np.zeros(len(eps)), Motion(u, grad, given, one.slip)
     model.kernels.add_stress(side, one.fluid, motion, system, work)
     if model.grid.axisymmetric:
         add_hoop_stress(g, one.fluid, motion, system, work)
     change = solve_system(state, one.name, system, model)
-    at_walls = side.u[:, -1] - (u[model.boundary_cells, -1] + change[model.boundary_cells, -1])
-    own, forces = model.grid.halo.edges, system.coef[model.grid.interior :, -1] * at_walls
-    (wall_force,) = model.grid.halo.sum(float(np.sum(forces[own], where=(side.kind == boundary.WALL)[own])))
+    at_walls = side.u[:, -1] - (
+        u[model.boundary_cells, -1] + change[model.boundary_cells, -1]
+    )
+    own, forces = (
+        model.grid.halo.edges,
+        system.coef[model.grid.interior :, -1] * at_walls,
+    )
+    (wall_force,) = model.grid.halo.sum(
+        float(np.sum(forces[own], where=(side.kind == boundary.WALL)[own]))
+    )
     parallel(add_change, len(u), dt, u, one.force, change)
     return Predicted(change, grad, convected, work, one.slip, wall_force)
 
 
 @phase("reconstruction")
 def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
-    """Cell velocities by least squares from the normal velocities of faces, plus the remainder of H that these lose."""
+    """Cell velocities by least squares from the normal velocities of faces, plus the
+    remainder of H that these lose.
+    """
     g, faces = model.grid.geometry, projection.faces
     cells, velocities = projection.cells, projection.velocities
     h_gas, h_solid, s = velocities.h_gas, velocities.h_solid, cells.eps_s
@@ -244,10 +337,24 @@ def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
     gathered = Gathered(*(np.empty_like(h_gas) for _ in Gathered._fields))
     model.kernels.gather(faces, s, grad_gas, grad_solid, gathered)
     model.grid.halo.exchange(*gathered)
-    force_gas, force_solid, residual = np.empty_like(h_gas), np.empty_like(h_solid), np.empty(len(g.left))
+    force_gas, force_solid, residual = (
+        np.empty_like(h_gas),
+        np.empty_like(h_solid),
+        np.empty(len(g.left)),
+    )
     if g.skewed:
-        # second pass, exact for linear fields: corrected with the gradients of H and of the first result
-        parallel(add_reconstruction_remainder, len(s), dt, cells, velocities, gathered, force_gas, force_solid)
+        # second pass, exact for linear fields: corrected with the gradients of H and of
+        # the first result
+        parallel(
+            add_reconstruction_remainder,
+            len(s),
+            dt,
+            cells,
+            velocities,
+            gathered,
+            force_gas,
+            force_solid,
+        )
         change_gas = zero_slope_gradient(gathered.gas - h_gas, None, model)
         change_solid = zero_slope_gradient(gathered.solid - h_solid, s, model)
         gather_gas(g, faces, grad_gas + change_gas, grad_gas, True, gathered)
@@ -255,5 +362,14 @@ def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
         model.grid.halo.exchange(*gathered)
         grad_gas = grad_gas + zero_slope_gradient(gathered.gas - h_gas, None, model)
     model.kernels.face_residual(model.edge, faces.gas, gathered.gas, grad_gas, residual)
-    parallel(add_reconstruction_remainder, len(s), dt, cells, velocities, gathered, force_gas, force_solid)
+    parallel(
+        add_reconstruction_remainder,
+        len(s),
+        dt,
+        cells,
+        velocities,
+        gathered,
+        force_gas,
+        force_solid,
+    )
     return Velocity(gathered.gas, gathered.solid, force_gas, force_solid, residual)

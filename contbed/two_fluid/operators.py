@@ -1,4 +1,6 @@
-"""Gradients of fields, and their change in half a step, by the kernels that suit the grid."""
+"""Gradients of fields, and their change in half a step, by the kernels that suit the
+grid.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,9 @@ from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.model import Model
 
 
-def gradient(model: Model, values: Array, edge: Array, eps_s: Array | None = None) -> Array:
+def gradient(
+    model: Model, values: Array, edge: Array, eps_s: Array | None = None
+) -> Array:
     """Gradients (nc, m, dim) of `values` (nc, m) with boundary values `edge` (nb, m).
 
     Of a field of the particles with their fraction eps_s (nc,).
@@ -23,8 +27,12 @@ def gradient(model: Model, values: Array, edge: Array, eps_s: Array | None = Non
     return out
 
 
-def predictor_half_step(model: Model, dt: float, u: Array, grad: Array, carrier: Array, rate: Array) -> Array:
-    """Change (nc, m) of u in half a step, convected by `carrier` (nc, dim), with its `rate` without convection."""
+def predictor_half_step(
+    model: Model, dt: float, u: Array, grad: Array, carrier: Array, rate: Array
+) -> Array:
+    """Change (nc, m) of u in half a step, convected by `carrier` (nc, dim), with its
+    `rate` without convection.
+    """
     out = np.empty_like(u)
     model.kernels.predictor_half_step(dt, u, grad, carrier, rate, out)
     return out

@@ -1,4 +1,6 @@
-"""Where the steps of a bed are computed: on this process, unless `contbed.ranks` shares the bed among several."""
+"""Where the steps of a bed are computed: on this process, unless `contbed.ranks`
+shares the bed among several.
+"""
 
 from __future__ import annotations
 
@@ -22,26 +24,45 @@ from contbed.two_fluid.simulation import Simulation
 class Place:
     """One process, which has the whole grid."""
 
-    def grid(self, scene: TwoFluidScene, mesh: Mesh, pairs: Sequence[tuple[str, str]]) -> tuple[Grid, Place]:
-        """Return the grid of a mesh with pairs of periodic boundaries, and the place that computes on it."""
+    def grid(
+        self, scene: TwoFluidScene, mesh: Mesh, pairs: Sequence[tuple[str, str]]
+    ) -> tuple[Grid, Place]:
+        """Return the grid of a mesh with pairs of periodic boundaries, and the place
+        that computes on it.
+        """
         return build(mesh, pairs), self
 
     def described(self, cells: Grid) -> list[tuple[str, str]]:
         """Return what solves for the pressure, and on how many cores."""
-        how = "elimination" if uses_elimination(cells) else "conjugate gradients with multigrid"
-        return [("pressure", f"{how}, band of {cells.bandwidth} cells"), ("threads", _threads(cells))]
+        how = (
+            "elimination"
+            if uses_elimination(cells)
+            else "conjugate gradients with multigrid"
+        )
+        return [
+            ("pressure", f"{how}, band of {cells.bandwidth} cells"),
+            ("threads", _threads(cells)),
+        ]
 
     def simulation(
-        self, model: Model, scene: TwoFluidScene, particles: ParticleProperties, counts: GuardCounts
+        self,
+        model: Model,
+        scene: TwoFluidScene,
+        particles: ParticleProperties,
+        counts: GuardCounts,
     ) -> Simulation:
-        """Return the bed of a model; `counts` get how often limits of its closures acted."""
+        """Return the bed of a model; `counts` get how often limits of its closures
+        acted.
+        """
         return Simulation(model)
 
     def averages(self, bed: Simulation, start: float, end: float) -> Averages:
         """Return averages of a bed from `start` to `end` [s]."""
         return Averages(start, end, momentum=momentum_budget.momentum(bed))
 
-    def write(self, path: Path, mesh: skfem.Mesh, bed: Simulation, averages: Averages | None) -> str:
+    def write(
+        self, path: Path, mesh: skfem.Mesh, bed: Simulation, averages: Averages | None
+    ) -> str:
         """Write the fields of a bed; return the name of the file to open."""
         return files.write(path, mesh, bed, averages)
 
@@ -51,9 +72,15 @@ ONE_PROCESS = Place()
 
 def _threads(cells: Grid) -> str:
     """Return on how many cores a step is computed, and why."""
-    count, allowed, number = len(cells.cells), threads.count(), threads.count(len(cells.cells))
+    count, allowed, number = (
+        len(cells.cells),
+        threads.count(),
+        threads.count(len(cells.cells)),
+    )
     if not cells.rectangular:
-        return "1: the mesh is not a rectangular grid, whose rows are shared among cores"
+        return (
+            "1: the mesh is not a rectangular grid, whose rows are shared among cores"
+        )
     if number == 1:
         why = (
             "one core is allowed"
@@ -61,5 +88,9 @@ def _threads(cells: Grid) -> str:
             else f"below {2 * threads.LEAST} cells, sharing costs more than it saves"
         )
         return f"1: {why}"
-    few = f", {allowed} are allowed: each takes at least {threads.LEAST} cells" if number < allowed else ""
+    few = (
+        f", {allowed} are allowed: each takes at least {threads.LEAST} cells"
+        if number < allowed
+        else ""
+    )
     return f"{number}, each takes {count // number} cells{few}"

@@ -14,7 +14,14 @@ from contbed.mesh.mesh import Mesh
 from contbed.plan_text import plan_text
 from contbed.scene.mesh import MeshFile
 from contbed.solvers.memory import MemoryPerUnknown
-from contbed.two_fluid import boundary, closure_kernels, filters, near_walls, probes, warnings
+from contbed.two_fluid import (
+    boundary,
+    closure_kernels,
+    filters,
+    near_walls,
+    probes,
+    warnings,
+)
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, bound, dissipative_restitution
 from contbed.two_fluid.conditions import Initial, Inlet, Layer, Outlet, Periodic, Wall
@@ -23,8 +30,10 @@ from contbed.two_fluid.model import Materials, Options, build_model
 from contbed.two_fluid.place import ONE_PROCESS, Place
 from contbed.two_fluid.simulation import Simulation
 
-MEMORY = MemoryPerUnknown(400.0)  # bytes for each unknown: 200 in 800 000 of a plane, up to 600 in 140 000 of a volume
-# s of CPU per cell and step in 1-D, 2-D and 3-D, of beds of some 10 000 cells, on rectangular grids and on any mesh
+# bytes for each unknown: 200 in 800 000 of a plane, up to 600 in 140 000 of a volume
+MEMORY = MemoryPerUnknown(400.0)
+# s of CPU per cell and step in 1-D, 2-D and 3-D, of beds of some 10 000 cells, on
+# rectangular grids and on any mesh
 STEP_COST_IN_ROWS, STEP_COST = (5e-7, 9e-7, 1.3e-6), (5e-7, 1.2e-6, 3e-6)
 
 
@@ -41,10 +50,13 @@ class TwoFluidPlan:
     warnings: tuple[str, ...] = ()
     steps: bool = True
     policy: MemoryPerUnknown = MEMORY
-    place: Place = ONE_PROCESS  # of several ranks, `grid` is the outline of a grid of which each has its part
+    # of several ranks, `grid` is the outline of a grid of which each has its part
+    place: Place = ONE_PROCESS
 
     def unknowns(self) -> dict[str, int]:
-        """Count unknowns: fraction, pressure, granular temperature and two velocities in each cell."""
+        """Count unknowns: fraction, pressure, granular temperature and two
+        velocities in each cell.
+        """
         theta = self.scene.two_fluid.granular_temperature != "frozen"
         cells = len(self.grid.cells)
         flow = {"flow": cells * (2 + theta + 2 * self.grid.dimension)}
@@ -72,10 +84,16 @@ class TwoFluidPlan:
             from contbed.two_fluid.heat.model import build_heat
 
             thermal = heat_planning.thermal(parts(scene))
-            heat = build_heat(self.grid, heat_planning.physics(scene, compiled.bound), thermal)
+            heat = build_heat(
+                self.grid, heat_planning.physics(scene, compiled.bound), thermal
+            )
         boundaries = conditions(scene, self.grid)
-        closures = near_walls.corrected(compiled.closures, compiled.bound, scene, self.grid)
-        model = build_model(self.grid, materials, closures, boundaries, _options(scene), heat)
+        closures = near_walls.corrected(
+            compiled.closures, compiled.bound, scene, self.grid
+        )
+        model = build_model(
+            self.grid, materials, closures, boundaries, _options(scene), heat
+        )
         bed = self.place.simulation(model, scene, particles, compiled.counts)
         bed.start(**initial(scene, self.grid))
         return bed, compiled
@@ -98,25 +116,49 @@ def plan(scene: t.TwoFluidScene, place: Place = ONE_PROCESS) -> TwoFluidPlan:
     for name in cells.boundaries:
         if name not in known:
             where = scene.origin.at(("boundary",))
-            raise SceneError(f"{where}: boundary.{name}: missing; every side needs a condition")
+            raise SceneError(
+                f"{where}: boundary.{name}: missing; every side needs a condition"
+            )
     table, chosen = scene.two_fluid, scene.closures
-    cost = (STEP_COST_IN_ROWS if cells.rectangular else STEP_COST)[cells.dimension - 1] * len(cells.cells)
+    cost = (STEP_COST_IN_ROWS if cells.rectangular else STEP_COST)[
+        cells.dimension - 1
+    ] * len(cells.cells)
     built = [("cells", f"{len(cells.cells)}, about {cost * 1e3:.2g} ms a step")]
     built += place.described(cells)
     skipped: list[tuple[str, str]] = []
     for there, what, how, why in (
         (chosen.drag != ABSENT, "drag", str(chosen.drag), 'drag = "none"'),
-        (table.granular_temperature != "frozen", "granular temperature", table.granular_temperature, "frozen"),
+        (
+            table.granular_temperature != "frozen",
+            "granular temperature",
+            table.granular_temperature,
+            "frozen",
+        ),
         (
             chosen.granular_viscosity != ABSENT,
             "stress of the particles",
             str(chosen.granular_viscosity),
             'granular_viscosity = "none"',
         ),
-        (chosen.friction_pressure != ABSENT, "friction", chosen.friction_pressure, 'friction_pressure = "none"'),
-        (chosen.wall_drag != ABSENT, "drag near walls", chosen.wall_drag, 'wall_drag = "none"'),
+        (
+            chosen.friction_pressure != ABSENT,
+            "friction",
+            chosen.friction_pressure,
+            'friction_pressure = "none"',
+        ),
+        (
+            chosen.wall_drag != ABSENT,
+            "drag near walls",
+            chosen.wall_drag,
+            'wall_drag = "none"',
+        ),
         (table.guards, "guards of dilute flow", "drag and free path", "guards = false"),
-        (scene.time.average_from is not None, "averages", "in time", "no time.average_from"),
+        (
+            scene.time.average_from is not None,
+            "averages",
+            "in time",
+            "no time.average_from",
+        ),
     ):
         (built if there else skipped).append((what, how if there else why))
     built += filters.described(scene, cells)
@@ -127,31 +169,58 @@ def plan(scene: t.TwoFluidScene, place: Place = ONE_PROCESS) -> TwoFluidPlan:
 
         built.append(("heat", heat_planning.described(scene)))
     if scene.output.window is not None and cells.dimension > 1:
-        skipped.append(("fully developed flow", "[developed_flow] gives profiles far from the inlet in a second"))
+        skipped.append(
+            (
+                "fully developed flow",
+                "[developed_flow] gives profiles far from the inlet in a second",
+            )
+        )
     points = probes.cells(mesh, cells, scene.output.probes)
     seldom_meant = warnings.of_the_mesh(scene, mesh, cells)
-    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points, seldom_meant, place=place)
+    return TwoFluidPlan(
+        scene,
+        mesh,
+        cells,
+        tuple(built),
+        tuple(skipped),
+        points,
+        seldom_meant,
+        place=place,
+    )
 
 
 def _pairs(scene: t.TwoFluidScene) -> list[tuple[str, str]]:
     """Return the pairs of periodic boundaries."""
-    return [(name, part.partner) for name, part in scene.boundary.items() if isinstance(part, Periodic)]
+    return [
+        (name, part.partner)
+        for name, part in scene.boundary.items()
+        if isinstance(part, Periodic)
+    ]
 
 
 def _require_resolved(scene: t.TwoFluidScene, mesh: Mesh, cells: grid.Grid) -> None:
-    """Check that the mesh resolves the layers and the window, and has room for particles.
+    """Check that the mesh resolves the layers and the window, and has room for
+    particles.
 
     Raises
     ------
-    SceneError : one cell, a layer or a window without a cell, particles as large as the vessel
+    SceneError : one cell, a layer or a window without a cell, particles as large as the
+        vessel
     """
     height, points = cells.centres[:, -1], mesh.skfem.p
     problems: list[tuple[tuple[str | int, ...], str]] = []
     if len(height) == 1:
-        problems.append((("mesh",), "one cell has no neighbour to exchange anything with"))
+        problems.append(
+            (("mesh",), "one cell has no neighbour to exchange anything with")
+        )
     if (width := float(np.ptp(points, axis=1).min())) <= scene.solid.diameter:
         (name,) = scene.solids
-        problems.append((("solids", name, "diameter"), f"no smaller than the vessel, which is {width:.4g} m wide"))
+        problems.append(
+            (
+                ("solids", name, "diameter"),
+                f"no smaller than the vessel, which is {width:.4g} m wide",
+            )
+        )
     slices: list[tuple[tuple[str | int, ...], Any]] = [
         (("initial", "layer", k), layer) for k, layer in enumerate(scene.initial.layer)
     ]
@@ -160,31 +229,52 @@ def _require_resolved(scene: t.TwoFluidScene, mesh: Mesh, cells: grid.Grid) -> N
     for where, part in slices:
         if not ((height >= part.start) & (height < part.end)).any():
             reach = f"{points[-1].min():.6g} to {points[-1].max():.6g} m"
-            text = f"holds no cell of the mesh, which reaches from {reach} with centres from {height.min():.6g} m"
-            problems.append((where, f"{text} to {height.max():.6g} m; widen it or refine the mesh"))
+            text = (
+                f"holds no cell of the mesh, which reaches from {reach} with "
+                f"centres from {height.min():.6g} m"
+            )
+            problems.append(
+                (where, f"{text} to {height.max():.6g} m; widen it or refine the mesh")
+            )
     if problems:
-        raise SceneError([f"{scene.origin.at(where)}: {'.'.join(map(str, where))}: {text}" for where, text in problems])
+        raise SceneError(
+            [
+                f"{scene.origin.at(where)}: {'.'.join(map(str, where))}: {text}"
+                for where, text in problems
+            ]
+        )
 
 
 def parts(scene: t.TwoFluidScene, time: float = 0.0) -> dict[str, Any]:
     """Return the boundaries that are in force from `time` [s] on."""
     return {
-        name: scene.boundary[part.on or name] if 0.0 < (getattr(part, "until", None) or 0.0) <= time else part
+        name: scene.boundary[part.on or name]
+        if 0.0 < (getattr(part, "until", None) or 0.0) <= time
+        else part
         for name, part in scene.boundary.items()
         if not isinstance(part, Periodic)
     }
 
 
-def conditions(scene: t.TwoFluidScene, cells: grid.Grid, time: float = 0.0) -> dict[str, boundary.Condition]:
+def conditions(
+    scene: t.TwoFluidScene, cells: grid.Grid, time: float = 0.0
+) -> dict[str, boundary.Condition]:
     """Condition of each boundary from `time` [s] on."""
     found = {name: _condition(part) for name, part in parts(scene, time).items()}
-    return found if "axis" not in cells.boundaries else {"axis": boundary.symmetry(), **found}
+    return (
+        found
+        if "axis" not in cells.boundaries
+        else {"axis": boundary.symmetry(), **found}
+    )
 
 
 def initial(scene: t.TwoFluidScene, cells: grid.Grid) -> dict[str, np.ndarray]:
     """Fields at the start; the pressure carries the weight above."""
     start, height = scene.initial, cells.centres[:, -1]
-    scalars = {name: np.full(len(height), value) for name, value in _flow_at_start(start).items()}
+    scalars = {
+        name: np.full(len(height), value)
+        for name, value in _flow_at_start(start).items()
+    }
     for layer in start.layer:
         inside = (height >= layer.start) & (height < layer.end)
         for name, value in _flow_at_start(layer).items():
@@ -198,7 +288,9 @@ def initial(scene: t.TwoFluidScene, cells: grid.Grid) -> dict[str, np.ndarray]:
         fields[name] = np.zeros((len(height), cells.dimension))
         fields[name][:, -1] = scalars[name]
     if start.shear:
-        fields["u_solid"][:, 0] += start.shear * (height - 0.5 * (height.min() + height.max()))
+        fields["u_solid"][:, 0] += start.shear * (
+            height - 0.5 * (height.min() + height.max())
+        )
     if scene.heat is not None:
         from contbed.two_fluid.heat import plan as heat_planning
 
@@ -224,24 +316,48 @@ def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
     for name, part in scene.boundary.items():
         whole = getattr(part, "on", None)
         if whole is None:
-            for key, wanted in (("type", name), ("partner", getattr(part, "partner", name))):
+            for key, wanted in (
+                ("type", name),
+                ("partner", getattr(part, "partner", name)),
+            ):
                 if wanted not in named:
-                    where, known = scene.origin.at(("boundary", name, key)), ", ".join(named)
-                    raise SceneError(f"{where}: boundary.{name}: the mesh has no {wanted!r}, only {known}")
+                    where, known = (
+                        scene.origin.at(("boundary", name, key)),
+                        ", ".join(named),
+                    )
+                    raise SceneError(
+                        f"{where}: boundary.{name}: the mesh has no {wanted!r}, only "
+                        f"{known}"
+                    )
             continue
         if whole not in named:
-            raise SceneError(f"{scene.origin.at(('boundary', name, 'on'))}: boundary.{name}.on: no boundary {whole!r}")
+            raise SceneError(
+                f"{scene.origin.at(('boundary', name, 'on'))}: boundary.{name}.on: no "
+                f"boundary {whole!r}"
+            )
         middle = plain.p[:, plain.facets[:, named[whole]]].mean(axis=1)
         axis = 0 if np.ptp(middle[-1]) <= 1e-9 * np.ptp(plain.p[-1]) else -1
         inside = (middle[axis] > part.start) & (middle[axis] < part.end)  # type: ignore[union-attr]
         if not inside.any() or inside.all():
-            low, high = (f(plain.p[axis, plain.facets[:, named[whole]]]) for f in (np.min, np.max))
-            found = f"holds {'all faces' if inside.any() else 'no face'} of {whole!r}, which reaches from {low:.6g} m"
+            low, high = (
+                f(plain.p[axis, plain.facets[:, named[whole]]])
+                for f in (np.min, np.max)
+            )
+            found = (
+                f"holds {'all faces' if inside.any() else 'no face'} of {whole!r}, "
+                f"which reaches from {low:.6g} m"
+            )
             found = f"boundary.{name}: {found} to {high:.6g} m with {len(inside)} faces"
-            raise SceneError(f"{scene.origin.at(('boundary', name))}: {found}; refine the mesh or change start and end")
+            raise SceneError(
+                f"{scene.origin.at(('boundary', name))}: {found}; refine the mesh or "
+                "change start and end"
+            )
         named[name], named[whole] = named[whole][inside], named[whole][~inside]
     if isinstance(scene.mesh, MeshFile) and not named:
-        raise SceneError(f"{scene.origin.at(('mesh', 'file'))}: mesh.file: the mesh names no boundaries")
+        raise SceneError(
+            f"{scene.origin.at(('mesh', 'file'))}: mesh.file: the mesh names no "
+            "boundaries"
+        )
     return replace(mesh, skfem=renamed(plain, _boundaries=named))
 
 
@@ -265,7 +381,11 @@ def _condition(part: Any) -> boundary.Condition:
             entering.velocity or 0.0,
             entering.granular_temperature,
         )
-    return boundary.Outlet(part.gas.pressure) if isinstance(part, Outlet) else boundary.symmetry()
+    return (
+        boundary.Outlet(part.gas.pressure)
+        if isinstance(part, Outlet)
+        else boundary.symmetry()
+    )
 
 
 def _particles(scene: t.TwoFluidScene) -> closure_kernels.ParticleProperties:

@@ -1,4 +1,6 @@
-"""What a two-fluid run cannot have found: speeds, pressures and temperatures beyond all that its scene gives."""
+"""What a two-fluid run cannot have found: speeds, pressures and temperatures beyond
+all that its scene gives.
+"""
 
 from __future__ import annotations
 
@@ -17,46 +19,84 @@ if TYPE_CHECKING:
     from contbed.two_fluid.simulation import Simulation
 
 DOUBTED, REFUSED = 1.5, 10.0  # factors on a bound beyond which a run warns, and fails
-EXPANSION = 3.0  # speed of particles that expand into an empty space, over the root of their granular temperature
-REMEDY = "the run is not stable: leave out time.step or lower it, lower time.courant, or refine the mesh"
+# speed of particles that expand into an empty space, over the root of their granular
+# temperature
+EXPANSION = 3.0
+REMEDY = (
+    "the run is not stable: leave out time.step or lower it, lower time.courant, "
+    "or refine the mesh"
+)
 
 
 def largest_speed(scene: t.TwoFluidScene, bed: Simulation) -> float:
     """Return a bound of the speed of particles [m/s].
 
-    It is the sum of free fall from the height of the vessel, the speed of what enters between particles, that of the
-    start and of moving walls, that of particles which expand by their granular temperature, and that of gas which a
-    difference of the pressures outside drives.
+    It is the sum of free fall from the height of the vessel, the speed of what enters
+    between particles, that of the start and of moving walls, that of particles which
+    expand by their granular temperature, and that of gas which a difference of the
+    pressures outside drives.
     """
     grid, edge, start = bed.model.grid, bed.model.edge, scene.initial
     parts = scene.boundary.values()
     inlets = [part for part in parts if isinstance(part, Inlet)]
     height = float(np.ptp(grid.centres[:, -1]))
-    blown = max((part.gas.velocity for part in inlets), default=0.0) / (1.0 - scene.solid.packing_limit)
+    blown = max((part.gas.velocity for part in inlets), default=0.0) / (
+        1.0 - scene.solid.packing_limit
+    )
     area = grid.geometry.area[grid.interior :]
-    entered, left = (float(area[edge.gas.kind == kind].sum()) for kind in (GIVEN, OUTLET))
+    entered, left = (
+        float(area[edge.gas.kind == kind].sum()) for kind in (GIVEN, OUTLET)
+    )
     narrowing = max(1.0, entered / left) if left > 0.0 else 1.0
     entering = [part.solid for part in inlets]
-    fed = max((solid.velocity or _fed(solid, scene.solid.density) for solid in entering), default=0.0)
-    begun = max(abs(value) for part in start.parts for value in (part.gas.velocity or 0.0, part.solid.velocity or 0.0))
-    walls = max((abs(v) for part in parts if isinstance(part, Wall) for v in part.velocity), default=0.0)
+    fed = max(
+        (solid.velocity or _fed(solid, scene.solid.density) for solid in entering),
+        default=0.0,
+    )
+    begun = max(
+        abs(value)
+        for part in start.parts
+        for value in (part.gas.velocity or 0.0, part.solid.velocity or 0.0)
+    )
+    walls = max(
+        (abs(v) for part in parts if isinstance(part, Wall) for v in part.velocity),
+        default=0.0,
+    )
     at_start = (part.solid.granular_temperature or 0.0 for part in start.parts)
     theta = max(*at_start, *(solid.granular_temperature for solid in entering), 0.0)
     outside = [part.gas.pressure for part in parts if isinstance(part, Outlet)]
-    driven = (2.0 * (max(outside) - min(outside)) / scene.fluid.density) ** 0.5 if outside else 0.0
+    driven = (
+        (2.0 * (max(outside) - min(outside)) / scene.fluid.density) ** 0.5
+        if outside
+        else 0.0
+    )
     fall = (2.0 * scene.two_fluid.gravity * height) ** 0.5
-    given = narrowing * blown * _expansion(scene) + fed + begun + walls + abs(start.shear) * height
+    given = (
+        narrowing * blown * _expansion(scene)
+        + fed
+        + begun
+        + walls
+        + abs(start.shear) * height
+    )
     return float(fall + given + EXPANSION * theta**0.5 + driven)
 
 
 def _fed(solid: SolidAtInlet, density: float) -> float:
     """Speed of the particles that an inlet feeds [m/s]."""
-    return (solid.mass_flux or 0.0) / (density * solid.volume_fraction) if solid.volume_fraction > 0.0 else 0.0
+    return (
+        (solid.mass_flux or 0.0) / (density * solid.volume_fraction)
+        if solid.volume_fraction > 0.0
+        else 0.0
+    )
 
 
 def given_temperatures(scene: t.TwoFluidScene) -> list[float]:
-    """Return the temperatures [K] that the scene gives to initial fields and boundaries."""
-    walls = [part.temperature for part in scene.boundary.values() if isinstance(part, Wall)]
+    """Return the temperatures [K] that the scene gives to initial fields and
+    boundaries.
+    """
+    walls = [
+        part.temperature for part in scene.boundary.values() if isinstance(part, Wall)
+    ]
     streams = [part for part in scene.boundary.values() if isinstance(part, Inlet)]
     values = list(walls)
     for part in (*scene.initial.parts, *streams):
@@ -71,18 +111,28 @@ def _expansion(scene: t.TwoFluidScene) -> float:
     return max(given) / min(given) if given and expands else 1.0
 
 
-def largest_pressure_drop(scene: t.TwoFluidScene, bed: Simulation, speed: float) -> float:
+def largest_pressure_drop(
+    scene: t.TwoFluidScene, bed: Simulation, speed: float
+) -> float:
     """Return a bound of the pressure drop [Pa] that a flow keeps up.
 
-    It is the weight of both phases, the dynamic pressure, friction of the gas on the walls and what outlets give.
+    It is the weight of both phases, the dynamic pressure, friction of the gas on the
+    walls and what outlets give.
     """
     grid, materials = bed.model.grid, bed.model.materials
     height, volume = float(np.ptp(grid.middles[:, -1])), grid.geometry.volume
     solids = float(bed.state.eps_s @ volume / volume.sum()) * materials.rho_solid
     weight = (solids + materials.rho_gas) * scene.two_fluid.gravity * height
-    width = min((float(np.ptp(grid.middles[:, k])) for k in range(grid.dimension - 1)), default=np.inf)
+    width = min(
+        (float(np.ptp(grid.middles[:, k])) for k in range(grid.dimension - 1)),
+        default=np.inf,
+    )
     friction = 12.0 * materials.mu_gas * speed * height / width**2
-    outside = [part.gas.pressure for part in scene.boundary.values() if isinstance(part, Outlet)]
+    outside = [
+        part.gas.pressure
+        for part in scene.boundary.values()
+        if isinstance(part, Outlet)
+    ]
     driven = max(outside) - min(outside) if outside else 0.0
     return weight + 0.5 * (solids + materials.rho_gas) * speed**2 + friction + driven
 
@@ -92,35 +142,53 @@ def require_possible(scene: t.TwoFluidScene, bed: Simulation, speed: float) -> N
 
     Raises
     ------
-    ConvergenceError : particles far faster than `speed` [m/s], or temperatures that nothing in the scene can give
+    ConvergenceError : particles far faster than `speed` [m/s], or temperatures that
+        nothing in the scene can give
     """
     from contbed.two_fluid.results import fastest
 
     now = f"t = {bed.state.time:.6g} s, step {bed.state.steps}"
     if (found := fastest(bed)) > REFUSED * speed:
-        text = f"particles of {found:.3g} m/s, while free fall and what enters give at most about {speed:.3g} m/s"
+        text = (
+            f"particles of {found:.3g} m/s, while free fall and what enters give at "
+            f"most about {speed:.3g} m/s"
+        )
         raise ConvergenceError(f"{now}: {text}; {REMEDY}")
     if bed.state.energy is None or scene.heat is None:
         return
     low, high = _temperature_bounds(scene)
     there = bed.state.eps_s > 1e-6
-    for name, values in (("T_gas", bed.state.energy.T_gas), ("T_solid", bed.state.energy.T_solid[there])):
+    for name, values in (
+        ("T_gas", bed.state.energy.T_gas),
+        ("T_solid", bed.state.energy.T_solid[there]),
+    ):
         if len(values) and not (values.min() >= low and values.max() <= high):
-            text = f"{name} from {values.min():.5g} to {values.max():.5g} K, possible are {low:.5g} to {high:.5g} K"
-            raise ConvergenceError(f"{now}: {text}; look at heat_flux of walls, or: {REMEDY}")
+            text = (
+                f"{name} from {values.min():.5g} to {values.max():.5g} K, possible "
+                f"are {low:.5g} to {high:.5g} K"
+            )
+            raise ConvergenceError(
+                f"{now}: {text}; look at heat_flux of walls, or: {REMEDY}"
+            )
 
 
 def _temperature_bounds(scene: t.TwoFluidScene) -> tuple[float, float]:
-    """Temperatures [K] that nothing in the scene can pass: those given and their span; with sources any above 0 K."""
+    """Temperatures [K] that nothing in the scene can pass: those given and their
+    span; with sources any above 0 K.
+    """
     given = given_temperatures(scene)
-    sources = any(isinstance(part, Wall) and part.heat_flux for part in scene.boundary.values())
+    sources = any(
+        isinstance(part, Wall) and part.heat_flux for part in scene.boundary.values()
+    )
     if sources or not given:
         return 0.0, MAX_TEMPERATURE
     span = max(max(given) - min(given), 0.1 * max(given))
     return max(0.0, min(given) - span), max(given) + span
 
 
-def judge(scene: t.TwoFluidScene, bed: Simulation, rows: Mapping[str, Any], speed: float) -> list[str]:
+def judge(
+    scene: t.TwoFluidScene, bed: Simulation, rows: Mapping[str, Any], speed: float
+) -> list[str]:
     """Return warnings on what a run found.
 
     Raises
@@ -130,7 +198,10 @@ def judge(scene: t.TwoFluidScene, bed: Simulation, rows: Mapping[str, Any], spee
     found = []
     fastest = float(np.max(rows["u_solid_max [m/s]"]))
     if fastest > DOUBTED * speed:
-        text = f"particles of {fastest:.3g} m/s, while free fall and what enters give at most about {speed:.3g} m/s"
+        text = (
+            f"particles of {fastest:.3g} m/s, while free fall and what enters give "
+            f"at most about {speed:.3g} m/s"
+        )
         found.append(f"{text}; {REMEDY}")
     height = float(np.ptp(bed.model.grid.middles[:, -1]))
     # to start gas and bed needs more pressure than to keep them up
@@ -139,7 +210,10 @@ def judge(scene: t.TwoFluidScene, bed: Simulation, rows: Mapping[str, Any], spee
         drop = float(np.median(np.abs(rows["pressure_drop [Pa]"][late])))
         bound = largest_pressure_drop(scene, bed, speed)
         if drop > DOUBTED * bound:
-            text = f"a pressure drop of {drop:.4g} Pa, while weight and flow give at most about {bound:.4g} Pa"
+            text = (
+                f"a pressure drop of {drop:.4g} Pa, while weight and flow give at "
+                f"most about {bound:.4g} Pa"
+            )
             if drop > REFUSED * bound:
                 raise ConvergenceError(f"{text}; {REMEDY}")
             found.append(f"{text}; {REMEDY}")

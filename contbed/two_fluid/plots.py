@@ -1,4 +1,6 @@
-"""The picture of a two-fluid run: pressure drop over time, and profiles along and across the bed."""
+"""The picture of a two-fluid run: pressure drop over time, and profiles along and
+across the bed.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,10 @@ _PANELS = ("eps_s [1]", "u_solid [m/s]", "theta [m2/s2]")
 
 
 def two_fluid_plot(
-    path: Path | str, rows: Mapping[str, Any], tables: Mapping[str, Mapping[str, Any]], title: str = ""
+    path: Path | str,
+    rows: Mapping[str, Any],
+    tables: Mapping[str, Mapping[str, Any]],
+    title: str = "",
 ) -> None:
     """Write the picture.
 
@@ -28,13 +33,16 @@ def two_fluid_plot(
     ----------
     path : PNG file
     rows : columns over time, with "t [s]"
-    tables : "axial" and, for more than a line, "lateral", as in the files of these names; "spectrum" is left out
+    tables : "axial" and, for more than a line, "lateral", as in the files of these
+        names; "spectrum" is left out
     """
     tables = {name: table for name, table in tables.items() if name != "spectrum"}
     with styled_figure(path, 2.4 + 2.3 * len(tables), title) as figure:
         panels = figure.subplots(1 + len(tables), 3, squeeze=False)
         for axes, name in zip(
-            panels[0], ("pressure_drop [Pa]", "centre_of_solids [m]", "theta_mean [m2/s2]"), strict=True
+            panels[0],
+            ("pressure_drop [Pa]", "centre_of_solids [m]", "theta_mean [m2/s2]"),
+            strict=True,
         ):
             # the first pressure is that of fields that have not met yet
             axes.plot(rows["t [s]"][1:], rows[name][1:], color="#0072B2", linewidth=1)
@@ -53,7 +61,9 @@ def two_fluid_plot(
                         linewidth=1,
                         label="with resolved motion",
                     )
-                    axes.legend(loc="upper left", bbox_to_anchor=(0.0, 1.18), fontsize="x-small")
+                    axes.legend(
+                        loc="upper left", bbox_to_anchor=(0.0, 1.18), fontsize="x-small"
+                    )
                 axes.set(xlabel=_label(coordinate), ylabel=_label(name))
                 axes.margins(x=0)
 
@@ -65,7 +75,9 @@ def _label(header: str) -> str:
 
 
 def plot(result: Result, folder: Path) -> None:
-    """Write profiles.png, and fields.png of a plane or a box from its last file of fields."""
+    """Write profiles.png, and fields.png of a plane or a box from its last file of
+    fields.
+    """
     title = result.plan.scene.title
     two_fluid_plot(folder / "profiles.png", result.profiles, result.tables, title)
     series = folder / "fields.pvd"
@@ -76,7 +88,8 @@ def plot(result: Result, folder: Path) -> None:
 
 
 def fields_plot(path: Path, file: Path, time: float, title: str = "") -> None:
-    """Draw the solids volume fraction, and both temperatures where there are some, at the last time.
+    """Draw the solids volume fraction, and both temperatures where there are some, at
+    the last time.
 
     Cells of a box are those that its middle plane cuts.
 
@@ -89,22 +102,37 @@ def fields_plot(path: Path, file: Path, time: float, title: str = "") -> None:
     """
     stored = read_fields(file)
     corners = stored.points[stored.cells[0].data]
-    fields = {name: values[0] for name, values in stored.cell_data.items() if name in _MAPS}
+    fields = {
+        name: values[0] for name, values in stored.cell_data.items() if name in _MAPS
+    }
     extent = np.ptp(stored.points, axis=0)
     thin = int(np.argmin(extent))
     first, second = (k for k in range(3) if k != thin)
     middle = 0.5 * (stored.points[:, thin].min() + stored.points[:, thin].max())
     if extent[thin] > 0.0:
-        cut = (corners[:, :, thin].min(axis=1) <= middle) & (corners[:, :, thin].max(axis=1) > middle)
-        corners, fields = corners[cut], {name: values[cut] for name, values in fields.items()}
+        cut = (corners[:, :, thin].min(axis=1) <= middle) & (
+            corners[:, :, thin].max(axis=1) > middle
+        )
+        corners, fields = (
+            corners[cut],
+            {name: values[cut] for name, values in fields.items()},
+        )
         title = f"{title}   {'xyz'[thin]} = {middle:.4g} m".strip()
     flat = _around(corners[:, :, [first, second]])
     shown = {name: fields[name] for name in _MAPS if name in fields}
-    cell_maps(path, flat, shown, ("xyz"[first], "xyz"[second]), f"{title}   t = {time:.4g} s".strip())
+    cell_maps(
+        path,
+        flat,
+        shown,
+        ("xyz"[first], "xyz"[second]),
+        f"{title}   t = {time:.4g} s".strip(),
+    )
 
 
 def _around(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the corners of cells (cells, corners, 2) in order around the middle of each."""
+    """Return the corners of cells (cells, corners, 2) in order around the middle of
+    each.
+    """
     from_middle = corners - corners.mean(axis=1, keepdims=True)
     order = np.argsort(np.arctan2(from_middle[..., 1], from_middle[..., 0]), axis=1)
     return np.take_along_axis(corners, order[..., None], axis=1)

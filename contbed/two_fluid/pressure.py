@@ -1,4 +1,6 @@
-"""Pressure projection: face velocities without the pressure, the pressure equation, corrected fluxes."""
+"""Pressure projection: face velocities without the pressure, the pressure equation,
+corrected fluxes.
+"""
 
 from __future__ import annotations
 
@@ -29,9 +31,11 @@ from contbed.two_fluid.timing import phase
 class Projection(NamedTuple):
     """What the pressure equation gives.
 
-    p (nc,) [Pa]; faces : velocities of both phases; fluxes : `moved` is still that of the last step
+    p (nc,) [Pa]; faces : velocities of both phases; fluxes : `moved` is still that of
+    the last step
     cells, velocities, gradients : what acted in cells and on faces
-    rate_eps_s (nc, 1) [1/s] : rate of change of eps_s without convection, for the next step
+    rate_eps_s (nc, 1) [1/s] : rate of change of eps_s without convection, for the next
+    step
     """
 
     p: Array
@@ -56,16 +60,24 @@ def project(
 ) -> Projection:
     """Find forces, drag and pressure on faces.
 
-    predicted : H (nc, dim) of gas and solids, and the gradients (nc, dim, dim) of both velocities before
+    predicted : H (nc, dim) of gas and solids, and the gradients (nc, dim, dim) of both
+        velocities before
     """
-    g, kernels, edge, materials = model.grid.geometry, model.kernels, model.edge, model.materials
+    g, kernels, edge, materials = (
+        model.grid.geometry,
+        model.kernels,
+        model.edge,
+        model.materials,
+    )
     h_gas, h_solid, grad_gas, grad_solid = predicted
     kinetic = properties.rheology.pressure * state.theta
     forces, resting = state.memory.gradients, model.no_cells
     if g.skewed:
         forces, resting = force_gradients(state, kinetic, properties, forces, model)
         grad_gas = grad_gas + zero_slope_gradient(h_gas - state.u_gas, None, model)
-        grad_solid = grad_solid + zero_slope_gradient(h_solid - state.u_solid, eps_s, model)
+        grad_solid = grad_solid + zero_slope_gradient(
+            h_solid - state.u_solid, eps_s, model
+        )
     rho_gas = materials.rho_gas * density_ratio(energy) * np.ones(len(eps_s))
     friction = properties.rheology.h
     acting = properties.drag, kinetic, friction, state.p
@@ -87,11 +99,20 @@ def project(
         rhs += g.volume * energy.expansion
     kernels.assemble_pressure(edge, fractions, predictor, coef, rhs)
     p = model.pressure_solver.solve(coef, rhs, state.p)
-    faces = FaceVelocities(np.empty(nf), np.empty(nf), predictor.h_gas, predictor.h_solid, fractions.solid)
-    fluxes = Fluxes(np.empty(nf), np.empty(nf), state.fluxes.moved, np.empty_like(p), np.empty_like(p))
+    faces = FaceVelocities(
+        np.empty(nf), np.empty(nf), predictor.h_gas, predictor.h_solid, fractions.solid
+    )
+    fluxes = Fluxes(
+        np.empty(nf),
+        np.empty(nf),
+        state.fluxes.moved,
+        np.empty_like(p),
+        np.empty_like(p),
+    )
     kernels.correct_fluxes(edge, p, fractions, predictor, faces, fluxes)
     if model.closed:
-        # with the convected rate of the faces, buoyancy waves of N dt of about 1 would grow
+        # with the convected rate of the faces, buoyancy waves of N dt of about 1 would
+        # grow
         rate_eps_s = rate_eps_s - 2.0 / dt * field.half_step
     else:
         convected = np.empty_like(p)
@@ -100,39 +121,61 @@ def project(
     return Projection(p, faces, fluxes, cells, velocities, gradients, rate_eps_s)
 
 
-def _half_step_fraction(state: State, eps_s: Array, rate: Array, dt: float, model: Model) -> Reconstruction:
+def _half_step_fraction(
+    state: State, eps_s: Array, rate: Array, dt: float, model: Model
+) -> Reconstruction:
     """Solids fraction with its gradient and its change in half a step."""
     edge = model.edge
     column, nb = eps_s.reshape(-1, 1), len(model.boundary_cells)
-    given = np.where(edge.solid.kind == boundary.GIVEN, edge.eps_s, eps_s[model.boundary_cells]).reshape(nb, 1)
+    given = np.where(
+        edge.solid.kind == boundary.GIVEN, edge.eps_s, eps_s[model.boundary_cells]
+    ).reshape(nb, 1)
     grad = gradient(model, column, given)
     half_step = predictor_half_step(model, dt, column, grad, state.u_solid, rate)
-    return Reconstruction(column, grad, half_step, given, model.no_cells, model.options.limited)
+    return Reconstruction(
+        column, grad, half_step, given, model.no_cells, model.options.limited
+    )
 
 
 def zero_slope_gradient(u: Array, eps_s: Array | None, model: Model) -> Array:
-    """Gradient (nc, dim, dim) of u (nc, dim) with the values of the cells at boundaries; of the solids with `eps_s`."""
+    """Gradient (nc, dim, dim) of u (nc, dim) with the values of the cells at
+    boundaries; of the solids with `eps_s`.
+    """
     return gradient(model, u, u[model.boundary_cells], eps_s)
 
 
 def force_gradients(
-    state: State, kinetic: Array, properties: Properties, last: ForceGradients, model: Model
+    state: State,
+    kinetic: Array,
+    properties: Properties,
+    last: ForceGradients,
+    model: Model,
 ) -> tuple[ForceGradients, Flags]:
-    """Gradients of p [Pa], kinetic pressure and potential at rest [m2/s2], for skewed grids; cells at rest.
+    """Gradients of p [Pa], kinetic pressure and potential at rest [m2/s2], for skewed
+    grids; cells at rest.
 
-    The `last` gradients extend p and kinetic pressure to the walls. Drag acts on particles at rest as in the last step.
+    The `last` gradients extend p and kinetic pressure to the walls. Drag acts on
+    particles at rest as in the last step.
     """
     g, edge, cells, p = model.grid.geometry, model.edge, model.boundary_cells, state.p
     arm = g.arm_left[model.grid.interior :]
-    values, slopes = np.stack((p, kinetic), axis=1), np.stack((last.p, last.kinetic), axis=1)
+    values, slopes = (
+        np.stack((p, kinetic), axis=1),
+        np.stack((last.p, last.kinetic), axis=1),
+    )
     given = values[cells] + np.einsum("bkd,bd->bk", slopes[cells], arm)
     outlet = edge.gas.kind == boundary.OUTLET
     given[outlet, 0] = edge.p[outlet]
-    grad, rest = gradient(model, values, given), np.empty((len(values), 1, arm.shape[1]))
+    grad, rest = (
+        gradient(model, values, given),
+        np.empty((len(values), 1, arm.shape[1])),
+    )
     resting = np.zeros(len(p), dtype=np.bool_)
     potential, rho_s = properties.rheology.h, model.materials.rho_solid
     drag = properties.drag[:, None] / rho_s * (state.u_gas - state.u_solid)
     gradient_rest_potential(g, potential, p / rho_s, model.gravity, drag, rest, resting)
     model.grid.halo.exchange(rest, resting)
-    parts = (np.ascontiguousarray(part) for part in (grad[:, 0], grad[:, 1], rest[:, 0]))
+    parts = (
+        np.ascontiguousarray(part) for part in (grad[:, 0], grad[:, 1], rest[:, 0])
+    )
     return ForceGradients(*parts), resting

@@ -1,4 +1,6 @@
-"""Closures at a state: drag, and what the particles' stress and granular temperature need."""
+"""Closures at a state: drag, and what the particles' stress and granular temperature
+need.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +14,8 @@ from contbed.two_fluid.operators import gradient
 from contbed.two_fluid.state import Energy, Properties, State
 from contbed.two_fluid.timing import phase
 
-# solids fraction [-] below which pressure, viscosities and conductivity of the particles fade
-# (test_random_fields_calm_down)
+# solids fraction [-] below which pressure, viscosities and conductivity of the
+# particles fade (test_random_fields_calm_down)
 MIN_INTERACTING_FRACTION = 1e-8
 
 
@@ -33,8 +35,12 @@ def density_ratio(energy: Energy | None) -> float | Array:
 
 
 @phase("closures")
-def evaluate_closures(state: State, eps_s: Array, energy: Energy | None, model: Model) -> Properties:
-    """Closures at the new fraction and temperatures, and the other fields of the state."""
+def evaluate_closures(
+    state: State, eps_s: Array, energy: Energy | None, model: Model
+) -> Properties:
+    """Closures at the new fraction and temperatures, and the other fields of the
+    state.
+    """
     speed = np.empty_like(eps_s)
     parallel(slip_speed, len(speed), state.u_gas, state.u_solid, speed)
     # the slip acts through a Reynolds number with the density of `materials`
@@ -42,14 +48,19 @@ def evaluate_closures(state: State, eps_s: Array, energy: Energy | None, model: 
     r = model.closures.granular(eps_s, state.theta, drag)
     # particles of a nearly empty cell have no pressure, stress or conduction
     share = eps_s / (eps_s + MIN_INTERACTING_FRACTION)
-    faded = {name: getattr(r, name) * share for name in ("pressure", "mu", "bulk", "conductivity")}
+    faded = {
+        name: getattr(r, name) * share
+        for name in ("pressure", "mu", "bulk", "conductivity")
+    }
     r = r._replace(**faded)
     rate = shear_rate(state.u_solid, eps_s, model) if model.closures.sheared else eps_s
     return Properties(drag, r, model.closures.friction(r.p_friction, rate))
 
 
 def shear_rate(u_solid: Array, eps_s: Array, model: Model) -> Array:
-    """Square root (nc,) of the second invariant of the particles' strain rate [1/s]; partial-slip walls slip."""
+    """Square root (nc,) of the second invariant of the particles' strain rate [1/s];
+    partial-slip walls slip.
+    """
     g, u, side = model.grid.geometry, u_solid, model.edge.solid
     given = np.empty_like(side.u)
     boundary_velocity(g, side, np.abs(side.slip), u, eps_s, given)

@@ -55,7 +55,10 @@ RENAMED = {
     **SOLID,
     **{f"initial.{old}": f"initial.{new}" for old, new in _FIELDS.items()},
     **{f"initial.layer.{old}": f"initial.layer.{new}" for old, new in _FIELDS.items()},
-    **{f"boundary.NAME.{old}": f"boundary.NAME.{new}" for old, new in _AT_BOUNDARIES.items()},
+    **{
+        f"boundary.NAME.{old}": f"boundary.NAME.{new}"
+        for old, new in _AT_BOUNDARIES.items()
+    },
     "boundary.NAME:inlet.velocity": "boundary.NAME.gas.velocity",
     "heat.heat_capacity_gas": "gas.heat_capacity",
     "heat.heat_capacity_solid": "solids.NAME.heat_capacity",

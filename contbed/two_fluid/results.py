@@ -1,4 +1,6 @@
-"""What a two-fluid run finds: rows over time, tables along and across the bed, balance, named results."""
+"""What a two-fluid run finds: rows over time, tables along and across the bed,
+balance, named results.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,11 @@ from contbed.balance import Balance
 from contbed.two_fluid import filters, momentum_budget
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.averages import Averages, along, spectrum
-from contbed.two_fluid.closures import ABSENT, MIN_REPORTED_FRACTION, dissipative_restitution
+from contbed.two_fluid.closures import (
+    ABSENT,
+    MIN_REPORTED_FRACTION,
+    dissipative_restitution,
+)
 from contbed.two_fluid.conditions import Wall
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.simulation import Simulation
@@ -21,21 +27,36 @@ if TYPE_CHECKING:
 
 COLUMNS = ("t [s]", "pressure_drop [Pa]", "solids [kg]", "centre_of_solids [m]", "u_solid_max [m/s]",
            "theta_mean [m2/s2]", "eps_s_max [1]", "dt [s]")  # fmt: skip
-WITH_HEAT = ("T_gas_mean [K]", "T_solid_mean [K]", "T_gas_max [K]", "T_solid_max [K]", "p0 [Pa]")
+WITH_HEAT = (
+    "T_gas_mean [K]",
+    "T_solid_mean [K]",
+    "T_gas_max [K]",
+    "T_solid_max [K]",
+    "p0 [Pa]",
+)
 
 BINS = 200  # along the bed at most
 WALL_BINS = 64  # across it
-ROUND = 0.95  # cosine between the wall's normal and the radius, all around, of a bed that counts as round
+# cosine between the wall's normal and the radius, all around, of a bed that counts as
+# round
+ROUND = 0.95
 SPECTRUM = 64  # samples from which a spectrum is taken
 
 
 def held(bed: Simulation) -> float:
-    """Mass of the particles [kg]; in a plane per metre of depth, on a line per square metre."""
-    return float(bed.model.materials.rho_solid * (bed.state.eps_s @ bed.model.grid.geometry.volume))
+    """Mass of the particles [kg]; in a plane per metre of depth, on a line per
+    square metre.
+    """
+    return float(
+        bed.model.materials.rho_solid
+        * (bed.state.eps_s @ bed.model.grid.geometry.volume)
+    )
 
 
 def contents(bed: Simulation) -> dict[str, float]:
-    """Return what has a balance: mass of the particles; with heat also mass of the gas [kg] and heat [J]."""
+    """Return what has a balance: mass of the particles; with heat also mass of the
+    gas [kg] and heat [J].
+    """
     solids = {"solids": held(bed)}
     if bed.state.energy is None:
         return solids
@@ -47,12 +68,20 @@ def contents(bed: Simulation) -> dict[str, float]:
 
 def columns(bed: Simulation) -> tuple[str, ...]:
     """Headers of the rows over time."""
-    return COLUMNS if bed.model.heat is None else (*COLUMNS, *WITH_HEAT[: 4 + bed.model.heat.ideal])
+    return (
+        COLUMNS
+        if bed.model.heat is None
+        else (*COLUMNS, *WITH_HEAT[: 4 + bed.model.heat.ideal])
+    )
 
 
 def row(bed: Simulation) -> list[float]:
     """One row under the `columns`."""
-    s, volume, height = bed.state.eps_s, bed.model.grid.geometry.volume, bed.model.grid.centres[:, -1]
+    s, volume, height = (
+        bed.state.eps_s,
+        bed.model.grid.geometry.volume,
+        bed.model.grid.centres[:, -1],
+    )
     mass = s * volume
     total = max(float(mass.sum()), 1e-300)
     warm = [] if bed.state.energy is None else _temperatures(bed, bed.state.energy)
@@ -70,10 +99,16 @@ def row(bed: Simulation) -> list[float]:
 
 
 def _temperatures(bed: Simulation, heat: Energy) -> list[float]:
-    """Means by mass, and the hottest gas and particles; those of particles are nan where none are left."""
+    """Means by mass, and the hottest gas and particles; those of particles are nan
+    where none are left.
+    """
     volume = bed.model.grid.geometry.volume
     gas, solid = heat.mass * volume, bed.state.eps_s * volume
-    hottest = float(np.max(heat.T_solid, where=bed.state.eps_s > MIN_REPORTED_FRACTION, initial=-np.inf))
+    hottest = float(
+        np.max(
+            heat.T_solid, where=bed.state.eps_s > MIN_REPORTED_FRACTION, initial=-np.inf
+        )
+    )
     held = float(solid.sum())
     return [
         float(gas @ heat.T_gas / gas.sum()),
@@ -85,7 +120,9 @@ def _temperatures(bed: Simulation, heat: Energy) -> list[float]:
 
 
 def pressure_drop(bed: Simulation) -> float:
-    """Pressure [Pa] on the floor less that on the roof or outlet, means over their areas."""
+    """Pressure [Pa] on the floor less that on the roof or outlet, means over their
+    areas.
+    """
     floor, roof = bed.model.ends
     return floor.mean(bed.state.p) - roof.mean(bed.state.p)
 
@@ -93,13 +130,19 @@ def pressure_drop(bed: Simulation) -> float:
 def fastest(bed: Simulation) -> float:
     """Largest speed of particles [m/s]."""
     speed = np.linalg.norm(bed.state.u_solid, axis=1)
-    return float(np.max(speed, where=bed.state.eps_s > MIN_REPORTED_FRACTION, initial=0.0))
+    return float(
+        np.max(speed, where=bed.state.eps_s > MIN_REPORTED_FRACTION, initial=0.0)
+    )
 
 
 def balances(bed: Simulation, start: dict[str, float]) -> dict[str, dict[str, Any]]:
     """Balance what came in, went out and stayed of what is `contents`."""
     rho, account, now = bed.model.materials.rho_solid, bed.state.account, contents(bed)
-    found = {"solids": _balance(rho * account.solid_in, rho * account.solid_out, 0.0, start, now, "solids")}
+    found = {
+        "solids": _balance(
+            rho * account.solid_in, rho * account.solid_out, 0.0, start, now, "solids"
+        )
+    }
     if bed.state.energy is not None:
         a = bed.state.energy.account
         found["gas"] = _balance(a.gas_in, a.gas_out, 0.0, start, now, "gas")
@@ -108,7 +151,12 @@ def balances(bed: Simulation, start: dict[str, float]) -> dict[str, dict[str, An
 
 
 def _balance(
-    came: float, went: float, walls: float, start: Mapping[str, float], now: Mapping[str, float], what: str
+    came: float,
+    went: float,
+    walls: float,
+    start: Mapping[str, float],
+    now: Mapping[str, float],
+    what: str,
 ) -> dict[str, Any]:
     scale, unit = max(start[what], came, 1e-300), "J" if what == "heat" else "kg"
     return Balance(came, went, unit, walls, now[what] - start[what], scale).as_dict()
@@ -119,8 +167,8 @@ def tables(
 ) -> dict[str, dict[str, Any]]:
     """Return axial.csv and, where there is a lateral direction, lateral.csv.
 
-    They hold averages, or the last state without them. With averages there is also spectrum.csv, the power of the
-    pressure drop by frequency.
+    They hold averages, or the last state without them. With averages there is also
+    spectrum.csv, the power of the pressure drop by frequency.
     """
     fields = bed.state.fields() if averages is None else averages.means()
     volume, centres = bed.model.grid.geometry.volume, bed.model.grid.centres
@@ -141,7 +189,9 @@ def tables(
             values[name], weights[name] = fields[name.partition(" ")[0]], s
     corners = plan.mesh.skfem.p[:, plan.mesh.skfem.t].T
     height = centres[:, -1]
-    place, columns = along(height, volume, values, weights, min(BINS, _layers(height, corners[..., -1])))
+    place, columns = along(
+        height, volume, values, weights, min(BINS, _layers(height, corners[..., -1]))
+    )
     found = {"axial": {"height [m]": place, **columns}}
     if bed.model.grid.dimension > 1:
         window = plan.scene.output.window
@@ -159,13 +209,21 @@ def tables(
             found["levels"] = _levels(plan, bed, values, weights)
     late = np.zeros(0) if averages is None else rows["t [s]"] >= averages.start
     if late.sum() >= SPECTRUM:
-        frequency, power = spectrum(rows["t [s]"][late], rows["pressure_drop [Pa]"][late])
-        found["spectrum"] = {"frequency [Hz]": frequency, "spectral_density [Pa2 s]": power}
+        frequency, power = spectrum(
+            rows["t [s]"][late], rows["pressure_drop [Pa]"][late]
+        )
+        found["spectrum"] = {
+            "frequency [Hz]": frequency,
+            "spectral_density [Pa2 s]": power,
+        }
     return found
 
 
 def _levels(
-    plan: Any, bed: Simulation, values: dict[str, np.ndarray], weights: dict[str, np.ndarray]
+    plan: Any,
+    bed: Simulation,
+    values: dict[str, np.ndarray],
+    weights: dict[str, np.ndarray],
 ) -> dict[str, np.ndarray]:
     """Lateral profiles at each of `output.levels`, of the cells that the level cuts."""
     corners = plan.mesh.skfem.p[:, plan.mesh.skfem.t].T[bed.model.grid.cells]
@@ -182,7 +240,11 @@ def _levels(
             {key: value[cut] for key, value in weights.items()},
             _layers(x, lateral(corners[cut])),
         )
-        for key, column in {"height [m]": np.full(len(place), level), name: place, **columns}.items():
+        for key, column in {
+            "height [m]": np.full(len(place), level),
+            name: place,
+            **columns,
+        }.items():
             parts.setdefault(key, []).append(column)
     return {key: np.concatenate(columns) for key, columns in parts.items()}
 
@@ -190,22 +252,29 @@ def _levels(
 def across(grid: Grid) -> tuple[str, Callable[[np.ndarray], np.ndarray]]:
     """Return the name of the lateral coordinate and its value at points (..., dim).
 
-    It is the distance from the middle where a bed in 3-D is round, or else the first coordinate.
+    It is the distance from the middle where a bed in 3-D is round, or else the first
+    coordinate.
     """
     if grid.dimension == 3:
         side = np.abs(grid.geometry.normal[:, 2]) < 0.5
         side[: grid.interior] = False
         normal, wall = grid.geometry.normal[side, :2], grid.middles[side, :2]
-        middle = 0.5 * (wall.min(axis=0, initial=np.inf) + wall.max(axis=0, initial=-np.inf))
+        middle = 0.5 * (
+            wall.min(axis=0, initial=np.inf) + wall.max(axis=0, initial=-np.inf)
+        )
         outwards = (wall - middle) / np.linalg.norm(wall - middle, axis=1)[:, None]
         oblique = np.abs(normal).max(axis=1, initial=0.0) < ROUND
         if oblique.any() and ((normal * outwards).sum(axis=1) > ROUND).all():
-            return "r [m]", lambda points: np.linalg.norm(points[..., :2] - middle, axis=-1)
+            return "r [m]", lambda points: np.linalg.norm(
+                points[..., :2] - middle, axis=-1
+            )
     return "r [m]" if grid.axisymmetric else "x [m]", lambda points: points[..., 0]
 
 
 def _layers(position: np.ndarray, corners: np.ndarray) -> int:
-    """How many different positions cells have, to a thousandth of the extent, but not more than cells fit in a row."""
+    """How many different positions cells have, to a thousandth of the extent, but
+    not more than cells fit in a row.
+    """
     span = max(float(np.ptp(position)), 1e-300)
     places = len(np.unique(np.round((position - position.min()) / span, 3)))
     return min(places, 1 + round(span / float(np.median(np.ptp(corners, axis=-1)))))
@@ -244,7 +313,9 @@ def results(
     found |= _fronts(scene, bed)
     if averages is not None:
         late = rows["t [s]"] >= averages.start
-        found["pressure_drop_mean [Pa]"] = float(np.mean(rows["pressure_drop [Pa]"][late]))
+        found["pressure_drop_mean [Pa]"] = float(
+            np.mean(rows["pressure_drop [Pa]"][late])
+        )
         found["averaged [s]"] = float(averages.weight.sum())
         found["difference_of_halves"] = averages.drift()
         if found["weight_of_solids"] > 0.0:
@@ -256,10 +327,14 @@ def results(
 
 
 def _slip(bed: Simulation) -> float:
-    """Mean velocity of the gas past the particles in the middle fifth of the height [m/s]."""
+    """Mean velocity of the gas past the particles in the middle fifth of the
+    height [m/s].
+    """
     height = bed.model.grid.centres[:, -1]
     low, span = height.min(), np.ptp(height)
-    middle = (np.abs(height - low - 0.5 * span) <= 0.1 * span) & (bed.state.eps_s > 1e-12)
+    middle = (np.abs(height - low - 0.5 * span) <= 0.1 * span) & (
+        bed.state.eps_s > 1e-12
+    )
     mass = (bed.state.eps_s * bed.model.grid.geometry.volume)[middle]
     past = (bed.state.u_gas - bed.state.u_solid)[middle, -1]
     return float(mass @ past / mass.sum()) if middle.any() else 0.0
@@ -267,14 +342,20 @@ def _slip(bed: Simulation) -> float:
 
 def _shear(scene: t.TwoFluidScene, plan: Any) -> float:
     """Rate of shear between two walls that move [1/s], or of the start."""
-    moving = [part.velocity[0] for part in scene.boundary.values() if isinstance(part, Wall) and part.velocity]
+    moving = [
+        part.velocity[0]
+        for part in scene.boundary.values()
+        if isinstance(part, Wall) and part.velocity
+    ]
     if len(moving) == 2:
         return abs(moving[0] - moving[1]) / float(np.ptp(plan.mesh.skfem.p[-1]))
     return abs(scene.initial.shear)
 
 
 def _fronts(scene: t.TwoFluidScene, bed: Simulation) -> dict[str, Any]:
-    """Fronts on a line: of settling from a uniform start, or of a jump in the start that runs at c = sqrt(theta)."""
+    """Fronts on a line: of settling from a uniform start, or of a jump in the start
+    that runs at c = sqrt(theta).
+    """
     if bed.model.grid.dimension > 1:
         return {}
     order = np.argsort(bed.model.grid.centres[:, 0])
@@ -286,14 +367,23 @@ def _fronts(scene: t.TwoFluidScene, bed: Simulation) -> dict[str, Any]:
             "front_position_m": _crossing(x, s, 0.5 * solid.volume_fraction, -1),
             "lower_front_position_m": _crossing(x, s, densest, 0),
         }
-    if scene.two_fluid.granular_temperature == "frozen" and len(start.layer) == 1 and solid.granular_temperature > 0:
+    if (
+        scene.two_fluid.granular_temperature == "frozen"
+        and len(start.layer) == 1
+        and solid.granular_temperature > 0
+    ):
         jump, c = start.layer[0].end, solid.granular_temperature**0.5
         right = s[-1]
         way = c * bed.state.time
-        # between the tail of the fan and the shock the state is uniform; its middle third is read
+        # between the tail of the fan and the shock the state is uniform; its middle
+        # third is read
         between = (x > jump - 0.1 * way) & (x < jump + 0.3 * way)
         star = float(np.median(s[between])) if between.any() else float("nan")
-        return {"eps_star": star, "shock_speed": (_crossing(x, s, 0.5 * (star + right), -1) - jump) / max(way, 1e-300)}
+        return {
+            "eps_star": star,
+            "shock_speed": (_crossing(x, s, 0.5 * (star + right), -1) - jump)
+            / max(way, 1e-300),
+        }
     return {}
 
 

@@ -1,4 +1,6 @@
-"""What the closures give a step: drag, and pressure, viscosities, conductivity and dissipation of the particles."""
+"""What the closures give a step: drag, and pressure, viscosities, conductivity and
+dissipation of the particles.
+"""
 
 from __future__ import annotations
 
@@ -37,10 +39,12 @@ class Rheology(NamedTuple):
 class Closures:
     """Functions of all cells.
 
-    drag(eps_s, slip speed) gives K = beta/eps_s [kg/m3/s]; granular(eps_s, theta, K) the rest; friction(p_friction,
-    shear rate) the frictional viscosity [Pa s], for which shear rates are found only where it is `sheared`. `packing`
-    is a table of p_friction/rho_s [m2/s2]: eps_s of its start, spacing, values. `wall_froude` (nc,) is the
-    distance from walls at which factors near them are taken, None without such factors.
+    drag(eps_s, slip speed) gives K = beta/eps_s [kg/m3/s]; granular(eps_s, theta, K)
+    the rest; friction(p_friction, shear rate) the frictional viscosity [Pa s], for
+    which shear rates are found only where it is `sheared`. `packing` is a table of
+    p_friction/rho_s [m2/s2]: eps_s of its start, spacing, values. `wall_froude` (nc,)
+    is the distance from walls at which factors near them are taken, None without such
+    factors.
     """
 
     drag: Callable[[np.ndarray, np.ndarray], np.ndarray]

@@ -1,4 +1,6 @@
-"""Run of a two-fluid scene: rows over time, averages, checkpoints, files and findings."""
+"""Run of a two-fluid scene: rows over time, averages, checkpoints, files and
+findings.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,11 @@ class Run:
     def __init__(self, plan: planning.TwoFluidPlan):
         self.plan, self.scene = plan, plan.scene
         self.bed, self.compiled = plan.bed()
-        self.closures = {kind: closure for kind, closure in self.compiled.bound.items() if closure is not None}
+        self.closures = {
+            kind: closure
+            for kind, closure in self.compiled.bound.items()
+            if closure is not None
+        }
         time = self.scene.time
         self.contents_at_start = findings.contents(self.bed)
         inlets = (getattr(part, "until", None) for part in self.scene.boundary.values())
@@ -65,7 +71,9 @@ class Run:
 
     def take_row(self) -> None:
         """One row of profiles.csv."""
-        self.rows.append(findings.row(self.bed) + probes.row(self.bed, self.plan.probes))
+        self.rows.append(
+            findings.row(self.bed) + probes.row(self.bed, self.plan.probes)
+        )
         given = known(self.bed, self.scene)
         for closure in self.closures.values():
             closure.record(**given)
@@ -81,11 +89,15 @@ class Run:
         if bed.model.heat is not None:
             from contbed.two_fluid.heat import plan as heat_planning
 
-            bed.impose_heat(heat_planning.thermal(planning.parts(self.scene, bed.clock.time)))
+            bed.impose_heat(
+                heat_planning.thermal(planning.parts(self.scene, bed.clock.time))
+            )
         return True
 
     def after_step(self, bed: Simulation) -> None:
-        """Count steps that were cut, change inlets that have ended, and add the step to the averages."""
+        """Count steps that were cut, change inlets that have ended, and add the step
+        to the averages.
+        """
         self.cut_steps += bed.clock.dt_wanted < (self.scene.time.step or 0.0)
         if self.end_pulses():
             bed.find_fluxes(bed.clock.dt)
@@ -95,14 +107,24 @@ class Run:
     def arrays(self) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
         """Arrays and numbers for a checkpoint."""
         state = self.bed.saved()
-        plain = {name: value for name, value in state.items() if not isinstance(value, np.ndarray)}
-        arrays = {name: value for name, value in state.items() if isinstance(value, np.ndarray)}
+        plain = {
+            name: value
+            for name, value in state.items()
+            if not isinstance(value, np.ndarray)
+        }
+        arrays = {
+            name: value
+            for name, value in state.items()
+            if isinstance(value, np.ndarray)
+        }
         arrays |= {
             "rows": np.array(self.rows),
             "counts": np.concatenate(self.compiled.counts),
             "contents_at_start": np.array(list(self.contents_at_start.values())),
         }
-        arrays |= {f"ranges_{kind}": closure.state() for kind, closure in self.closures.items()}
+        arrays |= {
+            f"ranges_{kind}": closure.state() for kind, closure in self.closures.items()
+        }
         if self.averages is not None:
             arrays |= self.averages.whole().arrays()
         return arrays, {"state": json.dumps(plain), "files": json.dumps(self.files)}
@@ -114,9 +136,15 @@ class Run:
         for count, saved in zip(self.compiled.counts, arrays["counts"], strict=True):
             count[0] = saved
         self.contents_at_start = dict(
-            zip(self.contents_at_start, np.asarray(arrays["contents_at_start"]).tolist(), strict=True)
+            zip(
+                self.contents_at_start,
+                np.asarray(arrays["contents_at_start"]).tolist(),
+                strict=True,
+            )
         )
-        self.files = [(float(time), str(name)) for time, name in json.loads(meta["files"])]
+        self.files = [
+            (float(time), str(name)) for time, name in json.loads(meta["files"])
+        ]
         for kind, closure in self.closures.items():
             closure.restore(arrays[f"ranges_{kind}"])
         if self.averages is not None:
@@ -125,16 +153,25 @@ class Run:
         self.end_pulses()
 
     def _require_same_window(self, end: float) -> None:
-        """Refuse another end of averages, whose halves are those of the window, once they have begun."""
+        """Refuse another end of averages, whose halves are those of the window, once
+        they have begun.
+        """
         if (found := self.averaged()) is not None and end != self.scene.time.end:
             where = self.scene.origin.at(("time", "end"))
-            text = f"the averages since {found.start:g} s are of a window that ends at {end:g} s"
+            text = (
+                f"the averages since {found.start:g} s are of a window that ends at "
+                f"{end:g} s"
+            )
             raise SceneError(f"{where}: time.end = {self.scene.time.end:g}: {text}")
 
 
 @timed("flow")
 def run(
-    plan: Any, result: Result, folder: Path | None, quiet: bool, start: tuple[Mapping[str, Any], Any] | None
+    plan: Any,
+    result: Result,
+    folder: Path | None,
+    quiet: bool,
+    start: tuple[Mapping[str, Any], Any] | None,
 ) -> None:
     """Run and fill the result; fields and checkpoints go into `folder`."""
     from contbed.output.checkpoint import Keeper
@@ -147,8 +184,11 @@ def run(
     if start is not None:
         run.resume(*start)
     result.warnings += plan.warnings
-    _raise_first(_rehearse(run))  # outputs that cannot be evaluated are reported before the steps
-    stops = np.arange(1, max(1, round(scene.time.end / run.interval)) + 1) * run.interval
+    # outputs that cannot be evaluated are reported before the steps
+    _raise_first(_rehearse(run))
+    stops = (
+        np.arange(1, max(1, round(scene.time.end / run.interval)) + 1) * run.interval
+    )
     stops[-1] = scene.time.end
     failed: list[ContbedError] = []
     try:
@@ -159,7 +199,10 @@ def run(
                 progress.advance_to(bed.clock.time, f"step {bed.clock.dt:.2g} s")
 
             for stop in stops[stops > run.bed.state.time * (1.0 + 1e-12)]:
-                for time in (*(end for end in run.ends if run.bed.state.time < end < stop), stop):
+                for time in (
+                    *(end for end in run.ends if run.bed.state.time < end < stop),
+                    stop,
+                ):
                     _advance(run, time, after_each_step)
                 run.take_row()
                 if folder is not None:
@@ -172,17 +215,25 @@ def run(
     _raise_first(failed)
     if run.cut_steps:
         where, step = scene.origin.at(("time", "step")), scene.time.step
-        text = f"{run.cut_steps} of {run.bed.state.steps} steps were shortened; particles would cross more than a cell"
+        text = (
+            f"{run.cut_steps} of {run.bed.state.steps} steps were shortened; "
+            "particles would cross more than a cell"
+        )
         result.warnings.append(f"{where}: time.step = {step:g} s: {text}")
-    result.warnings += plausibility.judge(scene, run.bed, result.profiles, run.largest_speed)
+    result.warnings += plausibility.judge(
+        scene, run.bed, result.profiles, run.largest_speed
+    )
 
 
-def _advance(run: Run, time: float, after_each_step: Callable[[Simulation], None]) -> None:
+def _advance(
+    run: Run, time: float, after_each_step: Callable[[Simulation], None]
+) -> None:
     """Advance the bed to `time` [s].
 
     Raises
     ------
-    ConvergenceError : a field is not finite, or too many iterations; of theta without guards it says what these do
+    ConvergenceError : a field is not finite, or too many iterations; of theta without
+        guards it says what these do
     """
     try:
         # numbers too large are found at the end of the step, with their field and place
@@ -192,15 +243,25 @@ def _advance(run: Run, time: float, after_each_step: Callable[[Simulation], None
         if run.scene.two_fluid.guards or np.isfinite(run.bed.state.theta).all():
             raise
         where = run.scene.origin.at(("two_fluid", "guards"))
-        text = "without them shear heats few particles too fast; set guards = true, or lower time.courant to 0.1"
-        raise ConvergenceError(f"{error}; {where}: two_fluid.guards = false: {text}") from error
+        text = (
+            "without them shear heats few particles too fast; set guards = true, or "
+            "lower time.courant to 0.1"
+        )
+        raise ConvergenceError(
+            f"{error}; {where}: two_fluid.guards = false: {text}"
+        ) from error
 
 
 def _rehearse(run: Run) -> list[ContbedError]:
-    """Evaluate all that a run reports as if its present state were its last; return the errors of parts that fail."""
+    """Evaluate all that a run reports as if its present state were its last; return
+    the errors of parts that fail.
+    """
     trial, bed = copy(run), copy(run.bed)
     bed.state = replace(bed.state, dt=1.0, time=run.scene.time.end)
-    trial.bed, trial.rows = bed, [*run.rows, findings.row(bed) + probes.row(bed, run.plan.probes)]
+    trial.bed, trial.rows = (
+        bed,
+        [*run.rows, findings.row(bed) + probes.row(bed, run.plan.probes)],
+    )
     if run.averages is not None:
         trial.averages = Averages(run.averages.start, run.averages.end)
         trial.averages.add(bed)
@@ -213,7 +274,9 @@ def _raise_first(failed: list[ContbedError]) -> None:
 
 
 def _keep(run: Run, folder: Path, keeper: Keeper) -> None:
-    """After a row write fields when their time has come, then the checkpoint, which counts them."""
+    """After a row write fields when their time has come, then the checkpoint, which
+    counts them.
+    """
     every = run.scene.time.fields
     next_time = np.inf if every is None else (len(run.files) + 1) * every * (1.0 - 1e-9)
     if run.scene.output.fields and run.bed.state.time >= next_time:
@@ -234,13 +297,19 @@ def _fields(run: Run, folder: Path) -> None:
 
 
 def _fill(run: Run, result: Result) -> list[ContbedError]:
-    """Fill in profiles, tables, balances, closures and named results; return the errors of parts that fail."""
+    """Fill in profiles, tables, balances, closures and named results; return the
+    errors of parts that fail.
+    """
     failed = []
     for name, part in _PARTS.items():
         try:
             part(run, result)
         except Exception as error:
-            failed.append(ContbedError(f"{name} cannot be evaluated: {type(error).__name__}: {error}"))
+            failed.append(
+                ContbedError(
+                    f"{name} cannot be evaluated: {type(error).__name__}: {error}"
+                )
+            )
             failed[-1].__cause__ = error
     return failed
 
@@ -262,10 +331,23 @@ def _fill_results(run: Run, result: Result) -> None:
     """Named results, counts, and the wall time of each phase of the steps."""
     bed = run.bed
     state = bed.state  # of ranks it is put together before counts are read
-    result.timings |= {f"flow: {name}": seconds for name, seconds in bed.model.timer.seconds.items()}
+    result.timings |= {
+        f"flow: {name}": seconds for name, seconds in bed.model.timer.seconds.items()
+    }
     guarded = {name: count[0] for name, count in run.compiled.counts._asdict().items()}
-    counts = {name: int(number) for name, number in (state.counters._asdict() | guarded).items() if number}
-    found = findings.results(run.plan, bed, run.contents_at_start, run.averaged(), result.profiles, result.tables)
+    counts = {
+        name: int(number)
+        for name, number in (state.counters._asdict() | guarded).items()
+        if number
+    }
+    found = findings.results(
+        run.plan,
+        bed,
+        run.contents_at_start,
+        run.averaged(),
+        result.profiles,
+        result.tables,
+    )
     result.qoi |= found | counts | bed.traffic()
 
 

@@ -1,4 +1,5 @@
-"""The tables of a scene of two fluids: gas and particles as two continua, transient, in SI.
+"""The tables of a scene of two fluids: gas and particles as two continua, transient, in
+SI.
 
     [mesh]                    gravity points against its last axis, on a line against x
     [gas], [solids.NAME]      their properties; two fluids have one solid phase
@@ -57,46 +58,80 @@ Named = Annotated[tables.Named, Discriminator(form)]
 class TwoFluid(Table):
     """What only two fluids have."""
 
-    gravity: Annotated[float, *unit("m/s**2"), Field(ge=0)] = Field(9.81, description="gravitational acceleration")
-    granular_temperature: Literal["pde", "algebraic", "frozen"] = Field(
-        "pde", description="transport equation, local balance, or the initial value kept"
+    gravity: Annotated[float, *unit("m/s**2"), Field(ge=0)] = Field(
+        9.81, description="gravitational acceleration"
     )
-    guards: Switch = Field(True, description="limit the kinetic stress of dilute flow by drag and free path")
-    free_path: Length = Field(0.01, description="largest mean free path that the guards allow")
-    conductivity_gas: Conductivity = Field(0.0, description="of the gas phase; its volume fraction of it conducts")
-    conductivity_solids: Conductivity = Field(0.0, description="of the solid phase; its volume fraction of it conducts")
+    granular_temperature: Literal["pde", "algebraic", "frozen"] = Field(
+        "pde",
+        description="transport equation, local balance, or the initial value kept",
+    )
+    guards: Switch = Field(
+        True,
+        description="limit the kinetic stress of dilute flow by drag and free path",
+    )
+    free_path: Length = Field(
+        0.01, description="largest mean free path that the guards allow"
+    )
+    conductivity_gas: Conductivity = Field(
+        0.0, description="of the gas phase; its volume fraction of it conducts"
+    )
+    conductivity_solids: Conductivity = Field(
+        0.0, description="of the solid phase; its volume fraction of it conducts"
+    )
 
 
 class Closures(Table):
     """Closures by name; "none": absent."""
 
     drag: Named = Field("drag_gidaspow", description="drag of the gas on the particles")
-    radial_distribution: str = Field("g0_sinclair_jackson", description="radial distribution function at contact")
+    radial_distribution: str = Field(
+        "g0_sinclair_jackson", description="radial distribution function at contact"
+    )
     granular_pressure: Named = Field(
-        "granular_pressure_lun", description='"granular_pressure_dilute": without collisions'
+        "granular_pressure_lun",
+        description='"granular_pressure_dilute": without collisions',
     )
     granular_viscosity: Named = Field(
-        "granular_viscosity_gidaspow", description='"none": particles without stress but pressure'
+        "granular_viscosity_gidaspow",
+        description='"none": particles without stress but pressure',
     )
-    granular_bulk_viscosity: str = Field("granular_bulk_lun", description="granular bulk viscosity")
+    granular_bulk_viscosity: str = Field(
+        "granular_bulk_lun", description="granular bulk viscosity"
+    )
     granular_conductivity: str = Field(
-        "granular_conductivity_syamlal", description="granular conductivity, of fluctuation energy"
+        "granular_conductivity_syamlal",
+        description="granular conductivity, of fluctuation energy",
     )
     granular_dissipation: str = Field(
-        "granular_dissipation_lun", description="dissipation of fluctuation energy by collisions"
+        "granular_dissipation_lun",
+        description="dissipation of fluctuation energy by collisions",
     )
     effective_restitution: Named = Field(
-        "none", description="friction of particles in the dissipation, from its coefficient"
+        "none",
+        description="friction of particles in the dissipation, from its coefficient",
     )
-    friction_pressure: str = Field("friction_johnson_jackson", description='"none": no friction near packing')
-    friction_viscosity: str = Field("friction_viscosity_newtonian", description='"none": friction pushes only')
-    wall_drag: str = Field("none", description='"igci": factor of filtered drag near slip walls')
-    wall_pressure: str = Field("none", description="the same of the filtered pressure of the particles")
-    wall_viscosity: str = Field("none", description="the same of their filtered viscosity")
-    nusselt: NonNegativeOrClosure = Field("nusselt_gunn", description="exchange, Nu = h diameter/gas.conductivity")
+    friction_pressure: str = Field(
+        "friction_johnson_jackson", description='"none": no friction near packing'
+    )
+    friction_viscosity: str = Field(
+        "friction_viscosity_newtonian", description='"none": friction pushes only'
+    )
+    wall_drag: str = Field(
+        "none", description='"igci": factor of filtered drag near slip walls'
+    )
+    wall_pressure: str = Field(
+        "none", description="the same of the filtered pressure of the particles"
+    )
+    wall_viscosity: str = Field(
+        "none", description="the same of their filtered viscosity"
+    )
+    nusselt: NonNegativeOrClosure = Field(
+        "nusselt_gunn", description="exchange, Nu = h diameter/gas.conductivity"
+    )
     conductivity_bed: Named | None = Field(
         None,
-        description="of the bed at rest; the gas has (1 - sqrt(eps_s)) of gas.conductivity of it, particles the rest",
+        description="of the bed at rest; the gas has (1 - sqrt(eps_s)) of "
+        "gas.conductivity of it, particles the rest",
         json_schema_extra=takes("conductivity"),
     )
 
@@ -105,7 +140,9 @@ class ConstantsAt(Table):
     """Temperature at which the properties of a gas that vary are taken as constants."""
 
     reference_temperature: Temperature | None = Field(
-        None, description="of the properties of the gas; absent: that at the start, or at the inlet"
+        None,
+        description="of the properties of the gas; absent: that at the start, or at "
+        "the inlet",
     )
 
 
@@ -113,18 +150,25 @@ class GasLaw(ConstantsAt):
     """Density of a gas that is heated."""
 
     density_law: Literal["constant", "ideal_gas"] = Field(
-        "constant", description='"ideal_gas": density is that at reference_temperature and pressure'
+        "constant",
+        description='"ideal_gas": density is that at reference_temperature and pressure',
     )
 
 
 class GasConstant(GasLaw, gases.GasConstant):
-    """A gas or liquid with constant properties, given or those of a material at a temperature."""
+    """A gas or liquid with constant properties, given or those of a material at a
+    temperature.
+    """
 
-    pressure: Pressure = Field(101325.0, description="outside of the outlet, or in a closed bed at the start")
+    pressure: Pressure = Field(
+        101325.0, description="outside of the outlet, or in a closed bed at the start"
+    )
 
 
 class GasCantera(GasLaw, gases.GasCantera):
-    """An ideal-gas mixture of a Cantera mechanism; its properties at one temperature."""
+    """An ideal-gas mixture of a Cantera mechanism; its properties at one
+    temperature.
+    """
 
 
 class GasCoolProp(GasLaw, gases.GasCoolProp):
@@ -142,9 +186,13 @@ class Friction(Table):
     """Of particles near packing."""
 
     start: Annotated[Number, Field(gt=0, lt=1)] = Field(
-        0.5, description="fraction above which particles rub; a bed fluidizes near the porosity 1 - start"
+        0.5,
+        description="fraction above which particles rub; a bed fluidizes near the "
+        "porosity 1 - start",
     )
-    strength: Annotated[float, *unit("Pa"), Field(gt=0)] = Field(0.05, description="scale of the frictional pressure")
+    strength: Annotated[float, *unit("Pa"), Field(gt=0)] = Field(
+        0.05, description="scale of the frictional pressure"
+    )
     angle: Angle = Field(0.49742, description="angle of internal friction")
 
 
@@ -153,20 +201,30 @@ class Solid(SolidPhase):
 
     diameter: Length = Field(description="diameter of the particles")
     density: Density = Field(description="density of the solid material")
-    heat_capacity: HeatCapacity | None = Field(None, description="needed with a [heat] table")
-    conductivity: Conductivity | None = Field(None, description="of a particle; for closures.conductivity_bed")
+    heat_capacity: HeatCapacity | None = Field(
+        None, description="needed with a [heat] table"
+    )
+    conductivity: Conductivity | None = Field(
+        None, description="of a particle; for closures.conductivity_bed"
+    )
     restitution: Annotated[Number, Field(gt=0, le=1)] = Field(
         0.9, description="coefficient of restitution between particles"
     )
     sliding_friction: Annotated[Number, Field(ge=0)] | None = Field(
-        None, description="Coulomb's coefficient of two particles, for closures.effective_restitution"
+        None,
+        description="Coulomb's coefficient of two particles, for "
+        "closures.effective_restitution",
     )
-    packing_limit: Annotated[Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
+    packing_limit: Annotated[Number, Field(gt=0, lt=0.75)] = Field(
+        0.63, description="densest fraction"
+    )
     friction: Friction = Field(Friction(), description="frictional stress near packing")
 
 
 class Heat(Table):
-    """Temperatures of gas and particles are solved; without this table they stay and nothing is computed."""
+    """Temperatures of gas and particles are solved; without this table they stay and
+    nothing is computed.
+    """
 
 
 class Window(Table):
@@ -180,15 +238,25 @@ class Time(Table):
     """The run and its averages."""
 
     end: Seconds = Field(description="time at which the run ends")
-    courant: Annotated[Number, Field(gt=0, le=1)] = Field(0.5, description="largest solids Courant number of a step")
-    step: Seconds | None = Field(None, description="fixed, in place of the Courant number")
+    courant: Annotated[Number, Field(gt=0, le=1)] = Field(
+        0.5, description="largest solids Courant number of a step"
+    )
+    step: Seconds | None = Field(
+        None, description="fixed, in place of the Courant number"
+    )
     longest: Seconds = Field(1e-2, description="longest time step")
     first: Seconds = Field(1e-5, description="first time step")
     order: Literal[1, 2] = Field(1, description="order of the time integration")
     average_from: Instant | None = Field(None, description="absent: no averages")
-    sample: Seconds | None = Field(None, description="interval of rows in profiles.csv; absent: 1/200 of the run")
-    fields: Seconds | None = Field(None, description="interval of fields; absent: the end only")
-    checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
+    sample: Seconds | None = Field(
+        None, description="interval of rows in profiles.csv; absent: 1/200 of the run"
+    )
+    fields: Seconds | None = Field(
+        None, description="interval of fields; absent: the end only"
+    )
+    checkpoint_every: Seconds = Field(
+        10.0, description="wall-clock time between checkpoints"
+    )
 
 
 class Output(Table):
@@ -196,15 +264,23 @@ class Output(Table):
 
     plots: Switch = Field(True, description="draw plots (.png)")
     fields: Switch = Field(True, description="write fields for ParaView (.vtu)")
-    window: Window | None = Field(None, description="for lateral.csv; absent: the whole height")
-    levels: tuple[Position, ...] = Field((), description="along the last axis, lateral profiles for levels.csv")
-    probes: dict[str, tuple[Position, ...]] = Field(default_factory=dict, description="points, for profiles.csv")
+    window: Window | None = Field(
+        None, description="for lateral.csv; absent: the whole height"
+    )
+    levels: tuple[Position, ...] = Field(
+        (), description="along the last axis, lateral profiles for levels.csv"
+    )
+    probes: dict[str, tuple[Position, ...]] = Field(
+        default_factory=dict, description="points, for profiles.csv"
+    )
 
 
 class Solver(Table):
     """Tolerances."""
 
-    balance_tolerance: Positive = Field(1e-10, description="largest relative residual of a balance that a run accepts")
+    balance_tolerance: Positive = Field(
+        1e-10, description="largest relative residual of a balance that a run accepts"
+    )
     strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
@@ -214,17 +290,23 @@ class TwoFluidScene(SceneBase):
     kind: ClassVar[str] = "two_fluid"
     renamed: ClassVar[Mapping[str, str]] = RENAMED
     refused: ClassVar[Mapping[str, str]] = {
-        "radiation": "two fluids exchange heat by convection and conduction alone, as radiation between particles that "
-        "move would be solved anew in each time step; use [bubbling_bed] or a packed bed of the mean porosity with it"
+        "radiation": "two fluids exchange heat by convection and conduction alone, as "
+        "radiation between particles that "
+        "move would be solved anew in each time step; use [bubbling_bed] or a packed "
+        "bed of the mean porosity with it"
     }
 
     mesh: Mesh
     two_fluid: TwoFluid = TwoFluid()
     gas: Gas
-    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)] = Field(description="the solid phase, by its name")
+    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)] = Field(
+        description="the solid phase, by its name"
+    )
     closures: Closures = Closures()
     initial: Initial = Initial()
-    boundary: dict[str, Boundary] = Field(default_factory=dict, description="conditions by name of the boundary")
+    boundary: dict[str, Boundary] = Field(
+        default_factory=dict, description="conditions by name of the boundary"
+    )
     heat: Heat | None = None
     time: Time
     output: Output = Output()
@@ -241,11 +323,13 @@ class TwoFluidScene(SceneBase):
         return fluid_of(self.gas, self.initial, self.boundary, self.origin.base)
 
 
-def fluid_of(gas: Gas, initial: Initial, boundary: Mapping[str, Boundary], base: Path) -> Constants:
+def fluid_of(
+    gas: Gas, initial: Initial, boundary: Mapping[str, Boundary], base: Path
+) -> Constants:
     """Return the constant properties of the gas.
 
-    Those that vary are taken at gas.reference_temperature, else at the temperature at the start, else at that of the
-    first inlet. `base` is the folder of the scene.
+    Those that vary are taken at gas.reference_temperature, else at the temperature at
+    the start, else at that of the first inlet. `base` is the folder of the scene.
 
     Raises
     ------
@@ -253,14 +337,20 @@ def fluid_of(gas: Gas, initial: Initial, boundary: Mapping[str, Boundary], base:
     """
     from contbed.materials.constants import constants_of
 
-    entering = [part.gas.temperature for part in boundary.values() if isinstance(part, Inlet)]
+    entering = [
+        part.gas.temperature for part in boundary.values() if isinstance(part, Inlet)
+    ]
     given = (gas.reference_temperature, initial.gas.temperature, *entering)
     T = next((T for T in given if T is not None), None)
     return constants_of(gas, T, base)
 
 
-def known_fluid(gas: Gas, initial: Initial, boundary: Mapping[str, Boundary], base: Path) -> Constants | None:
-    """Return what `fluid_of` does; None where the properties are not known, which a check reports."""
+def known_fluid(
+    gas: Gas, initial: Initial, boundary: Mapping[str, Boundary], base: Path
+) -> Constants | None:
+    """Return what `fluid_of` does; None where the properties are not known, which a
+    check reports.
+    """
     try:
         return fluid_of(gas, initial, boundary, base)
     except SceneError:

@@ -15,22 +15,32 @@ from contbed.two_fluid.fv.gradient import MIN_BINDING_FRACTION
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.momentum import MAX_SUBCYCLES, SUBCYCLE_COURANT
 from contbed.two_fluid.properties import shear_rate
-from contbed.two_fluid.state import Account, State, check_finite, flatten, rebuild, zero_state
+from contbed.two_fluid.state import (
+    Account,
+    State,
+    check_finite,
+    flatten,
+    rebuild,
+    zero_state,
+)
 from contbed.two_fluid.step import initial_fluxes, step
 
 if TYPE_CHECKING:
     from contbed.two_fluid.heat.model import Thermal
 
-# share of the step at which motion driven by its own heat would grow [-]; on random fields it does from 0.72 on
-# (test_sound_of_heated_particles)
+# share of the step at which motion driven by its own heat would grow [-]; on random
+# fields it does from 0.72 on (test_sound_of_heated_particles)
 HEATING_LIMIT = 0.7
-# share of a cell that particles cross in a fixed step at most [-]; beyond, a cell would give more than it holds
+# share of a cell that particles cross in a fixed step at most [-]; beyond, a cell would
+# give more than it holds
 FIXED_COURANT = 1.0
 ROUNDING = 1e-9  # share of a step by which a number of steps, or a time, may be off
 
 
 class Clock(NamedTuple):
-    """Time [s], last step [s], the step that it was cut from [s], and the number of steps."""
+    """Time [s], last step [s], the step that it was cut from [s], and the number of
+    steps.
+    """
 
     time: float
     dt: float
@@ -52,7 +62,9 @@ class Simulation:
         if model.heat is not None:
             from contbed.two_fluid.heat.equations import initial_energy
 
-            self.state = replace(self.state, energy=initial_energy(self.state, model.heat, model))
+            self.state = replace(
+                self.state, energy=initial_energy(self.state, model.heat, model)
+            )
 
     def start(self, **fields: Any) -> None:
         """Set fields (arrays or numbers) and find the fluxes that belong to them."""
@@ -60,12 +72,16 @@ class Simulation:
         if self.state.energy is not None and self.model.heat is not None:
             from contbed.two_fluid.heat.equations import fill_with_gas
 
-            energy = fill_with_gas(self.state.energy, self.state.eps_s, self.model.heat, self.model)
+            energy = fill_with_gas(
+                self.state.energy, self.state.eps_s, self.model.heat, self.model
+            )
             self.state = replace(self.state, energy=energy)
         self.find_fluxes(self.model.options.dt or self.model.options.dt_first)
 
     def find_fluxes(self, dt: float) -> None:
-        """Find fluxes and pressure that belong to the fields, as after a step of `dt` [s] without convection."""
+        """Find fluxes and pressure that belong to the fields, as after a step of
+        `dt` [s] without convection.
+        """
         self.state = initial_fluxes(self.state, dt, self.model)
 
     def impose(self, conditions: Mapping[str, Condition]) -> None:
@@ -84,7 +100,9 @@ class Simulation:
     @property
     def clock(self) -> Clock:
         """Times of the state, without its fields."""
-        return Clock(self.state.time, self.state.dt, self.state.dt_wanted, self.state.steps)
+        return Clock(
+            self.state.time, self.state.dt, self.state.dt_wanted, self.state.steps
+        )
 
     def shear_rate(self) -> Array:
         """Return the shear rate (nc,) [1/s] of the particles."""
@@ -102,7 +120,9 @@ class Simulation:
         """Go back to a `saved` state, bit for bit."""
         self.state = rebuild(self.state, saved)
 
-    def advance(self, end: float, callback: Callable[[Simulation], None] | None = None) -> None:
+    def advance(
+        self, end: float, callback: Callable[[Simulation], None] | None = None
+    ) -> None:
         """Step until `end` [s]; `callback` sees the bed after each step.
 
         Raises
@@ -115,7 +135,9 @@ class Simulation:
                 callback(self)
 
     def step_towards(self, end: float) -> None:
-        """One of the equal steps to `end` [s]: a bed at rest feels each change of the step."""
+        """One of the equal steps to `end` [s]: a bed at rest feels each change of
+        the step.
+        """
         left, wanted = end - self.state.time, self.next_step()
         dt = left / np.ceil(left / wanted * (1.0 - ROUNDING))
         self.step(dt)
@@ -125,31 +147,49 @@ class Simulation:
     def next_step(self) -> float:
         """Length of the next step [s].
 
-        By the Courant number of the particles, cells with few of them left aside; by the sub-cycles of the
-        gas; by what a step leaves open of a heated gas; by the heat of compression and shear; and by the growth from
-        step to step. A fixed step in which particles would cross more than FIXED_COURANT of a cell is cut into equal
-        parts.
+        By the Courant number of the particles, cells with few of them left aside; by
+        the sub-cycles of the gas; by what a step leaves open of a heated gas; by the
+        heat of compression and shear; and by the growth from step to step. A fixed step
+        in which particles would cross more than FIXED_COURANT of a cell is cut into
+        equal parts.
         """
         o, state = self.model.options, self.state
         if o.dt is not None:
             crossed = o.dt * self._fastest_solid()
-            return o.dt / max(1, int(np.ceil(crossed / FIXED_COURANT * (1.0 - ROUNDING))))
+            return o.dt / max(
+                1, int(np.ceil(crossed / FIXED_COURANT * (1.0 - ROUNDING)))
+            )
         halo = self.model.grid.halo
-        gas, solid = halo.max(float(np.max(state.fluxes.outflow_gas[halo.cells], initial=0.0))), self._fastest_solid()
+        gas, solid = (
+            halo.max(float(np.max(state.fluxes.outflow_gas[halo.cells], initial=0.0))),
+            self._fastest_solid(),
+        )
         courant_gas = MAX_SUBCYCLES * SUBCYCLE_COURANT
-        rate = max(solid / o.courant, gas / courant_gas, state.memory.heating_rate / HEATING_LIMIT)
+        rate = max(
+            solid / o.courant,
+            gas / courant_gas,
+            state.memory.heating_rate / HEATING_LIMIT,
+        )
         if self.model.heat is not None:
             from contbed.two_fluid.heat.equations import rate_of_steps
 
             rate = max(rate, rate_of_steps(state, gas, self.model.heat, self.model))
         longest = min(o.dt_max, 1.0 / rate if rate > 0 else np.inf)
-        return min(longest, state.dt_wanted * o.growth if state.dt_wanted > 0 else o.dt_first)
+        return min(
+            longest, state.dt_wanted * o.growth if state.dt_wanted > 0 else o.dt_first
+        )
 
     def _fastest_solid(self) -> float:
-        """Largest rate [1/s] at which particles empty a cell that holds enough of them to count."""
+        """Largest rate [1/s] at which particles empty a cell that holds enough of
+        them to count.
+        """
         state, halo = self.state, self.model.grid.halo
         there = state.eps_s[halo.cells] > MIN_BINDING_FRACTION
-        return halo.max(float(np.max(state.fluxes.outflow_solid[halo.cells], where=there, initial=0.0)))
+        return halo.max(
+            float(
+                np.max(state.fluxes.outflow_solid[halo.cells], where=there, initial=0.0)
+            )
+        )
 
     def step(self, dt: float) -> None:
         """One step of `dt` [s]."""
@@ -158,7 +198,9 @@ class Simulation:
             new, total = second_order(self.state, new, total, dt, self.model)
         account = book(self.state.account, dt, new.fluxes.moved, total, self.model)
         time, steps = self.state.time + dt, self.state.steps + 1
-        self.state = replace(new, account=account, time=time, dt=dt, dt_wanted=dt, steps=steps)
+        self.state = replace(
+            new, account=account, time=time, dt=dt, dt_wanted=dt, steps=steps
+        )
         check_finite(self.state, self.model.grid)
 
 
@@ -167,12 +209,15 @@ def first_order(state: State, dt: float, model: Model) -> tuple[State, Array]:
     return step(state, dt, model), state.fluxes.total
 
 
-def second_order(state: State, whole: State, first: Array, dt: float, model: Model) -> tuple[State, Array]:
-    """Twice two half steps less one step (Richardson extrapolation): second order in time.
+def second_order(
+    state: State, whole: State, first: Array, dt: float, model: Model
+) -> tuple[State, Array]:
+    """Twice two half steps less one step (Richardson extrapolation): second order in
+    time.
 
-    Fluxes are extrapolated and limited, so that fractions stay conserved and within bounds. Where a limit acts or a
-    cell packs, time has no second order, and what extrapolation adds can grow from step to step: then the half steps
-    stay as they are.
+    Fluxes are extrapolated and limited, so that fractions stay conserved and within
+    bounds. Where a limit acts or a cell packs, time has no second order, and what
+    extrapolation adds can grow from step to step: then the half steps stay as they are.
 
     Parameters
     ----------
@@ -190,16 +235,28 @@ def second_order(state: State, whole: State, first: Array, dt: float, model: Mod
     total = 0.5 * state.fluxes.total + 0.5 * middle.fluxes.total
     if _limited(end) > acted:
         counters = end.counters.add(first_order_steps=1)
-        return replace(end, counters=counters, fluxes=end.fluxes._replace(moved=moved)), total
+        return replace(
+            end, counters=counters, fluxes=end.fluxes._replace(moved=moved)
+        ), total
     moved = 2.0 * moved - whole.fluxes.moved
-    eps_s, upwind_cells = np.empty_like(state.eps_s), np.empty(len(state.eps_s), dtype=np.bool_)
-    bounds, halo = limiter.Bounds(state.eps_s, model.sources.solid, model.materials.eps_max), model.grid.halo
-    touched, rounds = limiter.limit(model.grid.geometry, dt, bounds, moved, eps_s, upwind_cells, halo)
+    eps_s, upwind_cells = (
+        np.empty_like(state.eps_s),
+        np.empty(len(state.eps_s), dtype=np.bool_),
+    )
+    bounds, halo = (
+        limiter.Bounds(state.eps_s, model.sources.solid, model.materials.eps_max),
+        model.grid.halo,
+    )
+    touched, rounds = limiter.limit(
+        model.grid.geometry, dt, bounds, moved, eps_s, upwind_cells, halo
+    )
     counters = end.counters.add(limited_faces=touched, limiter_rounds=rounds)
     theta = 2.0 * end.theta - whole.theta
     below = theta < 0.0
     if halo.any(bool(below.any())):
-        counters = counters.add(theta_clipped_cells=int(*halo.sum(int(below[halo.cells].sum()))))
+        counters = counters.add(
+            theta_clipped_cells=int(*halo.sum(int(below[halo.cells].sum())))
+        )
         theta[below] = end.theta[below]
     fluxes = end.fluxes._replace(
         moved=moved,
@@ -224,10 +281,17 @@ def _limited(state: State) -> int:
     return state.counters.limited_faces + state.counters.packing_rounds
 
 
-def book(account: Account, dt: float, solid: Array, total: Array, model: Model) -> Account:
-    """Add the volumes that crossed the boundary with the solids flux and the total flux (nf,) [m3/s]."""
+def book(
+    account: Account, dt: float, solid: Array, total: Array, model: Model
+) -> Account:
+    """Add the volumes that crossed the boundary with the solids flux and the total
+    flux (nf,) [m3/s].
+    """
     halo = model.grid.halo
-    solid, total = solid[model.grid.interior :][halo.edges], total[model.grid.interior :][halo.edges]
+    solid, total = (
+        solid[model.grid.interior :][halo.edges],
+        total[model.grid.interior :][halo.edges],
+    )
     gas = total - solid
     crossed = halo.sum(
         -dt * float(np.sum(solid, where=solid < 0)),
@@ -235,4 +299,6 @@ def book(account: Account, dt: float, solid: Array, total: Array, model: Model) 
         -dt * float(np.sum(gas, where=gas < 0)),
         dt * float(np.sum(gas, where=gas > 0)),
     )
-    return Account(*(before + volume for before, volume in zip(account, crossed, strict=True)))
+    return Account(
+        *(before + volume for before, volume in zip(account, crossed, strict=True))
+    )

@@ -20,9 +20,11 @@ Value = TypeVar("Value")
 
 
 class Fluxes(NamedTuple):
-    """Volume fluxes [m3/s] through faces (nf,), and rates [1/s] at which the velocity of a phase empties cells (nc,).
+    """Volume fluxes [m3/s] through faces (nf,), and rates [1/s] at which the velocity
+    of a phase empties cells (nc,).
 
-    solid, total : of the solids and of both phases together, with which the next step starts
+    solid, total : of the solids and of both phases together, with which the next step
+        starts
     moved : of the solids, with which the last step moved them after limits
     outflow_gas, outflow_solid : for the Courant numbers
     """
@@ -35,9 +37,11 @@ class Fluxes(NamedTuple):
 
 
 class ForceGradients(NamedTuple):
-    """Gradients (nc, dim) of p, of kinetic pressure over rho_s, and of the potential at rest; zero on orthogonal grids.
+    """Gradients (nc, dim) of p, of kinetic pressure over rho_s, and of the potential at
+    rest; zero on orthogonal grids.
 
-    The potential at rest is h + p/rho_s - gravity . x, uniform where particles rest on each other.
+    The potential at rest is h + p/rho_s - gravity . x, uniform where particles rest on
+    each other.
     """
 
     p: Array
@@ -48,12 +52,15 @@ class ForceGradients(NamedTuple):
 class Memory(NamedTuple):
     """Rates, accelerations and gradients of the last step that the next step uses.
 
-    rate_gas, rate_solid (nc, dim) [m/s2], rate_eps_s (nc, 1) [1/s], rate_theta (nc, 1) [m2/s3] : rates of change
+    rate_gas, rate_solid (nc, dim) [m/s2], rate_eps_s (nc, 1) [1/s], rate_theta (nc,
+    1) [m2/s3] : rates of change
         without convection, for the predictor of half a step
-    force_gas, force_solid (nc, dim) [m/s2] : accelerations by pressure, drag and gravity
-    face_residual (nf,) [m/s] : normal velocity of the gas less the interpolated cell velocity, as in Rhie-Chow
+    force_gas, force_solid (nc, dim) [m/s2] : accelerations by pressure, drag and
+    gravity face_residual (nf,) [m/s] : normal velocity of the gas less the interpolated
+    cell velocity, as in Rhie-Chow
     gradients : of the forces, with which the next step extrapolates boundary values
-    heating_rate [1/s] : 1 over the longest step that is stable with the heat of compression and shear
+    heating_rate [1/s] : 1 over the longest step that is stable with the heat of
+        compression and shear
     """
 
     rate_gas: Array
@@ -70,7 +77,8 @@ class Memory(NamedTuple):
 class Properties(NamedTuple):
     """Closures at one state.
 
-    K = beta/eps_s (nc,) [kg/m3/s], the rheology of the particles, and the frictional viscosity (nc,) [Pa s].
+    K = beta/eps_s (nc,) [kg/m3/s], the rheology of the particles, and the frictional
+    viscosity (nc,) [Pa s].
     """
 
     drag: Array
@@ -88,7 +96,9 @@ class Account(NamedTuple):
 
 
 class HeatAccount(NamedTuple):
-    """Heat [J] that came in and went out with the phases and through walls; gas [kg] that came in and went out."""
+    """Heat [J] that came in and went out with the phases and through walls; gas [kg]
+    that came in and went out.
+    """
 
     heat_in: float = 0.0
     heat_out: float = 0.0
@@ -110,7 +120,9 @@ class Counters(NamedTuple):
 
     def add(self, **more: int) -> Counters:
         """Return these counters and some more."""
-        return self._replace(**{name: getattr(self, name) + number for name, number in more.items()})
+        return self._replace(
+            **{name: getattr(self, name) + number for name, number in more.items()}
+        )
 
 
 NOTHING, NO_HEAT, NEVER = Account(), HeatAccount(), Counters()
@@ -125,8 +137,9 @@ class Energy:
     rate_gas, rate_solid (nc, 1) [K/s] : rates of change without convection
     rho_ratio (nc,) : density of the gas over the usual one
     expansion (nc,) [1/s] : source of gas volume
-    closing [s] : time in which what mass, temperature and volume leave open goes with it: a step or, after a much
-        longer one, what is left of that, as hurry would make the next step shorter still
+    closing [s] : time in which what mass, temperature and volume leave open goes with
+        it: a step or, after a much longer one, what is left of that, as hurry would
+        make the next step shorter still
     p0 [Pa] : thermodynamic pressure
     """
 
@@ -149,8 +162,10 @@ class State:
     eps_s, theta [m2/s2], p [Pa] (nc,), u_gas, u_solid (nc, dim) [m/s] : fields
     properties : closures of the last step, with its rheology
     energy : None for an isothermal bed
-    wall_force_gas, wall_force_solid [N] : of the walls on each phase along the last axis in the last step
-    time, dt [s], steps : now, the last step, and their number; dt_wanted : the step that the last one was cut from
+    wall_force_gas, wall_force_solid [N] : of the walls on each phase along the last
+        axis in the last step
+    time, dt [s], steps : now, the last step, and their number; dt_wanted : the step
+    that the last one was cut from
     account, counters : what crossed the boundary; how often limiters acted
     """
 
@@ -174,8 +189,18 @@ class State:
 
     def fields(self) -> dict[str, Array]:
         """Fields by name."""
-        found = {"eps_s": self.eps_s, "u_gas": self.u_gas, "u_solid": self.u_solid, "theta": self.theta, "p": self.p}
-        return found if self.energy is None else found | {"T_gas": self.energy.T_gas, "T_solid": self.energy.T_solid}
+        found = {
+            "eps_s": self.eps_s,
+            "u_gas": self.u_gas,
+            "u_solid": self.u_solid,
+            "theta": self.theta,
+            "p": self.p,
+        }
+        return (
+            found
+            if self.energy is None
+            else found | {"T_gas": self.energy.T_gas, "T_solid": self.energy.T_solid}
+        )
 
     def with_fields(self, given: Mapping[str, Any]) -> State:
         """Return the same state with other fields, arrays or numbers by name."""
@@ -183,9 +208,23 @@ class State:
         new = known | {name: np.empty_like(known[name]) for name in given}
         for name, values in given.items():
             new[name][...] = values
-        energy = None if self.energy is None else replace(self.energy, T_gas=new["T_gas"], T_solid=new["T_solid"])
-        eps_s, u_gas, u_solid, theta, p = (new[name] for name in ("eps_s", "u_gas", "u_solid", "theta", "p"))
-        return replace(self, eps_s=eps_s, u_gas=u_gas, u_solid=u_solid, theta=theta, p=p, energy=energy)
+        energy = (
+            None
+            if self.energy is None
+            else replace(self.energy, T_gas=new["T_gas"], T_solid=new["T_solid"])
+        )
+        eps_s, u_gas, u_solid, theta, p = (
+            new[name] for name in ("eps_s", "u_gas", "u_solid", "theta", "p")
+        )
+        return replace(
+            self,
+            eps_s=eps_s,
+            u_gas=u_gas,
+            u_solid=u_solid,
+            theta=theta,
+            p=p,
+            energy=energy,
+        )
 
 
 def zero_state(grid: Grid) -> State:
@@ -200,10 +239,16 @@ def zero_state(grid: Grid) -> State:
 
     gradients = ForceGradients(vector(), vector(), vector())
     rates = np.zeros((nc, 1)), np.zeros((nc, 1))
-    memory = Memory(vector(), vector(), *rates, vector(), vector(), np.zeros(nf), gradients, 0.0)
+    memory = Memory(
+        vector(), vector(), *rates, vector(), vector(), np.zeros(nf), gradients, 0.0
+    )
     fluxes = Fluxes(np.zeros(nf), np.zeros(nf), np.zeros(nf), scalar(), scalar())
-    properties = Properties(scalar(), Rheology(*(scalar() for _ in Rheology._fields)), scalar())
-    return State(scalar(), vector(), vector(), scalar(), scalar(), fluxes, memory, properties)
+    properties = Properties(
+        scalar(), Rheology(*(scalar() for _ in Rheology._fields)), scalar()
+    )
+    return State(
+        scalar(), vector(), vector(), scalar(), scalar(), fluxes, memory, properties
+    )
 
 
 def check_finite(state: State, grid: Grid) -> None:
@@ -216,19 +261,27 @@ def check_finite(state: State, grid: Grid) -> None:
     halo, message = grid.halo, ""
     for name, everywhere in state.fields().items():
         values = everywhere[halo.cells]
-        if not message and not np.isfinite(values.sum()) and (wrong := ~np.isfinite(values)).any():
+        if (
+            not message
+            and not np.isfinite(values.sum())
+            and (wrong := ~np.isfinite(values)).any()
+        ):
             cell = int(np.flatnonzero(wrong.reshape(len(values), -1).any(axis=1))[0])
             place = ", ".join(f"{v:.4g}" for v in grid.centres[cell])
             message = (
-                f"t = {state.time:.6g} s, step {state.steps}: {name} is not finite in cell {int(grid.cells[cell])} at "
-                f"({place}) m; reduce the Courant number, or look at the closures and boundaries there"
+                f"t = {state.time:.6g} s, step {state.steps}: {name} is not finite in "
+                f"cell {int(grid.cells[cell])} at "
+                f"({place}) m; reduce the Courant number, or look at the closures and "
+                "boundaries there"
             )
     if message := halo.first(message):
         raise ConvergenceError(message)
 
 
 def flatten(value: Any, name: str = "state") -> dict[str, Any]:
-    """Arrays and numbers of a state by dotted names, for a checkpoint; None is left out."""
+    """Arrays and numbers of a state by dotted names, for a checkpoint; None is left
+    out.
+    """
     found: dict[str, Any] = {}
     for key, part in _parts(value).items():
         if _parts(part):
@@ -239,13 +292,24 @@ def flatten(value: Any, name: str = "state") -> dict[str, Any]:
 
 
 def rebuild(like: Value, saved: Mapping[str, Any], name: str = "state") -> Value:
-    """Return the state that was flattened into `saved`, bit for bit; `like` is any state of the same model."""
+    """Return the state that was flattened into `saved`, bit for bit; `like` is any
+    state of the same model.
+    """
     parts = _parts(like)
     if parts:
-        return type(like)(**{key: rebuild(part, saved, f"{name}.{key}") for key, part in parts.items()})
+        return type(like)(
+            **{
+                key: rebuild(part, saved, f"{name}.{key}")
+                for key, part in parts.items()
+            }
+        )
     if like is None:
         return like
-    return np.asarray(saved[name]) if isinstance(like, np.ndarray) else type(like)(saved[name])  # type: ignore[return-value,call-arg]
+    return (
+        np.asarray(saved[name])
+        if isinstance(like, np.ndarray)
+        else type(like)(saved[name])
+    )  # type: ignore[return-value,call-arg]
 
 
 def _parts(value: Any) -> dict[str, Any]:

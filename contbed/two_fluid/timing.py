@@ -14,7 +14,9 @@ T = TypeVar("T")
 
 
 class Timer:
-    """Seconds of wall time by phase; a phase does not include the phases that it calls."""
+    """Seconds of wall time by phase; a phase does not include the phases that it
+    calls.
+    """
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
@@ -32,14 +34,17 @@ class Timer:
 
 
 def phase(name: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Name a function whose last argument is the `Model` a phase of the step, timed by the timer of the model."""
+    """Name a function whose last argument is the `Model` a phase of the step, timed
+    by the timer of the model.
+    """
 
     def named(function: Callable[P, T]) -> Callable[P, T]:
         @wraps(function)
         def timed(*arguments: P.args, **named_arguments: P.kwargs) -> T:
             model: Any = arguments[-1]
             timer: Timer = model.timer
-            # held back once for all kernels of the phase, which takes well below a second
+            # held back once for all kernels of the phase, which takes well below a
+            # second
             with deferred_interrupt():
                 return timer.run(name, lambda: function(*arguments, **named_arguments))
 

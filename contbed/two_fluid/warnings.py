@@ -1,4 +1,6 @@
-"""What is possible in a two-fluid scene but seldom meant: by the tables, and by the mesh."""
+"""What is possible in a two-fluid scene but seldom meant: by the tables, and by the
+mesh.
+"""
 
 from __future__ import annotations
 
@@ -19,24 +21,41 @@ if TYPE_CHECKING:
     from contbed.two_fluid.fv.grid import Grid
 
 BED_NUSSELT = 10.0  # of particles that some m/s of gas pass [-]
-# shares by which a piece of a boundary and a layer may differ from the scene, as faces and cells are taken as a whole
+# shares by which a piece of a boundary and a layer may differ from the scene, as faces
+# and cells are taken as a whole
 MOST_OF_A_PIECE = 0.01
 MOST_OF_A_LAYER = 0.04
 AXIS = 1e-9  # share of the extent from which a mesh counts as off the axis
 
 
-def times_are_within_the_run(time: t.Time, boundary: Mapping[str, Boundary]) -> Mistakes:
+def times_are_within_the_run(
+    time: t.Time, boundary: Mapping[str, Boundary]
+) -> Mistakes:
     """Look for what is written or switched after the end of the run."""
     for key in ("sample", "fields"):
         if (value := getattr(time, key)) is not None and value > time.end:
-            yield ("time", key), f"longer than the run of {time.end:g} s: written at its end"
+            yield (
+                ("time", key),
+                f"longer than the run of {time.end:g} s: written at its end",
+            )
     for name, part in boundary.items():
-        if isinstance(part, Inlet) and part.until is not None and part.until >= time.end:
-            yield ("boundary", name, "until"), f"not before the end, {time.end:g} s: nothing changes"
+        if (
+            isinstance(part, Inlet)
+            and part.until is not None
+            and part.until >= time.end
+        ):
+            yield (
+                ("boundary", name, "until"),
+                f"not before the end, {time.end:g} s: nothing changes",
+            )
 
 
 def there_are_particles(
-    initial: Initial, boundary: Mapping[str, Boundary], gas: t.Gas, solids: Mapping[str, t.Solid], origin: Origin
+    initial: Initial,
+    boundary: Mapping[str, Boundary],
+    gas: t.Gas,
+    solids: Mapping[str, t.Solid],
+    origin: Origin,
 ) -> Mistakes:
     """Look for particles, and for a gas that is heavier than they are."""
     ((name, solid),) = solids.items()
@@ -45,54 +64,105 @@ def there_are_particles(
         yield ("initial", "solids", name, "volume_fraction"), text
     fluid = t.fluid_of(gas, initial, boundary, origin.base)
     if fluid.density >= solid.density:
-        yield ("gas", "density"), f"the gas is not lighter than the particles, {solid.density:g} kg/m3"
+        yield (
+            ("gas", "density"),
+            f"the gas is not lighter than the particles, {solid.density:g} kg/m3",
+        )
 
 
 def gas_enters_and_carries(
-    initial: Initial, boundary: Mapping[str, Boundary], two_fluid: t.TwoFluid, closures: t.Closures
+    initial: Initial,
+    boundary: Mapping[str, Boundary],
+    two_fluid: t.TwoFluid,
+    closures: t.Closures,
 ) -> Mistakes:
     """Look for inlets without flow, and gas that does not move the particles."""
     inlets = {name: part for name, part in boundary.items() if isinstance(part, Inlet)}
     for name, part in inlets.items():
         if part.gas.velocity == 0.0 and part.solid.volume_fraction == 0.0:
-            yield ("boundary", name, "gas", "velocity"), "nothing enters; a closed boundary is a wall"
+            yield (
+                ("boundary", name, "gas", "velocity"),
+                "nothing enters; a closed boundary is a wall",
+            )
     blows = any(part.gas.velocity > 0 for part in inlets.values())
-    if closures.drag == ABSENT and blows and two_fluid.gravity > 0 and _has_particles(initial, boundary):
-        yield ("closures", "drag"), "without drag the gas that enters does not carry the particles"
+    if (
+        closures.drag == ABSENT
+        and blows
+        and two_fluid.gravity > 0
+        and _has_particles(initial, boundary)
+    ):
+        yield (
+            ("closures", "drag"),
+            "without drag the gas that enters does not carry the particles",
+        )
 
 
 def walls_slip(closures: t.Closures, boundary: Mapping[str, Boundary]) -> Mistakes:
-    """Look for walls that hold gas or particles back where closures have factors near walls that do not."""
-    chosen = [key for key in KINDS if key.startswith("wall_") and getattr(closures, key) != ABSENT]
+    """Look for walls that hold gas or particles back where closures have factors
+    near walls that do not.
+    """
+    chosen = [
+        key
+        for key in KINDS
+        if key.startswith("wall_") and getattr(closures, key) != ABSENT
+    ]
     walls = {name: part for name, part in boundary.items() if isinstance(part, Wall)}
-    rough = [name for name, wall in walls.items() if wall.gas.wall != "slip" or wall.solid.wall != "slip"]
+    rough = [
+        name
+        for name, wall in walls.items()
+        if wall.gas.wall != "slip" or wall.solid.wall != "slip"
+    ]
     if rough:
         for key in chosen:
             yield (
                 ("closures", key),
-                f"holds where gas and particles slip along walls, not along {', '.join(rough)}",
+                "holds where gas and particles slip along walls, not along "
+                f"{', '.join(rough)}",
             )
 
 
 def of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> tuple[str, ...]:
-    """Return what is seldom meant of particles, layers and axis in this mesh, each with file, line and key."""
-    return tuple(f"{scene.origin.at(key)}: {dotted(key)}: {text}" for key, text in _of_the_mesh(scene, mesh, grid))
+    """Return what is seldom meant of particles, layers and axis in this mesh, each
+    with file, line and key.
+    """
+    return tuple(
+        f"{scene.origin.at(key)}: {dotted(key)}: {text}"
+        for key, text in _of_the_mesh(scene, mesh, grid)
+    )
 
 
-def _of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> Iterator[tuple[KeyPath, str]]:
+def _of_the_mesh(
+    scene: t.TwoFluidScene, mesh: Mesh, grid: Grid
+) -> Iterator[tuple[KeyPath, str]]:
     smallest = min(float(np.ptp(x[mesh.skfem.t], axis=0).min()) for x in mesh.skfem.p)
     if smallest < scene.solid.diameter:
         (name,) = scene.solids
-        text = f"larger than the smallest cell, {smallest:.3g} m; averages over a cell need many particles in it"
+        text = (
+            f"larger than the smallest cell, {smallest:.3g} m; averages over a cell "
+            "need many particles in it"
+        )
         yield ("solids", name, "diameter"), text
     low, high = float(mesh.skfem.p[-1].min()), float(mesh.skfem.p[-1].max())
     for k, layer in enumerate(scene.initial.layer):
         for key in sorted(layer.model_fields_set & {"start", "end"}):
-            if not low - AXIS * (high - low) <= (place := getattr(layer, key)) <= high + AXIS * (high - low):
-                text = f"{place:g} m is outside of the vessel, which reaches from {low:.6g} to {high:.6g} m"
+            if (
+                not low - AXIS * (high - low)
+                <= (place := getattr(layer, key))
+                <= high + AXIS * (high - low)
+            ):
+                text = (
+                    f"{place:g} m is outside of the vessel, which reaches from "
+                    f"{low:.6g} to {high:.6g} m"
+                )
                 yield ("initial", "layer", k, key), text
-    if grid.axisymmetric and (inner := float(mesh.skfem.p[0].min())) > AXIS * float(np.ptp(mesh.skfem.p[0])):
-        yield ("mesh",), f"axisymmetric, but no cell touches the axis: an annulus from r = {inner:.4g} m"
+    if grid.axisymmetric and (inner := float(mesh.skfem.p[0].min())) > AXIS * float(
+        np.ptp(mesh.skfem.p[0])
+    ):
+        yield (
+            ("mesh",),
+            "axisymmetric, but no cell touches the axis: an annulus from r = "
+            f"{inner:.4g} m",
+        )
     yield from _pieces_end_between_faces(scene, mesh)
     if grid.rectangular:
         yield from _layers_end_within_cells(scene, np.unique(mesh.skfem.p[-1]))
@@ -101,24 +171,45 @@ def _of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> Iterator[tup
         yield from _gas_expands_at_once(scene, low, high)
 
 
-def _pieces_end_between_faces(scene: t.TwoFluidScene, mesh: Mesh) -> Iterator[tuple[KeyPath, str]]:
-    """Look for pieces of boundaries whose faces, each of which is taken as a whole, have another area."""
+def _pieces_end_between_faces(
+    scene: t.TwoFluidScene, mesh: Mesh
+) -> Iterator[tuple[KeyPath, str]]:
+    """Look for pieces of boundaries whose faces, each of which is taken as a whole,
+    have another area.
+    """
     grid = mesh.skfem
     for name, part in scene.boundary.items():
-        if isinstance(part, Periodic) or part.on is None or part.start is None or part.end is None:
+        if (
+            isinstance(part, Periodic)
+            or part.on is None
+            or part.start is None
+            or part.end is None
+        ):
             continue
-        corners = grid.p[:, grid.facets[:, grid.boundaries[name]]]  # (dim, corners, faces)
+        # (dim, corners, faces)
+        corners = grid.p[:, grid.facets[:, grid.boundaries[name]]]
         axis = 0 if np.ptp(corners[-1]) <= AXIS * np.ptp(grid.p[-1]) else -1
         covered = float(corners[axis].min()), float(corners[axis].max())
-        wanted = max(part.start, float(grid.p[axis].min())), min(part.end, float(grid.p[axis].max()))
+        wanted = (
+            max(part.start, float(grid.p[axis].min())),
+            min(part.end, float(grid.p[axis].max())),
+        )
         power = 2 if mesh.axisymmetric and axis == 0 else 1  # rings by their radii
-        more = (covered[1] ** power - covered[0] ** power) / (wanted[1] ** power - wanted[0] ** power) - 1.0
+        more = (covered[1] ** power - covered[0] ** power) / (
+            wanted[1] ** power - wanted[0] ** power
+        ) - 1.0
         if abs(more) > MOST_OF_A_PIECE:
-            yield ("boundary", name), _reach(covered, more, "area, and of what crosses it")
+            yield (
+                ("boundary", name),
+                _reach(covered, more, "area, and of what crosses it"),
+            )
 
 
-def _layers_end_within_cells(scene: t.TwoFluidScene, faces: np.ndarray) -> Iterator[tuple[KeyPath, str]]:
-    """Look for layers of particles whose cells, each of which is filled as a whole, are thicker or thinner.
+def _layers_end_within_cells(
+    scene: t.TwoFluidScene, faces: np.ndarray
+) -> Iterator[tuple[KeyPath, str]]:
+    """Look for layers of particles whose cells, each of which is filled as a whole, are
+    thicker or thinner.
 
     `faces` are the positions between the cells [m], increasing.
     """
@@ -136,38 +227,78 @@ def _layers_end_within_cells(scene: t.TwoFluidScene, faces: np.ndarray) -> Itera
 
 def _reach(covered: tuple[float, float], more: float, what: str) -> str:
     much = f"{100.0 * abs(more):.2g} % {'more' if more > 0 else 'less'} {what}"
-    return f"reaches from {covered[0]:.6g} to {covered[1]:.6g} m on this mesh: {much}; begin and end between cells"
+    return (
+        f"reaches from {covered[0]:.6g} to {covered[1]:.6g} m on this mesh: {much}; "
+        "begin and end between cells"
+    )
 
 
-def _gas_expands_at_once(scene: t.TwoFluidScene, low: float, high: float) -> Iterator[tuple[KeyPath, str]]:
-    """Look for gas between hotter or colder particles at the start, whose change of volume drives the first flow."""
+def _gas_expands_at_once(
+    scene: t.TwoFluidScene, low: float, high: float
+) -> Iterator[tuple[KeyPath, str]]:
+    """Look for gas between hotter or colder particles at the start, whose change of
+    volume drives the first flow.
+    """
     from contbed.two_fluid.heat.plan import initial
 
     fluid, start, d_p = scene.fluid, scene.initial, scene.solid.diameter
     assert fluid.heat_capacity is not None and fluid.conductivity is not None
-    inlets = [part.gas.velocity for part in scene.boundary.values() if isinstance(part, Inlet)]
-    usual = max(inlets, default=0.0) + (2.0 * scene.two_fluid.gravity * (high - low)) ** 0.5
-    parts: list[tuple[KeyPath, Initial | Layer, float, float]] = [(("initial",), start, -np.inf, np.inf)]
-    parts += [(("initial", "layer", k), part, part.start, part.end) for k, part in enumerate(start.layer)]
+    inlets = [
+        part.gas.velocity for part in scene.boundary.values() if isinstance(part, Inlet)
+    ]
+    usual = (
+        max(inlets, default=0.0) + (2.0 * scene.two_fluid.gravity * (high - low)) ** 0.5
+    )
+    parts: list[tuple[KeyPath, Initial | Layer, float, float]] = [
+        (("initial",), start, -np.inf, np.inf)
+    ]
+    parts += [
+        (("initial", "layer", k), part, part.start, part.end)
+        for k, part in enumerate(start.layer)
+    ]
     for key, part, bottom, top in parts:
-        eps_s = start.solid.volume_fraction if part.solid.volume_fraction is None else part.solid.volume_fraction
-        T_gas, T_solid = (float(T[0]) for T in initial(scene, np.array([bottom])).values())
+        eps_s = (
+            start.solid.volume_fraction
+            if part.solid.volume_fraction is None
+            else part.solid.volume_fraction
+        )
+        T_gas, T_solid = (
+            float(T[0]) for T in initial(scene, np.array([bottom])).values()
+        )
         if eps_s == 0.0 or T_gas == T_solid:
             continue
         content = fluid.density * fluid.heat_capacity * (1.0 - eps_s)
         time = content * d_p**2 / (6.0 * eps_s * BED_NUSSELT * fluid.conductivity)
         speed = abs(T_solid / T_gas - 1.0) * (min(top, high) - max(bottom, low)) / time
         if speed > usual:
-            text = f"gas of {T_gas:g} K between particles of {T_solid:g} K takes their temperature in {time:.2g} s and "
-            text += f"its new volume flows at {speed:.2g} m/s; give both one temperature where particles are"
+            text = (
+                f"gas of {T_gas:g} K between particles of {T_solid:g} K takes their "
+                f"temperature in {time:.2g} s and "
+            )
+            text += (
+                f"its new volume flows at {speed:.2g} m/s; give both one "
+                "temperature where particles are"
+            )
             yield (*key, "gas", "temperature"), text
 
 
 def _has_particles(initial: Initial, boundary: Mapping[str, Boundary]) -> bool:
     """Whether there are particles at the start, or some enter."""
-    start = initial.solid.volume_fraction, *(layer.solid.volume_fraction or 0.0 for layer in initial.layer)
-    entering = (part.solid.volume_fraction for part in boundary.values() if isinstance(part, Inlet))
+    start = (
+        initial.solid.volume_fraction,
+        *(layer.solid.volume_fraction or 0.0 for layer in initial.layer),
+    )
+    entering = (
+        part.solid.volume_fraction
+        for part in boundary.values()
+        if isinstance(part, Inlet)
+    )
     return any(start) or any(entering)
 
 
-WARNINGS = (times_are_within_the_run, there_are_particles, gas_enters_and_carries, walls_slip)
+WARNINGS = (
+    times_are_within_the_run,
+    there_are_particles,
+    gas_enters_and_carries,
+    walls_slip,
+)

@@ -1,4 +1,6 @@
-"""Docstrings of the package for napoleon: `name : meaning` in one line becomes a name with its meaning below."""
+"""Docstrings of the package for napoleon: `name : meaning` in one line becomes a
+name with its meaning below.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,9 @@ from typing import Any
 SECTIONS = ("Parameters", "Raises", "Attributes")
 
 
-def split(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+def split(
+    app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]
+) -> None:
     section = ""
     changed: list[str] = []
     for k, line in enumerate(lines):

@@ -1,8 +1,9 @@
-"""Pages of the manual that are made from the package: theory, reference, closures, gallery, glossary, how to cite.
+"""Pages of the manual that are made from the package: theory, reference, closures,
+gallery, glossary, how to cite.
 
-Each fact is taken from where it stands: docstrings of equations, schemas of scenes, data sheets of closures, the
-command line, READMEs of studies and the tables of `contbed.fields`. A new physics, key, closure or study shows up by
-itself.
+Each fact is taken from where it stands: docstrings of equations, schemas of scenes,
+data sheets of closures, the command line, READMEs of studies and the tables of
+`contbed.fields`. A new physics, key, closure or study shows up by itself.
 """
 
 from __future__ import annotations
@@ -14,7 +15,16 @@ from collections.abc import Iterator, Mapping
 from html import escape
 from pathlib import Path
 
-from markdown_text import code, literal, lower_headings, page, plain, table, toctree, without_links
+from markdown_text import (
+    code,
+    literal,
+    lower_headings,
+    page,
+    plain,
+    table,
+    toctree,
+    without_links,
+)
 from notebooks import titles, write_page
 from pictures import plot_closure
 from verification import write_page as write_verification
@@ -33,17 +43,21 @@ from contbed.scene.library import MATERIALS, data_sheet
 
 ROOT = Path(__file__).parents[2]
 THEORY = (
-    "The equations of each model, with their assumptions, their discretisation and their source, as they stand at the "
+    "The equations of each model, with their assumptions, their discretisation and "
+    "their source, as they stand at the "
     "head of the code that solves them."
 )
 CITE = (
-    "Cite the version that `contbed --version` prints, and the sources of the closures that a run used: they stand in "
+    "Cite the version that `contbed --version` prints, and the sources of the closures "
+    "that a run used: they stand in "
     "`summary.json` under `closures`, and in the report. `CITATION.cff` of the project:"
 )
 
 
 def write(folder: Path) -> None:
-    """Write all generated pages anew; figures that are there and not older than their source are kept."""
+    """Write all generated pages anew; figures that are there and not older than
+    their source are kept.
+    """
     for name in ("theory", "reference", "gallery"):
         shutil.rmtree(folder / name, ignore_errors=True)
         (folder / name).mkdir(parents=True)
@@ -58,7 +72,9 @@ def write(folder: Path) -> None:
 
 
 def docstring(text: str) -> str:
-    """Return the text of equations as Markdown: indented blocks and columns are literal blocks."""
+    """Return the text of equations as Markdown: indented blocks and columns are
+    literal blocks.
+    """
     found = []
     for paragraph in text.split("\n\n")[1:]:
         lines = paragraph.splitlines()
@@ -88,9 +104,13 @@ def studies_of(kind: str) -> list[Path]:
 
 
 def checks(readme: str) -> str:
-    """Return what the README of a study says of its checks: one paragraph with numbers."""
+    """Return what the README of a study says of its checks: one paragraph with
+    numbers.
+    """
     found = re.search(
-        r"^(?:\*\*Checks?[^*]*\*\*|The tables are reproduced)(.*?)(?:\n\n|\Z)", readme, re.DOTALL | re.MULTILINE
+        r"^(?:\*\*Checks?[^*]*\*\*|The tables are reproduced)(.*?)(?:\n\n|\Z)",
+        readme,
+        re.DOTALL | re.MULTILINE,
     )
     return found[0].strip().replace("\n", " ") if found else ""
 
@@ -102,25 +122,50 @@ def theory(folder: Path) -> None:
         parts = []
         for name in model.equations:
             text = sheets[name]
-            parts.append(f"({name})=\n## {plain(text.partition(chr(10))[0].rstrip('.'))}\n\n" + docstring(text))
+            parts.append(
+                f"({name})=\n## {plain(text.partition(chr(10))[0].rstrip('.'))}\n\n"
+                + docstring(text)
+            )
         rows = []
         for study in studies_of(kind):
             readme = (study / "README.md").read_text(encoding="utf-8")
             title = readme.partition("\n")[0].lstrip("# ")
-            rows.append([f"[{title}](../gallery/{study.name}.md)", without_links(checks(readme))])
+            rows.append(
+                [
+                    f"[{title}](../gallery/{study.name}.md)",
+                    without_links(checks(readme)),
+                ]
+            )
         if rows:
-            parts.append("## Verified and compared by\n\n" + table(["study", "what its README states"], rows))
+            parts.append(
+                "## Verified and compared by\n\n"
+                + table(["study", "what its README states"], rows)
+            )
         if kind == "two_fluid":
             text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
             section = text.partition("### Verification of the two-fluid model")[2]
-            parts.append("## Verification by exact cases" + re.sub(r"^#+ .*", "", section, flags=re.MULTILINE))
+            parts.append(
+                "## Verification by exact cases"
+                + re.sub(r"^#+ .*", "", section, flags=re.MULTILINE)
+            )
         names.append(kind)
-        page(folder / f"{kind}.md", f"{kind}: {editor.summary(kind).rstrip('.')}", *parts)
+        page(
+            folder / f"{kind}.md", f"{kind}: {editor.summary(kind).rstrip('.')}", *parts
+        )
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    measured = readme[readme.index("Which of this was compared with measurements") :].partition("\n\n## ")[0]
-    page(folder / "validation.md", "Compared with measurements", without_links(measured))
+    measured = readme[
+        readme.index("Which of this was compared with measurements") :
+    ].partition("\n\n## ")[0]
+    page(
+        folder / "validation.md", "Compared with measurements", without_links(measured)
+    )
     write_verification(folder / "verification.md")
-    page(folder / "index.md", "Theory", THEORY, toctree(*names, "verification", "validation"))
+    page(
+        folder / "index.md",
+        "Theory",
+        THEORY,
+        toctree(*names, "verification", "validation"),
+    )
 
 
 def scenes(folder: Path) -> None:
@@ -138,7 +183,14 @@ def scenes(folder: Path) -> None:
         folder / "index.md",
         "Reference",
         "Made from the code, so that it is complete and says what this version does.",
-        toctree(*(f"scene_{kind}" for kind in MODELS), "closures", "rate_laws", "materials", "commands", "../../api"),
+        toctree(
+            *(f"scene_{kind}" for kind in MODELS),
+            "closures",
+            "rate_laws",
+            "materials",
+            "commands",
+            "../../api",
+        ),
     )
 
 
@@ -150,26 +202,50 @@ def tables_of(name: str, node: schema.Node, depth: int) -> Iterator[str]:
         if isinstance(inner, dict):
             yield from tables_of(f"{name}.NAME", inner, depth)
             continue
-        if "properties" not in option or schema.is_closure(option) or schema.is_closure_file(option):
+        if (
+            "properties" not in option
+            or schema.is_closure(option)
+            or schema.is_closure_file(option)
+        ):
             continue
         rows = []
         for key, child in option["properties"].items():
             tables = [
                 part
                 for part in schema.options(child)
-                if "properties" in part or isinstance(part.get("additionalProperties"), dict)
+                if "properties" in part
+                or isinstance(part.get("additionalProperties"), dict)
             ]
-            tables = [part for part in tables if not schema.is_closure(part) and not schema.is_closure_file(part)]
+            tables = [
+                part
+                for part in tables
+                if not schema.is_closure(part) and not schema.is_closure_file(part)
+            ]
             text = (
                 schema.allowed(child)
                 if len(tables) < len(schema.options(child)) or not tables
                 else "a table, see below"
             )
-            default = "required" if key in option.get("required", []) else code(shown(child.get("default")))
-            rows.append([code(key), plain(text), default, plain(str(child.get("description", "")))])
+            default = (
+                "required"
+                if key in option.get("required", [])
+                else code(shown(child.get("default")))
+            )
+            rows.append(
+                [
+                    code(key),
+                    plain(text),
+                    default,
+                    plain(str(child.get("description", ""))),
+                ]
+            )
             if tables and depth < 3:
                 below.append((f"{name}.{key}", child))
-        kinds = [f' {key} = "{child["const"]}"' for key, child in option["properties"].items() if "const" in child]
+        kinds = [
+            f' {key} = "{child["const"]}"'
+            for key, child in option["properties"].items()
+            if "const" in child
+        ]
         heading = f"{'##' if depth == 0 else '###'} `[{name}]{''.join(kinds)}`"
         yield f"{heading}\n\n{plain(str(option.get('description', '')))}"
         yield table(["key", "allowed", "default", "meaning"], rows)
@@ -191,7 +267,9 @@ def correlations(folder: Path, figures: Path) -> None:
     for kind in kinds:
         parts = [f"Returns: {plain(arguments.RESULTS.get(kind, kind))}."]
         if named := [place for place, taken in closure_keys().items() if taken == kind]:
-            parts.append("Named in scenes by " + ", ".join(code(place) for place in named) + ".")
+            parts.append(
+                "Named in scenes by " + ", ".join(code(place) for place in named) + "."
+            )
         for name in closures.names(kind):
             parts += list(data_sheet_of(name, figures))
         page(folder / "closures" / f"{kind}.md", kind.replace("_", " "), *parts)
@@ -213,15 +291,28 @@ def correlations(folder: Path, figures: Path) -> None:
     laws = []
     for reaction, table_of in {**LAWS, **CHAR_LAWS}.items():
         rows = [
-            [code(law), plain(f.reaction), f"{f.T_range[0]:g} to {f.T_range[1]:g} K", f.unit, plain(f.source)]
+            [
+                code(law),
+                plain(f.reaction),
+                f"{f.T_range[0]:g} to {f.T_range[1]:g} K",
+                f.unit,
+                plain(f.source),
+            ]
             for law, f in table_of.items()
         ]
-        laws.append(f"## `{reaction}`\n\n" + table(["law", "reaction", "range", "unit", "source"], rows))
-    named = [[code(name), plain("; ".join(equations))] for name, equations in laws_by_name().items()]
+        laws.append(
+            f"## `{reaction}`\n\n"
+            + table(["law", "reaction", "range", "unit", "source"], rows)
+        )
+    named = [
+        [code(name), plain("; ".join(equations))]
+        for name, equations in laws_by_name().items()
+    ]
     page(
         folder / "rate_laws.md",
         "Rate laws",
-        "In a bubbling bed the first law of a reaction is the default; a reacting bed names its laws.",
+        "In a bubbling bed the first law of a reaction is the default; a reacting bed "
+        "names its laws.",
         *laws,
         "## Of reacting beds",
         table(["law", "reaction"], named),
@@ -258,11 +349,17 @@ def data_sheet_of(name: str, figures: Path) -> Iterator[str]:
             ]
         )
     yield table(["argument", "unit", "meaning", "range", "default"], rows)
-    ratios = [f"{key}: {low:g} to {high:g}" for key, (low, high) in sheet.ranges.items() if "/" in key]
+    ratios = [
+        f"{key}: {low:g} to {high:g}"
+        for key, (low, high) in sheet.ranges.items()
+        if "/" in key
+    ]
     if ratios:
         yield "Ranges of ratios: " + plain("; ".join(ratios)) + "."
     for title in ("Fitted to", "Limits", "Source"):
-        if found := re.search(rf"^{title}\n-+\n(.*?)(?:\n\n|\Z)", sheet.text, re.DOTALL | re.MULTILINE):
+        if found := re.search(
+            rf"^{title}\n-+\n(.*?)(?:\n\n|\Z)", sheet.text, re.DOTALL | re.MULTILINE
+        ):
             yield f"**{title}.** " + plain(" ".join(found[1].split()))
     if (file := plot_closure(name, figures)) is not None:
         yield f"![{name} over its range](../../figures/{file})"
@@ -286,13 +383,24 @@ def commands(folder: Path) -> None:
         for option in command.params:
             if option.name in ("help", "install_completion", "show_completion"):
                 continue
-            flags = ", ".join(option.opts) if option.param_type_name == "option" else str(option.metavar or option.name)
+            flags = (
+                ", ".join(option.opts)
+                if option.param_type_name == "option"
+                else str(option.metavar or option.name)
+            )
             rows.append([code(flags), plain(str(getattr(option, "help", "") or ""))])
-        parts.append(f"## `contbed {name}`\n\n{plain(' '.join(str(command.help or '').split()))}")
+        parts.append(
+            f"## `contbed {name}`\n\n{plain(' '.join(str(command.help or '').split()))}"
+        )
         parts.append(table(["argument", "meaning"], rows) if rows else "")
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     codes = re.search(r"^Exit codes: .*?\n\n", readme, re.DOTALL | re.MULTILINE)
-    page(folder / "commands.md", "Command line", codes[0].strip() if codes else "", *parts)
+    page(
+        folder / "commands.md",
+        "Command line",
+        codes[0].strip() if codes else "",
+        *parts,
+    )
 
 
 def gallery(folder: Path, figures: Path) -> None:
@@ -313,15 +421,24 @@ def gallery(folder: Path, figures: Path) -> None:
             folder / f"{name}.md",
             title.lstrip("# "),
             lower_headings(without_links(body.strip())),
-            f"Files: `studies/{name}`. The study is computed anew by `python -m studies run {name}`.",
+            f"Files: `studies/{name}`. The study is computed anew by `python -m "
+            f"studies run {name}`.",
         )
         names.append(name)
         image = f'<img src="../../_images/{shown_first}" alt="">' if shown_first else ""
-        cards.append(f'<a href="{name}.html">{image}<span>{escape(title.lstrip("# "))}</span></a>')
+        cards.append(
+            f'<a href="{name}.html">{image}<span>{escape(title.lstrip("# "))}</span></a>'
+        )
     shown_notebooks = titles(ROOT / "docs" / "notebooks")
     for name in shown_notebooks:
-        write_page(ROOT / "docs" / "notebooks" / f"{name}.ipynb", folder / f"notebook_{name}.md", figures)
-    listed = "\n".join(f"- [{title}](notebook_{name}.md)" for name, title in shown_notebooks.items())
+        write_page(
+            ROOT / "docs" / "notebooks" / f"{name}.ipynb",
+            folder / f"notebook_{name}.md",
+            figures,
+        )
+    listed = "\n".join(
+        f"- [{title}](notebook_{name}.md)" for name, title in shown_notebooks.items()
+    )
     html = '<div class="gallery">\n' + "\n".join(cards) + "\n</div>"
     page(
         folder / "index.md",
@@ -338,13 +455,21 @@ def gallery(folder: Path, figures: Path) -> None:
 def glossary(folder: Path) -> None:
     def rows(entries: Mapping[str, fields.Field]) -> list[list[str]]:
         return [
-            [code(name), "" if entry.unit == "1" else plain(entry.unit), plain(entry.description)]
+            [
+                code(name),
+                "" if entry.unit == "1" else plain(entry.unit),
+                plain(entry.description),
+            ]
             for name, entry in entries.items()
         ]
 
     head = ["name", "unit", "meaning"]
     taken = [
-        [code(name), "" if entry.unit == "-" else plain(entry.unit), plain(entry.meaning)]
+        [
+            code(name),
+            "" if entry.unit == "-" else plain(entry.unit),
+            plain(entry.meaning),
+        ]
         for name, entry in arguments.ARGUMENTS.items()
     ]
     page(
@@ -352,12 +477,14 @@ def glossary(folder: Path) -> None:
         "Glossary",
         "## Terms",
         "\n\n".join(
-            f"{term}\n: {plain(text)}" for term, text in sorted(TERMS.items(), key=lambda item: item[0].lower())
+            f"{term}\n: {plain(text)}"
+            for term, text in sorted(TERMS.items(), key=lambda item: item[0].lower())
         ),
         "## Fields and columns",
         table(head, rows(fields.FIELDS)),
         "## Named results",
-        "The keys of `qoi` in `summary.json`; NAME, PHASE and PLACE are chosen by the scene.",
+        "The keys of `qoi` in `summary.json`; NAME, PHASE and PLACE are chosen by the "
+        "scene.",
         table(head, rows(fields.RESULTS)),
         "## Arguments of closures",
         table(["name", "unit", "meaning"], taken),
@@ -365,7 +492,9 @@ def glossary(folder: Path) -> None:
 
 
 def project_texts(folder: Path) -> None:
-    """Write pages that hold files of the project: the changelog, how it is built, how to cite it."""
+    """Write pages that hold files of the project: the changelog, how it is built,
+    how to cite it.
+    """
     for name, title in (("CHANGELOG", "Changelog"), ("CONTRIBUTING", "Contributing")):
         text = (ROOT / f"{name}.md").read_text(encoding="utf-8").partition("\n")[2]
         page(folder / f"{name.lower()}.md", title, without_links(text))

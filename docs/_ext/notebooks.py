@@ -1,4 +1,6 @@
-"""Notebooks with their results as pages of the manual, as they were saved; a test runs them."""
+"""Notebooks with their results as pages of the manual, as they were saved; a test
+runs them.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ def titles(folder: Path) -> dict[str, str]:
     """Return the title of each notebook by its file name."""
     found = {}
     for file in sorted(folder.glob("*.ipynb")):
-        first = "".join(json.loads(file.read_text(encoding="utf-8"))["cells"][0]["source"])
+        first = "".join(
+            json.loads(file.read_text(encoding="utf-8"))["cells"][0]["source"]
+        )
         found[file.stem] = first.partition("\n")[0].lstrip("# ")
     return found
 
@@ -34,7 +38,12 @@ def write_page(file: Path, target: Path, figures: Path) -> None:
                 (figures / name).write_bytes(b64decode(data["image/png"]))
                 parts.append(f"![result of the cell](../figures/{name})")
             elif "text/html" in data:
-                html = re.sub(r"<style.*?</style>", "", "".join(data["text/html"]), flags=re.DOTALL)
+                html = re.sub(
+                    r"<style.*?</style>",
+                    "",
+                    "".join(data["text/html"]),
+                    flags=re.DOTALL,
+                )
                 parts.append("```{raw} html\n" + html.strip() + "\n```")
             else:
                 text = "".join(output.get("text", data.get("text/plain", "")))

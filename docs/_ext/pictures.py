@@ -1,4 +1,6 @@
-"""The plot of each closure over its range, around the values of the example in its docstring."""
+"""The plot of each closure over its range, around the values of the example in its
+docstring.
+"""
 
 from __future__ import annotations
 
@@ -13,15 +15,23 @@ import numpy as np
 
 from contbed.closures import arguments, registry
 
-SPAN = 10.0  # an argument without a bound is varied by this factor to both sides of its value in the example
+# an argument without a bound is varied by this factor to both sides of its value in the
+# example
+SPAN = 10.0
 POINTS = 120
 DPI = 80
 
 
 def example(name: str) -> dict[str, float]:
-    """Return the arguments of the first call of a closure in the examples of its data sheet."""
+    """Return the arguments of the first call of a closure in the examples of its
+    data sheet.
+    """
     text = registry.sheet(name).text
-    lines = "\n".join(line.strip()[4:] for line in text.splitlines() if line.strip().startswith((">>> ", "... ")))
+    lines = "\n".join(
+        line.strip()[4:]
+        for line in text.splitlines()
+        if line.strip().startswith((">>> ", "... "))
+    )
     try:
         tree = ast.parse(lines)
     except SyntaxError:
@@ -29,15 +39,27 @@ def example(name: str) -> dict[str, float]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") == name:
             try:
-                found = {key.arg: ast.literal_eval(key.value) for key in node.keywords if key.arg}
+                found = {
+                    key.arg: ast.literal_eval(key.value)
+                    for key in node.keywords
+                    if key.arg
+                }
             except ValueError:
                 continue
-            return {key: float(value) for key, value in found.items() if isinstance(value, int | float)}
+            return {
+                key: float(value)
+                for key, value in found.items()
+                if isinstance(value, int | float)
+            }
     return {}
 
 
-def varied(name: str, given: dict[str, float]) -> tuple[str, np.ndarray[Any, Any], bool] | None:
-    """Return the argument that a plot varies, its values, and whether its axis is logarithmic."""
+def varied(
+    name: str, given: dict[str, float]
+) -> tuple[str, np.ndarray[Any, Any], bool] | None:
+    """Return the argument that a plot varies, its values, and whether its axis is
+    logarithmic.
+    """
     sheet = registry.sheet(name)
     candidates = [key for key in (*sheet.ranges, *sheet.arguments) if key in given]
     for key in candidates:
@@ -58,7 +80,9 @@ def varied(name: str, given: dict[str, float]) -> tuple[str, np.ndarray[Any, Any
 
 
 def plot_closure(name: str, folder: Path) -> str | None:
-    """Draw a closure over its range; return the file, or None where its example gives no numbers to begin with."""
+    """Draw a closure over its range; return the file, or None where its example
+    gives no numbers to begin with.
+    """
     given = example(name)
     function = registry.get(name)
     choice = varied(name, given)
@@ -66,14 +90,18 @@ def plot_closure(name: str, folder: Path) -> str | None:
         return None
     key, values, logarithmic = choice
     stamp = hashlib.sha256(
-        (inspect.getsource(function) + Path(__file__).read_text(encoding="utf-8")).encode()
+        (
+            inspect.getsource(function) + Path(__file__).read_text(encoding="utf-8")
+        ).encode()
     ).hexdigest()[:8]
     file = folder / f"{name}-{stamp}.png"
     if file.exists():
         return file.name
     with np.errstate(all="ignore"):
         try:
-            result = np.array([float(function(**{**given, key: float(value)})) for value in values])
+            result = np.array(
+                [float(function(**{**given, key: float(value)})) for value in values]
+            )
         except (TypeError, ValueError, ZeroDivisionError):
             return None
     if not np.isfinite(result).any():
@@ -91,9 +119,16 @@ def plot_closure(name: str, folder: Path) -> str | None:
             axes.set_yscale("log")
     sheet = registry.sheet(name)
     known = arguments.argument(key, sheet.kind)
-    axes.set_xlabel(key if known is None or known.unit == "-" else f"{key} [{known.unit}]")
-    axes.set_ylabel(sheet.kind.replace("_", " ") + ("" if sheet.unit == "-" else f"\n[{sheet.unit}]"))
-    others = ", ".join(f"{other} = {value:g}" for other, value in given.items() if other != key)
+    axes.set_xlabel(
+        key if known is None or known.unit == "-" else f"{key} [{known.unit}]"
+    )
+    axes.set_ylabel(
+        sheet.kind.replace("_", " ")
+        + ("" if sheet.unit == "-" else f"\n[{sheet.unit}]")
+    )
+    others = ", ".join(
+        f"{other} = {value:g}" for other, value in given.items() if other != key
+    )
     axes.set_title(others if len(others) < 70 else others[:67] + "...", fontsize=8)
     axes.grid(alpha=0.3)
     figure.savefig(file, dpi=DPI)

@@ -2,7 +2,11 @@
 
 from contbed.many.closed_form import finite_length
 from contbed.packed_bed.equations.modes import rates
-from studies._exact.flow import ChannelFlow, brinkman_forchheimer_channel, plug_pressure_gradient
+from studies._exact.flow import (
+    ChannelFlow,
+    brinkman_forchheimer_channel,
+    plug_pressure_gradient,
+)
 from studies._exact.packed_bed import fin, schumann, two_temperature_relaxation
 from studies._exact.two_energy import (
     decay_rate,

@@ -1,6 +1,7 @@
 """Heat conduction and radiation through a plane slab between two walls, by collocation.
 
-With theta = T/T1, optical depth t = 0 ... tau, powers and fluxes in units of sigma T1^4, N = k beta/(4 sigma T1^3):
+With theta = T/T1, optical depth t = 0 ... tau, powers and fluxes in units of sigma
+T1^4, N = k beta/(4 sigma T1^3):
 
     Q = -4 N theta' + q = constant,   theta(0) = 1,   theta(tau) = theta_L
 
@@ -29,7 +30,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class HeatFlux:
-    """Total flux Q and radiative fluxes at the walls, in units of sigma T1^4, and theta [-] at optical depths."""
+    """Total flux Q and radiative fluxes at the walls, in units of sigma T1^4, and
+    theta [-] at optical depths.
+    """
 
     total: float
     radiative: tuple[float, float]
@@ -38,7 +41,11 @@ class HeatFlux:
 
 
 def conduction_radiation(
-    tau: float, N: float, theta_L: float, albedo: float = 0.0, emissivity: tuple[float, float] = (1.0, 1.0)
+    tau: float,
+    N: float,
+    theta_L: float,
+    albedo: float = 0.0,
+    emissivity: tuple[float, float] = (1.0, 1.0),
 ) -> HeatFlux:
     """Solve conduction with exact radiative transport; error below 1e-10 sigma T1^4.
 
@@ -68,7 +75,9 @@ def conduction_radiation(
 
     linear = 1.0 + (theta_L - 1.0) * medium.depth / tau
     solved = _newton(residual, np.append(linear, 4.0 * N * (1.0 - theta_L) / tau))
-    radiative = response.wall_fluxes(np.concatenate([solved[:-1] ** 4, [1.0, theta_L**4]]))
+    radiative = response.wall_fluxes(
+        np.concatenate([solved[:-1] ** 4, [1.0, theta_L**4]])
+    )
     return HeatFlux(float(solved[-1]), radiative, medium.depth, solved[:-1])
 
 
@@ -81,12 +90,16 @@ def conduction_diffusion(
     emissivity: tuple[float, float] = (1.0, 1.0),
     degree: int = 0,
 ) -> HeatFlux:
-    """Solve conduction with two-flux (D = 1/4) or P1 (D = 1/3) radiation by Chebyshev collocation at Lobatto points.
+    """Solve conduction with two-flux (D = 1/4) or P1 (D = 1/3) radiation by Chebyshev
+    collocation at Lobatto points.
 
-    4 N theta + D G = a - Q t eliminates G. `degree` 0 chooses one that resolves layers of width (1/D + 4/N)^-1/2; the
-    error is then below 1e-10 sigma T1^4. Other arguments are those of `conduction_radiation`.
+    4 N theta + D G = a - Q t eliminates G. `degree` 0 chooses one that resolves layers
+    of width (1/D + 4/N)^-1/2; the error is then below 1e-10 sigma T1^4. Other arguments
+    are those of `conduction_radiation`.
     """
-    degree = degree or 40 + int(np.ceil(6.0 * np.sqrt(tau * np.sqrt(1.0 / D + 4.0 / N))))
+    degree = degree or 40 + int(
+        np.ceil(6.0 * np.sqrt(tau * np.sqrt(1.0 / D + 4.0 / N)))
+    )
     nodes = chebyshev.chebpts2(degree + 1)
     derivative = 2.0 / tau * _derivative(nodes)
     t = 0.5 * tau * (nodes + 1.0)
@@ -98,16 +111,29 @@ def conduction_diffusion(
     def residual(unknown: Array) -> tuple[Array, Array]:
         theta, a, Q = unknown[:count], unknown[count], unknown[count + 1]
         G = (a - Q * t - 4.0 * N * theta) / D
-        G_slope = np.hstack([-4.0 * N / D * np.eye(count), np.full((count, 1), 1.0 / D), -t[:, None] / D])
+        G_slope = np.hstack(
+            [
+                -4.0 * N / D * np.eye(count),
+                np.full((count, 1), 1.0 / D),
+                -t[:, None] / D,
+            ]
+        )
         value, slope = np.zeros(count + 2), np.zeros((count + 2, count + 2))
         value[:count] = 4.0 * N * curvature @ theta - exchange * (4.0 * theta**4 - G)
-        slope[:count, :count] = 4.0 * N * curvature - exchange * np.diag(16.0 * theta**3)
+        slope[:count, :count] = 4.0 * N * curvature - exchange * np.diag(
+            16.0 * theta**3
+        )
         slope[:count] += exchange * G_slope
         for row, end, wall in ((0, 0, 1.0), (count - 1, -1, theta_L)):
             value[row] = theta[end] - wall
             slope[row] = np.eye(count + 2)[end % count]
-        for row, end, wall, m in ((count, 0, 1.0, marshak[0]), (count + 1, -1, -theta_L, -marshak[1])):
-            value[row] = Q + 4.0 * N * derivative[end] @ theta - m * (4.0 * wall**4 - G[end])
+        for row, end, wall, m in (
+            (count, 0, 1.0, marshak[0]),
+            (count + 1, -1, -theta_L, -marshak[1]),
+        ):
+            value[row] = (
+                Q + 4.0 * N * derivative[end] @ theta - m * (4.0 * wall**4 - G[end])
+            )
             slope[row, :count] = 4.0 * N * derivative[end]
             slope[row, -1] = 1.0
             slope[row] += m * G_slope[end]
@@ -122,7 +148,9 @@ def conduction_diffusion(
 
 
 def _newton(residual: Callable[[Array], tuple[Array, Array]], start: Array) -> Array:
-    """Solve by Newton's method; temperatures change by at most a half in a step and stay positive."""
+    """Solve by Newton's method; temperatures change by at most a half in a step and
+    stay positive.
+    """
     unknown = start
     size = np.inf
     for _ in range(80):
@@ -132,11 +160,16 @@ def _newton(residual: Callable[[Array], tuple[Array, Array]], start: Array) -> A
         unknown = unknown + min(1.0, 0.5 / size) * step
         if size < 1e-13 * np.abs(unknown).max() or (size < 1e-9 and size >= 0.5 * last):
             return unknown
-    raise ConvergenceError(f"conduction and radiation: last Newton change {size:.1e}; try a larger N or theta_L")
+    raise ConvergenceError(
+        f"conduction and radiation: last Newton change {size:.1e}; try a larger N or "
+        "theta_L"
+    )
 
 
 def _derivative(nodes: Array) -> Array:
-    """Return the differentiation matrix of the polynomial through Lobatto points; rows sum to zero exactly."""
+    """Return the differentiation matrix of the polynomial through Lobatto points;
+    rows sum to zero exactly.
+    """
     count = len(nodes)
     weight = np.where(np.arange(count) % 2 == 0, 1.0, -1.0)
     weight[[0, -1]] *= 0.5

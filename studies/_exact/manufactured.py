@@ -1,14 +1,16 @@
-"""Manufactured solutions: known fields are inserted into a model's own residual, and the error must fall at its order.
+"""Manufactured solutions: known fields are inserted into a model's own residual, and
+the error must fall at its order.
 
     exact = {"T_fluid": lambda x, y: 2 + np.sin(x) * y, "T_solid": lambda x, y: 2 + x * y}
     case = Manufactured(system, exact, [(two_energy.residual, system.cells, coefficients)])
     state = case.solve({"T_fluid": facets, "T_solid": facets}, policy)
     case.errors(state)                                                        # {"T_fluid": ..., "T_solid": ...}
 
-The equations get the load vector R(exact), the residual with the exact values, gradients and second derivatives at all
-quadrature points, so that no source is derived by hand and the conditions on the rest of the boundary are consistent.
-The derivatives come from `ad.dual`. This cannot detect a wrong sign that both sides share: `jet` gives the strong
-form for that.
+The equations get the load vector R(exact), the residual with the exact values,
+gradients and second derivatives at all quadrature points, so that no source is derived
+by hand and the conditions on the rest of the boundary are consistent. The derivatives
+come from `ad.dual`. This cannot detect a wrong sign that both sides share: `jet` gives
+the strong form for that.
 """
 
 from __future__ import annotations
@@ -43,14 +45,18 @@ def observed_order(errors: ArrayLike, sizes: ArrayLike) -> Array:
     -------
     (n - 1,)
     """
-    order: Array = np.diff(np.log(np.asarray(errors, dtype=float))) / np.diff(np.log(np.asarray(sizes, dtype=float)))
+    order: Array = np.diff(np.log(np.asarray(errors, dtype=float))) / np.diff(
+        np.log(np.asarray(sizes, dtype=float))
+    )
     return order
 
 
 def jet(function: Function, x: Sequence[Array]) -> tuple[Any, list[Any]]:
-    """Return a scalar function of the coordinates and its gradient, both as dual numbers over the coordinates.
+    """Return a scalar function of the coordinates and its gradient, both as dual
+    numbers over the coordinates.
 
-    Slot k of their tangents is the derivative along coordinate k, so that fluxes made of them can be differentiated.
+    Slot k of their tangents is the derivative along coordinate k, so that fluxes made
+    of them can be differentiated.
 
     Parameters
     ----------
@@ -66,11 +72,15 @@ def jet(function: Function, x: Sequence[Array]) -> tuple[Any, list[Any]]:
     nothing = np.zeros_like(x[0])
     zero = Dual(nothing, dict.fromkeys(range(len(x)), nothing))
     slopes = getattr(result, "tangents", {})
-    return zero + getattr(result, "value", result), [zero + slopes.get(k, 0.0) for k in range(len(x))]
+    return zero + getattr(result, "value", result), [
+        zero + slopes.get(k, 0.0) for k in range(len(x))
+    ]
 
 
 class Exact(Dual):
-    """A scalar function of the coordinates as a form sees an unknown, with its derivatives and linear interpolant."""
+    """A scalar function of the coordinates as a form sees an unknown, with its
+    derivatives and linear interpolant.
+    """
 
     __slots__ = ("_corners", "_gradient")
 
@@ -92,21 +102,27 @@ class Exact(Dual):
 
 
 def exact(function: Function, mesh: Any, where: Domain) -> Any:
-    """Return a function of the coordinates on a domain as `Exact`; Components of them where it returns a tuple."""
+    """Return a function of the coordinates on a domain as `Exact`; Components of
+    them where it returns a tuple.
+    """
     sample = function(*mesh.p[:, :1])
     if not isinstance(sample, tuple):
         return Exact(function, mesh, where)
-    return Components(Exact(lambda *x, k=k: function(*x)[k], mesh, where) for k in range(len(sample)))
+    return Components(
+        Exact(lambda *x, k=k: function(*x)[k], mesh, where) for k in range(len(sample))
+    )
 
 
 @dataclass(frozen=True)
 class Manufactured:
-    """Exact fields of a system, and the forms whose sum vanishes for them with the right load.
+    """Exact fields of a system, and the forms whose sum vanishes for them with the
+    right load.
 
     Parameters
     ----------
     system : unknowns and mesh
-    fields : for each unknown a function of the coordinates; it returns a tuple for a vector
+    fields : for each unknown a function of the coordinates; it returns a tuple for a
+        vector
     forms : (form, domain, coefficients), as `System.assemble` takes them
     """
 
@@ -116,23 +132,37 @@ class Manufactured:
 
     def load(self) -> Array:
         """Assemble the residual of the exact fields."""
-        known = [(self._known(form, where), where, coeffs) for form, where, coeffs in self.forms]
+        known = [
+            (self._known(form, where), where, coeffs)
+            for form, where, coeffs in self.forms
+        ]
         return self.system.assemble(known, np.zeros(self.system.size), False)[0]
 
     def _known(self, form: Any, where: Domain) -> Any:
-        fields = {name: exact(function, self.system.mesh, where) for name, function in self.fields.items()}
-        return lambda unknowns, tests, coeffs, ops: form(SimpleNamespace(**fields), tests, coeffs, ops)
+        fields = {
+            name: exact(function, self.system.mesh, where)
+            for name, function in self.fields.items()
+        }
+        return lambda unknowns, tests, coeffs, ops: form(
+            SimpleNamespace(**fields), tests, coeffs, ops
+        )
 
     def interpolant(self) -> Array:
         """Return the state with exact values at all nodes."""
         state = np.empty(self.system.size)
         for name, function in self.fields.items():
             values = function(*self.system.fields[name][0].points)
-            self.system.part(state, name)[:] = np.array(values) if isinstance(values, tuple) else values
+            self.system.part(state, name)[:] = (
+                np.array(values) if isinstance(values, tuple) else values
+            )
         return state
 
-    def solve(self, fixed: Mapping[str, Any], policy: Policy, linear: bool = False) -> Array:
-        """Solve from the exact values, which are kept on the given facets of each field in `fixed`."""
+    def solve(
+        self, fixed: Mapping[str, Any], policy: Policy, linear: bool = False
+    ) -> Array:
+        """Solve from the exact values, which are kept on the given facets of each
+        field in `fixed`.
+        """
         system, load = self.system, self.load()
         nodes = [
             system.nodes(name, facets, k)
@@ -147,11 +177,15 @@ class Manufactured:
         start = self.interpolant()
         fixed_nodes = np.unique(np.concatenate(nodes))
         state: Array
-        state, _ = newton(assemble, start, fixed_nodes, policy, tolerance=1e-8, linear=linear)
+        state, _ = newton(
+            assemble, start, fixed_nodes, policy, tolerance=1e-8, linear=linear
+        )
         return state
 
     def errors(self, state: Array) -> dict[str, float]:
-        """Return the L2 norm of each field's error, by quadrature exact for the square of its leading term."""
+        """Return the L2 norm of each field's error, by quadrature exact for the
+        square of its leading term.
+        """
         system = self.system
         degree = max(space.degree for space, _ in system.fields.values())
         where = Domain(system.mesh, 2 * degree + 2, **system.measure)
@@ -161,8 +195,15 @@ class Manufactured:
 
             def expression(unknowns: Any, ops: Any) -> Any:
                 difference = getattr(unknowns, name) - known
-                return ops.dot(difference, difference) if isinstance(difference, Components) else difference**2
+                return (
+                    ops.dot(difference, difference)
+                    if isinstance(difference, Components)
+                    else difference**2
+                )
 
             return expression
 
-        return {name: system.integrate(square(name), [where], state) ** 0.5 for name in self.fields}
+        return {
+            name: system.integrate(square(name), [where], state) ** 0.5
+            for name in self.fields
+        }

@@ -1,15 +1,18 @@
-"""Exact radiative transfer in a plane gray slab with isotropic scattering: the integral equation, solved by panels.
+"""Exact radiative transfer in a plane gray slab with isotropic scattering: the integral
+equation, solved by panels.
 
-With the optical depth t = 0 ... tau, the albedo omega, radiosities J1, J2 of the walls and S = pi times the source
-function, all in W/m2 (Modest and Mazumder, Radiative Heat Transfer, 2022, doi:10.1016/C2018-0-03206-5, chapter 13):
+With the optical depth t = 0 ... tau, the albedo omega, radiosities J1, J2 of the walls
+and S = pi times the source function, all in W/m2 (Modest and Mazumder, Radiative Heat
+Transfer, 2022, doi:10.1016/C2018-0-03206-5, chapter 13):
 
     S(t) = (1 - omega) sigma T^4 + omega G/4
     G(t) = 2 [J1 E2(t) + J2 E2(tau - t) + int_0^tau S(t') E1(|t - t'|) dt']
     q(t) = 2 [J1 E3(t) - J2 E3(tau - t) + int_0^tau S(t') sgn(t - t') E2(|t - t'|) dt']
     J1 = e1 sigma T1^4 + (1 - e1) (J1 - q(0)),   J2 = e2 sigma T2^4 + (1 - e2) (J2 + q(tau))
 
-S has terms t ln t at the walls: the panels shrink geometrically towards both. Each carries Gauss nodes; a polynomial
-through them is integrated against the kernel, on near panels after a substitution that removes the singularity.
+S has terms t ln t at the walls: the panels shrink geometrically towards both. Each
+carries Gauss nodes; a polynomial through them is integrated against the kernel, on near
+panels after a substitution that removes the singularity.
 """
 
 from __future__ import annotations
@@ -31,15 +34,20 @@ _SMALLEST, _GROWTH, _LARGEST = 1e-6, 3.0, 4.0
 
 
 class Slab:
-    """Nodes and kernel matrices of a slab of optical thickness `tau` [-]; error about 1e-12 of the wall powers.
+    """Nodes and kernel matrices of a slab of optical thickness `tau` [-]; error about
+    1e-12 of the wall powers.
 
-    Attributes: `depth`, the nodes 0 < t < tau; `weights`, their quadrature; `incident` and `flux`, the matrices that
-    take S at the nodes to the integrals with E1 and with sgn E2; `cumulative`, nodal values to the integral from 0.
+    Attributes: `depth`, the nodes 0 < t < tau; `weights`, their quadrature; `incident`
+        and `flux`, the matrices that
+    take S at the nodes to the integrals with E1 and with sgn E2; `cumulative`, nodal
+    values to the integral from 0.
     """
 
     def __init__(self, tau: float):
         if not tau > 0.0:
-            raise ValueError(f"slab: the optical thickness must be positive, got {tau:g}")
+            raise ValueError(
+                f"slab: the optical thickness must be positive, got {tau:g}"
+            )
         self.tau = tau
         self.edges = _edges(tau)
         half = 0.5 * np.diff(self.edges)
@@ -54,12 +62,19 @@ class Slab:
             self.cumulative[part, part] = width * _antiderivative()
 
     def kernels(self, at: Array) -> tuple[Array, Array]:
-        """Return the rows that integrate S against E1(|t - t'|) and sgn(t - t') E2(|t - t'|) for each t in `at`."""
+        """Return the rows that integrate S against E1(|t - t'|) and sgn(t - t')
+        E2(|t - t'|) for each t in `at`.
+        """
         distance = at[:, None] - self.depth
         touching = np.isclose(distance, 0.0, atol=0.0)
         size = np.where(touching, 1.0, np.abs(distance))
-        incident, flux = exp1(size) * self.weights, np.sign(distance) * expn(2, size) * self.weights
-        for panel, (low, high) in enumerate(zip(self.edges[:-1], self.edges[1:], strict=True)):
+        incident, flux = (
+            exp1(size) * self.weights,
+            np.sign(distance) * expn(2, size) * self.weights,
+        )
+        for panel, (low, high) in enumerate(
+            zip(self.edges[:-1], self.edges[1:], strict=True)
+        ):
             reach = high - low
             near = np.flatnonzero((at > low - reach) & (at < high + reach))
             columns = slice(panel * _ORDER, (panel + 1) * _ORDER)
@@ -67,18 +82,26 @@ class Slab:
         return incident, flux
 
     def fluxes(self, S: Array, J1: float, J2: float) -> tuple[float, float]:
-        """Return q(0) and q(tau) [W/m2] of a source S at the nodes and of the radiosities of the walls."""
+        """Return q(0) and q(tau) [W/m2] of a source S at the nodes and of the
+        radiosities of the walls.
+        """
         toward = 2.0 * expn(2, self.depth) * self.weights
         away = 2.0 * expn(2, self.tau - self.depth) * self.weights
         through = 2.0 * float(expn(3, self.tau))
-        return J1 - J2 * through - float(toward @ S), J1 * through - J2 + float(away @ S)
+        return J1 - J2 * through - float(toward @ S), J1 * through - J2 + float(
+            away @ S
+        )
 
-    def respond(self, albedo: float, emissivity: tuple[float, float] = (1.0, 1.0)) -> SlabResponse:
-        """Return S, J1 and J2 as linear functions of sigma T^4 at the nodes and at the walls.
+    def respond(
+        self, albedo: float, emissivity: tuple[float, float] = (1.0, 1.0)
+    ) -> SlabResponse:
+        """Return S, J1 and J2 as linear functions of sigma T^4 at the nodes and at the
+        walls.
 
         Parameters
         ----------
-        albedo : omega = Ks/beta [-], 0 ... 1; at 1 the source follows G alone, which is radiative equilibrium
+        albedo : omega = Ks/beta [-], 0 ... 1; at 1 the source follows G alone, which is
+            radiative equilibrium
         emissivity : e1, e2 of the two walls [-], 0 < e <= 1
         """
         count = len(self.depth)
@@ -98,7 +121,9 @@ class Slab:
 
 
 class SlabResponse:
-    """Solution operator of a slab: powers (sigma T^4 at the nodes, then at the two walls) to S, J1, J2, G and q."""
+    """Solution operator of a slab: powers (sigma T^4 at the nodes, then at the two
+    walls) to S, J1, J2, G and q.
+    """
 
     def __init__(self, slab: Slab, operator: Array):
         self.slab, self.operator = slab, operator
@@ -120,16 +145,18 @@ def slab(tau: float) -> Slab:
 
 
 class Equilibrium:
-    """Slab without heat sources between two walls, dq/dt = 0, for which sigma T^4 = G/4 at any albedo.
+    """Slab without heat sources between two walls, dq/dt = 0, for which sigma T^4 = G/4
+    at any albedo.
 
     Parameters
     ----------
     tau : optical thickness [-], > 0
     emissivity : e1, e2 of the walls [-]
 
-    Attributes: `flux`, Psi = q/(sigma T1^4 - sigma T2^4) [-]; `slip`, 1 - Phi(0) [-]. `profile(t)` is
-    Phi = (T^4 - T2^4)/(T1^4 - T2^4) [-]. Source: Heaslet and Warming, Int. J. Heat Mass Transfer 8 (1965) 979,
-    doi:10.1016/0017-9310(65)90083-9.
+    Attributes: `flux`, Psi = q/(sigma T1^4 - sigma T2^4) [-]; `slip`, 1 - Phi(0) [-].
+        `profile(t)` is
+    Phi = (T^4 - T2^4)/(T1^4 - T2^4) [-]. Source: Heaslet and Warming, Int. J. Heat Mass
+    Transfer 8 (1965) 979, doi:10.1016/0017-9310(65)90083-9.
     """
 
     def __init__(self, tau: float, emissivity: tuple[float, float] = (1.0, 1.0)):
@@ -138,7 +165,10 @@ class Equilibrium:
         powers = np.zeros(count + 2)
         powers[count] = 1.0
         solved = self.slab.respond(1.0, emissivity).operator @ powers
-        self.source, self.radiosity = solved[:-2], (float(solved[-2]), float(solved[-1]))
+        self.source, self.radiosity = (
+            solved[:-2],
+            (float(solved[-2]), float(solved[-1])),
+        )
         self.flux = self.slab.fluxes(self.source, *self.radiosity)[0]
         self.slip = 1.0 - float(self.profile(0.0))
 
@@ -153,7 +183,8 @@ class Equilibrium:
 
 
 def slab_emittance(tau: float, albedo: float) -> float:
-    """Return the hemispherical emittance [-] of an isothermal slab of thickness `tau` in cold black surroundings.
+    """Return the hemispherical emittance [-] of an isothermal slab of thickness `tau`
+    in cold black surroundings.
 
     With omega = 0 it is 1 - 2 E3(tau).
     """
@@ -164,11 +195,13 @@ def slab_emittance(tau: float, albedo: float) -> float:
 
 
 def half_space_emittance(albedo: ArrayLike) -> Array:
-    """Return the hemispherical emittance [-] of a thick isothermal bed: e = 2 sqrt(1 - omega) int_0^1 H(mu) mu dmu.
+    """Return the hemispherical emittance [-] of a thick isothermal bed: e = 2
+    sqrt(1 - omega) int_0^1 H(mu) mu dmu.
 
-    H is Chandrasekhar's function, ln H(mu) = -(mu/pi) int_0^(pi/2) ln(1 - omega x cot x)/(cos^2 x + mu^2 sin^2 x) dx
-    (Radiative Transfer, 1960, chapter V). Gauss nodes cluster where mu or x end. Error below 1e-12 for
-    0 <= omega <= 0.999, 1e-9 at 1 - 1e-6; omega = 1 emits nothing.
+    H is Chandrasekhar's function, ln H(mu) = -(mu/pi) int_0^(pi/2) ln(1 - omega x cot
+    x)/(cos^2 x + mu^2 sin^2 x) dx (Radiative Transfer, 1960, chapter V). Gauss nodes
+    cluster where mu or x end. Error below 1e-12 for 0 <= omega <= 0.999, 1e-9 at
+    1 - 1e-6; omega = 1 emits nothing.
     """
     omega = np.asarray(albedo, dtype=float)[..., None, None]
     if np.any((omega < 0.0) | (omega >= 1.0)):
@@ -177,13 +210,17 @@ def half_space_emittance(albedo: ArrayLike) -> Array:
     mu, mu_weight = u**3, 3.0 * u**2 * weight
     x = 0.5 * np.pi * u**3 * (4.0 - 3.0 * u)
     x_weight = 0.5 * np.pi * 12.0 * u**2 * (1.0 - u) * weight
-    integrand = np.log1p(-omega * x / np.tan(x)) / (np.cos(x) ** 2 + (mu[:, None] * np.sin(x)) ** 2)
+    integrand = np.log1p(-omega * x / np.tan(x)) / (
+        np.cos(x) ** 2 + (mu[:, None] * np.sin(x)) ** 2
+    )
     H = np.exp(-mu / np.pi * (integrand @ x_weight))
     return np.asarray(2.0 * np.sqrt(1.0 - omega[..., 0, 0]) * (H @ (mu * mu_weight)))
 
 
 def _edges(tau: float) -> Array:
-    """Return the edges of panels on 0 ... tau that grow by _GROWTH from both ends up to _LARGEST."""
+    """Return the edges of panels on 0 ... tau that grow by _GROWTH from both ends up
+    to _LARGEST.
+    """
     half = 0.5 * tau
     edges = [0.0, min(_SMALLEST, 0.5 * half)]
     while edges[-1] < half:
@@ -196,9 +233,11 @@ def _edges(tau: float) -> Array:
 
 
 def _near(at: Array, low: float, high: float) -> tuple[Array, Array]:
-    """Integrate each Lagrange polynomial times E1 and sgn E2 over a panel, for points in or close to the panel.
+    """Integrate each Lagrange polynomial times E1 and sgn E2 over a panel, for points
+    in or close to the panel.
 
-    The panel is cut at the point, or at its closest end, and s = a u^5 measures the distance from the cut.
+    The panel is cut at the point, or at its closest end, and s = a u^5 measures the
+    distance from the cut.
     """
     u = 0.5 * (_FINE + 1.0)
     step, step_weight = u**_POWER, 0.5 * _FINE_WEIGHTS * _POWER * u ** (_POWER - 1)
@@ -217,16 +256,22 @@ def _near(at: Array, low: float, high: float) -> tuple[Array, Array]:
     return incident, flux
 
 
-_TO_LEGENDRE = (legendre.legvander(_NODES, _ORDER - 1) * _WEIGHTS[:, None]).T * (np.arange(_ORDER) + 0.5)[:, None]
+_TO_LEGENDRE = (legendre.legvander(_NODES, _ORDER - 1) * _WEIGHTS[:, None]).T * (
+    np.arange(_ORDER) + 0.5
+)[:, None]
 
 
 def _lagrange(at: Array) -> Array:
-    """Return the Lagrange polynomials of the Gauss nodes at points of -1 ... 1; the last axis counts the nodes."""
+    """Return the Lagrange polynomials of the Gauss nodes at points of -1 ... 1; the
+    last axis counts the nodes.
+    """
     return np.asarray(legendre.legvander(at, _ORDER - 1) @ _TO_LEGENDRE)
 
 
 def _antiderivative() -> Array:
-    """Return the matrix from nodal values to the integral from -1 to each Gauss node."""
+    """Return the matrix from nodal values to the integral from -1 to each Gauss
+    node.
+    """
     u = 0.5 * (_FINE + 1.0)
     points = -1.0 + np.multiply.outer(_NODES + 1.0, u)
     weights = np.multiply.outer(_NODES + 1.0, 0.5 * _FINE_WEIGHTS)

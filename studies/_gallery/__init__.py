@@ -1,4 +1,5 @@
-"""What every study shares: tables, figures in one style, timing, peer programs and the command line.
+"""What every study shares: tables, figures in one style, timing, peer programs and the
+command line.
 
 A study is a folder with scenes, a README and `study.py`, which has three functions:
 
@@ -6,8 +7,8 @@ A study is a folder with scenes, a README and `study.py`, which has three functi
     reference(...)                            exact, published or peer numbers, for one scene where there are several
     plot(tables) -> {"profiles": Figure, ...} drawn from the tables alone; written as profiles.png, ...
 
-`compute` may take `cases` where a part of the runs can be chosen. Further scripts of a folder with the same functions
-are studies of their own, `FOLDER/SCRIPT`.
+`compute` may take `cases` where a part of the runs can be chosen. Further scripts of a
+folder with the same functions are studies of their own, `FOLDER/SCRIPT`.
 """
 
 from studies._gallery.figures import (

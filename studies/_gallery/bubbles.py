@@ -9,12 +9,16 @@ from numpy.typing import NDArray
 from scipy.ndimage import label
 
 
-def largest_bubble(porosity: NDArray[np.float64], above: float) -> NDArray[np.bool_] | None:
-    """Cells of the largest connected region whose porosity is `above` and that does not touch the freeboard.
+def largest_bubble(
+    porosity: NDArray[np.float64], above: float
+) -> NDArray[np.bool_] | None:
+    """Cells of the largest connected region whose porosity is `above` and that does not
+    touch the freeboard.
 
     Parameters
     ----------
-    porosity : by column and row, shape (columns, rows); the freeboard is at the last row
+    porosity : by column and row, shape (columns, rows); the freeboard is at the last
+        row
     """
     parts, number = label(porosity > above)
     free = set(np.unique(parts[:, -1])) - {0}
@@ -31,7 +35,9 @@ def equivalent_diameter(inside: NDArray[np.bool_], cell_area: float) -> float:
 
 
 def draw_bubbles(axes: Any, curves: list[tuple[Any, Any, Any, dict[str, Any]]]) -> None:
-    """Diameter [cm] and temperature [K] over time in two panels, from (t, diameter [m], T, how) of each curve."""
+    """Diameter [cm] and temperature [K] over time in two panels, from (t,
+    diameter [m], T, how) of each curve.
+    """
     for t, diameter, T, how in curves:
         shown = diameter > 0.0
         axes[0].plot(t[shown], 1e2 * diameter[shown], **how)

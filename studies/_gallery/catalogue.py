@@ -1,4 +1,6 @@
-"""The studies in the folders beside this package, and what can be done with one of them."""
+"""The studies in the folders beside this package, and what can be done with one of
+them.
+"""
 
 from __future__ import annotations
 
@@ -46,12 +48,19 @@ class Study:
     def title(self) -> str:
         """First line of the README, or of the script where the folder has several."""
         if self.script.stem != "study":
-            return self.script.read_text(encoding="utf-8").partition("\n")[0].strip('"').rstrip(".")
+            return (
+                self.script.read_text(encoding="utf-8")
+                .partition("\n")[0]
+                .strip('"')
+                .rstrip(".")
+            )
         return self.readme.partition("\n")[0].lstrip("# ")
 
     @property
     def cost(self) -> str:
-        """CPU of a run as the README states it behind `python -m studies run NAME`, such as "8 min", or ""."""
+        """CPU of a run as the README states it behind `python -m studies run NAME`,
+        such as "8 min", or "".
+        """
         command = rf"python -m studies run {re.escape(self.name)}(?![/\w])"
         found = re.search(rf"{command}.*?([\d.]+ (?:s|min|h))\b", self.readme)
         return found[1] if found else ""
@@ -69,10 +78,15 @@ class Study:
 
     @property
     def tolerance(self) -> float:
-        """Relative difference within which a run gives the committed tables again, as the README states it."""
+        """Relative difference within which a run gives the committed tables again,
+        as the README states it.
+        """
         found = re.search(r"[Tt]ables are reproduced within ([\d.e-]+)", self.readme)
         if found is None:
-            raise ValueError(f"{self.folder}/README.md does not say within what the tables are reproduced")
+            raise ValueError(
+                f"{self.folder}/README.md does not say within what the tables are "
+                "reproduced"
+            )
         return float(found[1].rstrip("."))
 
     @property
@@ -84,11 +98,17 @@ class Study:
     def scenes(self) -> list[Path]:
         """Scenes of the folder and its subfolders."""
         found = sorted(self.folder.rglob("*.toml"))
-        return [path for path in found if not set(path.relative_to(self.folder).parts) & set(NO_SCENES)]
+        return [
+            path
+            for path in found
+            if not set(path.relative_to(self.folder).parts) & set(NO_SCENES)
+        ]
 
     def tables(self) -> Tables:
         """The committed tables by name."""
-        return {path.stem: Table.read(path) for path in sorted(self.folder.glob("*.csv"))}
+        return {
+            path.stem: Table.read(path) for path in sorted(self.folder.glob("*.csv"))
+        }
 
     def compute(self, cases: list[str] | None = None) -> Tables:
         """Run the study, or some of its cases."""
@@ -100,7 +120,9 @@ class Study:
         return dict(function(cases))
 
     def draw(self, tables: Tables, folder: Path | None = None) -> list[Path]:
-        """Draw the figures of these tables into a folder, by default that of the study."""
+        """Draw the figures of these tables into a folder, by default that of the
+        study.
+        """
         import matplotlib
 
         with matplotlib.rc_context():
@@ -109,11 +131,17 @@ class Study:
             return figures.save(self.module.plot(tables), folder or self.folder)
 
     def differences(self, tables: Tables) -> list[str]:
-        """How tables differ from the committed ones beyond the tolerance; times are not compared."""
+        """How tables differ from the committed ones beyond the tolerance; times are
+        not compared.
+        """
         skip, committed = getattr(self.module, "NOT_COMPARED", ()), self.tables()
         found = []
         for name, table in tables.items():
-            lines = table.differences(committed[name], self.tolerance, skip) if name in committed else ["not committed"]
+            lines = (
+                table.differences(committed[name], self.tolerance, skip)
+                if name in committed
+                else ["not committed"]
+            )
             found += [f"{name}.csv, {line}" for line in lines]
         return found
 
@@ -123,5 +151,9 @@ def studies() -> dict[str, Study]:
     found = []
     for path in sorted(STUDIES.glob("[!_]*/*.py")):
         if re.search(r"^def compute\(", path.read_text(encoding="utf-8"), re.MULTILINE):
-            found.append(path.parent.name if path.stem == "study" else f"{path.parent.name}/{path.stem}")
+            found.append(
+                path.parent.name
+                if path.stem == "study"
+                else f"{path.parent.name}/{path.stem}"
+            )
     return {name: Study(name) for name in sorted(found)}

@@ -1,4 +1,6 @@
-"""Figures of the studies: one style, one palette, labels with units from `contbed.fields`."""
+"""Figures of the studies: one style, one palette, labels with units from
+`contbed.fields`.
+"""
 
 from __future__ import annotations
 
@@ -33,18 +35,26 @@ STYLE: dict[Any, Any] = {
 }
 
 
-def figure(rows: int = 1, columns: int = 1, size: tuple[float, float] | None = None, **options: Any) -> tuple[Any, Any]:
+def figure(
+    rows: int = 1,
+    columns: int = 1,
+    size: tuple[float, float] | None = None,
+    **options: Any,
+) -> tuple[Any, Any]:
     """A figure and its axes, shaped as matplotlib's `subplots` returns them.
 
     Parameters
     ----------
-    size : width and height of the whole figure [inches]; by default PANEL for each panel
+    size : width and height of the whole figure [inches]; by default PANEL for each
+        panel
     options : of `Figure.subplots`, such as sharey or width_ratios
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    whole = Figure(figsize=size or (columns * PANEL[0], rows * PANEL[1]), layout="constrained")
+    whole = Figure(
+        figsize=size or (columns * PANEL[0], rows * PANEL[1]), layout="constrained"
+    )
     FigureCanvasAgg(whole)
     return whole, whole.subplots(rows, columns, **options)
 
@@ -62,16 +72,33 @@ def label(name: str) -> str:
     return FIELDS[name].label
 
 
-def shades(count: int, name: str = "viridis", first: float = 0.0, last: float = 0.85) -> Any:
+def shades(
+    count: int, name: str = "viridis", first: float = 0.0, last: float = 0.85
+) -> Any:
     """Colours of a sequence of curves."""
     from matplotlib import colormaps
 
     return colormaps[name](np.linspace(first, last, count))
 
 
-def label_line(axes: Any, text: str, x: float, y: float, colour: Any, shift: tuple[float, float] = (6, 0)) -> None:
+def label_line(
+    axes: Any,
+    text: str,
+    x: float,
+    y: float,
+    colour: Any,
+    shift: tuple[float, float] = (6, 0),
+) -> None:
     """Name a curve beside one of its points; `shift` is in points."""
-    axes.annotate(text, (x, y), shift, textcoords="offset points", va="center", color=colour, fontsize=9)
+    axes.annotate(
+        text,
+        (x, y),
+        shift,
+        textcoords="offset points",
+        va="center",
+        color=colour,
+        fontsize=9,
+    )
 
 
 def order_line(axes: Any, x: Sequence[float], start: float, order: float) -> None:

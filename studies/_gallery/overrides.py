@@ -6,7 +6,9 @@ from typing import Any
 
 
 def merged(*tables: dict[str, Any]) -> dict[str, Any]:
-    """Tables with those that follow on top; a table that names another `type` replaces the whole."""
+    """Tables with those that follow on top; a table that names another `type`
+    replaces the whole.
+    """
     one, *others = tables
     for other in others:
         one = _merged(one, other)
@@ -16,5 +18,9 @@ def merged(*tables: dict[str, Any]) -> dict[str, Any]:
 def _merged(one: dict[str, Any], other: dict[str, Any]) -> dict[str, Any]:
     if "type" in other:
         return other
-    both = {key: _merged(one[key], other[key]) for key in one.keys() & other.keys() if isinstance(other[key], dict)}
+    both = {
+        key: _merged(one[key], other[key])
+        for key in one.keys() & other.keys()
+        if isinstance(other[key], dict)
+    }
     return {**one, **other, **both}

@@ -1,4 +1,6 @@
-"""What is too large to commit: a study leaves fields and checkpoints here, draws them and goes on where they are."""
+"""What is too large to commit: a study leaves fields and checkpoints here, draws
+them and goes on where they are.
+"""
 
 from __future__ import annotations
 
@@ -16,4 +18,6 @@ def raw(study: str) -> Path:
 
 def resumed(scene: cb.Scene, folder: Path) -> cb.Result:
     """Run a scene, or go on with what the folder holds of it."""
-    return cb.run(scene, folder, restart=folder if (folder / "checkpoint.npz").is_file() else None)
+    return cb.run(
+        scene, folder, restart=folder if (folder / "checkpoint.npz").is_file() else None
+    )

@@ -1,4 +1,6 @@
-"""Sweeps as studies: run one sweep file and get its table and the summaries of its runs."""
+"""Sweeps as studies: run one sweep file and get its table and the summaries of its
+runs.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +11,14 @@ from typing import Any
 
 from studies._gallery.table import Table
 
-RUN_COLUMNS = 3  # the last columns of a sweep's table name the run, its exit code and its message
+# the last columns of a sweep's table name the run, its exit code and its message
+RUN_COLUMNS = 3
 
 
 def swept(file: Path) -> tuple[Table, list[dict[str, Any]]]:
-    """Run all scenes of a sweep; return parameters and results, and summary.json of each run."""
+    """Run all scenes of a sweep; return parameters and results, and summary.json of
+    each run.
+    """
     from contbed.many.sweep.sweep import sweep
 
     with TemporaryDirectory() as out:

@@ -31,16 +31,26 @@ class Table:
     def __init__(self, columns: Mapping[str, str], rows: Iterable[Sequence[Any]] = ()):
         self.columns = tuple(columns)
         formats = tuple(columns.values())
-        self.rows = [tuple(_text(value, form) for value, form in zip(row, formats, strict=True)) for row in rows]
+        self.rows = [
+            tuple(_text(value, form) for value, form in zip(row, formats, strict=True))
+            for row in rows
+        ]
 
     @classmethod
     def of(cls, records: Sequence[Mapping[str, Any]], form: str = "") -> Table:
-        """Table of dictionaries, with columns in the order in which they first occur."""
+        """Table of dictionaries, with columns in the order in which they first
+        occur.
+        """
         names = tuple(dict.fromkeys(name for record in records for name in record))
-        return cls(dict.fromkeys(names, form), [[record.get(name) for name in names] for record in records])
+        return cls(
+            dict.fromkeys(names, form),
+            [[record.get(name) for name in names] for record in records],
+        )
 
     @classmethod
-    def from_columns(cls, columns: Mapping[str, Sequence[Any] | NDArray[Any]], form: str = ".6g") -> Table:
+    def from_columns(
+        cls, columns: Mapping[str, Sequence[Any] | NDArray[Any]], form: str = ".6g"
+    ) -> Table:
         """Table of columns of equal length."""
         return cls(dict.fromkeys(columns, form), zip(*columns.values(), strict=True))
 
@@ -67,7 +77,9 @@ class Table:
         return (dict(zip(self.columns, row, strict=True)) for row in self.rows)
 
     def __getitem__(self, column: str) -> NDArray[Any]:
-        """A column: numbers, nan where a cell is empty, or texts where one of them is not a number."""
+        """A column: numbers, nan where a cell is empty, or texts where one of them
+        is not a number.
+        """
         i = self.columns.index(column)
         values = [row[i] for row in self.rows]
         try:
@@ -78,7 +90,11 @@ class Table:
     def where(self, chosen: Mapping[str, Any]) -> Table:
         """The rows whose columns have these values; numbers are compared as numbers."""
         places = {self.columns.index(name): value for name, value in chosen.items()}
-        rows = [row for row in self.rows if all(_same(row[i], value) for i, value in places.items())]
+        rows = [
+            row
+            for row in self.rows
+            if all(_same(row[i], value) for i, value in places.items())
+        ]
         return Table(dict.fromkeys(self.columns, ""), rows)
 
     def values(self, column: str) -> list[str]:
@@ -89,10 +105,15 @@ class Table:
     def row(self, name: str) -> dict[str, float]:
         """Numbers of the first row whose first cell is `name`, by column."""
         found = next(row for row in self.rows if row[0] == name)
-        return {column: float(value) for column, value in zip(self.columns[1:], found[1:], strict=True) if value}
+        return {
+            column: float(value)
+            for column, value in zip(self.columns[1:], found[1:], strict=True)
+            if value
+        }
 
     def updated(self, new: Table, by: Sequence[str]) -> Table:
-        """This table with the rows of `new` in place of those with equal values in the columns `by`, or at its end.
+        """This table with the rows of `new` in place of those with equal values in the
+        columns `by`, or at its end.
 
         A new table with other columns takes its place.
         """
@@ -107,32 +128,54 @@ class Table:
         for row in self.rows:
             key = tuple(row[i] for i in keys)
             rows += left.pop(key, []) if key in fresh else [row]
-        return Table(dict.fromkeys(self.columns, ""), [*rows, *(row for group in left.values() for row in group)])
+        return Table(
+            dict.fromkeys(self.columns, ""),
+            [*rows, *(row for group in left.values() for row in group)],
+        )
 
     def markdown(self) -> str:
         """As a table of a README."""
         rule = ("---",) * len(self.columns)
-        return "\n".join(f"| {' | '.join(row)} |" for row in (self.columns, rule, *self.rows))
+        return "\n".join(
+            f"| {' | '.join(row)} |" for row in (self.columns, rule, *self.rows)
+        )
 
-    def differences(self, other: Table, tolerance: float, skip: Sequence[str] = ()) -> list[str]:
-        """What differs from another table beyond a relative tolerance and the last digit that is written.
+    def differences(
+        self, other: Table, tolerance: float, skip: Sequence[str] = ()
+    ) -> list[str]:
+        """What differs from another table beyond a relative tolerance and the last
+        digit that is written.
 
-        Numbers below the tolerance are compared to its square; columns and rows named in `skip` are not compared.
+        Numbers below the tolerance are compared to its square; columns and rows named
+        in `skip` are not compared.
         """
         if self.columns != other.columns or len(self) != len(other):
-            return [f"{len(self)} rows of {self.columns}, expected {len(other)} of {other.columns}"]
+            return [
+                f"{len(self)} rows of {self.columns}, expected {len(other)} of "
+                f"{other.columns}"
+            ]
         out = []
-        for number, (mine, theirs) in enumerate(zip(self.rows, other.rows, strict=True), start=2):
+        for number, (mine, theirs) in enumerate(
+            zip(self.rows, other.rows, strict=True), start=2
+        ):
             for column, a, b in zip(self.columns, mine, theirs, strict=True):
-                if column not in skip and mine[0] not in skip and not _close(a, b, tolerance):
+                if (
+                    column not in skip
+                    and mine[0] not in skip
+                    and not _close(a, b, tolerance)
+                ):
                     out.append(f"line {number}, {column}: {a}, committed {b}")
         return out
 
 
 def updated(folder: Path, new: Tables, by: Mapping[str, Sequence[str]]) -> Tables:
-    """The new tables; those that `by` names as kept in the folder, see `Table.updated`, with the new rows."""
+    """The new tables; those that `by` names as kept in the folder, see
+    `Table.updated`, with the new rows.
+    """
     return {
-        name: Table.read(folder / f"{name}.csv").updated(table, by[name]) if name in by else table
+        name: Table.read(folder / f"{name}.csv").updated(table, by[name])
+        if name in by
+        else table
         for name, table in new.items()
     }
 
@@ -174,5 +217,7 @@ def _close(a: str, b: str, tolerance: float) -> bool:
         return a == b
     if math.isnan(x) and math.isnan(y):
         return True
-    allowed = tolerance * max(abs(x), abs(y), tolerance) + max(_last_digit(a), _last_digit(b)) * (1 + 1e-9)
+    allowed = tolerance * max(abs(x), abs(y), tolerance) + max(
+        _last_digit(a), _last_digit(b)
+    ) * (1 + 1e-9)
     return abs(x - y) <= allowed

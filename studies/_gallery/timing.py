@@ -13,7 +13,9 @@ from typing import Any, NamedTuple
 from contbed.many.bench import machine
 
 __all__ = ["Timed", "cpu", "cpu_of", "in_turn", "machine", "user_time"]
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+ONE_THREAD = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"
+)
 LONG = 2.0  # CPU [s] of all samples together after which a call is not repeated
 
 
@@ -45,8 +47,12 @@ def cpu(call: Callable[[], Any], samples: int = 3, long: float = LONG) -> Timed:
     return Timed(statistics.median(times), result)
 
 
-def in_turn(calls: Mapping[str, Callable[[], Any]], samples: int = 5) -> dict[str, Timed]:
-    """Median user CPU of several calls that take turns, so that a busy machine is shared fairly by all."""
+def in_turn(
+    calls: Mapping[str, Callable[[], Any]], samples: int = 5
+) -> dict[str, Timed]:
+    """Median user CPU of several calls that take turns, so that a busy machine is
+    shared fairly by all.
+    """
     times: dict[str, list[float]] = {name: [] for name in calls}
     results: dict[str, Any] = {}
     for _ in range(samples):
@@ -54,11 +60,16 @@ def in_turn(calls: Mapping[str, Callable[[], Any]], samples: int = 5) -> dict[st
             start = user_time()
             results[name] = call()
             times[name].append(user_time() - start)
-    return {name: Timed(statistics.median(times[name]), results[name]) for name in calls}
+    return {
+        name: Timed(statistics.median(times[name]), results[name]) for name in calls
+    }
 
 
-def cpu_of(command: Sequence[str], folder: Path, printed: str = "printed") -> resource.struct_rusage:
-    """Run a program with one thread in a folder, where its output is kept in a file; return what it used.
+def cpu_of(
+    command: Sequence[str], folder: Path, printed: str = "printed"
+) -> resource.struct_rusage:
+    """Run a program with one thread in a folder, where its output is kept in a file;
+    return what it used.
 
     Raises
     ------
@@ -66,10 +77,17 @@ def cpu_of(command: Sequence[str], folder: Path, printed: str = "printed") -> re
     """
     with open(folder / printed, "w") as out:
         process = subprocess.Popen(
-            list(command), cwd=folder, stdout=out, stderr=subprocess.STDOUT, env={**os.environ, **ONE_THREAD}
+            list(command),
+            cwd=folder,
+            stdout=out,
+            stderr=subprocess.STDOUT,
+            env={**os.environ, **ONE_THREAD},
         )
         _, status, usage = os.wait4(process.pid, 0)
     if status:
         last = (folder / printed).read_text(errors="replace")[-300:]
-        raise RuntimeError(f"{' '.join(command)} ended with {os.waitstatus_to_exitcode(status)}: {last}")
+        raise RuntimeError(
+            f"{' '.join(command)} ended with {os.waitstatus_to_exitcode(status)}: "
+            f"{last}"
+        )
     return usage

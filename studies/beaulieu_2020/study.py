@@ -1,4 +1,6 @@
-"""Steel beads heated from above in air at rest (Beaulieu 2020): conductivity from a packing, effect by effect."""
+"""Steel beads heated from above in air at rest (Beaulieu 2020): conductivity from a
+packing, effect by effect.
+"""
 
 from __future__ import annotations
 
@@ -34,17 +36,22 @@ R, K_SOLID, K_GAS, MODULUS = 3.2e-3, 42.0, 0.027, 2e11
 WIDTH, COUNT, HEIGHT = (0.1, 0.105), 8849, 0.198
 AREA = WIDTH[0] * WIDTH[1]
 POROSITY = 0.42  # measured
-LIGHT, DENSITY = 1000.0, 7747.0  # a bed of density 1000 and modulus E/7.747 moves as one of steel with modulus E
-SETTLED = 1.29e8 * DENSITY / LIGHT  # modulus with which beds settle, 1 GPa for steel; contacts are corrected
+# a bed of density 1000 and modulus E/7.747 moves as one of steel with modulus E
+LIGHT, DENSITY = 1000.0, 7747.0
+# modulus with which beds settle, 1 GPa for steel; contacts are corrected
+SETTLED = 1.29e8 * DENSITY / LIGHT
 FRICTION = (0.2, 0.4, 0.7)  # the middle one gives the measured porosity and height
-TOP, BOTTOM = 0.01, 0.10  # depths below the surface of the bed between which heat is measured [m]
+# depths below the surface of the bed between which heat is measured [m]
+TOP, BOTTOM = 0.01, 0.10
 BELOW = 0.015  # of the beads that are held at one temperature below the lower depth [m]
 RATIOS = (800.0, 1100.0, K_SOLID / K_GAS, 2200.0, 3000.0)
 SURFACE = Surface(19e-9, 0.056, 3e9, MODULUS, 0.29, 68e-9, accommodation=0.7)
 EMISSIVITY, T_MEAN = 0.3, 303.0
 ASKED = 20.8  # k/k_gas that the points ask for, with the stated heat capacity
-LAW = 0.02  # spreading columns are so much below a resolved simple cubic lattice at this ratio
-# lower and upper value of each input, about one standard deviation to both sides where the source states none
+# spreading columns are so much below a resolved simple cubic lattice at this ratio
+LAW = 0.02
+# lower and upper value of each input, about one standard deviation to both sides where
+# the source states none
 SPREAD: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "accommodation 0.6 to 0.9": ({"accommodation": 0.6}, {"accommodation": 0.9}),
     "roughness 10 to 38 nm": ({"roughness": 38e-9}, {"roughness": 10e-9}),
@@ -58,7 +65,9 @@ SPREAD: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 
 @dataclass(frozen=True)
 class Bed:
-    """Centres [m] of a settled bed, porosity of its box, height of its surface [m]; its upper part conducts."""
+    """Centres [m] of a settled bed, porosity of its box, height of its surface [m];
+    its upper part conducts.
+    """
 
     x: Any
     porosity: float
@@ -73,13 +82,19 @@ class Bed:
     def pairs(self) -> heat.Pairs:
         """Pairs of the upper part that share a Voronoi face."""
         low = np.array([0.0, 0.0, self.surface - BOTTOM - BELOW])
-        return heat.voronoi_pairs(self.kept, (low, np.array([*WIDTH, self.x[:, 2].max() + R])))
+        return heat.voronoi_pairs(
+            self.kept, (low, np.array([*WIDTH, self.x[:, 2].max() + R]))
+        )
 
-    def conductivity(self, parts: dict[str, Any], pairs: heat.Pairs | None = None) -> tuple[float, dict[str, float]]:
+    def conductivity(
+        self, parts: dict[str, Any], pairs: heat.Pairs | None = None
+    ) -> tuple[float, dict[str, float]]:
         """k/k_gas between the layers, and the shares of the mechanisms."""
         z = self.kept[:, 2]
         cold, hot = z < self.surface - BOTTOM, z > self.surface - TOP
-        found = network.between_layers(self.kept, pairs or self.pairs, parts, hot, cold, AREA)
+        found = network.between_layers(
+            self.kept, pairs or self.pairs, parts, hot, cold, AREA
+        )
         return found.conductivity / K_GAS, found.shares
 
     def spreading(
@@ -94,7 +109,9 @@ class Bed:
         """k/k_gas along spreading paths."""
         factor = contact * float(correction(SETTLED, MODULUS)) * load ** (1 / 3)
         faces = SURFACE._replace(**surface) if rough else None
-        how = heat.Conduction(k, K_GAS, POROSITY, factor, paths="spreading", surface=faces)
+        how = heat.Conduction(
+            k, K_GAS, POROSITY, factor, paths="spreading", surface=faces
+        )
         parts = heat.conductances(self.pairs, R, how)
         if emissivity:
             parts["radiation"] = heat.radiation_conductance(
@@ -111,7 +128,9 @@ def settle(friction: float, seed: int = 1) -> Bed:
 
 
 def store(bed: Bed) -> None:
-    """Write centres to 10 nm, a hundredth of an overlap; the time stamp of the archive is left out."""
+    """Write centres to 10 nm, a hundredth of an overlap; the time stamp of the
+    archive is left out.
+    """
     lines = "\n".join(",".join(f"{value:.8f}" for value in row) for row in bed.x)
     PACKING.write_bytes(gzip.compress(lines.encode(), mtime=0))
 
@@ -120,16 +139,28 @@ def effects(bed: Bed) -> Table:
     """k/k_gas of one bed, one effect after the other."""
     factor = float(correction(SETTLED, MODULUS))
     near = heat.near_pairs(bed.kept, 3 * R)
-    cones = heat.conductances(near, R, heat.Conduction(K_SOLID, K_GAS, POROSITY, factor))
+    cones = heat.conductances(
+        near, R, heat.Conduction(K_SOLID, K_GAS, POROSITY, factor)
+    )
     apart, face = np.maximum(bed.pairs.distance, 2 * R), bed.pairs.face
     assert face is not None
     columns = {"fluid": column_conductance(R, apart, face, K_SOLID, K_SOLID, K_GAS)}
-    smooth = bed.spreading(emissivity=0.0, roughness=1e-12)  # asperities of 1 pm: a perfect joint
+    # asperities of 1 pm: a perfect joint
+    smooth = bed.spreading(emissivity=0.0, roughness=1e-12)
     steps = [
-        ("cones, Eq. 5 of Zhou et al., with smooth contacts", bed.conductivity(cones, near)[0]),
+        (
+            "cones, Eq. 5 of Zhou et al., with smooth contacts",
+            bed.conductivity(cones, near)[0],
+        ),
         ("parallel columns, point contacts", bed.conductivity(columns)[0]),
-        ("heat spreads within the beads, point contacts", bed.spreading(contact=False, rough=False, emissivity=0.0)),
-        ("and temperature jump of the gas (Smoluchowski)", bed.spreading(contact=False, emissivity=0.0)),
+        (
+            "heat spreads within the beads, point contacts",
+            bed.spreading(contact=False, rough=False, emissivity=0.0),
+        ),
+        (
+            "and temperature jump of the gas (Smoluchowski)",
+            bed.spreading(contact=False, emissivity=0.0),
+        ),
         ("and Hertz contacts under the weight, smooth", smooth),
         ("and roughness of the contacts", bed.spreading(emissivity=0.0)),
         ("and radiation", bed.spreading()),
@@ -141,13 +172,19 @@ def effects(bed: Bed) -> Table:
 
 
 def band(bed: Bed, slope: float, residual: float) -> Table:
-    """Changes of k/k_gas with each input; `slope` and `residual` are those of the closure."""
+    """Changes of k/k_gas with each input; `slope` and `residual` are those of the
+    closure.
+    """
     base = bed.spreading()
     rows: list[tuple[Any, ...]] = [("as stated", base, base, 0.0)]
     for name, (low, high) in SPREAD.items():
         k = bed.spreading(**low), bed.spreading(**high)
         rows.append((name, *k, 0.5 * abs(k[1] - k[0])))
-    for name, share in (("porosity 0.41 to 0.43", -0.01 * slope), ("packing", residual), ("law", LAW)):
+    for name, share in (
+        ("porosity 0.41 to 0.43", -0.01 * slope),
+        ("packing", residual),
+        ("law", LAW),
+    ):
         rows.append((name, base * (1 - share), base * (1 + share), base * abs(share)))
     whole = float(np.sqrt(np.sum([row[3] ** 2 for row in rows])))
     rows.append(("all together", base - whole, base + whole, whole))
@@ -156,10 +193,16 @@ def band(bed: Bed, slope: float, residual: float) -> Table:
 
 def fit(beds: Sequence[Bed]) -> extract.Fit:
     """ln(k/k_gas) over ratio and porosity, each linear."""
-    data = [(ratio, bed.porosity, bed.spreading(k=ratio * K_GAS)) for bed in beds for ratio in RATIOS]
+    data = [
+        (ratio, bed.porosity, bed.spreading(k=ratio * K_GAS))
+        for bed in beds
+        for ratio in RATIOS
+    ]
     ratio, eps, k = np.array(data).T
     scales = {extract.RATIO: "log", "eps": "linear"}
-    return extract.fit_log_polynomial("conductivity", {extract.RATIO: ratio, "eps": eps}, k, scales, (1, 1))
+    return extract.fit_log_polynomial(
+        "conductivity", {extract.RATIO: ratio, "eps": eps}, k, scales, (1, 1)
+    )
 
 
 def reference() -> Any:
@@ -168,10 +211,21 @@ def reference() -> Any:
 
 
 def temperatures(conductivity: Any, t: Sequence[float], x: Sequence[float]) -> Any:
-    """Predicted temperatures [K] at times and depths (points,), with a closure or a value in W/m/K."""
-    changes = {"closures.conductivity_solids": conductivity, "time.times": sorted(set(t)), "time.end": max(t)}
+    """Predicted temperatures [K] at times and depths (points,), with a closure or a
+    value in W/m/K.
+    """
+    changes = {
+        "closures.conductivity_solids": conductivity,
+        "time.times": sorted(set(t)),
+        "time.end": max(t),
+    }
     places = {"output.positions": sorted(set(x))}
-    result = run(cb.load(HERE / "beaulieu.toml", {**changes, **places, "output.plots": False, "output.fields": False}))
+    result = run(
+        cb.load(
+            HERE / "beaulieu.toml",
+            {**changes, **places, "output.plots": False, "output.fields": False},
+        )
+    )
     return score.at(case.read_case(NAME), result, np.asarray(t), np.asarray(x))
 
 
@@ -186,18 +240,37 @@ def scored(conductivities: dict[str, Any]) -> Table:
         times = [1000.0, 2000.0, 3000.0, 4000.0]
         ahead = temperatures(k, times, [0.073] * 4)
         rows.append((name, *errors, *ahead))
-    depths = [f"{what} at {x:g} m [K]" for x in np.unique(points.x) for what in ("RMS", "bias")]
+    depths = [
+        f"{what} at {x:g} m [K]"
+        for x in np.unique(points.x)
+        for what in ("RMS", "bias")
+    ]
     late = [f"T at 0.073 m, {t} s [K]" for t in (1000, 2000, 3000, 4000)]
-    return Table({"conductivity": "", **dict.fromkeys(depths, ".2f"), **dict.fromkeys(late, ".2f")}, rows)
+    return Table(
+        {
+            "conductivity": "",
+            **dict.fromkeys(depths, ".2f"),
+            **dict.fromkeys(late, ".2f"),
+        },
+        rows,
+    )
 
 
 def curves(half: float) -> Table:
-    """Temperatures [K] at the three depths over time, with the closure and at both ends of the band."""
+    """Temperatures [K] at the three depths over time, with the closure and at both
+    ends of the band.
+    """
     t = np.arange(100.0, 4001.0, 100.0)
     columns: dict[str, Any] = {"t [s]": t}
     for x in (0.04, 0.06, 0.073):
-        for name, k in (("", middle()), (", low", middle() - half), (", high", middle() + half)):
-            columns[f"{x:g} m{name} [K]"] = temperatures(K_GAS * k, t.tolist(), [x] * len(t))
+        for name, k in (
+            ("", middle()),
+            (", low", middle() - half),
+            (", high", middle() + half),
+        ):
+            columns[f"{x:g} m{name} [K]"] = temperatures(
+                K_GAS * k, t.tolist(), [x] * len(t)
+            )
     return Table.from_columns(columns, ".6g")
 
 
@@ -208,7 +281,9 @@ def middle() -> float:
 
 
 def cascaded(found: Outcome) -> list[tuple[str, str, float]]:
-    """Shares of the measured points that the band of a cascade holds [-], and of each part in the variance at them."""
+    """Shares of the measured points that the band of a cascade holds [-], and of
+    each part in the variance at them.
+    """
     held = found.held
     assert held is not None
     rows: list[tuple[str, str, float]] = []
@@ -216,12 +291,19 @@ def cascaded(found: Outcome) -> list[tuple[str, str, float]]:
         here = held.points.x == x
         value = held.points.value[here]
         inside = (held.low[here] <= value) & (value <= held.high[here])
-        scattered = (held.low_measured[here] <= value) & (value <= held.high_measured[here])
+        scattered = (held.low_measured[here] <= value) & (
+            value <= held.high_measured[here]
+        )
         rows.append(("points in the band", f"{x:g} m", float(inside.mean())))
-        rows.append(("points in the band of a measurement", f"{x:g} m", float(scattered.mean())))
+        rows.append(
+            ("points in the band of a measurement", f"{x:g} m", float(scattered.mean()))
+        )
     rows.append(("points in the band", "all", held.inside))
     rows.append(("points in the band of a measurement", "all", held.inside_measured))
-    rows += [("share of the variance at the points", part, share) for part, share in held.shares.items()]
+    rows += [
+        ("share of the variance at the points", part, share)
+        for part, share in held.shares.items()
+    ]
     rows.append(("porosity", "mean of the packings", float(found.porosities.mean())))
     return rows
 
@@ -239,13 +321,23 @@ def cascades() -> Table:
 
 
 def compute() -> Tables:
-    """Packings, shares of the effects, closure and its band, temperatures of the bed."""
+    """Packings, shares of the effects, closure and its band, temperatures of the
+    bed.
+    """
     beds = [settle(friction) for friction in FRICTION]
     store(beds[1])
     found = fit(beds)
     found.write(CLOSURE, {"scene": "beaulieu_2020/study.py", "friction": str(FRICTION)})
-    print("porosities", [round(bed.porosity, 4) for bed in beds], "residuals", found.content["residuals"])
-    eps = [found.closure()(k_solid=K_SOLID, k_fluid=K_GAS, eps=value) for value in (0.41, 0.43)]
+    print(
+        "porosities",
+        [round(bed.porosity, 4) for bed in beds],
+        "residuals",
+        found.content["residuals"],
+    )
+    eps = [
+        found.closure()(k_solid=K_SOLID, k_fluid=K_GAS, eps=value)
+        for value in (0.41, 0.43)
+    ]
     slope = float(np.log(eps[1] / eps[0]) / 0.02)
     spread = band(beds[1], slope, found.content["residuals"]["rms"])
     half = float(spread["half width"][-1])
@@ -257,11 +349,17 @@ def compute() -> Tables:
         "this packing": file,
         "this packing, lower end of the band": K_GAS * (middle() - half),
         "this packing, upper end of the band": K_GAS * (middle() + half),
-        "Batchelor and O'Brien 1977, 4 ln(ratio) - 11": K_GAS * (4.0 * np.log(K_SOLID / K_GAS) - 11.0),
+        "Batchelor and O'Brien 1977, 4 ln(ratio) - 11": K_GAS
+        * (4.0 * np.log(K_SOLID / K_GAS) - 11.0),
         "Zehner, Bauer, Schluender, steel": float(published),
         "what the points ask for": K_GAS * ASKED,
     }
-    tables = {"effects": effects(beds[1]), "band": spread, "results": scored(compared), "curves": curves(half)}
+    tables = {
+        "effects": effects(beds[1]),
+        "band": spread,
+        "results": scored(compared),
+        "curves": curves(half),
+    }
     return tables | {"cascade": cascades()}
 
 
@@ -269,16 +367,33 @@ def plot(tables: Tables) -> dict[str, Any]:
     """Temperatures over time with the band, and k/k_gas effect by effect."""
     points, found, effect = reference(), tables["curves"], tables["effects"]
     figure, (left, right) = gallery.figure(1, 2, size=(11.5, 4.6))
-    for x, colour in ((0.04, gallery.VERMILION), (0.06, gallery.BLUE), (0.073, gallery.GREEN)):
-        left.plot(found["t [s]"], found[f"{x:g} m [K]"] - 273.15, color=colour, label=f"{100 * x:g} cm below the plate")
+    for x, colour in (
+        (0.04, gallery.VERMILION),
+        (0.06, gallery.BLUE),
+        (0.073, gallery.GREEN),
+    ):
+        left.plot(
+            found["t [s]"],
+            found[f"{x:g} m [K]"] - 273.15,
+            color=colour,
+            label=f"{100 * x:g} cm below the plate",
+        )
         ends = (found[f"{x:g} m, {name} [K]"] - 273.15 for name in ("low", "high"))
         left.fill_between(found["t [s]"], *ends, color=colour, alpha=0.2, lw=0)
         here = points.x == x
         left.plot(points.t[here], points.value[here] - 273.15, ".", color=colour, ms=4)
-    left.set(xlabel="t [s]", ylabel=r"T [$^\circ$C]", title="points measured, lines predicted with their band")
+    left.set(
+        xlabel="t [s]",
+        ylabel=r"T [$^\circ$C]",
+        title="points measured, lines predicted with their band",
+    )
     left.legend(loc="upper left")
     names = effect.values("effect")
-    right.barh(range(len(names)), effect["k/k_gas"], color=[gallery.GREY] * 2 + [gallery.BLUE] * (len(names) - 2))
+    right.barh(
+        range(len(names)),
+        effect["k/k_gas"],
+        color=[gallery.GREY] * 2 + [gallery.BLUE] * (len(names) - 2),
+    )
     right.axvline(ASKED, color=gallery.BLACK, ls="--")
     right.set_yticks(range(len(names)), names, fontsize=8)
     right.invert_yaxis()

@@ -1,4 +1,6 @@
-"""Developed Brinkman-Forchheimer flow around a bed that slides along a channel, against the exact solution."""
+"""Developed Brinkman-Forchheimer flow around a bed that slides along a channel,
+against the exact solution.
+"""
 
 from __future__ import annotations
 
@@ -21,13 +23,19 @@ SCENES = {
     "slip_0.95": (r"$u_s = 0.95\, u_D$", gallery.GREEN),
     "slip_-0.25": (r"$u_s = -0.25\, u_D$", gallery.PURPLE),
 }
-ACROSS = (16, 24, 32, 48, 64, 96, 128)  # cells across the channel besides those of the scene
-ERRORS = {"error of u_max [1]": "the largest velocity", "error of dp/dx [1]": "the pressure gradient"}
+# cells across the channel besides those of the scene
+ACROSS = (16, 24, 32, 48, 64, 96, 128)
+ERRORS = {
+    "error of u_max [1]": "the largest velocity",
+    "error of dp/dx [1]": "the pressure gradient",
+}
 NOT_COMPARED = tuple(ERRORS)
 
 
 def reference(scene: cb.Scene, y: Any = 0.0) -> Any:
-    """Exact developed flow at the distance y [m] from a wall, from the values in the scene."""
+    """Exact developed flow at the distance y [m] from a wall, from the values in the
+    scene.
+    """
     closures = scene.closures
     (u, _), (u_solid, _) = velocities(scene)
     return exact.brinkman_forchheimer_channel(
@@ -44,11 +52,16 @@ def reference(scene: cb.Scene, y: Any = 0.0) -> Any:
 
 
 def errors(scene: cb.Scene, result: cb.Result) -> tuple[float, float]:
-    """Relative errors of the largest velocity at the outlet and of the pressure gradient."""
+    """Relative errors of the largest velocity at the outlet and of the pressure
+    gradient.
+    """
     wanted = reference(scene)
     return (
         result.qoi["u_max_outlet"] / wanted.u_max - 1,
-        scene.packed_bed.porosity * result.qoi["pressure_gradient_Pa_m"] / wanted.pressure_gradient - 1,
+        scene.packed_bed.porosity
+        * result.qoi["pressure_gradient_Pa_m"]
+        / wanted.pressure_gradient
+        - 1,
     )
 
 
@@ -65,13 +78,31 @@ def compute() -> Tables:
         scene = cb.load(HERE / f"{name}.toml")
         viscosity, height = scene.gas.viscosity, scene.mesh.height
         u, u_solid = (float(vector[0]) for vector in velocities(scene))
-        for across in sorted({*(n for n in ACROSS if n < scene.mesh.cells[1]), scene.mesh.cells[1]}):
+        for across in sorted(
+            {*(n for n in ACROSS if n < scene.mesh.cells[1]), scene.mesh.cells[1]}
+        ):
             result = cb.run(with_cells(scene, across))
-            gradient = scene.packed_bed.porosity * result.qoi["pressure_gradient_Pa_m"] * height**2 / (viscosity * u)
+            gradient = (
+                scene.packed_bed.porosity
+                * result.qoi["pressure_gradient_Pa_m"]
+                * height**2
+                / (viscosity * u)
+            )
             case = name, u_solid / u, scene.closures.forchheimer, across
-            rows.append((*case, result.qoi["u_max_outlet"] / u, gradient, *errors(scene, result)))
+            rows.append(
+                (
+                    *case,
+                    result.qoi["u_max_outlet"] / u,
+                    gradient,
+                    *errors(scene, result),
+                )
+            )
     columns = {"scene": "", "u_s/u_D [1]": "g", "c_F [1]": "g", "cells across": "d"}
-    columns |= {"u_max/u_D [1]": ".11f", "P* [1]": ".8f", **dict.fromkeys(ERRORS, ".1e")}
+    columns |= {
+        "u_max/u_D [1]": ".11f",
+        "P* [1]": ".8f",
+        **dict.fromkeys(ERRORS, ".1e"),
+    }
     return {"results": Table(columns, rows)}
 
 
@@ -83,7 +114,8 @@ def plot(tables: Tables) -> dict[str, Any]:
         eta = np.linspace(0, 0.5, 501) ** 2 * 2
         left.plot(
             eta,
-            reference(scene, eta * scene.mesh.height).u / scene.boundary["left"].gas.velocity,
+            reference(scene, eta * scene.mesh.height).u
+            / scene.boundary["left"].gas.velocity,
             color=colour,
             label=text,
         )
@@ -93,8 +125,18 @@ def plot(tables: Tables) -> dict[str, Any]:
     for axes, what, start in zip(others, ERRORS.values(), (1e-5, 1e-3), strict=True):
         gallery.order_line(axes, (40, 160), start, 4)
         axes.axhline(1e-8, color="grey", linewidth=0.8)
-        axes.set(xlabel="cells across the channel", ylim=(1e-11, 1e-1), title=f"relative error of {what}")
+        axes.set(
+            xlabel="cells across the channel",
+            ylim=(1e-11, 1e-1),
+            title=f"relative error of {what}",
+        )
         gallery.ticks(axes, x=(16, 32, 64, 128, 256))
-    left.set(xlabel="y/H", ylabel="$u/u_D$", xlim=(0, 0.5), ylim=(0, 1.2), title="exact profiles")
+    left.set(
+        xlabel="y/H",
+        ylabel="$u/u_D$",
+        xlim=(0, 0.5),
+        ylim=(0, 1.2),
+        title="exact profiles",
+    )
     left.legend(loc="lower right")
     return {"convergence": figure}

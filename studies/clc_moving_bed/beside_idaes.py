@@ -1,4 +1,6 @@
-"""The moving bed beside IDAES: user CPU against error, each beside shooting of its own equations."""
+"""The moving bed beside IDAES: user CPU against error, each beside shooting of its
+own equations.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,8 @@ OWN = "contbed"
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
 SAMPLES, OWN_SAMPLES = 3, 7
 WANTED = (1e-2, 1e-3, 1e-4, 1e-6)  # errors at which the times are compared
-Runs = list[tuple[int, list[float]]]  # Radau points in an element, 0 for backward differences, and ends of elements
+# Radau points in an element, 0 for backward differences, and ends of elements
+Runs = list[tuple[int, list[float]]]
 
 
 def even(points: int, *counts: int) -> Runs:
@@ -36,7 +39,9 @@ def even(points: int, *counts: int) -> Runs:
 
 
 def graded(points: int, length: float, *sizes: tuple[float, float, float]) -> Runs:
-    """Runs of elements that grow from the gas inlet: the first, how much longer the next is, the longest [m, 1, m]."""
+    """Runs of elements that grow from the gas inlet: the first, how much longer the
+    next is, the longest [m, 1, m].
+    """
     runs = []
     for first, growth, longest in sizes:
         elements = [first]
@@ -53,10 +58,20 @@ def curves(length: float) -> dict[str, Runs]:
         "IDAES, backward differences": even(0, 5, 10, 20, 40, 80),
         "IDAES, 3 Radau points": even(3, 6, 10, 20, 40, 80),
         "IDAES, 3 Radau points, graded": graded(
-            3, length, (5e-3, 5.0, 1.5), (1e-2, 3.0, 1.0), (1e-3, 2.0, 0.5), (1e-4, 1.5, 0.15)
+            3,
+            length,
+            (5e-3, 5.0, 1.5),
+            (1e-2, 3.0, 1.0),
+            (1e-3, 2.0, 0.5),
+            (1e-4, 1.5, 0.15),
         ),
         "IDAES, 5 Radau points, graded": graded(
-            5, length, (1e-3, 10.0, 4.0), (1e-3, 3.0, 1.5), (1e-3, 2.5, 1.0), (5e-4, 2.0, 0.5)
+            5,
+            length,
+            (1e-3, 10.0, 4.0),
+            (1e-3, 3.0, 1.5),
+            (1e-3, 2.5, 1.0),
+            (5e-4, 2.0, 0.5),
         ),
     }
 
@@ -73,12 +88,26 @@ def error_of(found: Any, exact: dict[str, float]) -> float:
 
 def own(exact: dict[str, float]) -> list[dict[str, Any]]:
     """The scene with several tolerances, read and run."""
-    levels = {f"tolerance {tolerance:.0e}": {"solver.tolerance": tolerance} for tolerance in TOLERANCES}
-    calls = {level: lambda changes=changes: cb.run(load(SCENE, changes)) for level, changes in levels.items()}
+    levels = {
+        f"tolerance {tolerance:.0e}": {"solver.tolerance": tolerance}
+        for tolerance in TOLERANCES
+    }
+    calls = {
+        level: lambda changes=changes: cb.run(load(SCENE, changes))
+        for level, changes in levels.items()
+    }
     rows = []
     for level, (seconds, result) in gallery.in_turn(calls, OWN_SAMPLES).items():
         found = {key: result.qoi[key] for key in RESULTS}
-        rows.append({"code": OWN, "level": level, **found, "error": error_of(found, exact), "cpu_s": seconds})
+        rows.append(
+            {
+                "code": OWN,
+                "level": level,
+                **found,
+                "error": error_of(found, exact),
+                "cpu_s": seconds,
+            }
+        )
     return rows
 
 
@@ -102,14 +131,27 @@ def peer(bed: Bed, chosen: dict[str, Runs]) -> list[dict[str, Any]]:
     for code, runs in chosen.items():
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
-            (folder / "inputs.json").write_text(json.dumps(inputs | {"runs": runs}), encoding="utf-8")
-            gallery.cpu_of([sys.executable, str(HERE / "moving_bed_idaes.py"), "inputs.json"], folder)
+            (folder / "inputs.json").write_text(
+                json.dumps(inputs | {"runs": runs}), encoding="utf-8"
+            )
+            gallery.cpu_of(
+                [sys.executable, str(HERE / "moving_bed_idaes.py"), "inputs.json"],
+                folder,
+            )
             lines = (folder / "printed").read_text(encoding="utf-8").splitlines()
         printed = [json.loads(line) for line in lines if line.startswith("{")]
         for (_, ends), found in zip(runs, printed, strict=True):
             total = sum(found[part] for part in PARTS[:3])
             level = f"{len(ends) - 1} elements"
-            rows.append({"code": code, "level": level, **found, "error": error_of(found, exact), "cpu_s": total})
+            rows.append(
+                {
+                    "code": code,
+                    "level": level,
+                    **found,
+                    "error": error_of(found, exact),
+                    "cpu_s": total,
+                }
+            )
     return rows
 
 
@@ -121,7 +163,9 @@ NOT_COMPARED = ("error", "cpu_s", *PARTS, "times_contbed", "solve_s_times_contbe
 
 
 def equal_errors(runs: Table) -> Table:
-    """User CPU at the same error, where a code reaches it; and that of the last solution of IDAES by itself."""
+    """User CPU at the same error, where a code reaches it; and that of the last
+    solution of IDAES by itself.
+    """
     rows: list[tuple[Any, ...]] = []
     codes = {name: runs.where({"code": name}) for name in runs.values("code")}
     for wanted in WANTED:
@@ -130,10 +174,20 @@ def equal_errors(runs: Table) -> Table:
         for name, points in codes.items():
             if name == OWN or points["error"].min() > wanted:
                 continue
-            whole, last = (time_at(wanted, list(points[key]), list(points["error"]))[0] for key in ("cpu_s", "solve_s"))
+            whole, last = (
+                time_at(wanted, list(points[key]), list(points["error"]))[0]
+                for key in ("cpu_s", "solve_s")
+            )
             rows.append((wanted, name, whole, whole / first, last / first))
     return Table(
-        {"error": ".0e", "code": "", "cpu_s": ".3g", "times_contbed": ".3g", "solve_s_times_contbed": ".2g"}, rows
+        {
+            "error": ".0e",
+            "code": "",
+            "cpu_s": ".3g",
+            "times_contbed": ".3g",
+            "solve_s_times_contbed": ".2g",
+        },
+        rows,
     )
 
 
@@ -144,7 +198,9 @@ def compute() -> Tables:
     if find_spec("idaes") is not None:
         found += peer(bed, curves(bed.length))
     rows = [[row.get(name) for name in COLUMNS] for row in found]
-    runs = gallery.updated(HERE, {"idaes": Table(COLUMNS, rows)}, {"idaes": ("code",)})["idaes"]
+    runs = gallery.updated(HERE, {"idaes": Table(COLUMNS, rows)}, {"idaes": ("code",)})[
+        "idaes"
+    ]
     return {"idaes": runs, "idaes_equal_error": equal_errors(runs)}
 
 
@@ -152,12 +208,31 @@ def plot(tables: Tables) -> dict[str, Any]:
     """User CPU over the largest relative error."""
     figure, axes = gallery.figure(size=(7.5, 4.5))
     runs = tables["idaes"]
-    for name, colour, marker in zip(runs.values("code"), gallery.PALETTE, "osD^v", strict=False):
+    for name, colour, marker in zip(
+        runs.values("code"), gallery.PALETTE, "osD^v", strict=False
+    ):
         points = runs.where({"code": name})
-        axes.loglog(points["error"], points["cpu_s"], "-", marker=marker, color=colour, label=name)
+        axes.loglog(
+            points["error"],
+            points["cpu_s"],
+            "-",
+            marker=marker,
+            color=colour,
+            label=name,
+        )
         if name != OWN:
-            axes.loglog(points["error"], points["solve_s"], ":", marker=marker, mfc="none", color=colour, lw=1.0)
-    axes.loglog([], [], ":", color=gallery.GREY, label="IDAES, solution of an initialized model")
+            axes.loglog(
+                points["error"],
+                points["solve_s"],
+                ":",
+                marker=marker,
+                mfc="none",
+                color=colour,
+                lw=1.0,
+            )
+    axes.loglog(
+        [], [], ":", color=gallery.GREY, label="IDAES, solution of an initialized model"
+    )
     axes.set(xlabel="largest relative error of four results", ylabel="user CPU [s]")
     figure.legend(loc="outside right upper")
     return {"idaes": figure}

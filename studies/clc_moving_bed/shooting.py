@@ -1,8 +1,10 @@
-"""The moving-bed fuel reactor as a boundary value problem of ordinary equations, solved by shooting.
+"""The moving-bed fuel reactor as a boundary value problem of ordinary equations, solved
+by shooting.
 
-Its equations are written here once more, apart from the package, with switches for what an open flowsheet code does
-otherwise. Unknown where the gas enters are what has reacted in the whole bed and the temperature of the solids; both
-follow from what enters at the top (Newton's method, Radau to 1e-11 in between).
+Its equations are written here once more, apart from the package, with switches for what
+an open flowsheet code does otherwise. Unknown where the gas enters are what has reacted
+in the whole bed and the temperature of the solids; both follow from what enters at the
+top (Newton's method, Radau to 1e-11 in between).
 """
 
 from __future__ import annotations
@@ -59,18 +61,35 @@ class Bed:
     @classmethod
     def of(cls, scene: Any) -> Bed:
         """Read the inputs of a scene of the package."""
-        gas, solid, reaction = scene.gas, scene.solids["carrier"], scene.reactions["reduction"]
-        inlet, solids_inlet = scene.boundary["left"].gas, scene.boundary["right"].solids["carrier"]
-        pairs = dict(part.split(":") for part in gas.composition.replace(" ", "").split(","))
+        gas, solid, reaction = (
+            scene.gas,
+            scene.solids["carrier"],
+            scene.reactions["reduction"],
+        )
+        inlet, solids_inlet = (
+            scene.boundary["left"].gas,
+            scene.boundary["right"].solids["carrier"],
+        )
+        pairs = dict(
+            part.split(":") for part in gas.composition.replace(" ", "").split(",")
+        )
         total = sum(map(float, pairs.values()))
         tables = {**gas.species, **solid.constituent}
-        fractions = {k: float(v) for k, v in (p.split(":") for p in solid.composition.replace(" ", "").split(","))}
+        fractions = {
+            k: float(v)
+            for k, v in (
+                p.split(":") for p in solid.composition.replace(" ", "").split(",")
+            )
+        }
         whole = sum(fractions.values())
         return cls(
             scene.mesh.length,
             scene.packed_bed.porosity,
             solid.diameter,
-            {name: inlet.molar_flux * float(pairs.get(name, 0.0)) / total for name in GASES},
+            {
+                name: inlet.molar_flux * float(pairs.get(name, 0.0)) / total
+                for name in GASES
+            },
             gas.pressure,
             inlet.temperature,
             solids_inlet.velocity,
@@ -106,9 +125,16 @@ class Bed:
         return h - REFERENCE[name] if sensible else h
 
     def solids(self, extent: float) -> dict[str, float]:
-        """Return the mole fluxes of the solids [mol/m2/s] after an extent of reaction from the top [mol/m2/s]."""
-        density = (1.0 - self.particle_porosity) / sum(w / self.densities[k] for k, w in self.fractions.items() if w)
-        enter = {k: self.velocity * density * w / self.masses[k] for k, w in self.fractions.items()}
+        """Return the mole fluxes of the solids [mol/m2/s] after an extent of
+        reaction from the top [mol/m2/s].
+        """
+        density = (1.0 - self.particle_porosity) / sum(
+            w / self.densities[k] for k, w in self.fractions.items() if w
+        )
+        enter = {
+            k: self.velocity * density * w / self.masses[k]
+            for k, w in self.fractions.items()
+        }
         return {k: enter[k] + MADE[k] * extent for k in SOLIDS}
 
     def transport(self, T: float, x: Mapping[str, float]) -> tuple[float, float]:
@@ -120,19 +146,26 @@ class Bed:
         M = self.masses
         mu = {k: pure(self.viscosity[k]) for k in GASES}
         kk = {k: pure(self.conductivity[k]) for k in GASES}
-        viscosity = sum(x[i] * mu[i] / sum(x[j] * np.sqrt(M[j] / M[i]) for j in GASES) for i in GASES)
+        viscosity = sum(
+            x[i] * mu[i] / sum(x[j] * np.sqrt(M[j] / M[i]) for j in GASES)
+            for i in GASES
+        )
         conductivity = 0.0
         for i in GASES:
             below = 0.0
             for j in GASES:
                 a, b = (j, i) if self.transposed_conductivity else (i, j)
-                pair = (1.0 + np.sqrt(kk[a] / kk[b]) * (M[a] / M[b]) ** 0.25) ** 2 / np.sqrt(8.0 * (1.0 + M[a] / M[b]))
+                pair = (
+                    1.0 + np.sqrt(kk[a] / kk[b]) * (M[a] / M[b]) ** 0.25
+                ) ** 2 / np.sqrt(8.0 * (1.0 + M[a] / M[b]))
                 below += x[j] * (np.sqrt(pair) if self.root_in_conductivity else pair)
             conductivity += x[i] * kk[i] / below
         return float(viscosity), float(conductivity)
 
     def slopes(self, _: float, y: Any, whole: float) -> list[float]:
-        """Return the derivatives of extent, both temperatures and pressure along the gas."""
+        """Return the derivatives of extent, both temperatures and pressure along the
+        gas.
+        """
         extent, T_g, T_s, p = y
         g = {k: self.gas[k] + MADE[k] * extent for k in GASES}
         m = self.solids(whole - extent)
@@ -143,14 +176,37 @@ class Bed:
         u = moles * R * T_g / p
         eps, d = self.porosity, self.diameter
         conversion = m["Fe3O4"] / (m["Fe3O4"] + 8.0 / 12.0 * m["Fe2O3"])
-        per_particle = 3.0 * self.scale * m["Fe2O3"] / self.velocity * self.A * np.exp(-self.E / (R * T_s))
-        r = (1.0 - eps) * per_particle * c**self.order * max(1.0 - conversion, 0.0) ** (2.0 / 3.0)
+        per_particle = (
+            3.0
+            * self.scale
+            * m["Fe2O3"]
+            / self.velocity
+            * self.A
+            * np.exp(-self.E / (R * T_s))
+        )
+        r = (
+            (1.0 - eps)
+            * per_particle
+            * c**self.order
+            * max(1.0 - conversion, 0.0) ** (2.0 / 3.0)
+        )
         mu, k = self.transport(T_g, x)
         cp = sum(x[i] * self.heat_capacity(i, T_g) for i in GASES) / M
-        slip = u + {"none": 0.0, "sum": self.velocity, "interstitial": eps / (1 - eps) * self.velocity}[self.slip]
+        slip = (
+            u
+            + {
+                "none": 0.0,
+                "sum": self.velocity,
+                "interstitial": eps / (1 - eps) * self.velocity,
+            }[self.slip]
+        )
         Re = rho * (u if self.slip == "sum" else slip) * d / mu
         Pr = mu * cp / k
-        Nu = ((2 + 1.1 * Re**1.8) * Pr) ** (1 / 3) if self.nusselt_cubed else 2 + 1.1 * Re**0.6 * Pr ** (1 / 3)
+        Nu = (
+            ((2 + 1.1 * Re**1.8) * Pr) ** (1 / 3)
+            if self.nusselt_cubed
+            else 2 + 1.1 * Re**0.6 * Pr ** (1 / 3)
+        )
         exchange = 6.0 * (1.0 - eps) / d * Nu * k / d * (T_s - T_g)
         sensible = self.products_without_enthalpy
         h_g = {i: self.enthalpy(i, T_g, sensible) for i in GASES}
@@ -159,7 +215,11 @@ class Bed:
         if sensible:
             to_solid = exchange + HEAT_OF_REACTION * r
         else:
-            made = r * (self.enthalpy("CO2", T_s, False) + 2.0 * self.enthalpy("H2O", T_s, False) - h_g["CH4"])
+            made = r * (
+                self.enthalpy("CO2", T_s, False)
+                + 2.0 * self.enthalpy("H2O", T_s, False)
+                - h_g["CH4"]
+            )
             to_gas, to_solid = exchange + made, exchange + made
         gas_capacity = sum(g[i] * self.heat_capacity(i, T_g) for i in GASES)
         solid_capacity = sum(m[i] * self.heat_capacity(i, T_s) for i in SOLIDS)
@@ -216,4 +276,8 @@ AS_CODED = {
     "slip": "none",
     "linear_pressure": True,
 }
-TEXTBOOK = {"products_without_enthalpy": True, "slip": "sum", "transposed_conductivity": True}
+TEXTBOOK = {
+    "products_without_enthalpy": True,
+    "slip": "sum",
+    "transposed_conductivity": True,
+}

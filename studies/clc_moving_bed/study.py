@@ -1,4 +1,6 @@
-"""A moving-bed fuel reactor of chemical looping beside shooting, and beside the equations of an open flowsheet code."""
+"""A moving-bed fuel reactor of chemical looping beside shooting, and beside the
+equations of an open flowsheet code.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +48,10 @@ def compute() -> Tables:
         steps.append((name, *(found[key] for key in RESULTS)))
     x, columns = run.profiles["x [m]"], run.profiles
     shown = ("T_fluid [K]", "T_solid [K]", "x_CH4 [1]", "x_CO2 [1]", "w_Fe2O3 [1]")
-    profile = [tuple(values) for values in zip(x, *(columns[key] for key in shown), strict=True)]
+    profile = [
+        tuple(values)
+        for values in zip(x, *(columns[key] for key in shown), strict=True)
+    ]
     return {
         "results": Table({"what": "", **HEADERS}, rows),
         "steps": Table({"what": "", **HEADERS}, steps),
@@ -63,9 +68,24 @@ def plot(tables: Tables) -> dict[str, Any]:
     left.plot(x, bed["T_solid [K]"], color=gallery.VERMILION, label="solids")
     left.set(xlabel="x [m]", ylabel="T [K]", xlim=(0.0, 1.0), ylim=(1140.0, 1185.0))
     left.legend()
-    right.plot(x, bed["x_CH4 [1]"], color=gallery.BLUE, label="CH$_4$, mole fraction of the gas")
-    right.plot(x, bed["x_CO2 [1]"], color=gallery.GREEN, label="CO$_2$, mole fraction of the gas")
-    right.plot(x, bed["w_Fe2O3 [1]"], color=gallery.VERMILION, label="Fe$_2$O$_3$, mass fraction of the solids")
+    right.plot(
+        x,
+        bed["x_CH4 [1]"],
+        color=gallery.BLUE,
+        label="CH$_4$, mole fraction of the gas",
+    )
+    right.plot(
+        x,
+        bed["x_CO2 [1]"],
+        color=gallery.GREEN,
+        label="CO$_2$, mole fraction of the gas",
+    )
+    right.plot(
+        x,
+        bed["w_Fe2O3 [1]"],
+        color=gallery.VERMILION,
+        label="Fe$_2$O$_3$, mass fraction of the solids",
+    )
     right.set(xlabel="x [m]")
     right.legend(fontsize=8)
     return {"profiles": figure}

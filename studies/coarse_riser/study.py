@@ -1,4 +1,6 @@
-"""A plane riser on cells that resolve its clusters, on coarser ones, and with filtered closures on these."""
+"""A plane riser on cells that resolve its clusters, on coarser ones, and with
+filtered closures on these.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,8 @@ from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
-TERMINAL_SQUARED = 0.065191  # m2/s2, square of Stokes' terminal velocity, over which the filtered stress is given
+# m2/s2, square of Stokes' terminal velocity, over which the filtered stress is given
+TERMINAL_SQUARED = 0.065191
 STRESS = {
     "closures.granular_pressure": "igci",
     "closures.granular_viscosity": "igci",
@@ -21,7 +24,10 @@ STRESS = {
 }
 LESS = ", less near walls"  # ending of the names of models with factors near walls
 NEAR_WALLS = {"closures.wall_drag": "igci"}
-STRESS_NEAR_WALLS = {"closures.wall_pressure": "igci", "closures.wall_viscosity": "igci"}
+STRESS_NEAR_WALLS = {
+    "closures.wall_pressure": "igci",
+    "closures.wall_viscosity": "igci",
+}
 NOT_COMPARED = ("CPU [s]",)
 COLUMNS = dict.fromkeys(("model", "cells"), "") | {
     "pressure drop [Pa]": ".4g", "holdup [1]": ".4g", "halves [1]": ".2g", "steps": "d", "CPU [s]": ".3g",
@@ -41,10 +47,16 @@ MODELS = {
     "four times": Model((12, 160), {}),
     "eight times": Model((6, 80), {}),
     "drag of Igci et al.": Model((6, 80), {"closures.drag": "igci"}),
-    "drag and stress of Igci et al.": Model((6, 80), {"closures.drag": "igci"} | STRESS),
+    "drag and stress of Igci et al.": Model(
+        (6, 80), {"closures.drag": "igci"} | STRESS
+    ),
     "drag of Milioli et al.": Model((6, 80), {"closures.drag": "milioli"}),
-    "drag of Milioli et al., stress of Igci et al.": Model((6, 80), {"closures.drag": "milioli"} | STRESS),
-    f"drag of Igci et al.{LESS}": Model((6, 80), {"closures.drag": "igci"} | NEAR_WALLS),
+    "drag of Milioli et al., stress of Igci et al.": Model(
+        (6, 80), {"closures.drag": "milioli"} | STRESS
+    ),
+    f"drag of Igci et al.{LESS}": Model(
+        (6, 80), {"closures.drag": "igci"} | NEAR_WALLS
+    ),
     f"drag and stress of Igci et al.{LESS}": Model(
         (6, 80), {"closures.drag": "igci"} | STRESS | NEAR_WALLS | STRESS_NEAR_WALLS
     ),
@@ -57,7 +69,9 @@ COLOURS = dict(zip((name for name in MODELS if not name.endswith(LESS)), (
 def reference() -> dict[str, Any]:
     """Pressure drop and holdup of the resolved riser, as committed."""
     table = Table.read(HERE / "results.csv").where({"model": "resolved"})
-    return {name: float(table[name][0]) for name in ("pressure drop [Pa]", "holdup [1]")}
+    return {
+        name: float(table[name][0]) for name in ("pressure drop [Pa]", "holdup [1]")
+    }
 
 
 def compute(cases: Sequence[str] = tuple(MODELS)) -> Tables:
@@ -65,18 +79,35 @@ def compute(cases: Sequence[str] = tuple(MODELS)) -> Tables:
     rows, profiles = [], []
     for name in cases:
         model = MODELS[name]
-        scene = cb.load(HERE / "riser.toml", {"mesh.cells": list(model.cells), **model.changes})
+        scene = cb.load(
+            HERE / "riser.toml", {"mesh.cells": list(model.cells), **model.changes}
+        )
         cpu, result = gallery.cpu(lambda scene=scene: cb.run(scene), samples=1)
         found, across = result.qoi, result.tables["lateral"]
         holdup = float(result.tables["axial"]["eps_s [1]"].mean())
         drop, halves = found["pressure_drop_mean [Pa]"], found["difference_of_halves"]
-        rows.append((name, "x".join(map(str, model.cells)), drop, holdup, halves, found["steps"], cpu))
+        rows.append(
+            (
+                name,
+                "x".join(map(str, model.cells)),
+                drop,
+                holdup,
+                halves,
+                found["steps"],
+                cpu,
+            )
+        )
         print(*rows[-1], flush=True)
-        for x, eps_s, u in zip(across["x [m]"], across["eps_s [1]"], across["u_solid [m/s]"], strict=True):
+        for x, eps_s, u in zip(
+            across["x [m]"], across["eps_s [1]"], across["u_solid [m/s]"], strict=True
+        ):
             profiles.append((name, x, eps_s, u))
     tables = {
         "results": Table(COLUMNS, rows),
-        "profiles": Table(dict.fromkeys(("model", "x [m]", "eps_s [1]", "u_solid [m/s]"), ".4g"), profiles),
+        "profiles": Table(
+            dict.fromkeys(("model", "x [m]", "eps_s [1]", "u_solid [m/s]"), ".4g"),
+            profiles,
+        ),
     }
     if len(cases) == len(MODELS):
         return tables
@@ -89,10 +120,16 @@ def plot(tables: Tables) -> dict[str, Any]:
     figure, panels = gallery.figure(1, 2, size=(10.0, 3.9))
     for model in MODELS:
         rows = tables["profiles"].where({"model": model})
-        style = {"lw": 2.2} if model == "resolved" else {"ls": "--" if model.endswith(LESS) else "-"}
+        style = (
+            {"lw": 2.2}
+            if model == "resolved"
+            else {"ls": "--" if model.endswith(LESS) else "-"}
+        )
         style |= {"color": COLOURS[model.removesuffix(LESS)], "label": model}
         for panel, key in zip(panels, ("eps_s [1]", "u_solid [m/s]"), strict=True):
             panel.plot(1e3 * rows["x [m]"], rows[key], **style)
             panel.set(xlabel="$x$ [mm]", ylabel=key.replace("_", " "))
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    figure.legend(
+        *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3
+    )
     return {"coarse_riser": figure}

@@ -26,8 +26,10 @@ HERE = Path(__file__).parent
 D, STEP = 2e-3, 1e-5
 WIDTH, COUNT = 10 * D, 1000  # of the bed that is repeated
 TILES = (1, 4, 10, 32, 64)
-STEPS = {1: (1000, 1000), 4: (400, 400), 10: (200, 200), 32: (200, 40), 64: (200, 0)}  # on the GPU, on one core
-STATES = {"at rest": 0.0, "moving": 0.1}  # m/s, root mean square of each component of the velocity at the start
+# on the GPU, on one core
+STEPS = {1: (1000, 1000), 4: (400, 400), 10: (200, 200), 32: (200, 40), 64: (200, 0)}
+# m/s, root mean square of each component of the velocity at the start
+STATES = {"at rest": 0.0, "moving": 0.1}
 HEATS = ("none", "contacts")
 NOT_COMPARED = (
     "gpu_ms_per_step", "gpu_ns", "core_ns", "times_faster", "apart", "wall_s", "times_cuda", "settling_s", "network_s",
@@ -40,17 +42,33 @@ COLUMNS = {
 
 
 def bed(start: Any, tiles: int, state: str, heated: str, engine: Any) -> Simulation:
-    """A settled bed with periodic sides, repeated; its particles at rest, or each with a velocity of its own."""
-    cells = np.stack(np.meshgrid(range(tiles), range(tiles), [0], indexing="ij"), axis=-1).reshape(-1, 1, 3)
+    """A settled bed with periodic sides, repeated; its particles at rest, or each
+    with a velocity of its own.
+    """
+    cells = np.stack(
+        np.meshgrid(range(tiles), range(tiles), [0], indexing="ij"), axis=-1
+    ).reshape(-1, 1, 3)
     position = (cells * WIDTH + start).reshape(-1, 3)
     velocity = np.random.default_rng(0).normal(0.0, 1.0, position.shape) * STATES[state]
-    domain = Domain((0, 0, 0), (tiles * WIDTH, tiles * WIDTH, np.inf), (True, True, False))
+    domain = Domain(
+        (0, 0, 0), (tiles * WIDTH, tiles * WIDTH, np.inf), (True, True, False)
+    )
     warm: dict[str, Any] = {}
     if heated == "contacts":
-        warm = {"heat": ContactHeat(26.0), "T": 400.0 - 100.0 * position[:, 0] / position[:, 0].max()}
+        warm = {
+            "heat": ContactHeat(26.0),
+            "T": 400.0 - 100.0 * position[:, 0] / position[:, 0].max(),
+        }
     spheres = Particles(position, D / 2, velocity=velocity)
     return Simulation(
-        spheres, [Material()], box(domain), domain, time_step=STEP, largest_overlap=0.1, engine=engine, **warm
+        spheres,
+        [Material()],
+        box(domain),
+        domain,
+        time_step=STEP,
+        largest_overlap=0.1,
+        engine=engine,
+        **warm,
     )
 
 
@@ -61,7 +79,9 @@ def seconds(simulation: Simulation, steps: int) -> float:
     return time.perf_counter() - start
 
 
-def reference(start: Any, tiles: int, state: str, heated: str, steps: int) -> tuple[float, Simulation]:
+def reference(
+    start: Any, tiles: int, state: str, heated: str, steps: int
+) -> tuple[float, Simulation]:
     """Time of a step on one core [s], and the bed afterwards."""
     own = bed(start, tiles, state, heated, "contbed")
     return seconds(own, steps) / steps, own
@@ -84,14 +104,23 @@ def speed() -> Table:
             again = bed(start, tiles, state, heated, "cuda")
             again.advance(on_core)
             apart = float(np.abs(again.position - own.position).max()) / D
-        row = number, state, heated, 1e3 * fast, 1e9 * fast / number, None if slow is None else 1e9 * slow / number
+        row = (
+            number,
+            state,
+            heated,
+            1e3 * fast,
+            1e9 * fast / number,
+            None if slow is None else 1e9 * slow / number,
+        )
         rows.append((*row, None if slow is None else slow / fast, apart))
         print(rows[-1], flush=True)
     return Table(COLUMNS, rows)
 
 
 def in_gas() -> Table:
-    """A fluidized bed of 50,000 particles, whose gas is computed by one core in both runs."""
+    """A fluidized bed of 50,000 particles, whose gas is computed by one core in both
+    runs.
+    """
     from studies.dem_speed.study import bed_in_gas
 
     rows, found = [], {}
@@ -101,18 +130,34 @@ def in_gas() -> Table:
         start = time.perf_counter()
         fluidized.run(4e-3)
         found[engine] = time.perf_counter() - start
-        rows.append((engine, len(fluidized.simulation.position), found[engine], found[engine] / found["cuda"]))
-    return Table({"particles_on": "", "particles": "d", "wall_s": ".3g", "times_cuda": ".2f"}, rows)
+        rows.append(
+            (
+                engine,
+                len(fluidized.simulation.position),
+                found[engine],
+                found[engine] / found["cuda"],
+            )
+        )
+    return Table(
+        {"particles_on": "", "particles": "d", "wall_s": ".3g", "times_cuda": ".2f"},
+        rows,
+    )
 
 
 def million() -> Table:
-    """A million spheres that settle from a random start, and the network of their conductances."""
+    """A million spheres that settle from a random start, and the network of their
+    conductances.
+    """
     result = contbed.run(contbed.load(HERE / "million.toml"), engine="cuda")
     columns = {
         "spheres": "d", "settling_s": ".3g", "network_s": ".3g", "porosity": ".4f", "coordination": ".3f",
         "k_eff_W_mK": ".4f", "balance": ".1e",
     }  # fmt: skip
-    row = [result.plan.unknowns()["heat"], result.timings["packing"], result.timings["heat"]]
+    row = [
+        result.plan.unknowns()["heat"],
+        result.timings["packing"],
+        result.timings["heat"],
+    ]
     row += [result.qoi[name] for name in ("porosity", "coordination", "k_eff [W/m/K]")]
     return Table(columns, [(*row, result.balances["energy"]["relative_residual"])])
 
@@ -123,7 +168,10 @@ def compute() -> Tables:
         require_gpu()
     except EngineError as error:
         print(f"the committed tables are kept: {error}")
-        return {name: Table.read(HERE / f"{name}.csv") for name in ("speed", "gas", "million")}
+        return {
+            name: Table.read(HERE / f"{name}.csv")
+            for name in ("speed", "gas", "million")
+        }
     with threads.using(1):
         return {"speed": speed(), "gas": in_gas(), "million": million()}
 
@@ -131,11 +179,17 @@ def compute() -> Tables:
 def plot(tables: Tables) -> dict[str, Any]:
     """Time of a particle and step over the number of particles."""
     figure, axes = gallery.figure()
-    for (state, heated), color in zip(product(STATES, HEATS), ("C0", "C1", "C2", "C3"), strict=True):
+    for (state, heated), color in zip(
+        product(STATES, HEATS), ("C0", "C1", "C2", "C3"), strict=True
+    ):
         found = tables["speed"].where({"state": state, "heat": heated})
         text = state + (", heat" if heated == "contacts" else "")
         axes.loglog(found["particles"], found["gpu_ns"], "o-", color=color, label=text)
         axes.loglog(found["particles"], found["core_ns"], "s--", color=color)
-    axes.set(xlabel="particles", ylabel="time of a particle and step [ns]", title="GPU, and dashed: one core")
+    axes.set(
+        xlabel="particles",
+        ylabel="time of a particle and step [ns]",
+        title="GPU, and dashed: one core",
+    )
     axes.legend(loc="lower left")
     return {"dem_gpu": figure}

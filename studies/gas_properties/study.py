@@ -1,4 +1,6 @@
-"""Gas properties: accuracy against Cantera and time per point, for all four properties of several mixtures."""
+"""Gas properties: accuracy against Cantera and time per point, for all four
+properties of several mixtures.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,11 @@ NOT_COMPARED = (DIFFERENCE, *TIMES)
 
 def reference(composition: str, quantity: str, T: Any) -> Any:
     """A property at temperatures [K] by Cantera, one state after the other."""
-    peer, get, out = cantera.Solution("gri30.yaml"), PROPERTIES[quantity], np.empty(len(T))
+    peer, get, out = (
+        cantera.Solution("gri30.yaml"),
+        PROPERTIES[quantity],
+        np.empty(len(T)),
+    )
     for i, each in enumerate(T):
         peer.TPX = each, cantera.one_atm, composition
         out[i] = get(peer)
@@ -51,8 +57,22 @@ def compute() -> Tables:
             theirs = gallery.cpu(lambda c=composition, q=quantity: reference(c, q, few))
             mine = gallery.cpu(lambda f=ours: f(many), samples=7)
             difference = np.max(np.abs(ours(few) / theirs.result - 1.0))
-            rows.append((name, quantity, difference, 1e9 * mine.seconds / POINTS, 1e9 * theirs.seconds / len(few)))
-    columns = {"mixture": "", "property": "", DIFFERENCE: ".1e", TIMES[0]: ".1f", TIMES[1]: ".0f"}
+            rows.append(
+                (
+                    name,
+                    quantity,
+                    difference,
+                    1e9 * mine.seconds / POINTS,
+                    1e9 * theirs.seconds / len(few),
+                )
+            )
+    columns = {
+        "mixture": "",
+        "property": "",
+        DIFFERENCE: ".1e",
+        TIMES[0]: ".1f",
+        TIMES[1]: ".0f",
+    }
     return {"gas_properties": Table(columns, rows)}
 
 
@@ -61,7 +81,9 @@ def plot(tables: Tables) -> dict[str, Any]:
     figure, axes = gallery.figure(size=(8, 4))
     table = tables["gas_properties"]
     places = np.arange(len(table))
-    for header, text, colour, shift in zip(TIMES, ("contbed", "Cantera"), gallery.PALETTE, (-0.2, 0.2), strict=False):
+    for header, text, colour, shift in zip(
+        TIMES, ("contbed", "Cantera"), gallery.PALETTE, (-0.2, 0.2), strict=False
+    ):
         axes.bar(places + shift, table[header], 0.4, color=colour, label=text)
     names = [f"{row['mixture']}, {row['property'].replace('_', ' ')}" for row in table]
     axes.set(yscale="log", ylabel="CPU of a point [ns]", ylim=(0.1, 1e5))

@@ -1,4 +1,5 @@
-"""Element and energy closure, gas and carbon conversion of published gasifiers, with what is not published as bands.
+"""Element and energy closure, gas and carbon conversion of published gasifiers, with
+what is not published as bands.
 
 Five cases unless `cases` names others of the 23 with complete inputs.
 """
@@ -16,13 +17,15 @@ from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
-OMITTED = ("VTTP10", "VTTP15", "WSV-F")  # oxygen ratio recomputed from the flows is off the tabulated one by 12 to 24 %
+# oxygen ratio recomputed from the flows is off the tabulated one by 12 to 24 %
+OMITTED = ("VTTP10", "VTTP15", "WSV-F")
 SIZES = {"VTTP": 0.15, "VTTA": 0.158, "WSV": 0.4}  # diameter of the bed [m]
 BASE = {"height": 0.8, "char": 2e-3, "hold": 0.3, "loss": 10.0}
 BANDS = {
     "height": (0.5, 1.2),  # of the fluidized bed [m]: stands for the inventory
     "char": (1e-3, 4e-3),  # diameter of fresh char [m]
-    "hold": (0.1, 0.6),  # share of char in the particles if none of it reacted: sets its residence time
+    # share of char in the particles if none of it reacted: sets its residence time
+    "hold": (0.1, 0.6),
     "loss": (0.0, 30.0),  # through the walls [W/m2/K]
 }
 CHOSEN = ("VTTA-A", "WSV-D", "VTTP5", "VTTP14", "VTTP1")  # every plant and fuel
@@ -43,27 +46,43 @@ NOT_COMPARED = (*(f"open_{name}" for name in ELEMENTS), "cpu_s")
 def reference() -> dict[str, dict[str, str]]:
     """Tabulated rows with fuel, air and steam, by name."""
     rows = {row["case"]: row for row in Table.read(HERE / "cases.csv")}
-    return {name: row for name, row in rows.items() if row["primary_air_Nm3_h"] and name not in OMITTED}
+    return {
+        name: row
+        for name, row in rows.items()
+        if row["primary_air_Nm3_h"] and name not in OMITTED
+    }
 
 
-def scene(row: dict[str, str], height: float, char: float, hold: float, loss: float) -> dict[str, Any]:
-    """The tables of a case. All air enters at the bottom: where the secondary air enters is not tabulated."""
+def scene(
+    row: dict[str, str], height: float, char: float, hold: float, loss: float
+) -> dict[str, Any]:
+    """The tables of a case. All air enters at the bottom: where the secondary air
+    enters is not tabulated.
+    """
     number = {
         name: float(value or 0.0)
         for name, value in row.items()
         if name not in ("case", "plant", "fuel", "recycle", "note")
     }
     D = next(size for plant, size in SIZES.items() if row["case"].startswith(plant))
-    air = (number["primary_air_Nm3_h"] + number["secondary_air_Nm3_h"]) * NORMAL / 3600.0
+    air = (
+        (number["primary_air_Nm3_h"] + number["secondary_air_Nm3_h"]) * NORMAL / 3600.0
+    )
     steam = number["steam_kg_h"] / 3600.0 / 0.018015
     moles = {"O2": 0.21 * air, "N2": 0.79 * air, "H2O": steam}
     total = sum(moles.values())
     dry = {name: number[f"{name}_dry"] for name in "CHONS"}
     whole = sum(dry.values()) + number["ash_dry"]
     section = 0.25 * 3.14159265 * D**2
-    carbon = number["feed_kg_h"] / 3600.0 * (1.0 - number["moisture_wt"] / 100.0) * (1.0 - number["ash_dry"] / whole)
+    carbon = (
+        number["feed_kg_h"]
+        / 3600.0
+        * (1.0 - number["moisture_wt"] / 100.0)
+        * (1.0 - number["ash_dry"] / whole)
+    )
     carbon *= 1.0 - number["VM_daf"] / 100.0
-    drain = hold * section * height * 0.55 * 0.5 * DENSITY / carbon  # half of the bed are bubbles
+    # half of the bed are bubbles
+    drain = hold * section * height * 0.55 * 0.5 * DENSITY / carbon
     flow = 0.031998 * moles["O2"] + 0.028014 * moles["N2"] + 0.018015 * moles["H2O"]
     return {
         "title": f"{row['case']}, {row['plant']}, {row['fuel']}",
@@ -72,11 +91,17 @@ def scene(row: dict[str, str], height: float, char: float, hold: float, loss: fl
             "section": section,
             "solids_fraction": 0.55,
             "bubbles": {"gas_exchange": "gas_exchange_sit_grace"},
-            "walls": {"perimeter": 3.14159265 * D, "coefficient": loss, "temperature": 300.0},
+            "walls": {
+                "perimeter": 3.14159265 * D,
+                "coefficient": loss,
+                "temperature": 300.0,
+            },
             "drain": {"time": drain},
         },
         "gas": {
-            "composition": ", ".join(f"{name}:{n / total:.9f}" for name, n in moles.items() if n > 0),
+            "composition": ", ".join(
+                f"{name}:{n / total:.9f}" for name, n in moles.items() if n > 0
+            ),
             "pressure": 1e6 * number["p_MPa"],
         },
         "boundary": {"bottom": {"gas": {"mass_flow": flow, "temperature": 550.0}}},
@@ -145,16 +170,25 @@ def run(row: dict[str, str], **changes: float) -> dict[str, Any]:
         return out | {"status": str(error).splitlines()[0][:80]}
     out |= {"status": "ok"} | {name: result.qoi.get(name, 0.0) for name in WANTED}
     out |= {
-        f"open_{name}": abs(result.balances[name]["relative_residual"]) for name in ELEMENTS if name in result.balances
+        f"open_{name}": abs(result.balances[name]["relative_residual"])
+        for name in ELEMENTS
+        if name in result.balances
     }
     return out | {"cpu_s": gallery.user_time() - start}
 
 
 def compute(cases: Sequence[str] = CHOSEN) -> Tables:
-    """Cases as they stand, then what the missing inputs do; the committed rows of others are kept."""
+    """Cases as they stand, then what the missing inputs do; the committed rows of
+    others are kept.
+    """
     rows = reference()
     wanted: list[tuple[str, dict[str, float]]] = [(name, {}) for name in cases]
-    wanted += [(name, {key: value}) for name in BANDED for key, band in BANDS.items() for value in band]
+    wanted += [
+        (name, {key: value})
+        for name in BANDED
+        for key, band in BANDS.items()
+        for value in band
+    ]
     found = []
     for name, changes in wanted:
         found.append(run(rows[name], **changes))
@@ -164,14 +198,22 @@ def compute(cases: Sequence[str] = CHOSEN) -> Tables:
 
 
 def plot(tables: Tables) -> dict[str, Any]:
-    """Gas, temperature and conversion of each case; vertical lines span what the missing inputs do."""
+    """Gas, temperature and conversion of each case; vertical lines span what the
+    missing inputs do.
+    """
     done = tables["results"].where({"status": "ok"})
     order = done.values("case")
     figure, panels = gallery.figure(2, 3, size=(9.0, 6.5))
     for axes, (name, label, scale) in zip(panels.ravel(), PANELS, strict=True):
         for place, case in enumerate(order):
             values = scale * done.where({"case": case})[name]
-            axes.plot([place, place], [values.min(), values.max()], color=gallery.SKY, linewidth=6, alpha=0.6)
+            axes.plot(
+                [place, place],
+                [values.min(), values.max()],
+                color=gallery.SKY,
+                linewidth=6,
+                alpha=0.6,
+            )
             axes.plot(place, values[0], "o", color=gallery.BLUE)
         axes.set(title=label, xticks=range(len(order)))
         axes.set_xticklabels(order, rotation=60, fontsize=8)

@@ -1,4 +1,6 @@
-"""The shortest heater under three constraints, over the pressure drop that is allowed, and what it leaves open."""
+"""The shortest heater under three constraints, over the pressure drop that is
+allowed, and what it leaves open.
+"""
 
 from __future__ import annotations
 
@@ -25,12 +27,19 @@ def reference() -> float:
 
 
 def compute() -> Tables:
-    """The optimum and the prices of its constraints for each pressure drop; Sobol indices of that with 340 Pa."""
-    return {"optimum": Table.of([optimum(allowed) for allowed in ALLOWED], ".8g"), "indices": indices()}
+    """The optimum and the prices of its constraints for each pressure drop; Sobol
+    indices of that with 340 Pa.
+    """
+    return {
+        "optimum": Table.of([optimum(allowed) for allowed in ALLOWED], ".8g"),
+        "indices": indices(),
+    }
 
 
 def indices() -> Table:
-    """Share of the variance of each result that each uncertain key of the shortest heater causes."""
+    """Share of the variance of each result that each uncertain key of the shortest
+    heater causes.
+    """
     from contbed.many.sweep.sweep import sweep
     from contbed.many.uncertainty.write import write
 
@@ -46,10 +55,14 @@ def optimum(allowed: float) -> dict[str, Any]:
     """Row of the optimum with a pressure drop [Pa]."""
     from contbed.many.optimise.optimise import optimise
 
-    text = DESIGN.read_text(encoding="utf-8").replace("pressure_drop_Pa <= 340", f"pressure_drop_Pa <= {allowed:g}")
+    text = DESIGN.read_text(encoding="utf-8").replace(
+        "pressure_drop_Pa <= 340", f"pressure_drop_Pa <= {allowed:g}"
+    )
     with TemporaryDirectory() as folder:
         file = Path(folder) / "design.toml"
-        file.write_text(text.replace("../heater.toml", str(HERE / "heater.toml")), encoding="utf-8")
+        file.write_text(
+            text.replace("../heater.toml", str(HERE / "heater.toml")), encoding="utf-8"
+        )
         done = optimise(file, Path(folder) / "out")
     length, velocity, diameter = done.found.evaluation.point
     steam, silica, pressure = done.found.prices
@@ -67,15 +80,23 @@ def optimum(allowed: float) -> dict[str, Any]:
 
 
 def plot(tables: Tables) -> dict[str, Any]:
-    """Shortest length over the pressure drop, with the slope that the price says, and the pebbles."""
+    """Shortest length over the pressure drop, with the slope that the price says,
+    and the pebbles.
+    """
     table = tables["optimum"]
     figure, (left, right) = gallery.figure(1, 2, size=(9, 3.6))
-    allowed, length, price = (table[name] for name in ("allowed_Pa", "length_m", "price_pressure_m_Pa"))
+    allowed, length, price = (
+        table[name] for name in ("allowed_Pa", "length_m", "price_pressure_m_Pa")
+    )
     left.plot(allowed, 1e3 * length, "o", color=gallery.BLUE, label="optimum")
-    for k, (at, value, slope) in enumerate(zip(allowed, 1e3 * length, 1e3 * price, strict=True)):
+    for k, (at, value, slope) in enumerate(
+        zip(allowed, 1e3 * length, 1e3 * price, strict=True)
+    ):
         ends = at + np.array([-2.0, 2.0])
         label = "slope by its price" if k == 0 else None
-        left.plot(ends, value + slope * (ends - at), "-", color=gallery.VERMILION, label=label)
+        left.plot(
+            ends, value + slope * (ends - at), "-", color=gallery.VERMILION, label=label
+        )
     left.set(xlabel="pressure drop allowed [Pa]", ylabel="shortest length [mm]")
     left.legend()
     right.plot(allowed, 1e3 * table["particle_diameter_m"], "o-", color=gallery.BLUE)
@@ -85,11 +106,22 @@ def plot(tables: Tables) -> dict[str, Any]:
 
 def plot_indices(table: Table) -> Any:
     """Total index of each key, for each result, with its half width at 90 %."""
-    results, keys = (list(dict.fromkeys(table.values(name))) for name in ("result", "parameter"))
+    results, keys = (
+        list(dict.fromkeys(table.values(name))) for name in ("result", "parameter")
+    )
     figure, panels = gallery.figure(1, len(results), size=(9, 2.8), sharey=True)
-    total, half = (np.array(table[name]).reshape(len(results), len(keys)) for name in ("total", "total +-"))
+    total, half = (
+        np.array(table[name]).reshape(len(results), len(keys))
+        for name in ("total", "total +-")
+    )
     for k, (panel, name) in enumerate(zip(panels, results, strict=True)):
-        panel.barh(range(len(keys)), total[k], xerr=half[k], color=gallery.BLUE, error_kw={"lw": 1.0})
+        panel.barh(
+            range(len(keys)),
+            total[k],
+            xerr=half[k],
+            color=gallery.BLUE,
+            error_kw={"lw": 1.0},
+        )
         panel.set(xlabel="total index", title=name)
     panels[0].set_yticks(range(len(keys)), keys)
     panels[0].invert_yaxis()

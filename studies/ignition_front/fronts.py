@@ -1,10 +1,13 @@
-"""Fronts of reaction and of heat through an oxygen carrier: cells that follow them beside cells of one length.
+"""Fronts of reaction and of heat through an oxygen carrier: cells that follow them
+beside cells of one length.
 
-With tau = b k t/N and xi = k x/F, both exact (bilinear rate, Bohart and Adams 1920, doi:10.1021/ja01448a018):
+With tau = b k t/N and xi = k x/F, both exact (bilinear rate, Bohart and Adams 1920,
+doi:10.1021/ja01448a018):
 
     S/N = e^xi/(e^xi + e^tau - 1),    x_A = e^tau/(e^xi + e^tau - 1)
 
-Heat moves with w = G c_p/C, so that T - T_0 is the integral of (-dH) k x_A S/(N C) over the time along x - w t.
+Heat moves with w = G c_p/C, so that T - T_0 is the integral of (-dH) k x_A S/(N C) over
+the time along x - w t.
 """
 
 from __future__ import annotations
@@ -20,14 +23,18 @@ from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
 NOT_COMPARED = ("CPU [s]", "steps", "energy")
-F, B, N, K = 5.0, 4.0, 8000.0, 500.0  # of `oxygen_carrier.toml` [mol/m2/s], [1], [mol/m3], [mol/m3/s]
-HEAT, C, W = 480e3, 250.0 * N, 5.0 * 110.0 / (250.0 * N)  # [J/mol], [J/m3/K], speed of heat [m/s]
+# of `oxygen_carrier.toml` [mol/m2/s], [1], [mol/m3], [mol/m3/s]
+F, B, N, K = 5.0, 4.0, 8000.0, 500.0
+# [J/mol], [J/m3/K], speed of heat [m/s]
+HEAT, C, W = 480e3, 250.0 * N, 5.0 * 110.0 / (250.0 * N)
 T0 = 300.0  # [K]
 UNIFORM = (60, 120, 240, 480)
 DIGITS = (3, 4, 5)  # of solver.tolerance
 X = np.linspace(0.0, 1.0, 2001)  # positions that are compared
-SAMPLES, EARLIEST = 4000, 1e-6  # times of the integral, and the first after its start [s]
-SHOWN = ("60 cells", "cells that follow, 1e-4")  # of the profiles, at every other position
+# times of the integral, and the first after its start [s]
+SAMPLES, EARLIEST = 4000, 1e-6
+# of the profiles, at every other position
+SHOWN = ("60 cells", "cells that follow, 1e-4")
 
 
 def _whole(x: Any, t: Any) -> Any:
@@ -41,24 +48,36 @@ def reference(t: float, x: Any = X) -> tuple[Any, Any]:
     for z in x:
         start = max(0.0, t - z / W)  # when what is at z now entered, or the run began
         more = np.geomspace(EARLIEST, max(t - start, 2.0 * EARLIEST), SAMPLES)
-        times = np.unique(np.concatenate([np.linspace(start, t, SAMPLES), np.minimum(start + more, t)]))
+        times = np.unique(
+            np.concatenate(
+                [np.linspace(start, t, SAMPLES), np.minimum(start + more, t)]
+            )
+        )
         places = np.maximum(z - W * (t - times), 0.0)
-        rate = K * np.exp(B * K * times / N + K * places / F - 2.0 * _whole(places, times))
+        rate = K * np.exp(
+            B * K * times / N + K * places / F - 2.0 * _whole(places, times)
+        )
         T.append(T0 + HEAT / C * np.trapezoid(rate, times))
     return np.array(T), np.exp(K * x / F - _whole(x, t))
 
 
 def cases() -> dict[str, dict[str, Any]]:
     """Changes of the scene by name."""
-    found: dict[str, dict[str, Any]] = {f"{n} cells": {"mesh.cells": n, "solver.adapt": 0} for n in UNIFORM}
-    return found | {f"cells that follow, 1e-{n}": {"solver.tolerance": 10.0**-n} for n in DIGITS}
+    found: dict[str, dict[str, Any]] = {
+        f"{n} cells": {"mesh.cells": n, "solver.adapt": 0} for n in UNIFORM
+    }
+    return found | {
+        f"cells that follow, 1e-{n}": {"solver.tolerance": 10.0**-n} for n in DIGITS
+    }
 
 
 def compute() -> Tables:
     """Errors of temperatures and solids, steps and CPU."""
     rows, curves = [], {"x [m]": X[::2]}
     for name, changes in cases().items():
-        scene = cb.load(HERE / "oxygen_carrier.toml", changes | {"output.positions": X.tolist()})
+        scene = cb.load(
+            HERE / "oxygen_carrier.toml", changes | {"output.positions": X.tolist()}
+        )
         if not rows:
             T, left = reference(scene.time.end)
             curves["exact"] = T[::2]
@@ -71,19 +90,43 @@ def compute() -> Tables:
         )  # fmt: skip
         if name in SHOWN:
             curves[name] = found[::2]
-    form = {"case": "", "cells": "d", "changes": "d", "over [K]": ".2f", "under [K]": ".2f", "mean error [K]": ".3f"}
-    form |= {"error of S": ".1e", "cells_error": ".1e", "energy": ".0e", "steps": "d", "CPU [s]": ".1f"}
-    return {"fronts": Table(form, rows), "fronts_profiles": Table.from_columns(curves, ".5g")}
+    form = {
+        "case": "",
+        "cells": "d",
+        "changes": "d",
+        "over [K]": ".2f",
+        "under [K]": ".2f",
+        "mean error [K]": ".3f",
+    }
+    form |= {
+        "error of S": ".1e",
+        "cells_error": ".1e",
+        "energy": ".0e",
+        "steps": "d",
+        "CPU [s]": ".1f",
+    }
+    return {
+        "fronts": Table(form, rows),
+        "fronts_profiles": Table.from_columns(curves, ".5g"),
+    }
 
 
 def plot(tables: Tables) -> dict[str, Any]:
-    """Temperatures of cells of one length, of cells that follow and of the closed form; the top of both fronts."""
+    """Temperatures of cells of one length, of cells that follow and of the closed
+    form; the top of both fronts.
+    """
     figure, (whole, top) = gallery.figure(1, 2)
     table = tables["fronts_profiles"]
     for axes in (whole, top):
-        for name, colour in zip(("exact", *SHOWN), (gallery.BLACK, gallery.VERMILION, gallery.BLUE), strict=True):
+        for name, colour in zip(
+            ("exact", *SHOWN),
+            (gallery.BLACK, gallery.VERMILION, gallery.BLUE),
+            strict=True,
+        ):
             style = "--" if name == SHOWN[1] else "-"
-            axes.plot(table["x [m]"], table[name], style, color=colour, label=name, lw=1.2)
+            axes.plot(
+                table["x [m]"], table[name], style, color=colour, label=name, lw=1.2
+            )
         axes.set(xlabel="x [m]", ylabel="temperature [K]")
     whole.legend()
     top.set(xlim=(0.05, 0.2), ylim=(780.0, 900.0))

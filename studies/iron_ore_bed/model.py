@@ -1,12 +1,14 @@
-"""Ore of several sizes, mixed, in a bed that gas passes: three interfaces in each particle, gas limited by equilibrium.
+"""Ore of several sizes, mixed, in a bed that gas passes: three interfaces in each
+particle, gas limited by equilibrium.
 
-Every size class has interfaces X_1 <= X_2 <= X_3 (`contbed.particle.three_interfaces`); CO and H2 act side by side.
-Solids are mixed; the gas of the emulsion is mixed too, and at any moment as much is converted as enters and reacts:
+Every size class has interfaces X_1 <= X_2 <= X_3 (`contbed.particle.three_interfaces`);
+CO and H2 act side by side. Solids are mixed; the gas of the emulsion is mixed too, and
+at any moment as much is converted as enters and reacts:
 
     F (y_in - y) = sum over classes of A v(y),      A the surface of a class [m2], v per surface [mol/m2/s]
 
-for each gas. v is affine in y as long as no stage changes its direction, so that y follows from two evaluations. A
-share of the gas may pass in bubbles without contact.
+for each gas. v is affine in y as long as no stage changes its direction, so that y
+follows from two evaluations. A share of the gas may pass in bubbles without contact.
 """
 
 from __future__ import annotations
@@ -21,7 +23,8 @@ from scipy.integrate import solve_ivp
 from contbed.particle import three_interfaces as three
 
 R_GAS = 8.31446261815324  # [J/mol/K]
-MOLAR = {"CO": 0.02801, "CO2": 0.04401, "H2": 0.002016, "H2O": 0.018015, "N2": 0.028014}  # [kg/mol]
+# [kg/mol]
+MOLAR = {"CO": 0.02801, "CO2": 0.04401, "H2": 0.002016, "H2O": 0.018015, "N2": 0.028014}
 HEMATITE, IRON_PER_HEMATITE = 0.15969, 2.0  # [kg/mol], mol Fe per mol
 PAIRS = {"CO": "CO2", "H2": "H2O"}
 SWITCHES = 8  # at most, of stages that turn round between inlet and bed
@@ -34,9 +37,10 @@ AREA_OF_TUBE = np.pi / 4 * 0.068**2  # [m2]
 class Ore:
     """Sizes and kinetics of the ore, as in the published case.
 
-    radii [m] and mass fractions; rate constants (k_0 [m/s], E [J/mol]) of hematite, magnetite, wustite by gas; porosity
-    of the layers of magnetite, wustite and iron over the tortuosity: share of the molecular diffusivity; film
-    coefficient over that of a sphere in gas at rest
+    radii [m] and mass fractions; rate constants (k_0 [m/s], E [J/mol]) of hematite,
+    magnetite, wustite by gas; porosity of the layers of magnetite, wustite and iron
+    over the tortuosity: share of the molecular diffusivity; film coefficient over that
+    of a sphere in gas at rest
     """
 
     mass: float = 0.365  # [kg]
@@ -56,7 +60,9 @@ class Ore:
 
 @dataclass(frozen=True)
 class Run:
-    """One measured run: temperature [K], mass fractions of the gas, interfaces at the start."""
+    """One measured run: temperature [K], mass fractions of the gas, interfaces at
+    the start.
+    """
 
     temperature: float
     gas: Mapping[str, float]
@@ -67,7 +73,9 @@ class Run:
 
 @dataclass(frozen=True)
 class Fitted:
-    """The two constants that are fitted: a factor of all rate constants, and the share of gas that meets the ore."""
+    """The two constants that are fitted: a factor of all rate constants, and the
+    share of gas that meets the ore.
+    """
 
     rate: float = 1.0
     contact: float = 1.0
@@ -80,17 +88,27 @@ def mole_fractions(gas: Mapping[str, float]) -> dict[str, float]:
 
 
 def diffusivity(name: str, T: float, p: float) -> float:
-    """Molecular diffusivity in nitrogen [m2/s] by Fuller, Schettler and Giddings (1966)."""
+    """Molecular diffusivity in nitrogen [m2/s] by Fuller, Schettler and Giddings
+    (1966).
+    """
     volumes = {"CO": 18.0, "H2": 6.12, "N2": 18.5}  # diffusion volumes [cm3/mol]
     masses = {k: 1e3 * MOLAR[k] for k in volumes}
     pair = (1.0 / masses[name] + 1.0 / masses["N2"]) ** 0.5
     return float(
-        1e-4 * 1e-3 * T**1.75 * pair / (p / 101325.0 * (volumes[name] ** (1 / 3) + volumes["N2"] ** (1 / 3)) ** 2)
+        1e-4
+        * 1e-3
+        * T**1.75
+        * pair
+        / (p / 101325.0 * (volumes[name] ** (1 / 3) + volumes["N2"] ** (1 / 3)) ** 2)
     )
 
 
-def reduce(run: Run, ore: Ore, fitted: Fitted, times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Fractional reduction [-] of the ore at times (n,) [s] after the gas was switched."""
+def reduce(
+    run: Run, ore: Ore, fitted: Fitted, times: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Fractional reduction [-] of the ore at times (n,) [s] after the gas was
+    switched.
+    """
     T, p = run.temperature, run.pressure
     c_total = p / (R_GAS * T)
     x = mole_fractions(run.gas)
@@ -101,7 +119,9 @@ def reduce(run: Run, ore: Ore, fitted: Fitted, times: NDArray[np.float64]) -> ND
     constants, film = {}, {}
     for name in PAIRS:
         K = three.TAKAHASHI[name].constants(T).K
-        k = tuple(fitted.rate * k0 * np.exp(-E / (R_GAS * T)) for k0, E in ore.rate[name])
+        k = tuple(
+            fitted.rate * k0 * np.exp(-E / (R_GAS * T)) for k0, E in ore.rate[name]
+        )
         D = diffusivity(name, T, p)
         inner = tuple(D * porosity / ore.tortuosity for porosity in ore.porosity)
         constants[name] = three.Constants(K, k, inner)  # type: ignore[arg-type]
@@ -118,13 +138,18 @@ def reduce(run: Run, ore: Ore, fitted: Fitted, times: NDArray[np.float64]) -> ND
 
             squares, c = np.array(X) ** 2, inlet
             for _ in range(SWITCHES):
-                # what is taken per area of each interface, affine in the concentration while no stage turns round
+                # what is taken per area of each interface, affine in the concentration
+                # while no stage turns round
                 w = []
                 for each in (c, c - STEP * both):
                     gas = three.Gas(each, both - each, film[name])
-                    w.append(np.array(three.interface_rates(X, R, gas, constants[name])))  # type: ignore[arg-type]
+                    w.append(
+                        np.array(three.interface_rates(X, R, gas, constants[name]))
+                    )  # type: ignore[arg-type]
                 slope = (w[0] - w[1]) / (STEP * both)
-                now, change = (float(np.sum(area * each * squares)) for each in (w[0], slope))
+                now, change = (
+                    float(np.sum(area * each * squares)) for each in (w[0], slope)
+                )
                 below = (now - flow / c_total * (inlet - c)) / (flow / c_total + change)
                 c -= below
                 if abs(below) < STEP * both:
@@ -136,7 +161,15 @@ def reduce(run: Run, ore: Ore, fitted: Fitted, times: NDArray[np.float64]) -> ND
         return out.ravel()
 
     start = np.repeat(np.array(run.start), len(R))
-    found = solve_ivp(speeds, (0.0, times[-1]), start, method="LSODA", t_eval=times, rtol=1e-5, atol=1e-7)
+    found = solve_ivp(
+        speeds,
+        (0.0, times[-1]),
+        start,
+        method="LSODA",
+        t_eval=times,
+        rtol=1e-5,
+        atol=1e-7,
+    )
     X = np.maximum(found.y.reshape(3, len(R), -1), 0.0)
     removed = three.oxygen_removed(tuple(X))
     share: NDArray[np.float64] = np.array(ore.shares) @ removed

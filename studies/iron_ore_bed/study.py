@@ -1,4 +1,6 @@
-"""Reduction of fine ore in a small fluidized bed: one run fits two constants, two runs are predicted."""
+"""Reduction of fine ore in a small fluidized bed: one run fits two constants, two
+runs are predicted.
+"""
 
 from __future__ import annotations
 
@@ -34,10 +36,14 @@ PUBLISHED = Ore()
 # rate constants of pellets [cm/s] in m/s
 PELLETS = replace(
     PUBLISHED,
-    rate={gas: tuple((1e-2 * np.exp(a), 1e3 * E) for a, E in three.TAKAHASHI[gas].rate) for gas in ("CO", "H2")},
+    rate={
+        gas: tuple((1e-2 * np.exp(a), 1e3 * E) for a, E in three.TAKAHASHI[gas].rate)
+        for gas in ("CO", "H2")
+    },
 )
 MOMENTS = (120.0, 300.0, 600.0)  # [s]
-# means of the measured points of the predicted runs at these times [percent], which enter no fit
+# means of the measured points of the predicted runs at these times [percent], which
+# enter no fit
 MEASURED = {"R2": (21.3, 27.1, 32.4), "R3": (5.6, 10.2, 12.2)}
 TIMES = np.arange(0.0, END + STEP / 2, STEP)
 
@@ -54,9 +60,18 @@ def fitted(ore: Ore) -> Fitted:
     t, measured = reference("R1")
 
     def errors(p: Any) -> Any:
-        return np.interp(t, TIMES, 100.0 * reduce(RUNS["R1"], ore, Fitted(float(np.exp(p[0]))), TIMES)) - measured
+        return (
+            np.interp(
+                t,
+                TIMES,
+                100.0 * reduce(RUNS["R1"], ore, Fitted(float(np.exp(p[0]))), TIMES),
+            )
+            - measured
+        )
 
-    found = least_squares(errors, [0.0 if ore is PUBLISHED else np.log(0.07)], diff_step=1e-2, max_nfev=8)
+    found = least_squares(
+        errors, [0.0 if ore is PUBLISHED else np.log(0.07)], diff_step=1e-2, max_nfev=8
+    )
     return Fitted(float(np.exp(found.x[0])))
 
 
@@ -70,7 +85,9 @@ def with_hematite_of(ore: Ore, other: Ore, factor: float) -> Ore:
 
 
 def what_if(ore: Ore, own: Fitted) -> Table:
-    """R2 and R3 with one condition of the model changed at a time, beside what was measured."""
+    """R2 and R3 with one condition of the model changed at a time, beside what was
+    measured.
+    """
     finer, open_layers = (
         replace(ore, radii=tuple(0.5 * r for r in ore.radii)),
         replace(ore, tortuosity=0.1 * ore.tortuosity),
@@ -79,7 +96,10 @@ def what_if(ore: Ore, own: Fitted) -> Table:
     rows: list[list[Any]] = []
     for name in ("R2", "R3"):
         run = RUNS[name]
-        hotter, more = replace(run, temperature=run.temperature + 30.0), replace(run, velocity=2.0 * run.velocity)
+        hotter, more = (
+            replace(run, temperature=run.temperature + 30.0),
+            replace(run, velocity=2.0 * run.velocity),
+        )
         cases = {
             "as predicted": (run, ore, own),
             "30 K hotter": (hotter, ore, own),
@@ -93,34 +113,65 @@ def what_if(ore: Ore, own: Fitted) -> Table:
         }
         times = np.array([0.0, *MOMENTS])
         for what, (changed, material, factor) in cases.items():
-            rows.append([name, what, *(100.0 * reduce(changed, material, factor, times))[1:]])
+            rows.append(
+                [name, what, *(100.0 * reduce(changed, material, factor, times))[1:]]
+            )
         rows.append([name, "measured", *MEASURED[name]])
-    return Table({"run": "", "what": "", **{f"{moment:g} s [percent]": ".4g" for moment in MOMENTS}}, rows)
+    return Table(
+        {
+            "run": "",
+            "what": "",
+            **{f"{moment:g} s [percent]": ".4g" for moment in MOMENTS},
+        },
+        rows,
+    )
 
 
 def compute() -> Tables:
-    """Fit to R1, predict R2 and R3; beside it with the published constants of all steps."""
+    """Fit to R1, predict R2 and R3; beside it with the published constants of all
+    steps.
+    """
     own, pellets = fitted(PUBLISHED), fitted(PELLETS)
     ore = with_hematite_of(PUBLISHED, PELLETS, pellets.rate / own.rate)
     rows, scores = [], []
     for name, run in RUNS.items():
         chosen = 100.0 * reduce(run, ore, own, TIMES)
         published = 100.0 * reduce(run, PUBLISHED, own, TIMES)
-        rows += [[name, t, a, b] for t, a, b in zip(TIMES, chosen, published, strict=True)]
+        rows += [
+            [name, t, a, b] for t, a, b in zip(TIMES, chosen, published, strict=True)
+        ]
         errors: list[Any] = [None, None]
         if name == "R1":
             t, measured = reference(name)
             error = np.interp(t, TIMES, chosen) - measured
             errors = [float(np.sqrt(np.mean(error**2))), float(error.mean())]
-        levels = [float(np.interp(moment, TIMES, chosen)) for moment in (120.0, 300.0, 600.0, 1600.0, 4000.0)]
-        scores.append([name, "fitted" if name == "R1" else "predicted", own.rate, pellets.rate, *errors, *levels])
+        levels = [
+            float(np.interp(moment, TIMES, chosen))
+            for moment in (120.0, 300.0, 600.0, 1600.0, 4000.0)
+        ]
+        scores.append(
+            [
+                name,
+                "fitted" if name == "R1" else "predicted",
+                own.rate,
+                pellets.rate,
+                *errors,
+                *levels,
+            ]
+        )
     columns = {
         "run": "",
         "t [s]": ".6g",
         "fractional_reduction [percent]": ".5g",
         "published constants [percent]": ".5g",
     }
-    named = {"run": "", "constants": "", "factor": ".4g", "factor of hematite": ".4g", "RMS [percent]": ".3g"}
+    named = {
+        "run": "",
+        "constants": "",
+        "factor": ".4g",
+        "factor of hematite": ".4g",
+        "RMS [percent]": ".3g",
+    }
     levels = {f"{moment} s [percent]": ".4g" for moment in (120, 300, 600, 1600, 4000)}
     return {
         "what_if": what_if(ore, own),
@@ -133,10 +184,22 @@ def plot(tables: Tables) -> dict[str, Any]:
     """Reduction over the time; points are measured."""
     profiles = tables["profiles"]
     figure, axes = gallery.figure()
-    for name, colour in zip(RUNS, (gallery.VERMILION, gallery.BLUE, gallery.GREEN), strict=True):
+    for name, colour in zip(
+        RUNS, (gallery.VERMILION, gallery.BLUE, gallery.GREEN), strict=True
+    ):
         here = profiles["run"] == name
-        axes.plot(profiles["t [s]"][here], profiles["fractional_reduction [percent]"][here], color=colour, label=name)
-        axes.plot(profiles["t [s]"][here], profiles["published constants [percent]"][here], "--", color=colour)
+        axes.plot(
+            profiles["t [s]"][here],
+            profiles["fractional_reduction [percent]"][here],
+            color=colour,
+            label=name,
+        )
+        axes.plot(
+            profiles["t [s]"][here],
+            profiles["published constants [percent]"][here],
+            "--",
+            color=colour,
+        )
         if name in PLATEAU:
             axes.axhline(PLATEAU[name], color=gallery.GREY, linewidth=0.6)
     axes.plot(*reference("R1"), "o", markersize=2, color=gallery.VERMILION)

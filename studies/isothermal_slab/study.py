@@ -1,4 +1,6 @@
-"""Emittance of isothermal slabs over albedo and thickness, by every level and by transport."""
+"""Emittance of isothermal slabs over albedo and thickness, by every level and by
+transport.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,10 @@ NOT_COMPARED = tuple(f"error of {name}" for name in LEVELS)
 def variant(albedo: float, tau: float, level: str, ordinates: int = 8) -> cb.Scene:
     """The scene of albedo 0.5 and tau = 1 with other values."""
     beta = tau / 0.1
-    changes = {"radiation.absorption": beta * (1.0 - albedo), "radiation.scattering": beta * albedo}
+    changes = {
+        "radiation.absorption": beta * (1.0 - albedo),
+        "radiation.scattering": beta * albedo,
+    }
     named = {"radiation.level": level, "radiation.ordinates": ordinates}
     return cb.load(HERE / "albedo_0.5_tau_1.toml", named | changes)
 
@@ -56,7 +61,9 @@ def found(result: cb.Result) -> Any:
     """Emittance of both sides of the slab in a run."""
     scene = result.plan.scene
     power = SIGMA * scene.radiation.temperature**4
-    return np.array([-result.qoi[f"heat_{name}_W"] / power for name in ("left", "right")])
+    return np.array(
+        [-result.qoi[f"heat_{name}_W"] / power for name in ("left", "right")]
+    )
 
 
 def compute() -> Tables:
@@ -96,6 +103,12 @@ def plot(tables: Tables) -> dict[str, Any]:
     for name, dashes in STYLES.items():
         left.plot([], [], f"k{dashes}", label=name)
     left.legend(loc="upper left")
-    left.set(xlabel=r"optical thickness $\tau$", ylabel=r"emittance $q/\sigma T^4$", ylim=(0, 1.1))
-    right.set(xlabel=r"optical thickness $\tau$", ylabel="difference from transport [%]")
+    left.set(
+        xlabel=r"optical thickness $\tau$",
+        ylabel=r"emittance $q/\sigma T^4$",
+        ylim=(0, 1.1),
+    )
+    right.set(
+        xlabel=r"optical thickness $\tau$", ylabel="difference from transport [%]"
+    )
     return {"emittance": figure}

@@ -1,4 +1,6 @@
-"""Hot fluid through a cold stationary bed with tortuosity and dispersion: the exact solution of Nakayama (2001)."""
+"""Hot fluid through a cold stationary bed with tortuosity and dispersion: the exact
+solution of Nakayama (2001).
+"""
 
 from __future__ import annotations
 
@@ -20,10 +22,18 @@ NOT_COMPARED = ("difference",)
 
 
 def groups(scene: cb.Scene) -> dict[str, float]:
-    """Dimensionless numbers of a scene (Eqs. 30-34) and the length sqrt(k_f/(a h)) of X [m], Wakao's coefficient."""
+    """Dimensionless numbers of a scene (Eqs. 30-34) and the length sqrt(k_f/(a h))
+    of X [m], Wakao's coefficient.
+    """
     fluid, eps, d = scene.gas, scene.packed_bed.porosity, scene.diameter
     Pr = fluid.viscosity * fluid.heat_capacity / fluid.conductivity
-    Pe_d = fluid.density * fluid.heat_capacity * scene.boundary["left"].gas.velocity * d / fluid.conductivity
+    Pe_d = (
+        fluid.density
+        * fluid.heat_capacity
+        * scene.boundary["left"].gas.velocity
+        * d
+        / fluid.conductivity
+    )
     ratio = scene.solid.conductivity / fluid.conductivity
     Nu = 2 + 1.1 * (Pe_d / Pr) ** 0.6 * Pr ** (1 / 3)
     return {
@@ -38,11 +48,15 @@ def groups(scene: cb.Scene) -> dict[str, float]:
 def coefficients(scene: cb.Scene) -> dict[str, float]:
     """Arguments of the exact solutions, from the values in the scene."""
     g = groups(scene)
-    return exact.nakayama_coefficients(g["Pe"], scene.packed_bed.porosity, g["ratio"], g["dispersion"], g["G"])
+    return exact.nakayama_coefficients(
+        g["Pe"], scene.packed_bed.porosity, g["ratio"], g["dispersion"], g["G"]
+    )
 
 
 def reference(scene: cb.Scene, x: Any) -> tuple[Any, Any]:
-    """Exact theta of fluid and solid at x [m], hot fluid over a cold bed: Eqs. 28 and 29."""
+    """Exact theta of fluid and solid at x [m], hot fluid over a cold bed: Eqs. 28
+    and 29.
+    """
     f, s = exact.semi_infinite(x / groups(scene)["length"], **coefficients(scene))
     return 1 - f, 1 - s
 
@@ -54,18 +68,25 @@ def exact_parameters(scene: cb.Scene) -> dict[str, float]:
 
 
 def found_parameters(scene: cb.Scene, result: cb.Result) -> dict[str, float]:
-    """alpha fitted to the logarithm of theta_fluid - theta_solid between 1 and 0.01, and theta at the outlet."""
+    """alpha fitted to the logarithm of theta_fluid - theta_solid between 1 and 0.01,
+    and theta at the outlet.
+    """
     p = result.profiles
     gap = p["theta_fluid [1]"] - p["theta_solid [1]"]
     X = p["x [m]"] / groups(scene)["length"]
     used = (gap > 0.01) & (gap < 1)
-    return {"alpha": -np.polyfit(X[used], np.log(gap[used]), 1)[0], "theta_inf": p["theta_solid [1]"][-1]}
+    return {
+        "alpha": -np.polyfit(X[used], np.log(gap[used]), 1)[0],
+        "theta_inf": p["theta_solid [1]"][-1],
+    }
 
 
 def errors(scene: cb.Scene, result: cb.Result) -> tuple[Any, Any]:
     """Differences of theta from the exact solution; fluid and solid."""
     f, s = reference(scene, result.profiles["x [m]"])
-    return result.profiles["theta_fluid [1]"] - f, result.profiles["theta_solid [1]"] - s
+    return result.profiles["theta_fluid [1]"] - f, result.profiles[
+        "theta_solid [1]"
+    ] - s
 
 
 def compute() -> Tables:
@@ -73,14 +94,29 @@ def compute() -> Tables:
     scene = cb.load(SCENE)
     result = cb.run(scene)
     found, wanted = found_parameters(scene, result), exact_parameters(scene)
-    rows: list[tuple[Any, ...]] = [(name, found[name], wanted[name], found[name] - wanted[name]) for name in found]
-    for phase, difference in zip(("fluid", "solid"), errors(scene, result), strict=True):
+    rows: list[tuple[Any, ...]] = [
+        (name, found[name], wanted[name], found[name] - wanted[name]) for name in found
+    ]
+    for phase, difference in zip(
+        ("fluid", "solid"), errors(scene, result), strict=True
+    ):
         rows.append((f"theta_{phase}", "profile", "profile", np.abs(difference).max()))
     X = np.linspace(0, 10, 101)
     at = result.profiles["x [m]"] / groups(scene)["length"]
-    profiles = {name: np.interp(X, at, result.profiles[name]) for name in ("theta_fluid [1]", "theta_solid [1]")}
+    profiles = {
+        name: np.interp(X, at, result.profiles[name])
+        for name in ("theta_fluid [1]", "theta_solid [1]")
+    }
     return {
-        "results": Table({"quantity [1]": "", "contbed": ".12f", "exact": ".12f", "difference": ".1e"}, rows),
+        "results": Table(
+            {
+                "quantity [1]": "",
+                "contbed": ".12f",
+                "exact": ".12f",
+                "difference": ".1e",
+            },
+            rows,
+        ),
         "profiles": Table.from_columns({"X [1]": X, **profiles}),
     }
 
@@ -102,12 +138,28 @@ def plot(tables: Tables) -> dict[str, Any]:
     figure, (left, right) = gallery.figure(1, 2)
     lines = reference(scene, marks * groups(scene)["length"])
     for (phase, colour), line in zip(COLOURS.items(), lines, strict=True):
-        left.plot(profiles["X [1]"], profiles[f"theta_{phase} [1]"], color=colour, label=f"{phase}, contbed")
-        left.plot(marks, line, "o", color=colour, markerfacecolor="white", label=f"{phase}, exact")
+        left.plot(
+            profiles["X [1]"],
+            profiles[f"theta_{phase} [1]"],
+            color=colour,
+            label=f"{phase}, contbed",
+        )
+        left.plot(
+            marks,
+            line,
+            "o",
+            color=colour,
+            markerfacecolor="white",
+            label=f"{phase}, exact",
+        )
         right.plot(marks, printed[phase] - line, "o-", color=colour, label=phase)
     left.set(xlabel="X", ylabel=r"$\theta_f,\ \theta_s$", xlim=(0, 10), ylim=(0, 1.02))
     left.legend(loc="lower right")
-    right.set(xlabel="X", ylabel=r"$\theta$ with printed $\alpha = 0.625$, minus exact", xlim=(0, 10))
+    right.set(
+        xlabel="X",
+        ylabel=r"$\theta$ with printed $\alpha = 0.625$, minus exact",
+        xlim=(0, 10),
+    )
     right.axhline(0, color="black", linewidth=0.6)
     right.legend()
     return {"profiles": figure}

@@ -1,4 +1,6 @@
-"""From packings of particles to the outlet of three beds, with a band and what makes it."""
+"""From packings of particles to the outlet of three beds, with a band and what makes
+it.
+"""
 
 from __future__ import annotations
 
@@ -45,10 +47,16 @@ COLOURS = {
 
 
 def reference() -> dict[str, float]:
-    """Temperatures of the air [K] at the outlet of the moving bed with each law of exchange as that of the bed."""
+    """Temperatures of the air [K] at the outlet of the moving bed with each law of
+    exchange as that of the bed.
+    """
     laws = {"gunn": "gunn", "power": {"name": "power", "a": 1.2, "b": 0.5}}
     return {
-        name: float(cb.run(cb.load(HERE / "moving_bed.toml", {"closures.nusselt": law})).qoi["T_fluid_out_K"])
+        name: float(
+            cb.run(cb.load(HERE / "moving_bed.toml", {"closures.nusselt": law})).qoi[
+                "T_fluid_out_K"
+            ]
+        )
         for name, law in laws.items()
     }
 
@@ -58,7 +66,12 @@ def compute() -> Tables:
     found, cpu = {}, {}
     for bed in BEDS:
         with tempfile.TemporaryDirectory() as folder:
-            timed = gallery.cpu(lambda bed=bed, folder=folder: cascade(HERE / f"data/{bed}.toml", folder), samples=1)
+            timed = gallery.cpu(
+                lambda bed=bed, folder=folder: cascade(
+                    HERE / f"data/{bed}.toml", folder
+                ),
+                samples=1,
+            )
             found[bed], cpu[bed] = timed.result, timed.seconds
     return tables_of(found, cpu)
 
@@ -70,29 +83,47 @@ def tables_of(found: Mapping[str, Outcome], cpu: Mapping[str, float]) -> Tables:
         for name, value in one.base.items():
             low, high = one.band(name)
             spread = float(np.std(one.samples[name], ddof=1))
-            results.append((bed, name, unit_of(name), value, low, high, spread, one.runs, cpu[bed]))
+            results.append(
+                (bed, name, unit_of(name), value, low, high, spread, one.runs, cpu[bed])
+            )
             shares = one.shares(name)
-            parts += [(bed, name, part.name, part.deviation[name], shares[part.name]) for part in one.parts]
+            parts += [
+                (bed, name, part.name, part.deviation[name], shares[part.name])
+                for part in one.parts
+            ]
     columns = {"bed": "", "result": "", "unit": ""}
-    columns |= dict.fromkeys(("best", "band from", "band to", "deviation"), ".5g") | {"runs": "d", "CPU [s]": ".0f"}
+    columns |= dict.fromkeys(("best", "band from", "band to", "deviation"), ".5g") | {
+        "runs": "d",
+        "CPU [s]": ".0f",
+    }
     of_parts = {"bed": "", "result": "", "part": "", "deviation": ".3g", "share": ".4f"}
     return {"results": Table(columns, results), "parts": Table(of_parts, parts)}
 
 
 def shown(part: str) -> str:
-    """Return what a part is called in the picture, where inputs of one kind share a colour."""
+    """Return what a part is called in the picture, where inputs of one kind share a
+    colour.
+    """
     return INPUTS.get(part, part)
 
 
 def plot(tables: Tables) -> dict[str, Any]:
     """Share of each part in the variance of each result."""
     table = tables["parts"]
-    rows = [(bed, name) for bed in BEDS for name in dict.fromkeys(table.where({"bed": bed}).values("result"))]
+    rows = [
+        (bed, name)
+        for bed in BEDS
+        for name in dict.fromkeys(table.where({"bed": bed}).values("result"))
+    ]
     figure, axes = gallery.figure(size=(9, 0.5 * len(rows) + 1.6))
     left = np.zeros(len(rows))
     for part, colour in COLOURS.items():
         shares = [
-            sum(float(r["share"]) for r in table.where({"bed": bed, "result": name}) if shown(r["part"]) == part)
+            sum(
+                float(r["share"])
+                for r in table.where({"bed": bed, "result": name})
+                if shown(r["part"]) == part
+            )
             for bed, name in rows
         ]
         axes.barh(range(len(rows)), shares, left=left, color=colour, label=part)

@@ -1,4 +1,6 @@
-"""Heating of a packed bed (Patil, Peters & Kuipers, Fig. 1): Schumann's solution, two readings, dispersion."""
+"""Heating of a packed bed (Patil, Peters & Kuipers, Fig. 1): Schumann's solution,
+two readings, dispersion.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,8 @@ SCENES = {
     "schumann_bed_b": "bed B, no conduction",
     "dispersion": "bed A with axial dispersion",
 }
-SPACING = {"schumann": 0.1, "schumann_bed_b": 0.1, "dispersion": 0.05}  # of the positions in errors.csv [m]
+# of the positions in errors.csv [m]
+SPACING = {"schumann": 0.1, "schumann_bed_b": 0.1, "dispersion": 0.05}
 THETA = ("theta_fluid [1]", "theta_solid [1]")
 NOT_COMPARED = ("error_fluid [1]", "error_solid [1]")
 
@@ -32,24 +35,39 @@ def gunn(Re: float, Pr: float, eps: float) -> float:
 
 
 def rates(scene: cb.Scene) -> tuple[float, float, float]:
-    """Interstitial velocity [m/s] and the exchange rates h a/(eps rho c_p)_f and h a/((1 - eps) rho c_p)_s [1/s]."""
-    fluid, solid, eps, d = scene.gas, scene.solid, scene.packed_bed.porosity, scene.diameter
+    """Interstitial velocity [m/s] and the exchange rates h a/(eps rho c_p)_f and h
+    a/((1 - eps) rho c_p)_s [1/s].
+    """
+    fluid, solid, eps, d = (
+        scene.gas,
+        scene.solid,
+        scene.packed_bed.porosity,
+        scene.diameter,
+    )
     Re = fluid.density * scene.boundary["bottom"].gas.velocity * d / fluid.viscosity
     Pr = fluid.viscosity * fluid.heat_capacity / fluid.conductivity
     ha = gunn(Re, Pr, eps) * fluid.conductivity / d * 6 * (1 - eps) / d
     capacity = fluid.density * fluid.heat_capacity, solid.density * solid.heat_capacity
-    return scene.boundary["bottom"].gas.velocity / eps, ha / (eps * capacity[0]), ha / ((1 - eps) * capacity[1])
+    return (
+        scene.boundary["bottom"].gas.velocity / eps,
+        ha / (eps * capacity[0]),
+        ha / ((1 - eps) * capacity[1]),
+    )
 
 
 def with_dispersion(z: float, t: float, scene: cb.Scene) -> tuple[float, float]:
-    """Fluid and solid theta at one point: numerical inversion (Talbot's contour) of the exact Laplace transform.
+    """Fluid and solid theta at one point: numerical inversion (Talbot's contour) of the
+    exact Laplace transform.
 
-    f_t + u f_z = alpha f_zz + A (s - f), s_t = B (f - s); u f - alpha f_z = u at z = 0 (Danckwerts), f_z = 0 at z = L.
+    f_t + u f_z = alpha f_zz + A (s - f), s_t = B (f - s); u f - alpha f_z = u at z = 0
+    (Danckwerts), f_z = 0 at z = L.
     """
     u, A, B = (mpmath.mpf(float(value)) for value in rates(scene))
     fluid, length = scene.gas, mpmath.mpf(scene.mesh.length)
     capacity = scene.packed_bed.porosity * fluid.density * fluid.heat_capacity
-    alpha = mpmath.mpf((scene.closures.conductivity_gas + scene.closures.dispersion.axial) / capacity)
+    alpha = mpmath.mpf(
+        (scene.closures.conductivity_gas + scene.closures.dispersion.axial) / capacity
+    )
 
     def transform(p: Any) -> Any:
         root = mpmath.sqrt(u**2 + 4 * alpha * (p + A * p / (p + B)))
@@ -60,12 +78,16 @@ def with_dispersion(z: float, t: float, scene: cb.Scene) -> tuple[float, float]:
 
     with mpmath.workdps(30):
         f = mpmath.invertlaplace(transform, t, method="talbot", degree=40)
-        s = mpmath.invertlaplace(lambda p: transform(p) * B / (p + B), t, method="talbot", degree=40)
+        s = mpmath.invertlaplace(
+            lambda p: transform(p) * B / (p + B), t, method="talbot", degree=40
+        )
     return float(f), float(s)
 
 
 def reference(scene: cb.Scene, z: Any, t: Any) -> Any:
-    """Exact theta of fluid and solid at z [m] and t [s], from the values in the scene."""
+    """Exact theta of fluid and solid at z [m] and t [s], from the values in the
+    scene.
+    """
     if scene.closures.dispersion is None:
         return exact.schumann(z, t, *rates(scene))
     return np.array([with_dispersion(a, b, scene) for a, b in zip(z, t, strict=True)]).T
@@ -77,8 +99,12 @@ def points(name: str, result: cb.Result) -> Any:
     return np.isclose(z / SPACING[name], np.round(z / SPACING[name]))
 
 
-def errors(scene: cb.Scene, result: cb.Result, chosen: Any = slice(None)) -> tuple[Any, Any]:
-    """Differences of theta from the reference at the chosen output points; fluid and solid."""
+def errors(
+    scene: cb.Scene, result: cb.Result, chosen: Any = slice(None)
+) -> tuple[Any, Any]:
+    """Differences of theta from the reference at the chosen output points; fluid and
+    solid.
+    """
     columns = {name: values[chosen] for name, values in result.profiles.items()}
     f, s = reference(scene, columns["z [m]"], columns["t [s]"])
     return columns["theta_fluid [1]"] - f, columns["theta_solid [1]"] - s
@@ -93,17 +119,25 @@ def compute() -> Tables:
         columns = [result.profiles[key] for key in ("t [s]", "z [m]", *THETA)]
         chosen = points(name, result)
         some = (column[chosen] for column in columns)
-        compared += [(name, *row) for row in zip(*some, *errors(scene, result, chosen), strict=True)]
+        compared += [
+            (name, *row)
+            for row in zip(*some, *errors(scene, result, chosen), strict=True)
+        ]
         profiles += [(name, *row) for row in zip(*columns, strict=True)]
     places = {"scene": "", "t [s]": ".8g", "z [m]": ".8g"}
     return {
-        "errors": Table(places | dict.fromkeys(THETA, ".8g") | dict.fromkeys(NOT_COMPARED, ".1e"), compared),
+        "errors": Table(
+            places | dict.fromkeys(THETA, ".8g") | dict.fromkeys(NOT_COMPARED, ".1e"),
+            compared,
+        ),
         "profiles": Table(places | dict.fromkeys(THETA, ".5g"), profiles),
     }
 
 
 def plot(tables: Tables) -> dict[str, Any]:
-    """Profiles of all scenes at all times beside the exact temperatures of the fluid."""
+    """Profiles of all scenes at all times beside the exact temperatures of the
+    fluid.
+    """
     from matplotlib.lines import Line2D
 
     dashes: Any = (0, (4, 2))
@@ -115,17 +149,52 @@ def plot(tables: Tables) -> dict[str, Any]:
         )
         times = found.values("t [s]")
         for time, colour in zip(times, gallery.shades(len(times)), strict=True):
-            p, marks = found.where({"t [s]": float(time)}), compared.where({"t [s]": float(time)})
-            axes.plot(p["z [m]"], 1 - p["theta_fluid [1]"], color=colour, label=f"{float(time):.3g} s")
-            axes.plot(p["z [m]"], 1 - p["theta_solid [1]"], color=colour, linestyle=dashes, linewidth=1)
+            p, marks = (
+                found.where({"t [s]": float(time)}),
+                compared.where({"t [s]": float(time)}),
+            )
+            axes.plot(
+                p["z [m]"],
+                1 - p["theta_fluid [1]"],
+                color=colour,
+                label=f"{float(time):.3g} s",
+            )
+            axes.plot(
+                p["z [m]"],
+                1 - p["theta_solid [1]"],
+                color=colour,
+                linestyle=dashes,
+                linewidth=1,
+            )
             exact_fluid = marks["theta_fluid [1]"] - marks["error_fluid [1]"]
-            axes.plot(marks["z [m]"], 1 - exact_fluid, "o", color=colour, mfc="white", clip_on=False, zorder=3)
-        axes.set(title=title, xlabel=gallery.label("z"), xlim=(0, scene.mesh.length), ylim=(-0.02, 1.02))
+            axes.plot(
+                marks["z [m]"],
+                1 - exact_fluid,
+                "o",
+                color=colour,
+                mfc="white",
+                clip_on=False,
+                zorder=3,
+            )
+        axes.set(
+            title=title,
+            xlabel=gallery.label("z"),
+            xlim=(0, scene.mesh.length),
+            ylim=(-0.02, 1.02),
+        )
     panels[0].set_ylabel(r"$(T_{in}-T)/(T_{in}-T_0)$")
     shapes = [
         Line2D([], [], color="black", label="fluid"),
         Line2D([], [], color="black", linestyle=dashes, linewidth=1, label="solid"),
-        Line2D([], [], color="black", linestyle="", marker="o", markerfacecolor="white", label="fluid, exact"),
+        Line2D(
+            [],
+            [],
+            color="black",
+            linestyle="",
+            marker="o",
+            markerfacecolor="white",
+            label="fluid, exact",
+        ),
     ]
     panels[1].legend(handles=[*panels[0].lines[::3], *shapes], loc="lower right")
     return {"profiles": figure}

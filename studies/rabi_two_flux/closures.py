@@ -1,7 +1,9 @@
-"""Radiation among the solids of a bubbling bed by three algebraic closures, over the temperature of the char.
+"""Radiation among the solids of a bubbling bed by three algebraic closures, over the
+temperature of the char.
 
-Two species (char, inert) and three (char, limestone, inert) of a hot bed: the closure of Rabi and de Souza-Santos,
-eq. 34, the older network of pairs, eqs. 2-11, and the enclosure of gray surfaces, here by its radiosities.
+Two species (char, inert) and three (char, limestone, inert) of a hot bed: the closure
+of Rabi and de Souza-Santos, eq. 34, the older network of pairs, eqs. 2-11, and the
+enclosure of gray surfaces, here by its radiosities.
 """
 
 from __future__ import annotations
@@ -27,17 +29,32 @@ NAMES = ("equilibrium, eq. 34", "pairwise, eqs. 2-11", "enclosure")
 
 
 def reference(extinction: Any, emissivity: Any, T: Any) -> Any:
-    """By radiosities: net heat of gray surfaces 4 kappa_m whose view factors are their shares of the area [W/m3]."""
+    """By radiosities: net heat of gray surfaces 4 kappa_m whose view factors are
+    their shares of the area [W/m3].
+    """
     share = extinction / extinction.sum()
-    J = np.linalg.solve(np.eye(len(share)) - (1 - emissivity)[:, None] * share, emissivity[:, None] * SIGMA * T**4)
+    J = np.linalg.solve(
+        np.eye(len(share)) - (1 - emissivity)[:, None] * share,
+        emissivity[:, None] * SIGMA * T**4,
+    )
     return 4 * extinction[:, None] * (J - share @ J)
 
 
 def exchange(species: tuple[Species, ...]) -> tuple[Any, Any, Any]:
-    """Heat lost by each species [W/m3]: one array (species, temperature of the char) for each closure."""
+    """Heat lost by each species [W/m3]: one array (species, temperature of the char)
+    for each closure.
+    """
     bed = optics(species, "independent")
-    extinction, emissivity = bed.absorption + bed.scattering, np.array([each.emissivity for each in species])
-    T = np.array([T_CHAR if each is CHAR else np.full_like(T_CHAR, T_OTHERS[each.name]) for each in species])
+    extinction, emissivity = (
+        bed.absorption + bed.scattering,
+        np.array([each.emissivity for each in species]),
+    )
+    T = np.array(
+        [
+            T_CHAR if each is CHAR else np.full_like(T_CHAR, T_OTHERS[each.name])
+            for each in species
+        ]
+    )
     return (
         exchange_equilibrium(bed.absorption, T),
         exchange_pairwise(extinction, emissivity, T),
@@ -55,16 +72,28 @@ def compute() -> Tables:
     columns = {"T_char [K]": T_CHAR}
     for mixture, species in MIXTURES.items():
         for closure, values in zip(NAMES, exchange(species), strict=True):
-            columns |= {header(mixture, each, closure): values[m] for m, each in enumerate(species)}
+            columns |= {
+                header(mixture, each, closure): values[m]
+                for m, each in enumerate(species)
+            }
     order = [
         "T_char [K]",
-        *(header(x, each, name) for x, kinds in MIXTURES.items() for each in kinds for name in NAMES),
+        *(
+            header(x, each, name)
+            for x, kinds in MIXTURES.items()
+            for each in kinds
+            for name in NAMES
+        ),
     ]
-    return {"closures": Table.from_columns({name: columns[name] for name in order}, ".10g")}
+    return {
+        "closures": Table.from_columns({name: columns[name] for name in order}, ".10g")
+    }
 
 
 def plot(tables: Tables) -> dict[str, Any]:
-    """Heat lost by each of three species, and how far the pairs are from the exact exchange."""
+    """Heat lost by each of three species, and how far the pairs are from the exact
+    exchange.
+    """
     figure, (heat, error) = gallery.figure(1, 2, size=(11, 4.8))
     table = tables["closures"]
 
@@ -84,7 +113,11 @@ def plot(tables: Tables) -> dict[str, Any]:
     heat.legend(loc="upper left")
     heat.set(title="Three species", ylabel="heat lost by radiation [MW/m$^3$]")
     error.text(1580, 4e-4, "three species; two agree to 2e-12", ha="center")
-    error.set(title="Pairs against the exact exchange", ylabel="relative difference", ylim=(1e-5, 10))
+    error.set(
+        title="Pairs against the exact exchange",
+        ylabel="relative difference",
+        ylim=(1e-5, 10),
+    )
     for axes in (heat, error):
         axes.set_xlabel("temperature of the char [K]")
     heat.set_xlim(T_CHAR[0], T_CHAR[-1] + 130)

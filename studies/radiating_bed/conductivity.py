@@ -1,7 +1,9 @@
-"""Effective conductivity of a packed bed from 75 to 1475 degC with radiation, beside Zehner, Bauer & Schluender.
+"""Effective conductivity of a packed bed from 75 to 1475 degC with radiation, beside
+Zehner, Bauer & Schluender.
 
-The bed of `bed.toml`, 0.5 m thick, between plates 10 K apart: P1 in the two-energy model, the same without radiation,
-and the closure with its radiation term in place of P1. The run time with and without radiation is measured beside it.
+The bed of `bed.toml`, 0.5 m thick, between plates 10 K apart: P1 in the two-energy
+model, the same without radiation, and the closure with its radiation term in place of
+P1. The run time with and without radiation is measured beside it.
 """
 
 from __future__ import annotations
@@ -10,7 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import contbed as cb
-from contbed.closures import conductivity_zehner_bauer_schluender, conductivity_zehner_schluender
+from contbed.closures import (
+    conductivity_zehner_bauer_schluender,
+    conductivity_zehner_schluender,
+)
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 
@@ -31,7 +36,10 @@ def scene(T: float, radiates: bool) -> cb.Scene:
     loaded = cb.load(HERE / "bed.toml", overrides)
     if radiates:
         return loaded
-    sides = {name: table.model_copy(update={"radiation": None}) for name, table in loaded.boundary.items()}
+    sides = {
+        name: table.model_copy(update={"radiation": None})
+        for name, table in loaded.boundary.items()
+    }
     return loaded.model_copy(update={"radiation": None, "boundary": sides})
 
 
@@ -41,16 +49,26 @@ def conductivity(loaded: cb.Scene) -> float:
 
 
 def reference(T: float) -> float:
-    """Rise of the conductivity [W/m/K] by the radiation term of the closure at a mean temperature [K]."""
+    """Rise of the conductivity [W/m/K] by the radiation term of the closure at a
+    mean temperature [K].
+    """
     loaded = scene(T, True)
     gas, solid = loaded.gas, loaded.solid
-    phases = {"k_fluid": gas.conductivity, "k_solid": solid.conductivity, "eps": loaded.packed_bed.porosity}
-    radiating = conductivity_zehner_bauer_schluender(**phases, T=T, d_p=loaded.diameter, emissivity=EMISSIVITY)
+    phases = {
+        "k_fluid": gas.conductivity,
+        "k_solid": solid.conductivity,
+        "eps": loaded.packed_bed.porosity,
+    }
+    radiating = conductivity_zehner_bauer_schluender(
+        **phases, T=T, d_p=loaded.diameter, emissivity=EMISSIVITY
+    )
     return float(radiating - conductivity_zehner_schluender(**phases))
 
 
 def compute() -> Tables:
-    """Rise of the conductivity over the mean temperature; prints the cost of radiation."""
+    """Rise of the conductivity over the mean temperature; prints the cost of
+    radiation.
+    """
     rows = []
     for celsius in CELSIUS:
         T = celsius + 273.15
@@ -58,11 +76,25 @@ def compute() -> Tables:
         rise = conductivity(scene(T, True)) - without
         rows.append((celsius, without, rise, predicted, rise / predicted))
     times = gallery.in_turn(
-        {str(radiates): lambda r=radiates: cb.run(scene(1748.15, r)) for radiates in (True, False)}, 9
+        {
+            str(radiates): lambda r=radiates: cb.run(scene(1748.15, r))
+            for radiates in (True, False)
+        },
+        9,
     )
-    print(f"run time with radiation over without: {times['True'].seconds / times['False'].seconds:.2f}")
-    names = ["mean temperature [degC]", "k without radiation [W/m/K]", "rise by P1 [W/m/K]", "rise by ZBS [W/m/K]"]
-    return {"conductivity": Table(dict.fromkeys([*names, "P1 over ZBS [1]"], ".5g"), rows)}
+    print(
+        "run time with radiation over without: "
+        f"{times['True'].seconds / times['False'].seconds:.2f}"
+    )
+    names = [
+        "mean temperature [degC]",
+        "k without radiation [W/m/K]",
+        "rise by P1 [W/m/K]",
+        "rise by ZBS [W/m/K]",
+    ]
+    return {
+        "conductivity": Table(dict.fromkeys([*names, "P1 over ZBS [1]"], ".5g"), rows)
+    }
 
 
 def plot(tables: Tables) -> dict[str, Any]:

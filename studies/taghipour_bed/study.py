@@ -1,7 +1,9 @@
-"""Expansion and pressure drop of Taghipour's bed, contbed beside OpenFOAM's twoPhaseEulerFoam.
+"""Expansion and pressure drop of Taghipour's bed, contbed beside OpenFOAM's
+twoPhaseEulerFoam.
 
-What gas and walls carry of the weight and what is missing (of the peer the pressure at its inlet, see budget.py),
-heights over that at rest by the lateral mean of eps_s and by the centre of the particles, drift of the inventory.
+What gas and walls carry of the weight and what is missing (of the peer the pressure at
+its inlet, see budget.py), heights over that at rest by the lateral mean of eps_s and by
+the centre of the particles, drift of the inventory.
 """
 
 from __future__ import annotations
@@ -22,20 +24,31 @@ HERE = Path(__file__).parent
 REST, FROM = 0.4, 2.0  # height at rest [m], start of the averages [s]
 COLUMNS = ("program", "case", "cells", "walls", "pressure_over_weight", "walls_over_weight", "missing",
            "H_0.3", "H_0.2", "H_centre", "mass_drift", "cpu_s")  # fmt: skip
-SHARES = ("pressure", "walls", "missing")  # of the weight: by the gas, on the walls, by nothing
+# of the weight: by the gas, on the walls, by nothing
+SHARES = ("pressure", "walls", "missing")
 NOT_COMPARED = ("walls_over_weight", "missing", "mass_drift", "cpu_s")
 SCENES = ("bed_0.38", "bed_0.46", "bed_0.46_fine", "bed_0.46_slip")
 FRAMES = "bed_0.46"  # scene that is drawn second by second
 PEERS = {
-    "noslip 0.46": openfoam.Case("bed", 56, 200, 6.0, 0.46, "SyamlalOBrien", average_from=FROM),
-    "slip 0.46": openfoam.Case("bed", 56, 200, 6.0, 0.46, "SyamlalOBrien", average_from=FROM, walls="slip"),
-    "noslip 0.46 upwind": openfoam.Case("bed", 56, 200, 6.0, 0.46, "SyamlalOBrien", average_from=FROM, upwind=True),
-    "noslip 0.38": openfoam.Case("bed", 56, 200, 6.0, 0.38, "SyamlalOBrien", average_from=FROM),
+    "noslip 0.46": openfoam.Case(
+        "bed", 56, 200, 6.0, 0.46, "SyamlalOBrien", average_from=FROM
+    ),
+    "slip 0.46": openfoam.Case(
+        "bed", 56, 200, 6.0, 0.46, "SyamlalOBrien", average_from=FROM, walls="slip"
+    ),
+    "noslip 0.46 upwind": openfoam.Case(
+        "bed", 56, 200, 6.0, 0.46, "SyamlalOBrien", average_from=FROM, upwind=True
+    ),
+    "noslip 0.38": openfoam.Case(
+        "bed", 56, 200, 6.0, 0.38, "SyamlalOBrien", average_from=FROM
+    ),
 }
 
 
 def heights(z: np.ndarray, eps_s: np.ndarray) -> list[float]:
-    """Where the mean over the width falls below 0.3 and 0.2, and twice the centre of the particles, over REST."""
+    """Where the mean over the width falls below 0.3 and 0.2, and twice the centre of
+    the particles, over REST.
+    """
     tops = [float(z[np.flatnonzero(eps_s < level)[0]]) for level in (0.3, 0.2)]
     return [value / REST for value in (*tops, 2.0 * float(z @ eps_s / eps_s.sum()))]
 
@@ -99,10 +112,18 @@ def frames() -> Table:
 
 
 def compute(cases: Sequence[str] = (*SCENES, *PEERS)) -> Tables:
-    """Scenes and cases of the peer; its committed rows are kept where it is not installed."""
-    new = [own(name) if name in SCENES else reference(name) for name in cases if name in SCENES or openfoam.available()]
+    """Scenes and cases of the peer; its committed rows are kept where it is not
+    installed.
+    """
+    new = [
+        own(name) if name in SCENES else reference(name)
+        for name in cases
+        if name in SCENES or openfoam.available()
+    ]
     rows = Table(dict.fromkeys(COLUMNS, ".4g"), new)
-    tables = {"results": Table.read(HERE / "results.csv").updated(rows, ["program", "case"])}
+    tables = {
+        "results": Table.read(HERE / "results.csv").updated(rows, ["program", "case"])
+    }
     return tables | ({"frames": frames()} if FRAMES in cases else {})
 
 
@@ -115,7 +136,9 @@ def plot(tables: Tables) -> dict[str, Any]:
     figure, axes = gallery.figure(1, 6, size=(9, 4.6), sharey=True)
     for second, panel in enumerate(axes, start=1):
         eps_s = table[f"eps_s at {second} s [1]"].reshape(len(z), len(x))
-        shades = panel.pcolormesh(100 * x, 100 * z, eps_s, vmin=0.0, vmax=0.63, cmap="cividis")
+        shades = panel.pcolormesh(
+            100 * x, 100 * z, eps_s, vmin=0.0, vmax=0.63, cmap="cividis"
+        )
         panel.set(aspect="equal", title=f"{second} s", xlabel="x [cm]", ylim=(0, 85))
     axes[0].set_ylabel("height [cm]")
     figure.colorbar(shades, ax=axes, label="eps_s [1]", shrink=0.7)

@@ -1,4 +1,6 @@
-"""Run time against error beside finite volumes and NGSolve; the programs are in bench/bench.toml."""
+"""Run time against error beside finite volumes and NGSolve; the programs are in
+bench/bench.toml.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,10 @@ NOT_COMPARED = HEADERS[2:]
 def reference() -> Table:
     """The committed rows of the other programs."""
     table = Table.read(HERE / "bench.csv")
-    return Table(dict.fromkeys(HEADERS, ""), [row for row in table.rows if not row[1].startswith(OWN)])
+    return Table(
+        dict.fromkeys(HEADERS, ""),
+        [row for row in table.rows if not row[1].startswith(OWN)],
+    )
 
 
 def compute() -> Tables:
@@ -36,7 +41,13 @@ def plot(tables: Tables) -> dict[str, Any]:
     for name, colour in zip(curves.values("case"), gallery.PALETTE, strict=False):
         points = curves.where({"case": name})
         known = points["unknowns"] > 0
-        axes.loglog(points["error"][known], 1e3 * points["user_s"][known], "o-", color=colour, label=name)
+        axes.loglog(
+            points["error"][known],
+            1e3 * points["user_s"][known],
+            "o-",
+            color=colour,
+            label=name,
+        )
     axes.set(xlabel=r"largest error of $\theta$", ylabel="user time [ms]")
     figure.legend(loc="outside right upper")
     return {"bench": figure}

@@ -1,4 +1,6 @@
-"""Check cases of the two-fluid model: computed beside exact, with tolerance and time."""
+"""Check cases of the two-fluid model: computed beside exact, with tolerance and
+time.
+"""
 
 from __future__ import annotations
 
@@ -16,25 +18,36 @@ from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
-COLUMNS = dict.fromkeys(("case", "quantity", "computed", "exact", "deviation", "allowed", "passed"), "") | {
-    "CPU s": ".2g"
-}
-NOT_COMPARED = ("computed", "deviation", "CPU s")  # `passed` says whether computed is what it must be
+COLUMNS = dict.fromkeys(
+    ("case", "quantity", "computed", "exact", "deviation", "allowed", "passed"), ""
+) | {"CPU s": ".2g"}
+# `passed` says whether computed is what it must be
+NOT_COMPARED = ("computed", "deviation", "CPU s")
 
 
 def cooled(scene: cb.Scene) -> float:
     """Granular temperature after collisions and drag have acted, closed form."""
     solid, start, gas = scene.solid, scene.initial, scene.gas
-    s, t, theta = start.solid.volume_fraction, scene.time.end, start.solid.granular_temperature
+    s, t, theta = (
+        start.solid.volume_fraction,
+        scene.time.end,
+        start.solid.granular_temperature,
+    )
     g0 = closures.g0_sinclair_jackson(s, solid.packing_limit)
-    b = closures.granular_dissipation_lun(s, g0, solid.restitution) / (1.5 * s * solid.diameter)
+    b = closures.granular_dissipation_lun(s, g0, solid.restitution) / (
+        1.5 * s * solid.diameter
+    )
     root = theta**0.5
     if scene.closures.drag == "none":
         return theta / (1 + b * root * t / 2) ** 2
     beta = closures.drag_wen_yu(0.0, 1 - s, solid.diameter, gas.viscosity)
     a = 2 * beta / (s * solid.density)
     fallen = math.exp(-a * t / 2)
-    return (root * fallen / (1 + b * root / a * (1 - fallen))) ** 2 if b else (root * fallen) ** 2
+    return (
+        (root * fallen / (1 + b * root / a * (1 - fallen))) ** 2
+        if b
+        else (root * fallen) ** 2
+    )
 
 
 def slip(scene: cb.Scene) -> float:
@@ -43,8 +56,16 @@ def slip(scene: cb.Scene) -> float:
     law = closures.get(str(scene.closures.drag), "drag")
 
     def missing(u: float) -> float:
-        beta = law(eps * gas.density * u * solid.diameter / gas.viscosity, eps, solid.diameter, gas.viscosity)
-        return beta * u - eps * (1 - eps) * (solid.density - gas.density) * scene.two_fluid.gravity
+        beta = law(
+            eps * gas.density * u * solid.diameter / gas.viscosity,
+            eps,
+            solid.diameter,
+            gas.viscosity,
+        )
+        return (
+            beta * u
+            - eps * (1 - eps) * (solid.density - gas.density) * scene.two_fluid.gravity
+        )
 
     return float(brentq(missing, 1e-6, 10.0, xtol=1e-14))
 
@@ -54,7 +75,10 @@ def heated(scene: cb.Scene) -> float:
     gas, solid, start = scene.gas, scene.solid, scene.initial
     s, T_gas = start.solid.volume_fraction, start.gas.temperature
     exchange = 6 * s * scene.closures.nusselt * gas.conductivity / solid.diameter**2
-    warm, cool = (1 - s) * gas.density * gas.heat_capacity, s * solid.density * solid.heat_capacity
+    warm, cool = (
+        (1 - s) * gas.density * gas.heat_capacity,
+        s * solid.density * solid.heat_capacity,
+    )
     gap = math.exp(-exchange * (1 / warm + 1 / cool) * scene.time.end)
     return T_gas + (start.solid.temperature - T_gas) * cool / (warm + cool) * (1 - gap)
 
@@ -69,7 +93,8 @@ def lower(scene: cb.Scene) -> float:
     return 9.21932e-4 * scene.time.end
 
 
-# quantity, exact value or function of the scene, allowed deviation, of the value unless "absolute"
+# quantity, exact value or function of the scene, allowed deviation, of the value unless
+# "absolute"
 CASES = {
     "cooling": [("theta_final", cooled, 1e-3)],
     "cooling_drag": [("theta_final", cooled, 1e-3)],
@@ -95,7 +120,10 @@ CASES = {
 def reference(name: str) -> dict[str, float]:
     """Exact values of a case by quantity."""
     scene = cb.load(HERE / f"{name}.toml")
-    return {quantity: known(scene) if callable(known) else known for quantity, known, _ in CASES[name]}
+    return {
+        quantity: known(scene) if callable(known) else known
+        for quantity, known, _ in CASES[name]
+    }
 
 
 def compute(cases: Sequence[str] = tuple(CASES)) -> Tables:
@@ -107,11 +135,23 @@ def compute(cases: Sequence[str] = tuple(CASES)) -> Tables:
         for quantity, _, allowed in CASES[name]:
             value, known = result.qoi[quantity], exact[quantity]
             deviation = abs(value - known) / (abs(known) or 1.0)
-            rows.append((name, quantity, value, known, deviation, allowed, deviation <= allowed, seconds))
+            rows.append(
+                (
+                    name,
+                    quantity,
+                    value,
+                    known,
+                    deviation,
+                    allowed,
+                    deviation <= allowed,
+                    seconds,
+                )
+            )
             print(
                 name,
                 quantity,
-                f"{value:.9g}, exact {known:.9g}, deviation {deviation:.2g}, allowed {allowed:g}",
+                f"{value:.9g}, exact {known:.9g}, deviation {deviation:.2g}, allowed "
+                f"{allowed:g}",
                 flush=True,
             )
     table = Table(COLUMNS, rows)

@@ -1,7 +1,8 @@
-"""CPU of a simulated second of a riser and of a bubbling bed, contbed beside OpenFOAM's twoPhaseEulerFoam.
+"""CPU of a simulated second of a riser and of a bubbling bed, contbed beside OpenFOAM's
+twoPhaseEulerFoam.
 
-Same mesh, closures, walls, initial state and largest Courant number; one process with one thread each. Compilation and
-the peer's meshing are left out.
+Same mesh, closures, walls, initial state and largest Courant number; one process with
+one thread each. Compilation and the peer's meshing are left out.
 """
 
 from __future__ import annotations
@@ -29,7 +30,9 @@ EMPTY = {
 COURANT = 0.5
 OWN = "contbed"
 NOT_COMPARED = ("cpu_s", "steps", "ms_per_step", "cpu_per_s", "mass_drift")
-COLUMNS = dict.fromkeys(("case", "program", "courant", "simulated_s", *NOT_COMPARED), ".5g") | {"steps": "d"}
+COLUMNS = dict.fromkeys(
+    ("case", "program", "courant", "simulated_s", *NOT_COMPARED), ".5g"
+) | {"steps": "d"}
 CASES: dict[str, tuple[openfoam.Case, Path, dict[str, Any]]] = {
     "riser 15x350": (
         openfoam.Case("riser", 15, 350, 3.0, 3.2, solids=26.6, walls="jj"),
@@ -41,7 +44,13 @@ CASES: dict[str, tuple[openfoam.Case, Path, dict[str, Any]]] = {
         STUDIES / "taghipour_bed" / "bed_0.46_fine.toml",
         {
             "initial.noise": 0.0,
-            "initial.layer": [{"end": 0.4, "solids": {"beads": {"volume_fraction": 0.6}}, "gas": {"velocity": 1.15}}],
+            "initial.layer": [
+                {
+                    "end": 0.4,
+                    "solids": {"beads": {"volume_fraction": 0.6}},
+                    "gas": {"velocity": 1.15},
+                }
+            ],
         },
     ),
 }
@@ -50,7 +59,12 @@ CASES: dict[str, tuple[openfoam.Case, Path, dict[str, Any]]] = {
 def own(scene: Path, changes: dict[str, Any], end: float) -> dict[str, float]:
     """CPU of contbed's steps; a few before, so that everything is compiled."""
     for until in (1e-4, end):
-        chosen = {**changes, "time.courant": COURANT, "time.end": until, "time.average_from": 0.0}
+        chosen = {
+            **changes,
+            "time.courant": COURANT,
+            "time.end": until,
+            "time.average_from": 0.0,
+        }
         bed, _ = cb.plan(cb.load(scene, chosen)).bed()
         held = findings.held(bed)
         start = gallery.user_time()
@@ -65,11 +79,16 @@ def reference(case: openfoam.Case) -> dict[str, float]:
     with tempfile.TemporaryDirectory() as folder:
         found = openfoam.run(case, Path(folder))
     # a riser that fills has nothing to compare its inventory with
-    return {**found, "mass_drift": math.nan if case.riser else found["mass_drift_relative"]}
+    return {
+        **found,
+        "mass_drift": math.nan if case.riser else found["mass_drift_relative"],
+    }
 
 
 def compute() -> Tables:
-    """Both programs; the committed rows of the peer are kept where it is not installed."""
+    """Both programs; the committed rows of the peer are kept where it is not
+    installed.
+    """
     rows = []
     for name, (case, scene, changes) in CASES.items():
         done = {OWN: own(scene, changes, case.end)}
@@ -78,16 +97,33 @@ def compute() -> Tables:
         for program, r in done.items():
             cpu, steps = r["cpu_s"], int(r["steps"])
             rows.append(
-                (name, program, COURANT, case.end, cpu, steps, 1e3 * cpu / steps, cpu / case.end, r["mass_drift"])
+                (
+                    name,
+                    program,
+                    COURANT,
+                    case.end,
+                    cpu,
+                    steps,
+                    1e3 * cpu / steps,
+                    cpu / case.end,
+                    r["mass_drift"],
+                )
             )
-    return {"results": Table.read(HERE / "results.csv").updated(Table(COLUMNS, rows), ["case", "program"])}
+    return {
+        "results": Table.read(HERE / "results.csv").updated(
+            Table(COLUMNS, rows), ["case", "program"]
+        )
+    }
 
 
 def plot(tables: Tables) -> dict[str, Any]:
     """CPU of a simulated second, and of a step."""
     figure, panels = gallery.figure(1, 2)
     table, places = tables["results"], np.arange(len(CASES))
-    for program, colour, shift in ((OWN, gallery.BLUE, -0.2), (openfoam.SOLVER, gallery.VERMILION, 0.2)):
+    for program, colour, shift in (
+        (OWN, gallery.BLUE, -0.2),
+        (openfoam.SOLVER, gallery.VERMILION, 0.2),
+    ):
         found = table.where({"program": program})
         for axes, column in zip(panels, ("cpu_per_s", "ms_per_step"), strict=True):
             axes.bar(places + shift, found[column], 0.4, color=colour, label=program)

@@ -1,4 +1,6 @@
-"""Error of estimators of uncertainty over the number of runs, on two problems with known answers."""
+"""Error of estimators of uncertainty over the number of runs, on two problems with
+known answers.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +15,17 @@ from numpy.typing import NDArray
 from contbed.many import value_sets
 from contbed.many.distributions import HALF_WIDTH, Distribution
 from contbed.many.uncertainty.indices import indices
-from contbed.many.uncertainty.polynomial_chaos import chaos_indices, chaos_spread, expansion
-from contbed.many.uncertainty.propagate import contributions, first_order, independent, of_sample
+from contbed.many.uncertainty.polynomial_chaos import (
+    chaos_indices,
+    chaos_spread,
+    expansion,
+)
+from contbed.many.uncertainty.propagate import (
+    contributions,
+    first_order,
+    independent,
+    of_sample,
+)
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 
@@ -22,7 +33,9 @@ Array = NDArray[np.float64]
 RUNS = (40, 160, 640, 2560, 10240)  # about; each design takes what it needs
 CHAOS_RUNS = (16, 32, 64, 128, 256)
 SEEDS = 20  # of each design; errors are root mean squares over them
-ORDER = 40  # Gauss points along each parameter, with which the answers of the pressure drop have settled to 1e-10
+# Gauss points along each parameter, with which the answers of the pressure drop have
+# settled to 1e-10
+ORDER = 40
 STEP = 1e-4  # of the derivatives, in standard deviations
 NOT_COMPARED = ("CPU [s]",)
 SAMPLED = ("latin_hypercube", "sobol", "sobol_indices")
@@ -32,11 +45,17 @@ LENGTH, DENSITY, VELOCITY = 2.0, 1.2, 0.1
 
 def ishigami(x: Array) -> Array:
     """Ishigami and Homma's function with a = 7 and b = 0.1, x of shape (runs, 3)."""
-    return np.sin(x[:, 0]) + 7.0 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+    return (
+        np.sin(x[:, 0])
+        + 7.0 * np.sin(x[:, 1]) ** 2
+        + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+    )
 
 
 def pressure_drop(x: Array) -> Array:
-    """Ergun's equation [Pa]; porosity, diameter [m] and viscosity [Pa s] of shape (runs, 3)."""
+    """Ergun's equation [Pa]; porosity, diameter [m] and viscosity [Pa s] of shape
+    (runs, 3).
+    """
     porosity, diameter, viscosity = x.T
     share = (1.0 - porosity) / porosity**3
     viscous = 150.0 * viscosity * (1.0 - porosity) * VELOCITY / diameter**2
@@ -52,18 +71,28 @@ class Problem:
 
     def at(self, u: Array) -> Array:
         """Values at points of the unit cube."""
-        return self.function(np.column_stack([s(u[:, k]) for k, s in enumerate(self.distributions.values())]))
+        return self.function(
+            np.column_stack(
+                [s(u[:, k]) for k, s in enumerate(self.distributions.values())]
+            )
+        )
 
     def gradient(self) -> tuple[float, Array]:
         """Value and derivatives at the means, as a tangent gives them."""
         means = np.array([spread.mean for spread in self.distributions.values()])
-        steps = STEP * np.diag([spread.deviation for spread in self.distributions.values()])
-        slopes = (self.function(means + steps) - self.function(means - steps)) / (2.0 * np.diag(steps))
+        steps = STEP * np.diag(
+            [spread.deviation for spread in self.distributions.values()]
+        )
+        slopes = (self.function(means + steps) - self.function(means - steps)) / (
+            2.0 * np.diag(steps)
+        )
         return float(self.function(means[None])[0]), slopes
 
 
 PROBLEMS = {
-    "Ishigami": Problem(ishigami, {f"x{k}": Distribution(-np.pi, np.pi, even=True) for k in (1, 2, 3)}),
+    "Ishigami": Problem(
+        ishigami, {f"x{k}": Distribution(-np.pi, np.pi, even=True) for k in (1, 2, 3)}
+    ),
     "pressure drop": Problem(
         pressure_drop,
         {
@@ -77,12 +106,22 @@ PROBLEMS = {
 
 @cache
 def reference(name: str) -> dict[str, Array | float]:
-    """Mean, standard deviation, first-order and total indices: in closed form, or by Gauss quadrature."""
+    """Mean, standard deviation, first-order and total indices: in closed form, or by
+    Gauss quadrature.
+    """
     if name == "Ishigami":
         variance = 49.0 / 8.0 + 0.1 * np.pi**4 / 5.0 + 0.01 * np.pi**8 / 18.0 + 0.5
-        first = np.array([0.5 * (1.0 + 0.1 * np.pi**4 / 5.0) ** 2, 49.0 / 8.0, 0.0]) / variance
+        first = (
+            np.array([0.5 * (1.0 + 0.1 * np.pi**4 / 5.0) ** 2, 49.0 / 8.0, 0.0])
+            / variance
+        )
         both = 0.01 * np.pi**8 * (1.0 / 18.0 - 1.0 / 50.0) / variance
-        return {"mean": 3.5, "deviation": variance**0.5, "first": first, "total": first + both * np.array([1, 0, 1])}
+        return {
+            "mean": 3.5,
+            "deviation": variance**0.5,
+            "first": first,
+            "total": first + both * np.array([1, 0, 1]),
+        }
     problem = PROBLEMS[name]
     nodes, weights = [], []
     for spread in problem.distributions.values():
@@ -93,7 +132,9 @@ def reference(name: str) -> dict[str, Array | float]:
             x, w = np.polynomial.hermite_e.hermegauss(ORDER)
             nodes.append(spread.value(x))
         weights.append(w / w.sum())
-    grid = np.stack([axis.ravel() for axis in np.meshgrid(*nodes, indexing="ij")], axis=1)
+    grid = np.stack(
+        [axis.ravel() for axis in np.meshgrid(*nodes, indexing="ij")], axis=1
+    )
     values = problem.function(grid).reshape([ORDER] * 3)
 
     def mean(of: Array, axes: tuple[int, ...]) -> Array:
@@ -118,18 +159,39 @@ def compute() -> Tables:
     rows: list[list[Any]] = []
     for name, problem in PROBLEMS.items():
         rows.append(_by_gradient(name, problem))
-        rows += [_by_design(name, problem, method, runs) for method in SAMPLED for runs in RUNS]
+        rows += [
+            _by_design(name, problem, method, runs)
+            for method in SAMPLED
+            for runs in RUNS
+        ]
         rows += [_by_chaos(name, problem, runs) for runs in CHAOS_RUNS]
         rows += [_by_morris(name, problem, runs) for runs in RUNS[:2]]
     form = {"problem": "", "estimator": "", "runs": "d"} | dict.fromkeys(
-        ("error of the mean", "error of the deviation", "error of first order", "error of total"), ".3e"
+        (
+            "error of the mean",
+            "error of the deviation",
+            "error of first order",
+            "error of total",
+        ),
+        ".3e",
     )
     exact = [
-        [name, float(answer["mean"]), float(answer["deviation"]), *answer["first"], *answer["total"]]
+        [
+            name,
+            float(answer["mean"]),
+            float(answer["deviation"]),
+            *answer["first"],
+            *answer["total"],
+        ]
         for name in PROBLEMS
         for answer in [reference(name)]
     ]
-    heads = ["mean", "deviation", *(f"first order {k}" for k in (1, 2, 3)), *(f"total {k}" for k in (1, 2, 3))]
+    heads = [
+        "mean",
+        "deviation",
+        *(f"first order {k}" for k in (1, 2, 3)),
+        *(f"total {k}" for k in (1, 2, 3)),
+    ]
     return {
         "results": Table(form | {"parameters in order": "", "CPU [s]": ".3f"}, rows),
         "exact": Table({"problem": ""} | dict.fromkeys(heads, ".8g"), exact),
@@ -157,7 +219,12 @@ def _by_design(name: str, problem: Problem, method: str, runs: int) -> list[Any]
     answer, scale = reference(name), float(reference(name)["deviation"])
     count = runs // 5 if method == "sobol_indices" else runs
     count = 2 ** round(np.log2(count)) if method.startswith("sobol") else count
-    errors: dict[str, list[float]] = {"mean": [], "deviation": [], "first": [], "total": []}
+    errors: dict[str, list[float]] = {
+        "mean": [],
+        "deviation": [],
+        "first": [],
+        "total": [],
+    }
     right, used, start = 0, 0, gallery.user_time()
     for seed in range(SEEDS):
         points = value_sets.sample(method, count, seed, 3)
@@ -169,33 +236,68 @@ def _by_design(name: str, problem: Problem, method: str, runs: int) -> list[Any]
         if method == "sobol_indices":
             found = indices(method, points, values)
             assert found is not None, "there are enough groups"
-            errors["first"].append(float(np.abs(found.columns["first order"] - answer["first"]).max()))
-            errors["total"].append(float(np.abs(found.columns["total"] - answer["total"]).max()))
-            right += bool((np.argsort(found.columns["total"]) == np.argsort(answer["total"])).all())
+            errors["first"].append(
+                float(np.abs(found.columns["first order"] - answer["first"]).max())
+            )
+            errors["total"].append(
+                float(np.abs(found.columns["total"] - answer["total"]).max())
+            )
+            right += bool(
+                (
+                    np.argsort(found.columns["total"]) == np.argsort(answer["total"])
+                ).all()
+            )
     seconds = (gallery.user_time() - start) / SEEDS
     parts = [_rms(each) if each else None for each in errors.values()]
-    return [name, method, used, *parts, f"{right} of {SEEDS}" if errors["first"] else None, seconds]
+    return [
+        name,
+        method,
+        used,
+        *parts,
+        f"{right} of {SEEDS}" if errors["first"] else None,
+        seconds,
+    ]
 
 
 def _by_chaos(name: str, problem: Problem, runs: int) -> list[Any]:
-    """Polynomial chaos of Sobol points; the errors are those of the seeds in which it trusts its polynomial."""
+    """Polynomial chaos of Sobol points; the errors are those of the seeds in which
+    it trusts its polynomial.
+    """
     answer, scale = reference(name), float(reference(name)["deviation"])
-    errors: dict[str, list[float]] = {"mean": [], "deviation": [], "first": [], "total": []}
+    errors: dict[str, list[float]] = {
+        "mean": [],
+        "deviation": [],
+        "first": [],
+        "total": [],
+    }
     right, start = 0, gallery.user_time()
     for seed in range(SEEDS):
         points = value_sets.sample("sobol", runs, seed, 3)
-        chaos = expansion(points, problem.at(points), list(problem.distributions.values()))
+        chaos = expansion(
+            points, problem.at(points), list(problem.distributions.values())
+        )
         if chaos is None:
             continue
         spread, columns = chaos_spread(chaos), chaos_indices(chaos).columns
         errors["mean"].append((spread.mean - float(answer["mean"])) / scale)
         errors["deviation"].append(spread.deviation / scale - 1.0)
-        errors["first"].append(float(np.abs(columns["first order"] - answer["first"]).max()))
+        errors["first"].append(
+            float(np.abs(columns["first order"] - answer["first"]).max())
+        )
         errors["total"].append(float(np.abs(columns["total"] - answer["total"]).max()))
-        right += bool((np.argsort(columns["total"]) == np.argsort(answer["total"])).all())
+        right += bool(
+            (np.argsort(columns["total"]) == np.argsort(answer["total"])).all()
+        )
     seconds = (gallery.user_time() - start) / SEEDS
     parts = [_rms(each) if each else None for each in errors.values()]
-    return [name, "polynomial_chaos", runs, *parts, f"{right} of {len(errors['mean'])}", seconds]
+    return [
+        name,
+        "polynomial_chaos",
+        runs,
+        *parts,
+        f"{right} of {len(errors['mean'])}",
+        seconds,
+    ]
 
 
 def _by_morris(name: str, problem: Problem, runs: int) -> list[Any]:
@@ -203,18 +305,38 @@ def _by_morris(name: str, problem: Problem, runs: int) -> list[Any]:
     for seed in range(SEEDS):
         points = value_sets.sample("morris", runs // 4, seed, 3)
         points = np.column_stack(
-            [value_sets.within_tails(points[:, k], spread) for k, spread in enumerate(problem.distributions.values())]
+            [
+                value_sets.within_tails(points[:, k], spread)
+                for k, spread in enumerate(problem.distributions.values())
+            ]
         )
         used = len(points)
         found = indices("morris", points, problem.at(points))
         assert found is not None, "there are enough ways"
-        right += bool((np.argsort(found.columns["mean magnitude"]) == np.argsort(answer["total"])).all())
+        right += bool(
+            (
+                np.argsort(found.columns["mean magnitude"])
+                == np.argsort(answer["total"])
+            ).all()
+        )
     seconds = (gallery.user_time() - start) / SEEDS
-    return [name, "morris", used, None, None, None, None, f"{right} of {SEEDS}", seconds]
+    return [
+        name,
+        "morris",
+        used,
+        None,
+        None,
+        None,
+        None,
+        f"{right} of {SEEDS}",
+        seconds,
+    ]
 
 
 def plot(tables: Tables) -> dict[str, Any]:
-    """Error of the standard deviation, and of the total indices, over the number of runs."""
+    """Error of the standard deviation, and of the total indices, over the number of
+    runs.
+    """
     figure, panels = gallery.figure(1, 2, sharey=True)
     table = tables["results"]
     for axes, name in zip(panels, PROBLEMS, strict=True):
@@ -222,7 +344,11 @@ def plot(tables: Tables) -> dict[str, Any]:
             rows = table.where({"problem": name, "estimator": method})
             axes.loglog(rows["runs"], rows["error of the deviation"], "o-", color=gallery.PALETTE[k],
                         label=f"deviation, {method}")  # fmt: skip
-        for k, method in ((0, "gradients"), (3, "sobol_indices"), (4, "polynomial_chaos")):
+        for k, method in (
+            (0, "gradients"),
+            (3, "sobol_indices"),
+            (4, "polynomial_chaos"),
+        ):
             rows = table.where({"problem": name, "estimator": method})
             axes.loglog(rows["runs"], rows["error of total"], "s--", color=gallery.PALETTE[k],
                         label=f"total indices, {method}")  # fmt: skip

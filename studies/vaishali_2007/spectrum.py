@@ -1,6 +1,8 @@
-"""Which frequencies the particles' velocity in the core has: plane, duct, and duct of coarser cells.
+"""Which frequencies the particles' velocity in the core has: plane, duct, and duct of
+coarser cells.
 
-The duct's runs are those of duct.py and go on in results/vaishali_2007; the plane is run here.
+The duct's runs are those of duct.py and go on in results/vaishali_2007; the plane is
+run here.
 """
 
 from __future__ import annotations
@@ -21,26 +23,34 @@ from studies.vaishali_2007 import duct
 
 HERE = Path(__file__).parent
 RUNS = (duct.PLANE, "duct", "duct, cells twice as wide")
-RECORD = 5.0  # s, length of the pieces whose spectra are averaged; the lowest frequency is its inverse
+# s, length of the pieces whose spectra are averaged; the lowest frequency is its
+# inverse
+RECORD = 5.0
 BANDS = {"slow": (0.0, 1.0), "clusters": (1.0, 5.0), "fast": (5.0, np.inf)}  # Hz
 NOT_COMPARED = ("steps",)
-PROBES = {"low": [0.076, 4.7], "middle": [0.076, 5.1], "high": [0.076, 5.5]}  # m, in the core of the plane
+# m, in the core of the plane
+PROBES = {"low": [0.076, 4.7], "middle": [0.076, 5.1], "high": [0.076, 5.5]}
 PROBED = {"time.sample": 0.01, "output.probes": PROBES}
 SERIES = ("t [s]", "eps_s [1]", "u_solid [m/s]")
 RESULTS = {
-    "run": "", "recorded [s]": ".3g", "u_solid [m/s]": ".3g", "u_solid of particles [m/s]": ".3g",
+    "run": "", "recorded [s]": ".3g", "u_solid [m/s]": ".3g", "u_solid of particles "
+                                                              "[m/s]": ".3g",
     "variance [m2/s2]": ".3g", "variance of particles [m2/s2]": ".3g",
     **{f"{name} [1]": ".2g" for name in BANDS}, "correlation over 0.4 m [1]": ".2g", "steps": "d",
 }  # fmt: skip
 
 
 def reference() -> dict[str, float]:
-    """Variance along the riser [m2/s2] that CARPT's granular temperature leaves room for, if nothing else moved."""
+    """Variance along the riser [m2/s2] that CARPT's granular temperature leaves room
+    for, if nothing else moved.
+    """
     return {"variance of particles [m2/s2]": 3.0 * duct.MEASURED}
 
 
 def series(run: str) -> tuple[list[dict[str, Any]], int]:
-    """What the probes in the core saw while averages were taken, and the steps of the run."""
+    """What the probes in the core saw while averages were taken, and the steps of
+    the run.
+    """
     if run == duct.PLANE:
         scene, folder = cb.load(HERE / "ff_wenyu.toml", PROBED), duct.KEPT / run
     else:
@@ -49,26 +59,40 @@ def series(run: str) -> tuple[list[dict[str, Any]], int]:
     rows = Table.read(folder / "profiles.csv")
     counted = rows["t [s]"] >= scene.time.average_from
     found = [
-        {name: rows[name if name == "t [s]" else f"{probe} {name}"][counted] for name in SERIES}
+        {
+            name: rows[name if name == "t [s]" else f"{probe} {name}"][counted]
+            for name in SERIES
+        }
         for probe in scene.output.probes
     ]
     return found, result.qoi["steps"]
 
 
 def analysed(probes: Sequence[dict[str, Any]]) -> tuple[list[float], Any, Any]:
-    """Means and variances of the axial velocity, in time and by particles; shares of the bands; the mean spectrum."""
+    """Means and variances of the axial velocity, in time and by particles; shares of
+    the bands; the mean spectrum.
+    """
     spectra, moments, resampled = [], [], []
     for probe in probes:
         s, u = probe["eps_s [1]"], probe["u_solid [m/s]"]
         favre = float(np.average(u, weights=s))
-        moments.append((u.mean(), favre, u.var(), float(np.average((u - favre) ** 2, weights=s))))
+        moments.append(
+            (u.mean(), favre, u.var(), float(np.average((u - favre) ** 2, weights=s)))
+        )
         interval, values = signal.resampled(probe["t [s]"], u)
         resampled.append(values)
         spectra.append(signal.spectrum(interval, values, RECORD))
     frequency, power = spectra[0][0], np.mean([each[1] for each in spectra], axis=0)
-    shares = [power[(frequency >= low) & (frequency < high)].sum() / power.sum() for low, high in BANDS.values()]
+    shares = [
+        power[(frequency >= low) & (frequency < high)].sum() / power.sum()
+        for low, high in BANDS.values()
+    ]
     neighbours = [float(np.corrcoef(*pair)[0, 1]) for pair in pairwise(resampled)]
-    return [*np.mean(moments, axis=0), *shares, float(np.mean(neighbours))], frequency, power
+    return (
+        [*np.mean(moments, axis=0), *shares, float(np.mean(neighbours))],
+        frequency,
+        power,
+    )
 
 
 def compute(cases: Sequence[str] = RUNS) -> Tables:
@@ -83,7 +107,9 @@ def compute(cases: Sequence[str] = RUNS) -> Tables:
         lines += [(run, *pair) for pair in zip(frequency, power, strict=True)]
     tables = {
         "spectrum": Table(RESULTS, rows),
-        "spectra": Table({"run": "", "frequency [Hz]": ".4g", "power [m2/s]": ".4g"}, lines),
+        "spectra": Table(
+            {"run": "", "frequency [Hz]": ".4g", "power [m2/s]": ".4g"}, lines
+        ),
     }
     if len(cases) == len(RUNS):
         return tables
@@ -91,7 +117,9 @@ def compute(cases: Sequence[str] = RUNS) -> Tables:
 
 
 def plot(tables: Tables) -> dict[str, Any]:
-    """Power of the axial velocity, and what it sums up to from high frequencies down."""
+    """Power of the axial velocity, and what it sums up to from high frequencies
+    down.
+    """
     figure, panels = gallery.figure(1, 2, size=(9.0, 3.8))
     for run in tables["spectrum"]["run"]:
         found = tables["spectra"].where({"run": run})
@@ -99,10 +127,21 @@ def plot(tables: Tables) -> dict[str, Any]:
         above = np.cumsum((power * frequency[0])[::-1])[::-1]
         panels[0].loglog(frequency, power, color=duct.COLOURS[run], label=run)
         panels[1].semilogx(frequency, above, color=duct.COLOURS[run])
-    panels[0].set(xlabel="frequency [Hz]", ylabel=r"power of $u_\mathrm{solid}$ in the core [m$^2$/s]")
-    panels[1].set(xlabel="frequency [Hz]", ylabel=r"variance above the frequency [m$^2$/s$^2$]", ylim=(0, None))
+    panels[0].set(
+        xlabel="frequency [Hz]",
+        ylabel=r"power of $u_\mathrm{solid}$ in the core [m$^2$/s]",
+    )
+    panels[1].set(
+        xlabel="frequency [Hz]",
+        ylabel=r"variance above the frequency [m$^2$/s$^2$]",
+        ylim=(0, None),
+    )
     (most,) = reference().values()
-    panels[1].axhline(most, color=gallery.BLACK, linestyle=":", label=r"3 $\theta$ by CARPT")
+    panels[1].axhline(
+        most, color=gallery.BLACK, linestyle=":", label=r"3 $\theta$ by CARPT"
+    )
     panels[1].legend()
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    figure.legend(
+        *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3
+    )
     return {"spectrum": figure}

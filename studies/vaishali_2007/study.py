@@ -1,4 +1,6 @@
-"""Profiles of the riser in the window of the measurements, contbed beside twoPhaseEulerFoam."""
+"""Profiles of the riser in the window of the measurements, contbed beside
+twoPhaseEulerFoam.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,8 @@ PANELS = ("eps_s [1]", "u_solid [m/s]", "theta_total [m2/s2]")
 PRINTED = ("steps", "mass_drift_relative", "eps_s_max", "difference_of_halves")
 DRAGS = {"wenyu": gallery.BLUE, "syamlal": gallery.VERMILION}
 FLOWS = {"ff": "fast fluidization", "dpt": "dilute transport"}
-# in each flow one more profile of ours: on the fine grid of accuracy.py, and with the highest flux
+# in each flow one more profile of ours: on the fine grid of accuracy.py, and with the
+# highest flux
 MORE = {
     "ff": ("ff_wenyu_fine", gallery.GREEN, "contbed, wenyu, 30x700"),
     "dpt": ("dpt_wenyu_36.8", gallery.PURPLE, "contbed, wenyu, 36.8 kg/m2/s"),
@@ -26,7 +29,9 @@ MORE = {
 
 
 def reference(tables: Tables, flow: str, drag: str) -> dict[str, Any]:
-    """The peer's profile under our names; what its averages lack in the third direction counts as the lateral one."""
+    """The peer's profile under our names; what its averages lack in the third
+    direction counts as the lateral one.
+    """
     found = tables[f"twoPhaseEulerFoam_{flow}_{drag}"]
     moved = (found["var_us_axial"] + 2.0 * found["var_us_lateral"]) / 3.0
     return {
@@ -43,10 +48,15 @@ def compute(cases: Sequence[str] = SCENES) -> Tables:
     for name in cases:
         with tempfile.TemporaryDirectory() as folder:
             seconds, result = gallery.cpu(
-                lambda n=name, f=folder: cb.run(cb.load(HERE / f"{n}.toml"), Path(f)), samples=1
+                lambda n=name, f=folder: cb.run(cb.load(HERE / f"{n}.toml"), Path(f)),
+                samples=1,
             )
             tables[f"{name}_lateral"] = Table.read(Path(folder) / "lateral.csv")
-        print(f"{name}: {seconds:.0f} s of CPU", *(f"{key} {result.qoi[key]:.2g}" for key in PRINTED), flush=True)
+        print(
+            f"{name}: {seconds:.0f} s of CPU",
+            *(f"{key} {result.qoi[key]:.2g}" for key in PRINTED),
+            flush=True,
+        )
     return tables
 
 
@@ -56,8 +66,17 @@ def plot(tables: Tables) -> dict[str, Any]:
     for line, (flow, title) in zip(axes, FLOWS.items(), strict=True):
         curves: list[tuple[Any, str, str, str]] = []
         for drag, colour in DRAGS.items():
-            curves.append((tables[f"{flow}_{drag}_lateral"], "-", colour, f"contbed, {drag}"))
-            curves.append((reference(tables, flow, drag), "--", colour, f"twoPhaseEulerFoam, {drag}"))
+            curves.append(
+                (tables[f"{flow}_{drag}_lateral"], "-", colour, f"contbed, {drag}")
+            )
+            curves.append(
+                (
+                    reference(tables, flow, drag),
+                    "--",
+                    colour,
+                    f"twoPhaseEulerFoam, {drag}",
+                )
+            )
         scene, colour, label = MORE[flow]
         curves.append((tables[f"{scene}_lateral"], "-", colour, label))
         for panel, key in zip(line, PANELS, strict=True):

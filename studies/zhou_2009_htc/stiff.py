@@ -1,4 +1,6 @@
-"""The bed with the real modulus of glass, 50 GPa, beside soft beads whose contacts are corrected (Fig. 10)."""
+"""The bed with the real modulus of glass, 50 GPa, beside soft beads whose contacts
+are corrected (Fig. 10).
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,8 @@ def reference() -> Table:
 
 
 def compute(cases: Sequence[str] = VELOCITIES) -> Tables:
-    """Coefficients by mechanism of stiff beads; contacts of 50 GPa are corrected by a factor of 1.
+    """Coefficients by mechanism of stiff beads; contacts of 50 GPa are corrected by a
+    factor of 1.
 
     Committed rows of other velocities are kept.
     """
@@ -38,7 +41,11 @@ def plot(tables: Tables) -> dict[str, Any]:
     soft, stiff = reference(), tables["stiff"]
     for axes, k in zip(panels, CONDUCTIVITIES, strict=True):
         for case, (style, text) in study.CORRECTIONS.items():
-            axes.plot(*study.part(soft, case.replace("0.84", k), *study.CONDUCTION), style, label=text)
+            axes.plot(
+                *study.part(soft, case.replace("0.84", k), *study.CONDUCTION),
+                style,
+                label=text,
+            )
         axes.plot(*study.part(stiff, k, *study.CONDUCTION), "k*", ms=12, label="50 GPa")
         axes.set(xlabel="$U$ [m/s]", title=f"$k_p$ = {k} W/m/K", ylim=(0, None))
     panels[0].set_ylabel("conduction [W/m$^2$/K]")

@@ -1,4 +1,6 @@
-"""Heat transfer coefficients from packed to bubbling beds: Zhou, Yu, Zulli 2009, Figs 3-7, and 2010, Fig. 10."""
+"""Heat transfer coefficients from packed to bubbling beds: Zhou, Yu, Zulli 2009,
+Figs 3-7, and 2010, Fig. 10.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,8 @@ AIR = ConstantFluid(1.2, 1005.0, 1.8e-5, 0.026)
 NUSSELT = partial(nusselt_power, a=1.2, b=0.5)
 VELOCITIES = (0.2, 0.42, 0.8, 1.0, 1.2, 1.3, 1.4, 1.6, 2.0, 2.4)
 START, END, SAMPLE = 0.4, 0.8, 0.02  # s: averages from START on, every SAMPLE
-PAPER = (1 / 5, 2 / 15)  # r_c times c = (E/E0)^(1/5) everywhere: an impact's heat then goes with c^2
+# r_c times c = (E/E0)^(1/5) everywhere: an impact's heat then goes with c^2
+PAPER = (1 / 5, 2 / 15)
 CASES = {
     "0.08": Solid(0.08, 840.0, 5e10, PAPER),
     "0.84": Solid(0.84, 840.0, 5e10, PAPER),
@@ -47,7 +50,8 @@ CASES = {
     "30, exponents 1/3 and 1/5": Solid(30.0, 840.0, 5e10),
 }
 HOT = 9
-BINS, SPANS = 60, {"convection": (60, 360), "conduction": (0, 180)}  # of the distributions [W/m2/K]
+# of the distributions [W/m2/K]
+BINS, SPANS = 60, {"convection": (60, 360), "conduction": (0, 180)}
 CONDUCTION = ("fluid_touching", "fluid_apart", "contact", "impact")
 COLOURS = {"0.08": gallery.BLUE, "0.84": gallery.GREEN, "30": gallery.VERMILION}
 CORRECTIONS = {
@@ -59,8 +63,13 @@ SHOWN = (0.42, 1.0, 1.4, 2.0)  # velocities of the distributions
 
 
 def settled(count: int = COUNT, modulus: float = GLASS.youngs_modulus) -> Any:
-    """Settle beads on a square floor that grows with their number, so that the bed keeps its height."""
-    width, glass = WIDTH * (count / COUNT) ** 0.5, replace(GLASS, youngs_modulus=modulus)
+    """Settle beads on a square floor that grows with their number, so that the bed
+    keeps its height.
+    """
+    width, glass = (
+        WIDTH * (count / COUNT) ** 0.5,
+        replace(GLASS, youngs_modulus=modulus),
+    )
     return pack((width, width), radius=D / 2, count=count, seed=1, material=glass)
 
 
@@ -70,34 +79,66 @@ def weight(packing: Any) -> float:
     return len(packing) * np.pi / 6 * D**3 * GLASS.density * 9.81 / width**2
 
 
-def bed(packing: Any, U: float, drag: Any = drag_di_felice, energy: bool = False, gas_step: float = 2e-4) -> Bed:
+def bed(
+    packing: Any,
+    U: float,
+    drag: Any = drag_di_felice,
+    energy: bool = False,
+    gas_step: float = 2e-4,
+) -> Bed:
     simulation = Simulation(
-        Particles(packing.position, packing.radius), [packing.material], packing.walls, packing.domain
+        Particles(packing.position, packing.radius),
+        [packing.material],
+        packing.walls,
+        packing.domain,
     )
     width = packing.domain.upper[0]
     across = round(width / CELL)
     size = np.array([width / across, width / across, 1.5 * D])
-    gas = Gas(Grid(np.zeros(3), size, (across, across, 60)), AIR, drag, NUSSELT, T=300.0, isothermal=not energy)
+    gas = Gas(
+        Grid(np.zeros(3), size, (across, across, 60)),
+        AIR,
+        drag,
+        NUSSELT,
+        T=300.0,
+        isothermal=not energy,
+    )
     gas.inlet(U, 300.0)
     T = None
     if energy:
         T = np.full(len(packing), 300.0)
         T[hot_ones(packing)] = 400.0
-    return Bed(simulation, gas, gas_step, T, solid=CASES["0.84"] if energy else None, heat_interval=SAMPLE)
+    return Bed(
+        simulation,
+        gas,
+        gas_step,
+        T,
+        solid=CASES["0.84"] if energy else None,
+        heat_interval=SAMPLE,
+    )
 
 
 def hot_ones(packing: Any) -> list[int]:
     """Nine spheres at three heights on three verticals."""
     top, width = packing.statistics["surface"], packing.domain.upper[0]
-    spots = [(a * width, a * width, b * top) for a in (0.25, 0.5, 0.75) for b in (0.25, 0.5, 0.75)]
-    return [int(np.argmin(((packing.position - spot) ** 2).sum(axis=1))) for spot in spots]
+    spots = [
+        (a * width, a * width, b * top)
+        for a in (0.25, 0.5, 0.75)
+        for b in (0.25, 0.5, 0.75)
+    ]
+    return [
+        int(np.argmin(((packing.position - spot) ** 2).sum(axis=1))) for spot in spots
+    ]
 
 
 def one_velocity(packing: Any, U: float) -> dict[str, Any]:
     """Averages by mechanism for every case, coordination, hot spheres."""
     run = bed(packing, U, energy=True)
     averages = {name: Average(solid) for name, solid in CASES.items()}
-    radiation = {T: Average(replace(CASES["0.84"], conductivity=0.0), 0.9, T) for T in (373.0, 1273.0)}
+    radiation = {
+        T: Average(replace(CASES["0.84"], conductivity=0.0), 0.9, T)
+        for T in (373.0, 1273.0)
+    }
     drops, heights = [], []
 
     def sample(now):
@@ -110,8 +151,14 @@ def one_velocity(packing: Any, U: float) -> dict[str, Any]:
     hot = hot_ones(packing)
     before = run.T[hot].copy()
     run.run(END - START, SAMPLE, sample)
-    # cooling of the hot spheres in the time of the averages, as a thermocouple in them would see it
-    h_hot = run.capacity[hot] / (np.pi * D**2) * np.log((before - 300.0) / (run.T[hot] - 300.0)) / (END - START)
+    # cooling of the hot spheres in the time of the averages, as a thermocouple in them
+    # would see it
+    h_hot = (
+        run.capacity[hot]
+        / (np.pi * D**2)
+        * np.log((before - 300.0) / (run.T[hot] - 300.0))
+        / (END - START)
+    )
     glass = averages["0.84"]
     conduction = glass.total - glass.mean["convection"]
     found = {
@@ -121,7 +168,10 @@ def one_velocity(packing: Any, U: float) -> dict[str, Any]:
         "pressure_drop/weight": float(np.mean(drops)) / weight(packing),
         "height": float(np.mean(heights)),
         "cases": {name: average.bed_means() for name, average in averages.items()},
-        "radiation": {f"{T:g}": average.bed_means()["radiation"] for T, average in radiation.items()},
+        "radiation": {
+            f"{T:g}": average.bed_means()["radiation"]
+            for T, average in radiation.items()
+        },
         "hot_cooling": h_hot.tolist(),
         "hot_average": glass.total[hot].tolist(),
         "convection": np.percentile(glass.mean["convection"], [5, 50, 95]).tolist(),
@@ -131,17 +181,28 @@ def one_velocity(packing: Any, U: float) -> dict[str, Any]:
     }
     if U in SHOWN:
         found["distribution"] = {
-            "convection": np.histogram(glass.mean["convection"], BINS, SPANS["convection"], density=True)[0].tolist(),
-            "conduction": np.histogram(conduction, BINS, SPANS["conduction"], density=True)[0].tolist(),
+            "convection": np.histogram(
+                glass.mean["convection"], BINS, SPANS["convection"], density=True
+            )[0].tolist(),
+            "conduction": np.histogram(
+                conduction, BINS, SPANS["conduction"], density=True
+            )[0].tolist(),
         }
-    print(f"{U:g} m/s: coordination {glass.coordination:.3f}, {run.above} above", flush=True)
+    print(
+        f"{U:g} m/s: coordination {glass.coordination:.3f}, {run.above} above",
+        flush=True,
+    )
     return found
 
 
-def minimum_fluidization(packing: Any, drag: Any) -> tuple[list[Any], float, float, float]:
-    """Pressure drop over weight while the velocity is lowered in steps; the crossing of its two branches [m/s].
+def minimum_fluidization(
+    packing: Any, drag: Any
+) -> tuple[list[Any], float, float, float]:
+    """Pressure drop over weight while the velocity is lowered in steps; the crossing of
+    its two branches [m/s].
 
-    The velocity by Ergun [m/s] and the porosity of the bed that has come to rest follow.
+    The velocity by Ergun [m/s] and the porosity of the bed that has come to rest
+    follow.
     """
     run = bed(packing, 1.6, drag, gas_step=2e-4)
     run.run(0.3)
@@ -150,7 +211,9 @@ def minimum_fluidization(packing: Any, drag: Any) -> tuple[list[Any], float, flo
         run.gas.inlet(float(U), 300.0)
         run.run(0.06)
         drops = []
-        run.run(0.06, 2e-3, lambda now, drops=drops: drops.append(now.gas.pressure_drop))
+        run.run(
+            0.06, 2e-3, lambda now, drops=drops: drops.append(now.gas.pressure_drop)
+        )
         rows.append((float(U), float(np.mean(drops)) / weight(packing)))
     U, ratio = np.array(rows).T
     packed = ratio < 0.8
@@ -170,16 +233,26 @@ def reference(eps: float) -> float:
 def compute() -> Tables:
     """Minimum fluidization by two drags, and coefficients over the velocity."""
     packing = settled()
-    fluidization = {drag.__name__: minimum_fluidization(packing, drag) for drag in (drag_gidaspow, drag_di_felice)}
+    fluidization = {
+        drag.__name__: minimum_fluidization(packing, drag)
+        for drag in (drag_gidaspow, drag_di_felice)
+    }
     velocities = [one_velocity(packing, U) for U in VELOCITIES]
     curves = [(drag, *row) for drag, (rows, *_) in fluidization.items() for row in rows]
     return {
         "results": table(velocities),
         "mechanisms": mechanisms(velocities),
         "distributions": distributions(velocities),
-        "fluidization": Table({"drag": "", "U [m/s]": ".3g", "pressure drop/weight": ".4g"}, curves),
+        "fluidization": Table(
+            {"drag": "", "U [m/s]": ".3g", "pressure drop/weight": ".4g"}, curves
+        ),
         "U_mf": Table(
-            {"drag": "", "U_mf [m/s]": ".5g", "by Ergun [m/s]": ".5g", "porosity": ".5g"},
+            {
+                "drag": "",
+                "U_mf [m/s]": ".5g",
+                "by Ergun [m/s]": ".5g",
+                "porosity": ".5g",
+            },
             [(drag, *values) for drag, (_, *values) in fluidization.items()],
         ),
     }
@@ -188,8 +261,15 @@ def compute() -> Tables:
 def mechanisms(velocities: list[dict[str, Any]]) -> Table:
     """Coefficients by mechanism of every case and velocity."""
     names = ("convection", *CONDUCTION)
-    rows = [(row["U"], case, *(parts[n] for n in names)) for row in velocities for case, parts in row["cases"].items()]
-    return Table({"U [m/s]": "g", "case": "", **{f"{name} [W/m2/K]": ".5g" for name in names}}, rows)
+    rows = [
+        (row["U"], case, *(parts[n] for n in names))
+        for row in velocities
+        for case, parts in row["cases"].items()
+    ]
+    return Table(
+        {"U [m/s]": "g", "case": "", **{f"{name} [W/m2/K]": ".5g" for name in names}},
+        rows,
+    )
 
 
 def distributions(velocities: list[dict[str, Any]]) -> Table:
@@ -198,12 +278,19 @@ def distributions(velocities: list[dict[str, Any]]) -> Table:
     for row in velocities:
         for name, values in row.get("distribution", {}).items():
             edges = np.linspace(*SPANS[name], BINS + 1)
-            rows += [(row["U"], name, *pair) for pair in zip(0.5 * (edges[1:] + edges[:-1]), values, strict=True)]
-    return Table({"U [m/s]": "g", "by": "", "h [W/m2/K]": "g", "density [m2K/W]": ".4g"}, rows)
+            rows += [
+                (row["U"], name, *pair)
+                for pair in zip(0.5 * (edges[1:] + edges[:-1]), values, strict=True)
+            ]
+    return Table(
+        {"U [m/s]": "g", "by": "", "h [W/m2/K]": "g", "density [m2K/W]": ".4g"}, rows
+    )
 
 
 def table(velocities: list[dict[str, Any]]) -> Table:
-    """One row for each velocity, coefficients by mechanism for the three conductivities."""
+    """One row for each velocity, coefficients by mechanism for the three
+    conductivities.
+    """
     whole = {
         "total 0.84 E=10 MPa c=1": "0.84 at 10 MPa, no correction",
         "total 30 E=10 MPa c=1": "30 at 10 MPa, no correction",
@@ -212,21 +299,36 @@ def table(velocities: list[dict[str, Any]]) -> Table:
     out = []
     for row in velocities:
         cases = row["cases"]
-        values = {"U [m/s]": f"{row['U']:g}", "porosity": row["porosity"], "coordination": row["coordination"]}
-        values |= {"pressure drop/weight": row["pressure_drop/weight"], "h_convection": cases["0.84"]["convection"]}
+        values = {
+            "U [m/s]": f"{row['U']:g}",
+            "porosity": row["porosity"],
+            "coordination": row["coordination"],
+        }
+        values |= {
+            "pressure drop/weight": row["pressure_drop/weight"],
+            "h_convection": cases["0.84"]["convection"],
+        }
         for k in COLOURS:
             parts = ("fluid_touching", "fluid_apart", "contact", "impact")
-            values |= {f"{name} {k}": cases[k][name] for name in parts} | {f"total {k}": sum(cases[k].values())}
+            values |= {f"{name} {k}": cases[k][name] for name in parts} | {
+                f"total {k}": sum(cases[k].values())
+            }
         values |= {name: sum(cases[case].values()) for name, case in whole.items()}
         values |= {f"radiation {T} K": row["radiation"][T] for T in ("373", "1273")}
-        values |= {f"hot spheres by {how}": np.mean(row[f"hot_{how}"]) for how in ("cooling", "average")}
+        values |= {
+            f"hot spheres by {how}": np.mean(row[f"hot_{how}"])
+            for how in ("cooling", "average")
+        }
         out.append(values)
     return Table.of(out, ".4g")
 
 
 def plot(tables: Tables) -> dict[str, Any]:
     """Coefficients and shares over the velocity, and distributions."""
-    return {"htc": plot_coefficients(tables), "distributions": plot_distributions(tables)}
+    return {
+        "htc": plot_coefficients(tables),
+        "distributions": plot_distributions(tables),
+    }
 
 
 def part(table: Table, case: str, *names: str) -> tuple[Any, Any]:
@@ -237,15 +339,27 @@ def part(table: Table, case: str, *names: str) -> tuple[Any, Any]:
 
 def plot_coefficients(tables: Tables) -> Any:
     """Coefficients by conductivity, and what conducts."""
-    found, U_mf = tables["mechanisms"], tables["U_mf"].row("drag_di_felice")["U_mf [m/s]"]
+    found, U_mf = (
+        tables["mechanisms"],
+        tables["U_mf"].row("drag_di_felice")["U_mf [m/s]"],
+    )
     figure, axes = gallery.figure(2, 2, size=(9.0, 6.6))
     for k, colour in COLOURS.items():
         whole = part(found, k, "convection", *CONDUCTION)
         axes[0, 0].plot(*whole, "o-", color=colour, label=f"$k_p$ = {k} W/m/K")
-        axes[0, 1].plot(*part(found, k, *CONDUCTION), "s--", color=colour, label=f"conduction, {k} W/m/K")
+        axes[0, 1].plot(
+            *part(found, k, *CONDUCTION),
+            "s--",
+            color=colour,
+            label=f"conduction, {k} W/m/K",
+        )
     axes[0, 1].plot(*part(found, "0.84", "convection"), "ko-", label="convection")
     axes[0, 0].set(ylabel="$h$ [W/m$^2$/K]", ylim=(0, None))
-    groups = {"fluid, touching": ["fluid_touching"], "fluid, apart": ["fluid_apart"], "contact": ["contact", "impact"]}
+    groups = {
+        "fluid, touching": ["fluid_touching"],
+        "fluid, apart": ["fluid_apart"],
+        "contact": ["contact", "impact"],
+    }
     for panel, k in zip(axes[1], ("0.08", "30"), strict=True):
         U, whole = part(found, k, *CONDUCTION)
         for text, names in groups.items():
@@ -270,7 +384,11 @@ def plot_distributions(tables: Tables) -> Any:
     axes[0].set_ylabel("probability density [m$^2$K/W]")
     for case, (style, text) in CORRECTIONS.items():
         axes[2].plot(*part(tables["mechanisms"], case, *CONDUCTION), style, label=text)
-    axes[2].set(xlabel="$U$ [m/s]", ylabel="conduction, $k_p$ = 0.84 [W/m$^2$/K]", ylim=(0, None))
+    axes[2].set(
+        xlabel="$U$ [m/s]",
+        ylabel="conduction, $k_p$ = 0.84 [W/m$^2$/K]",
+        ylim=(0, None),
+    )
     for panel in axes:
         panel.legend()
     return figure

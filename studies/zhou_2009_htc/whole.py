@@ -1,4 +1,6 @@
-"""The bed with the paper's 16,000 beads beside that with 2,500: does the size change the coefficients?"""
+"""The bed with the paper's 16,000 beads beside that with 2,500: does the size change
+the coefficients?
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,8 @@ from studies.zhou_2009_htc import study
 
 HERE = Path(__file__).parent
 COUNT = 16_000
-VELOCITIES = ("0.42", "1", "1.4", "2")  # m/s: packed, packed and nearly carried, bubbling, vigorously bubbling
+# m/s: packed, packed and nearly carried, bubbling, vigorously bubbling
+VELOCITIES = ("0.42", "1", "1.4", "2")
 SHOWN = ("h_convection", *(f"total {k}" for k in study.COLOURS))
 
 
@@ -22,7 +25,9 @@ def reference() -> Table:
 
 
 def compute(cases: Sequence[str] = VELOCITIES) -> Tables:
-    """Coefficients by mechanism at some velocities; committed rows of others are kept."""
+    """Coefficients by mechanism at some velocities; committed rows of others are
+    kept.
+    """
     packing = study.settled(COUNT)
     found = study.table([study.one_velocity(packing, float(U)) for U in cases])
     return {"whole": Table.read(HERE / "whole.csv").updated(found, ["U [m/s]"])}
@@ -32,8 +37,14 @@ def plot(tables: Tables) -> dict[str, Any]:
     """Coefficients of both beds over the velocity."""
     figure, axes = gallery.figure(size=(6.4, 4.4))
     small = reference()
-    for name, colour in zip(SHOWN, (gallery.BLACK, *study.COLOURS.values()), strict=True):
-        text = "convection" if name == "h_convection" else f"$k_p$ = {name.split()[-1]} W/m/K"
+    for name, colour in zip(
+        SHOWN, (gallery.BLACK, *study.COLOURS.values()), strict=True
+    ):
+        text = (
+            "convection"
+            if name == "h_convection"
+            else f"$k_p$ = {name.split()[-1]} W/m/K"
+        )
         axes.plot(small["U [m/s]"], small[name], "-", color=colour, label=text)
         axes.plot(tables["whole"]["U [m/s]"], tables["whole"][name], "o", color=colour)
     axes.plot([], [], "o", color=gallery.GREY, label="16,000 beads")

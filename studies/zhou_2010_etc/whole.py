@@ -1,4 +1,6 @@
-"""The paper's number of spheres, 16,000, settled by LAMMPS with the modulus of simulations and with that of glass."""
+"""The paper's number of spheres, 16,000, settled by LAMMPS with the modulus of
+simulations and with that of glass.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +13,8 @@ from studies.zhou_2010_etc import study
 
 HERE = Path(__file__).parent
 COUNT = 16_000
-# kinetic energy over N m g d: at 50 GPa a sphere that is loose between others bounces for long, and one of 16,000 that
-# does by half of its diameter is as much
+# kinetic energy over N m g d: at 50 GPa a sphere that is loose between others bounces
+# for long, and one of 16,000 that does by half of its diameter is as much
 AT_REST = 3e-5
 HEADS = {
     "E [Pa]": "g",
@@ -39,12 +41,34 @@ def compute() -> Tables:
 
 
 def plot(tables: Tables) -> dict[str, Any]:
-    """k_e/k_f at a ratio of 1000 over the exponent of the correction, beside beds of 2,500."""
+    """k_e/k_f at a ratio of 1000 over the exponent of the correction, beside beds of
+    2,500.
+    """
     figure, axes = gallery.figure(size=(6.0, 4.0))
-    for table, marker, text in ((reference(), "o", "2,500, contbed"), (tables["whole"], "x", "16,000, LAMMPS")):
-        for modulus, colour in ((study.SOFT, gallery.BLUE), (study.REAL, gallery.BLACK)):
-            found, label = table.where({"E [Pa]": modulus}), f"{text}, {modulus / 1e9:g} GPa"
-            axes.plot(found["correction"], found["1000"], marker, color=colour, ms=7, label=label)
-    axes.set(xlabel="exponent of the correction to 50 GPa", ylabel="$k_e/k_f$ at $k_p/k_f$ = 1000", ylim=(0, None))
+    for table, marker, text in (
+        (reference(), "o", "2,500, contbed"),
+        (tables["whole"], "x", "16,000, LAMMPS"),
+    ):
+        for modulus, colour in (
+            (study.SOFT, gallery.BLUE),
+            (study.REAL, gallery.BLACK),
+        ):
+            found, label = (
+                table.where({"E [Pa]": modulus}),
+                f"{text}, {modulus / 1e9:g} GPa",
+            )
+            axes.plot(
+                found["correction"],
+                found["1000"],
+                marker,
+                color=colour,
+                ms=7,
+                label=label,
+            )
+    axes.set(
+        xlabel="exponent of the correction to 50 GPa",
+        ylabel="$k_e/k_f$ at $k_p/k_f$ = 1000",
+        ylim=(0, None),
+    )
     axes.legend()
     return {"whole": figure}

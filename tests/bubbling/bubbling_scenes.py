@@ -10,12 +10,21 @@ STUDY = Path(__file__).parents[2] / "studies" / "bubbling_bed_case1"
 QUIET = {"plots": False, "fields": False}
 # short names of tables within others
 INLET = {"inlet": ("boundary", "bottom", "gas")}
-OF_THE_BED = ("bubbles", "tubes", "walls", "distributor", "freeboard", "drain", "release")
+OF_THE_BED = (
+    "bubbles",
+    "tubes",
+    "walls",
+    "distributor",
+    "freeboard",
+    "drain",
+    "release",
+)
 PLACES = INLET | {name: ("bubbling_bed", name) for name in OF_THE_BED}
 
 
 def put(tables, path, value):
-    """Replace a value of nested tables under a path, whose first step may be a short name; None removes it.
+    """Replace a value of nested tables under a path, whose first step may be a short
+    name; None removes it.
 
     A new [bubbling_bed] keeps the tables within the former one.
     """
@@ -42,7 +51,9 @@ def changed(tables, changes):
 
 def values(name="p1"):
     """The tables of a scene of case1."""
-    return tomllib.loads((STUDY / f"{name}.toml").read_text(encoding="utf-8")) | {"output": dict(QUIET)}
+    return tomllib.loads((STUDY / f"{name}.toml").read_text(encoding="utf-8")) | {
+        "output": dict(QUIET)
+    }
 
 
 def case1(name="p1", **tables):
@@ -54,13 +65,24 @@ def solids(**changes):
     """The solid phases of case1 with keys replaced; None removes a key."""
     found = deepcopy(values()["solids"])
     for name, keys in changes.items():
-        found[name] = {key: value for key, value in {**found[name], **keys}.items() if value is not None}
+        found[name] = {
+            key: value
+            for key, value in {**found[name], **keys}.items()
+            if value is not None
+        }
     return found
 
 
 def one(**changes):
-    """A bed of inert particles between mirrors, without bubbles, radiation and surfaces."""
-    inert = {"volume_share": 1.0, "diameter": 1e-3, "gas_coefficient": 100.0, "mixing_conductivity": 5.0}
+    """A bed of inert particles between mirrors, without bubbles, radiation and
+    surfaces.
+    """
+    inert = {
+        "volume_share": 1.0,
+        "diameter": 1e-3,
+        "gas_coefficient": 100.0,
+        "mixing_conductivity": 5.0,
+    }
     tables = {
         "bubbling_bed": {"height": 0.6, "section": 1.3, "solids_fraction": 0.5},
         "boundary": {"bottom": {"gas": {"capacity_flow": 300.0, "temperature": 300.0}}},

@@ -33,8 +33,12 @@ HOT = {
 
 
 def tables(**changes):
-    """The tables of a hot bed; `inlet__mass_flow` replaces one value, a table all of a table, None removes it."""
-    return changed(HOT, {tuple(key.split("__")): value for key, value in changes.items()})
+    """The tables of a hot bed; `inlet__mass_flow` replaces one value, a table all of
+    a table, None removes it.
+    """
+    return changed(
+        HOT, {tuple(key.split("__")): value for key, value in changes.items()}
+    )
 
 
 def hot(**changes):

@@ -14,7 +14,14 @@ COAL = {
 }
 BURNING = {
     name: {}
-    for name in ("char_combustion", "CO_oxidation", "H2_oxidation", "CH4_oxidation", "tar_oxidation", "H2S_oxidation")
+    for name in (
+        "char_combustion",
+        "CO_oxidation",
+        "H2_oxidation",
+        "CH4_oxidation",
+        "tar_oxidation",
+        "H2S_oxidation",
+    )
 }
 BURNING |= {"drying": {"time": 10.0}, "devolatilisation": {"time": 20.0}}
 
@@ -56,7 +63,9 @@ def tables(stone=False, **changes):
     }  # fmt: skip
     if stone:
         lime = {"limestone": {"purity": 0.95}, "feed": fed(0.005)}
-        found["solids"]["stone"] = particles(0.1, 6e-4, 2600.0, exchange={"inert": 1e5}, **lime)
+        found["solids"]["stone"] = particles(
+            0.1, 6e-4, 2600.0, exchange={"inert": 1e5}, **lime
+        )
         found["reactions"] |= {"calcination": {}, "sulphation": {}}
     return changed(found, changes)
 

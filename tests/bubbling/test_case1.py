@@ -1,7 +1,9 @@
-"""The bed with frozen closures against two solutions by collocation of the strong form, made independently.
+"""The bed with frozen closures against two solutions by collocation of the strong form,
+made independently.
 
-The first is quoted here: its refinement changes temperatures by 4e-5 K and duties are given to 1e-2 W. The second is
-reference.csv of the study: its refinement changes temperatures by 3e-7 K and duties by 1e-4 W.
+The first is quoted here: its refinement changes temperatures by 4e-5 K and duties are
+given to 1e-2 W. The second is reference.csv of the study: its refinement changes
+temperatures by 3e-7 K and duties by 1e-4 W.
 """
 
 import csv
@@ -43,9 +45,12 @@ def test_p1_against_collocation(cells):
     # 2e-4 K: the reference's refinement and last digit; 20 cells are within 1e-3 K
     tolerance = 2e-4 if cells is None else 1e-3
     assert {name: result.qoi[name] for name in P1} == pytest.approx(P1, abs=tolerance)
-    # 1e-2 W is the last digit printed; on 20 cells the top, a layer of 1 mm, is the worst
+    # 1e-2 W is the last digit printed; on 20 cells the top, a layer of 1 mm, is the
+    # worst
     accuracy = {"rel": 2e-8, "abs": 6e-3} if cells is None else {"rel": 3e-5}
-    assert {name: result.qoi[name] for name in P1_DUTIES} == pytest.approx(P1_DUTIES, **accuracy)
+    assert {name: result.qoi[name] for name in P1_DUTIES} == pytest.approx(
+        P1_DUTIES, **accuracy
+    )
 
 
 def test_without_radiation_against_collocation():
@@ -67,14 +72,20 @@ def test_every_level_against_the_collocation_of_the_study(name):
         assert qoi[key] == pytest.approx(value, **tolerance), key
 
 
-@pytest.mark.parametrize("path", sorted(STUDY.glob("*.toml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", sorted(STUDY.glob("*.toml")), ids=lambda path: path.stem
+)
 def test_balances_close(path):
     result = cb.run(case1(path.stem))
     # of 1.3 MW; sums of 1000 terms round to 1e-13
     assert abs(result.balances["energy"]["relative_residual"]) < 1e-12
     # the gas carries away what the distributor takes: 690 W/K times the preheating
-    heat = result.qoi["distributor_convection_W"] + result.qoi["distributor_radiation_W"]
-    assert heat == pytest.approx(690.0 * (1 - np.exp(-2.5)) * (result.qoi["T_distributor_K"] - 300.0), rel=1e-9)
+    heat = (
+        result.qoi["distributor_convection_W"] + result.qoi["distributor_radiation_W"]
+    )
+    assert heat == pytest.approx(
+        690.0 * (1 - np.exp(-2.5)) * (result.qoi["T_distributor_K"] - 300.0), rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
@@ -84,13 +95,17 @@ def test_converges_with_the_degree(degree):
     for cells in (12, 24, 48):
         qoi = cb.run(case1("p1", mesh={"cells": cells}, solver={"degree": degree})).qoi
         errors.append(abs(qoi["top_radiation_W"] / fine["top_radiation_W"] - 1))
-    # a flux by the boundary condition converges at least as the field, at degree + 1; half an order for coarse meshes
+    # a flux by the boundary condition converges at least as the field, at degree + 1;
+    # half an order for coarse meshes
     assert np.all(np.log2(np.divide(errors[:-1], errors[1:])) > degree + 0.5)
 
 
 def test_only_transport_reaches_the_ends():
-    paper, flux, p1 = (cb.run(case1(name)).qoi for name in ("paper_closure", "two_flux", "p1"))
+    paper, flux, p1 = (
+        cb.run(case1(name)).qoi for name in ("paper_closure", "two_flux", "p1")
+    )
     assert paper["top_radiation_W"] == paper["distributor_radiation_W"] == 0.0
-    # published with the case: about 80 K between the paper's closure and the full problem
+    # published with the case: about 80 K between the paper's closure and the full
+    # problem
     assert 75 < p1["T_distributor_K"] - paper["T_distributor_K"] < 95
     assert paper["T_distributor_K"] < flux["T_distributor_K"] < p1["T_distributor_K"]

@@ -1,4 +1,6 @@
-"""What a reacting bed reports: char that does not fit, laws out of their range, amounts that are rounding."""
+"""What a reacting bed reports: char that does not fit, laws out of their range,
+amounts that are rounding.
+"""
 
 import numpy as np
 import pytest
@@ -14,7 +16,9 @@ from contbed.result import Result
 def test_char_beyond_the_volume_of_the_solids_is_no_result():
     result = Result(cb.plan(combustor()))
     _fits(combustor(), 0.9, result)
-    with pytest.raises(ConvergenceError, match=r"scene:1: solids.char.fuel: .* 171 %.*drain\.time") as error:
+    with pytest.raises(
+        ConvergenceError, match=r"scene:1: solids.char.fuel: .* 171 %.*drain\.time"
+    ) as error:
         _fits(combustor(), 1.71, result)
     assert error.value.exit_code == 3
 
@@ -25,12 +29,19 @@ def test_a_law_out_of_its_range_is_a_warning_and_fractions_have_no_unit():
                         inlet={"mass_flow": 0.02, "temperature": 900.0},
                         tubes={"perimeter": 1.0, "coefficient": 1e6, "temperature": 900.0}))  # fmt: skip
     assert any(
-        text.startswith("reactions.CH4_oxidation: dryer_glassman is used out of its range on 100 % of the height, 900")
+        text.startswith(
+            "reactions.CH4_oxidation: dryer_glassman is used out of its range on 100 % "
+            "of the height, 900"
+        )
         for text in found.warnings
     )
     names = [name for name in found.qoi if name.endswith(("_wet", "_dry"))]
     assert len(names) > 6 and {unit_of(name) for name in names} == {"1"}
-    assert all(value == 0 or abs(value) > 1e-15 for name, value in found.qoi.items() if name in names)
+    assert all(
+        value == 0 or abs(value) > 1e-15
+        for name, value in found.qoi.items()
+        if name in names
+    )
 
 
 def test_rounding_is_zero_and_undershoots_stay():
@@ -39,15 +50,27 @@ def test_rounding_is_zero_and_undershoots_stay():
 
 
 def test_a_fraction_below_zero_is_told_with_its_place():
-    """On few cells of degree 2 gas in bubbles undershoots above the distributor; a mesh that is chosen holds 1e-6."""
+    """On few cells of degree 2 gas in bubbles undershoots above the distributor; a
+    mesh that is chosen holds 1e-6.
+    """
     coarse, chosen = (
-        cb.run(combustor(mesh=mesh, solver={"degree": degree}, initial={"temperature": 1150.0}))
+        cb.run(
+            combustor(
+                mesh=mesh, solver={"degree": degree}, initial={"temperature": 1150.0}
+            )
+        )
         for mesh, degree in (({"cells": 6}, 2), ({}, 3))
     )
     (text,) = (text for text in coarse.warnings if "below zero" in text)
     least = coarse.profiles["x_CO2_bubble [1]"].min()
     z = coarse.profiles["z [m]"][coarse.profiles["x_CO2_bubble [1]"].argmin()]
-    assert text.startswith(f"CO2 in the bubble falls to a mole fraction of {least:.2g} at z = {z:.3g} m, further below")
+    assert text.startswith(
+        f"CO2 in the bubble falls to a mole fraction of {least:.2g} at z = {z:.3g} m, "
+        "further below"
+    )
     assert least < -1e-4 and z < 1e-3
     assert not any("below zero" in text for text in chosen.warnings)
-    assert min(x.min() for name, x in chosen.profiles.items() if name.startswith("x_")) > -1e-6
+    assert (
+        min(x.min() for name, x in chosen.profiles.items() if name.startswith("x_"))
+        > -1e-6
+    )

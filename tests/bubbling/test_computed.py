@@ -1,4 +1,6 @@
-"""Beds with computed coefficients: the closures are those of the state reached, and Newton's method sees all of it."""
+"""Beds with computed coefficients: the closures are those of the state reached, and
+Newton's method sees all of it.
+"""
 
 from types import SimpleNamespace
 
@@ -20,22 +22,38 @@ def solved(scene, closed=1e-12):
 
 
 def test_jacobian_is_the_derivative():
-    problem = BubblingProblem(plan(hot(mesh={"cells": 8}, bubbles={"size": "horio_nonaka", "exchange": "sit_grace"})))
+    problem = BubblingProblem(
+        plan(
+            hot(
+                mesh={"cells": 8},
+                bubbles={"size": "horio_nonaka", "exchange": "sit_grace"},
+            )
+        )
+    )
     random = np.random.default_rng(1)
-    state = problem._state(problem._start(900.0) * (1 + 0.02 * random.normal(size=problem.system.size)))
+    state = problem._state(
+        problem._start(900.0) * (1 + 0.02 * random.normal(size=problem.system.size))
+    )
     direction = random.normal(size=state.size) * np.abs(state)
     _, matrix = problem.assemble(state, True)
-    plus, minus = (problem.assemble(state + sign * 1e-6 * direction, False)[0] for sign in (1, -1))
+    plus, minus = (
+        problem.assemble(state + sign * 1e-6 * direction, False)[0] for sign in (1, -1)
+    )
     difference = (plus - minus) / 2e-6
     for name in problem.system.fields:
-        exact, estimate = (problem.system.part(part, name) for part in (matrix @ direction, difference))
+        exact, estimate = (
+            problem.system.part(part, name) for part in (matrix @ direction, difference)
+        )
         # central differences with a step of 1e-6: rounding of 1e-16/1e-6
         assert np.abs(exact - estimate).max() < 1e-8 * np.abs(estimate).max(), name
 
 
 @pytest.mark.slow
 def test_six_guesses_lead_to_one_state():
-    found = [solved(hot(initial={"temperature": guess})) for guess in (400.0, 700.0, 1000.0, 1150.0, 1500.0, 2000.0)]
+    found = [
+        solved(hot(initial={"temperature": guess}))
+        for guess in (400.0, 700.0, 1000.0, 1150.0, 1500.0, 2000.0)
+    ]
     assert max(len(result.history) for result in found) <= 12
     for result in found[1:]:
         assert result.qoi == pytest.approx(found[0].qoi, rel=1e-9)
@@ -43,9 +61,17 @@ def test_six_guesses_lead_to_one_state():
 
 def test_closures_are_those_of_the_state():
     """Every profile again from the temperatures by the closures alone."""
-    scene = hot(output={"positions": list(np.linspace(0.0, 0.6, 31)), "plots": False, "fields": False})
+    scene = hot(
+        output={
+            "positions": list(np.linspace(0.0, 0.6, 31)),
+            "plots": False,
+            "fields": False,
+        }
+    )
     result = solved(scene)
-    column = {header.split(" [")[0]: values for header, values in result.profiles.items()}
+    column = {
+        header.split(" [")[0]: values for header, values in result.profiles.items()
+    }
     gas = gas_mixture("N2:0.79, O2:0.21", 101325.0)
     T = 0.98 * column["T_inert"] + 0.02 * column["T_char"]
     rho, mu = gas.density(T), gas.viscosity(T)
@@ -55,18 +81,23 @@ def test_closures_are_those_of_the_state():
     assert column["u_mf"] == pytest.approx(u_mf, rel=1e-9)
     bubbles = column["flow_bubble"]
     u = (0.6 - bubbles) / rho + bubbles / gas.density(column["T_bubble"])
-    # the bend of the excess at zero, (1e-3 u_mf)^2 / (4 u_mf (u - u_mf)), is below 1e-6 of u
+    # the bend of the excess at zero, (1e-3 u_mf)^2 / (4 u_mf (u - u_mf)), is below 1e-6
+    # of u
     assert column["u"] == pytest.approx(u, rel=1e-6)
     u_b = closures.bubble_rise_davidson_harrison(column["d_b"], column["u"] - u_mf, 1.0)
     delta = closures.bubble_fraction_kunii_levenspiel(column["u"], u_mf, u_b, 0.5)
     assert column["delta"] == pytest.approx(delta, rel=1e-9)
     # the flow is a field: the closure holds to the error of the mesh
     assert bubbles == pytest.approx(0.6 - rho * (1 - delta) * u_mf, rel=1e-6)
-    assert column["d_b"][0] == pytest.approx(2.78 * (column["u"][0] - u_mf[0]) ** 2 / 9.81, rel=1e-6)
+    assert column["d_b"][0] == pytest.approx(
+        2.78 * (column["u"][0] - u_mf[0]) ** 2 / 9.81, rel=1e-6
+    )
 
 
 def test_a_number_is_a_closure_that_returns_it():
-    """The bed with the numbers that closures gave, at the same heat capacity of gas, has the same temperatures."""
+    """The bed with the numbers that closures gave, at the same heat capacity of gas,
+    has the same temperatures.
+    """
     still = {"heat_capacity": 1000.0}
     result = solved(
         hot(
@@ -79,7 +110,10 @@ def test_a_number_is_a_closure_that_returns_it():
     )
     assert result.qoi["tubes_coefficient_W_m2K"] == pytest.approx(250.0, rel=1e-12)
     assert np.all(result.profiles["d_b [m]"] == 0.1)
-    assert not any(use["kind"] in ("bed_tube", "solid_exchange", "bubble_growth") for use in result.closures)
+    assert not any(
+        use["kind"] in ("bed_tube", "solid_exchange", "bubble_growth")
+        for use in result.closures
+    )
 
 
 def test_ranges_are_reported_with_where_they_are_used():
@@ -94,7 +128,9 @@ def test_ranges_are_reported_with_where_they_are_used():
 
 
 def test_gas_that_passes_into_the_bubbles_brings_its_heat():
-    """Without exchange bubbles are heated by that alone: W_b h_b' = X (h_e - h_b) where X = W_b' > 0."""
+    """Without exchange bubbles are heated by that alone: W_b h_b' = X (h_e - h_b)
+    where X = W_b' > 0.
+    """
     result = solved(
         hot(
             bubbles={"exchange": 0.0},
@@ -103,12 +139,20 @@ def test_gas_that_passes_into_the_bubbles_brings_its_heat():
             solids__inert__mixing_conductivity=20.0,
         )
     )
-    column = {header.split(" [")[0]: values for header, values in result.profiles.items()}
+    column = {
+        header.split(" [")[0]: values for header, values in result.profiles.items()
+    }
     flow = column["flow_bubble"]
     gas = gas_mixture("N2:0.79, O2:0.21", 101325.0)
-    h_emulsion, h_bubble = gas.enthalpy(column["T_emulsion"]), gas.enthalpy(column["T_bubble"])
+    h_emulsion, h_bubble = (
+        gas.enthalpy(column["T_emulsion"]),
+        gas.enthalpy(column["T_bubble"]),
+    )
     passed = np.diff(flow)
-    mean = 0.5 * (h_emulsion[1:] + h_emulsion[:-1]), 0.5 * (h_bubble[1:] + h_bubble[:-1])
+    mean = (
+        0.5 * (h_emulsion[1:] + h_emulsion[:-1]),
+        0.5 * (h_bubble[1:] + h_bubble[:-1]),
+    )
     gained = np.sum(np.maximum(passed, 0) * mean[0] + np.minimum(passed, 0) * mean[1])
     change = flow[-1] * h_bubble[-1] - flow[0] * h_bubble[0]
     # gas does pass, and heats the bubbles; the trapezoidal rule of the table
@@ -117,23 +161,45 @@ def test_gas_that_passes_into_the_bubbles_brings_its_heat():
 
 
 def test_species_are_told_apart():
-    """Closures of a pair see each species with its own numbers, and mixing counts each one's own heat."""
-    computed = plan(hot(solids__inert__mixing_conductivity="kunii_levenspiel")).coefficients.computed
+    """Closures of a pair see each species with its own numbers, and mixing counts
+    each one's own heat.
+    """
+    computed = plan(
+        hot(solids__inert__mixing_conductivity="kunii_levenspiel")
+    ).coefficients.computed
     T, flow, d_b = np.full(1, 1100.0), np.full(1, 0.3), np.full(1, 0.08)
     local, _ = computed.recorded(
-        {"T_inert": T, "T_char": T, "T_emulsion": T, "T_bubble": T, "flow_bubble": flow, "d_bubble": d_b},
+        {
+            "T_inert": T,
+            "T_char": T,
+            "T_emulsion": T,
+            "T_bubble": T,
+            "flow_bubble": flow,
+            "d_bubble": d_b,
+        },
         np.full(1, 0.3),
     )
-    char, inert = (computed._of_pair(name, k, local.state) for name, k in (("char", 1), ("inert", 2)))
+    char, inert = (
+        computed._of_pair(name, k, local.state)
+        for name, k in (("char", 1), ("inert", 2))
+    )
     assert (char["f_1"], char["d_1"], char["rho_1"]) == (0.5 * 0.02, 3e-3, 1200.0)
     assert (inert["f_2"], inert["d_2"], inert["rho_2"]) == (0.5 * 0.98, 7e-4, 2600.0)
-    assert char["cp_1"] == pytest.approx(1000.0 + 0.5 * T) and inert["cp_2"] == pytest.approx(1000.0)
+    assert char["cp_1"] == pytest.approx(1000.0 + 0.5 * T) and inert[
+        "cp_2"
+    ] == pytest.approx(1000.0)
     # the same mixing [m2/s] of all particles carries heat as each species holds it
     held = {"char": 0.02 * 1200.0 * (1000.0 + 0.5 * T), "inert": 0.98 * 2600.0 * 1000.0}
-    assert local.conduction["char"] / local.conduction["inert"] == pytest.approx(held["char"] / held["inert"])
+    assert local.conduction["char"] / local.conduction["inert"] == pytest.approx(
+        held["char"] / held["inert"]
+    )
     mixing = [
         computed._dispersion(
-            name, SimpleNamespace(**vars(local) | {"state": local.state | {"conduction": local.conduction}})
+            name,
+            SimpleNamespace(
+                **vars(local)
+                | {"state": local.state | {"conduction": local.conduction}}
+            ),
         )
         for name in held
     ]

@@ -1,4 +1,6 @@
-"""The freeboard above a bed: flows of particles, gas that walls cool, heat that particles carry back, balances."""
+"""The freeboard above a bed: flows of particles, gas that walls cool, heat that
+particles carry back, balances.
+"""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -32,16 +34,25 @@ def solved(scene, closed=1e-12):
 
 
 def test_jacobian_is_the_derivative():
-    scene = hot(freeboard={"height": 2.0, "walls": WALLS, "temperature_above": 500.0}, mesh={"cells": 8})
+    scene = hot(
+        freeboard={"height": 2.0, "walls": WALLS, "temperature_above": 500.0},
+        mesh={"cells": 8},
+    )
     problem = BubblingProblem(plan(scene))
     random = np.random.default_rng(1)
-    state = problem._state(problem._start(900.0) * (1 + 0.02 * random.normal(size=problem.system.size)))
+    state = problem._state(
+        problem._start(900.0) * (1 + 0.02 * random.normal(size=problem.system.size))
+    )
     direction = random.normal(size=state.size) * np.abs(state)
     _, matrix = problem.assemble(state, True)
-    plus, minus = (problem.assemble(state + sign * 1e-6 * direction, False)[0] for sign in (1, -1))
+    plus, minus = (
+        problem.assemble(state + sign * 1e-6 * direction, False)[0] for sign in (1, -1)
+    )
     difference = (plus - minus) / 2e-6
     for name in problem.system.fields:
-        exact, estimate = (problem.system.part(part, name) for part in (matrix @ direction, difference))
+        exact, estimate = (
+            problem.system.part(part, name) for part in (matrix @ direction, difference)
+        )
         assert np.abs(exact - estimate).max() < 1e-7 * np.abs(estimate).max(), name
 
 
@@ -51,11 +62,15 @@ def test_particles_fall_off_exponentially():
     y, flow = column(result, "flow_up [kg/m2/s]")
     # cubic elements on the mesh of the bed: 12 decay lengths
     assert flow == pytest.approx(0.5 + 39.5 * np.exp(-3.0 * y), rel=1e-4)
-    assert result.qoi["carryover_kg_s"] == pytest.approx(0.5 + 39.5 * np.exp(-6.0), rel=1e-4)
+    assert result.qoi["carryover_kg_s"] == pytest.approx(
+        0.5 + 39.5 * np.exp(-6.0), rel=1e-4
+    )
 
 
 def test_gas_without_particles_is_cooled_by_the_walls():
-    """m h' = p h_w (T_w - T) from the mixture of both gases at the surface of the bed."""
+    """m h' = p h_w (T_w - T) from the mixture of both gases at the surface of the
+    bed.
+    """
     given = {
         "height": 2.0,
         "ejection": 1e-7,
@@ -65,7 +80,13 @@ def test_gas_without_particles_is_cooled_by_the_walls():
         "walls": {**WALLS, "emissivity": None},
     }
     given["walls"].pop("emissivity")
-    result = solved(hot(freeboard=given, radiation=None, distributor={"coefficient": 80.0, "preheat_NTU": 2.5}))
+    result = solved(
+        hot(
+            freeboard=given,
+            radiation=None,
+            distributor={"coefficient": 80.0, "preheat_NTU": 2.5},
+        )
+    )
     gas = gas_mixture("N2:0.79, O2:0.21", 101325.0)
     y, T = column(result, "T_freeboard [K]")
     top = np.flatnonzero(np.isclose(result.profiles["z [m]"], 0.6))[0]
@@ -76,7 +97,11 @@ def test_gas_without_particles_is_cooled_by_the_walls():
     )
     assert 0.6 * gas.enthalpy(T[0]) == pytest.approx(mixed, rel=1e-5)
     exact = solve_ivp(
-        lambda y, T: 3.5 * 20.0 * (600.0 - T) / (0.6 * gas.heat_capacity(T)), (0, 2), T[:1], t_eval=y, rtol=1e-10
+        lambda y, T: 3.5 * 20.0 * (600.0 - T) / (0.6 * gas.heat_capacity(T)),
+        (0, 2),
+        T[:1],
+        t_eval=y,
+        rtol=1e-10,
     )
     assert np.abs(T - exact.y[0]).max() < 1e-4  # of 100 K
     lost = 0.6 * (gas.enthalpy(T[0]) - gas.enthalpy(T[-1]))
@@ -84,7 +109,9 @@ def test_gas_without_particles_is_cooled_by_the_walls():
 
 
 def test_many_particles_bring_the_gas_to_the_temperature_of_the_bed():
-    """50 kg/m2/s hold a hundred times the heat of the gas, which leaves the bubbles cold."""
+    """50 kg/m2/s hold a hundred times the heat of the gas, which leaves the bubbles
+    cold.
+    """
     above = {"height": 2.0, "decay": 3.0, "elutriation": 0.0, "ejection": 50.0}
     result = solved(
         hot(
@@ -94,7 +121,9 @@ def test_many_particles_bring_the_gas_to_the_temperature_of_the_bed():
             distributor={"coefficient": 80.0, "preheat_NTU": 2.5},
         )
     )
-    surface = result.profiles["T_inert [K]"][np.flatnonzero(np.isclose(result.profiles["z [m]"], 0.6))[0]]
+    surface = result.profiles["T_inert [K]"][
+        np.flatnonzero(np.isclose(result.profiles["z [m]"], 0.6))[0]
+    ]
     gas, up = (column(result, name)[1] for name in ("T_freeboard [K]", "T_up [K]"))
     assert surface - gas[0] > 5 and abs(surface - gas[-1]) < 1
     assert gas[-1] == pytest.approx(up[-1], abs=0.1)
@@ -102,10 +131,13 @@ def test_many_particles_bring_the_gas_to_the_temperature_of_the_bed():
 
 def test_walls_above_cool_the_bed():
     base = {"height": 3.0, "temperature_above": 700.0}
-    adiabatic, cooled = (solved(hot(freeboard=base | more)) for more in ({}, {"walls": WALLS}))
+    adiabatic, cooled = (
+        solved(hot(freeboard=base | more)) for more in ({}, {"walls": WALLS})
+    )
     assert cooled.qoi["T_inert_mid_K"] < adiabatic.qoi["T_inert_mid_K"]
     assert cooled.qoi["freeboard_walls_radiation_W"] > 0
-    # radiation is continuous through the surface of the bed, to one over the factor that joins both sides
+    # radiation is continuous through the surface of the bed, to one over the factor
+    # that joins both sides
     z, G = cooled.profiles["z [m]"], cooled.profiles["G [W/m2]"]
     top = np.flatnonzero(np.isclose(z, 0.6))[0]
     assert column(cooled, "G_freeboard [W/m2]")[1][0] == pytest.approx(G[top], rel=1e-5)
@@ -121,31 +153,48 @@ class At(float):
 
 
 def test_black_particles_take_radiation_as_they_weaken_it():
-    """Large black particles scatter nothing: extinction is absorption, a quarter of their surface per volume.
+    """Large black particles scatter nothing: extinction is absorption, a quarter of
+    their surface per volume.
 
-    Both are read from the weak form of G at particles of 900 K, 30 kg/m2/s up and 20 kg/m2/s down.
+    Both are read from the weak form of G at particles of 900 K, 30 kg/m2/s up and 20
+    kg/m2/s down.
     """
-    here = LocalCoefficients(0.6, lambda T: 1e3 * T, lambda T: 1e3, 3.0, 0.0, 500.0, 100.0)
+    here = LocalCoefficients(
+        0.6, lambda T: 1e3 * T, lambda T: 1e3, 3.0, 0.0, 500.0, 100.0
+    )
     scene = hot(freeboard={"height": 2.0, "ejection": 40.0, "decay": 3.0})
     part = plan(scene).coefficients.computed.above.part
     part = replace(part, emissivity=1.0, local_coefficients=lambda u, o: here)
-    black, o = 4.0 * SIGMA * 900.0**4, SimpleNamespace(h=0.1, grad=lambda field: (field.slope,))
-    bed = dict.fromkeys(("T_freeboard", "T_up", "T_down"), At(900.0)) | {"flow_up": At(30.0), "carryover": At(10.0)}
+    black, o = (
+        4.0 * SIGMA * 900.0**4,
+        SimpleNamespace(h=0.1, grad=lambda field: (field.slope,)),
+    )
+    bed = dict.fromkeys(("T_freeboard", "T_up", "T_down"), At(900.0)) | {
+        "flow_up": At(30.0),
+        "carryover": At(10.0),
+    }
     none = dict.fromkeys((*part.fields, *part.scalars), At(0.0))
 
     def balance(G, test):
-        u, tests = (SimpleNamespace(**known | {"G_freeboard": field}) for known, field in ((bed, G), (none, test)))
+        u, tests = (
+            SimpleNamespace(**known | {"G_freeboard": field})
+            for known, field in ((bed, G), (none, test))
+        )
         return part.residual(u, tests, None, None, o)
 
     taken = balance(At(black + 1e3), At(1.0)) - balance(At(black), At(1.0))
     absorption = taken / (1e3 * part.section * part.stretch)
     diffusion = balance(At(black, 1.0), At(0.0, 1.0)) * part.stretch / part.section
-    assert absorption == pytest.approx(0.25 * part.surface * (30.0 + 20.0) / 500.0, rel=1e-9)
+    assert absorption == pytest.approx(
+        0.25 * part.surface * (30.0 + 20.0) / 500.0, rel=1e-9
+    )
     assert 1.0 / (3.0 * diffusion) == pytest.approx(absorption + CLEAR / 2.0, rel=1e-9)
 
 
 def test_a_freeboard_needs_its_gas_and_one_choice():
     with pytest.raises(cb.errors.SceneError, match="has no use without height"):
         hot(freeboard={"temperature": 900.0, "ejection": 3.0})
-    with pytest.raises(cb.errors.SceneError, match="give one of radiosity, temperature, height"):
+    with pytest.raises(
+        cb.errors.SceneError, match="give one of radiosity, temperature, height"
+    ):
         hot(freeboard={})

@@ -1,4 +1,6 @@
-"""The weak forms: order with a manufactured solution, exact Jacobian, what is written, what costs nothing."""
+"""The weak forms: order with a manufactured solution, exact Jacobian, what is
+written, what costs nothing.
+"""
 
 import json
 import subprocess
@@ -12,7 +14,13 @@ from bubbling_scenes import STUDY, case1, one
 
 import contbed as cb
 from contbed.bubbling_bed.equations import bed as model
-from contbed.bubbling_bed.equations.coefficients import Coefficients, Plate, Species, Stream, Surface
+from contbed.bubbling_bed.equations.coefficients import (
+    Coefficients,
+    Plate,
+    Species,
+    Stream,
+    Surface,
+)
 from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.cli import main
@@ -50,7 +58,10 @@ def coefficients(level, degree):
         Stream(lambda z: 12.0 + 0.0 * z, release=release),
         Stream(lambda z: 25.0 + 0.0 * z),
         40.0,
-        {"tubes": Surface(2.0, 15.0, 450.0, 0.6), "walls": Surface(3.0, 5.0, 700.0, 0.3)},
+        {
+            "tubes": Surface(2.0, 15.0, 450.0, 0.6),
+            "walls": Surface(3.0, 5.0, 700.0, 0.3),
+        },
         Plate(9.0, 0.8, 0.7),
         level,
         0.2,
@@ -66,10 +77,17 @@ def bed(level, degree, cells):
     line = skfem.MeshLine.init_tensor(nodes).with_boundaries(
         {"bottom": lambda x: x[0] == 0.0, "top": lambda x: x[0] == HEIGHT}
     )
-    system = System(line, dict.fromkeys(c.fields, (degree, 0)) | {"T_distributor": (0, 0)}, 2 * degree + 4)
+    system = System(
+        line,
+        dict.fromkeys(c.fields, (degree, 0)) | {"T_distributor": (0, 0)},
+        2 * degree + 4,
+    )
     forms = [
         (model.residual, system.cells, c),
-        *((form, system.boundary(end)[0], c) for form, end in ((model.bottom, "bottom"), (model.top, "top"))),
+        *(
+            (form, system.boundary(end)[0], c)
+            for form, end in ((model.bottom, "bottom"), (model.top, "top"))
+        ),
     ]
     return system, forms
 
@@ -80,17 +98,27 @@ def test_order_of_a_manufactured_solution(level, degree):
     errors, sizes = [], (8, 16, 32)
     for cells in sizes:
         system, forms = bed(level, degree, cells)
-        case = Manufactured(system, {name: EXACT[name] for name in system.fields}, forms)
+        case = Manufactured(
+            system, {name: EXACT[name] for name in system.fields}, forms
+        )
         load = case.load()
 
         def assemble(state, jacobian, system=system, forms=forms, load=load):
             residual, matrix = system.assemble(forms, state, jacobian)
             return residual - load, matrix
 
-        state, _ = newton(assemble, 1.05 * case.interpolant(), np.empty(0, dtype=int), Policy(1), tolerance=1e-9)
+        state, _ = newton(
+            assemble,
+            1.05 * case.interpolant(),
+            np.empty(0, dtype=int),
+            Policy(1),
+            tolerance=1e-9,
+        )
         errors.append(case.errors(state))
     for name in errors[0].keys() - {"T_distributor"}:
-        found = observed_order([error[name] for error in errors], [1.0 / cells for cells in sizes])
+        found = observed_order(
+            [error[name] for error in errors], [1.0 / cells for cells in sizes]
+        )
         # degree + 1 in L2, a little less on coarse meshes
         assert found[-1] > degree + 0.8, (name, found)
     # one number converges faster than a field, but not evenly
@@ -107,28 +135,47 @@ def test_jacobian_is_the_derivative(level):
     direction = np.random.default_rng(1).normal(size=system.size) * np.abs(state)
     _, matrix = system.assemble(forms, state)
     step = 1e-5
-    plus, minus = (system.assemble(forms, state + sign * step * direction, False)[0] for sign in (1, -1))
+    plus, minus = (
+        system.assemble(forms, state + sign * step * direction, False)[0]
+        for sign in (1, -1)
+    )
     difference = (plus - minus) / (2 * step)
     # central differences of powers of T: relative error of step^2
-    assert np.abs(matrix @ direction - difference).max() < 1e-7 * np.abs(difference).max()
+    assert (
+        np.abs(matrix @ direction - difference).max() < 1e-7 * np.abs(difference).max()
+    )
 
 
 def test_heat_that_one_phase_gives_another_gets():
-    """What all phases gain, without what they release and surfaces take, is what radiation brings through the ends."""
+    """What all phases gain, without what they release and surfaces take, is what
+    radiation brings through the ends.
+    """
     problem = BubblingProblem(plan(case1()))
     state, _ = problem.solve()
     residual, _ = problem.assemble(state, False)
     c = problem.c
-    gains = problem.total(lambda u, o: sum(model.gains(u, c, c.at(u, o), o).values(), start=0.0), state)
-    out = sum(value for name, value in problem.duties(state).items() if name.startswith(("tubes", "walls")))
+    gains = problem.total(
+        lambda u, o: sum(model.gains(u, c, c.at(u, o), o).values(), start=0.0), state
+    )
+    out = sum(
+        value
+        for name, value in problem.duties(state).items()
+        if name.startswith(("tubes", "walls"))
+    )
     ends = problem.duties(state)
     net = sum(problem.releases(state).values()) - out
-    assert gains - net == pytest.approx(-ends["top_radiation_W"] - ends["distributor_radiation_W"], rel=1e-9)
-    assert abs(residual.sum()) < 1e-12 * sum(abs(value) for value in problem.releases(state).values())
+    assert gains - net == pytest.approx(
+        -ends["top_radiation_W"] - ends["distributor_radiation_W"], rel=1e-9
+    )
+    assert abs(residual.sum()) < 1e-12 * sum(
+        abs(value) for value in problem.releases(state).values()
+    )
 
 
 def test_predicted_layers_of_two_streams():
-    """Particles and gas at rest: K r^2 = p h, for a mode that decays upward and one that decays downward."""
+    """Particles and gas at rest: K r^2 = p h, for a mode that decays upward and one
+    that decays downward.
+    """
     made = plan(
         one(
             inlet={"capacity_flow": 0.0, "temperature": 300.0},
@@ -149,13 +196,27 @@ def test_a_run_writes_what_other_runs_write(tmp_path):
     z = profiles["z [m]"]
     assert z[0] == 0.0 and z[-1] == 0.6 and np.all(np.diff(z) > 0)
     assert (z < np.sqrt(1 / (3 * 997 * 572))).sum() >= 20  # of the radiation's layer
-    assert (tmp_path / "profiles.png").stat().st_size > 10_000 and (tmp_path / "fields.vtu").exists()
+    assert (tmp_path / "profiles.png").stat().st_size > 10_000 and (
+        tmp_path / "fields.vtu"
+    ).exists()
 
 
 def test_plan_and_convergence_from_the_command_line(tmp_path, capsys):
     assert main(["plan", str(STUDY / "none.toml")]) == 0
     assert "SKIPPED radiation" in capsys.readouterr().out
-    assert main(["converge", str(STUDY / "p1.toml"), "--levels", "2", "--out", str(tmp_path)]) == 0
+    assert (
+        main(
+            [
+                "converge",
+                str(STUDY / "p1.toml"),
+                "--levels",
+                "2",
+                "--out",
+                str(tmp_path),
+            ]
+        )
+        == 0
+    )
     assert main(["explain", "bubbling_bed.height"]) == 0
     assert "> 0 m" in capsys.readouterr().out
 
@@ -167,7 +228,9 @@ def test_other_scenes_do_not_pay():
         f"cb.run(cb.load({str(scene)!r}, {{'output.plots': False}}))\n"
         "print(*[name for name in sys.modules if 'bubbling' in name])"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
     assert done.stdout.strip() == ""
 
 

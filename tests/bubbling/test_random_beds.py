@@ -1,4 +1,6 @@
-"""Random beds with computed coefficients: each is solved and checked, or refused by a sentence on place and remedy."""
+"""Random beds with computed coefficients: each is solved and checked, or refused by
+a sentence on place and remedy.
+"""
 
 import re
 import warnings
@@ -16,20 +18,24 @@ from contbed.errors import ConvergenceError, SceneError
 from contbed.fem.ad.dual import Dual
 from contbed.loading import from_dict
 
-# 8, 33: bubbles end below the surface; 36: the bed rests by far; 113: thin layers of gas; 136, 199: a freeboard where
-# hardly a particle flies
+# 8, 33: bubbles end below the surface; 36: the bed rests by far; 113: thin layers of
+# gas; 136, 199: a freeboard where hardly a particle flies
 DEFAULT = (2, 8, 33, 36, 113, 136, 199)
 MORE = [seed for seed in range(40) if seed not in DEFAULT]
 SENTENCE = r"scene:\d+: .*(at [-\d.e+]+ m|of [-\d.e+]+ K|bed of [-\d.e+]+ m).*(give|take|start|more|less|hotter|choose)"
 
 
 class Frozen:
-    """Coefficients of a bed held at those of a state, in every domain in the order of first use."""
+    """Coefficients of a bed held at those of a state, in every domain in the order
+    of first use.
+    """
 
     def __init__(self, c, state, problem):
         self.c, self.known = c, {}
         for form, where, _ in problem.forms:
-            problem.system.assemble([(form, where, Replaced(c, self.keep(where)))], state, False)
+            problem.system.assemble(
+                [(form, where, Replaced(c, self.keep(where)))], state, False
+            )
 
     def keep(self, where):
         def at(u, o):
@@ -62,25 +68,36 @@ def stripped(item):
     if isinstance(item, dict):
         return {key: stripped(value) for key, value in item.items()}
     if isinstance(item, Local):
-        return replace(item, **{key: stripped(value) for key, value in vars(item).items()})
+        return replace(
+            item, **{key: stripped(value) for key, value in vars(item).items()}
+        )
     if hasattr(item, "__dataclass_fields__") and hasattr(item, "growth"):
-        return replace(item, **{key: stripped(value) for key, value in vars(item).items()})
+        return replace(
+            item, **{key: stripped(value) for key, value in vars(item).items()}
+        )
     return item
 
 
 def resolved(result):
-    """Return the largest change of a temperature [K] when the bed is solved anew with frozen coefficients."""
+    """Return the largest change of a temperature [K] when the bed is solved anew
+    with frozen coefficients.
+    """
     problem = BubblingProblem(result.plan)
     state, _ = problem.solve()
     frozen = Frozen(problem.c, state, problem)
     other = BubblingProblem(result.plan)
     other.c = Replaced(problem.c, frozen.at)
     x = problem.unknowns(state)
-    for name in problem.c.streams:  # temperatures start anew; flows and sizes are frozen with the coefficients
+    # temperatures start anew; flows and sizes are frozen with the coefficients
+    for name in problem.c.streams:
         problem.system.part(x, name)[:] = result.plan.scene.initial.temperature
     found, _ = other._newton(x)
     return max(
-        float(np.abs(problem.system.part(found, name) - problem.system.part(state, name)).max())
+        float(
+            np.abs(
+                problem.system.part(found, name) - problem.system.part(state, name)
+            ).max()
+        )
         for name in problem.c.streams
     )
 
@@ -108,7 +125,8 @@ def test_random_beds(seed):
         return
     freeboard = result.plan.scene.bubbling_bed.freeboard
     if freeboard is None or freeboard.height is None:
-        # rounding: conduction of 2e4 W/m/K over cells of 0.4 um, by heat of 0.1 W/K, is 1e-5 K
+        # rounding: conduction of 2e4 W/m/K over cells of 0.4 um, by heat of 0.1 W/K, is
+        # 1e-5 K
         assert resolved(result) < 1e-4
 
 

@@ -1,4 +1,6 @@
-"""Recorded Jacobians of bubbling beds against those by dual numbers, at random states of all beds of the studies."""
+"""Recorded Jacobians of bubbling beds against those by dual numbers, at random
+states of all beds of the studies.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -33,11 +35,15 @@ def random_state(problem: BubblingProblem, seed: int) -> Any:
 
 
 def compare(problem: BubblingProblem, state: Any) -> None:
-    """Both to rounding: of the largest term in a row, as the terms of a derivative are added in another order."""
+    """Both to rounding: of the largest term in a row, as the terms of a derivative
+    are added in another order.
+    """
     with np.errstate(all="ignore"):
         residual, matrix = problem.system.assemble(problem.forms, state)
         found, jacobian = problem.assemble(state, True)
-    np.testing.assert_allclose(found, residual, rtol=0, atol=1e-14 * np.abs(residual).max())
+    np.testing.assert_allclose(
+        found, residual, rtol=0, atol=1e-14 * np.abs(residual).max()
+    )
     rows = abs(matrix).max(axis=1).toarray().ravel()
     assert (abs(jacobian - matrix).max(axis=1).toarray().ravel() <= 1e-13 * rows).all()
 

@@ -1,4 +1,6 @@
-"""Weak forms recorded once over a value of the scene, against those of each value by dual numbers."""
+"""Weak forms recorded once over a value of the scene, against those of each value by
+dual numbers.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,9 @@ BOILER = Path(__file__).parents[2] / "studies" / "boiler_optimum" / "boiler.toml
 
 
 def family_of(scene: Any, key: str) -> tuple[Family, Any, float]:
-    """A family after as many Jacobians as it takes to record, a state away from the solution, and the value there."""
+    """A family after as many Jacobians as it takes to record, a state away from the
+    solution, and the value there.
+    """
     problem = BubblingProblem(plan(scene))
     x = problem._start(scene.initial.temperature)
     x *= 1.0 + 0.02 * np.random.default_rng(6).uniform(-1.0, 1.0, len(x))
@@ -29,7 +33,9 @@ def family_of(scene: Any, key: str) -> tuple[Family, Any, float]:
 
 
 def compare(family: Family, x: Any, value: float) -> None:
-    """Rounding of the largest term in a row, as in `test_recorded_beds`; of a march through bubbles 1.5e-13."""
+    """Rounding of the largest term in a row, as in `test_recorded_beds`; of a march
+    through bubbles 1.5e-13.
+    """
     with np.errstate(all="ignore"):
         residual, matrix = family.at(value).steady(x, True)
         found, jacobian = family.assemble(x, value, True)
@@ -50,7 +56,11 @@ def compare(family: Family, x: Any, value: float) -> None:
         (case1, "boundary.bottom.gas.temperature"),
         (case1, "bubbling_bed.section"),
         (case1, "bubbling_bed.tubes.temperature"),
-        pytest.param(lambda: cb.load(BOILER), "boundary.bottom.gas.mass_flow", marks=pytest.mark.slow),
+        pytest.param(
+            lambda: cb.load(BOILER),
+            "boundary.bottom.gas.mass_flow",
+            marks=pytest.mark.slow,
+        ),
         (hot, "boundary.bottom.gas.mass_flow"),
     ],
 )
@@ -61,7 +71,9 @@ def test_any_value_after_one_recording(scene: Any, key: str) -> None:
     for factor in (1.0, 0.7, 1.9, 1.0):
         compare(family, x, factor * value)
     assert family.recorded is recorded
-    moved = family.assemble(x, 1.1 * value, False)[0] - family.assemble(x, value, False)[0]
+    moved = (
+        family.assemble(x, 1.1 * value, False)[0] - family.assemble(x, value, False)[0]
+    )
     assert np.abs(moved).max() > 0.0
 
 
@@ -72,8 +84,12 @@ def test_coefficients_that_ask_for_the_value_are_made_anew() -> None:
     compare(family, x, 1.05 * value)
 
 
-def test_recordings_that_hold_for_one_value_are_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Coefficients that put the first value in the place of the parameter: right there, wrong at any other."""
+def test_recordings_that_hold_for_one_value_are_not_used(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Coefficients that put the first value in the place of the parameter: right
+    there, wrong at any other.
+    """
     at, first = Family.at, float(value_at(case1(), "bubbling_bed.tubes.perimeter"))
 
     def kept(family: Family, p: Any) -> BubblingProblem:

@@ -1,4 +1,6 @@
-"""Sizes of particles by feed, drain and carry-over, and the height of a bed, with the state they belong to."""
+"""Sizes of particles by feed, drain and carry-over, and the height of a bed, with
+the state they belong to.
+"""
 
 import numpy as np
 import pytest
@@ -17,7 +19,12 @@ def sized(**changes):
     sand = found["solids"]["inert"]
     sand.pop("diameter")
     sand["sizes"] = dict(SAND)
-    sand["feed"] = {"mass_flow": 0.2, "temperature": 300.0, "height": 0.2, "width": 0.05}
+    sand["feed"] = {
+        "mass_flow": 0.2,
+        "temperature": 300.0,
+        "height": 0.2,
+        "width": 0.05,
+    }
     found["mesh"] = {"cells": 16}
     return found
 
@@ -30,18 +37,23 @@ def test_mass_of_every_size_is_balanced():
     assert x.sum() == pytest.approx(1.0, rel=1e-12)
     drain = result.qoi["inert_drain_kg_s"]
     carried = feed - drain * x
-    assert np.all(carried >= -1e-12) and np.all(np.diff(carried / x) <= 1e-12)  # fine sizes are carried away first
+    # fine sizes are carried away first
+    assert np.all(carried >= -1e-12) and np.all(np.diff(carried / x) <= 1e-12)
     assert x[0] < SAND["feed"][0] and x[-1] > SAND["feed"][-1]
     assert carried.sum() == pytest.approx(result.qoi["inert_carryover_kg_s"], rel=1e-10)
     diameter = 1.0 / np.sum(x / np.array(SAND["diameters"]))
     assert result.qoi["inert_diameter_m"] == pytest.approx(diameter, rel=1e-8)
-    assert result.plan.scene.solids["inert"].diameter == pytest.approx(diameter, rel=1e-8)
+    assert result.plan.scene.solids["inert"].diameter == pytest.approx(
+        diameter, rel=1e-8
+    )
 
 
 def test_nothing_carried_away_leaves_the_feed():
     scene = from_dict(sized(freeboard={"height": 3.0, "elutriation": 0.0}))
     result = cb.run(scene)
-    assert result.plan.scene.solids["inert"].sizes.bed == pytest.approx(SAND["feed"], rel=1e-10)
+    assert result.plan.scene.solids["inert"].sizes.bed == pytest.approx(
+        SAND["feed"], rel=1e-10
+    )
     assert result.qoi["inert_drain_kg_s"] == pytest.approx(0.2, rel=1e-10)
 
 
@@ -61,16 +73,24 @@ def test_height_of_the_bubbling_bed(expansion):
     assert result.profiles["z [m]"][-1] == pytest.approx(height, rel=1e-12)
     if expansion is None:
         # the trapezoidal rule of the table; the balance itself is to round-off
-        assert result.qoi["height_at_minimum_fluidization_m"] == pytest.approx(0.4, rel=1e-4)
+        assert result.qoi["height_at_minimum_fluidization_m"] == pytest.approx(
+            0.4, rel=1e-4
+        )
     else:
         assert 0.45 < height < 1.5
-    direct = cb.run(hot(bubbling_bed={**HOT["bubbling_bed"], "height": height}, mesh={"cells": 24}))
+    direct = cb.run(
+        hot(bubbling_bed={**HOT["bubbling_bed"], "height": height}, mesh={"cells": 24})
+    )
     # cells of another grading
-    assert result.qoi["T_inert_mid_K"] == pytest.approx(direct.qoi["T_inert_mid_K"], rel=1e-5)
+    assert result.qoi["T_inert_mid_K"] == pytest.approx(
+        direct.qoi["T_inert_mid_K"], rel=1e-5
+    )
 
 
 def test_sizes_that_cannot_be_balanced_are_refused():
-    with pytest.raises(SceneError, match=r"needs \[bubbling_bed.freeboard\] with a height"):
+    with pytest.raises(
+        SceneError, match=r"needs \[bubbling_bed.freeboard\] with a height"
+    ):
         from_dict(sized(freeboard={"temperature": 900.0}))
     wrong = sized()
     wrong["solids"]["inert"]["sizes"] = {"diameters": [1e-4, 1e-3], "feed": [0.5, 0.4]}
@@ -79,12 +99,20 @@ def test_sizes_that_cannot_be_balanced_are_refused():
 
 
 def test_tubes_that_do_not_fit_are_told():
-    """2 A/p is the width of slits; circles that touch fill pi/(2 sqrt 3) of a section, of 0.0127 m in 1 m2 285.6 m."""
-    with pytest.raises(SceneError, match=r"tubes\.perimeter.*leaves 0\.002 m .* particles of 0\.003 m; .* 666\.7 m"):
+    """2 A/p is the width of slits; circles that touch fill pi/(2 sqrt 3) of a
+    section, of 0.0127 m in 1 m2 285.6 m.
+    """
+    with pytest.raises(
+        SceneError,
+        match=r"tubes\.perimeter.*leaves 0\.002 m .* particles of 0\.003 m; .* 666\.7 m",
+    ):
         hot(tubes__perimeter=1000.0)
     (text,) = hot(tubes__perimeter=300.0).warnings
     assert "12.7 mm that touch each other have 285.6 m in 1 m2" in text
     assert not hot(tubes__perimeter=280.0).warnings
-    above = {"height": 2.0, "tubes": {"perimeter": 300.0, "coefficient": 50.0, "temperature": 550.0}}
+    above = {
+        "height": 2.0,
+        "tubes": {"perimeter": 300.0, "coefficient": 50.0, "temperature": 550.0},
+    }
     (text,) = hot(freeboard=above).warnings
     assert "freeboard.tubes.perimeter" in text

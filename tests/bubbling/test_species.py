@@ -1,4 +1,6 @@
-"""Reacting beds whose solution is known, and beds that break models: each converges and closes every balance."""
+"""Reacting beds whose solution is known, and beds that break models: each converges
+and closes every balance.
+"""
 
 from types import SimpleNamespace
 
@@ -20,7 +22,8 @@ from contbed.closures import reactions as r
 from contbed.errors import SceneError
 from contbed.loading import from_dict
 
-CLOSED = 1e-11  # of the throughput: rounding of exchange with walls; what is asked for is 1e-8
+# of the throughput: rounding of exchange with walls; what is asked for is 1e-8
+CLOSED = 1e-11
 
 
 def solved(scene):
@@ -38,26 +41,46 @@ def burning():
 def test_a_combustor_burns_its_coal(burning):
     qoi = burning.qoi
     assert sorted(burning.balances) == ["C", "Ca", "H", "N", "O", "S", "energy"]
-    assert qoi["ignited"] == 1 and qoi["carbon_conversion"] > 0.97 and qoi["combustion_efficiency"] > 0.97
+    assert (
+        qoi["ignited"] == 1
+        and qoi["carbon_conversion"] > 0.97
+        and qoi["combustion_efficiency"] > 0.97
+    )
     assert 0.5 < qoi["sulphur_capture"] < 0.9 and qoi["calcined"] > 0.99
     power = qoi["fuel_power_W"] * qoi["combustion_efficiency"]
     assert 0.3 < qoi["tubes_convection_W"] / power < 0.5
-    wet = sum(value for name, value in qoi.items() if name.startswith("x_") and name.endswith("_wet"))
+    wet = sum(
+        value
+        for name, value in qoi.items()
+        if name.startswith("x_") and name.endswith("_wet")
+    )
     assert wet == pytest.approx(1.0, rel=1e-12)
-    # what is not captured leaves with the gas, but for 0.3 % in volatile matter that is drained
+    # what is not captured leaves with the gas, but for 0.3 % in volatile matter that is
+    # drained
     S = (qoi["x_SO2_wet"] + qoi["x_H2S_wet"]) * qoi["gas_out_mol_s"]
-    assert pytest.approx((1.0 - qoi["sulphur_capture"]) * burning.balances["S"]["in"], rel=0.02) == S
+    assert (
+        pytest.approx(
+            (1.0 - qoi["sulphur_capture"]) * burning.balances["S"]["in"], rel=0.02
+        )
+        == S
+    )
 
 
 @pytest.mark.slow
 def test_carbon_monoxide_takes_sulphur_from_the_lime(burning):
-    """Elements and energy close as without; capture falls, by more where the rate is larger."""
+    """Elements and energy close as without; capture falls, by more where the rate is
+    larger.
+    """
     captured = [burning.qoi["sulphur_capture"]]
     for constant in (1e-7, 1e-6):
         scene = combustor(stone=True)
         table = SulphateReduction(rate_constant=constant)
         reactions = scene.reactions.model_copy(update={"sulphate_reduction": table})
-        captured.append(solved(scene.model_copy(update={"reactions": reactions})).qoi["sulphur_capture"])
+        captured.append(
+            solved(scene.model_copy(update={"reactions": reactions})).qoi[
+                "sulphur_capture"
+            ]
+        )
     assert captured[0] > captured[1] > captured[2] > 0.0
 
 
@@ -66,27 +89,42 @@ def test_sulphate_reduction_needs_sulphate_and_a_rate():
     reactions = tables(stone=True)["reactions"]
     without = {key: value for key, value in reactions.items() if key != "sulphation"}
     with pytest.raises(SceneError, match="there is no sulphate without"):
-        combustor(stone=True, reactions=without | {"sulphate_reduction": {"rate_constant": 1e-7}})
+        combustor(
+            stone=True,
+            reactions=without | {"sulphate_reduction": {"rate_constant": 1e-7}},
+        )
     with pytest.raises(SceneError, match=r"sulphate_reduction\.rate_constant"):
         combustor(stone=True, reactions=reactions | {"sulphate_reduction": {}})
 
 
 def test_profiles_are_fractions(burning):
     for phase in ("emulsion", "bubble"):
-        columns = [column for name, column in burning.profiles.items() if name.endswith(f"_{phase} [1]")]
+        columns = [
+            column
+            for name, column in burning.profiles.items()
+            if name.endswith(f"_{phase} [1]")
+        ]
         assert np.sum(columns, axis=0) == pytest.approx(1.0, rel=1e-12)
         assert np.min(columns) > -1e-3  # 12 cells
     assert any(use["name"] == "char_combustion: field" for use in burning.closures)
 
 
 def test_nothing_reacts_as_nothing_is_computed():
-    """Tables of no reaction give the inert bed of the same gas, but for two sets of polynomials of its heat."""
-    inert = without_fuel(drain=None, reactions={}, inlet={"mass_flow": 0.45, "temperature": 700.0})
+    """Tables of no reaction give the inert bed of the same gas, but for two sets of
+    polynomials of its heat.
+    """
+    inert = without_fuel(
+        drain=None, reactions={}, inlet={"mass_flow": 0.45, "temperature": 700.0}
+    )
     result = solved(from_dict(inert))
-    plain = cb.run(from_dict({key: value for key, value in inert.items() if key != "reactions"}))
+    plain = cb.run(
+        from_dict({key: value for key, value in inert.items() if key != "reactions"})
+    )
     for name in ("T_inert_mid_K", "T_emulsion_top_K"):
         assert result.qoi[name] == pytest.approx(plain.qoi[name], rel=1e-3)
-    assert "x_CO2_wet" not in result.qoi and result.qoi["x_O2_wet"] == pytest.approx(0.21, rel=1e-10)
+    assert "x_CO2_wet" not in result.qoi and result.qoi["x_O2_wet"] == pytest.approx(
+        0.21, rel=1e-10
+    )
     assert not any(name.startswith("x_") for name in plain.profiles)
 
 
@@ -96,8 +134,11 @@ def test_a_millionth_of_fuel_is_no_fuel():
     little["solids"]["char"]["feed"]["mass_flow"] = 1e-8
     result = solved(from_dict(little))
     none = solved(from_dict(without_fuel(drain=None, reactions={})))
-    # without fuel the bed holds 2 % of its particles less, whose surface the gas then lacks
-    assert result.qoi["T_inert_mid_K"] == pytest.approx(none.qoi["T_inert_mid_K"], rel=1e-3)
+    # without fuel the bed holds 2 % of its particles less, whose surface the gas then
+    # lacks
+    assert result.qoi["T_inert_mid_K"] == pytest.approx(
+        none.qoi["T_inert_mid_K"], rel=1e-3
+    )
     assert result.qoi["x_O2_wet"] == pytest.approx(none.qoi["x_O2_wet"], rel=1e-5)
 
 
@@ -113,11 +154,16 @@ def test_shift_by_an_integrator_of_ordinary_equations():
     volume, c = 0.1 * 0.45, 101325.0 / (r.R_GAS * 1200.0)
 
     def slope(z, made):
-        now = {name: (value + law.stoichiometry.get(name, 0.0) * made[0] / total) * c for name, value in x.items()}
+        now = {
+            name: (value + law.stoichiometry.get(name, 0.0) * made[0] / total) * c
+            for name, value in x.items()
+        }
         return [volume * item.rate(1200.0, now, 101325.0)]
 
     z = result.profiles["z [m]"]
-    exact = solve_ivp(slope, (0, 0.5), [0.0], t_eval=z, rtol=1e-10, atol=1e-12).y[0] / total
+    exact = (
+        solve_ivp(slope, (0, 0.5), [0.0], t_eval=z, rtol=1e-10, atol=1e-12).y[0] / total
+    )
     # 20 cells of degree 3, and 0.05 K by which the gas leads the walls
     assert result.profiles["x_CO2_emulsion [1]"] == pytest.approx(exact, abs=2e-5)
     assert exact[-1] > 0.05
@@ -125,13 +171,23 @@ def test_shift_by_an_integrator_of_ordinary_equations():
 
 def two_gases(**more):
     """CO2 and O2 in emulsion and bubbles, and fields that a test gives."""
-    gases = {"CO2": Gas(0.044, lambda T: -4e5 + 50.0 * T, None), "O2": Gas(0.032, lambda T: 30.0 * T, None)}
-    return SimpleNamespace(gases=gases, phases=("emulsion", "bubble"), solids={}, **more)
+    gases = {
+        "CO2": Gas(0.044, lambda T: -4e5 + 50.0 * T, None),
+        "O2": Gas(0.032, lambda T: 30.0 * T, None),
+    }
+    return SimpleNamespace(
+        gases=gases, phases=("emulsion", "bubble"), solids={}, **more
+    )
 
 
 def test_a_particle_gives_at_its_temperature_and_takes_at_that_of_the_gas():
     terms = SourceTerms(two_gases())
-    terms.particle("char", {"CO2": 2.0, "O2": -3.0}, {}, SimpleNamespace(T={"char": 1200.0, "emulsion": 900.0}))
+    terms.particle(
+        "char",
+        {"CO2": 2.0, "O2": -3.0},
+        {},
+        SimpleNamespace(T={"char": 1200.0, "emulsion": 900.0}),
+    )
     assert terms.gas["emulsion"] == {"CO2": 2.0, "O2": -3.0}
     brought = 2.0 * (-4e5 + 50.0 * 1200.0) - 3.0 * 30.0 * 900.0
     assert terms.gain == pytest.approx({"T_emulsion": brought, "T_char": -brought})
@@ -139,33 +195,53 @@ def test_a_particle_gives_at_its_temperature_and_takes_at_that_of_the_gas():
 
 @pytest.mark.parametrize(("crossing", "of"), [(0.3, "emulsion"), (-0.3, "bubble")])
 def test_gas_that_crosses_has_the_composition_of_where_it_comes_from(crossing, of):
-    """0.3 kg/s/m into the bubbles is gas of the emulsion, out of them that of the bubbles."""
+    """0.3 kg/s/m into the bubbles is gas of the emulsion, out of them that of the
+    bubbles.
+    """
     part = two_gases(pressure=1e5, section=1.0, exchange=lambda local, state: 0.0)
     w = {"emulsion": {"CO2": 0.9, "O2": 0.1}, "bubble": {"CO2": 0.2, "O2": 0.8}}
     both = {"emulsion": 1000.0, "bubble": 1000.0}
     local = SimpleNamespace(delta=0.3, crossing=crossing)
     terms = SourceTerms(part)
     Species._exchange(
-        part, SimpleNamespace(local=local, w=w, T=both, molar_mass={"emulsion": 0.04, "bubble": 0.03}), terms
+        part,
+        SimpleNamespace(
+            local=local, w=w, T=both, molar_mass={"emulsion": 0.04, "bubble": 0.03}
+        ),
+        terms,
     )
-    moved = {"CO2": crossing * w[of]["CO2"] / 0.044, "O2": crossing * w[of]["O2"] / 0.032}
+    moved = {
+        "CO2": crossing * w[of]["CO2"] / 0.044,
+        "O2": crossing * w[of]["O2"] / 0.032,
+    }
     assert terms.gas["bubble"] == pytest.approx(moved)
-    assert terms.gas["emulsion"] == pytest.approx({name: -amount for name, amount in moved.items()})
+    assert terms.gas["emulsion"] == pytest.approx(
+        {name: -amount for name, amount in moved.items()}
+    )
 
 
 def test_exchange_of_fuel_goes_by_the_surface_that_is_there():
-    """Twice the char has twice the surface for gas, mixing and the other particles; the pair of others stays."""
+    """Twice the char has twice the surface for gas, mixing and the other particles;
+    the pair of others stays.
+    """
     problem = BubblingProblem(plan(combustor(stone=True)))
     computed, z = problem.c.computed, np.full(1, 0.5)
-    values = {f"T_{name}": np.full(1, 1100.0) for name in ("char", "inert", "stone", "emulsion", "bubble")}
-    values |= {name: np.full(1, 1.0) * value for name, value in computed.start(1100.0, z).items()}
+    values = {
+        f"T_{name}": np.full(1, 1100.0)
+        for name in ("char", "inert", "stone", "emulsion", "bubble")
+    }
+    values |= {
+        name: np.full(1, 1.0) * value
+        for name, value in computed.start(1100.0, z).items()
+    }
     values["n_volatiles"] = np.zeros(1)
     once, _ = computed.recorded(values, z)
     twice, _ = computed.recorded(values | {"n_char": 2.0 * values["n_char"]}, z)
     share = once.shares["char"]
     assert once.pairs["char", "inert"] == pytest.approx(share * 2e4)
     assert once.pairs["stone", "inert"] == pytest.approx(1e5)
-    assert twice.shares["char"] == pytest.approx(2.0 * share, rel=1e-6)  # a trace of surface stays without char
+    # a trace of surface stays without char
+    assert twice.shares["char"] == pytest.approx(2.0 * share, rel=1e-6)
     assert twice.pairs["char", "inert"] == pytest.approx(twice.shares["char"] * 2e4)
     assert twice.gas["char"] == pytest.approx(2.0 * once.gas["char"], rel=1e-6)
 
@@ -174,26 +250,44 @@ def test_flows_may_hardly_undershoot_zero():
     """Newton's method may leave a hundredth of what enters, not more, below zero."""
     problem = BubblingProblem(plan(combustor()))
     for name, size in problem.chemistry.sizes.items():
-        assert problem.system.part(problem.lower, name) == pytest.approx(-0.01 * size), name
+        assert problem.system.part(problem.lower, name) == pytest.approx(
+            -0.01 * size
+        ), name
     assert problem.system.part(problem.lower, "T_char") == pytest.approx(0.0)
 
 
 def test_infinite_rate_is_equilibrium():
     scene = tube("CO:0.3, H2O:0.4, N2:0.3", {"water_gas_shift": {"factor": 1e5}})
     q = solved(scene).qoi
-    K = float(np.exp(thermo.ln_equilibrium(r.LAWS["water_gas_shift"]["biba"].stoichiometry, q["T_emulsion_top_K"])))
-    assert q["x_CO2_wet"] * q["x_H2_wet"] / (q["x_CO_wet"] * q["x_H2O_wet"]) == pytest.approx(K, rel=1e-6)
+    K = float(
+        np.exp(
+            thermo.ln_equilibrium(
+                r.LAWS["water_gas_shift"]["biba"].stoichiometry, q["T_emulsion_top_K"]
+            )
+        )
+    )
+    assert q["x_CO2_wet"] * q["x_H2_wet"] / (
+        q["x_CO_wet"] * q["x_H2O_wet"]
+    ) == pytest.approx(K, rel=1e-6)
 
 
 def test_adiabatic_flame_by_cantera():
-    """Without walls the gas leaves at the temperature and composition of equilibrium at constant enthalpy."""
+    """Without walls the gas leaves at the temperature and composition of equilibrium
+    at constant enthalpy.
+    """
     mixture = "CO:0.04, H2:0.03, O2:0.15, H2O:0.03, N2:0.75"
     inlet = {"mass_flow": 0.02, "temperature": 900.0}
-    q = solved(tube(mixture, {"CO_oxidation": {}, "H2_oxidation": {}}, inlet=inlet, walls=None)).qoi
+    q = solved(
+        tube(mixture, {"CO_oxidation": {}, "H2_oxidation": {}}, inlet=inlet, walls=None)
+    ).qoi
     names = ("CO", "H2", "O2", "H2O", "N2", "CO2")
     burnt = cantera.Solution(
         thermo="ideal-gas",
-        species=[item for item in cantera.Species.list_from_file("nasa_gas.yaml") if item.name in names],
+        species=[
+            item
+            for item in cantera.Species.list_from_file("nasa_gas.yaml")
+            if item.name in names
+        ],
     )
     burnt.TPX = 900.0, 101325.0, mixture
     burnt.equilibrate("HP")
@@ -204,28 +298,41 @@ def test_adiabatic_flame_by_cantera():
 
 
 def test_exhausted_fuel_and_exhausted_oxygen():
-    """Rates a thousand times faster than any: whichever is short is gone, and mole fractions stay at zero."""
+    """Rates a thousand times faster than any: whichever is short is gone, and mole
+    fractions stay at zero.
+    """
     fast = {name: {"factor": 1e3} for name in ("CO_oxidation", "H2_oxidation")}
     rich = solved(tube("CO:0.1, H2:0.1, O2:0.02, H2O:0.05, N2:0.73", fast)).qoi
     lean = solved(tube("CO:0.02, H2:0.02, O2:0.1, H2O:0.05, N2:0.81", fast)).qoi
     assert abs(rich["x_O2_wet"]) < 1e-8 and rich["x_CO_wet"] > 0.05
     assert abs(lean["x_CO_wet"]) < 1e-8 and abs(lean["x_H2_wet"]) < 1e-8
     # N2 is the tie: 0.02 of each fuel takes 0.02 of O2
-    assert lean["x_O2_wet"] / lean["x_N2_wet"] == pytest.approx((0.1 - 0.02) / 0.81, rel=1e-6)
+    assert lean["x_O2_wet"] / lean["x_N2_wet"] == pytest.approx(
+        (0.1 - 0.02) / 0.81, rel=1e-6
+    )
 
 
 @pytest.mark.slow
 def test_no_char():
     none = tables()
-    none["solids"]["char"]["fuel"] |= {"volatile_matter": 1.0 - 1e-9, "ultimate": {"C": 0.46, "H": 0.055, "O": 0.385}}
+    none["solids"]["char"]["fuel"] |= {
+        "volatile_matter": 1.0 - 1e-9,
+        "ultimate": {"C": 0.46, "H": 0.055, "O": 0.385},
+    }
     gas = solved(from_dict(none))
     assert gas.qoi["ignited"] == 1 and gas.qoi["held_char_mol"] < 1e-3
 
 
 @pytest.mark.slow
 def test_only_char():
-    coke = tables(reactions={"char_combustion": {"products": "arthur"}, "CO_oxidation": {}})
-    dry = {"volatile_matter": 0.0, "moisture": 0.0, "ultimate": {"C": 0.9, "H": 0.0, "O": 0.0}}
+    coke = tables(
+        reactions={"char_combustion": {"products": "arthur"}, "CO_oxidation": {}}
+    )
+    dry = {
+        "volatile_matter": 0.0,
+        "moisture": 0.0,
+        "ultimate": {"C": 0.9, "H": 0.0, "O": 0.0},
+    }
     coke["solids"]["char"]["fuel"] |= dry
     coke["initial"] = {"temperature": 1200.0}
     char = solved(from_dict(coke))
@@ -252,7 +359,9 @@ def test_energy_follows_the_heating_value():
     low["solids"]["char"]["fuel"]["heating_value"] = 27e6
     high["solids"]["char"]["fuel"]["heating_value"] = 29e6
     a, b = (solved(from_dict(each)).qoi for each in (low, high))
-    assert b["fuel_power_W"] - a["fuel_power_W"] == pytest.approx(2e6 * 0.035 * 0.92, rel=1e-9)
+    assert b["fuel_power_W"] - a["fuel_power_W"] == pytest.approx(
+        2e6 * 0.035 * 0.92, rel=1e-9
+    )
     assert b["T_inert_mid_K"] > a["T_inert_mid_K"] + 20
 
 
@@ -285,6 +394,8 @@ def test_bad_scenes_are_explained(text):
 
 
 def test_reactions_that_cannot_run_are_named():
-    result = solved(tube("CO:0.3, H2O:0.3, N2:0.4", {"CO_oxidation": {}, "water_gas_shift": {}}))
+    result = solved(
+        tube("CO:0.3, H2O:0.3, N2:0.4", {"CO_oxidation": {}, "water_gas_shift": {}})
+    )
     assert any("CO_oxidation does not run" in text for text in result.warnings)
     assert "x_O2_wet" not in result.qoi

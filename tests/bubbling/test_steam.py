@@ -1,4 +1,6 @@
-"""Water inside of tubes and walls: CoolProp's states, exact heating, boiling, balances with the bed."""
+"""Water inside of tubes and walls: CoolProp's states, exact heating, boiling,
+balances with the bed.
+"""
 
 import numpy as np
 import pytest
@@ -17,17 +19,25 @@ def test_table_is_coolprop(pressure):
     h = np.linspace(50.0, 3900.0, 301)
     exact = CoolProp.PropsSI("T", "P", pressure, "Hmass", 1e3 * h, "Water")
     # near the critical point the curve bends within 1 kJ/kg
-    assert np.abs(water.temperature(h) - exact).max() < (1e-3 if pressure < 1e7 else 2e-2)
+    assert np.abs(water.temperature(h) - exact).max() < (
+        1e-3 if pressure < 1e7 else 2e-2
+    )
     slope = (water.temperature(h + 1e-4) - water.temperature(h - 1e-4)) / 2e-4
     inside = np.abs(h - water.liquid) > 1
     inside &= np.abs(h - water.vapour) > 1
-    assert water._value(h, 1)[inside] == pytest.approx(slope[inside], rel=1e-4, abs=1e-6)
+    assert water._value(h, 1)[inside] == pytest.approx(
+        slope[inside], rel=1e-4, abs=1e-6
+    )
 
 
 def test_boiling_water_has_one_temperature_and_a_quality():
     water = steam(60e5)
-    assert water.temperature(0.5 * (water.liquid + water.vapour)) == pytest.approx(548.73, abs=0.01)
-    assert water.quality(0.25 * water.liquid + 0.75 * water.vapour) == pytest.approx(0.75)
+    assert water.temperature(0.5 * (water.liquid + water.vapour)) == pytest.approx(
+        548.73, abs=0.01
+    )
+    assert water.quality(0.25 * water.liquid + 0.75 * water.vapour) == pytest.approx(
+        0.75
+    )
     assert water.quality(100.0) is None
 
 
@@ -75,13 +85,22 @@ def test_water_of_a_stirred_bed_is_heated_exponentially(direction):
     assert np.abs(found - exact).max() < 2e-4
     for balance in result.balances.values():
         assert abs(balance["relative_residual"]) < 1e-12
-    assert result.qoi["tubes_water_W"] == pytest.approx(result.qoi["tubes_convection_W"], rel=1e-10)
+    assert result.qoi["tubes_water_W"] == pytest.approx(
+        result.qoi["tubes_convection_W"], rel=1e-10
+    )
 
 
 @pytest.mark.parametrize("make", [case1, hot])
 def test_evaporator_in_a_bed(make):
-    """A bed with all its physics boils water: the metal is q/(p h_i), 35 K at most, above saturation."""
-    given = {"pressure": "60 bar", "temperature": 540.0, "mass_flow": 0.5, "coefficient": 5000.0}
+    """A bed with all its physics boils water: the metal is q/(p h_i), 35 K at most,
+    above saturation.
+    """
+    given = {
+        "pressure": "60 bar",
+        "temperature": 540.0,
+        "mass_flow": 0.5,
+        "coefficient": 5000.0,
+    }
     tubes = {"perimeter": 4.0, "coefficient": 200.0, "emissivity": 0.8, "steam": given}
     result = cb.run(make(tubes=tubes))
     for balance in result.balances.values():

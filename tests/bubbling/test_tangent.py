@@ -1,4 +1,6 @@
-"""The tangent of bubbling beds against differences of solutions on the same mesh, with sizes and height that settle."""
+"""The tangent of bubbling beds against differences of solutions on the same mesh,
+with sizes and height that settle.
+"""
 
 import numpy as np
 import pytest
@@ -18,7 +20,9 @@ from contbed.result import Result
 
 
 def on_one_mesh(result, qoi):
-    """Results of full solutions on the mesh of a run, stretched to the height, as a function of the scene."""
+    """Results of full solutions on the mesh of a run, stretched to the height, as a
+    function of the scene.
+    """
     base = Tangent(result)
 
     def solve(scene):
@@ -36,13 +40,19 @@ def on_one_mesh(result, qoi):
 def worst(scene, names, step=1e-4):
     """Largest difference over the largest relative derivative of each result."""
     result = cb.run(scene)
-    qoi = [name for name in result.qoi if name.endswith(("_mid_K", "convection_W", "_top_K", "height_m", "drain_kg_s"))]
+    qoi = [
+        name
+        for name in result.qoi
+        if name.endswith(("_mid_K", "convection_W", "_top_K", "height_m", "drain_kg_s"))
+    ]
     qoi = [name for name in qoi if not name.startswith("height_at")]
     made = gradient(scene, qoi, names)
     assert made.method == "tangent"
     solve, columns = on_one_mesh(result, qoi), []
     for one in (key(scene, name) for name in names):
-        ends = [solve(one.on(scene, one.value * (1.0 + side * step))) for side in (1, -1)]
+        ends = [
+            solve(one.on(scene, one.value * (1.0 + side * step))) for side in (1, -1)
+        ]
         columns.append((ends[0] - ends[1]) / (2.0 * step * one.value))
     found = np.array(columns).T
     weights = np.abs(found * made.at).max(axis=1, keepdims=True)
@@ -51,22 +61,39 @@ def worst(scene, names, step=1e-4):
 
 def test_bed_of_given_coefficients():
     names = ["bubbling_bed.section", "boundary.bottom.gas.temperature"]
-    names += [f"bubbling_bed.{key}" for key in ("tubes.temperature", "tubes.coefficient", "height")]
+    names += [
+        f"bubbling_bed.{key}"
+        for key in ("tubes.temperature", "tubes.coefficient", "height")
+    ]
     assert worst(case1("p1"), names) < 1e-6
 
 
 def test_bed_of_closures():
-    names = ["boundary.bottom.gas.mass_flow", "solids.inert.diameter", "bubbling_bed.height"]
+    names = [
+        "boundary.bottom.gas.mass_flow",
+        "solids.inert.diameter",
+        "bubbling_bed.height",
+    ]
     assert worst(from_dict(closure_tables() | {"mesh": {"cells": 16}}), names) < 1e-6
 
 
 def settling():
-    """A bed of sand of four sizes, fed and drained, below a freeboard, of a height by its bubbles."""
+    """A bed of sand of four sizes, fed and drained, below a freeboard, of a height
+    by its bubbles.
+    """
     tables = closure_tables(freeboard={"height": 3.0, "elutriation": "geldart"})
     sand = tables["solids"]["inert"]
     del sand["diameter"]
-    sand["sizes"] = {"diameters": [1e-4, 2e-4, 5e-4, 1e-3], "feed": [0.1, 0.2, 0.4, 0.3]}
-    sand["feed"] = {"mass_flow": 0.2, "temperature": 300.0, "height": 0.2, "width": 0.05}
+    sand["sizes"] = {
+        "diameters": [1e-4, 2e-4, 5e-4, 1e-3],
+        "feed": [0.1, 0.2, 0.4, 0.3],
+    }
+    sand["feed"] = {
+        "mass_flow": 0.2,
+        "temperature": 300.0,
+        "height": 0.2,
+        "width": 0.05,
+    }
     return tables | {"mesh": {"cells": 12}}
 
 
@@ -78,18 +105,32 @@ def test_sizes_that_settle():
 @pytest.mark.slow
 def test_sizes_and_height_that_settle():
     tables = settling()
-    put(tables, ("bubbling_bed",), {"settled_height": 0.4, "section": 1.0, "solids_fraction": 0.5})
-    names = ["boundary.bottom.gas.mass_flow", "bubbling_bed.settled_height", "solids.inert.feed.mass_flow"]
+    put(
+        tables,
+        ("bubbling_bed",),
+        {"settled_height": 0.4, "section": 1.0, "solids_fraction": 0.5},
+    )
+    names = [
+        "boundary.bottom.gas.mass_flow",
+        "bubbling_bed.settled_height",
+        "solids.inert.feed.mass_flow",
+    ]
     assert worst(from_dict(tables), names) < 1e-6
 
 
 @pytest.mark.slow
 def test_bed_that_reacts():
-    names = ["solids.char.feed.mass_flow", "boundary.bottom.gas.mass_flow", "reactions.devolatilisation.time"]
+    names = [
+        "solids.char.feed.mass_flow",
+        "boundary.bottom.gas.mass_flow",
+        "reactions.devolatilisation.time",
+    ]
     names += ["bubbling_bed.tubes.coefficient"]
     assert worst(combustor(), names) < 1e-6
 
 
 def test_results_beside_the_state_are_told():
-    with pytest.raises(UnlikeError, match="fold_1 does not follow from the steady state alone"):
+    with pytest.raises(
+        UnlikeError, match="fold_1 does not follow from the steady state alone"
+    ):
         _of_state(case1("p1"), {"duty_W": 1.0}, ("fold_1",))

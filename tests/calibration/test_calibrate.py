@@ -1,4 +1,6 @@
-"""The command: keys of scenes recovered from tables, files, mistakes with file and line, and what a kill leaves."""
+"""The command: keys of scenes recovered from tables, files, mistakes with file and
+line, and what a kill leaves.
+"""
 
 import csv
 import json
@@ -112,7 +114,10 @@ FLUX = 620.0
 def drop(u, porosity=0.39, diameter=3.2e-3):
     """Ergun's equation."""
     share = (1.0 - porosity) / porosity**3
-    return 2.0 * (150.0 * 2e-5 * share * (1.0 - porosity) * u / diameter**2 + 1.75 * 1.2 * share * u**2 / diameter)
+    return 2.0 * (
+        150.0 * 2e-5 * share * (1.0 - porosity) * u / diameter**2
+        + 1.75 * 1.2 * share * u**2 / diameter
+    )
 
 
 @pytest.fixture
@@ -121,21 +126,27 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "scene.toml").write_text(SCENE)
     (tmp_path / "drops.toml").write_text(DROPS)
     rows = [f"{100.0 * u},{1e-2 * drop(u)!r}" for u in (0.02, 0.2, 1.0)]
-    (tmp_path / "drops.csv").write_text("\n".join(["# measured", "u [cm/s],dp [mbar]", *rows, ""]))
+    (tmp_path / "drops.csv").write_text(
+        "\n".join(["# measured", "u [cm/s],dp [mbar]", *rows, ""])
+    )
     (tmp_path / "tank.toml").write_text(TANK)
     (tmp_path / "heated.toml").write_text(HEATED)
     lines = ["t [min],x [mm],T [degC],probe,error [K]"]
     for minutes in (1.0, 2.0, 3.0, 6.0):
         warm = 300.0 + FLUX / CAPACITY * 60.0 * minutes - 273.15
         twice = 300.0 + 2.0 * FLUX / CAPACITY * 60.0 * minutes - 273.15
-        lines += [f"{minutes},{x},{warm!r},A,1" for x in (2, 8)] + [f"{minutes},5,{twice!r},B,1"]
+        lines += [f"{minutes},{x},{warm!r},A,1" for x in (2, 8)] + [
+            f"{minutes},5,{twice!r},B,1"
+        ]
     (tmp_path / "heated.csv").write_text("\n".join(lines))
     return tmp_path
 
 
 @pytest.fixture
 def no_pictures(monkeypatch):
-    monkeypatch.setattr("contbed.many.calibrate.calibrate.plot", lambda found, out: None)
+    monkeypatch.setattr(
+        "contbed.many.calibrate.calibrate.plot", lambda found, out: None
+    )
 
 
 def read(path):
@@ -145,34 +156,60 @@ def read(path):
 
 @pytest.mark.slow
 def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
-    text = (folder / "drops.toml").read_text().replace("profiles = false", "profiles = true")
+    text = (
+        (folder / "drops.toml")
+        .read_text()
+        .replace("profiles = false", "profiles = true")
+    )
     (folder / "drops.toml").write_text(text)
     assert cli.main(["calibrate", "drops.toml", "--out", "out"]) == 0
     keys = json.loads((folder / "out" / "summary.json").read_text())["keys"]
-    fitted = [keys[name]["fitted"] for name in ("packed_bed.porosity", "solids.particles.diameter")]
+    fitted = [
+        keys[name]["fitted"]
+        for name in ("packed_bed.porosity", "solids.particles.diameter")
+    ]
     # the data are exact; the prior about 3 mm draws the fit by 2 % of its distance
     np.testing.assert_allclose(fitted, [0.39, 3.2e-3], rtol=5e-3)
-    for key, true in (("packed_bed.porosity", 0.39), ("solids.particles.diameter", 3.2e-3)):
+    for key, true in (
+        ("packed_bed.porosity", 0.39),
+        ("solids.particles.diameter", 3.2e-3),
+    ):
         assert keys[key]["low"] < true < keys[key]["high"]
         assert keys[key]["low of profile"] < true < keys[key]["high of profile"]
     points = read(folder / "out" / "points.csv")
-    assert [row["line"] for row in points if row["measured"]] == [f"drops.csv:{k}" for k in range(3, 6)]
+    assert [row["line"] for row in points if row["measured"]] == [
+        f"drops.csv:{k}" for k in range(3, 6)
+    ]
     assert points[0]["unit"] == "Pa"
     ahead = [row for row in points if row["quantity"] == "residence_time_s"]
     # porosity by itself: the band of eps L/u follows that of eps
-    low, high = (keys["packed_bed.porosity"][end] * 2.0 / 0.02 for end in ("low", "high"))
-    np.testing.assert_allclose([float(ahead[0]["low"]), float(ahead[0]["high"])], [low, high], rtol=1e-6)
+    low, high = (
+        keys["packed_bed.porosity"][end] * 2.0 / 0.02 for end in ("low", "high")
+    )
+    np.testing.assert_allclose(
+        [float(ahead[0]["low"]), float(ahead[0]["high"])], [low, high], rtol=1e-6
+    )
     out = capsys.readouterr().out
     assert "3 values, chi-square" in out and "known" in out
     assert cli.main(["report", "out"]) == 0
     report = (folder / "out" / "report.html").read_text()
-    assert "solids.particles.diameter" in report and report.count("data:image/png;base64,") == 3
-    covariance = json.loads((folder / "out" / "summary.json").read_text())["covariance"]["matrix"]
+    assert (
+        "solids.particles.diameter" in report
+        and report.count("data:image/png;base64,") == 3
+    )
+    covariance = json.loads((folder / "out" / "summary.json").read_text())[
+        "covariance"
+    ]["matrix"]
     assert all(f"{value:.6g}" in report for row in covariance for value in row)
     parity, parallel, matrix = (chart["data"][0] for chart in charts_of(report))
     assert parity["x"] == pytest.approx([drop(u) for u in (0.02, 0.2, 1.0)], rel=1e-10)
-    ends = [value + above for value, above in zip(parity["y"], parity["error_y"]["array"], strict=True)]
-    assert ends == pytest.approx([float(row["high"]) for row in points if row["measured"]])
+    ends = [
+        value + above
+        for value, above in zip(parity["y"], parity["error_y"]["array"], strict=True)
+    ]
+    assert ends == pytest.approx(
+        [float(row["high"]) for row in points if row["measured"]]
+    )
     assert len(matrix["text"]) == 3 and len(parallel["dimensions"]) >= 2
     assert {path.name for path in (folder / "out").iterdir()} >= {
         "keys.csv", "points.csv", "combinations.csv", "profiles", "fit.png", "residuals.png", "keys.png", FILE,
@@ -180,46 +217,80 @@ def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
     }  # fmt: skip
 
 
-def test_two_transient_experiments_are_fitted_at_once_and_the_rest_is_predicted(folder, no_pictures):
+def test_two_transient_experiments_are_fitted_at_once_and_the_rest_is_predicted(
+    folder, no_pictures
+):
     found = calibrate("heated.toml", "out")
     # the temperature is linear in the flux: the closed form of the weighted mean
     np.testing.assert_allclose(
         found.values["boundary.left.solids.particles.heat_flux"], FLUX, rtol=1e-5
     )  # of the steps in time
     fitted = [point for point in found.points if point.fitted]
-    slopes = [(2.0 if p.experiment == "other" else 1.0) * p.t / CAPACITY / p.error for p in fitted]
+    slopes = [
+        (2.0 if p.experiment == "other" else 1.0) * p.t / CAPACITY / p.error
+        for p in fitted
+    ]
     error = 1.0 / np.sqrt(np.sum(np.square(slopes)))
     assert len(fitted) == 6 + 4  # those of the first after 200 s are kept back
     assert {p.error for p in fitted} == {0.5, 1.0}  # a difference of 0.5 degC is 0.5 K
     prior = found.keys[0].prior
     scale = prior.slope(0.0)
-    np.testing.assert_allclose(np.sqrt(found.fit.covariance[0, 0]) * scale, error, rtol=1e-5)
-    ahead = next(k for k, point in enumerate(found.points) if point.t == 300.0 and np.isnan(point.value))
-    np.testing.assert_allclose(found.prediction.value[ahead], 300.0 + FLUX / CAPACITY * 300.0, rtol=1e-5)
-    np.testing.assert_allclose(found.prediction.deviation[ahead], error * 300.0 / CAPACITY, rtol=1e-4)
+    np.testing.assert_allclose(
+        np.sqrt(found.fit.covariance[0, 0]) * scale, error, rtol=1e-5
+    )
+    ahead = next(
+        k
+        for k, point in enumerate(found.points)
+        if point.t == 300.0 and np.isnan(point.value)
+    )
+    np.testing.assert_allclose(
+        found.prediction.value[ahead], 300.0 + FLUX / CAPACITY * 300.0, rtol=1e-5
+    )
+    np.testing.assert_allclose(
+        found.prediction.deviation[ahead], error * 300.0 / CAPACITY, rtol=1e-4
+    )
     whole = found.prediction.high_measured[ahead] - found.prediction.value[ahead]
-    np.testing.assert_allclose(whole, 1.6448536 * np.hypot(error * 300.0 / CAPACITY, 0.5), rtol=1e-4)
+    np.testing.assert_allclose(
+        whole, 1.6448536 * np.hypot(error * 300.0 / CAPACITY, 0.5), rtol=1e-4
+    )
     summary = json.loads((folder / "out" / "summary.json").read_text())
-    assert summary["data"]["kept back"] == 2 == summary["data"]["kept back inside of the band"]
+    assert (
+        summary["data"]["kept back"]
+        == 2
+        == summary["data"]["kept back inside of the band"]
+    )
     # the scenes that are written are those that were fitted
     scene = cb.load(folder / "out" / "calibrated_other.toml")
     assert scene.solid.heat_capacity == 450.0
-    np.testing.assert_allclose(scene.boundary["left"].condition("solid").heat_flux, FLUX, rtol=1e-5)
+    np.testing.assert_allclose(
+        scene.boundary["left"].condition("solid").heat_flux, FLUX, rtol=1e-5
+    )
 
 
 @pytest.mark.slow
 def test_intervals_of_a_scene_hold_the_keys_in_nine_of_ten_repetitions(folder):
-    text = (folder / "drops.toml").read_text().replace('median = "3 mm", factor = 1.2', 'from = "2 mm", to = "4 mm"')
+    text = (
+        (folder / "drops.toml")
+        .read_text()
+        .replace('median = "3 mm", factor = 1.2', 'from = "2 mm", to = "4 mm"')
+    )
     (folder / "drops.toml").write_text(text)
     file = read_file("drops.toml")
     jobs, store, random = read_jobs(file), Store(None), np.random.default_rng(7)
     model, priors = SceneModel(file.keys, jobs, store), [key.prior for key in file.keys]
-    true = np.array([float(prior.scaled(value)) for prior, value in zip(priors, (0.39, 3.2e-3), strict=True)])
+    true = np.array(
+        [
+            float(prior.scaled(value))
+            for prior, value in zip(priors, (0.39, 3.2e-3), strict=True)
+        ]
+    )
     measured, held = data_of(model.points), np.zeros(2)
     for _ in range(200):
         values = measured.value + measured.error * random.standard_normal(3)
         found = fit(model, replace(measured, value=values), priors)
-        held += np.abs(found.z - true) <= found.quantile * np.sqrt(np.diag(found.covariance))
+        held += np.abs(found.z - true) <= found.quantile * np.sqrt(
+            np.diag(found.covariance)
+        )
     # 180 with a standard deviation of 4.2
     assert np.all(held >= 170) and np.all(held <= 190), held
 
@@ -253,10 +324,23 @@ def test_a_line_that_was_changed_is_computed_again(folder):
 
 
 def test_a_killed_command_goes_on(folder, no_pictures):
-    command = [sys.executable, "-m", "contbed", "calibrate", "drops.toml", "--out", "out"]
-    process = subprocess.Popen(command, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)})
+    command = [
+        sys.executable,
+        "-m",
+        "contbed",
+        "calibrate",
+        "drops.toml",
+        "--out",
+        "out",
+    ]
+    process = subprocess.Popen(
+        command, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    )
     file, deadline = folder / "out" / FILE, time.monotonic() + 60.0
-    while not (file.is_file() and file.stat().st_size > 2000) and time.monotonic() < deadline:
+    while (
+        not (file.is_file() and file.stat().st_size > 2000)
+        and time.monotonic() < deadline
+    ):
         time.sleep(0.005)
     process.send_signal(signal.SIGKILL)
     process.wait()
@@ -302,11 +386,18 @@ def test_tangents_of_the_runs_are_the_derivatives(folder):
     assert model.computed == 3
     for k, u in enumerate((0.02, 0.2, 1.0)):
         for j, name in enumerate(("porosity", "diameter")):
-            given = {"porosity": keys["packed_bed.porosity"], "diameter": keys["solids.particles.diameter"]}
+            given = {
+                "porosity": keys["packed_bed.porosity"],
+                "diameter": keys["solids.particles.diameter"],
+            }
             step = 1e-6 * given[name]
-            ends = [drop(u, **(given | {name: given[name] + side * step})) for side in (1.0, -1.0)]
+            ends = [
+                drop(u, **(given | {name: given[name] + side * step}))
+                for side in (1.0, -1.0)
+            ]
             exact = (ends[0] - ends[1]) / (2.0 * step) * file.keys[j].prior.slope(z[j])
-            # central differences of the closed form are good to 1e-9, the tangent to 1e-6
+            # central differences of the closed form are good to 1e-9, the tangent to
+            # 1e-6
             np.testing.assert_allclose(slopes[2 * k, j], exact, rtol=1e-6)
 
 
@@ -323,47 +414,72 @@ def test_a_store_in_memory_writes_nothing(folder):
 
 
 MISTAKES = [
-    ("drops", 'column = "dp"', 'column = "dP"', "drops.csv:2: no column 'dP'; allowed: u, dp; did you mean 'dp'?"),
-    ("drops", 'keys = { "boundary.left.gas.velocity" = "u" }', 'keys = { "boundary.left.gas.velocity" = "dp" }',
+    ("drops", 'column = "dp"', 'column = "dP"', "drops.csv:2: no column 'dP'; allowed: "
+                                                "u, dp; did you mean 'dp'?"),
+    ("drops", 'keys = { "boundary.left.gas.velocity" = "u" }', 'keys = { '
+                                                               '"boundary.left.gas.velocity" = "dp" }',
      "drops.csv:2: expected a velocity in m/s, found 'dp [mbar]'"),
-    ("drops", '"2 %"', '"2 K"', "drops.toml:10: error: expected a pressure like 'Pa', found '2 K', or a share"),
-    ("drops", '"2 %"', '"0 %"', "drops.csv:3: the standard error of 'dp' is 0; allowed: a number > 0"),
-    ("drops", ', error = "2 %"', "", "drops.toml:10: values of pressure_drop_Pa: give the standard error"),
-    ("drops", "to = 0.45", "to = 1.2", "drops.toml:4: the prior reaches to values that the scene does not take: "
+    ("drops", '"2 %"', '"2 K"', "drops.toml:10: error: expected a pressure like 'Pa', "
+                                "found '2 K', or a share"),
+    ("drops", '"2 %"', '"0 %"', "drops.csv:3: the standard error of 'dp' is 0; "
+                                "allowed: a number > 0"),
+    ("drops", ', error = "2 %"', "", "drops.toml:10: values of pressure_drop_Pa: give "
+                                     "the standard error"),
+    ("drops", "to = 0.45", "to = 1.2", "drops.toml:4: the prior reaches to values that "
+                                       "the scene does not take: "
      "packed_bed.porosity = 1.2: out of range"),
     ("drops", "from = 0.35, to = 0.45", "from = 1.2, to = 1.4",
-     "drops.toml:4: packed_bed.porosity = 1.3: out of range; allowed: a number > 0 and < 1; in the middle of its pr"),
-    ("drops", "from = 0.35", "from = 0.45", "drops.toml:4: packed_bed.porosity: an empty range"),
-    ("drops", 'median = "3 mm"', 'median = "-3 mm"', "drops.toml:5: solids.particles.diameter = -0.003: out of range"),
+     "drops.toml:4: packed_bed.porosity = 1.3: out of range; allowed: a number > 0 and "
+     "< 1; in the middle of its pr"),
+    ("drops", "from = 0.35", "from = 0.45", "drops.toml:4: packed_bed.porosity: an "
+                                            "empty range"),
+    ("drops", 'median = "3 mm"', 'median = "-3 mm"', "drops.toml:5: "
+                                                     "solids.particles.diameter = "
+                                                     "-0.003: out of range"),
     ("drops", "factor = 1.2", "factor = 0.9",
      "drops.toml:5: solids.particles.diameter: factor is 0.9; allowed: a number > 1"),
     ("drops", "packed_bed.porosity =", "packed_bed.porosty =",
      "drops.toml:4: packed_bed.porosty = 0.4: unknown key; allowed: porosity"),
-    ("drops", "title", "titel", 'drops.toml:1: titel = "pressure drops": unknown key; allowed: title, keys, '),
+    ("drops", "title", "titel", 'drops.toml:1: titel = "pressure drops": unknown key; '
+                                'allowed: title, keys, '),
     ("drops", '["residence_time_s"]', '["residence_time_s", 3]',
-     "drops.toml:11: experiment[0].predict.results[1] = 3: wrong kind of value; allowed: a text"),
+     "drops.toml:11: experiment[0].predict.results[1] = 3: wrong kind of value; "
+     "allowed: a text"),
     ("drops", "values = [", "values = []  # [",
-     "experiment[0].values = []: empty; allowed: a list, each a table with quantity, column, error, error_column\n"),
-    ("drops", 'file = "drops.csv"', 'file = "drop.csv"', 'drops.toml:8: file: no such file: "drop.csv"'),
-    ("drops", 'scene = "scene.toml"', 'scene = "seen.toml"', 'drops.toml:7: scene: no such file: "seen.toml"'),
-    ("drops", '"pressure_drop_Pa"', '"pressure_dro_Pa"', 'drops.toml:10: quantity: no run has a result '
+     "experiment[0].values = []: empty; allowed: a list, each a table with quantity, "
+     "column, error, error_column\n"),
+    ("drops", 'file = "drops.csv"', 'file = "drop.csv"', 'drops.toml:8: file: no such '
+                                                         'file: "drop.csv"'),
+    ("drops", 'scene = "scene.toml"', 'scene = "seen.toml"', 'drops.toml:7: scene: no '
+                                                             'such file: "seen.toml"'),
+    ("drops", '"pressure_drop_Pa"', '"pressure_dro_Pa"', 'drops.toml:10: quantity: no '
+                                                         'run has a result '
      "\"pressure_dro_Pa\"; did you mean 'pressure_drop_Pa'?"),
-    ("drops", '["residence_time_s"]', '["residence_s"]', 'drops.toml:11: predict: no run has a result "residence_s"'),
+    ("drops", '["residence_time_s"]', '["residence_s"]', 'drops.toml:11: predict: no '
+                                                         'run has a result '
+                                                         '"residence_s"'),
     ("drops", '["residence_time_s"]', '["storage_efficiency"]',
      'drops.toml:11: the run has no number "storage_efficiency"'),
     ("drops", 'keys = { "boundary.left.gas.velocity"', 'keys = { "packed_bed.porosity"',
      "drops.toml:9: packed_bed.porosity: is fitted under [keys]"),
-    ("heated", "until", "where2", 'heated.toml:10: experiment[0].where2 = "200 s": unknown key'),
-    ("heated", 'where = { probe = "A" }', 'where = { probe = "C" }', "heated.toml:7: where: no row of heated.csv fits"),
+    ("heated", "until", "where2", 'heated.toml:10: experiment[0].where2 = "200 s": '
+                                  'unknown key'),
+    ("heated", 'where = { probe = "A" }', 'where = { probe = "C" }', "heated.toml:7: "
+                                                                     "where: no row of "
+                                                                     "heated.csv fits"),
     ("heated", '"T_solid", column = "T", error =', '"T_sold", column = "T", error =',
      "heated.toml:11: quantity: no profiles have a column 'T_sold'"),
-    ("heated", '"0.5 degC"', '"0.5 C"', "heated.toml:11: error: expected a temperature like 'K', found '0.5 C'"),
-    ("heated", 'time = "t"\nposition = "x"\nuntil = "200 s"', 'position = "x"\nuntil = "200 s"',
+    ("heated", '"0.5 degC"', '"0.5 C"', "heated.toml:11: error: expected a temperature "
+                                        "like 'K', found '0.5 C'"),
+    ("heated", 'time = "t"\nposition = "x"\nuntil = "200 s"', 'position = "x"\nuntil = '
+                                                              '"200 s"',
      "heated.toml:9: until: needs the column of the times"),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "old", "new", "told"), MISTAKES, ids=[case[3][:60] for case in MISTAKES])
+@pytest.mark.parametrize(
+    ("name", "old", "new", "told"), MISTAKES, ids=[case[3][:60] for case in MISTAKES]
+)
 def test_mistakes_are_told_with_file_and_line(folder, capsys, name, old, new, told):
     path = folder / f"{name}.toml"
     text = path.read_text()
@@ -379,13 +495,16 @@ def test_data_outside_of_the_model_are_told_by_their_line(folder, capsys):
         file.write("\n8,2,40.0,A,1\n5,12,40.0,A,1\n")
     assert cli.main(["calibrate", "heated.toml"]) == 2
     assert (
-        "heated.csv:14: 480 s is after the end of the run, time.end = 400 s in tank.toml; let the scene run longer"
-        in capsys.readouterr().err
+        "heated.csv:14: 480 s is after the end of the run, time.end = 400 s in "
+        "tank.toml; let the scene run longer" in capsys.readouterr().err
     )
     text = (folder / "heated.csv").read_text().replace("8,2,40.0,A,1\n", "")
     (folder / "heated.csv").write_text(text)
     assert cli.main(["calibrate", "heated.toml"]) == 2
-    assert "heated.csv:14: position 0.012 m: outside of the bed, 0 to 0.01 m" in capsys.readouterr().err
+    assert (
+        "heated.csv:14: position 0.012 m: outside of the bed, 0 to 0.01 m"
+        in capsys.readouterr().err
+    )
 
 
 def test_fewer_data_than_keys_are_refused(folder, capsys):
@@ -393,15 +512,21 @@ def test_fewer_data_than_keys_are_refused(folder, capsys):
     (folder / "drops.csv").write_text("\n".join(lines[:3]))
     assert cli.main(["calibrate", "drops.toml"]) == 2
     assert (
-        "drops.toml:3: 2 keys are to be fitted to 1 measured values; leave out keys, or give" in capsys.readouterr().err
+        "drops.toml:3: 2 keys are to be fitted to 1 measured values; leave out keys, "
+        "or give" in capsys.readouterr().err
     )
 
 
 def test_a_series_over_time_is_one_curve():
     """A quantity without positions has no number to tell series apart."""
-    points = [Point("one", "mass_fraction", "1", t, value=1.0, error=0.1, fitted=t < 3.0) for t in (1.0, 2.0, 3.0)]
+    points = [
+        Point("one", "mass_fraction", "1", t, value=1.0, error=0.1, fitted=t < 3.0)
+        for t in (1.0, 2.0, 3.0)
+    ]
     three = np.array([1.0, 1.1, 1.2])
-    prediction = Prediction(three, 0.1 * three, three - 0.2, three + 0.2, three - 0.3, three + 0.3)
+    prediction = Prediction(
+        three, 0.1 * three, three - 0.2, three + 0.2, three - 0.3, three + 0.3
+    )
     figure = Figure()
     axes = figure.subplots()
     _curves(axes, SimpleNamespace(points=points, prediction=prediction), [0, 1, 2])
@@ -414,16 +539,23 @@ def test_a_steady_scene_has_no_times(folder, capsys):
     text = (
         (folder / "heated.toml")
         .read_text()
-        .replace("boundary.left.solids.particles.heat_flux = { from = 100, to = 1000 }", "")
+        .replace(
+            "boundary.left.solids.particles.heat_flux = { from = 100, to = 1000 }", ""
+        )
     )
     (folder / "heated.toml").write_text(
         text.replace("[keys]", "[keys]\npacked_bed.porosity = { from = 0.3, to = 0.5 }")
     )
     assert cli.main(["calibrate", "heated.toml"]) == 2
-    assert "heated.csv:2: the scene tank.toml is steady; leave out time" in capsys.readouterr().err
+    assert (
+        "heated.csv:2: the scene tank.toml is steady; leave out time"
+        in capsys.readouterr().err
+    )
 
 
-def test_the_posterior_goes_on_where_it_was_and_says_when_it_is_short(folder, no_pictures):
+def test_the_posterior_goes_on_where_it_was_and_says_when_it_is_short(
+    folder, no_pictures
+):
     pytest.importorskip("emcee")
     with open(folder / "drops.toml", "a") as file:
         file.write("[posterior]\nwalkers = 4\nsteps = 10\n")
@@ -436,7 +568,9 @@ def test_the_posterior_goes_on_where_it_was_and_says_when_it_is_short(folder, no
     assert len(read(folder / "out" / "posterior.csv")) == 32
 
 
-def test_without_emcee_the_posterior_is_refused_before_any_run(folder, capsys, monkeypatch):
+def test_without_emcee_the_posterior_is_refused_before_any_run(
+    folder, capsys, monkeypatch
+):
     with open(folder / "drops.toml", "a") as file:
         file.write("[posterior]\n")
     monkeypatch.setitem(sys.modules, "emcee", None)

@@ -12,9 +12,9 @@ from contbed.errors import SceneError
 from contbed.loading import loads
 from tests.cfd_dem.test_probes import SCENE
 
-WITH_LEVELS = SCENE.replace("fields = false,", "fields = false, levels = [0.004, 0.05],").replace(
-    "sample =", "average_from = 0.002, sample ="
-)
+WITH_LEVELS = SCENE.replace(
+    "fields = false,", "fields = false, levels = [0.004, 0.05],"
+).replace("sample =", "average_from = 0.002, sample =")
 
 
 def particles(x, z, velocity):
@@ -25,8 +25,15 @@ def particles(x, z, velocity):
 def test_particles_near_a_height_are_averaged_by_column():
     grid = Grid(np.array([1.0, 0.0, 0.0]), np.array([0.5, 1.0, 0.1]), (4, 1, 10))
     levels = Levels(grid, (0.3, 0.9))
-    # two in the first column, one of them almost a cell above; one in the last; one between the heights
-    levels(particles([1.1, 1.2, 3.0, 2.0], [0.3, 0.39, 0.25, 0.45], [(3, 0, 4), (0, 0, -1), (0, 2, 0), (9, 9, 9)]))
+    # two in the first column, one of them almost a cell above; one in the last; one
+    # between the heights
+    levels(
+        particles(
+            [1.1, 1.2, 3.0, 2.0],
+            [0.3, 0.39, 0.25, 0.45],
+            [(3, 0, 4), (0, 0, -1), (0, 2, 0), (9, 9, 9)],
+        )
+    )
     levels(particles([1.4], [0.95], [(0, 0, 2)]))
     found = levels.table()
     np.testing.assert_array_equal(found["height [m]"], [0.3, 0.3, 0.9])
@@ -41,9 +48,15 @@ def test_averages_are_those_of_samples_from_their_start_on(tmp_path):
     assert (table["height [m]"] == 0.004).all()  # no particle is as high as the second
     assert 0.0 < table["speed_solid [m/s]"].max() < 1.0
     assert (np.abs(table["u_solid [m/s]"]) <= table["speed_solid [m/s]"]).all()
-    assert (tmp_path / "levels.csv").read_text().startswith("height [m],x [m],speed_solid [m/s],u_solid [m/s]")
+    assert (
+        (tmp_path / "levels.csv")
+        .read_text()
+        .startswith("height [m],x [m],speed_solid [m/s],u_solid [m/s]")
+    )
 
 
 def test_a_height_above_the_box_is_refused():
-    with pytest.raises(SceneError, match=r"output\.levels.*outside of the box from 0 to 0\.06 m"):
+    with pytest.raises(
+        SceneError, match=r"output\.levels.*outside of the box from 0 to 0\.06 m"
+    ):
         loads(WITH_LEVELS.replace("0.05]", "0.07]"))

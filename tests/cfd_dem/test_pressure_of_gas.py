@@ -1,4 +1,6 @@
-"""Pressure equation of the gas: the solution of a dense solver, and iterations that do not grow with the grid."""
+"""Pressure equation of the gas: the solution of a dense solver, and iterations that
+do not grow with the grid.
+"""
 
 import numpy as np
 import pytest
@@ -13,7 +15,9 @@ def equation(count, periodic, spread, blocked=None):
     """Grid, conductances of the faces over `spread` decades, and right-hand side."""
     rng = np.random.default_rng(1)
     grid = Grid(np.zeros(3), np.array([1.0, 1.2, 0.8]), count, periodic, blocked)
-    conductance = np.where(grid.active, 10.0 ** rng.uniform(-spread / 2, spread / 2, len(grid.active)), 0.0)
+    conductance = np.where(
+        grid.active, 10.0 ** rng.uniform(-spread / 2, spread / 2, len(grid.active)), 0.0
+    )
     source = np.where(grid.open_cells, rng.normal(size=grid.cells), 0.0)
     return grid, conductance, source
 
@@ -38,7 +42,9 @@ def dense(grid, conductance, source):
 @pytest.mark.parametrize("count", [(1, 1, 6), (2, 2, 5), (5, 3, 7), (6, 1, 4)])
 def test_solution_of_a_dense_solver(count, periodic):
     grid, conductance, source = equation(count, periodic, spread=4)
-    p, iterations = Pressure(grid).solve(np.zeros(grid.cells), conductance, source, TOLERANCE)
+    p, iterations = Pressure(grid).solve(
+        np.zeros(grid.cells), conductance, source, TOLERANCE
+    )
     assert iterations >= 0
     wanted = dense(grid, conductance, source)
     # the residual times the condition of the matrix, below 1e4 times the 4 decades
@@ -66,12 +72,15 @@ def test_a_good_guess_takes_no_iteration():
 
 @pytest.mark.parametrize("sides", [8, 16, 32])
 def test_iterations_do_not_grow_with_the_bed(sides):
-    # columns alone as preconditioner take 126, 174 and 235; a bed below a freeboard: the drag of the bed resists
-    # ten times as much as the gas alone; 8 iterations, two more are room for other random numbers
+    # columns alone as preconditioner take 126, 174 and 235; a bed below a freeboard:
+    # the drag of the bed resists ten times as much as the gas alone; 8 iterations, two
+    # more are room for other random numbers
     grid = Grid(np.zeros(3), np.ones(3), (sides, sides, 60))
     conductance = np.where(grid.active, 1.0, 0.0)
     low = grid.face_cell.max(axis=1) % 60 < 20
     conductance[low] *= 0.1
     source = np.random.default_rng(3).normal(size=grid.cells)
-    _, iterations = Pressure(grid).solve(np.zeros(grid.cells), conductance, source, 1e-7)
+    _, iterations = Pressure(grid).solve(
+        np.zeros(grid.cells), conductance, source, 1e-7
+    )
     assert 0 < iterations <= 10

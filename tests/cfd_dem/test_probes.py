@@ -1,4 +1,6 @@
-"""Probes of beds with gas: interpolation, columns of profiles, points outside of the box; beds settled deep."""
+"""Probes of beds with gas: interpolation, columns of profiles, points outside of the
+box; beds settled deep.
+"""
 
 from pathlib import Path
 
@@ -41,7 +43,9 @@ def test_a_linear_field_is_found_exactly(gas):
     x, z = 0.0117, 0.0071
     probes = probes_of(gas.grid, {"a": (x, 0.0209, z)})
     assert probes.columns == ["a p [Pa]", "a eps_s [1]"]
-    assert probes.row(gas) == pytest.approx([2.0 + 3.0 * x + 5.0 * z, 0.6 - 10.0 * z], rel=1e-13)
+    assert probes.row(gas) == pytest.approx(
+        [2.0 + 3.0 * x + 5.0 * z, 0.6 - 10.0 * z], rel=1e-13
+    )
 
 
 def test_beside_a_wall_the_values_are_those_of_the_cells(gas):
@@ -62,39 +66,59 @@ def test_profiles_hold_the_probes_and_the_highest_particle(tmp_path):
 
 
 def test_a_probe_outside_of_the_box_is_refused():
-    with pytest.raises(SceneError, match=r":8: output.probes.above = .* outside of the box from 0 to 0.008, 0.008"):
+    with pytest.raises(
+        SceneError,
+        match=r":8: output.probes.above = .* outside of the box from 0 to 0.008, 0.008",
+    ):
         loads(SCENE.replace("0.055]", "0.065]"))
 
 
 def test_a_bed_that_has_settled_deep_into_itself_runs(tmp_path):
-    """Soft spheres rest on overlaps of 7 % of the radius; their file is accepted again, but not for stiffer spheres."""
-    soft = SCENE.replace('"1 MPa"', '"20 kPa"').replace("plots = true, fields = false", "plots = false")
+    """Soft spheres rest on overlaps of 7 % of the radius; their file is accepted
+    again, but not for stiffer spheres.
+    """
+    soft = SCENE.replace('"1 MPa"', '"20 kPa"').replace(
+        "plots = true, fields = false", "plots = false"
+    )
     result = cb.run(loads(soft), out=tmp_path)
     assert result.qoi["time [s]"] == pytest.approx(0.004, rel=0.1)
     (file,) = tmp_path.glob("particles*.vtu")
     again = soft.replace("count = 60", f'file = "{file}"').replace(", seed = 3", "")
     assert len(cb.run(loads(again)).plan.particles) == 60
-    with pytest.raises(SceneError, match=r"at most 0\.05 is accepted with their stiffness"):
+    with pytest.raises(
+        SceneError, match=r"at most 0\.05 is accepted with their stiffness"
+    ):
         cb.run(loads(again.replace('"20 kPa"', '"100 MPa"')))
 
 
 def test_overlaps_of_a_file_are_judged_by_the_stiffness():
-    """Hertz at 1 m/s: delta/R = (15 m* v2/(16 E* sqrt(R*)))^(2/5)/R, 0.17 at 1 MPa for glass beads of any size."""
+    """Hertz at 1 m/s: delta/R = (15 m* v2/(16 E* sqrt(R*)))^(2/5)/R, 0.17 at 1 MPa
+    for glass beads of any size.
+    """
     for modulus, expected in ((1e6, 0.1740), (1e8, 0.05), (1e4, 0.5)):
         scene = loads(SCENE.replace('"1 MPa"', f"{modulus}"))
         for radius in (1e-3, 4e-3):
             beads = Particles([[0.0, 0.0, 0.0]], radius)
-            assert _largest_overlap(scene.particles, scene.solid, beads) == pytest.approx(expected, rel=1e-3)
+            assert _largest_overlap(
+                scene.particles, scene.solid, beads
+            ) == pytest.approx(expected, rel=1e-3)
 
 
 def test_one_bar_shows_the_whole_run(monkeypatch):
     """Time that is left follows from one pace, not from that of each sample."""
     seen = []
-    changes = {"time.end": "0.02 s", "time.average_from": "0.01 s", "time.fields": "0.02 s"}
+    changes = {
+        "time.end": "0.02 s",
+        "time.average_from": "0.01 s",
+        "time.fields": "0.02 s",
+    }
     scene = cb.load(Path(cb.__file__).parent / "cfd_dem" / "template.toml", changes)
-    monkeypatch.setattr(Progress, "advance_to", lambda bar, value, note="": seen.append((bar, value)))
+    monkeypatch.setattr(
+        Progress, "advance_to", lambda bar, value, note="": seen.append((bar, value))
+    )
     cb.run(scene)
-    whole = [(bar, value) for bar, value in seen if bar.total == 0.02]  # others settle the packing before
+    # others settle the packing before
+    whole = [(bar, value) for bar, value in seen if bar.total == 0.02]
     values = [value for _, value in whole]
     assert len({id(bar) for bar, _ in whole}) == 1 and seen[-1][0] is whole[-1][0]
     assert seen.index(whole[0]) == len(seen) - len(whole)  # none in between

@@ -1,4 +1,5 @@
-"""Restart of a run of particles in a gas: whenever it stopped, the rest gives what the uncut run gives, bit for bit.
+"""Restart of a run of particles in a gas: whenever it stopped, the rest gives what the
+uncut run gives, bit for bit.
 
 The states that a kill leaves are copies of the folder taken while the run writes.
 """
@@ -43,7 +44,9 @@ def same(found, whole, folder, reference):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """The uncut run, its folder, and copies of the folder just before each checkpoint and at the start of each."""
+    """The uncut run, its folder, and copies of the folder just before each
+    checkpoint and at the start of each.
+    """
     folder, copies = tmp_path_factory.mktemp("whole"), tmp_path_factory.mktemp("killed")
     save = checkpoint.save
 
@@ -60,14 +63,19 @@ def whole(tmp_path_factory):
 
 def test_files_of_particles_are_written_once_for_each_time(whole):
     _, folder, _ = whole
-    assert sorted(path.name for path in folder.glob("*.vtu")) == [f"particles_000{k}.vtu" for k in range(4)]
+    assert sorted(path.name for path in folder.glob("*.vtu")) == [
+        f"particles_000{k}.vtu" for k in range(4)
+    ]
     text = (folder / "particles.pvd").read_text()
     assert [text.count(f"particles_000{k}.vtu") for k in range(4)] == [1, 1, 1, 1]
 
 
-def test_a_run_that_was_killed_between_particles_and_checkpoint_continues(whole, tmp_path):
+def test_a_run_that_was_killed_between_particles_and_checkpoint_continues(
+    whole, tmp_path
+):
     result, folder, killed = whole
-    assert len(killed) == 8  # checkpoints after eight samples and at the end, the first without a copy
+    # checkpoints after eight samples and at the end, the first without a copy
+    assert len(killed) == 8
     for path in (killed[0], killed[2], killed[-1]):
         again = shutil.copytree(path, tmp_path / path.name)
         same(cb.run(loads(SCENE), restart=again), result, again, folder)
@@ -85,19 +93,29 @@ def test_a_run_continues_into_another_folder(whole, tmp_path):
     assert found.qoi == result.qoi and found.closures == result.closures
     listed = (tmp_path / "particles.pvd").read_text()
     for k in range(4):
-        assert (f"particles_000{k}.vtu" in listed) == (tmp_path / f"particles_000{k}.vtu").is_file()
+        assert (f"particles_000{k}.vtu" in listed) == (
+            tmp_path / f"particles_000{k}.vtu"
+        ).is_file()
 
 
-@pytest.mark.parametrize("key", ["probes = { a = [0.004, 0.004, 0.0] }", "levels = [0.005]"])
+@pytest.mark.parametrize(
+    "key", ["probes = { a = [0.004, 0.004, 0.0] }", "levels = [0.005]"]
+)
 def test_what_was_averaged_or_recorded_elsewhere_is_refused(whole, key, tmp_path):
     _, folder, _ = whole
     again = shutil.copytree(folder, tmp_path / "again")
-    other = loads(SCENE.replace("plots = false, levels = [0.004]", f"plots = false, {key}"))
-    with pytest.raises(SceneError, match=f"output.{key.split()[0]}.*the checkpoint has"):
+    other = loads(
+        SCENE.replace("plots = false, levels = [0.004]", f"plots = false, {key}")
+    )
+    with pytest.raises(
+        SceneError, match=f"output.{key.split()[0]}.*the checkpoint has"
+    ):
         cb.run(other, restart=again)
 
 
-def test_a_run_that_was_interrupted_before_its_first_sample_reports(tmp_path, monkeypatch):
+def test_a_run_that_was_interrupted_before_its_first_sample_reports(
+    tmp_path, monkeypatch
+):
     def interrupted(*arguments, **options):
         raise KeyboardInterrupt
 
@@ -108,11 +126,15 @@ def test_a_run_that_was_interrupted_before_its_first_sample_reports(tmp_path, mo
 
 
 def test_a_step_that_was_halved_is_told_and_restarts(tmp_path, monkeypatch):
-    """The uppermost particle starts with one and a half of the speed that the step of the particles allows."""
+    """The uppermost particle starts with one and a half of the speed that the step
+    of the particles allows.
+    """
 
     def thrown(*arguments):
         simulation = simulation_of(*arguments)
-        simulation.velocity[simulation.position[:, 2].argmax(), 2] = 1.5 * 0.1 * 1e-3 / simulation.time_step
+        simulation.velocity[simulation.position[:, 2].argmax(), 2] = (
+            1.5 * 0.1 * 1e-3 / simulation.time_step
+        )
         return simulation
 
     monkeypatch.setattr("contbed.cfd_dem.run.simulation_of", thrown)
@@ -122,4 +144,7 @@ def test_a_step_that_was_halved_is_told_and_restarts(tmp_path, monkeypatch):
     found = cb.run(ends[1], restart=tmp_path)
     assert found.qoi == whole.qoi and found.warnings == whole.warnings
     # 0.2 of the Rayleigh time is 32.6 us
-    assert any("was halved 1 time, to 1.63e-05 s: it resolves speeds up to 6.14 m/s" in text for text in whole.warnings)
+    assert any(
+        "was halved 1 time, to 1.63e-05 s: it resolves speeds up to 6.14 m/s" in text
+        for text in whole.warnings
+    )

@@ -1,4 +1,6 @@
-"""Beds of particles in a gas settle in their run: not for a plan, not again for a restart."""
+"""Beds of particles in a gas settle in their run: not for a plan, not again for a
+restart.
+"""
 
 import pytest
 
@@ -21,11 +23,15 @@ def test_a_plan_does_not_settle(never):
     plan = cb.plan(loads(SCENE))
     assert plan.particles is None and plan.unknowns()["particles"] == 360
     assert "60, settled from a random start, moving" in str(plan)
-    assert "particles: 360 unknowns, about 1 MB" in str(plan) and "heat:" not in str(plan)
+    assert "particles: 360 unknowns, about 1 MB" in str(plan) and "heat:" not in str(
+        plan
+    )
 
 
 def test_a_restart_does_not_settle_again(tmp_path, monkeypatch):
-    scenes = [loads(SCENE.replace("end = 0.004", f"end = {end}")) for end in (0.002, 0.004)]
+    scenes = [
+        loads(SCENE.replace("end = 0.004", f"end = {end}")) for end in (0.002, 0.004)
+    ]
     whole = cb.run(scenes[1])
     cb.run(scenes[0], out=tmp_path)
     monkeypatch.setattr("contbed.cfd_dem.plan.pack", None)
@@ -35,8 +41,17 @@ def test_a_restart_does_not_settle_again(tmp_path, monkeypatch):
 
 
 def test_a_bed_higher_than_the_box_is_told_by_the_run(tmp_path):
-    with pytest.raises(SceneError, match=r"particles.height: centres from .* the box from 0 to 0.005 m"):
-        cb.run(loads(SCENE.replace('height = "60 mm"', 'height = "5 mm", cell = [1, 1]').split("output")[0]), tmp_path)
+    with pytest.raises(
+        SceneError, match=r"particles.height: centres from .* the box from 0 to 0.005 m"
+    ):
+        cb.run(
+            loads(
+                SCENE.replace(
+                    'height = "60 mm"', 'height = "5 mm", cell = [1, 1]'
+                ).split("output")[0]
+            ),
+            tmp_path,
+        )
 
 
 def test_former_keys_name_the_present_ones():
@@ -54,11 +69,15 @@ T = 300.0
     with pytest.raises(SceneError) as error:
         loads(text)
     for told in (
-        "scene.toml:3: particles.radius = 0.001: solids.NAME.diameter takes the place of a radius",
+        "scene.toml:3: particles.radius = 0.001: solids.NAME.diameter takes the place "
+        "of a radius",
         "scene.toml:4: fluid: this key is called 'gas' now",
-        "scene.toml:7: gas.velocity = 1.0: this key is called 'boundary.bottom.gas.velocity' now",
-        "scene.toml:8: gas.jet.slot = [0.0, 0.1]: boundary.jet.start and boundary.jet.end take its place",
-        "scene.toml:10: heat.T = 300.0: this key is called 'initial.solids.NAME.temperature' now",
+        "scene.toml:7: gas.velocity = 1.0: this key is called "
+        "'boundary.bottom.gas.velocity' now",
+        "scene.toml:8: gas.jet.slot = [0.0, 0.1]: boundary.jet.start and "
+        "boundary.jet.end take its place",
+        "scene.toml:10: heat.T = 300.0: this key is called "
+        "'initial.solids.NAME.temperature' now",
     ):
         assert told in str(error.value)
 
@@ -66,31 +85,50 @@ T = 300.0
 @pytest.mark.parametrize(
     ("gas", "density"),
     [
-        ("density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = 0.026", 1.2),
+        (
+            "density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = "
+            "0.026",
+            1.2,
+        ),
         ('composition = "N2:0.79, O2:0.21"', 1.17197),
         ('model = "coolprop", name = "Air", T_range = [250, 400]', 1.1769),
     ],
 )
 def test_a_gas_by_constants_composition_or_name(gas, density):
-    """Density of air at 300 K and 1 atm: an ideal gas of 28.85 g/mol, and Lemmon et al. 2000 to four digits."""
-    constants = "density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = 0.026"
+    """Density of air at 300 K and 1 atm: an ideal gas of 28.85 g/mol, and Lemmon et
+    al. 2000 to four digits.
+    """
+    constants = (
+        "density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, "
+        "conductivity = 0.026"
+    )
     scene = loads(SCENE.replace(constants, gas))
     assert float(_fluid(scene).density(300.0)) == pytest.approx(density, rel=1e-4)
 
 
 def test_a_start_temperature_belongs_to_an_energy_equation():
     start = "initial.solids.glass.temperature = 300.0\n"
-    with pytest.raises(SceneError, match=r"initial\.solids\.glass\.temperature.* no use without a \[heat\] table"):
+    with pytest.raises(
+        SceneError,
+        match=r"initial\.solids\.glass\.temperature.* no use without a \[heat\] table",
+    ):
         loads(SCENE + start)
-    with pytest.raises(SceneError, match=r"initial\.solids\.glass\.temperature: missing"):
+    with pytest.raises(
+        SceneError, match=r"initial\.solids\.glass\.temperature: missing"
+    ):
         loads(SCENE + "heat = {}\n")
     with pytest.raises(SceneError, match=r"initial\.solids\.sand: no such solid phase"):
         loads(SCENE + start.replace("glass", "sand"))
 
 
 @pytest.mark.parametrize(
-    ("cell", "axes"), [("[0.1, 0.1]", ["width", "height"]), ("[3, 0.5]", ["height"]), ("[1, 1]", [])]
+    ("cell", "axes"),
+    [("[0.1, 0.1]", ["width", "height"]), ("[3, 0.5]", ["height"]), ("[1, 1]", [])],
 )
 def test_cells_smaller_than_particles_are_told(cell, axes):
     told = loads(SCENE.replace('"60 mm"', f'"60 mm", cell = {cell}')).warnings
-    assert [text.partition(": ")[2].split()[3] for text in told if "needs several particles" in text] == axes
+    assert [
+        text.partition(": ")[2].split()[3]
+        for text in told
+        if "needs several particles" in text
+    ] == axes

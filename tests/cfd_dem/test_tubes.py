@@ -1,4 +1,6 @@
-"""Tubes in a bed of particles in a gas: exact conductances, symmetry, blocked cells, heat, restart, bad scenes."""
+"""Tubes in a bed of particles in a gas: exact conductances, symmetry, blocked cells,
+heat, restart, bad scenes.
+"""
 
 import re
 
@@ -49,12 +51,19 @@ def tube_at(x, z):
 
 
 def around(x, modulus=None):
-    """What spheres at `x` and gas that rises at 1 m/s exchange with a tube in the middle."""
+    """What spheres at `x` and gas that rises at 1 m/s exchange with a tube in the
+    middle.
+    """
     tube = tube_at(WIDTH / 2, HEIGHT / 2)
     domain = Domain((0, 0, 0), (WIDTH, DEPTH, np.inf))
     material = Material(density=2600.0, youngs_modulus=1e6)
     simulation = Simulation(
-        Particles(x, R), [material], [*box(domain), tube.wall], domain, impact_speed=0.3, largest_overlap=0.1
+        Particles(x, R),
+        [material],
+        [*box(domain), tube.wall],
+        domain,
+        impact_speed=0.3,
+        largest_overlap=0.1,
     )
     grid = Grid(np.zeros(3), SIZE, COUNT, blocked=blocked(SIZE, COUNT, [tube], 2.0 * R))
     gas = Gas(grid, AIR, drag_gidaspow)
@@ -66,15 +75,18 @@ def around(x, modulus=None):
 
 
 def at(angle, gap):
-    """A sphere at an angle from the bottom of the tube [deg], its surface `gap` [m] away."""
+    """A sphere at an angle from the bottom of the tube [deg], its surface `gap` [m]
+    away.
+    """
     way, off = np.radians(angle), R_TUBE + R + gap
     return [[WIDTH / 2 + off * np.sin(way), 1.7e-3, HEIGHT / 2 - off * np.cos(way)]]
 
 
 @pytest.mark.parametrize("gap", [0.0, 0.1 * R, 0.45 * R])
 def test_a_sphere_beside_a_tube_conducts_as_beside_an_isothermal_plane(gap):
-    """Heat along parallel lines through sphere and gas to the plane between a sphere and its image; 1e-9: the digits
-    of both integrals are 1e-12, those of coordinates at contact some 1e-13 of a gap of 1e-4 R."""
+    """Heat along parallel lines through sphere and gas to the plane between a sphere
+    and its image; 1e-9: the digits of both integrals are 1e-12, those of coordinates at
+    contact some 1e-13 of a gap of 1e-4 R."""
     found, _, gas = around(at(90.0, gap + 1e-13))
     where, share, _ = gas.grid.shares(np.array(at(90.0, gap)), np.array([R]))
     eps = float((share * gas.eps[where]).sum())
@@ -85,16 +97,22 @@ def test_a_sphere_beside_a_tube_conducts_as_beside_an_isothermal_plane(gap):
         u = np.sqrt(R**2 - r**2)
         return 2.0 * np.pi * r / ((u - r * D / cone) / K + (D - u) / K_GAS)
 
-    assert found.gap == pytest.approx([quad(line, 0.0, end, epsabs=0.0, epsrel=1e-11)[0]], rel=1e-9)
+    assert found.gap == pytest.approx(
+        [quad(line, 0.0, end, epsabs=0.0, epsrel=1e-11)[0]], rel=1e-9
+    )
     assert found.contact == 0.0 and found.touching.sum() == 0.0
 
 
 def test_a_contact_conducts_as_an_isothermal_disc_on_a_half_space():
-    """4 k a with Hertz's radius a = (R delta)^(1/2), times (E/E_0)^(1/3) for a stiffer material; to rounding."""
+    """4 k a with Hertz's radius a = (R delta)^(1/2), times (E/E_0)^(1/3) for a
+    stiffer material; to rounding.
+    """
     delta = 0.05 * R
     for modulus, factor in ((None, 1.0), (64e6, 0.25)):
         found, *_ = around(at(30.0, -delta), modulus=modulus)
-        assert found.contact == pytest.approx([4.0 * K * np.sqrt(R * delta) * factor], rel=1e-9)
+        assert found.contact == pytest.approx(
+            [4.0 * K * np.sqrt(R * delta) * factor], rel=1e-9
+        )
         assert found.touching.tolist() == [0, 1, *[0] * (SECTORS - 2)]
 
 
@@ -104,8 +122,9 @@ def test_a_sphere_too_far_away_conducts_nothing():
 
 
 def test_the_gas_exchanges_by_the_speed_beside_the_tube():
-    """A superficial velocity that is the same on all faces gives its Nusselt number at each sector, to rounding;
-    where blocked cells shut the faces above and below, the gas is slower there than at the sides."""
+    """A superficial velocity that is the same on all faces gives its Nusselt number at
+    each sector, to rounding; where blocked cells shut the faces above and below, the
+    gas is slower there than at the sides."""
     found, heat, gas = around([[1e-3, 1e-3, 1e-3]])
     assert (found.h[[0, 6]] < found.h[3]).all()
     gas.q = np.array([0.3, 0.0, 0.6])[gas.grid.face_axis]
@@ -116,8 +135,17 @@ def test_the_gas_exchanges_by_the_speed_beside_the_tube():
 
 
 def test_what_is_mirrored_gives_mirrored_coefficients():
-    """Left and right, and below and above, of spheres at mirrored places; 1e-9 for rounding of the coordinates."""
-    found, *_ = around([*at(40.0, 0.01 * R), *at(320.0, 0.01 * R), *at(140.0, 0.01 * R), *at(220.0, 0.01 * R)])
+    """Left and right, and below and above, of spheres at mirrored places; 1e-9 for
+    rounding of the coordinates.
+    """
+    found, *_ = around(
+        [
+            *at(40.0, 0.01 * R),
+            *at(320.0, 0.01 * R),
+            *at(140.0, 0.01 * R),
+            *at(220.0, 0.01 * R),
+        ]
+    )
     assert found.gap == pytest.approx(np.full(4, found.gap[0]), rel=1e-9)
     assert found.sector.tolist() == [1, 11, 5, 7]
     assert found.eps == pytest.approx(np.roll(found.eps[::-1], 1), rel=1e-12)
@@ -131,13 +159,20 @@ def test_blocked_cells_lie_within_the_tube_and_hold_no_particle():
     count = tuple(8 * n for n in COUNT)
     shut = blocked(fine, count, [tube], 2.0 * R)
     area = shut[:, 0].sum() * fine[0] * fine[2]
-    # between the tube and what the centre of a sphere can reach; the staircase lacks at most a ring of one diagonal
-    assert np.pi * (R_TUBE - np.hypot(fine[0], fine[2])) ** 2 < area < np.pi * (R_TUBE + R) ** 2
+    # between the tube and what the centre of a sphere can reach; the staircase lacks at
+    # most a ring of one diagonal
+    assert (
+        np.pi * (R_TUBE - np.hypot(fine[0], fine[2])) ** 2
+        < area
+        < np.pi * (R_TUBE + R) ** 2
+    )
     assert blocked(fine, count, [], 2.0 * R) is None
 
 
 def test_heat_of_a_tube_is_in_the_balance(tmp_path):
-    """Energy to 1e-10 of what goes through, mass to rounding; the mean of the rows is what the balance has."""
+    """Energy to 1e-10 of what goes through, mass to rounding; the mean of the rows
+    is what the balance has.
+    """
     result = cb.run(loads(SCENE), out=tmp_path)
     energy = result.balances["energy"]
     rows = result.profiles["low heat_tube [W]"]
@@ -146,12 +181,20 @@ def test_heat_of_a_tube_is_in_the_balance(tmp_path):
     assert energy["source"] > 0.0 and abs(energy["relative_residual"]) < 1e-10
     assert abs(result.balances["gas"]["relative_residual"]) < 1e-12
     table = result.tables["tube_low"]
-    parts = table["h_contact [W/m2/K]"] + table["h_gap [W/m2/K]"] + table["h_convection [W/m2/K]"]
+    parts = (
+        table["h_contact [W/m2/K]"]
+        + table["h_gap [W/m2/K]"]
+        + table["h_convection [W/m2/K]"]
+    )
     assert table["h [W/m2/K]"] == pytest.approx(parts, rel=1e-14)
     assert result.qoi["h_tube_low [W/m2/K]"] == pytest.approx(parts.mean(), rel=1e-14)
-    # the samples of the averages are at the ends of the rows, of which each has some steps
-    assert table["q [W/m2]"].sum() * np.pi * 8e-3 * 6.5e-3 / SECTORS == pytest.approx(rows[1:].mean(), rel=0.2)
-    assert (table["q [W/m2]"] <= 50.0 * parts).all()  # particles and gas are between 300 K and the tube
+    # the samples of the averages are at the ends of the rows, of which each has some
+    # steps
+    assert table["q [W/m2]"].sum() * np.pi * 8e-3 * 6.5e-3 / SECTORS == pytest.approx(
+        rows[1:].mean(), rel=0.2
+    )
+    # particles and gas are between 300 K and the tube
+    assert (table["q [W/m2]"] <= 50.0 * parts).all()
     assert (tmp_path / "tube_low.csv").read_text().startswith("angle [deg],h [W/m2/K]")
     assert 0 < result.plan.number < 150
     names = [use["name"] for use in result.closures]
@@ -162,7 +205,10 @@ def test_a_tube_as_warm_as_the_bed_gives_no_heat():
     scene = SCENE.replace("temperature = 310.0", "temperature = 300.0").replace(
         "temperature = 350.0", "temperature = 300.0"
     )
-    assert cb.run(loads(scene)).profiles["low heat_tube [W]"] == pytest.approx(0.0, abs=1e-12)  # of 1 W
+    # of 1 W
+    assert cb.run(loads(scene)).profiles["low heat_tube [W]"] == pytest.approx(
+        0.0, abs=1e-12
+    )
 
 
 def test_a_restart_goes_on_bit_for_bit(tmp_path):
@@ -187,8 +233,16 @@ def test_a_restart_goes_on_bit_for_bit(tmp_path):
         ("350.0 }", '350.0, nusselt = "gunn" }', "tubes.low.nusselt"),
         ("tubes = { low =", 'tubes = { "../low" =', "names a file"),
         ("cell = [2.0, 2.0]", "cell = [6.0, 9.0]", "too coarse"),
-        ("350.0 } }", '350.0 }, other = { diameter = "3 mm", centre = ["9 mm", "9 mm"] } }', "overlaps low"),
-        ("plots = false", "plots = false, probes = { a = [0.012, 0.003, 0.008] }", "lies in the tube low"),
+        (
+            "350.0 } }",
+            '350.0 }, other = { diameter = "3 mm", centre = ["9 mm", "9 mm"] } }',
+            "overlaps low",
+        ),
+        (
+            "plots = false",
+            "plots = false, probes = { a = [0.012, 0.003, 0.008] }",
+            "lies in the tube low",
+        ),
         ('diameter = "8 mm"', "diameter = 0.0", "tubes.low.diameter"),
     ],
 )
@@ -199,8 +253,20 @@ def test_tubes_that_cannot_be(old, new, says):
 
 
 def test_particles_of_a_file_that_lie_in_a_tube_are_left_out(tmp_path):
-    x = np.stack(np.meshgrid(*[np.arange(1.1e-3, w, 2.05e-3) for w in (23e-3, 5.6e-3, 20e-3)], indexing="ij"), -1)
-    np.savetxt(tmp_path / "bed.csv", x.reshape(-1, 3), delimiter=",", header="x,y,z", comments="")
+    x = np.stack(
+        np.meshgrid(
+            *[np.arange(1.1e-3, w, 2.05e-3) for w in (23e-3, 5.6e-3, 20e-3)],
+            indexing="ij",
+        ),
+        -1,
+    )
+    np.savetxt(
+        tmp_path / "bed.csv",
+        x.reshape(-1, 3),
+        delimiter=",",
+        header="x,y,z",
+        comments="",
+    )
     scene = SCENE.replace("count = 150", f'file = "{tmp_path / "bed.csv"}"')
     path = tmp_path / "scene.toml"
     path.write_text(scene)

@@ -1,4 +1,6 @@
-"""Bound closures: called by name in numpy and in compiled kernels, refused where arguments are missing, ranges kept."""
+"""Bound closures: called by name in numpy and in compiled kernels, refused where
+arguments are missing, ranges kept.
+"""
 
 from __future__ import annotations
 
@@ -35,11 +37,20 @@ def in_kernel(closure):
     """Values of a drag law in two cells."""
     out = np.empty(2)
     law = kernel(of_cells, {"GLOBAL_LAW": face(closure, DRAG)})
-    law(np.full(2, KNOWN["Re"]), np.full(2, KNOWN["eps"]), KNOWN["d_p"], KNOWN["mu"], own_values(closure), out)
+    law(
+        np.full(2, KNOWN["Re"]),
+        np.full(2, KNOWN["eps"]),
+        KNOWN["d_p"],
+        KNOWN["mu"],
+        own_values(closure),
+        out,
+    )
     return out
 
 
-@pytest.mark.parametrize("spec", ["gidaspow", "di_felice", Closure(name="syamlal_obrien", c=0.9, d=2.0)])
+@pytest.mark.parametrize(
+    "spec", ["gidaspow", "di_felice", Closure(name="syamlal_obrien", c=0.9, d=2.0)]
+)
 def test_a_kernel_calls_the_closure_of_the_scene(spec):
     closure = bind(spec, "drag", DRAG)
     np.testing.assert_allclose(in_kernel(closure), closure(**KNOWN), rtol=1e-13)
@@ -50,7 +61,9 @@ def test_a_kernel_without_a_closure_is_zero():
 
 
 def test_a_closure_with_its_arguments_in_another_order(scratch_register):
-    @closures.closure(kind="drag", unit="kg/m3/s", ranges={"eps": (0, 1)}, source="somebody")
+    @closures.closure(
+        kind="drag", unit="kg/m3/s", ranges={"eps": (0, 1)}, source="somebody"
+    )
     def drag_reordered(mu, factor, eps, Re, power=2.0):
         return factor * mu * Re / eps**power
 
@@ -64,34 +77,82 @@ def test_kernels_are_kept_on_disk():
     closure = bind("gidaspow", "drag", DRAG)
     in_kernel(closure)
     law = kernel(of_cells, {"GLOBAL_LAW": face(closure, DRAG)})
-    index = list((Path(inspect.getfile(of_cells)).parent / "__pycache__").glob(f"*{law.py_func.__qualname__}*.nbi"))
+    index = list(
+        (Path(inspect.getfile(of_cells)).parent / "__pycache__").glob(
+            f"*{law.py_func.__qualname__}*.nbi"
+        )
+    )
     assert index, "numba keeps no index of this kernel"
-    other = kernel(of_cells, {"GLOBAL_LAW": face(bind("di_felice", "drag", DRAG), DRAG)})
+    other = kernel(
+        of_cells, {"GLOBAL_LAW": face(bind("di_felice", "drag", DRAG), DRAG)}
+    )
     assert other.py_func.__qualname__ != law.py_func.__qualname__
 
 
 def test_what_cannot_be_given_is_listed():
-    with pytest.raises(SceneError, match=r"needs eps: \{name = \"gunn\", eps = ...\}; given here: Pr, Re"):
+    with pytest.raises(
+        SceneError,
+        match=r"needs eps: \{name = \"gunn\", eps = ...\}; given here: Pr, Re",
+    ):
         bind("gunn", "nusselt", ("Re", "Pr"))
-    assert bind(Closure(name="gunn", eps=0.4), "nusselt", ("Re", "Pr"))(Re=10.0, Pr=0.7) > 0
+    assert (
+        bind(Closure(name="gunn", eps=0.4), "nusselt", ("Re", "Pr"))(Re=10.0, Pr=0.7)
+        > 0
+    )
 
 
 @pytest.mark.parametrize(
     ("kind", "spec", "message"),
     [
-        ("nusselt", Closure(name="power", a=-1.0, b=0.5), r"'a' of closure 'power' is in \[0, inf\), found -1.0"),
-        ("nusselt", Closure(name="gunn", exponent_Pr=-0.3), r"'exponent_Pr' of closure 'gunn' is in \[0, inf\)"),
-        ("conductivity", Closure(name="zehner_bauer_schluender", emissivity=0.0), r"'emissivity' .* is in \(0, 1\]"),
-        ("conductivity", Closure(name="zehner_bauer_schluender", emissivity=1.5), r"'emissivity' .* is in \(0, 1\]"),
-        ("nusselt", Closure(name="gunn", eps=1.5), r"'eps' of closure 'gunn' is in \(0, 1\]"),
-        ("nusselt", Closure(name="gunn", Pr=-0.7), r"'Pr' of closure 'gunn' is in \(0, inf\)"),
-        ("nusselt", Closure(name="power", a=1e155, b=0.5), r"'a' of closure 'power': 1e\+155 is no size"),
-        ("bubble_start", Closure(name="darton", area=-1.0), r"'area' of closure 'darton' is in \(0, inf\)"),
+        (
+            "nusselt",
+            Closure(name="power", a=-1.0, b=0.5),
+            r"'a' of closure 'power' is in \[0, inf\), found -1.0",
+        ),
+        (
+            "nusselt",
+            Closure(name="gunn", exponent_Pr=-0.3),
+            r"'exponent_Pr' of closure 'gunn' is in \[0, inf\)",
+        ),
+        (
+            "conductivity",
+            Closure(name="zehner_bauer_schluender", emissivity=0.0),
+            r"'emissivity' .* is in \(0, 1\]",
+        ),
+        (
+            "conductivity",
+            Closure(name="zehner_bauer_schluender", emissivity=1.5),
+            r"'emissivity' .* is in \(0, 1\]",
+        ),
+        (
+            "nusselt",
+            Closure(name="gunn", eps=1.5),
+            r"'eps' of closure 'gunn' is in \(0, 1\]",
+        ),
+        (
+            "nusselt",
+            Closure(name="gunn", Pr=-0.7),
+            r"'Pr' of closure 'gunn' is in \(0, inf\)",
+        ),
+        (
+            "nusselt",
+            Closure(name="power", a=1e155, b=0.5),
+            r"'a' of closure 'power': 1e\+155 is no size",
+        ),
+        (
+            "bubble_start",
+            Closure(name="darton", area=-1.0),
+            r"'area' of closure 'darton' is in \(0, inf\)",
+        ),
     ],
 )
 def test_parameters_have_bounds(kind, spec, message):
     with pytest.raises(SceneError, match=message):
-        bind(spec, kind, ("Re", "Pr", "eps", "k_fluid", "k_solid", "T", "d_p", "u_excess"))
+        bind(
+            spec,
+            kind,
+            ("Re", "Pr", "eps", "k_fluid", "k_solid", "T", "d_p", "u_excess"),
+        )
 
 
 ANY_SIGN = {"pressure_gradient_ergun": {"u"}}  # arguments without bounds
@@ -100,7 +161,11 @@ ANY_SIGN = {"pressure_gradient_ergun": {"u"}}  # arguments without bounds
 @pytest.mark.parametrize("name", closures.names())
 def test_every_number_that_a_scene_may_give_has_bounds(name):
     facts = closures.sheet(name)
-    numbers = {key for key in (*facts.arguments, *facts.options) if not isinstance(facts.options.get(key), str)}
+    numbers = {
+        key
+        for key in (*facts.arguments, *facts.options)
+        if not isinstance(facts.options.get(key), str)
+    }
     assert numbers - set(facts.bounds) == ANY_SIGN.get(name, set())
     for key in numbers & set(facts.bounds):
         assert -1.0 not in facts.bounds[key], key
@@ -110,13 +175,18 @@ def test_every_number_that_a_scene_may_give_has_bounds(name):
 
 def test_bounds_stand_in_the_data_sheet():
     assert "a : [0, inf)\nb : [0, inf)\n" in closures.data_sheet("nusselt_power")
-    assert "emissivity : (0, 1]" in closures.data_sheet("conductivity_zehner_bauer_schluender")
+    assert "emissivity : (0, 1]" in closures.data_sheet(
+        "conductivity_zehner_bauer_schluender"
+    )
 
 
 def test_used_ranges_are_collected_and_survive_a_restart():
     given = ("Re", "Pr", "eps")
     first, whole = bind("gunn", "nusselt", given), bind("gunn", "nusselt", given)
-    states = [{"Re": np.array([1.0, 5.0]), "Pr": 0.7, "eps": 0.4}, {"Re": np.array([2.0, 2e5]), "Pr": 0.7, "eps": 0.3}]
+    states = [
+        {"Re": np.array([1.0, 5.0]), "Pr": 0.7, "eps": 0.4},
+        {"Re": np.array([2.0, 2e5]), "Pr": 0.7, "eps": 0.3},
+    ]
     first(**states[0])
     first.record()
     rest = bind("gunn", "nusselt", given)

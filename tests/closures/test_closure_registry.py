@@ -1,4 +1,6 @@
-"""The register: data sheets agree with docstrings, look-ups fail helpfully, range use counts points."""
+"""The register: data sheets agree with docstrings, look-ups fail helpfully, range
+use counts points.
+"""
 
 from __future__ import annotations
 
@@ -21,16 +23,29 @@ from contbed.closures.arguments import RESULTS, argument
 from contbed.closures.sheet import Docstring
 from contbed.errors import SceneError
 
-SECTIONS = ("Parameters", "Returns", "Range", "Fitted to", "Limits", "Example", "Source")
+SECTIONS = (
+    "Parameters",
+    "Returns",
+    "Range",
+    "Fitted to",
+    "Limits",
+    "Example",
+    "Source",
+)
 MODULES = ["contbed.closures"] + [
-    f"contbed.closures.{path.stem}" for path in Path(closures.__file__).parent.glob("*.py") if path.stem != "__init__"
+    f"contbed.closures.{path.stem}"
+    for path in Path(closures.__file__).parent.glob("*.py")
+    if path.stem != "__init__"
 ]
 
 
 def sections(text: str) -> dict[str, str]:
     """The body of each underlined section, in the order of the text."""
     parts = re.split(r"^(\w[\w ]*)\n-{3,}\n", text, flags=re.MULTILINE)
-    return {title: body.strip() for title, body in zip(parts[1::2], parts[2::2], strict=True)}
+    return {
+        title: body.strip()
+        for title, body in zip(parts[1::2], parts[2::2], strict=True)
+    }
 
 
 @pytest.mark.parametrize("name", closures.names())
@@ -42,21 +57,34 @@ def test_data_sheet_states_what_is_registered(name):
     assert re.search(r"\(\d{4}\): ", facts.summary)
     assert facts.equation
     assert re.match(r"\[(.+?)\]", found["Returns"]).group(1) == facts.unit
-    documented = re.findall(r"^(\S+) : \[.+?\]", found["Parameters"], flags=re.MULTILINE)
+    documented = re.findall(
+        r"^(\S+) : \[.+?\]", found["Parameters"], flags=re.MULTILINE
+    )
     assert documented == [*facts.arguments, *facts.options]
     ranges = re.findall(r"^(\S+) : (\S+) to (\S+)$", found["Range"], flags=re.MULTILINE)
-    assert {key: (float(low), float(high)) for key, low, high in ranges} == dict(facts.ranges)
+    assert {key: (float(low), float(high)) for key, low, high in ranges} == dict(
+        facts.ranges
+    )
     assert facts.ranges and all(low < high for low, high in facts.ranges.values())
     assert found["Source"].startswith(facts.source)
     assert closures.get(name).__doc__ == facts.text
 
 
-@pytest.mark.parametrize("path", sorted(Path(closures.__file__).parent.glob("*.py")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    sorted(Path(closures.__file__).parent.glob("*.py")),
+    ids=lambda path: path.stem,
+)
 def test_nothing_is_stated_twice(path):
-    """A docstring has no row that `arguments` has, and no section that the decorator gives."""
+    """A docstring has no row that `arguments` has, and no section that the decorator
+    gives.
+    """
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
         calls = getattr(node, "decorator_list", [])
-        if not any(isinstance(call, ast.Call) and getattr(call.func, "id", "") == "closure" for call in calls):
+        if not any(
+            isinstance(call, ast.Call) and getattr(call.func, "id", "") == "closure"
+            for call in calls
+        ):
             continue
         doc = Docstring.read(ast.get_docstring(node))
         facts = closures.sheet(node.name)
@@ -65,7 +93,9 @@ def test_nothing_is_stated_twice(path):
         assert set(doc.rows) <= {*facts.arguments, *facts.options}
         for argument_name, row in doc.rows.items():
             known = argument(argument_name, facts.kind)
-            assert known is None or row != [f"{argument_name} : [{known.unit}] {known.meaning}"]
+            assert known is None or row != [
+                f"{argument_name} : [{known.unit}] {known.meaning}"
+            ]
 
 
 @pytest.mark.parametrize("module", MODULES)
@@ -84,7 +114,10 @@ def test_every_closure_is_a_plain_function_exported_under_its_name(name):
 
 def test_data_sheet_opens_with_call_kind_and_unit():
     text = closures.data_sheet("nusselt_gunn")
-    assert text.startswith("nusselt_gunn(Re, Pr, eps, exponent_Pr=0.333333)\nkind nusselt, unit [-]\n\nGunn (1978)")
+    assert text.startswith(
+        "nusselt_gunn(Re, Pr, eps, exponent_Pr=0.333333)\nkind nusselt, unit [-]\n\n"
+        "Gunn (1978)"
+    )
     assert "doi:10.1016/0017-9310(78)90080-7" in text
 
 
@@ -102,19 +135,26 @@ def test_names_of_a_kind():
 
 
 def test_unknown_name_points_to_the_nearest():
-    with pytest.raises(SceneError, match=r"unknown closure 'nuselt_gun'; nearest: nusselt_gunn"):
+    with pytest.raises(
+        SceneError, match=r"unknown closure 'nuselt_gun'; nearest: nusselt_gunn"
+    ):
         closures.get("nuselt_gun")
     with pytest.raises(SceneError, match="nearest: nusselt_gunn"):
         closures.sheet("nusselt_gun")
 
 
 def test_name_far_from_all_lists_what_there_is():
-    with pytest.raises(SceneError, match="unknown wall closure 'zzz'; known: wall_li_finlayson, wall_martin_nilles"):
+    with pytest.raises(
+        SceneError,
+        match="unknown wall closure 'zzz'; known: wall_li_finlayson, wall_martin_nilles",
+    ):
         closures.get("zzz", kind="wall")
 
 
 def test_wrong_kind_is_refused():
-    with pytest.raises(SceneError, match="kind 'nusselt', wanted kind 'wall': wall_li_finlayson"):
+    with pytest.raises(
+        SceneError, match="kind 'nusselt', wanted kind 'wall': wall_li_finlayson"
+    ):
         closures.get("nusselt_gunn", kind="wall")
 
 
@@ -126,35 +166,58 @@ def test_dispersion_pair_by_stem():
 
 
 def test_every_axial_dispersion_has_its_transverse_partner():
-    stems = {re.sub("_(axial|transverse)$", "", name) for name in closures.names("dispersion")}
+    stems = {
+        re.sub("_(axial|transverse)$", "", name)
+        for name in closures.names("dispersion")
+    }
     assert all(closures.dispersion_pair(stem) for stem in stems)
 
 
 def test_bounds_are_inclusive_and_nan_is_outside():
-    use = closures.usage(closures.nusselt_gunn, Re=np.array([0.0, 1e5]), Pr=1.0, eps=np.array([0.35, 1.0]))
+    use = closures.usage(
+        closures.nusselt_gunn,
+        Re=np.array([0.0, 1e5]),
+        Pr=1.0,
+        eps=np.array([0.35, 1.0]),
+    )
     assert use.share_outside == 0
     just_below = 0.35 * (1 - 1e-6)
-    use = closures.usage("nusselt_gunn", Re=10.0, Pr=1.0, eps=np.array([0.35, just_below, np.nan, 1.0]))
+    use = closures.usage(
+        "nusselt_gunn", Re=10.0, Pr=1.0, eps=np.array([0.35, just_below, np.nan, 1.0])
+    )
     assert use.arguments["eps"].share_outside == 0.5
     assert use.arguments["Re"].share_outside == 0
     assert use.share_outside == 0.5
 
 
 def test_range_of_a_ratio():
-    use = closures.usage(closures.conductivity_krupiczka, k_fluid=0.5, k_solid=np.array([[0.25], [5.0]]), eps=0.4)
+    use = closures.usage(
+        closures.conductivity_krupiczka,
+        k_fluid=0.5,
+        k_solid=np.array([[0.25], [5.0]]),
+        eps=0.4,
+    )
     ratio = use.arguments["k_solid/k_fluid"]
     assert ratio.used == (0.5, 10.0)
     assert ratio.share_outside == 0.5
 
 
 def test_range_use_is_plain_json():
-    use = closures.usage(closures.nusselt_power, Re=np.array([1.0, -3.0, 5.0]), Pr=1.0, a=1.0, b=2.0)
+    use = closures.usage(
+        closures.nusselt_power, Re=np.array([1.0, -3.0, 5.0]), Pr=1.0, a=1.0, b=2.0
+    )
     assert json.loads(json.dumps(use.to_dict(), allow_nan=False)) == {
         "name": "nusselt_power",
         "kind": "nusselt",
         "source": "user",
         "share_outside": pytest.approx(1 / 3),
-        "ranges": {"Re": {"declared": [0.0, None], "used": [-3.0, 5.0], "share_outside": pytest.approx(1 / 3)}},
+        "ranges": {
+            "Re": {
+                "declared": [0.0, None],
+                "used": [-3.0, 5.0],
+                "share_outside": pytest.approx(1 / 3),
+            }
+        },
     }
 
 
@@ -175,7 +238,9 @@ def scratch_register(monkeypatch):
 
 
 def test_own_closure_is_found_by_name(scratch_register):
-    @closures.closure(kind="nusselt", unit="-", ranges={"Re": (0, 10)}, source="somebody 2020")
+    @closures.closure(
+        kind="nusselt", unit="-", ranges={"Re": (0, 10)}, source="somebody 2020"
+    )
     def nusselt_mine(Re):
         return 2 + Re
 
@@ -195,13 +260,20 @@ def test_name_of_another_module_cannot_be_taken(scratch_register):
 def test_range_of_no_argument_is_refused(scratch_register):
     with pytest.raises(ValueError, match="range 'Pr' names no argument; it has Re"):
 
-        @closures.closure(kind="nusselt", unit="-", ranges={"Pr": (0, 1)}, source="somebody")
+        @closures.closure(
+            kind="nusselt", unit="-", ranges={"Pr": (0, 1)}, source="somebody"
+        )
         def nusselt_other(Re):
             return Re
 
 
 def test_import_costs_numpy_only():
     heavy = {"scipy", "skfem", "pydantic", "matplotlib", "CoolProp", "cantera", "numba"}
-    code = "import sys, contbed.closures; print(*{name.partition('.')[0] for name in sys.modules})"
-    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    code = (
+        "import sys, contbed.closures; print(*{name.partition('.')[0] for name in "
+        "sys.modules})"
+    )
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout.split()
     assert not heavy & set(loaded)

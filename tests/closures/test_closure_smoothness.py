@@ -1,4 +1,6 @@
-"""Every closure is finite, free of jumps and kinks, and carries dual numbers to the right slope."""
+"""Every closure is finite, free of jumps and kinks, and carries dual numbers to the
+right slope.
+"""
 
 from __future__ import annotations
 
@@ -86,8 +88,8 @@ BOX = {
     "drag_rate": (0.1, 100.0),
     "sliding_friction": (0.01, 1.0),
 }
-# zero or almost on a part of the line: differences of terms, an exponential of -5.4 u_t / u, drag of which clusters
-# leave a thousandth
+# zero or almost on a part of the line: differences of terms, an exponential of -5.4 u_t
+# / u, drag of which clusters leave a thousandth
 VANISHES = {
     closures.bubble_fraction_kunii_levenspiel,
     closures.bubble_fraction_two_phase,
@@ -110,27 +112,38 @@ def between(name, share):
 
 
 def point(function, shares):
-    return {name: between(name, share) for name, share in zip(function.sheet.arguments, shares, strict=False)}
+    return {
+        name: between(name, share)
+        for name, share in zip(function.sheet.arguments, shares, strict=False)
+    }
 
 
 def points(function, count, seed):
-    """Random points of the box (count, 1) of each argument, a sixth of their coordinates at its ends."""
+    """Random points of the box (count, 1) of each argument, a sixth of their
+    coordinates at its ends.
+    """
     drawn = np.random.default_rng(seed).uniform(-0.1, 1.1, (MOST_ARGUMENTS, count, 1))
     return point(function, np.clip(drawn, 0.0, 1.0))
 
 
 class Dual(np.lib.mixins.NDArrayOperatorsMixin):
-    """A value with its slope in one direction: the smallest number type that a form could put into a closure."""
+    """A value with its slope in one direction: the smallest number type that a form
+    could put into a closure.
+    """
 
     def __init__(self, value, slope):
         self.value, self.slope = value, slope
 
     @staticmethod
     def parts(number):
-        return (number.value, number.slope) if isinstance(number, Dual) else (number, 0.0)
+        return (
+            (number.value, number.slope) if isinstance(number, Dual) else (number, 0.0)
+        )
 
     def __array_ufunc__(self, ufunc, method, *inputs, **options):
-        assert method == "__call__" and not options, "no in-place operations, no reductions"
+        assert method == "__call__" and not options, (
+            "no in-place operations, no reductions"
+        )
         a, da = self.parts(inputs[0])
         b, db = self.parts(inputs[1]) if len(inputs) > 1 else (None, None)
         value = ufunc(a) if b is None else ufunc(a, b)
@@ -144,7 +157,9 @@ class Dual(np.lib.mixins.NDArrayOperatorsMixin):
             case np.true_divide:
                 return Dual(value, (da - value * db) / b)
             case np.power:
-                by_exponent = value * np.log(a) * db if isinstance(inputs[1], Dual) else 0.0
+                by_exponent = (
+                    value * np.log(a) * db if isinstance(inputs[1], Dual) else 0.0
+                )
                 return Dual(value, b * a ** (b - 1) * da + by_exponent)
             case np.negative:
                 return Dual(value, -da)
@@ -181,7 +196,10 @@ def slope(function, arguments, name):
 
 
 def difference(function, arguments, name, step):
-    high, low = (function(**{**arguments, name: arguments[name] * (1 + sign * step)}) for sign in (1, -1))
+    high, low = (
+        function(**{**arguments, name: arguments[name] * (1 + sign * step)})
+        for sign in (1, -1)
+    )
     return (high - low) / (2 * step * arguments[name])
 
 
@@ -191,8 +209,12 @@ def test_dual_numbers_give_the_slope(function):
     value = function(**arguments)
     assert np.isfinite(value).all()
     for name in arguments:
-        exact, estimate = slope(function, arguments, name), difference(function, arguments, name, 1e-5)
-        # A central difference with step 1e-5 is good to 1e-9; conditioning costs up to three digits more.
+        exact, estimate = (
+            slope(function, arguments, name),
+            difference(function, arguments, name, 1e-5),
+        )
+        # A central difference with step 1e-5 is good to 1e-9; conditioning costs up to
+        # three digits more.
         allowed = 1e-6 * np.maximum(abs(estimate), abs(value / arguments[name]))
         assert (abs(exact - estimate) <= allowed).all()
 
@@ -203,14 +225,19 @@ def test_no_nan_no_jump_no_kink_along_any_argument(function):
     for name in arguments:
         line = between(name, np.linspace(0, 1, 4001))
         values = function(**{**arguments, name: line})
-        values = np.broadcast_to(values, np.broadcast_shapes((25, 1), np.shape(values), line.shape))
+        values = np.broadcast_to(
+            values, np.broadcast_shapes((25, 1), np.shape(values), line.shape)
+        )
         assert np.all(np.isfinite(values))
-        # Neighbours differ by 0.25 % at most, so the second difference of a smooth function, even of a cube, stays
-        # below 1e-4 of it, while a jump or a kink shows in first order.
+        # Neighbours differ by 0.25 % at most, so the second difference of a smooth
+        # function, even of a cube, stays below 1e-4 of it, while a jump or a kink shows
+        # in first order.
         scale = np.maximum(np.abs(values[:, :-2]), np.abs(values[:, 2:]))
         if function in VANISHES:
             scale = np.abs(values).max(axis=1, keepdims=True)
-        assert np.all(np.abs(values[:, :-2] - 2 * values[:, 1:-1] + values[:, 2:]) <= 1e-4 * scale)
+        assert np.all(
+            np.abs(values[:, :-2] - 2 * values[:, 1:-1] + values[:, 2:]) <= 1e-4 * scale
+        )
 
 
 @pytest.mark.parametrize("function", ALL, ids=lambda function: function.__name__)
@@ -218,13 +245,17 @@ def test_arrays_broadcast_and_stay_untouched(function):
     # Arguments alternate between a column and a row.
     shapes = [(3, 1), (1, 4)]
     arguments = {
-        name: between(name, np.linspace(0.2, 0.7, max(shapes[i % 2]))).reshape(shapes[i % 2])
+        name: between(name, np.linspace(0.2, 0.7, max(shapes[i % 2]))).reshape(
+            shapes[i % 2]
+        )
         for i, name in enumerate(function.sheet.arguments)
     }
     before = {name: value.copy() for name, value in arguments.items()}
     result = function(**arguments)
     assert all(np.array_equal(arguments[name], before[name]) for name in arguments)
-    assert result.shape == np.broadcast_shapes(*(value.shape for value in arguments.values()))
+    assert result.shape == np.broadcast_shapes(
+        *(value.shape for value in arguments.values())
+    )
     last = {name: float(value.flat[-1]) for name, value in arguments.items()}
     assert function(**last) == pytest.approx(result.flat[-1], rel=1e-14)
 
@@ -233,7 +264,11 @@ def test_arrays_broadcast_and_stay_untouched(function):
 def test_values_are_finite_without_flow(function):
     still = {"Re": 0.0, "Pe": 0.0, "u": 0.0}
     arguments = point(function, [0.4] * MOST_ARGUMENTS)
-    assert np.isfinite(function(**(arguments | {name: still[name] for name in arguments if name in still})))
+    assert np.isfinite(
+        function(
+            **(arguments | {name: still[name] for name in arguments if name in still})
+        )
+    )
 
 
 SINGULAR_AS_PRINTED = [
@@ -248,11 +283,15 @@ SINGULAR_AS_PRINTED = [
 
 @pytest.mark.parametrize(("function", "ratio"), SINGULAR_AS_PRINTED)
 @pytest.mark.parametrize("offset", [0.0, 1e-12, -1e-7, 1e-3])
-def test_slopes_are_right_where_the_printed_formula_is_zero_over_zero(function, ratio, offset):
+def test_slopes_are_right_where_the_printed_formula_is_zero_over_zero(
+    function, ratio, offset
+):
     arguments = {"k_fluid": 0.5, "k_solid": 0.5 * ratio * (1 + offset), "eps": 0.4}
     for name in arguments:
         expected = difference(function, arguments, name, 1e-5)
-        assert slope(function, arguments, name) == pytest.approx(expected, rel=1e-7, abs=1e-8)
+        assert slope(function, arguments, name) == pytest.approx(
+            expected, rel=1e-7, abs=1e-8
+        )
 
 
 def test_log_branches_join_with_equal_slopes():
@@ -260,7 +299,10 @@ def test_log_branches_join_with_equal_slopes():
     B = 1.25 * (0.6 / 0.4) ** (10 / 9)
     zehner = closures.conductivity_zehner_schluender
     for edge in (B / 0.9, B / 1.1):
-        arguments = [{"k_fluid": 1.0, "k_solid": edge * (1 + offset), "eps": 0.4} for offset in (-1e-12, 1e-12)]
+        arguments = [
+            {"k_fluid": 1.0, "k_solid": edge * (1 + offset), "eps": 0.4}
+            for offset in (-1e-12, 1e-12)
+        ]
         below, above = (slope(zehner, each, "k_solid") for each in arguments)
         assert below == pytest.approx(above, rel=1e-10)
 
@@ -268,7 +310,9 @@ def test_log_branches_join_with_equal_slopes():
 def test_slope_of_the_ergun_gradient_at_rest_is_the_viscous_one():
     arguments = {"d_p": 2e-3, "eps": 0.4, "mu": 1.8e-5, "rho": 1.2}
     at_rest = closures.pressure_gradient_ergun(Dual(0.0, 1.0), **arguments).slope
-    assert at_rest == pytest.approx(1.8e-5 / closures.permeability_ergun(2e-3, 0.4), rel=1e-13)
+    assert at_rest == pytest.approx(
+        1.8e-5 / closures.permeability_ergun(2e-3, 0.4), rel=1e-13
+    )
 
 
 def test_every_argument_has_a_standard_name():

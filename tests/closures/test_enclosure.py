@@ -1,6 +1,8 @@
-"""The three algebraic closures among species: where they agree, where they do not, what they conserve.
+"""The three algebraic closures among species: where they agree, where they do not, what
+they conserve.
 
-Tolerances: 1e-13 of the largest emission, since every result is a sum of a few terms of that size; 1e-6 for slopes, a
+Tolerances: 1e-13 of the largest emission, since every result is a sum of a few terms of
+    that size; 1e-6 for slopes, a
 central difference with a relative step of 1e-5 of terms that may cancel to a hundredth.
 """
 
@@ -22,12 +24,16 @@ DIAMETERS = np.array([3e-3, 1e-3, 7e-4])
 EMISSIVITIES = np.array([0.85, 0.40, 0.60])
 # inert colder than char, limestone colder than both
 HOT = np.array([1300.0, 1100.0, 1140.0])
-SPECIES = st.tuples(st.floats(0.1, 1000.0), st.floats(0.01, 1.0), st.floats(300.0, 2500.0))
+SPECIES = st.tuples(
+    st.floats(0.1, 1000.0), st.floats(0.01, 1.0), st.floats(300.0, 2500.0)
+)
 
 
 def mixtures(least, most):
     """Arrays of extinction, emissivity and temperature."""
-    return st.lists(SPECIES, min_size=least, max_size=most).map(lambda rows: np.array(rows).T)
+    return st.lists(SPECIES, min_size=least, max_size=most).map(
+        lambda rows: np.array(rows).T
+    )
 
 
 def all_three(extinction, emissivity, T):
@@ -43,7 +49,9 @@ def emission(extinction, emissivity, T):
 
 
 def radiosities(extinction, emissivity, T):
-    """Net heat of N gray surfaces of areas 4 kappa_m whose view factors are the area fractions, by a linear system."""
+    """Net heat of N gray surfaces of areas 4 kappa_m whose view factors are the area
+    fractions, by a linear system.
+    """
     share = extinction / extinction.sum()
     reflected = (1 - emissivity)[:, None] * share
     J = np.linalg.solve(np.eye(len(T)) - reflected, emissivity * SIGMA * T**4)
@@ -64,20 +72,27 @@ def test_what_some_lose_the_others_gain(mixture):
 @given(mixtures(2, 6))
 def test_equilibrium_is_the_enclosure_for_any_number_of_species(mixture):
     equilibrium, _, surfaces = all_three(*mixture)
-    assert equilibrium == pytest.approx(surfaces, rel=0, abs=ROUND_OFF * emission(*mixture))
+    assert equilibrium == pytest.approx(
+        surfaces, rel=0, abs=ROUND_OFF * emission(*mixture)
+    )
 
 
 @given(mixtures(2, 6))
 def test_enclosure_solves_for_the_radiosities(mixture):
-    # The system is singular as all emissivities vanish: at 0.01 its condition number is about 100.
+    # The system is singular as all emissivities vanish: at 0.01 its condition number is
+    # about 100.
     found = enclosure.exchange_enclosure(*mixture)
-    assert found == pytest.approx(radiosities(*mixture), rel=0, abs=1e-11 * emission(*mixture))
+    assert found == pytest.approx(
+        radiosities(*mixture), rel=0, abs=1e-11 * emission(*mixture)
+    )
 
 
 @given(mixtures(2, 2))
 def test_pairs_are_exact_for_two_species(mixture):
     equilibrium, pairs, _ = all_three(*mixture)
-    assert pairs == pytest.approx(equilibrium, rel=0, abs=ROUND_OFF * emission(*mixture))
+    assert pairs == pytest.approx(
+        equilibrium, rel=0, abs=ROUND_OFF * emission(*mixture)
+    )
 
 
 @given(mixtures(3, 6))
@@ -85,7 +100,9 @@ def test_pairs_are_exact_for_black_species(mixture):
     extinction, emissivity, T = mixture
     black = np.ones_like(emissivity)
     equilibrium, pairs, _ = all_three(extinction, black, T)
-    assert pairs == pytest.approx(equilibrium, rel=0, abs=ROUND_OFF * emission(extinction, black, T))
+    assert pairs == pytest.approx(
+        equilibrium, rel=0, abs=ROUND_OFF * emission(extinction, black, T)
+    )
 
 
 def test_pairs_are_not_exact_for_three_species():
@@ -104,14 +121,29 @@ def test_pairs_by_the_printed_equations_with_area_and_volume_of_one_particle():
     for m in range(3):
         for n in range(3):
             if n != m:
-                inverse = share[n] * (1 / emissivity[m] - 1) + share[m] * (1 / emissivity[n] - 1) + 1  # eq. 3
-                expected[m] += SIGMA * (T[m] ** 4 - T[n] ** 4) * share[n] * area_per_volume[m] / inverse  # eqs. 2, 10
+                # eq. 3
+                inverse = (
+                    share[n] * (1 / emissivity[m] - 1)
+                    + share[m] * (1 / emissivity[n] - 1)
+                    + 1
+                )
+                # eqs. 2, 10
+                expected[m] += (
+                    SIGMA
+                    * (T[m] ** 4 - T[n] ** 4)
+                    * share[n]
+                    * area_per_volume[m]
+                    / inverse
+                )
     found = enclosure.exchange_pairwise(extinction, emissivity, T)
-    assert found == pytest.approx(expected, rel=0, abs=ROUND_OFF * emission(extinction, emissivity, T))
+    assert found == pytest.approx(
+        expected, rel=0, abs=ROUND_OFF * emission(extinction, emissivity, T)
+    )
 
 
 def test_two_black_species_by_hand():
-    # G is the mean of both emissions; each loses K (4 sigma T^4 - G) = 2 K sigma (T^4 - T'^4).
+    # G is the mean of both emissions; each loses K (4 sigma T^4 - G) = 2 K sigma (T^4 -
+    # T'^4).
     K, T = np.array([50.0, 50.0]), np.array([1200.0, 1000.0])
     expected = 100.0 * SIGMA * (1200.0**4 - 1000.0**4)
     for lost in all_three(K, np.ones(2), T):
@@ -125,7 +157,9 @@ def test_the_hottest_loses_and_equal_temperatures_exchange_nothing():
     for lost in all_three(extinction, emissivity, T):
         assert lost[T.argmax()] > 0 > lost[T.argmin()]
     for lost in all_three(extinction, emissivity, np.full(3, 1000.0)):
-        assert np.abs(lost).max() <= ROUND_OFF * emission(extinction, emissivity, np.full(3, 1000.0))
+        assert np.abs(lost).max() <= ROUND_OFF * emission(
+            extinction, emissivity, np.full(3, 1000.0)
+        )
 
 
 def test_a_species_that_does_not_absorb_takes_no_part():
@@ -150,7 +184,11 @@ def test_positions_are_the_further_axes():
     extinction, emissivity, T = hot_bed()
     factors = np.array([[1.0, 1.1], [1.2, 0.7]])
     for many, one in zip(
-        all_three(extinction[:, None, None], emissivity[:, None, None], T[:, None, None] * factors),
+        all_three(
+            extinction[:, None, None],
+            emissivity[:, None, None],
+            T[:, None, None] * factors,
+        ),
         all_three(extinction, emissivity, T * factors[1, 0]),
         strict=True,
     ):
@@ -168,7 +206,10 @@ def test_dual_numbers_give_the_slope_to_every_temperature(which):
     for n in range(3):
         shift = np.zeros_like(T)
         shift[n] = step * T[n]
-        high, low = (all_three(extinction[:, None], emissivity[:, None], T + sign * shift)[which] for sign in (1, -1))
+        high, low = (
+            all_three(extinction[:, None], emissivity[:, None], T + sign * shift)[which]
+            for sign in (1, -1)
+        )
         expected = (high - low) / (2 * step * T[n])
         for m in range(3):
             assert found[m].tangents[n] == pytest.approx(expected[m], rel=1e-6)

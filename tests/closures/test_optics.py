@@ -1,7 +1,9 @@
 """Optical coefficients: hand-made numbers, limits, slopes, refused input.
 
-Tolerances: 1e-14 where two ways to the same number differ by round-off only; half a unit of the last printed digit
-where the reference is a printed number; 1e-8 where a central difference with a relative step of 1e-5 gives the slope.
+Tolerances: 1e-14 where two ways to the same number differ by round-off only; half a
+    unit of the last printed digit
+where the reference is a printed number; 1e-8 where a central difference with a relative
+step of 1e-5 gives the slope.
 """
 
 from __future__ import annotations
@@ -34,7 +36,9 @@ def bed(packing="independent", anisotropy=0.0):
 
 def test_sauter_mean_of_a_sieve_analysis_by_hand():
     # Middles 0.3, 0.6 and 1.2 mm: 0.25 / 0.3 + 0.5 / 0.6 + 0.25 / 1.2 = 1.875 per mm.
-    sizes = SizeDistribution.from_sieves([0.2e-3, 0.4e-3, 0.8e-3, 1.6e-3], [0.25, 0.5, 0.25])
+    sizes = SizeDistribution.from_sieves(
+        [0.2e-3, 0.4e-3, 0.8e-3, 1.6e-3], [0.25, 0.5, 0.25]
+    )
     assert sizes.d_32 == pytest.approx(1e-3 / 1.875, rel=ROUND_OFF)
 
 
@@ -42,15 +46,25 @@ def test_sauter_mean_of_one_size_is_that_size():
     assert SizeDistribution((2e-3,), (1.0,)).d_32 == pytest.approx(2e-3, rel=ROUND_OFF)
 
 
-@given(st.lists(st.tuples(st.floats(1e-5, 1e-2), st.floats(0.01, 1)), min_size=1, max_size=8))
+@given(
+    st.lists(
+        st.tuples(st.floats(1e-5, 1e-2), st.floats(0.01, 1)), min_size=1, max_size=8
+    )
+)
 def test_extinction_of_classes_is_that_of_their_sauter_mean(classes):
     diameters, weights = np.array(classes).T
     fractions = weights / weights.sum()
     sizes = SizeDistribution(tuple(diameters), tuple(fractions))
-    apart = optical_coefficients(0.3 * fractions, diameters, np.full(len(fractions), 0.7))
+    apart = optical_coefficients(
+        0.3 * fractions, diameters, np.full(len(fractions), 0.7)
+    )
     together = optics.optics([Species("all", 0.3, sizes, 0.7)])
     assert together.extinction == pytest.approx(apart.extinction, rel=1e-13)
-    assert diameters.min() * (1 - ROUND_OFF) <= sizes.d_32 <= diameters.max() * (1 + ROUND_OFF)
+    assert (
+        diameters.min() * (1 - ROUND_OFF)
+        <= sizes.d_32
+        <= diameters.max() * (1 + ROUND_OFF)
+    )
 
 
 # --- coefficients ---
@@ -67,7 +81,10 @@ def test_coefficients_by_hand():
 
 def test_species_list_gives_the_same_as_arrays():
     rows = zip("abc", FRACTIONS, DIAMETERS, EMISSIVITIES, strict=True)
-    assert optics.optics([Species(*row) for row in rows], "independent").extinction == bed().extinction
+    assert (
+        optics.optics([Species(*row) for row in rows], "independent").extinction
+        == bed().extinction
+    )
 
 
 def test_close_packing_divides_by_voidage_and_keeps_the_albedo():
@@ -79,18 +96,27 @@ def test_close_packing_divides_by_voidage_and_keeps_the_albedo():
 def test_independent_species_emit_as_much_as_their_surface_and_close_packed_ones_more():
     surface = 6 * FRACTIONS / DIAMETERS
     assert 4 * bed().absorption == pytest.approx(EMISSIVITIES * surface, rel=ROUND_OFF)
-    assert 4 * bed("close_packed").absorption == pytest.approx(EMISSIVITIES * surface / 0.5, rel=ROUND_OFF)
+    assert 4 * bed("close_packed").absorption == pytest.approx(
+        EMISSIVITIES * surface / 0.5, rel=ROUND_OFF
+    )
 
 
 @pytest.mark.parametrize("share", [1e-3, 1e-6, 0.0])
 def test_packings_agree_as_the_particles_vanish(share):
-    dense, points = (optical_coefficients(share * FRACTIONS, DIAMETERS, EMISSIVITIES, p) for p in optics.PACKINGS)
-    assert np.all(np.abs(dense.absorption - points.absorption) <= share * points.absorption)
+    dense, points = (
+        optical_coefficients(share * FRACTIONS, DIAMETERS, EMISSIVITIES, p)
+        for p in optics.PACKINGS
+    )
+    assert np.all(
+        np.abs(dense.absorption - points.absorption) <= share * points.absorption
+    )
     assert points.absorption == pytest.approx(share * bed().absorption, rel=ROUND_OFF)
 
 
 @pytest.mark.parametrize(("emissivity", "albedo"), [(1.0, 0.0), (0.0, 1.0)])
-def test_black_particles_do_not_scatter_and_white_ones_do_not_absorb(emissivity, albedo):
+def test_black_particles_do_not_scatter_and_white_ones_do_not_absorb(
+    emissivity, albedo
+):
     here = optical_coefficients(FRACTIONS, DIAMETERS, np.full(3, emissivity))
     assert here.albedo == albedo
     assert here.scattering_total == albedo * here.extinction
@@ -106,7 +132,8 @@ def test_positions_are_the_further_axes():
 
 
 def test_mean_cosine_of_a_diffusely_reflecting_sphere():
-    # Phase function 8 / (3 pi) (sin t - t cos t), half its integral against sin t is 1 and against sin t cos t is g.
+    # Phase function 8 / (3 pi) (sin t - t cos t), half its integral against sin t is 1
+    # and against sin t cos t is g.
     nodes, weights = np.polynomial.legendre.leggauss(30)
     t, w = 0.5 * np.pi * (nodes + 1), 0.5 * np.pi * weights
     phase = 8 / (3 * np.pi) * (np.sin(t) - t * np.cos(t))
@@ -119,8 +146,14 @@ def test_back_scattering_shortens_the_transport_path_of_p1_only():
     here = bed(anisotropy=optics.ANISOTROPY_DIFFUSE_SPHERES)
     K_a, K_s = here.absorption_total, here.scattering_total
     assert here.transport == pytest.approx(K_a + 13 / 9 * K_s, rel=ROUND_OFF)
-    assert here.diffusion("p1") == pytest.approx(1 / (3 * (K_a + 13 / 9 * K_s)), rel=ROUND_OFF)
-    assert here.diffusion("two_flux") == bed().diffusion("two_flux") == 1 / (4 * (K_a + K_s))
+    assert here.diffusion("p1") == pytest.approx(
+        1 / (3 * (K_a + 13 / 9 * K_s)), rel=ROUND_OFF
+    )
+    assert (
+        here.diffusion("two_flux")
+        == bed().diffusion("two_flux")
+        == 1 / (4 * (K_a + K_s))
+    )
     assert bed().diffusion("p1") == pytest.approx(1 / (3 * (K_a + K_s)), rel=ROUND_OFF)
 
 
@@ -130,17 +163,23 @@ def test_back_scattering_shortens_the_transport_path_of_p1_only():
 def test_conductivity_of_p1_is_rosselands_and_of_two_flux_a_quarter_less():
     T, here = 1200.0, bed()
     exact = optics.radiation_rosseland(T, here.transport)
-    assert optics.conductivity(T, here.diffusion("p1")) == pytest.approx(exact, rel=ROUND_OFF)
+    assert optics.conductivity(T, here.diffusion("p1")) == pytest.approx(
+        exact, rel=ROUND_OFF
+    )
     two_flux = optics.conductivity(T, here.diffusion("two_flux"))
     assert two_flux == pytest.approx(0.75 * exact, rel=ROUND_OFF)
-    assert two_flux == pytest.approx(4 * optics.SIGMA * T**3 / here.extinction, rel=ROUND_OFF)
+    assert two_flux == pytest.approx(
+        4 * optics.SIGMA * T**3 / here.extinction, rel=ROUND_OFF
+    )
 
 
 @pytest.mark.parametrize("tau", [1.0, 10.0, 400.0])
 @pytest.mark.parametrize(("eps_1", "eps_2"), [(1.0, 1.0), (0.3, 0.8)])
 def test_error_of_rosseland_is_that_of_the_closed_form(tau, eps_1, eps_2):
     p1, rosseland = 1 / (0.75 * tau + 1 / eps_1 + 1 / eps_2 - 1), 1 / (0.75 * tau)
-    assert optics.error_rosseland(tau, eps_1, eps_2) == pytest.approx(rosseland / p1 - 1, rel=1e-12)
+    assert optics.error_rosseland(tau, eps_1, eps_2) == pytest.approx(
+        rosseland / p1 - 1, rel=1e-12
+    )
 
 
 def test_error_of_rosseland_at_optical_thickness_400_is_a_third_of_a_percent():
@@ -154,9 +193,12 @@ def test_emissivity_of_the_bed_as_quoted():
 
 
 def test_emissivity_of_the_bed_is_the_limit_of_a_thick_two_flux_slab():
-    # Emittance of an isothermal slab by two-flux: 2 s / (coth(s tau) + s); at s tau = 20 the coth is 1 to 1e-17.
+    # Emittance of an isothermal slab by two-flux: 2 s / (coth(s tau) + s); at s tau =
+    # 20 the coth is 1 to 1e-17.
     s = np.sqrt(1 - 0.5)
-    assert emissivity_half_space(0.5) == pytest.approx(2 * s / (1 / np.tanh(20.0) + s), rel=ROUND_OFF)
+    assert emissivity_half_space(0.5) == pytest.approx(
+        2 * s / (1 / np.tanh(20.0) + s), rel=ROUND_OFF
+    )
 
 
 def test_tube_in_a_bed_as_quoted():
@@ -172,11 +214,14 @@ def test_black_bed_leaves_the_emissivity_of_the_surface():
 
 @pytest.mark.parametrize("tau", [0.1, 30.0])
 def test_marshak_on_two_walls_gives_the_flux_between_gray_plates(tau):
-    # Radiative equilibrium: G is linear over tau and q = -(dG/dtau)/3. Unknowns: G at both walls.
+    # Radiative equilibrium: G is linear over tau and q = -(dG/dtau)/3. Unknowns: G at
+    # both walls.
     eps_1, eps_2, E_1, E_2 = 0.3, 0.8, 2.0, 0.5
     h_1, h_2 = optics.marshak(eps_1), optics.marshak(eps_2)
     slope = 1 / (3 * tau)
-    G_1, G_2 = np.linalg.solve([[slope + h_1, -slope], [-slope, slope + h_2]], [4 * h_1 * E_1, 4 * h_2 * E_2])
+    G_1, G_2 = np.linalg.solve(
+        [[slope + h_1, -slope], [-slope, slope + h_2]], [4 * h_1 * E_1, 4 * h_2 * E_2]
+    )
     expected = (E_1 - E_2) / (0.75 * tau + 1 / eps_1 + 1 / eps_2 - 1)
     # At tau = 30 the difference of two nearly equal G costs a digit.
     assert slope * (G_1 - G_2) == pytest.approx(expected, rel=1e-13)
@@ -188,17 +233,23 @@ def test_marshak_on_two_walls_gives_the_flux_between_gray_plates(tau):
 def test_dual_numbers_give_the_slope_to_temperature():
     T, D, step = np.array([300.0, 1200.0, 2500.0]), 3e-4, 1e-5
     found = optics.conductivity(Dual(T, {"T": 1.0}), D).tangents["T"]
-    expected = (optics.conductivity(T * (1 + step), D) - optics.conductivity(T * (1 - step), D)) / (2 * step * T)
+    expected = (
+        optics.conductivity(T * (1 + step), D) - optics.conductivity(T * (1 - step), D)
+    ) / (2 * step * T)
     assert found == pytest.approx(expected, rel=1e-8)
 
 
 def test_dual_numbers_give_the_slope_to_a_volume_fraction():
     def diffusion(first):
-        return optical_coefficients([first, 0.2], DIAMETERS[:2], EMISSIVITIES[:2]).diffusion()
+        return optical_coefficients(
+            [first, 0.2], DIAMETERS[:2], EMISSIVITIES[:2]
+        ).diffusion()
 
     f, step = np.array([0.1, 0.4]), 1e-5
     expected = (diffusion(f * (1 + step)) - diffusion(f * (1 - step))) / (2 * step * f)
-    assert diffusion(Dual(f, {"f": 1.0})).tangents["f"] == pytest.approx(expected, rel=1e-8)
+    assert diffusion(Dual(f, {"f": 1.0})).tangents["f"] == pytest.approx(
+        expected, rel=1e-8
+    )
 
 
 # --- refused input ---
@@ -207,22 +258,67 @@ def test_dual_numbers_give_the_slope_to_a_volume_fraction():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Species("char", 0.1, 1e-3, -0.2), r"^char: emissivity = -0.2 must be above 0 and at most 1$"),
-        (lambda: Species("char", 0.1, 1e-3, 1.2), r"^char: emissivity = 1.2 must be above 0 and at most 1$"),
-        (lambda: Species("char", 0.1, 1e-3, float("nan")), r"^char: emissivity = nan must be above 0 and at most 1$"),
-        (lambda: Species("char", 0.1, 0.0, 0.8), r"^char: size = 0.0 must be above 0 and finite \[m\]$"),
-        (lambda: Species("char", -0.1, 1e-3, 0.8), r"^char: volume_fraction = -0.1 must be within 0 and 1"),
-        (lambda: SizeDistribution((1e-3, 0.0), (0.5, 0.5)), r"^diameter = 0 must be above 0 and finite \[m\]$"),
-        (lambda: SizeDistribution((1e-3, 2e-3), (0.5, 0.4)), r"^mass fractions sum to 0.9, must sum to 1 "),
-        (lambda: SizeDistribution((1e-3, 2e-3), (1.5, -0.5)), r"^mass fraction = 1.5 must be within 0 and 1\nmass fr"),
-        (lambda: SizeDistribution((1e-3,), (0.5, 0.5)), r"^sizes: 1 diameters but 2 mass fractions$"),
-        (lambda: SizeDistribution((), ()), r"^sizes: 0 diameters but 0 mass fractions$"),
-        (lambda: SizeDistribution.from_sieves([1e-3, 5e-4], [1.0]), r"^sieves: apertures must increase, got 0.001, 0."),
-        (lambda: SizeDistribution.from_sieves([1e-3], [1.0]), r"^sieves: 1 classes lie between 2 apertures, got 1$"),
+        (
+            lambda: Species("char", 0.1, 1e-3, -0.2),
+            r"^char: emissivity = -0.2 must be above 0 and at most 1$",
+        ),
+        (
+            lambda: Species("char", 0.1, 1e-3, 1.2),
+            r"^char: emissivity = 1.2 must be above 0 and at most 1$",
+        ),
+        (
+            lambda: Species("char", 0.1, 1e-3, float("nan")),
+            r"^char: emissivity = nan must be above 0 and at most 1$",
+        ),
+        (
+            lambda: Species("char", 0.1, 0.0, 0.8),
+            r"^char: size = 0.0 must be above 0 and finite \[m\]$",
+        ),
+        (
+            lambda: Species("char", -0.1, 1e-3, 0.8),
+            r"^char: volume_fraction = -0.1 must be within 0 and 1",
+        ),
+        (
+            lambda: SizeDistribution((1e-3, 0.0), (0.5, 0.5)),
+            r"^diameter = 0 must be above 0 and finite \[m\]$",
+        ),
+        (
+            lambda: SizeDistribution((1e-3, 2e-3), (0.5, 0.4)),
+            r"^mass fractions sum to 0.9, must sum to 1 ",
+        ),
+        (
+            lambda: SizeDistribution((1e-3, 2e-3), (1.5, -0.5)),
+            r"^mass fraction = 1.5 must be within 0 and 1\nmass fr",
+        ),
+        (
+            lambda: SizeDistribution((1e-3,), (0.5, 0.5)),
+            r"^sizes: 1 diameters but 2 mass fractions$",
+        ),
+        (
+            lambda: SizeDistribution((), ()),
+            r"^sizes: 0 diameters but 0 mass fractions$",
+        ),
+        (
+            lambda: SizeDistribution.from_sieves([1e-3, 5e-4], [1.0]),
+            r"^sieves: apertures must increase, got 0.001, 0.",
+        ),
+        (
+            lambda: SizeDistribution.from_sieves([1e-3], [1.0]),
+            r"^sieves: 1 classes lie between 2 apertures, got 1$",
+        ),
         (lambda: optics.optics([]), r"^radiation needs at least one solid species$"),
-        (lambda: optics.optics([Species("a", 0.6, 1e-3, 0.8)] * 2), r"^volume fractions of all species sum to 1.2"),
-        (lambda: optics.optics([Species("a", 0.0, 1e-3, 0.8)]), r"^volume fractions of all species sum to 0, must"),
-        (lambda: bed("loose"), r"^packing = 'loose' must be one of: close_packed, independent$"),
+        (
+            lambda: optics.optics([Species("a", 0.6, 1e-3, 0.8)] * 2),
+            r"^volume fractions of all species sum to 1.2",
+        ),
+        (
+            lambda: optics.optics([Species("a", 0.0, 1e-3, 0.8)]),
+            r"^volume fractions of all species sum to 0, must",
+        ),
+        (
+            lambda: bed("loose"),
+            r"^packing = 'loose' must be one of: close_packed, independent$",
+        ),
         (lambda: bed(anisotropy=-1.5), r"^anisotropy = -1.5 must be within -1 and 1$"),
         (lambda: bed().diffusion("p3"), r"^level = 'p3' must be one of: p1, two_flux$"),
     ],

@@ -13,10 +13,16 @@ GLASS = Material(1500.0, 2e6, 0.3, 0.9, 0.5, 0.02)
 
 
 def mixed(engine):
-    """Two materials and sizes with rolling and temperatures, pushed, between walls, a tube and periodic sides."""
+    """Two materials and sizes with rolling and temperatures, pushed, between walls,
+    a tube and periodic sides.
+    """
     rng, n = np.random.default_rng(1), 15
     domain = Domain((0.0, 0.0, 0.0), (6.75, 6.6, 8.0), (True, False, False))
-    place = np.array([(i, j, k) for k in range(3) for i in range(3) for j in range(3)])[:n] * [2.25, 2.1, 2.2] + 1.15
+    place = (
+        np.array([(i, j, k) for k in range(3) for i in range(3) for j in range(3)])[:n]
+        * [2.25, 2.1, 2.2]
+        + 1.15
+    )
     spheres = Particles(
         place + rng.uniform(-0.1, 0.1, (n, 3)),
         rng.choice([0.95, 1.05], n),
@@ -24,7 +30,10 @@ def mixed(engine):
         rng.normal(0.0, 1.5, (n, 3)),
         rng.normal(0.0, 1.0, (n, 3)),
     )
-    walls = [*box(domain, 1, open_top=False), Tube((3.4, 3.0, 5.45), (0.0, 1.0, 0.0), 1.0)]
+    walls = [
+        *box(domain, 1, open_top=False),
+        Tube((3.4, 3.0, 5.45), (0.0, 1.0, 0.0), 1.0),
+    ]
     found = Simulation(
         spheres,
         [STEEL, GLASS],
@@ -43,7 +52,9 @@ def mixed(engine):
 
 
 def pair(engine):
-    """Two unlike spheres that meet off centre in free space, with spin and temperatures."""
+    """Two unlike spheres that meet off centre in free space, with spin and
+    temperatures.
+    """
     spheres = Particles(
         [[0.0, 0.0, 0.0], [1.1e-3, 1.0e-3, 0.4e-3]],
         [1e-3, 0.6e-3],
@@ -84,7 +95,9 @@ def leaving(engine):
     """A sphere that leaves a domain without walls."""
     domain = Domain((0.0, 0.0, 0.0), (0.01, 0.01, 0.01))
     spheres = Particles([[0.0098, 0.005, 0.005]], 1e-3, velocity=[[1.0, 0.0, 0.0]])
-    return Simulation(spheres, [Material()], (), domain, impact_speed=1.0, engine=engine)
+    return Simulation(
+        spheres, [Material()], (), domain, impact_speed=1.0, engine=engine
+    )
 
 
 def pushed(engine):
@@ -92,6 +105,8 @@ def pushed(engine):
     domain = Domain((-0.01, -0.01, 0.0), (0.01, 0.01, 0.01))
     spheres = Particles([[0.0, 0.0, 1e-3]], 1e-3)
     wide = Domain((-0.01, -0.01, -0.01), (0.01, 0.01, 0.01))
-    found = Simulation(spheres, [Material(youngs_modulus=1e5)], box(domain)[4:5], wide, engine=engine)
+    found = Simulation(
+        spheres, [Material(youngs_modulus=1e5)], box(domain)[4:5], wide, engine=engine
+    )
     found.force[0, 2] = -1.0
     return found

@@ -1,9 +1,11 @@
-"""Kernels of a GPU computed by numba's simulator, in a process of its own: one thread of Python for each of theirs.
+"""Kernels of a GPU computed by numba's simulator, in a process of its own: one thread
+of Python for each of theirs.
 
     NUMBA_ENABLE_CUDASIM=1 NUMBA_DISABLE_JIT=1 python tests/dem/gpu_without_gpu.py FOLDER
 
-writes what `test_gpu.py` compares with processors. The simulator knows no limit of registers, one block of a grid whose
-blocks meet, and columns of tables only as attributes of record arrays.
+writes what `test_gpu.py` compares with processors. The simulator knows no limit of
+registers, one block of a grid whose blocks meet, and columns of tables only as
+attributes of record arrays.
 """
 
 import sys
@@ -14,7 +16,9 @@ import numpy as np
 from numba import cuda
 
 with_registers = cuda.jit
-cuda.jit = lambda *arguments, max_registers=0, **options: with_registers(*arguments, **options)
+cuda.jit = lambda *arguments, max_registers=0, **options: with_registers(
+    *arguments, **options
+)
 
 from contbed.dem import gpu, simulation  # noqa: E402
 from contbed.dem.gpu import memory  # noqa: E402
@@ -50,7 +54,9 @@ def main(folder):
     found = {"cut": bits(whole, cut), "restart": bits(whole, again)}
     listed = np.empty_like(whole.position)
     listed[whole.state()["user"]] = whole.state()["listed"]
-    found["near"] = np.linalg.norm(whole.position - listed, axis=1).max() <= 0.5 * whole.skin
+    found["near"] = (
+        np.linalg.norm(whole.position - listed, axis=1).max() <= 0.5 * whole.skin
+    )
     # goes on from a processor
     with np.load(folder / "of_processor.npz") as state:
         other = gpu_scenes.mixed("cuda")
@@ -91,7 +97,9 @@ def main(folder):
         fast.run(20)
     except ConvergenceError as error:
         (folder / "fast.txt").write_text(str(error))
-    found["kept"] = all(before[name].tobytes() == fast.state()[name].tobytes() for name in before)
+    found["kept"] = all(
+        before[name].tobytes() == fast.state()[name].tobytes() for name in before
+    )
     halved = gpu_scenes.stray("cuda", 2)
     halved.run(20)
     np.savez(folder / "halved.npz", **halved.state(), halvings=halved.halvings)

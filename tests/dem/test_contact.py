@@ -1,9 +1,11 @@
 """Contact laws against exact results, on every axis.
 
-Elastic and damped impacts: 1e-6 of duration, overlap and restitution; the dashpot starts with a force that grows with
-overlap^(1/4), so its error falls with the time step to the power 5/4 and 1e5 steps an impact are taken. The slope of
-the tangential force is exact to round-off, 1e-12. Rolling: the contact point moves with the overlap, so exact
-results use the arm of the contact; what is left is the first-order error of the time step, 1e-4.
+Elastic and damped impacts: 1e-6 of duration, overlap and restitution; the dashpot
+starts with a force that grows with overlap^(1/4), so its error falls with the time step
+to the power 5/4 and 1e5 steps an impact are taken. The slope of the tangential force is
+exact to round-off, 1e-12. Rolling: the contact point moves with the overlap, so exact
+results use the arm of the contact; what is left is the first-order error of the time
+step, 1e-4.
 """
 
 import numpy as np
@@ -35,17 +37,30 @@ def along(axis, value=1.0):
 
 
 def impact(axis, material, steps, radii=(RADIUS, RADIUS), speed=SPEED):
-    """Two spheres that meet along an axis: simulation at first touch, effective mass and radius, duration, overlap."""
+    """Two spheres that meet along an axis: simulation at first touch, effective mass
+    and radius, duration, overlap.
+    """
     mass = 4.0 / 3.0 * np.pi * np.array(radii) ** 3 * material.density
     m, r = mass.prod() / mass.sum(), radii[0] * radii[1] / sum(radii)
-    duration, overlap = hertz_impact(m, r, pair_table([material])["youngs_modulus"][0, 0], speed)
+    duration, overlap = hertz_impact(
+        m, r, pair_table([material])["youngs_modulus"][0, 0], speed
+    )
     apart = along(axis, sum(radii))
     velocity = [along(axis, speed / 2), along(axis, -speed / 2)]
     spheres = Particles([np.zeros(3), apart], radii, velocity=velocity)
-    return Simulation(spheres, [material], gravity=np.zeros(3), time_step=duration / steps), duration, overlap
+    return (
+        Simulation(
+            spheres, [material], gravity=np.zeros(3), time_step=duration / steps
+        ),
+        duration,
+        overlap,
+    )
 
 
-@pytest.mark.parametrize(("axis", "radii"), [(0, (RADIUS, RADIUS)), *((axis, (RADIUS, 3 * RADIUS)) for axis in AXES)])
+@pytest.mark.parametrize(
+    ("axis", "radii"),
+    [(0, (RADIUS, RADIUS)), *((axis, (RADIUS, 3 * RADIUS)) for axis in AXES)],
+)
 def test_hertz_impact(axis, radii):
     steps = 4000
     simulation, duration, overlap = impact(axis, SMOOTH, steps, radii)
@@ -55,13 +70,17 @@ def test_hertz_impact(axis, radii):
         closed = simulation.contacts()
         largest, touching = max(largest, *closed.overlap, 0.0), touching + len(closed)
     assert largest == pytest.approx(overlap, rel=1e-6)
-    assert touching * simulation.time_step == pytest.approx(duration, abs=1.01 * simulation.time_step)
+    assert touching * simulation.time_step == pytest.approx(
+        duration, abs=1.01 * simulation.time_step
+    )
     assert np.diff(simulation.velocity[:, axis])[0] == pytest.approx(SPEED, rel=1e-6)
     assert np.abs(np.delete(simulation.velocity, axis, axis=1)).max() == 0.0
 
 
 def test_duration_of_an_impact():
-    """From the instants of first touch and of parting, which the motion at constant speed before and after gives."""
+    """From the instants of first touch and of parting, which the motion at constant
+    speed before and after gives.
+    """
     simulation, duration, _ = impact(2, SMOOTH, 4000)
     simulation.run(4400)
     gap = np.diff(simulation.position[:, 2])[0] - 2 * RADIUS
@@ -75,7 +94,9 @@ def test_restitution(axis, restitution):
     simulation, _, _ = impact(axis, Material(restitution=restitution), 100_000)
     simulation.run(300_000)
     assert not len(simulation.contacts())
-    assert np.diff(simulation.velocity[:, axis])[0] == pytest.approx(restitution * SPEED, rel=1e-6)
+    assert np.diff(simulation.velocity[:, axis])[0] == pytest.approx(
+        restitution * SPEED, rel=1e-6
+    )
 
 
 def test_restitution_does_not_depend_on_speed():
@@ -89,27 +110,39 @@ def test_restitution_does_not_depend_on_speed():
 
 def test_damping_ratio():
     b = damping_ratio([0.9, 0.5])
-    assert np.exp(-np.pi * b / np.sqrt(1 - b**2)) == pytest.approx([0.9, 0.5], rel=1e-14)
+    assert np.exp(-np.pi * b / np.sqrt(1 - b**2)) == pytest.approx(
+        [0.9, 0.5], rel=1e-14
+    )
 
 
 def constants(pair, radius, mass):
-    """Of a contact with this effective radius and mass; rolling friction, the last column, is not among them."""
+    """Of a contact with this effective radius and mass; rolling friction, the last
+    column, is not among them.
+    """
     return ContactConstants(radius, mass, *pair.tolist()[:-1])
 
 
 @pytest.mark.parametrize("axis", AXES)
 def test_mindlin_slope(axis):
-    """Small motion at fixed overlap: slope 8 G* sqrt(R* delta), for equal spheres k_n 2 (1 - nu)/(2 - nu)."""
+    """Small motion at fixed overlap: slope 8 G* sqrt(R* delta), for equal spheres
+    k_n 2 (1 - nu)/(2 - nu).
+    """
     pair = pair_table([Material(restitution=1.0)])[0, 0]
     overlap, moved = 1e-6, 1e-12
     n, t = along(axis), along((axis + 1) % 3)
     contact = constants(pair, RADIUS / 2, 1.0)
-    found = contact_law(Vector(*n), overlap, Vector(*t), Vector(0.0, 0.0, 0.0), contact, moved)
+    found = contact_law(
+        Vector(*n), overlap, Vector(*t), Vector(0.0, 0.0, 0.0), contact, moved
+    )
     force = np.array(found.force)
     k_n = 2.0 * pair["youngs_modulus"] * np.sqrt(RADIUS / 2 * overlap)
     slope = -np.dot(force, t) / moved
-    assert slope == pytest.approx(8.0 * pair["shear_modulus"] * np.sqrt(RADIUS / 2 * overlap), rel=1e-12)
-    assert slope == pytest.approx(k_n * 2 * (1 - GLASS.poisson_ratio) / (2 - GLASS.poisson_ratio), rel=1e-12)
+    assert slope == pytest.approx(
+        8.0 * pair["shear_modulus"] * np.sqrt(RADIUS / 2 * overlap), rel=1e-12
+    )
+    assert slope == pytest.approx(
+        k_n * 2 * (1 - GLASS.poisson_ratio) / (2 - GLASS.poisson_ratio), rel=1e-12
+    )
     assert np.dot(force, n) == pytest.approx(2.0 / 3.0 * k_n * overlap, rel=1e-12)
 
 
@@ -118,34 +151,57 @@ def test_friction_never_exceeds_coulomb_and_releases_in_tension():
     spring = Vector(0.0, 0.0, 0.0)
     for speed in (0.0, -0.5, 0.5, 50.0):
         contact = constants(pair, RADIUS, 1e-5)
-        found = contact_law(Vector(0.0, 0.0, 1.0), 1e-6, Vector(3.0, 4.0, speed), spring, contact, 1e-6)
+        found = contact_law(
+            Vector(0.0, 0.0, 1.0), 1e-6, Vector(3.0, 4.0, speed), spring, contact, 1e-6
+        )
         (fx, fy, fz), normal, spring, _ = found
-        assert np.hypot(fx, fy) <= GLASS.sliding_friction * max(normal, 0.0) * (1 + 1e-12)
+        assert np.hypot(fx, fy) <= GLASS.sliding_friction * max(normal, 0.0) * (
+            1 + 1e-12
+        )
         assert fz == normal
     assert normal < 0.0 and fx == 0.0
 
 
-def on_plane(axis, spin_axis, material, v0=0.0, spin=0.0, tilt=0.0, seconds=0.1, step=2e-7):
-    """A sphere at rest in its dent on a plane across `axis`, launched along the axis after it."""
+def on_plane(
+    axis, spin_axis, material, v0=0.0, spin=0.0, tilt=0.0, seconds=0.1, step=2e-7
+):
+    """A sphere at rest in its dent on a plane across `axis`, launched along the axis
+    after it.
+    """
     forward = (axis + 1) % 3
     gravity = along(axis, -9.81 * np.cos(tilt)) + along(forward, 9.81 * np.sin(tilt))
     mass = 4.0 / 3.0 * np.pi * RADIUS**3 * material.density
     modulus = pair_table([material])["youngs_modulus"][0, 0]
-    dent = (9.81 * np.cos(tilt) * mass * 0.75 / (modulus * np.sqrt(RADIUS))) ** (2.0 / 3.0)
-    sphere = Particles(
-        [along(axis, RADIUS - dent)], RADIUS, velocity=[along(forward, v0)], spin=[along(spin_axis, spin)]
+    dent = (9.81 * np.cos(tilt) * mass * 0.75 / (modulus * np.sqrt(RADIUS))) ** (
+        2.0 / 3.0
     )
-    simulation = Simulation(sphere, [material], [Plane((0, 0, 0), tuple(along(axis)))], gravity=gravity, time_step=step)
+    sphere = Particles(
+        [along(axis, RADIUS - dent)],
+        RADIUS,
+        velocity=[along(forward, v0)],
+        spin=[along(spin_axis, spin)],
+    )
+    simulation = Simulation(
+        sphere,
+        [material],
+        [Plane((0, 0, 0), tuple(along(axis)))],
+        gravity=gravity,
+        time_step=step,
+    )
     simulation.run(round(seconds / step), interval=100_000)
     return simulation, forward, RADIUS - dent
 
 
 @pytest.mark.parametrize("axis", AXES)
 def test_slide_to_roll(axis):
-    """Rolls with v0 / (1 + I/(m a^2)), a the arm of the contact: 5/7 v0 but for the dent."""
+    """Rolls with v0 / (1 + I/(m a^2)), a the arm of the contact: 5/7 v0 but for the
+    dent.
+    """
     v0, material = 0.05, Material(youngs_modulus=1e8, restitution=0.5)
     seconds = 2 * 2 * v0 / (7 * 0.3 * 9.81)
-    simulation, forward, arm = on_plane(axis, (axis + 2) % 3, material, v0, step=1e-6, seconds=seconds)
+    simulation, forward, arm = on_plane(
+        axis, (axis + 2) % 3, material, v0, step=1e-6, seconds=seconds
+    )
     rolling = v0 / (1.0 + 0.4 * RADIUS**2 / arm**2)
     assert simulation.velocity[0, forward] == pytest.approx(rolling, rel=1e-4)
     assert rolling == pytest.approx(5 / 7 * v0, rel=1e-3)
@@ -156,28 +212,43 @@ def test_slide_to_roll(axis):
 def test_sliding_slows_by_friction(axis):
     v0, material = 0.05, Material(youngs_modulus=1e8, restitution=0.5)
     seconds = 0.5 * 2 * v0 / (7 * 0.3 * 9.81)
-    simulation, forward, _ = on_plane(axis, (axis + 2) % 3, material, v0, step=1e-6, seconds=seconds)
-    assert simulation.velocity[0, forward] == pytest.approx(v0 - 0.3 * 9.81 * seconds, rel=2e-3)
+    simulation, forward, _ = on_plane(
+        axis, (axis + 2) % 3, material, v0, step=1e-6, seconds=seconds
+    )
+    assert simulation.velocity[0, forward] == pytest.approx(
+        v0 - 0.3 * 9.81 * seconds, rel=2e-3
+    )
 
 
 @pytest.mark.parametrize(("slope", "slips"), [(3.0, False), (4.0, True)])
 def test_rolls_down_without_slip_if_tan_below_3_5_mu(slope, slips):
     material = Material(youngs_modulus=1e8, restitution=0.5, sliding_friction=0.2)
-    simulation, forward, arm = on_plane(2, 1, material, tilt=np.arctan(slope * 0.2), seconds=0.02, step=1e-6)
-    slip = abs(simulation.velocity[0, forward] - simulation.spin[0, 1] * arm) / simulation.velocity[0, forward]
+    simulation, forward, arm = on_plane(
+        2, 1, material, tilt=np.arctan(slope * 0.2), seconds=0.02, step=1e-6
+    )
+    slip = (
+        abs(simulation.velocity[0, forward] - simulation.spin[0, 1] * arm)
+        / simulation.velocity[0, forward]
+    )
     assert (slip > 1e-2) == slips
 
 
 @pytest.mark.parametrize("axis", AXES)
 def test_rolling_stop(axis):
-    """Rolling resistance stops a rolling sphere after v0^2 / (2 a), a = 5/7 mu_r g, and it stays at rest."""
+    """Rolling resistance stops a rolling sphere after v0^2 / (2 a), a = 5/7 mu_r g,
+    and it stays at rest.
+    """
     v0, friction = 0.02, 0.05
     material = Material(youngs_modulus=1e8, restitution=0.5, rolling_friction=friction)
     spin_axis = (axis + 2) % 3
     slowing = 5 / 7 * friction * 9.81
     seconds = 1.2 * v0 / slowing
-    simulation, forward, _ = on_plane(axis, spin_axis, material, v0, v0 / RADIUS, step=1e-6, seconds=seconds)
-    assert simulation.position[0, forward] == pytest.approx(v0**2 / (2 * slowing), rel=5e-3)
+    simulation, forward, _ = on_plane(
+        axis, spin_axis, material, v0, v0 / RADIUS, step=1e-6, seconds=seconds
+    )
+    assert simulation.position[0, forward] == pytest.approx(
+        v0**2 / (2 * slowing), rel=5e-3
+    )
     assert abs(simulation.velocity[0, forward]) < 1e-6 * v0
     assert abs(simulation.spin[0, spin_axis]) * RADIUS < 1e-6 * v0
 
@@ -185,12 +256,18 @@ def test_rolling_stop(axis):
 def test_safe_step():
     spheres = Particles([[0, 0, 0]], RADIUS)
     assert rayleigh_time(RADIUS, GLASS) == pytest.approx(8.653e-5, rel=1e-3)
-    assert largest_safe_step(spheres, [GLASS], 1e-4) == pytest.approx(0.2 * rayleigh_time(RADIUS, GLASS))
-    assert largest_safe_step(spheres, [GLASS], 0.1) == pytest.approx(3.232e-4 / 20, rel=1e-3)
+    assert largest_safe_step(spheres, [GLASS], 1e-4) == pytest.approx(
+        0.2 * rayleigh_time(RADIUS, GLASS)
+    )
+    assert largest_safe_step(spheres, [GLASS], 0.1) == pytest.approx(
+        3.232e-4 / 20, rel=1e-3
+    )
 
 
 def test_time_step_too_large_names_the_safe_one():
-    with pytest.raises(SceneError, match=r"time step 0.0001 s, the largest safe one is 1\.616e-05 s"):
+    with pytest.raises(
+        SceneError, match=r"time step 0.0001 s, the largest safe one is 1\.616e-05 s"
+    ):
         Simulation(Particles([[0, 0, 0]], RADIUS), [GLASS], time_step=1e-4)
 
 

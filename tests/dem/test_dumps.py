@@ -1,4 +1,6 @@
-"""Dumps of LIGGGHTS and LAMMPS: what the programs write comes back; what is cut or missing is named with its line."""
+"""Dumps of LIGGGHTS and LAMMPS: what the programs write comes back; what is cut or
+missing is named with its line.
+"""
 
 import gzip
 from pathlib import Path
@@ -11,7 +13,8 @@ from contbed.dem.particle_files import read_particles, write_particles
 from contbed.dem.particle_tables import has_radii, read_table
 from contbed.errors import SceneError
 
-# six spheres on a plane, written by LIGGGHTS 3.8.0 and LAMMPS 2022-01-06; contacts conduct in the first
+# six spheres on a plane, written by LIGGGHTS 3.8.0 and LAMMPS 2022-01-06; contacts
+# conduct in the first
 REAL = Path(__file__).parent / "dumps"
 
 LIGGGHTS = """ITEM: TIMESTEP
@@ -68,7 +71,10 @@ def test_liggghts(dump):
     assert frame.radius == pytest.approx([0.001, 0.0015, 0.001])  # by id
     assert pytest.approx([300, 305.25, 301.5]) == frame.T
     assert frame.x[2] == pytest.approx([0.003, 0.004, 0.001])
-    assert (frame.low.tolist(), frame.high.tolist()) == ([0, 0, -0.001], [0.026, 0.026, 0.04])
+    assert (frame.low.tolist(), frame.high.tolist()) == (
+        [0, 0, -0.001],
+        [0.026, 0.026, 0.04],
+    )
     assert frame.columns["type"].tolist() == [1, 2, 1]
 
 
@@ -91,16 +97,37 @@ def test_a_packed_file_and_no_temperature(tmp_path):
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        (LIGGGHTS[: LIGGGHTS.index("\n2 2") + 1], "11: truncated: step 60000 has 2 of 3 particles"),
-        (LIGGGHTS[:-20], "12: truncated: 4 values for the 7 columns id type x y z radius f_Temp[0]"),
-        (LIGGGHTS[: LIGGGHTS.index("ITEM: ATOMS")], "8: truncated: the file ends where an ITEM should follow"),
-        ("ITEM: TIMESTEP\n", "1: truncated: the file ends where the step should follow"),
-        (LIGGGHTS + LIGGGHTS[:43], "15: truncated: the file ends where the number of particles should follow"),
+        (
+            LIGGGHTS[: LIGGGHTS.index("\n2 2") + 1],
+            "11: truncated: step 60000 has 2 of 3 particles",
+        ),
+        (
+            LIGGGHTS[:-20],
+            "12: truncated: 4 values for the 7 columns id type x y z radius f_Temp[0]",
+        ),
+        (
+            LIGGGHTS[: LIGGGHTS.index("ITEM: ATOMS")],
+            "8: truncated: the file ends where an ITEM should follow",
+        ),
+        (
+            "ITEM: TIMESTEP\n",
+            "1: truncated: the file ends where the step should follow",
+        ),
+        (
+            LIGGGHTS + LIGGGHTS[:43],
+            "15: truncated: the file ends where the number of particles should follow",
+        ),
         (LIGGGHTS.replace(" radius", " mass"), "12: no radius"),
         (LIGGGHTS.replace("x y z", "vx vy vz"), "12: no positions"),
-        (LIGGGHTS.replace("0.0015", "0"), "12: step 60000: a position or radius is not a finite number"),
+        (
+            LIGGGHTS.replace("0.0015", "0"),
+            "12: step 60000: a position or radius is not a finite number",
+        ),
         (LIGGGHTS.replace("ff ff pp", "xy xz yz pp pp pp"), "5: a tilted box"),
-        (LIGGGHTS.replace("0 0.026", "0 0.026 1", 1), "6: 3 numbers where 2 finite ones are needed"),
+        (
+            LIGGGHTS.replace("0 0.026", "0 0.026 1", 1),
+            "6: 3 numbers where 2 finite ones are needed",
+        ),
         (LIGGGHTS.replace("\n3\n", "\nmany\n", 1), "4: not 1 numbers: 'many'"),
         ("x,y,z\n1,2,3\n", "1: no text dump of LIGGGHTS or LAMMPS"),
         ("\n\n", "1: no frame in this dump"),
@@ -126,8 +153,16 @@ TWO = np.array([[1.0, 2, 3], [4e-3, 5, 6]])
         ("# x,y,z\n1,2,3\n\n4e-3,5,6\n", None, None),
         ("x,y,z\n1,2,3\n4e-3,5,6\n", None, None),
         ("z [m],radius [m],x (m),Y\n3,0.1,1,2\n6,0.2,4e-3,5\n", [0.1, 0.2], None),
-        ("x,y,z,diameter,vx,vy,vz\n1,2,3,0.2,7,8,9\n4e-3,5,6,0.4,0,0,1\n", [0.1, 0.2], [[7, 8, 9], [0, 0, 1]]),
-        ('"radius","Points:0","Points:1","Points:2"\n0.1,1,2,3\n0.2,4e-3,5,6\n', [0.1, 0.2], None),
+        (
+            "x,y,z,diameter,vx,vy,vz\n1,2,3,0.2,7,8,9\n4e-3,5,6,0.4,0,0,1\n",
+            [0.1, 0.2],
+            [[7, 8, 9], [0, 0, 1]],
+        ),
+        (
+            '"radius","Points:0","Points:1","Points:2"\n0.1,1,2,3\n0.2,4e-3,5,6\n',
+            [0.1, 0.2],
+            None,
+        ),
     ],
 )
 def test_tables(tmp_path, text, radius, velocity):
@@ -145,11 +180,20 @@ def test_tables(tmp_path, text, radius, velocity):
     ("text", "told"),
     [
         ("1,2,3\n1,2\n", r"x\.csv:2: 2 numbers where 3 finite ones"),
-        ("x,y\n1,2\n", r"x\.csv:1: neither three numbers nor a header with z: 'x,y'; write a header such as x,y,z"),
-        ("# one\n1;2;3\n", r"x\.csv:2: neither three numbers nor a header with x, y, z: '1;2;3'; write a header"),
+        (
+            "x,y\n1,2\n",
+            r"x\.csv:1: neither three numbers nor a header with z: 'x,y'; write a header such as x,y,z",
+        ),
+        (
+            "# one\n1;2;3\n",
+            r"x\.csv:2: neither three numbers nor a header with x, y, z: '1;2;3'; write a header",
+        ),
         ("x [mm],y,z\n1,2,3\n", r"x\.csv:1: x is in \[mm\]; convert it to m$"),
         ("x,y,z\n1,2,a\n", r"x\.csv:2: not 3 numbers: '1,2,a'"),
-        ("x,y,z,radius\n1,2,3,0\n", r"x\.csv:1: the radius of particle 1 is not above 0"),
+        (
+            "x,y,z,radius\n1,2,3,0\n",
+            r"x\.csv:1: the radius of particle 1 is not above 0",
+        ),
         ("x,y,z\n", r"x\.csv:1: no particle in this file"),
     ],
 )
@@ -167,7 +211,9 @@ def test_own_files_of_particles_are_read(tmp_path):
     assert (found.x.tolist(), found.radius.tolist()) == (TWO.tolist(), [0.1, 0.2])
     assert found.velocity.tolist() == (2.0 * TWO).tolist()
     path.write_text("no xml")
-    with pytest.raises(SceneError, match=r"particles_0000\.vtu:1: no VTU file that can be read"):
+    with pytest.raises(
+        SceneError, match=r"particles_0000\.vtu:1: no VTU file that can be read"
+    ):
         read_particles(path)
 
 
@@ -177,8 +223,13 @@ def test_a_dump_that_liggghts_wrote():
     assert first.radius == pytest.approx([1e-3, 1e-3, 1e-3, 1.5e-3, 1e-3, 1e-3])
     assert first.x[3] == pytest.approx([0.002, 0.0037, 0.001499])
     assert pytest.approx([300.0] * 5 + [400.0]) == first.T
-    assert (last.low.tolist(), last.high.tolist(), last.periodic) == ([0, 0, -2e-3], [6e-3, 6e-3, 1e-2], (False,) * 3)
-    # the hot sphere has touched the large one and lost to it; 0.008 K of 300 are known to 6 % in the digits of a dump
+    assert (last.low.tolist(), last.high.tolist(), last.periodic) == (
+        [0, 0, -2e-3],
+        [6e-3, 6e-3, 1e-2],
+        (False,) * 3,
+    )
+    # the hot sphere has touched the large one and lost to it; 0.008 K of 300 are known
+    # to 6 % in the digits of a dump
     lost, won = ((last.radius**3 * (last.T - first.T))[k] for k in (5, 3))
     assert won > 0.0 and won == pytest.approx(-lost, rel=0.07)
 
@@ -186,8 +237,11 @@ def test_a_dump_that_liggghts_wrote():
 def test_a_dump_that_lammps_wrote():
     first, last = dumps.read_dump(REAL / "lammps.dump")
     assert (first.step, last.step) == (0, 250)
-    # scaled positions of six digits in a box of 6 and 12 mm; the same spheres as in the other dump
-    assert first.x == pytest.approx(dumps.read_dump(REAL / "liggghts.dump")[0].x, abs=1.2e-8)
+    # scaled positions of six digits in a box of 6 and 12 mm; the same spheres as in the
+    # other dump
+    assert first.x == pytest.approx(
+        dumps.read_dump(REAL / "liggghts.dump")[0].x, abs=1.2e-8
+    )
     assert first.radius[3] == pytest.approx(1.5e-3) and first.T is None
     assert last.periodic == (True, True, False)
     assert last.columns["vz"][5] == pytest.approx(0.631756)
@@ -195,7 +249,9 @@ def test_a_dump_that_lammps_wrote():
 
 @pytest.mark.parametrize("name", ["liggghts.dump", "lammps.dump"])
 def test_real_dumps_cut_after_any_line(name, dump):
-    """Only a cut between two steps leaves a dump; every other one is an error with its line."""
+    """Only a cut between two steps leaves a dump; every other one is an error with
+    its line.
+    """
     lines = (REAL / name).read_text().splitlines(keepends=True)
     whole = []
     for count in range(1, len(lines)):
@@ -203,9 +259,16 @@ def test_real_dumps_cut_after_any_line(name, dump):
         try:
             whole.append((count, len(dumps.read_dump(path))))
         except SceneError as error:
-            assert str(error).startswith(f"{path}:") and ("truncated" in str(error) or "no frame" in str(error))
-    second = next(k for k, line in enumerate(lines) if k > 5 and line.startswith(("ITEM: TIME\n", "ITEM: TIMESTEP")))
-    assert {count for count, _ in whole} <= {second, second + 2}  # LAMMPS writes the time before a step
+            assert str(error).startswith(f"{path}:") and (
+                "truncated" in str(error) or "no frame" in str(error)
+            )
+    second = next(
+        k
+        for k, line in enumerate(lines)
+        if k > 5 and line.startswith(("ITEM: TIME\n", "ITEM: TIMESTEP"))
+    )
+    # LAMMPS writes the time before a step
+    assert {count for count, _ in whole} <= {second, second + 2}
     assert (second, 1) in whole
 
 

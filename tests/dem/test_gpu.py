@@ -1,7 +1,9 @@
-"""Particles on a GPU move as on processors: by numba's simulator everywhere, and on a GPU where there is one.
+"""Particles on a GPU move as on processors: by numba's simulator everywhere, and on a
+GPU where there is one.
 
-Both compute the same laws in another order of sums; positions, velocities and temperatures of a hundred steps with
-contacts differ by rounding, which contacts enlarge tenfold in so many steps: 1e-11 of the largest is allowed.
+Both compute the same laws in another order of sums; positions, velocities and
+temperatures of a hundred steps with contacts differ by rounding, which contacts enlarge
+tenfold in so many steps: 1e-11 of the largest is allowed.
 """
 
 import os
@@ -30,7 +32,9 @@ MOTION = ("position", "velocity", "spin", "T")
 def alike(one, other, tolerance=1e-11):
     for name in MOTION:
         size = np.abs(other[name]).max(initial=0.0)
-        np.testing.assert_allclose(one[name], other[name], rtol=0.0, atol=tolerance * size, err_msg=name)
+        np.testing.assert_allclose(
+            one[name], other[name], rtol=0.0, atol=tolerance * size, err_msg=name
+        )
 
 
 @pytest.fixture(scope="module")
@@ -42,9 +46,21 @@ def folder(tmp_path_factory):
     np.savez(place / "of_processor.npz", **half.state())
     # the package that this process has, and the folder of the tests
     path = os.pathsep.join([str(Path(cb.__file__).parents[1]), str(ROOT)])
-    environment = os.environ | {"NUMBA_ENABLE_CUDASIM": "1", "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": path}
-    command = [sys.executable, "-W", "ignore", str(ROOT / "tests/dem/gpu_without_gpu.py"), str(place)]
-    done = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True, check=False)
+    environment = os.environ | {
+        "NUMBA_ENABLE_CUDASIM": "1",
+        "NUMBA_DISABLE_JIT": "1",
+        "PYTHONPATH": path,
+    }
+    command = [
+        sys.executable,
+        "-W",
+        "ignore",
+        str(ROOT / "tests/dem/gpu_without_gpu.py"),
+        str(place),
+    ]
+    done = subprocess.run(
+        command, env=environment, cwd=ROOT, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     return place
 
@@ -63,7 +79,8 @@ def test_the_mixed_bed_has_all_kinds_of_contacts(whole):
     assert len(whole.contacts()) > 4
     assert len(set(record.wall[record.wall_onset[:, 0] > 0])) > 2
     assert (record.entry >> 26 & 31).any()  # through the periodic sides
-    assert (whole._memory.user != np.arange(len(start.position))).any()  # new lists were made
+    # new lists were made
+    assert (whole._memory.user != np.arange(len(start.position))).any()
     assert np.abs(whole.T - start.T).max() > 1.0
 
 
@@ -93,7 +110,8 @@ def test_a_checkpoint_goes_on_on_a_processor(folder, whole):
 @pytest.mark.slow
 @pytest.mark.parametrize("what", ["cut", "restart", "room", "grown", "kept", "near"])
 def test_nothing_depends_on_the_cut(folder, what):
-    """Bit for bit: intervals and calls of any length, restarts, more room for lists, the state before a failure.
+    """Bit for bit: intervals and calls of any length, restarts, more room for lists,
+    the state before a failure.
 
     And no particle is farther than half the skin from where it was listed.
     """
@@ -103,13 +121,17 @@ def test_nothing_depends_on_the_cut(folder, what):
 
 @pytest.mark.slow
 def test_what_leaves_one_particle_enters_the_other(folder):
-    """Forces are opposite bit for bit; momentum and heat of unlike spheres are kept to the rounding of 10 sums."""
+    """Forces are opposite bit for bit; momentum and heat of unlike spheres are kept
+    to the rounding of 10 sums.
+    """
     start = gpu_scenes.pair("contbed")
     with np.load(folder / "pair.npz") as found:
         np.testing.assert_array_equal(found["load"][0, :3], -found["load"][1, :3])
         assert np.abs(found["load"][0, :3]).max() > 0.0
         before, after = (start.mass @ v for v in (start.velocity, found["velocity"]))
-        assert np.abs(after - before).max() < 10 * 2.3e-16 * start.mass @ np.abs(start.velocity).max(axis=1)
+        assert np.abs(after - before).max() < 10 * 2.3e-16 * start.mass @ np.abs(
+            start.velocity
+        ).max(axis=1)
         assert found["T"][0] < 400.0 - 1e-3
         kept = start.heat_capacity @ found["T"] / (start.heat_capacity @ start.T)
         assert kept == pytest.approx(1.0, abs=10 * 2.3e-16)
@@ -126,7 +148,12 @@ def test_steps_are_halved(folder):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "make"), [("fast", gpu_scenes.stray), ("lost", gpu_scenes.leaving), ("through", gpu_scenes.pushed)]
+    ("name", "make"),
+    [
+        ("fast", gpu_scenes.stray),
+        ("lost", gpu_scenes.leaving),
+        ("through", gpu_scenes.pushed),
+    ],
 )
 def test_failures_are_told_alike(folder, name, make):
     with pytest.raises(ConvergenceError) as error:
@@ -149,9 +176,9 @@ width = ["6 mm", "6 mm"]
 diameter = "2 mm"
 conductivity = 1.4
 """
-LATTICE = SCENE.replace("packing]\ncount = 70", 'lattice]\ntype = "sc"\ncontact_radius = "0.1 mm"').replace(
-    'width = ["6 mm", "6 mm"]\n', ""
-)
+LATTICE = SCENE.replace(
+    "packing]\ncount = 70", 'lattice]\ntype = "sc"\ncontact_radius = "0.1 mm"'
+).replace('width = ["6 mm", "6 mm"]\n', "")
 
 
 @pytest.mark.parametrize(
@@ -163,8 +190,12 @@ LATTICE = SCENE.replace("packing]\ncount = 70", 'lattice]\ntype = "sc"\ncontact_
         ("contbed", 20.0, True, 0.1),
     ],
 )
-def test_lists_of_a_packing_reach_further_on_a_gpu(monkeypatch, engine, width, periodic, skin):
-    """In radii; periodic sides 7 radii apart leave a third of a radius beside three diameters."""
+def test_lists_of_a_packing_reach_further_on_a_gpu(
+    monkeypatch, engine, width, periodic, skin
+):
+    """In radii; periodic sides 7 radii apart leave a third of a radius beside three
+    diameters.
+    """
     made = {}
 
     def simulation(*_, **options):
@@ -173,7 +204,13 @@ def test_lists_of_a_packing_reach_further_on_a_gpu(monkeypatch, engine, width, p
 
     monkeypatch.setattr(packing, "Simulation", simulation)
     with pytest.raises(EngineError, match="no GPU"):
-        pack((width, width), radius=1.0, count=20, periodic=(periodic, periodic), engine=engine)
+        pack(
+            (width, width),
+            radius=1.0,
+            count=20,
+            periodic=(periodic, periodic),
+            engine=engine,
+        )
     assert (made["skin"] or SKIN) == pytest.approx(skin, rel=1e-12)
 
 
@@ -192,7 +229,10 @@ def test_a_driver_that_is_missing_is_told(monkeypatch):
 
     monkeypatch.setattr(gpu, "find_spec", lambda name: name)
     monkeypatch.setattr("contbed.dem.gpu.arrays.cuda", Nothing())
-    with pytest.raises(EngineError, match="finds no GPU that it can use: Error at driver init; no driver"):
+    with pytest.raises(
+        EngineError,
+        match="finds no GPU that it can use: Error at driver init; no driver",
+    ):
         cb.run(loads(SCENE, "bed.toml"), engine="cuda")
 
 
@@ -204,12 +244,17 @@ def test_a_driver_that_is_missing_is_told(monkeypatch):
     ],
 )
 def test_scenes_without_moving_particles_are_refused(scene, words):
-    with pytest.raises(EngineError, match=f"--engine cuda .*{words}.*leave the option out"):
+    with pytest.raises(
+        EngineError, match=f"--engine cuda .*{words}.*leave the option out"
+    ):
         cb.run(scene, engine="cuda")
 
 
 def test_it_is_loaded_only_where_it_is_asked_for():
-    code = "import sys, contbed.dem.packing; assert not {'numba.cuda.api', 'contbed.dem.gpu'} & set(sys.modules)"
+    code = (
+        "import sys, contbed.dem.packing; assert not {'numba.cuda.api', "
+        "'contbed.dem.gpu'} & set(sys.modules)"
+    )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)
 
 
@@ -223,13 +268,19 @@ def on_a_gpu():
 
 @pytest.mark.skipif(not on_a_gpu(), reason="no GPU from NVIDIA with numba-cuda")
 def test_a_bed_on_a_gpu():
-    """4000 spheres that move: as on a processor to rounding, bit for bit from a restart and in a second run."""
+    """4000 spheres that move: as on a processor to rounding, bit for bit from a
+    restart and in a second run.
+    """
 
     def bed(engine):
         rng = np.random.default_rng(0)
-        places = np.stack(np.meshgrid(*[np.arange(20.0)] * 2, np.arange(10.0), indexing="ij"), -1).reshape(-1, 3)
+        places = np.stack(
+            np.meshgrid(*[np.arange(20.0)] * 2, np.arange(10.0), indexing="ij"), -1
+        ).reshape(-1, 3)
         domain = Domain((0, 0, 0), (40e-3, 40e-3, np.inf), (True, False, False))
-        spheres = Particles((places + 0.5) * 2e-3, 1e-3, velocity=rng.normal(0.0, 0.2, places.shape))
+        spheres = Particles(
+            (places + 0.5) * 2e-3, 1e-3, velocity=rng.normal(0.0, 0.2, places.shape)
+        )
         return Simulation(spheres, [Material()], box(domain), domain, engine=engine)
 
     one, again, half, own = bed("cuda"), bed("cuda"), bed("cuda"), bed("contbed")
@@ -243,4 +294,6 @@ def test_a_bed_on_a_gpu():
     alike(one.state(), own.state(), 1e-10)
     for found in (again, rest):
         for name in MOTION:
-            np.testing.assert_array_equal(getattr(one, name), getattr(found, name), err_msg=name)
+            np.testing.assert_array_equal(
+                getattr(one, name), getattr(found, name), err_msg=name
+            )

@@ -1,4 +1,6 @@
-"""Heat between two particles and in an assembly, against integrals in high precision, limits and sums."""
+"""Heat between two particles and in an assembly, against integrals in high
+precision, limits and sums.
+"""
 
 import itertools
 
@@ -14,7 +16,9 @@ CLOSED = (True, True, True)
 
 
 def two_spheres(R_i, R_j, half_gap, k_i, k_j, k_fluid, eps, r_contact):
-    """Eq. 5 in 30 digits, for R_i <= R_j; r = r_c + (r_sf - r_c) s^3 takes the narrow gap apart."""
+    """Eq. 5 in 30 digits, for R_i <= R_j; r = r_c + (r_sf - r_c) s^3 takes the
+    narrow gap apart.
+    """
     with mp.workdps(30):
         R_i, R_j, H, k_i, k_j, k_fluid, eps, r_contact = map(
             mp.mpf, (R_i, R_j, half_gap, k_i, k_j, k_fluid, eps, r_contact)
@@ -29,7 +33,11 @@ def two_spheres(R_i, R_j, half_gap, k_i, k_j, k_fluid, eps, r_contact):
         def integrand(s):
             r = r_contact + (end - r_contact) * s**3
             u_i, u_j = mp.sqrt(R_i**2 - r**2), mp.sqrt(R_j**2 - r**2)
-            path = (u_i - r * D_i / cone) / k_i + (u_j - r * D_j / cone_j) / k_j + (d - u_i - u_j) / k_fluid
+            path = (
+                (u_i - r * D_i / cone) / k_i
+                + (u_j - r * D_j / cone_j) / k_j
+                + (d - u_i - u_j) / k_fluid
+            )
             return 2 * mp.pi * r * 3 * s**2 * (end - r_contact) / path
 
         return float(mp.quad(integrand, [0, 0.05, 0.2, 0.6, 1]))
@@ -41,28 +49,47 @@ RATIOS = (0.01, 0.5, 1.0, 1.6, 1.634, 1.7, 2.0, 30.0, 1e3, 1e4, 1e6)
 @pytest.mark.parametrize("eps", [0.26, 0.4, 0.55])
 @pytest.mark.parametrize("half_gap", [0.0, 2.0**-20, 2.0**-7, 0.125, 0.5])
 def test_the_closed_form_is_the_integral(eps, half_gap):
-    # 1e-12 is asked for; gaps are binary fractions, so that no digit is lost in the distance already
+    # 1e-12 is asked for; gaps are binary fractions, so that no digit is lost in the
+    # distance already
     ratios = RATIOS if eps == 0.4 else RATIOS[::3]
-    for ratio, r_contact in itertools.product(ratios, (0.0, 1e-3, 0.05) if half_gap == 0 else (0.0,)):
-        found = heat_pair.gap_conductance(1.0, 1.0, 2.0 + 2.0 * half_gap, ratio, ratio, 1.0, eps, r_contact)
+    for ratio, r_contact in itertools.product(
+        ratios, (0.0, 1e-3, 0.05) if half_gap == 0 else (0.0,)
+    ):
+        found = heat_pair.gap_conductance(
+            1.0, 1.0, 2.0 + 2.0 * half_gap, ratio, ratio, 1.0, eps, r_contact
+        )
         exact = two_spheres(1, 1, half_gap, ratio, ratio, 1, eps, r_contact)
         assert float(found) == pytest.approx(exact, rel=1e-12), (ratio, r_contact)
 
 
 @pytest.mark.parametrize("R", [1.0, 1.25, 3.0])
 def test_unlike_particles_by_quadrature(R):
-    # the 48 points hold 1e-12 to a ratio of 1e3 and 1e-11 at 1e4, where the integrand is steepest at the contact
-    for half_gap, k in itertools.product((0.0, 2.0**-10, 0.25), ((5.0, 50.0), (1e3, 1e3))):
+    # the 48 points hold 1e-12 to a ratio of 1e3 and 1e-11 at 1e4, where the integrand
+    # is steepest at the contact
+    for half_gap, k in itertools.product(
+        (0.0, 2.0**-10, 0.25), ((5.0, 50.0), (1e3, 1e3))
+    ):
         args = (*k, 1.0, 0.4)
         found = heat_pair.gap_conductance(1.0, R, 1.0 + R + 2 * half_gap, *args)
-        assert float(found) == pytest.approx(two_spheres(1, R, half_gap, *args, 0), rel=1e-12)
-        swapped = heat_pair.gap_conductance(R, 1.0, 1.0 + R + 2 * half_gap, *k[::-1], 1.0, 0.4)
+        assert float(found) == pytest.approx(
+            two_spheres(1, R, half_gap, *args, 0), rel=1e-12
+        )
+        swapped = heat_pair.gap_conductance(
+            R, 1.0, 1.0 + R + 2 * half_gap, *k[::-1], 1.0, 0.4
+        )
         assert float(swapped) == pytest.approx(float(found), rel=1e-15)
 
 
 def test_published_values_and_the_end_of_reach():
-    value = heat_pair.gap_conductance(1.0, 1.0, [2.0, 2.02, 3.0, 3.0000001], 100.0, 100.0, 1.0, 0.4) / np.pi
-    assert value[:3] == pytest.approx([3.00020696363, 2.25653118815, 0.150378444168], rel=1e-11)
+    value = (
+        heat_pair.gap_conductance(
+            1.0, 1.0, [2.0, 2.02, 3.0, 3.0000001], 100.0, 100.0, 1.0, 0.4
+        )
+        / np.pi
+    )
+    assert value[:3] == pytest.approx(
+        [3.00020696363, 2.25653118815, 0.150378444168], rel=1e-11
+    )
     assert value[3] == 0.0
 
 
@@ -97,11 +124,17 @@ def test_columns_are_their_integral(ratio, distance):
 
 
 def test_contact_and_its_correction():
-    assert heat_pair.correction(1e7, 5e10, heat_pair.IMPACT) == pytest.approx(0.182, abs=5e-4)  # as the paper prints
+    # as the paper prints
+    assert heat_pair.correction(1e7, 5e10, heat_pair.IMPACT) == pytest.approx(
+        0.182, abs=5e-4
+    )
     assert heat_pair.correction(1e7, 5e10) == pytest.approx(0.0585, abs=5e-5)
     r = heat_pair.contact_radius(1e-3, 1e-3, [1.99e-3, 2e-3, 2.1e-3], factor=0.5)
     assert r == pytest.approx([0.5 * (0.5e-3 * 1e-5) ** 0.5, 0.0, 0.0], rel=1e-12)
-    assert heat_pair.contact_conductance(1e-5, 3.0, 3.0) == pytest.approx(2 * 3.0 * 1e-5)  # Batchelor and O'Brien
+    # Batchelor and O'Brien
+    assert heat_pair.contact_conductance(1e-5, 3.0, 3.0) == pytest.approx(
+        2 * 3.0 * 1e-5
+    )
 
 
 def test_one_impact():
@@ -117,19 +150,30 @@ def test_one_impact():
     assert G * impact.duration == pytest.approx(1.865e-7, rel=1e-3)
     c = heat_pair.correction(1e7, 5e10, heat_pair.IMPACT)
     stiff = heat_impact.hertz_impact(0.5e-3, mass / 2, 5e10 / (2 * 0.91), 0.1)
-    real = heat_impact.impact_conductance(stiff, (0.84, 0.84), (capacity, capacity)) * stiff.duration
-    soft = heat_impact.impact_conductance(impact, (0.84, 0.84), (capacity, capacity), c) * impact.duration
-    assert soft == pytest.approx(real, rel=1e-12)  # the correction of an impact is exact: c^3
+    real = (
+        heat_impact.impact_conductance(stiff, (0.84, 0.84), (capacity, capacity))
+        * stiff.duration
+    )
+    soft = (
+        heat_impact.impact_conductance(impact, (0.84, 0.84), (capacity, capacity), c)
+        * impact.duration
+    )
+    # the correction of an impact is exact: c^3
+    assert soft == pytest.approx(real, rel=1e-12)
     one, other = (
-        heat_impact.impact_conductance(impact, k, h) for k, h in (((1.0, 9.0), (1e6, 3e6)), ((9.0, 1.0), (3e6, 1e6)))
+        heat_impact.impact_conductance(impact, k, h)
+        for k, h in (((1.0, 9.0), (1e6, 3e6)), ((9.0, 1.0), (3e6, 1e6)))
     )
     assert one == other
 
 
 def test_the_factor_of_an_impact():
     found = heat_impact.impact_factor([0.0, 0.1, 0.5, 1.0, 5.0, 10.0], 1.0)
-    assert found == pytest.approx([0.9011, 0.9215, 0.9984, 1.0859, 1.610, 2.076], abs=6e-4)
-    through = heat_impact.impact_factor(0.1, np.linspace(0.55, 0.56, 101))  # C1 changes its sign here
+    assert found == pytest.approx(
+        [0.9011, 0.9215, 0.9984, 1.0859, 1.610, 2.076], abs=6e-4
+    )
+    # C1 changes its sign here
+    through = heat_impact.impact_factor(0.1, np.linspace(0.55, 0.56, 101))
     assert np.abs(np.diff(through, 2)).max() < 1e-6
     assert list(heat_impact.colliding([0.0, 1.0, 2.0], 1.5)) == [True, True, False]
 
@@ -140,28 +184,45 @@ def test_pairs_through_periodic_sides():
     pairs = heat.near_pairs(x, 0.3, CUBE, CLOSED)
     offset = x[None] - x[:, None]
     offset -= np.round(offset)
-    wanted = {(i, j) for i, j in itertools.combinations(range(40), 2) if np.linalg.norm(offset[i, j]) <= 0.3}
-    assert {tuple(sorted(pair)) for pair in zip(pairs.i.tolist(), pairs.j.tolist(), strict=True)} == wanted
+    wanted = {
+        (i, j)
+        for i, j in itertools.combinations(range(40), 2)
+        if np.linalg.norm(offset[i, j]) <= 0.3
+    }
+    assert {
+        tuple(sorted(pair))
+        for pair in zip(pairs.i.tolist(), pairs.j.tolist(), strict=True)
+    } == wanted
     assert len(pairs.i) == len(wanted)
-    one = heat.near_pairs(np.zeros((1, 3)), 1.0, CUBE, CLOSED)  # a particle and its own images, each pair once
+    # a particle and its own images, each pair once
+    one = heat.near_pairs(np.zeros((1, 3)), 1.0, CUBE, CLOSED)
     assert len(one.i) == 3
     assert np.abs(one.vector).sum(0) == pytest.approx([1.0, 1.0, 1.0])
 
 
-@pytest.mark.parametrize("periodic", [CLOSED, (False, False, False), (True, False, True)])
+@pytest.mark.parametrize(
+    "periodic", [CLOSED, (False, False, False), (True, False, True)]
+)
 def test_voronoi_cells_fill_the_box(periodic):
     x = np.random.default_rng(2).random((500, 3))
     pairs = heat.voronoi_pairs(x, CUBE, periodic)
     if periodic == CLOSED:
-        # sum of A d n n over the pairs is the volume along each axis: what makes a homogeneous bed exact
-        moment = np.einsum("p,pa,pb->ab", pairs.face / pairs.distance, pairs.vector, pairs.vector)
+        # sum of A d n n over the pairs is the volume along each axis: what makes a
+        # homogeneous bed exact
+        moment = np.einsum(
+            "p,pa,pb->ab", pairs.face / pairs.distance, pairs.vector, pairs.vector
+        )
         assert moment == pytest.approx(np.eye(3), abs=1e-13)
     # Gauss: the faces of a cell away from the walls close
     normal = pairs.face[:, None] * pairs.vector / pairs.distance[:, None]
     sums = np.zeros((500, 3))
     np.add.at(sums, pairs.i, normal)
     np.add.at(sums, pairs.j, -normal)
-    inner = np.all((x > 0.4) & (x < 0.6), axis=1) if periodic != CLOSED else np.ones(500, dtype=bool)
+    inner = (
+        np.all((x > 0.4) & (x < 0.6), axis=1)
+        if periodic != CLOSED
+        else np.ones(500, dtype=bool)
+    )
     assert inner.any()
     assert np.abs(sums[inner]).max() < 1e-13
 
@@ -177,26 +238,34 @@ def test_surroundings_and_radiation():
     local = heat.surroundings(x, T, T, 0.4, 0.2, CUBE, CLOSED)
     Q, imbalance = heat.radiation(T, local, 0.2, 0.8)
     assert 1e-3 < abs(imbalance) < 0.5
-    lonely = heat.surroundings(np.array([[0.0, 0, 0], [9.0, 9, 9]]), np.array([300.0, 400.0]), 350.0, 0.4, 1.0)
+    lonely = heat.surroundings(
+        np.array([[0.0, 0, 0], [9.0, 9, 9]]), np.array([300.0, 400.0]), 350.0, 0.4, 1.0
+    )
     assert lonely == pytest.approx([350.0, 350.0])  # nobody near: the fluid alone
 
 
 def test_radiation_as_conductances_is_the_slope_of_the_exchange():
-    # on a lattice every particle has as many neighbours as the next: then both forms are the same
+    # on a lattice every particle has as many neighbours as the next: then both forms
+    # are the same
     side = np.arange(4.0)
     x = np.stack(np.meshgrid(side, side, side), -1).reshape(-1, 3)
     box = (np.zeros(3), np.full(3, 4.0))
     T = 1000.0 + 1e-3 * np.random.default_rng(4).random(64)
-    Q, _ = heat.radiation(T, heat.surroundings(x, T, T, 0.4, 1.0, box, CLOSED), 1.0, 0.7)
+    Q, _ = heat.radiation(
+        T, heat.surroundings(x, T, T, 0.4, 1.0, box, CLOSED), 1.0, 0.7
+    )
     pairs = heat.near_pairs(x, 1.5, box, CLOSED)
     G = heat.radiation_conductance(pairs, 64, 1000.0, 1.0, 0.7, 0.4)
     flow = G * (T[pairs.j] - T[pairs.i])
     linear = np.bincount(pairs.i, flow, 64) - np.bincount(pairs.j, flow, 64)
-    assert pytest.approx(linear, abs=5e-6 * np.abs(linear).max()) == Q  # T varies by 1e-6 of itself
+    # T varies by 1e-6 of itself
+    assert pytest.approx(linear, abs=5e-6 * np.abs(linear).max()) == Q
 
 
 def test_convection():
-    assert heat.convection(56.2, 0.71, 0.026, 2e-3) * 2e-3 / 0.026 == pytest.approx(10.03, abs=0.01)
+    assert heat.convection(56.2, 0.71, 0.026, 2e-3) * 2e-3 / 0.026 == pytest.approx(
+        10.03, abs=0.01
+    )
 
 
 def test_mechanisms_add_up_and_need_their_faces():
@@ -206,6 +275,8 @@ def test_mechanisms_add_up_and_need_their_faces():
     assert set(full) == {"contact", "fluid_touching", "fluid_apart"}
     assert not (full["fluid_touching"] * full["fluid_apart"]).any()
     assert heat.total(full) == pytest.approx(sum(full.values()), rel=1e-15)
-    assert set(heat.conductances(pairs, 0.1, heat.Conduction(10.0, None))) == {"contact"}
+    assert set(heat.conductances(pairs, 0.1, heat.Conduction(10.0, None))) == {
+        "contact"
+    }
     with pytest.raises(ValueError, match="Voronoi faces"):
         heat.conductances(pairs, 0.1, heat.Conduction(10.0, 1.0, paths="columns"))

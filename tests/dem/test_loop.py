@@ -1,8 +1,11 @@
-"""The time loop: what it conserves, symmetry, periodic sides, walls, restart, and what happens when it goes wrong.
+"""The time loop: what it conserves, symmetry, periodic sides, walls, restart, and what
+happens when it goes wrong.
 
-Momentum and angular momentum: round-off of some 1e4 sums, 1e-12 of what is exchanged. Energy of a smooth elastic gas:
-velocity Verlet has no drift but an error that oscillates with the overlaps, 1e-4 at 200 steps an impact. Rotated or
-shifted runs differ by round-off that collisions amplify; they are compared over few collisions, to 1e-9.
+Momentum and angular momentum: round-off of some 1e4 sums, 1e-12 of what is exchanged.
+Energy of a smooth elastic gas: velocity Verlet has no drift but an error that
+oscillates with the overlaps, 1e-4 at 200 steps an impact. Rotated or shifted runs
+differ by round-off that collisions amplify; they are compared over few collisions, to
+1e-9.
 """
 
 import os
@@ -34,22 +37,35 @@ AROUND = Domain((0.0,) * 3, (SIDE,) * 3, (True,) * 3)
 def gas(speed=0.2, spin=0.0, seed=1):
     """64 spheres on a jittered lattice in a box of 12 mm."""
     rng = np.random.default_rng(seed)
-    lattice = np.stack(np.meshgrid(*3 * [np.arange(4)], indexing="ij"), axis=-1).reshape(-1, 3)
+    lattice = np.stack(
+        np.meshgrid(*3 * [np.arange(4)], indexing="ij"), axis=-1
+    ).reshape(-1, 3)
     position = (lattice + 0.5) * SIDE / 4 + rng.uniform(-1, 1, lattice.shape) * 4e-4
-    velocity, turning = rng.normal(0, speed, lattice.shape), rng.normal(0, 1.0, lattice.shape) * spin
+    velocity, turning = (
+        rng.normal(0, speed, lattice.shape),
+        rng.normal(0, 1.0, lattice.shape) * spin,
+    )
     return Particles(position, RADIUS, velocity=velocity, spin=turning)
 
 
 def momenta(simulation):
     linear = simulation.mass[:, None] * simulation.velocity
     return linear.sum(axis=0), (
-        np.cross(simulation.position, linear) + simulation.inertia[:, None] * simulation.spin
+        np.cross(simulation.position, linear)
+        + simulation.inertia[:, None] * simulation.spin
     ).sum(0)
 
 
 def test_energy_of_smooth_elastic_spheres():
     smooth = Material(restitution=1.0, sliding_friction=0.0)
-    simulation = Simulation(gas(), [smooth], box(CLOSED, open_top=False), CLOSED, gravity=(0, 0, 0), time_step=1e-6)
+    simulation = Simulation(
+        gas(),
+        [smooth],
+        box(CLOSED, open_top=False),
+        CLOSED,
+        gravity=(0, 0, 0),
+        time_step=1e-6,
+    )
     modulus = pair_table([smooth])["youngs_modulus"][0, 0]
     before = simulation.kinetic_energy
     energies = []
@@ -58,28 +74,40 @@ def test_energy_of_smooth_elastic_spheres():
         stored = 0.0
         for delta in simulation.contacts().overlap:
             stored += 8 / 15 * modulus * np.sqrt(RADIUS / 2) * delta**2.5
-        for delta in RADIUS - neighbours.wall_gaps(simulation.position, simulation._laws.walls).ravel():
-            stored += 8 / 15 * 2 * modulus / 2 * np.sqrt(RADIUS) * max(delta, 0.0) ** 2.5
+        for delta in (
+            RADIUS
+            - neighbours.wall_gaps(simulation.position, simulation._laws.walls).ravel()
+        ):
+            stored += (
+                8 / 15 * 2 * modulus / 2 * np.sqrt(RADIUS) * max(delta, 0.0) ** 2.5
+            )
         energies.append(simulation.kinetic_energy + stored)
     assert energies == pytest.approx([before] * 5, rel=1e-4)
 
 
 def test_friction_takes_energy_only():
-    simulation = Simulation(gas(spin=50.0), [GLASS], domain=AROUND, gravity=(0, 0, 0), time_step=2e-6)
+    simulation = Simulation(
+        gas(spin=50.0), [GLASS], domain=AROUND, gravity=(0, 0, 0), time_step=2e-6
+    )
     energies = [simulation.kinetic_energy]
     for _ in range(20):
         simulation.run(2000)
         energies.append(simulation.kinetic_energy)
     assert energies[-1] < 0.5 * energies[0]
-    assert (np.diff(energies) < 1e-3 * energies[0]).all()  # overlaps store and return a little
+    # overlaps store and return a little
+    assert (np.diff(energies) < 1e-3 * energies[0]).all()
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_momentum_and_angular_momentum(axis):
-    """Free spheres of two sizes, spinning about every axis; a cloud that meets another one."""
+    """Free spheres of two sizes, spinning about every axis; a cloud that meets
+    another one.
+    """
     particles = gas(0.05, 100.0)
     particles.radius[::3] *= 0.7
-    particles.velocity[:, axis] += np.where(particles.position[:, axis] < SIDE / 2, 0.5, -0.5)
+    particles.velocity[:, axis] += np.where(
+        particles.position[:, axis] < SIDE / 2, 0.5, -0.5
+    )
     simulation = Simulation(particles, [GLASS], gravity=(0, 0, 0), time_step=2e-6)
     linear, angular = momenta(simulation)
     scale = float((simulation.mass * np.linalg.norm(simulation.velocity, axis=1)).sum())
@@ -97,9 +125,15 @@ def test_the_same_on_every_axis(turn):
     for roll in (0, turn):
         particles = gas(spin=20.0)
         for name in ("position", "velocity", "spin"):
-            setattr(particles, name, np.ascontiguousarray(np.roll(getattr(particles, name), roll, axis=1)))
+            setattr(
+                particles,
+                name,
+                np.ascontiguousarray(np.roll(getattr(particles, name), roll, axis=1)),
+            )
         gravity = np.roll([0, 0, -9.81], roll)
-        simulation = Simulation(particles, [GLASS], box(CLOSED, open_top=False), CLOSED, gravity, 5e-6)
+        simulation = Simulation(
+            particles, [GLASS], box(CLOSED, open_top=False), CLOSED, gravity, 5e-6
+        )
         simulation.run(2000)
         found.append(np.roll(simulation.position, -roll, axis=1))
     assert np.abs(found[0] - found[1]).max() < 1e-9 * RADIUS
@@ -110,7 +144,9 @@ def test_periodic_sides_do_not_matter_where_they_are():
     for shift in (0.0, 0.37 * SIDE):
         particles = gas(spin=20.0)
         particles.position += shift
-        simulation = Simulation(particles, [GLASS], domain=AROUND, gravity=(0, 0, 0), time_step=5e-6)
+        simulation = Simulation(
+            particles, [GLASS], domain=AROUND, gravity=(0, 0, 0), time_step=5e-6
+        )
         simulation.run(2000)
         assert len(simulation.contacts()) >= 0
         found.append((simulation.velocity, np.mod(simulation.position - shift, SIDE)))
@@ -133,11 +169,22 @@ def test_contact_across_a_periodic_side():
 @pytest.mark.parametrize(("count", "number"), [(300, 1), (3000, 1), (3000, 2)])
 @pytest.mark.parametrize("domain", [AROUND, CLOSED])
 def test_the_list_has_every_pair_once(domain, count, number):
-    """Also across blocks of memory, for particles of several sizes and on two threads."""
+    """Also across blocks of memory, for particles of several sizes and on two
+    threads.
+    """
     rng = np.random.default_rng(3)
-    x, radius = rng.uniform(0, SIDE, (count, 3)), rng.uniform(0.3, 1.0, count) * RADIUS * (300 / count) ** (1 / 3)
+    x, radius = (
+        rng.uniform(0, SIDE, (count, 3)),
+        rng.uniform(0.3, 1.0, count) * RADIUS * (300 / count) ** (1 / 3),
+    )
     with threads.using(number):
-        simulation = Simulation(Particles(x, radius), [GLASS], domain=domain, skin=2e-4, largest_overlap=10.0)
+        simulation = Simulation(
+            Particles(x, radius),
+            [GLASS],
+            domain=domain,
+            skin=2e-4,
+            largest_overlap=10.0,
+        )
     record = simulation._memory.read()
     row, other, gap, normal = simulation._listed_pairs(record)
     apart = x[:, None] - x[None]
@@ -145,36 +192,63 @@ def test_the_list_has_every_pair_once(domain, count, number):
     distance = np.linalg.norm(apart, axis=-1)
     near = distance < radius[:, None] + radius + 2e-4
     pairs = np.sort([record.user[row], record.user[other]], axis=0)
-    assert sorted(zip(*pairs.tolist(), strict=True)) == [(i, j) for i, j in np.argwhere(near).tolist() if i < j]
-    assert gap == pytest.approx(distance[tuple(pairs)] - radius[pairs[0]] - radius[pairs[1]], abs=1e-15)
+    assert sorted(zip(*pairs.tolist(), strict=True)) == [
+        (i, j) for i, j in np.argwhere(near).tolist() if i < j
+    ]
+    assert gap == pytest.approx(
+        distance[tuple(pairs)] - radius[pairs[0]] - radius[pairs[1]], abs=1e-15
+    )
     assert np.linalg.norm(normal, axis=1) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_round_walls(axis):
-    """A sphere falls on a tube and into a cylinder, both along the axis, and ends beside the tube at the bottom."""
+    """A sphere falls on a tube and into a cylinder, both along the axis, and ends
+    beside the tube at the bottom.
+    """
     down, side = (axis + 1) % 3, (axis + 2) % 3
     gravity, direction, start = np.zeros(3), np.zeros(3), np.zeros(3)
     gravity[down], direction[axis], start[down], start[side] = -9.81, 1.0, 5e-3, 1e-3
-    walls = [Cylinder((0,) * 3, tuple(direction), 8e-3), Tube((0,) * 3, tuple(direction), 2e-3)]
+    walls = [
+        Cylinder((0,) * 3, tuple(direction), 8e-3),
+        Tube((0,) * 3, tuple(direction), 2e-3),
+    ]
     material = Material(restitution=0.3, rolling_friction=0.05)
-    simulation = Simulation(Particles([start], RADIUS), [material], walls, gravity=gravity, time_step=1e-5)
+    simulation = Simulation(
+        Particles([start], RADIUS), [material], walls, gravity=gravity, time_step=1e-5
+    )
     simulation.run(100_000)
     assert simulation.position[0, down] == pytest.approx(-7e-3, rel=2e-2)
-    assert np.hypot(simulation.position[0, down], simulation.position[0, side]) == pytest.approx(7e-3, rel=1e-3)
+    assert np.hypot(
+        simulation.position[0, down], simulation.position[0, side]
+    ) == pytest.approx(7e-3, rel=1e-3)
     assert simulation.kinetic_energy < 1e-12
 
 
 def test_two_materials_in_contact_with_a_wall_of_a_third():
-    soft, hard = Material(1000.0, 1e6, restitution=0.2), Material(8000.0, 1e8, restitution=0.2)
+    soft, hard = (
+        Material(1000.0, 1e6, restitution=0.2),
+        Material(8000.0, 1e8, restitution=0.2),
+    )
     slick = Material(restitution=0.2, sliding_friction=0.0)
     particles = Particles([[0, 0, RADIUS], [0, 0, 3 * RADIUS]], RADIUS, material=[0, 1])
-    simulation = Simulation(particles, [soft, hard, slick], [Plane((0, 0, 0), (0, 0, 1), 2)], time_step=2e-6)
+    simulation = Simulation(
+        particles, [soft, hard, slick], [Plane((0, 0, 0), (0, 0, 1), 2)], time_step=2e-6
+    )
     simulation.run(100_000)
     weight = simulation.mass * 9.81
-    overlap, modulus = simulation.contacts().overlap[0], pair_table([soft, hard, slick])["youngs_modulus"]
+    overlap, modulus = (
+        simulation.contacts().overlap[0],
+        pair_table([soft, hard, slick])["youngs_modulus"],
+    )
     force = 4 / 3 * modulus[0, 1] * np.sqrt(RADIUS / 2) * overlap**1.5
-    floor = 4 / 3 * modulus[0, 2] * np.sqrt(RADIUS) * (RADIUS - simulation.position[0, 2]) ** 1.5
+    floor = (
+        4
+        / 3
+        * modulus[0, 2]
+        * np.sqrt(RADIUS)
+        * (RADIUS - simulation.position[0, 2]) ** 1.5
+    )
     assert force == pytest.approx(weight[1], rel=1e-3)
     assert floor == pytest.approx(weight.sum(), rel=1e-3)
 
@@ -192,7 +266,12 @@ def falling(**change):
     particles = gas(0.1, 20.0)
     particles.radius[::5] *= 0.8
     return Simulation(
-        particles, [GLASS], box(CLOSED), Domain(CLOSED.lower, (SIDE, SIDE, np.inf)), time_step=5e-6, **change
+        particles,
+        [GLASS],
+        box(CLOSED),
+        Domain(CLOSED.lower, (SIDE, SIDE, np.inf)),
+        time_step=5e-6,
+        **change,
     )
 
 
@@ -213,24 +292,36 @@ def test_restart_is_bitwise(tmp_path):
 def test_restart_of_another_simulation():
     state = falling().state()
     alone = Simulation(Particles([[0, 0, 0]], RADIUS), [GLASS])
-    with pytest.raises(SceneError, match=r"checkpoint of another simulation: position has shape \(64, 3\)"):
+    with pytest.raises(
+        SceneError,
+        match=r"checkpoint of another simulation: position has shape \(64, 3\)",
+    ):
         alone.restore(state)
     with pytest.raises(SceneError, match="the checkpoint lacks row"):
-        falling().restore({name: array for name, array in state.items() if name != "row"})
+        falling().restore(
+            {name: array for name, array in state.items() if name != "row"}
+        )
     with pytest.raises(SceneError, match="of another version"):
         falling().restore(state | {"numbers": state["numbers"][:-1]})
 
 
 def test_lists_of_a_checkpoint_reach_as_far_as_those_of_the_run():
-    """A wider skin takes longer to be passed: pairs that meet in the meantime have to be in the list."""
+    """A wider skin takes longer to be passed: pairs that meet in the meantime have
+    to be in the list.
+    """
     narrow, wide = falling(skin=0.1 * RADIUS), falling(skin=0.4 * RADIUS)
-    with pytest.raises(SceneError, match=r"the checkpoint has lists with a skin of 0.0001 m, expected 0.0004 m"):
+    with pytest.raises(
+        SceneError,
+        match=r"the checkpoint has lists with a skin of 0.0001 m, expected 0.0004 m",
+    ):
         wide.restore(narrow.state())
     narrow.restore(wide.state())
 
 
 def test_history_keeps_first_touch_and_impact_speed():
-    particles = Particles([[0, 0, 0], [2.1 * RADIUS, 0, 0]], RADIUS, velocity=[[0.1, 0, 0], [0, 0, 0]])
+    particles = Particles(
+        [[0, 0, 0], [2.1 * RADIUS, 0, 0]], RADIUS, velocity=[[0.1, 0, 0], [0, 0, 0]]
+    )
     simulation = Simulation(particles, [GLASS], gravity=(0, 0, 0), time_step=1e-6)
     simulation.run(1050)
     closed = simulation.contacts()
@@ -243,38 +334,67 @@ def test_blow_up_names_the_particle_and_keeps_the_state():
     simulation.run(100)
     before = simulation.state()
     simulation.force[7, 0] = np.nan
-    with pytest.raises(ConvergenceError, match=r"particle 7 at .* moves at nan m/s") as caught:
+    with pytest.raises(
+        ConvergenceError, match=r"particle 7 at .* moves at nan m/s"
+    ) as caught:
         simulation.run(1000, interval=1000)
     assert simulation.steps_done == 100
     assert caught.value.state["position"].tobytes() == before["position"].tobytes()
     simulation.force[:] = 0.0
     simulation.force[9, 2] = 100.0
-    with pytest.raises(ConvergenceError, match=r"particle 9 at .* more than 0.1 of the smallest radius in a step"):
+    with pytest.raises(
+        ConvergenceError,
+        match=r"particle 9 at .* more than 0.1 of the smallest radius in a step",
+    ):
         simulation.run(1000, interval=1000)
 
 
 def test_lost_particles_are_named():
     domain = Domain((0.0,) * 3, (SIDE,) * 3)
     particles = Particles(
-        [[SIDE / 2] * 3, [SIDE - 2e-3, SIDE / 2, SIDE / 2]], RADIUS, velocity=[[0, 0, 0], [1.0, 0, 0]]
+        [[SIDE / 2] * 3, [SIDE - 2e-3, SIDE / 2, SIDE / 2]],
+        RADIUS,
+        velocity=[[0, 0, 0], [1.0, 0, 0]],
     )
     simulation = Simulation(particles, [GLASS], domain=domain, gravity=(0, 0, 0))
-    with pytest.raises(ConvergenceError, match=r"particle 1 at .* left the domain at t = 0\.00"):
+    with pytest.raises(
+        ConvergenceError, match=r"particle 1 at .* left the domain at t = 0\.00"
+    ):
         simulation.run(1000)
     simulation = Simulation(
-        particles, [Material(youngs_modulus=1e3)], box(domain), domain, gravity=(0, 0, 0), time_step=1e-5
+        particles,
+        [Material(youngs_modulus=1e3)],
+        box(domain),
+        domain,
+        gravity=(0, 0, 0),
+        time_step=1e-5,
     )
-    with pytest.raises(ConvergenceError, match=r"particle 1 at .* (pushed through a wall|left the domain)"):
+    with pytest.raises(
+        ConvergenceError,
+        match=r"particle 1 at .* (pushed through a wall|left the domain)",
+    ):
         simulation.run(10_000)
 
 
 @pytest.mark.parametrize(
     ("position", "walls", "message"),
     [
-        ([[0, 0, 0], [0, 0, 1.5e-3]], [], "particles 0 and 1 overlap by 0.0005 m at the start, 0.5 of the smaller"),
+        (
+            [[0, 0, 0], [0, 0, 1.5e-3]],
+            [],
+            "particles 0 and 1 overlap by 0.0005 m at the start, 0.5 of the smaller",
+        ),
         ([[0, 0, 0], [0, 0, 0]], [], "particles 0 and 1 overlap by 0.002 m"),
-        ([[0, 0, 0.5e-3]], [Plane((0, 0, 0), (0, 0, 1))], "particle 0 at .* overlaps wall 0"),
-        ([[0, 0, -2e-3]], [Plane((0, 0, 0), (0, 0, 1))], "particle 0 at .* is beyond wall 0"),
+        (
+            [[0, 0, 0.5e-3]],
+            [Plane((0, 0, 0), (0, 0, 1))],
+            "particle 0 at .* overlaps wall 0",
+        ),
+        (
+            [[0, 0, -2e-3]],
+            [Plane((0, 0, 0), (0, 0, 1))],
+            "particle 0 at .* is beyond wall 0",
+        ),
         ([[0, 0, 1.0]], [], "particle 0 at .* is outside the domain"),
         (np.zeros((0, 3)), [], "no particles"),
     ],
@@ -287,8 +407,12 @@ def test_bad_starts(position, walls, message):
 
 def test_other_mistakes():
     one = Particles([[0, 0, 0]], RADIUS)
-    with pytest.raises(SceneError, match=r"periodic length 0\.002 m in x, at least 0\.0063 m"):
-        Simulation(one, [GLASS], domain=Domain((0, 0, 0), (2e-3, 1, 1), (True, False, False)))
+    with pytest.raises(
+        SceneError, match=r"periodic length 0\.002 m in x, at least 0\.0063 m"
+    ):
+        Simulation(
+            one, [GLASS], domain=Domain((0, 0, 0), (2e-3, 1, 1), (True, False, False))
+        )
     with pytest.raises(SceneError, match="material 1 does not exist, there are 1"):
         Simulation(one, [GLASS], [Plane((0, 0, -1), (0, 0, 1), material=1)])
     with pytest.raises(SceneError, match=r"position of particle 1 is not finite"):
@@ -302,7 +426,9 @@ def test_other_mistakes():
 
 
 def interrupted(simulation, seconds):
-    """Run until SIGINT arrives after `seconds`, whatever handler the test runner has set."""
+    """Run until SIGINT arrives after `seconds`, whatever handler the test runner has
+    set.
+    """
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))
     try:
@@ -315,13 +441,16 @@ def interrupted(simulation, seconds):
 
 
 def test_an_interrupt_comes_at_once_and_leaves_a_whole_state():
-    """Many short pieces of compiled code, so that most signals arrive while arrays go in or out of one."""
+    """Many short pieces of compiled code, so that most signals arrive while arrays
+    go in or out of one.
+    """
     simulation = falling()
     simulation.run(1)  # compiles, which an interrupt waits for
     for k in range(20):
         start = time.perf_counter()
         interrupted(simulation, 2e-3 + 1.3e-3 * k)
-        assert time.perf_counter() - start < 10.0  # 0.2 s unless other processes take the cores
+        # 0.2 s unless other processes take the cores
+        assert time.perf_counter() - start < 10.0
     whole = falling()
     whole.run(simulation.steps_done, interval=simulation.steps_done)
     for name, array in whole.state().items():
@@ -339,7 +468,9 @@ def test_a_long_interval_is_cut_so_that_an_interrupt_is_heard(monkeypatch):
 
 
 def test_an_interrupt_at_any_line_of_the_guard_leaves_it_ready():
-    """Between all lines of entering and leaving: an interrupt is told, or held and told, and the next one is held."""
+    """Between all lines of entering and leaving: an interrupt is told, or held and
+    told, and the next one is held.
+    """
 
     def interrupt_at(wanted):
         """Send SIGINT at one of the lines; return how many there are."""
@@ -347,7 +478,9 @@ def test_an_interrupt_at_any_line_of_the_guard_leaves_it_ready():
 
         def trace(frame, event, argument):
             nonlocal lines
-            guard = frame.f_code.co_filename.endswith("interrupts.py") and frame.f_code.co_name in (
+            guard = frame.f_code.co_filename.endswith(
+                "interrupts.py"
+            ) and frame.f_code.co_name in (
                 "__enter__",
                 "__exit__",
             )
@@ -357,7 +490,10 @@ def test_an_interrupt_at_any_line_of_the_guard_leaves_it_ready():
                     os.kill(os.getpid(), signal.SIGINT)
             return trace
 
-        former, handler = sys.gettrace(), signal.signal(signal.SIGINT, signal.default_int_handler)
+        former, handler = (
+            sys.gettrace(),
+            signal.signal(signal.SIGINT, signal.default_int_handler),
+        )
         sys.settrace(trace)
         try:
             with deferred_interrupt():

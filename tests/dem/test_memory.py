@@ -1,7 +1,8 @@
 """Order of memory and threads: neither is seen from outside.
 
-Another order of the particles changes the order of sums, and so the last digits, which collisions amplify: those runs
-are compared over few collisions, to 1e-9. Threads change nothing: those runs are compared bit for bit.
+Another order of the particles changes the order of sums, and so the last digits, which
+collisions amplify: those runs are compared over few collisions, to 1e-9. Threads change
+nothing: those runs are compared bit for bit.
 """
 
 from itertools import cycle
@@ -27,17 +28,30 @@ DOMAIN = Domain((0.0,) * 3, (SIDE, SIDE, np.inf), (True, False, False))
 
 
 def crowd(order=None, speed=0.3, sizes=True, heat=True):
-    """Spheres close to each other that move at random in a box with one periodic side."""
+    """Spheres close to each other that move at random in a box with one periodic
+    side.
+    """
     rng = np.random.default_rng(2)
-    lattice = np.stack(np.meshgrid(*3 * [np.arange(COUNT)], indexing="ij"), axis=-1).reshape(-1, 3)
+    lattice = np.stack(
+        np.meshgrid(*3 * [np.arange(COUNT)], indexing="ij"), axis=-1
+    ).reshape(-1, 3)
     n = len(lattice)
     order = np.arange(n) if order is None else order
-    velocity, spin = rng.normal(0, speed, (n, 3))[order], rng.normal(0, 30.0, (n, 3))[order]
-    radius = np.where(np.arange(n) % 5 == 0, 0.8, 1.0)[order] * RADIUS if sizes else RADIUS
-    particles = Particles(((lattice + 0.5) * SIDE / COUNT)[order], radius, velocity=velocity, spin=spin)
+    velocity, spin = (
+        rng.normal(0, speed, (n, 3))[order],
+        rng.normal(0, 30.0, (n, 3))[order],
+    )
+    radius = (
+        np.where(np.arange(n) % 5 == 0, 0.8, 1.0)[order] * RADIUS if sizes else RADIUS
+    )
+    particles = Particles(
+        ((lattice + 0.5) * SIDE / COUNT)[order], radius, velocity=velocity, spin=spin
+    )
     T = (300.0 + np.arange(n) % 7)[order]
     warm = {"heat": ContactHeat(1.0, 800.0), "T": T} if heat else {}
-    return Simulation(particles, [GLASS], box(DOMAIN), DOMAIN, time_step=5e-6, skin=1e-4, **warm)
+    return Simulation(
+        particles, [GLASS], box(DOMAIN), DOMAIN, time_step=5e-6, skin=1e-4, **warm
+    )
 
 
 @pytest.fixture(scope="module")
@@ -51,14 +65,18 @@ def alone():
 
 
 def test_plans_tell_the_memory_of_particles():
-    """Six unknowns each; what a run takes besides its arrays for the gas, and their parts out of use, is within 2."""
+    """Six unknowns each; what a run takes besides its arrays for the gas, and their
+    parts out of use, is within 2.
+    """
     bed = crowd(sizes=False, heat=False)
     told = 1e9 * MEMORY.predicted_GB(6 * len(bed.position))
     assert 1.0 < told / bed._memory.bytes < 2.0
 
 
 def test_memory_follows_space(alone):
-    """Particles are mixed for the user; in memory those of a cube of cells follow each other."""
+    """Particles are mixed for the user; in memory those of a cube of cells follow
+    each other.
+    """
     memory = alone._memory
     assert sorted(memory.user.tolist()) == list(range(len(alone.position)))
     assert (memory.user != np.arange(len(memory.user))).any()
@@ -112,12 +130,22 @@ def test_the_order_of_the_user_does_not_matter():
     for simulation in (first, second):
         simulation.run(100)
     assert len(first.contacts()) > 100
-    for name, scale in (("position", RADIUS), ("velocity", 0.3), ("spin", 30.0), ("T", 1.0)):
-        assert np.abs(getattr(first, name)[order] - getattr(second, name)).max() < 1e-9 * scale, name
+    for name, scale in (
+        ("position", RADIUS),
+        ("velocity", 0.3),
+        ("spin", 30.0),
+        ("T", 1.0),
+    ):
+        assert (
+            np.abs(getattr(first, name)[order] - getattr(second, name)).max()
+            < 1e-9 * scale
+        ), name
     contacts = second.contacts()
     back = np.sort([order[contacts.i], order[contacts.j]], axis=0)
     closed = first.contacts()
-    assert set(zip(*back.tolist(), strict=True)) == set(zip(closed.i.tolist(), closed.j.tolist(), strict=True))
+    assert set(zip(*back.tolist(), strict=True)) == set(
+        zip(closed.i.tolist(), closed.j.tolist(), strict=True)
+    )
     assert (contacts.i < contacts.j).all()
 
 
@@ -129,20 +157,30 @@ def test_forces_and_sources_reach_the_particle_that_the_user_means():
     before = simulation.T.copy()
     simulation.run(50)
     assert int(simulation.velocity[:, 2].argmax()) == 1234
-    assert (simulation.T - before)[77] == pytest.approx(simulation.time / simulation.heat_capacity[77], rel=1e-9)
+    assert (simulation.T - before)[77] == pytest.approx(
+        simulation.time / simulation.heat_capacity[77], rel=1e-9
+    )
 
 
 def test_springs_survive_a_new_order():
-    """Friction between two spheres that change places in memory while they touch: as in a run whose list stays."""
+    """Friction between two spheres that change places in memory while they touch: as
+    in a run whose list stays.
+    """
     found = []
     for skin in (1e-5, 5e-3):
         pair = Particles(
-            [[0, 0, 0], [1.999e-3, 0, 0], [0.03, 0, 0]], RADIUS, velocity=[[0, 0, 0.5], [0, 0, 0.45], [-0.5, 0.1, 0]]
+            [[0, 0, 0], [1.999e-3, 0, 0], [0.03, 0, 0]],
+            RADIUS,
+            velocity=[[0, 0, 0.5], [0, 0, 0.45], [-0.5, 0.1, 0]],
         )
-        simulation = Simulation(pair, [GLASS], gravity=(0, 0, 0), time_step=1e-6, skin=skin)
+        simulation = Simulation(
+            pair, [GLASS], gravity=(0, 0, 0), time_step=1e-6, skin=skin
+        )
         simulation.run(400)
         contacts = simulation.contacts()
-        found.append((simulation.velocity.copy(), contacts.since, contacts.impact_speed))
+        found.append(
+            (simulation.velocity.copy(), contacts.since, contacts.impact_speed)
+        )
     for first, second in zip(*found, strict=True):
         assert first == pytest.approx(second, rel=1e-9, abs=1e-12)
 
@@ -163,7 +201,9 @@ def test_restart_across_a_new_order(tmp_path):
 
 
 def test_lists_that_outgrow_their_room():
-    """A cloud that falls together needs more room than at the start; the run is that of one that had it."""
+    """A cloud that falls together needs more room than at the start; the run is that
+    of one that had it.
+    """
     roomy, tight = crowd(speed=0.05), crowd(speed=0.05)
     tight._memory._places = (1, 1, 1)
     tight._memory._allocate()

@@ -1,4 +1,6 @@
-"""Networks of particles: lattices and homogeneous media exactly, conservation, reciprocity, the shared packing."""
+"""Networks of particles: lattices and homogeneous media exactly, conservation,
+reciprocity, the shared packing.
+"""
 
 import gzip
 from pathlib import Path
@@ -17,7 +19,9 @@ R = 1e-3
 
 @pytest.fixture(scope="module")
 def packing():
-    """2500 particles of 2 mm, settled with E = 10 MPa, and their pairs; hot below 2 mm, cold above 24.7 mm."""
+    """2500 particles of 2 mm, settled with E = 10 MPa, and their pairs; hot below 2
+    mm, cold above 24.7 mm.
+    """
     with gzip.open(PACKING, "rt") as file:
         x = np.loadtxt(file, delimiter=",")
     return x, heat.near_pairs(x, 3 * R), x[:, 2] < 2e-3, x[:, 2] > 24.7e-3
@@ -35,13 +39,18 @@ def random_cell(count=50, seed=3):
 
 
 @pytest.mark.parametrize(
-    ("exponent", "wanted"), [(IMPACT, (3.640, 7.042, 14.11)), (STATIC, (3.610, 6.745, 11.21))], ids=["1/5", "1/3"]
+    ("exponent", "wanted"),
+    [(IMPACT, (3.640, 7.042, 14.11)), (STATIC, (3.610, 6.745, 11.21))],
+    ids=["1/5", "1/3"],
 )
 def test_the_shared_packing(packing, exponent, wanted):
-    # an independent program gave these values: 2e-3 covers its four printed digits and its porosity
+    # an independent program gave these values: 2e-3 covers its four printed digits and
+    # its porosity
     c = correction(1e7, 5e10, exponent)
     for ratio, value in zip((10, 100, 1000), wanted, strict=True):
-        result, _ = solved(packing, k_particle=0.026 * ratio, k_fluid=0.026, eps=0.391, factor=c)
+        result, _ = solved(
+            packing, k_particle=0.026 * ratio, k_fluid=0.026, eps=0.391, factor=c
+        )
         assert result.conductivity / 0.026 == pytest.approx(value, rel=2e-3)
         assert abs(result.imbalance) < 1e-12
         assert sum(result.shares.values()) == pytest.approx(1.0, abs=1e-12)
@@ -55,13 +64,15 @@ def test_the_defect_at_equal_conductivities_and_the_way_without_it(packing):
     pairs = heat.voronoi_pairs(x, (np.zeros(3), [0.026, 0.026, x[:, 2].max() + R]))
     parts = heat.conductances(pairs, R, heat.Conduction(0.026, 0.026, paths="columns"))
     columns = network.between_layers(x, pairs, parts, hot, cold, 0.026**2)
-    # particles of a layer share one temperature at different heights, which bends the profile by 5e-5
+    # particles of a layer share one temperature at different heights, which bends the
+    # profile by 5e-5
     assert columns.conductivity / 0.026 == pytest.approx(1.0, abs=2e-4)
 
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_columns_make_a_homogeneous_cell_exact(seed):
-    # particles anywhere, overlapping or not: k_p = k_f is no bed any more, and the tensor is k_f to round-off
+    # particles anywhere, overlapping or not: k_p = k_f is no bed any more, and the
+    # tensor is k_f to round-off
     x, box = random_cell(seed=seed)
     pairs = heat.voronoi_pairs(x, box, CLOSED)
     parts = heat.conductances(pairs, 0.12, heat.Conduction(0.3, 0.3, paths="columns"))
@@ -78,7 +89,9 @@ def test_the_tensor_of_a_cell_turns_with_its_axes():
         parts = heat.conductances(pairs, 0.15, heat.Conduction(20.0, 1.0))
         tensors.append(network.periodic_cell(len(x), pairs, parts, 1.0).conductivity)
     assert tensors[0] == pytest.approx(tensors[0].T, abs=1e-14 * tensors[0].max())
-    assert tensors[1] == pytest.approx(tensors[0][np.ix_([2, 0, 1], [2, 0, 1])], rel=1e-12)
+    assert tensors[1] == pytest.approx(
+        tensors[0][np.ix_([2, 0, 1], [2, 0, 1])], rel=1e-12
+    )
     assert np.linalg.eigvalsh(tensors[0]).min() > 0
 
 
@@ -91,7 +104,9 @@ def test_a_doubled_cell_conducts_alike_and_its_parts_sum_up():
         parts = heat.conductances(pairs, 0.2, heat.Conduction(20.0, 1.0))
         found.append(network.periodic_cell(len(points), pairs, parts, width))
     assert found[1].conductivity == pytest.approx(found[0].conductivity, rel=1e-12)
-    assert sum(found[0].parts.values()) == pytest.approx(found[0].conductivity, rel=1e-14)
+    assert sum(found[0].parts.values()) == pytest.approx(
+        found[0].conductivity, rel=1e-14
+    )
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -103,10 +118,21 @@ def test_a_chain_on_each_axis(axis):
     pairs = heat.Pairs(np.arange(3), np.arange(1, 4), np.diff(x[:4], axis=0))
     parts = {"a": np.array([6.0, 2.0, 6.0]), "b": np.array([0.0, 4.0, 0.0])}
     result = network.between_layers(
-        x, pairs, parts, x[:, axis] == 0, x[:, axis] == 3, 2.0, T_hot=310.0, T_cold=300.0, axis=axis, middle=1.0
+        x,
+        pairs,
+        parts,
+        x[:, axis] == 0,
+        x[:, axis] == 3,
+        2.0,
+        T_hot=310.0,
+        T_cold=300.0,
+        axis=axis,
+        middle=1.0,
     )
     assert result.heat == pytest.approx(20.0, rel=1e-14)
-    assert result.T[:4] == pytest.approx([310, 310 - 10 / 3, 300 + 10 / 3, 300], rel=1e-15)
+    assert result.T[:4] == pytest.approx(
+        [310, 310 - 10 / 3, 300 + 10 / 3, 300], rel=1e-15
+    )
     assert np.isnan(result.T[4]) and result.isolated == 1
     assert result.conductivity == pytest.approx(20.0 / 2.0 * 3 / 10, rel=1e-13)
     assert result.between == pytest.approx(20.0 / 2.0 * 3 / 10, rel=1e-13)
@@ -134,9 +160,12 @@ def test_layers_that_cannot_work():
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_a_periodic_chain_is_a_series(axis):
-    # 3 and 6 W/K in a row through a cell 1 m long and 1 m3 in volume: k = 2 W/m/K along, nothing across
+    # 3 and 6 W/K in a row through a cell 1 m long and 1 m3 in volume: k = 2 W/m/K
+    # along, nothing across
     step = 0.3 * np.eye(3)[axis]
-    pairs = heat.Pairs(np.array([0, 1]), np.array([1, 0]), np.stack([step, np.eye(3)[axis] - step]))
+    pairs = heat.Pairs(
+        np.array([0, 1]), np.array([1, 0]), np.stack([step, np.eye(3)[axis] - step])
+    )
     cell = network.periodic_cell(2, pairs, {"a": np.array([3.0, 6.0])}, 1.0)
     wanted = np.zeros((3, 3))
     wanted[axis, axis] = 2.0
@@ -152,10 +181,14 @@ def test_multigrid_finds_what_factors_find(packing, fluid, monkeypatch):
     found, _ = solved(packing, **how)
     assert found.conductivity == pytest.approx(wanted.conductivity, rel=1e-11)
     apart = np.abs(found.T - wanted.T)
-    assert abs(found.imbalance) < 1e-11 and (np.isnan(apart) == np.isnan(wanted.T)).all()
+    assert (
+        abs(found.imbalance) < 1e-11 and (np.isnan(apart) == np.isnan(wanted.T)).all()
+    )
     assert 0.0 < np.nanmax(apart) < 1e-9  # K, of 100 between the layers
     monkeypatch.setattr(network, "MOST_ITERATIONS", 3)
-    with pytest.raises(ConvergenceError, match="are not found in 3 iterations, residual"):
+    with pytest.raises(
+        ConvergenceError, match="are not found in 3 iterations, residual"
+    ):
         solved(packing, **how)
 
 
@@ -166,5 +199,7 @@ def test_multigrid_finds_the_tensor_of_a_cell(monkeypatch):
     wanted = network.periodic_cell(len(x), pairs, parts, 1.0)
     monkeypatch.setattr(network, "DIRECT", 100)
     found = network.periodic_cell(len(x), pairs, parts, 1.0)
-    assert found.conductivity == pytest.approx(wanted.conductivity, rel=1e-11, abs=1e-11)
+    assert found.conductivity == pytest.approx(
+        wanted.conductivity, rel=1e-11, abs=1e-11
+    )
     assert (found.conductivity != wanted.conductivity).any()

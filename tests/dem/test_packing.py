@@ -1,8 +1,9 @@
-"""Packings: statistics in the bounds on which four codes agree, the same by seed, and the slope of a heap.
+"""Packings: statistics in the bounds on which four codes agree, the same by seed, and
+    the slope of a heap.
 
-Four codes settle 2500 spheres in a box 13 d wide to a core porosity of 0.397-0.401 and a coordination of 4.63-4.69,
-5.14-5.16 in the core; random close and loose packing bound the porosity to 0.36-0.45. The small beds here scatter by
-0.01 and 0.15.
+Four codes settle 2500 spheres in a box 13 d wide to a core porosity of 0.397-0.401 and
+a coordination of 4.63-4.69, 5.14-5.16 in the core; random close and loose packing bound
+the porosity to 0.36-0.45. The small beds here scatter by 0.01 and 0.15.
 """
 
 import numpy as np
@@ -38,9 +39,16 @@ def test_statistics_of_a_periodic_bed(bed):
 
 
 def test_forces_carry_the_weight(bed):
-    """The floor holds what the bed weighs and what its momentum gains: it swings with a period of 0.35 s."""
+    """The floor holds what the bed weighs and what its momentum gains: it swings
+    with a period of 0.35 s.
+    """
     simulation = Simulation(
-        Particles(bed.position, bed.radius), [bed.material], bed.walls, bed.domain, time_step=1e-5, largest_overlap=0.1
+        Particles(bed.position, bed.radius),
+        [bed.material],
+        bed.walls,
+        bed.domain,
+        time_step=1e-5,
+        largest_overlap=0.1,
     )
     modulus = pair_table(simulation.materials)["youngs_modulus"][0, 0]
     floor, before = [], float(simulation.mass @ simulation.velocity[:, 2])
@@ -48,14 +56,22 @@ def test_forces_carry_the_weight(bed):
         simulation.run(100)
         pressed = np.maximum(bed.radius - simulation.position[:, 2], 0.0)
         floor.append((4 / 3 * modulus * np.sqrt(bed.radius) * pressed**1.5).sum())
-    gain = (float(simulation.mass @ simulation.velocity[:, 2]) - before) / simulation.time
-    assert np.mean(floor) == pytest.approx(simulation.mass.sum() * 9.81 + gain, rel=2e-3)
+    gain = (
+        float(simulation.mass @ simulation.velocity[:, 2]) - before
+    ) / simulation.time
+    assert np.mean(floor) == pytest.approx(
+        simulation.mass.sum() * 9.81 + gain, rel=2e-3
+    )
     assert (bed.position[:, 2] > 0.98 * bed.radius).all()
-    assert ((bed.position[:, :2] >= -1e-4) & (bed.position[:, :2] <= 6 * D + 1e-4)).all()
+    assert (
+        (bed.position[:, :2] >= -1e-4) & (bed.position[:, :2] <= 6 * D + 1e-4)
+    ).all()
 
 
 def test_the_same_by_seed():
-    beds = [pack((5 * D, 5 * D), count=60, material=SOFT, seed=seed) for seed in (4, 4, 5)]
+    beds = [
+        pack((5 * D, 5 * D), count=60, material=SOFT, seed=seed) for seed in (4, 4, 5)
+    ]
     assert beds[0].position.tobytes() == beds[1].position.tobytes()
     assert np.abs(beds[0].position - beds[2].position).max() > 0.1 * D
 
@@ -78,9 +94,19 @@ def test_spheres_of_many_sizes():
 
 def test_solid_share_of_one_sphere():
     low, high, open_sides = np.zeros(3), np.ones(3), np.full(3, np.inf)
-    share = solid_share(np.full((1, 3), 0.5), np.array([0.5]), low, high, 0.01, open_sides, -1.0)
+    share = solid_share(
+        np.full((1, 3), 0.5), np.array([0.5]), low, high, 0.01, open_sides, -1.0
+    )
     assert share == pytest.approx(np.pi / 6, rel=1e-3)
-    corner = solid_share(np.zeros((1, 3)), np.array([0.5]), low, high, 0.01, np.array([1.0, 1.0, np.inf]), -1.0)
+    corner = solid_share(
+        np.zeros((1, 3)),
+        np.array([0.5]),
+        low,
+        high,
+        0.01,
+        np.array([1.0, 1.0, np.inf]),
+        -1.0,
+    )
     assert corner == pytest.approx(np.pi / 12, rel=1e-3)
 
 
@@ -88,14 +114,29 @@ def test_solid_share_of_one_sphere():
     ("arguments", "message"),
     [
         ({"count": 10}, "give either width or cylinder"),
-        ({"width": (D, D), "cylinder": D, "count": 10}, "give either width or cylinder"),
+        (
+            {"width": (D, D), "cylinder": D, "count": 10},
+            "give either width or cylinder",
+        ),
         ({"width": (9 * D, 9 * D)}, "give either count or height"),
-        ({"width": (9 * D, 9 * D), "count": 1, "height": 1.0}, "give either count or height"),
+        (
+            {"width": (9 * D, 9 * D), "count": 1, "height": 1.0},
+            "give either count or height",
+        ),
         ({"width": (9 * D, 9 * D), "count": 0}, "0 spheres"),
-        ({"width": (0.5 * D, D), "count": 10}, "spheres of 0.002 m do not fit into a bed 0.001 m wide"),
+        (
+            {"width": (0.5 * D, D), "count": 10},
+            "spheres of 0.002 m do not fit into a bed 0.001 m wide",
+        ),
         ({"width": (9 * D, 9 * D), "radius": [1e-3, 0.0]}, "radii must be positive"),
-        ({"cylinder": 5 * D, "periodic": (True, False), "count": 9}, "a cylinder has no periodic sides"),
-        ({"width": (2 * D, 9 * D), "periodic": (True, False), "count": 9}, "periodic length 0.004 m in x"),
+        (
+            {"cylinder": 5 * D, "periodic": (True, False), "count": 9},
+            "a cylinder has no periodic sides",
+        ),
+        (
+            {"width": (2 * D, 9 * D), "periodic": (True, False), "count": 9},
+            "periodic length 0.004 m in x",
+        ),
     ],
 )
 def test_bad_packings(arguments, message):
@@ -110,16 +151,28 @@ def test_a_bed_that_does_not_rest(monkeypatch):
 
 
 def test_kinetic_damping_stops_a_bed_that_bounces(monkeypatch):
-    bouncing = {"width": (5 * D, 5 * D), "count": 400, "periodic": (True, True), "seed": 1, "at_rest": 1e-4}
+    bouncing = {
+        "width": (5 * D, 5 * D),
+        "count": 400,
+        "periodic": (True, True),
+        "seed": 1,
+        "at_rest": 1e-4,
+    }
     bouncing["material"] = Material(youngs_modulus=1e6, sliding_friction=0.1)
     free = pack(**bouncing)
-    monkeypatch.setattr("contbed.dem.settling.LONGEST", 0.12)  # s beside the fall; it bounces for 0.17 s without
+    # s beside the fall; it bounces for 0.17 s without
+    monkeypatch.setattr("contbed.dem.settling.LONGEST", 0.12)
     with pytest.raises(ConvergenceError, match="is wanted"):
         pack(**bouncing)
     stopped = pack(**bouncing, kinetic_damping=True)
     assert 0.0 < stopped.statistics["kinetic_energy"] < 1e-4
-    # bouncing makes a bed denser: by 0.003 here, by 0.008 where it is 100 diameters deep
-    assert 0.0 < stopped.statistics["porosity_core"] - free.statistics["porosity_core"] < 0.01
+    # bouncing makes a bed denser: by 0.003 here, by 0.008 where it is 100 diameters
+    # deep
+    assert (
+        0.0
+        < stopped.statistics["porosity_core"] - free.statistics["porosity_core"]
+        < 0.01
+    )
     with pytest.raises(SceneError, match="LAMMPS settles without kinetic damping"):
         pack(**bouncing, kinetic_damping=True, engine="lammps")
 
@@ -127,8 +180,12 @@ def test_kinetic_damping_stops_a_bed_that_bounces(monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 3])
 def test_2500_spheres(seed):
-    """Conductivity as in an independent program's bed of the same spheres (studies/zhou_2010_etc), to the 3 % asked."""
-    bed = pack((13 * D, 13 * D), count=2500, material=Material(density=1000.0), seed=seed)
+    """Conductivity as in an independent program's bed of the same spheres
+    (studies/zhou_2010_etc), to the 3 % asked.
+    """
+    bed = pack(
+        (13 * D, 13 * D), count=2500, material=Material(density=1000.0), seed=seed
+    )
     found = bed.statistics
     assert 0.385 < found["porosity_core"] < 0.405
     assert 0.415 < found["porosity_box"] < 0.44
@@ -136,38 +193,63 @@ def test_2500_spheres(seed):
     assert found["coordination_core"] == pytest.approx(5.08, abs=0.15)
     x = bed.position
     pairs = heat.near_pairs(x, 1.5 * D)
-    for exponent, wanted in ((IMPACT, (3.640, 7.042, 14.11)), (STATIC, (3.610, 6.745, 11.21))):
+    for exponent, wanted in (
+        (IMPACT, (3.640, 7.042, 14.11)),
+        (STATIC, (3.610, 6.745, 11.21)),
+    ):
         for ratio, value in zip((10, 100, 1000), wanted, strict=True):
-            how = heat.Conduction(0.026 * ratio, 0.026, found["porosity_core"], correction(1e7, 5e10, exponent))
+            how = heat.Conduction(
+                0.026 * ratio,
+                0.026,
+                found["porosity_core"],
+                correction(1e7, 5e10, exponent),
+            )
             parts = heat.conductances(pairs, 0.5 * D, how)
-            layers = network.between_layers(x, pairs, parts, x[:, 2] < D, x[:, 2] > 24.7e-3, (13 * D) ** 2)
+            layers = network.between_layers(
+                x, pairs, parts, x[:, 2] < D, x[:, 2] > 24.7e-3, (13 * D) ** 2
+            )
             assert layers.conductivity / 0.026 == pytest.approx(value, rel=0.03)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("rolling", "least", "most"), [(0.0, 15.0, 28.0), (0.2, 20.0, 38.0)])
+@pytest.mark.parametrize(
+    ("rolling", "least", "most"), [(0.0, 15.0, 28.0), (0.2, 20.0, 38.0)]
+)
 def test_angle_of_repose(rolling, least, most):
-    """A low block collapses on a floor of tubes between periodic sides; slope of 20 to 80 % of the height.
+    """A low block collapses on a floor of tubes between periodic sides; slope of 20 to
+    80 % of the height.
 
-    Spheres with friction come to rest at 20-25 degrees, more with rolling friction; a heap this small scatters by 4.
-    The heap rests, its slope moves by less than a degree in the last quarter of a second; but without rolling friction
-    a few spheres that fell ahead of it roll along the grooves for ever, through the periodic sides.
+    Spheres with friction come to rest at 20-25 degrees, more with rolling friction; a
+    heap this small scatters by 4. The heap rests, its slope moves by less than a degree
+    in the last quarter of a second; but without rolling friction a few spheres that
+    fell ahead of it roll along the grooves for ever, through the periodic sides.
     """
-    grain = Material(youngs_modulus=1e6, restitution=0.5, sliding_friction=0.5, rolling_friction=rolling)
+    grain = Material(
+        youngs_modulus=1e6,
+        restitution=0.5,
+        sliding_friction=0.5,
+        rolling_friction=rolling,
+    )
     block = pack((16 * D, 5 * D), count=900, periodic=(False, True), material=grain)
     domain = Domain((0, 0, -D), (50 * D, 5 * D, np.inf), (False, True, False))
     floor = [Tube(((k + 0.5) * D, 0, -D / 2), (0, 1, 0), D / 2) for k in range(50)]
     walls = [*floor, Plane((0, 0, 0), (1, 0, 0)), Plane((50 * D, 0, 0), (-1, 0, 0))]
     spheres = Particles(block.position, block.radius)
-    simulation = Simulation(spheres, [grain], walls, domain, impact_speed=0.5, largest_overlap=0.1)
+    simulation = Simulation(
+        spheres, [grain], walls, domain, impact_speed=0.5, largest_overlap=0.1
+    )
     edges = np.arange(0.0, 50 * D, D)
     angles = []
     for seconds in (0.75, 0.25):
         simulation.run(round(seconds / simulation.time_step))
         x, top = simulation.position[:, 0], simulation.position[:, 2]
-        heights = np.array([top[(x >= low) & (x < low + D)].max(initial=0.0) for low in edges])
+        heights = np.array(
+            [top[(x >= low) & (x < low + D)].max(initial=0.0) for low in edges]
+        )
         slope = (heights > 0.2 * heights.max()) & (heights < 0.8 * heights.max())
-        angles.append(np.degrees(np.arctan(-np.polyfit(edges[slope], heights[slope], 1)[0])))
+        angles.append(
+            np.degrees(np.arctan(-np.polyfit(edges[slope], heights[slope], 1)[0]))
+        )
     assert (np.linalg.norm(simulation.velocity, axis=1) > 5e-3).mean() < 0.02
     assert abs(angles[1] - angles[0]) < 1.0
     assert least < angles[1] < most

@@ -1,4 +1,6 @@
-"""Scenes of particles: lattices exactly, packings from files, closure files, mistakes with file and line."""
+"""Scenes of particles: lattices exactly, packings from files, closure files,
+mistakes with file and line.
+"""
 
 import json
 import subprocess
@@ -35,18 +37,32 @@ conductivity = 10.0
 conductivity = 1.0
 """
 LAYERS = "[particles.layers]\nbottom = 0.6\ntop = 4.4\narea = 9.0\n"
-RADIATING = BED.replace("diameter", "emissivity = 0.9\ndiameter") + "[radiation]\ntemperature = 1500.0\n"
-VACUUM = BED.replace("[gas]\nconductivity = 1.0\n", "").replace('csv"\n', 'csv"\npaths = "columns"\n')
+RADIATING = (
+    BED.replace("diameter", "emissivity = 0.9\ndiameter")
+    + "[radiation]\ntemperature = 1500.0\n"
+)
+VACUUM = BED.replace("[gas]\nconductivity = 1.0\n", "").replace(
+    'csv"\n', 'csv"\npaths = "columns"\n'
+)
 
 
 @pytest.fixture
 def folder(tmp_path):
-    """3 x 3 x 6 spheres of unit diameter in simple cubic order, as positions and as a periodic dump."""
-    x = np.stack(np.meshgrid(np.arange(3.0), np.arange(3.0), np.arange(6.0), indexing="ij"), -1).reshape(-1, 3)
+    """3 x 3 x 6 spheres of unit diameter in simple cubic order, as positions and as
+    a periodic dump.
+    """
+    x = np.stack(
+        np.meshgrid(np.arange(3.0), np.arange(3.0), np.arange(6.0), indexing="ij"), -1
+    ).reshape(-1, 3)
     np.savetxt(tmp_path / "bed.csv", x, delimiter=",")
-    head = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n54\nITEM: BOX BOUNDS pp pp pp\n0 3\n0 3\n0 6\n"
+    head = (
+        "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n54\nITEM: BOX BOUNDS pp pp pp\n0 "
+        "3\n0 3\n0 6\n"
+    )
     rows = [f"{k} {a} {b} {c} 0.5" for k, (a, b, c) in enumerate(x)]
-    (tmp_path / "bed.dump").write_text(head + "ITEM: ATOMS id x y z radius\n" + "\n".join(rows) + "\n")
+    (tmp_path / "bed.dump").write_text(
+        head + "ITEM: ATOMS id x y z radius\n" + "\n".join(rows) + "\n"
+    )
     return tmp_path
 
 
@@ -56,41 +72,60 @@ def problems(text, folder="."):
     return error.value.problems
 
 
-@pytest.mark.parametrize(("name", "wanted"), [("sc", 1.0), ("bcc", 3**0.5), ("fcc", 8**0.5)])
+@pytest.mark.parametrize(
+    ("name", "wanted"), [("sc", 1.0), ("bcc", 3**0.5), ("fcc", 8**0.5)]
+)
 @pytest.mark.parametrize("cells", [1, 2])
 def test_lattices(name, wanted, cells):
     # exact: all contacts are alike, and the mean gradient solves the network
-    scene = cb.load(STUDIES / f"lattices/{name}.toml", {"particles.lattice.cells": cells})
+    scene = cb.load(
+        STUDIES / f"lattices/{name}.toml", {"particles.lattice.cells": cells}
+    )
     result = cb.run(scene)
     assert result.qoi["k_eff_over_contact_scale"] == pytest.approx(wanted, rel=1e-12)
-    assert result.qoi["k_xx [W/m/K]"] == pytest.approx(result.qoi["k_zz [W/m/K]"], rel=1e-12)
+    assert result.qoi["k_xx [W/m/K]"] == pytest.approx(
+        result.qoi["k_zz [W/m/K]"], rel=1e-12
+    )
     assert abs(result.qoi["k_xy [W/m/K]"]) < 1e-12
     assert result.qoi["coordination"] == {"sc": 6, "bcc": 8, "fcc": 12}[name]
-    assert result.qoi["porosity"] == pytest.approx({"sc": 0.4764, "bcc": 0.3198, "fcc": 0.2595}[name], abs=1e-4)
+    assert result.qoi["porosity"] == pytest.approx(
+        {"sc": 0.4764, "bcc": 0.3198, "fcc": 0.2595}[name], abs=1e-4
+    )
 
 
 def test_a_lattice_of_fluid_conducts_as_fluid():
-    scene = cb.load(STUDIES / "lattices/fcc.toml", {"gas.conductivity": 26.0, "particles.paths": "columns"})
+    scene = cb.load(
+        STUDIES / "lattices/fcc.toml",
+        {"gas.conductivity": 26.0, "particles.paths": "columns"},
+    )
     assert cb.run(scene).qoi["k_eff_over_k_fluid"] == pytest.approx(1.0, rel=1e-13)
 
 
 def test_a_bed_of_positions(folder):
     result = cb.run(loads(BED, base=folder))
-    assert result.qoi["porosity"] == pytest.approx(1 - np.pi / 6, abs=0.05)  # cut planes, not whole cells
+    # cut planes, not whole cells
+    assert result.qoi["porosity"] == pytest.approx(1 - np.pi / 6, abs=0.05)
     assert list(result.profiles) == ["z [m]", "T_solid [K]"]
     # layers of a cubic bed are planes of one temperature each, in equal steps
-    assert result.profiles["T_solid [K]"] == pytest.approx(np.linspace(398.15, 298.15, 6), rel=1e-12)
+    assert result.profiles["T_solid [K]"] == pytest.approx(
+        np.linspace(398.15, 298.15, 6), rel=1e-12
+    )
     assert abs(result.balances["energy"]["relative_residual"]) < 1e-12
 
 
 def test_layers_of_a_periodic_dump_are_its_cell(folder):
-    # the sides stay periodic, the axis of the heat does not: then both ways are the same, to round-off
+    # the sides stay periodic, the axis of the heat does not: then both ways are the
+    # same, to round-off
     layers = BED.replace("bed.csv", "bed.dump").replace("diameter = 1.0\n", "")
     cell = layers.replace(LAYERS, "")
     eps = {"particles.porosity": 0.4764}
     found = cb.run(loads(layers, overrides=eps, base=folder)).qoi["k_eff [W/m/K]"]
-    assert found == pytest.approx(cb.run(loads(cell, overrides=eps, base=folder)).qoi["k_zz [W/m/K]"], rel=1e-12)
-    assert cb.run(loads(cell, base=folder)).qoi["porosity"] == pytest.approx(1 - np.pi / 6, rel=1e-12)
+    assert found == pytest.approx(
+        cb.run(loads(cell, overrides=eps, base=folder)).qoi["k_zz [W/m/K]"], rel=1e-12
+    )
+    assert cb.run(loads(cell, base=folder)).qoi["porosity"] == pytest.approx(
+        1 - np.pi / 6, rel=1e-12
+    )
 
 
 def test_radiation_adds_to_the_conductivity(folder):
@@ -106,13 +141,27 @@ def test_a_run_writes_its_closure(tmp_path):
     assert result.qoi["k_eff_over_k_fluid"] == pytest.approx(7.042, rel=2e-3)
     closure = closure_of("closure.toml", tmp_path, "conductivity")
     found = closure(k_fluid=0.026, k_solid=2.6, eps=0.391) / 0.026
-    assert found == pytest.approx(result.qoi["k_eff_over_k_fluid"], rel=2 * result.qoi["closure_residual"])
+    assert found == pytest.approx(
+        result.qoi["k_eff_over_k_fluid"], rel=2 * result.qoi["closure_residual"]
+    )
     assert result.qoi["closure_residual"] < 2e-3
     provenance = tomllib.loads((tmp_path / "closure.toml").read_text())["provenance"]
-    assert provenance["scene"] == "glass.toml" and provenance["scene_hash"] == scene_hash(scene)
+    assert provenance["scene"] == "glass.toml" and provenance[
+        "scene_hash"
+    ] == scene_hash(scene)
     summary = json.loads((tmp_path / "summary.json").read_text())
-    assert summary["status"] == "ok" and summary["qoi"]["coordination"] == pytest.approx(4.556)
-    assert {"versions", "scene", "dofs", "timings", "balances", "skipped", "warnings"} <= set(summary)
+    assert summary["status"] == "ok" and summary["qoi"][
+        "coordination"
+    ] == pytest.approx(4.556)
+    assert {
+        "versions",
+        "scene",
+        "dofs",
+        "timings",
+        "balances",
+        "skipped",
+        "warnings",
+    } <= set(summary)
 
 
 def test_the_particles_are_part_of_the_scene(folder):
@@ -125,14 +174,24 @@ def test_mistakes(folder):
     assert problems("[particles]\n[solids.a]\nconductivity = 1.0\n") == [
         "scene.toml:1: particles: give one of file, lattice, packing"
     ]
-    lattice = '[particles.lattice]\ntype = "hcp"\ncontact_radius = 0.1\n[solids.a]\nconductivity = 0\ndiametr = 1\n'
+    lattice = (
+        '[particles.lattice]\ntype = "hcp"\ncontact_radius = 0.1\n[solids.a]\n'
+        "conductivity = 0\ndiametr = 1\n"
+    )
     found = problems(lattice)
     assert found[:2] == [
-        'scene.toml:2: particles.lattice.type = "hcp": unknown choice; allowed: sc, bcc, fcc',
-        "scene.toml:5: solids.a.conductivity = 0: out of range; allowed: a number > 0 W/m/K",
+        'scene.toml:2: particles.lattice.type = "hcp": unknown choice; allowed: sc, '
+        "bcc, fcc",
+        "scene.toml:5: solids.a.conductivity = 0: out of range; allowed: a number > 0 "
+        "W/m/K",
     ]
-    assert found[2].startswith("scene.toml:6: solids.a.diametr = 1: unknown key; allowed: ")
-    more = '[particles.lattice]\ntype = "sc"\ncontact_radius = 2.0\n[particles.closure]\nratios = [1, 2, 3]\n'
+    assert found[2].startswith(
+        "scene.toml:6: solids.a.diametr = 1: unknown key; allowed: "
+    )
+    more = (
+        '[particles.lattice]\ntype = "sc"\ncontact_radius = 2.0\n'
+        "[particles.closure]\nratios = [1, 2, 3]\n"
+    )
     assert sorted(text.split(": ", 2)[1] for text in problems(BED + more, folder)) == [
         "particles.closure.ratios = [1, 2, 3]",
         "particles.lattice",
@@ -144,7 +203,8 @@ def test_mistakes(folder):
         f"scene.toml:{line}: particles.layers.bottom = 4.5: is not"
     )
     assert problems(BED.replace("bed.csv", "no.csv"), folder) == [
-        f'scene.toml:3: particles.file = "no.csv": no such file; looked for {folder / "no.csv"}'
+        'scene.toml:3: particles.file = "no.csv": no such file; looked for '
+        f"{folder / 'no.csv'}"
     ]
     assert "columns lead through a gas" in problems(VACUUM, folder)[0]
 
@@ -155,26 +215,39 @@ def test_mistakes_that_the_file_shows(folder):
         .replace("[particles.layers]", "step = 9\n[particles.layers]")
         .replace("diameter = 1.0\n", "")
     )
-    assert problems(dump, folder) == ["scene.toml:5: particles.step = 9: not in the dump; it has 7"]
-    assert "solids.spheres.diameter: missing" in problems(BED.replace("diameter = 1.0\n", ""), folder)[0]
-    assert "layers: this table is missing" in problems(BED.replace(LAYERS, ""), folder)[0]
+    assert problems(dump, folder) == [
+        "scene.toml:5: particles.step = 9: not in the dump; it has 7"
+    ]
+    assert (
+        "solids.spheres.diameter: missing"
+        in problems(BED.replace("diameter = 1.0\n", ""), folder)[0]
+    )
+    assert (
+        "layers: this table is missing" in problems(BED.replace(LAYERS, ""), folder)[0]
+    )
     assert "0 hot and 9 cold" in problems(BED.replace("0.6", "-1.0"), folder)[0]
     text = (folder / "bed.dump").read_text()
     (folder / "bed.dump").write_text(text[:-100])
-    assert "truncated" in problems(dump, folder)[0] and problems(dump, folder)[0].startswith(str(folder / "bed.dump"))
+    assert "truncated" in problems(dump, folder)[0] and problems(dump, folder)[
+        0
+    ].startswith(str(folder / "bed.dump"))
 
 
 @pytest.mark.parametrize(
     ("change", "wanted"),
     [
         (lambda text: text[: text.index("\n0 0.0") + 1].replace("\n54\n", "\n0\n"), "4: step 7 has no particles"),
-        (lambda text: text.replace("\n5 0.0", "\n4 0.0"), "15: id 4 occurs twice in step 7"),
-        (lambda text: text.replace("\n0 6\n", "\n6 0\n"), "8: the box of step 7 has no volume: z from 6 to 0"),
-        (lambda text: text.replace("\n0 3\n", "\n3 3\n", 1), "6: the box of step 7 has no volume: x from 3 to 3"),
+        (lambda text: text.replace("\n5 0.0", "\n4 0.0"), "15: id 4 occurs twice in "
+                                                          "step 7"),
+        (lambda text: text.replace("\n0 6\n", "\n6 0\n"), "8: the box of step 7 has no "
+                                                          "volume: z from 6 to 0"),
+        (lambda text: text.replace("\n0 3\n", "\n3 3\n", 1), "6: the box of step 7 has "
+                                                             "no volume: x from 3 to 3"),
         (lambda text: text.replace("pp pp pp\n0 3", "ff pp pp\n0 1"),
          "46: a particle of step 7 is outside of the box: x = 2"),
         (lambda text: text[:-1], "63: truncated: the last line has no end"),
-        (lambda text: text[:-5], "63: truncated: 4 values for the 5 columns id x y z radius"),
+        (lambda text: text[:-5], "63: truncated: 4 values for the 5 columns id x y z "
+                                 "radius"),
     ],
     ids=["no particles", "id twice", "reversed box", "flat box", "outside", "no line break", "cut line"],
 )  # fmt: skip
@@ -189,10 +262,12 @@ def test_dumps_that_cannot_be_used_are_refused_by_the_check(folder, change, want
 
 def test_the_check_sees_what_the_run_would_refuse(folder):
     for text, wanted in (
-        (BED.replace("diameter = 1.0\n", ""), "solids.spheres.diameter: missing; bed.csv has no radii"),
+        (BED.replace("diameter = 1.0\n", ""), "solids.spheres.diameter: missing; "
+                                              "bed.csv has no radii"),
         (BED.replace(LAYERS, ""), "layers: this table is missing"),
         (BED.replace("0.6", "-1.0"), "0 hot and 9 cold particles"),
-        (BED.replace("area = 9.0", "area = 0.1"), "layers.area = 0.1: gives a porosity of"),
+        (BED.replace("area = 9.0", "area = 0.1"), "layers.area = 0.1: gives a porosity "
+                                                  "of"),
         (RADIATING.replace('csv"\n', 'csv"\npaths = "columns"\n'),
          "columns are for equal particles without [radiation]"),
     ):  # fmt: skip
@@ -206,7 +281,9 @@ def test_unwrapped_positions_of_a_dump_are_brought_into_its_periodic_box(folder)
     scene = BED.replace("bed.csv", "bed.dump").replace("diameter = 1.0\n", "")
     inside = cb.run(loads(scene, base=folder)).qoi
     # id 3 is at (0, 0, 3): the same sphere one period to the left
-    (folder / "bed.dump").write_text(text.replace("\n3 0.0 0.0 3.0", "\n3 -3.0 0.0 3.0").replace("x y z", "xu yu zu"))
+    (folder / "bed.dump").write_text(
+        text.replace("\n3 0.0 0.0 3.0", "\n3 -3.0 0.0 3.0").replace("x y z", "xu yu zu")
+    )
     assert cb.run(loads(scene, base=folder)).qoi == inside
 
 
@@ -241,10 +318,14 @@ bottom = 0.1
     found = problems(text)
     for told in (
         "scene.toml:1: lattice: this key is called 'particles.lattice' now",
-        "scene.toml:3: lattice.radius = 1.0: solids.NAME.diameter takes the place of a radius, with twice the value",
-        "scene.toml:5: conduction.particles = 1.0: this key is called 'solids.NAME.conductivity' now",
-        "scene.toml:6: conduction.fluid = 0.1: this key is called 'gas.conductivity' now",
-        "scene.toml:8: conduction.correction.real = 1000000000.0: this key is called 'solids.NAME.youngs_modulus' now",
+        "scene.toml:3: lattice.radius = 1.0: solids.NAME.diameter takes the place of a "
+        "radius, with twice the value",
+        "scene.toml:5: conduction.particles = 1.0: this key is called "
+        "'solids.NAME.conductivity' now",
+        "scene.toml:6: conduction.fluid = 0.1: this key is called 'gas.conductivity' "
+        "now",
+        "scene.toml:8: conduction.correction.real = 1000000000.0: this key is called "
+        "'solids.NAME.youngs_modulus' now",
         "scene.toml:9: layers: this key is called 'particles.layers' now",
     ):
         assert told in found

@@ -1,4 +1,6 @@
-"""A sphere that is too fast for the time step: from then on the step is half as long, where that is allowed."""
+"""A sphere that is too fast for the time step: from then on the step is half as
+long, where that is allowed.
+"""
 
 import numpy as np
 import pytest
@@ -18,14 +20,25 @@ def spheres(speed, halvings, step=STEP):
     x = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.50201, 0.0002, 0.0]]
     v = [[0.0, 0.0, speed], [0.3, 0.0, 0.0], [-0.3, 0.0, 0.0]]
     particles = Particles(x, RADIUS, velocity=v)
-    return Simulation(particles, [GLASS], gravity=(0, 0, 0), time_step=step, impact_speed=1.0, most_halvings=halvings)
+    return Simulation(
+        particles,
+        [GLASS],
+        gravity=(0, 0, 0),
+        time_step=step,
+        impact_speed=1.0,
+        most_halvings=halvings,
+    )
 
 
 @pytest.mark.parametrize(("speed", "needed"), [(0.9, 0), (1.1, 1), (3.9, 2)])
 def test_the_step_is_halved_as_often_as_the_speed_asks_for(speed, needed):
     found = spheres(speed * LIMIT, 2)
     found.run(100, interval=30)
-    assert (found.halvings, found.time_step, found.steps_done) == (needed, STEP / 2**needed, 100 * 2**needed)
+    assert (found.halvings, found.time_step, found.steps_done) == (
+        needed,
+        STEP / 2**needed,
+        100 * 2**needed,
+    )
     # free flight: a sum of 400 equal parts
     assert found.position[0, 2] == pytest.approx(speed * LIMIT * 100 * STEP, rel=1e-13)
 
@@ -41,7 +54,9 @@ def test_what_follows_is_what_the_shorter_step_gives():
 
 
 def test_contacts_keep_their_times():
-    """The pair touches at full steps; then the stray sphere is pushed beyond the limit."""
+    """The pair touches at full steps; then the stray sphere is pushed beyond the
+    limit.
+    """
     found = spheres(0.9 * LIMIT, 1)
     found.run(30)
     (since,) = found.contacts().since
@@ -64,14 +79,17 @@ def test_a_restart_goes_on_with_the_shorter_step():
     again.run(60)
     for name, values in whole.state().items():
         np.testing.assert_array_equal(again.state()[name], values, err_msg=name)
-    with pytest.raises(SceneError, match="the checkpoint has time step 1e-06 s, expected 2e-06 s"):
+    with pytest.raises(
+        SceneError, match="the checkpoint has time step 1e-06 s, expected 2e-06 s"
+    ):
         spheres(0.0, 0).restore(whole.state())
 
 
 def test_a_sphere_that_stays_too_fast_ends_the_run():
     found = spheres(4.1 * LIMIT, 2)
     with pytest.raises(
-        ConvergenceError, match=r"particle 0 at .* moves at 205 m/s, more than 0.1 of the smallest radius"
+        ConvergenceError,
+        match=r"particle 0 at .* moves at 205 m/s, more than 0.1 of the smallest radius",
     ):
         found.run(10)
     assert found.halvings == 2 and found.time == 0.0

@@ -1,8 +1,10 @@
-"""Spheres too soft for the weight of their bed: the estimate, and the warning of scenes.
+"""Spheres too soft for the weight of their bed: the estimate, and the warning of
+scenes.
 
-Exact: a simple cubic lattice under a pressure, where each contact bears p d^2. Measured: two packings that settle soft
-and stiff; the estimate has one pressure and one number of contacts for all depths, so that a third of the difference is
-all it is good for.
+Exact: a simple cubic lattice under a pressure, where each contact bears p d^2.
+    Measured: two packings that settle soft
+and stiff; the estimate has one pressure and one number of contacts for all depths, so
+that a third of the difference is all it is good for.
 """
 
 import re
@@ -38,7 +40,9 @@ GAS = (Path(cb.__file__).parent / "cfd_dem" / "template.toml").read_text()
 def test_overlap_in_a_simple_cubic_lattice():
     """Round-off: F = p d^2 = 4/3 E* sqrt(R/2) delta^1.5."""
     material, pressure = Material(2500.0, 3e6, 0.2), 40.0
-    overlap = overlap_by_pressure(pressure, RADIUS, material, solids=np.pi / 6.0, coordination=6.0)
+    overlap = overlap_by_pressure(
+        pressure, RADIUS, material, solids=np.pi / 6.0, coordination=6.0
+    )
     modulus = material.youngs_modulus / (2.0 * (1.0 - 0.2**2))
     force = 4.0 / 3.0 * modulus * np.sqrt(0.5 * RADIUS) * overlap**1.5
     assert force == pytest.approx(pressure * (2.0 * RADIUS) ** 2, rel=1e-12)
@@ -48,18 +52,35 @@ def test_soft_packings_are_denser():
     heights, estimates = [], []
     for modulus in (2e5, 1e7):
         material = Material(2500.0, modulus, restitution=0.5)
-        packing = pack((8e-3, 8e-3), radius=RADIUS, count=350, seed=1, material=material, periodic=(True, True))
+        packing = pack(
+            (8e-3, 8e-3),
+            radius=RADIUS,
+            count=350,
+            seed=1,
+            material=material,
+            periodic=(True, True),
+        )
         heights.append(packing.statistics["surface"])
         estimates.append(denser_by_weight(heights[-1], RADIUS, material))
-    assert heights[1] / heights[0] - 1.0 == pytest.approx(estimates[0] - estimates[1], rel=1.0 / 3.0)
+    assert heights[1] / heights[0] - 1.0 == pytest.approx(
+        estimates[0] - estimates[1], rel=1.0 / 3.0
+    )
 
 
-@pytest.mark.parametrize(("text", "key"), [(PACKING, "particles.modulus"), (GAS, "particles.modulus")])
+@pytest.mark.parametrize(
+    ("text", "key"), [(PACKING, "particles.modulus"), (GAS, "particles.modulus")]
+)
 def test_scenes_of_soft_beds_are_told_the_modulus_that_is_enough(text, key):
-    """A tenth more than the modulus of the warning, which has two digits, is enough, and a tenth less is not."""
+    """A tenth more than the modulus of the warning, which has two digits, is enough,
+    and a tenth less is not.
+    """
 
     def told(modulus):
-        return [line for line in loads(text, overrides={key: modulus}).warnings if key in line]
+        return [
+            line
+            for line in loads(text, overrides={key: modulus}).warnings
+            if key in line
+        ]
 
     assert not told(1e7)
     (warning,) = told(1e4)
@@ -71,5 +92,7 @@ def test_scenes_of_soft_beds_are_told_the_modulus_that_is_enough(text, key):
 def test_checks_load_no_compiled_code(folder):
     """What only compares numbers of a scene does not wait for numba."""
     program = f"import sys, contbed.{folder}.checks; print('numba' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
     assert done.stdout == "False\n"

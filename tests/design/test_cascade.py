@@ -1,4 +1,6 @@
-"""From packings to a bed: what the parts of the band are, that nothing is computed twice, mistakes in the file."""
+"""From packings to a bed: what the parts of the band are, that nothing is computed
+twice, mistakes in the file.
+"""
 
 import csv
 import json
@@ -51,7 +53,9 @@ def written(folder, text=FILE, scene=SCENE):
 
 @pytest.fixture(scope="module", autouse=True)
 def few_runs():
-    """Three samples for the part of the fit, which is small: what is tested here does not depend on their number."""
+    """Three samples for the part of the fit, which is small: what is tested here
+    does not depend on their number.
+    """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(band, "FIT_SAMPLES", 3)
         yield
@@ -66,8 +70,15 @@ def found(tmp_path_factory):
 def with_closures(found, **changes):
     """The bed with the closures that the cascade wrote for users."""
     files = {"conductivity_solids": "conductivity", "nusselt": "nusselt"}
-    closures = {f"closures.{key}": {"file": str(found.folder / f"{name}.toml")} for key, name in files.items()}
-    values = {**closures, "packed_bed.porosity": float(found.porosities.mean()), **changes}
+    closures = {
+        f"closures.{key}": {"file": str(found.folder / f"{name}.toml")}
+        for key, name in files.items()
+    }
+    values = {
+        **closures,
+        "packed_bed.porosity": float(found.porosities.mean()),
+        **changes,
+    }
     return load(found.cascade.scene_file, values)
 
 
@@ -82,25 +93,44 @@ def test_closures_that_are_written_give_the_result(found):
 
 
 def test_range_is_that_of_the_bed(found):
-    """Constant properties have one k_solid/k_fluid, one Pr and one Re, which the fits surround."""
-    expected = {"k_solid/k_fluid": 0.84 / 0.026, "Pr": 1005 * 1.8e-5 / 0.026, "Re": 1.2 * 0.3 * 1e-2 / 1.8e-5}
+    """Constant properties have one k_solid/k_fluid, one Pr and one Re, which the
+    fits surround.
+    """
+    expected = {
+        "k_solid/k_fluid": 0.84 / 0.026,
+        "Pr": 1005 * 1.8e-5 / 0.026,
+        "Re": 1.2 * 0.3 * 1e-2 / 1.8e-5,
+    }
     for name, value in expected.items():
         # the solids move as well: Re is that of the slip, 3e-3 more
-        assert found.ranges[name] == pytest.approx((value, value), rel=5e-3 if name == "Re" else 1e-12)
+        assert found.ranges[name] == pytest.approx(
+            (value, value), rel=5e-3 if name == "Re" else 1e-12
+        )
 
 
 def test_part_of_a_number_is_its_derivative(found):
-    """Half the difference of two runs is |d qoi/d key| times the standard uncertainty, up to its third order."""
-    part = next(part for part in found.parts if part.name == "solids.pebbles.conductivity")
-    slope = gradient(with_closures(found), [NAME], ["solids.pebbles.conductivity"]).derivatives[0, 0]
+    """Half the difference of two runs is |d qoi/d key| times the standard
+    uncertainty, up to its third order.
+    """
+    part = next(
+        part for part in found.parts if part.name == "solids.pebbles.conductivity"
+    )
+    slope = gradient(
+        with_closures(found), [NAME], ["solids.pebbles.conductivity"]
+    ).derivatives[0, 0]
     assert part.deviation[NAME] == pytest.approx(abs(slope) * 0.05 * 0.84, rel=2e-2)
 
 
 def test_part_of_the_laws_is_their_scatter(found):
-    """Two laws, equally probable, deviate by half of their difference; Gunn's at every particle is far from a power."""
+    """Two laws, equally probable, deviate by half of their difference; Gunn's at
+    every particle is far from a power.
+    """
     parts = {part.name: part.deviation[NAME] for part in found.parts}
-    assert parts["law of exchange"] > 5.0  # studies/closure_transfer: 21 K between both laws in such a bed
-    assert parts["law of exchange"] > 20.0 * max(parts["law of conduction"], parts["packing"], parts["fit"])
+    # studies/closure_transfer: 21 K between both laws in such a bed
+    assert parts["law of exchange"] > 5.0
+    assert parts["law of exchange"] > 20.0 * max(
+        parts["law of conduction"], parts["packing"], parts["fit"]
+    )
     assert sum(found.shares(NAME).values()) == pytest.approx(1.0)
     low, high = found.band(NAME)
     assert high - low == pytest.approx(2.0 * parts["law of exchange"], rel=0.1)
@@ -126,32 +156,51 @@ laws = { conduction = ["cones"], scatter_conduction = "20 %" }
 
 @pytest.mark.slow
 def test_scatter_of_measured_beds_multiplies_the_law(tmp_path):
-    """Heat through a bed at rest is proportional to its conductivity, so that it scatters as that does."""
+    """Heat through a bed at rest is proportional to its conductivity, so that it
+    scatters as that does.
+    """
     done = cascade(
-        written(tmp_path, SCATTER, RESTING + "boundary.right.solids.pebbles.fixed_temperature = 300.0\n"),
+        written(
+            tmp_path,
+            SCATTER,
+            RESTING + "boundary.right.solids.pebbles.fixed_temperature = 300.0\n",
+        ),
         tmp_path / "out",
     )
     parts = {part.name: part.deviation["heat_left_W"] for part in done.parts}
     best = done.base["heat_left_W"]
-    assert parts["scatter of conduction"] == pytest.approx(best * np.sinh(0.2), rel=1e-9)
+    assert parts["scatter of conduction"] == pytest.approx(
+        best * np.sinh(0.2), rel=1e-9
+    )
     factors = np.array(done.drawn["laws.scatter_conduction"])
     scale = done.samples["heat_left_W"] / factors  # what is left is packing and fit
-    assert scale.std() == pytest.approx(np.hypot(parts["packing"], parts["fit"]), rel=0.5)
+    assert scale.std() == pytest.approx(
+        np.hypot(parts["packing"], parts["fit"]), rel=0.5
+    )
     assert scale.std() < 0.02 * best
-    assert np.log(factors).std() == pytest.approx(0.2, rel=0.22)  # three standard errors of 100 draws
+    # three standard errors of 100 draws
+    assert np.log(factors).std() == pytest.approx(0.2, rel=0.22)
     low, high = done.band("heat_left_W")
-    assert np.log(high / low) == pytest.approx(2 * NormalDist().inv_cdf(0.95) * 0.2, rel=0.3)
+    assert np.log(high / low) == pytest.approx(
+        2 * NormalDist().inv_cdf(0.95) * 0.2, rel=0.3
+    )
 
 
 def test_scatter_multiplies_both_forms_of_closures():
     Re = np.geomspace(1.0, 100.0, 5)
     power = extract.fit_power(Re, np.full(5, 0.7), 2.0 + 1.1 * Re**0.6)
     at = {"Re": 30.0, "Pr": 0.7, "eps": 0.4}
-    assert power.times(1.7).closure()(**at) == pytest.approx(1.7 * power.closure()(**at), rel=1e-14)
+    assert power.times(1.7).closure()(**at) == pytest.approx(
+        1.7 * power.closure()(**at), rel=1e-14
+    )
     columns = {extract.RATIO: Re, "eps": np.full(5, 0.4)}
-    fit = extract.fit_log_polynomial("conductivity", columns, Re**0.7, {extract.RATIO: "log"}, (2,))
+    fit = extract.fit_log_polynomial(
+        "conductivity", columns, Re**0.7, {extract.RATIO: "log"}, (2,)
+    )
     there = {"k_fluid": 0.03, "k_solid": 0.9, "eps": 0.4}
-    assert fit.times(1.7).closure()(**there) == pytest.approx(1.7 * fit.closure()(**there), rel=1e-14)
+    assert fit.times(1.7).closure()(**there) == pytest.approx(
+        1.7 * fit.closure()(**there), rel=1e-14
+    )
 
 
 def test_second_command_computes_nothing(found, monkeypatch):
@@ -164,9 +213,15 @@ def test_second_command_computes_nothing(found, monkeypatch):
 
 @pytest.mark.slow
 def test_interrupted_cascade_goes_on(found, tmp_path, monkeypatch):
-    """Ctrl-C in a packing, in a point of one and in a run: the same command ends with the same numbers."""
+    """Ctrl-C in a packing, in a point of one and in a run: the same command ends
+    with the same numbers.
+    """
     path = written(tmp_path)
-    for module, name, when in ((particles, "pack", 2), (particles, "bed_nusselt", 7), (band, "compute", 9)):
+    for module, name, when in (
+        (particles, "pack", 2),
+        (particles, "bed_nusselt", 7),
+        (band, "compute", 9),
+    ):
         left, function = [when], getattr(module, name)
 
         def stopped(*arguments, left=left, function=function, **options):
@@ -181,7 +236,8 @@ def test_interrupted_cascade_goes_on(found, tmp_path, monkeypatch):
     damaged = next((tmp_path / "out/particles/packings").glob("*.npz"))
     damaged.write_bytes(damaged.read_bytes()[:100])
     done = cascade(path, tmp_path / "out")
-    # scenes name their closure files by absolute path, so the folder must not matter to the numbers
+    # scenes name their closure files by absolute path, so the folder must not matter to
+    # the numbers
     np.testing.assert_array_equal(done.samples[NAME], found.samples[NAME])
     assert done.base == found.base
 
@@ -197,25 +253,40 @@ def test_files(found, capsys):
     assert [row["part"] for row in rows] == [part.name for part in found.parts]
     assert len(list(csv.reader((found.folder / "samples.csv").open()))) == 9
     assert (found.folder / "band.png").stat().st_size > 10_000
-    pytest.importorskip("plotly", reason="plotly is not installed: pip install 'contbed[report]'")
+    pytest.importorskip(
+        "plotly", reason="plotly is not installed: pip install 'contbed[report]'"
+    )
     assert main(["report", str(found.folder)]) == 0
     report = (found.folder / "report.html").read_text()
     low, high = found.band(NAME)
-    assert f"{low:.6g}" in report and f"{high:.6g}" in report and "law of exchange" in report
-    samples, shares, parallel, matrix = (chart["data"][0] for chart in charts_of(report))
+    assert (
+        f"{low:.6g}" in report
+        and f"{high:.6g}" in report
+        and "law of exchange" in report
+    )
+    samples, shares, parallel, matrix = (
+        chart["data"][0] for chart in charts_of(report)
+    )
     assert samples["x"] == pytest.approx(found.samples[NAME])
     assert dict(zip(shares["y"], shares["x"], strict=True)) == pytest.approx(
         {part: 100.0 * share for part, share in found.shares(NAME).items()}
     )
     labels = [axis["label"] for axis in parallel["dimensions"]]
-    assert labels[1:3] == ["laws.conduction", "laws.exchange"] and len(matrix["text"]) == 8
+    assert (
+        labels[1:3] == ["laws.conduction", "laws.exchange"] and len(matrix["text"]) == 8
+    )
 
 
 def test_what_was_drawn_gives_the_result_again(found):
-    """The run with the first law of exchange is warmer by more than all else together does to it."""
+    """The run with the first law of exchange is warmer by more than all else
+    together does to it.
+    """
     laws = np.array(found.drawn["laws.exchange"])
     assert set(laws) == {"gunn", "power, a = 1.2, b = 0.5"}
-    gunn, power = (found.samples[NAME][laws == name] for name in ("gunn", "power, a = 1.2, b = 0.5"))
+    gunn, power = (
+        found.samples[NAME][laws == name]
+        for name in ("gunn", "power, a = 1.2, b = 0.5")
+    )
     assert gunn.min() > power.max() + 10.0
     porosities = [found.porosities[k - 1] for k in found.drawn["packing"]]
     assert found.drawn["packed_bed.porosity"] == porosities
@@ -225,17 +296,25 @@ def test_what_was_drawn_gives_the_result_again(found):
 def test_particles_that_nothing_needs_are_not_asked(tmp_path, monkeypatch):
     monkeypatch.setattr(particles, "bed_nusselt", None)
     text = FILE.replace(
-        'conduction = ["cones", "columns"], exchange = [{ name = "power", a = 1.2, b = 0.5 }, "gunn"]',
+        'conduction = ["cones", "columns"], exchange = [{ name = "power", a = 1.2, b = '
+        '0.5 }, "gunn"]',
         'conduction = ["cones"]',
     )
     done = cascade(written(tmp_path, text), tmp_path / "out")
-    assert {part.name for part in done.parts} == {"packing", "fit", "solids.pebbles.conductivity", "mesh"}
+    assert {part.name for part in done.parts} == {
+        "packing",
+        "fit",
+        "solids.pebbles.conductivity",
+        "mesh",
+    }
     assert not (tmp_path / "out/nusselt.toml").exists()
 
 
 @pytest.mark.slow
 def test_packings_of_many_sizes_have_the_sauter_mean_of_the_bed(tmp_path):
-    """Exchange per volume is 6 (1 - eps) h/d_32; sizes differ by the spread of a normal distribution cut at two."""
+    """Exchange per volume is 6 (1 - eps) h/d_32; sizes differ by the spread of a
+    normal distribution cut at two.
+    """
     text = FILE.replace("width = 5 }", "width = 5, spread = 0.2 }")
     text = text.replace('["cones", "columns"]', '["cones"]').replace(', "gunn"', "")
     done = cascade(written(tmp_path, text), tmp_path / "out")
@@ -244,8 +323,11 @@ def test_packings_of_many_sizes_have_the_sauter_mean_of_the_bed(tmp_path):
     for path in kept:
         radius = np.load(path)["radius"]
         assert (radius**3).sum() / (radius**2).sum() == pytest.approx(5e-3, rel=1e-12)
-        assert radius.std() / radius.mean() == pytest.approx(0.2 * 0.7737**0.5, rel=0.1)  # 300 draws: 4 %
-    assert (tmp_path / "out/nusselt.toml").exists() and done.band(NAME)[1] > done.band(NAME)[0]
+        # 300 draws: 4 %
+        assert radius.std() / radius.mean() == pytest.approx(0.2 * 0.7737**0.5, rel=0.1)
+    assert (tmp_path / "out/nusselt.toml").exists() and done.band(NAME)[1] > done.band(
+        NAME
+    )[0]
 
 
 @pytest.mark.parametrize(
@@ -257,32 +339,80 @@ def test_packings_of_many_sizes_have_the_sauter_mean_of_the_bed(tmp_path):
             "cascade.toml:3: qoi: no named result 'presure_drop_Pa'; nearest: press",
         ),
         ('"bed.toml"', '"bad.toml"', 'cascade.toml:2: scene: no such file: "bad.toml"'),
-        ("count = 2", "count = 1", "cascade.toml:5: packings.count = 1: out of range; allowed:"),
-        ("count = 2", "cont = 2", "cascade.toml:5: packings.cont = 2: unknown key; allowed: count"),
-        ('"gunn"', '"gun"', "cascade.toml:6: laws.exchange[1]: unknown nusselt closure 'nusselt_gun'; near"),
-        (", b = 0.5 }", "}", "cascade.toml:6: laws.exchange[0]: closure 'power' needs b"),
-        ('"columns"', '"pillars"', 'cascade.toml:6: laws.conduction[1] = "pillars": unknown choice'),
+        (
+            "count = 2",
+            "count = 1",
+            "cascade.toml:5: packings.count = 1: out of range; allowed:",
+        ),
+        (
+            "count = 2",
+            "cont = 2",
+            "cascade.toml:5: packings.cont = 2: unknown key; allowed: count",
+        ),
+        (
+            '"gunn"',
+            '"gun"',
+            "cascade.toml:6: laws.exchange[1]: unknown nusselt closure 'nusselt_gun'; "
+            "near",
+        ),
+        (
+            ", b = 0.5 }",
+            "}",
+            "cascade.toml:6: laws.exchange[0]: closure 'power' needs b",
+        ),
+        (
+            '"columns"',
+            '"pillars"',
+            'cascade.toml:6: laws.conduction[1] = "pillars": unknown choice',
+        ),
         (
             "solids.pebbles.conductivity",
             "solids.pebbles.conductivty",
-            "cascade.toml:7: uncertain.solids.pebbles.conductivty: the scene has no number",
+            "cascade.toml:7: uncertain.solids.pebbles.conductivty: the scene has no "
+            "number",
         ),
-        ('qoi = ["T_fluid_out_K"]', "", "qoi: asks for no result; name one, such as T_fluid_out_K, or give `measured`"),
+        (
+            'qoi = ["T_fluid_out_K"]',
+            "",
+            "qoi: asks for no result; name one, such as T_fluid_out_K, or give "
+            "`measured`",
+        ),
         (
             "samples = 8",
             'measured = "beaulieu"',
             'cascade.toml:4: measured: no case "beaulieu"; allowed: ',
         ),
-        ("samples = 8", 'measured = "beaulieu_2020"', "the points are measured over time, but the scene is steady"),
-        ("width = 5 }", "width = 5, spread = 0.1 }", "cascade.toml:6: laws.conduction: columns are for equal spheres"),
-        ("width = 5 }", "width = 5, walls = true }", "cascade.toml:5: packings.walls: the gas is computed between"),
+        (
+            "samples = 8",
+            'measured = "beaulieu_2020"',
+            "the points are measured over time, but the scene is steady",
+        ),
+        (
+            "width = 5 }",
+            "width = 5, spread = 0.1 }",
+            "cascade.toml:6: laws.conduction: columns are for equal spheres",
+        ),
+        (
+            "width = 5 }",
+            "width = 5, walls = true }",
+            "cascade.toml:5: packings.walls: the gas is computed between",
+        ),
         (
             '"5 %"',
             "nan",
-            "cascade.toml:7: uncertain.solids.pebbles.conductivity: expected a number > 0 in SI, or a share",
+            "cascade.toml:7: uncertain.solids.pebbles.conductivity: expected a number "
+            "> 0 in SI, or a share",
         ),
-        ('"5 %"', '"500 %"', "cascade.toml:7: uncertain.solids.pebbles.conductivity: 4"),
-        ('"5 %"', '"500 %"', "reaches what the scene refuses: solids.pebbles.conductivity = -"),
+        (
+            '"5 %"',
+            '"500 %"',
+            "cascade.toml:7: uncertain.solids.pebbles.conductivity: 4",
+        ),
+        (
+            '"5 %"',
+            '"500 %"',
+            "reaches what the scene refuses: solids.pebbles.conductivity = -",
+        ),
         (
             '"gunn"] }',
             '"gunn"], scatter_exchange = -0.1 }',
@@ -291,12 +421,14 @@ def test_packings_of_many_sizes_have_the_sauter_mean_of_the_bed(tmp_path):
         (
             'exchange = [{ name = "power", a = 1.2, b = 0.5 }, "gunn"]',
             "scatter_exchange = 0.1",
-            "cascade.toml:6: laws.scatter_exchange: there is no law of exchange to scatter",
+            "cascade.toml:6: laws.scatter_exchange: there is no law of exchange to "
+            "scatter",
         ),
         (
             '"5 %"',
             '"5"',
-            "cascade.toml:7: uncertain.solids.pebbles.conductivity: expected a number > 0 in SI, or a share",
+            "cascade.toml:7: uncertain.solids.pebbles.conductivity: expected a number "
+            "> 0 in SI, or a share",
         ),
     ],
 )
@@ -309,23 +441,36 @@ def test_mistakes(tmp_path, old, new, says):
 
 
 def test_scene_without_closures_to_give(tmp_path):
-    path = written(tmp_path, scene=SCENE.replace('"10 mm" }', '"10 mm", shape = "rods" }'))
-    with pytest.raises(SceneError, match=r"the packings are of spheres, but the shape of the solid is 'rods'"):
+    path = written(
+        tmp_path, scene=SCENE.replace('"10 mm" }', '"10 mm", shape = "rods" }')
+    )
+    with pytest.raises(
+        SceneError,
+        match=r"the packings are of spheres, but the shape of the solid is 'rods'",
+    ):
         cascade(path, tmp_path / "out")
 
 
 def test_bubbling_bed_whose_coefficients_are_numbers(tmp_path):
     scene = BUBBLING.replace("mass_flow = 0.1", "capacity_flow = 100.0")
-    scene = scene.replace('nusselt = "gunn"', "gas_coefficient = 100.0").replace(GAS, "")
-    with pytest.raises(SceneError, match=r"toml:2: scene: coefficients of a bed with .*capacity_flow are numbers"):
+    scene = scene.replace('nusselt = "gunn"', "gas_coefficient = 100.0").replace(
+        GAS, ""
+    )
+    with pytest.raises(
+        SceneError,
+        match=r"toml:2: scene: coefficients of a bed with .*capacity_flow are numbers",
+    ):
         cascade(written(tmp_path, scene=scene), tmp_path / "out")
 
 
 def test_result_that_the_run_does_not_have(tmp_path):
     path = written(tmp_path, FILE.replace(NAME, "heat_wall_W"))
-    with pytest.raises(SceneError, match=r'the run has no result "heat_wall_W"; nearest: heat_left_W'):
+    with pytest.raises(
+        SceneError, match=r'the run has no result "heat_wall_W"; nearest: heat_left_W'
+    ):
         cascade(path, tmp_path / "out")
-    assert not (tmp_path / "out/particles").exists()  # the first run shows it, before any packing
+    # the first run shows it, before any packing
+    assert not (tmp_path / "out/particles").exists()
 
 
 GAS = 'gas.composition = "N2:0.79, O2:0.21"\n'
@@ -356,32 +501,55 @@ mixing_conductivity = 2e4
 
 
 def test_bubbling_bed_takes_packings_as_its_emulsion(tmp_path):
-    """Char without mixing is warmer than the gas by the heat that it releases over its surface and coefficient."""
-    text = FILE.replace(NAME, "T_char_mid_K").replace("solids.pebbles.conductivity", "solids.char.diameter")
+    """Char without mixing is warmer than the gas by the heat that it releases over
+    its surface and coefficient.
+    """
+    text = FILE.replace(NAME, "T_char_mid_K").replace(
+        "solids.pebbles.conductivity", "solids.char.diameter"
+    )
     text = text.replace(', "columns"', "").replace(', "gunn"', "")
     done = cascade(written(tmp_path, text, BUBBLING), tmp_path / "out")
     eps = float(done.porosities.mean())
-    nusselt, conductivity = ({"file": str(tmp_path / f"out/{kind}.toml")} for kind in ("nusselt", "conductivity"))
+    nusselt, conductivity = (
+        {"file": str(tmp_path / f"out/{kind}.toml")}
+        for kind in ("nusselt", "conductivity")
+    )
     closures = {f"solids.{name}.nusselt": nusselt for name in ("char", "sand")}
     closures["bubbling_bed.conductivity"] = conductivity
-    result = run(load(tmp_path / "bed.toml", closures | {"bubbling_bed.solids_fraction": 1.0 - eps}))
+    result = run(
+        load(
+            tmp_path / "bed.toml",
+            closures | {"bubbling_bed.solids_fraction": 1.0 - eps},
+        )
+    )
     assert result.qoi["T_char_mid_K"] == done.base["T_char_mid_K"]
     used = {closure["used_by"]: closure for closure in result.closures}
     for key in closures:
         assert used[key]["name"].endswith(".toml") and used[key]["share_outside"] == 0.0
-    (low, high), (slow, fast) = used["solids.sand.nusselt"]["ranges"]["Re"]["used"], done.ranges["Re"]
-    assert slow < 1.01 * low and fast > 3.0 * high  # the range is that of both species: char is four times as large
+    (low, high), (slow, fast) = (
+        used["solids.sand.nusselt"]["ranges"]["Re"]["used"],
+        done.ranges["Re"],
+    )
+    # the range is that of both species: char is four times as large
+    assert slow < 1.01 * low and fast > 3.0 * high
     z = result.profiles["z [m]"]
     char, sand, gas_there = (
-        np.interp(0.25, z, result.profiles[f"T_{name} [K]"]) for name in ("char", "sand", "emulsion")
+        np.interp(0.25, z, result.profiles[f"T_{name} [K]"])
+        for name in ("char", "sand", "emulsion")
     )
     T, air = 0.01 * char + 0.99 * sand, gas_mixture("N2:0.79, O2:0.21", 101325.0)
-    Re, Pr = 0.1 * 2e-3 / air.viscosity(T), air.viscosity(T) * air.heat_capacity(T) / air.conductivity(T)
+    Re, Pr = (
+        0.1 * 2e-3 / air.viscosity(T),
+        air.viscosity(T) * air.heat_capacity(T) / air.conductivity(T),
+    )
     Nu = bind(ClosureFile(**nusselt), "nusselt", ("Re", "Pr"))(Re=Re, Pr=Pr)
     surfaces = 0.01 / 2e-3, 0.99 / 0.5e-3  # by which the tubes share out what they take
     released = 2e5 - surfaces[0] / sum(surfaces) * 200.0 * (char - 600.0)
-    excess = released / (6.0 * (1.0 - eps) * surfaces[0] * Nu * air.conductivity(T) / 2e-3)
-    assert char - gas_there == pytest.approx(excess, rel=1e-4)  # profiles are interpolated
+    excess = released / (
+        6.0 * (1.0 - eps) * surfaces[0] * Nu * air.conductivity(T) / 2e-3
+    )
+    # profiles are interpolated
+    assert char - gas_there == pytest.approx(excess, rel=1e-4)
     part = next(part for part in done.parts if part.name == "packing")
     assert part.deviation["T_char_mid_K"] > 0.0
 
@@ -405,28 +573,51 @@ HEATED = RESTING + "time = { end = 2000 }\ninitial = { temperature = 300 }\n"
 def measured_bed(folder, rows):
     (folder / "case.toml").write_text(CASE)
     (folder / "bed.toml").write_text(HEATED)
-    (folder / "measured.csv").write_text("t [s],x [m],T [K]\n" + "".join(f"{t},{x},{T}\n" for t, x, T in rows))
+    (folder / "measured.csv").write_text(
+        "t [s],x [m],T [K]\n" + "".join(f"{t},{x},{T}\n" for t, x, T in rows)
+    )
     return read_case(str(folder))
 
 
 def test_share_of_measured_points_in_the_band(tmp_path):
-    """A normal prediction: the band reaches 1.645 deviations, with the scatter u of a value 1.645 (s^2 + u^2)^(1/2)."""
+    """A normal prediction: the band reaches 1.645 deviations, with the scatter u of
+    a value 1.645 (s^2 + u^2)^(1/2).
+    """
     deviation, ends = 2.0, 1.645 * np.array([2.0, np.hypot(2.0, 0.5)])
-    offsets = [0.0, ends[0] - 0.05, -ends[0] + 0.05, ends.mean(), -ends.mean(), ends[1] + 0.1]
-    case = measured_bed(tmp_path, [(100.0 * (k + 1), 0.01, 350.0 + by) for k, by in enumerate(offsets)])
+    offsets = [
+        0.0,
+        ends[0] - 0.05,
+        -ends[0] + 0.05,
+        ends.mean(),
+        -ends.mean(),
+        ends[1] + 0.1,
+    ]
+    case = measured_bed(
+        tmp_path, [(100.0 * (k + 1), 0.01, 350.0 + by) for k, by in enumerate(offsets)]
+    )
     names = measured.names(case)
-    normal = np.array([NormalDist(350.0, deviation).inv_cdf((k + 0.5) / 4000) for k in range(4000)])
-    deviations = {"packing": dict.fromkeys(names, 3.0), "fit": dict.fromkeys(names, 1.0)}
-    found = measured.held(case, dict.fromkeys(names, 350.0), deviations, dict.fromkeys(names, normal), 0.9)
+    normal = np.array(
+        [NormalDist(350.0, deviation).inv_cdf((k + 0.5) / 4000) for k in range(4000)]
+    )
+    deviations = {
+        "packing": dict.fromkeys(names, 3.0),
+        "fit": dict.fromkeys(names, 1.0),
+    }
+    found = measured.held(
+        case, dict.fromkeys(names, 350.0), deviations, dict.fromkeys(names, normal), 0.9
+    )
     np.testing.assert_allclose(found.high - 350.0, ends[0], rtol=1e-3)
-    np.testing.assert_allclose(found.high_measured - 350.0, ends[1], rtol=3e-3)  # 21 nodes of the scatter
+    # 21 nodes of the scatter
+    np.testing.assert_allclose(found.high_measured - 350.0, ends[1], rtol=3e-3)
     assert found.inside == 3 / 6 and found.inside_measured == 5 / 6
     assert found.shares == {"packing": 0.9, "fit": 0.1}
 
 
 @pytest.mark.slow
 def test_a_cascade_beside_measured_points(tmp_path, capsys):
-    """Points that are the best prediction lie in the band, those 50 K away do not; walls make packings looser."""
+    """Points that are the best prediction lie in the band, those 50 K away do not;
+    walls make packings looser.
+    """
     text = """
         scene = "bed.toml"
         measured = "."
@@ -440,16 +631,32 @@ def test_a_cascade_beside_measured_points(tmp_path, capsys):
     (tmp_path / "cascade.toml").write_text(text)
     first = cascade(tmp_path / "cascade.toml", tmp_path / "out")
     best = first.held.best
-    assert first.porosities.min() > 0.42  # 7 spheres between walls; about 0.39 between periodic sides
+    # 7 spheres between walls; about 0.39 between periodic sides
+    assert first.porosities.min() > 0.42
     assert np.all((first.held.low < best) & (best < first.held.high))
-    measured_bed(tmp_path, [*((t, 0.02, T) for t, T in zip(times, best, strict=True)), (1000.0, 0.02, best[1] + 50.0)])
-    assert main(["cascade", str(tmp_path / "cascade.toml"), "--out", str(tmp_path / "out")]) == 0
+    measured_bed(
+        tmp_path,
+        [
+            *((t, 0.02, T) for t, T in zip(times, best, strict=True)),
+            (1000.0, 0.02, best[1] + 50.0),
+        ],
+    )
+    assert (
+        main(
+            ["cascade", str(tmp_path / "cascade.toml"), "--out", str(tmp_path / "out")]
+        )
+        == 0
+    )
     assert "4 measured points, 75% in the band of 90%" in capsys.readouterr().out
     about = json.loads((tmp_path / "out/summary.json").read_text())["measured"]
-    assert about["share in the band"] == 0.75 and sum(about["shares of the parts"].values()) == pytest.approx(1.0)
+    assert about["share in the band"] == 0.75 and sum(
+        about["shares of the parts"].values()
+    ) == pytest.approx(1.0)
     assert about["shares of the parts"]["law of conduction"] > 0.5
     table = list(csv.DictReader((tmp_path / "out/table.csv").open()))
-    assert [float(row["share at the measured points"]) for row in table] == list(about["shares of the parts"].values())
+    assert [float(row["share at the measured points"]) for row in table] == list(
+        about["shares of the parts"].values()
+    )
     assert main(["report", str(tmp_path / "out")]) == 0
     report = (tmp_path / "out/report.html").read_text()
     assert "75.0% are in the band of 90%" in report
@@ -457,12 +664,20 @@ def test_a_cascade_beside_measured_points(tmp_path, capsys):
 
 
 def test_damaged_runs_of_the_bed_are_told(tmp_path):
-    """Their outcome is there, but summary or profiles were changed since: removed, they are computed again."""
+    """Their outcome is there, but summary or profiles were changed since: removed,
+    they are computed again.
+    """
     bed = Mock()
     bed.settings.quantity = "T_solid"
     (tmp_path / "summary.json").write_text('{"status": "ok", "qoi": {}}')
-    with pytest.raises(ContbedError, match=r"summary\.json: .*closures is missing; remove .*, and the same command"):
+    with pytest.raises(
+        ContbedError,
+        match=r"summary\.json: .*closures is missing; remove .*, and the same command",
+    ):
         band.Runs(bed, tmp_path, lambda: None).summary(tmp_path)
     (tmp_path / "profiles.csv").write_text("t [s],x [m]\n1,2\n")
-    with pytest.raises(ContbedError, match=r"profiles\.csv: has no column 'T_solid \[K\]'; remove .*, and the same"):
+    with pytest.raises(
+        ContbedError,
+        match=r"profiles\.csv: has no column 'T_solid \[K\]'; remove .*, and the same",
+    ):
         measured.predicted(bed, tmp_path)

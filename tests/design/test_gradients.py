@@ -45,7 +45,11 @@ def test_keys_without_a_derivative_are_refused_by_name(name, told):
 
 
 @pytest.mark.parametrize(
-    ("name", "told"), [("T_fluid_out", "did you mean T_fluid_out_K"), ("u_max", "the run has no such number; it has")]
+    ("name", "told"),
+    [
+        ("T_fluid_out", "did you mean T_fluid_out_K"),
+        ("u_max", "the run has no such number; it has"),
+    ],
 )
 def test_results_that_a_run_does_not_have_are_refused(name, told):
     with pytest.raises(SceneError, match=told):
@@ -56,15 +60,22 @@ def test_items_of_lists_and_parameters_of_closures_are_keys():
     scene = loads(SLIP.replace("conductivity = 0.8625", "conductivity = [0.5, 1e-3]"))
     one = key(scene, "solids.particles.conductivity[1]")
     assert (one.value, one.on(scene, 2e-3).solid.conductivity) == (1e-3, (0.5, 2e-3))
-    scene = loads(SLIP.replace("nusselt = 12.0", 'nusselt = { name = "power", a = 1.1, b = 0.6 }'))
+    scene = loads(
+        SLIP.replace("nusselt = 12.0", 'nusselt = { name = "power", a = 1.1, b = 0.6 }')
+    )
     one = key(scene, "closures.nusselt.a")
     assert one.on(scene, 1.2).closures.nusselt.a == 1.2
     assert "closures.nusselt.b" in [one.name for one in continuous(scene)]
 
 
 def test_coefficients_of_polynomials_have_the_unit_of_their_power():
-    scene = loads(SLIP.replace("heat_capacity = 800.0", "heat_capacity = [560.0, 0.75, -2e-4]"))
-    units = [key(scene, f"solids.particles.heat_capacity[{power}]").unit for power in range(3)]
+    scene = loads(
+        SLIP.replace("heat_capacity = 800.0", "heat_capacity = [560.0, 0.75, -2e-4]")
+    )
+    units = [
+        key(scene, f"solids.particles.heat_capacity[{power}]").unit
+        for power in range(3)
+    ]
     assert units == ["J/kg/K", "J/kg/K**2", "J/kg/K**3"]
 
 
@@ -76,14 +87,21 @@ def test_properties_follow_the_temperature_of_a_library_material():
     scene = loads(text)
     other = key(scene, "solids.particles.material_temperature").on(scene, 700.0)
     assert other.solid.density == 3000.0
-    assert other.solid.conductivity == loads(text.replace("600.0", "700.0")).solid.conductivity
+    assert (
+        other.solid.conductivity
+        == loads(text.replace("600.0", "700.0")).solid.conductivity
+    )
     assert other.solid.conductivity != scene.solid.conductivity
 
 
 def test_steps_keep_within_bounds():
     scene = loads(SLIP)
     near = differences.steps(
-        scene, key(with_value(scene, ("packed_bed", "porosity"), 0.9999), "packed_bed.porosity"), 1e-3
+        scene,
+        key(
+            with_value(scene, ("packed_bed", "porosity"), 0.9999), "packed_bed.porosity"
+        ),
+        1e-3,
     )
     assert near.sides == (1, -1)
     assert 0.9999 + 2 * near.size < 1.0
@@ -95,11 +113,18 @@ def test_steps_keep_within_bounds():
 
 def test_differences_of_runs_extrapolate():
     scene, one = loads(SLIP), key(loads(SLIP), "packed_bed.porosity")
-    found = differences.slope(scene, one, lambda s: np.array([s.packed_bed.porosity**5]), np.array([0.6**5]))
-    assert found.values == pytest.approx(5 * 0.6**4, rel=1e-10)  # the error is of fourth order in a step of 1e-3
+    found = differences.slope(
+        scene, one, lambda s: np.array([s.packed_bed.porosity**5]), np.array([0.6**5])
+    )
+    # the error is of fourth order in a step of 1e-3
+    assert found.values == pytest.approx(5 * 0.6**4, rel=1e-10)
     at = loads(SLIP.replace("forchheimer = 0.1", "forchheimer = 0.0"))
     found = differences.slope(
-        at, key(at, "closures.forchheimer"), lambda s: np.array([np.exp(s.closures.forchheimer)]), np.array([1.0]), 1e-4
+        at,
+        key(at, "closures.forchheimer"),
+        lambda s: np.array([np.exp(s.closures.forchheimer)]),
+        np.array([1.0]),
+        1e-4,
     )
     assert found.values == pytest.approx(1.0, rel=1e-6)  # one-sided: second order
 
@@ -110,7 +135,13 @@ def test_scatter_of_common_seeds_cancels():
 
         def __call__(self, scene):
             random = np.random.default_rng(scene.initial.seed)
-            return np.array([3.0 * scene.initial.solid.volume_fraction * (1 + 0.01 * random.normal())])
+            return np.array(
+                [
+                    3.0
+                    * scene.initial.solid.volume_fraction
+                    * (1 + 0.01 * random.normal())
+                ]
+            )
 
     scene = loads(MODELS["two_fluid"].template.read_text(encoding="utf-8"))
     one = key(scene, "initial.solids.beads.volume_fraction")
@@ -124,15 +155,20 @@ def test_scatter_of_common_seeds_cancels():
 def test_a_seed_that_changes_nothing_leaves_the_error_of_the_step():
     scene = loads(MODELS["two_fluid"].template.read_text(encoding="utf-8"))
     one = key(scene, "gas.density")
-    found = differences.noisy_slope(scene, one, lambda s: np.array([s.gas.density**3]), np.array([1.2**3]))
-    assert found.values == pytest.approx([3 * 1.2**2], rel=1e-9)  # a cubic has an error in the square of the step alone
+    found = differences.noisy_slope(
+        scene, one, lambda s: np.array([s.gas.density**3]), np.array([1.2**3])
+    )
+    # a cubic has an error in the square of the step alone
+    assert found.values == pytest.approx([3 * 1.2**2], rel=1e-9)
     assert found.errors == pytest.approx([0.0], abs=1e-9)
 
 
 def test_pressure_drop_by_its_closed_form():
     scene = loads(SLIP)
     result = cb.run(scene)
-    found = gradient_of(result, ["pressure_drop_Pa", *OUT], ["mesh.length", "gas.viscosity"])
+    found = gradient_of(
+        result, ["pressure_drop_Pa", *OUT], ["mesh.length", "gas.viscosity"]
+    )
     # plug flow relative to the bed: mu/K (u - phi u_s) L + quadratic drag
     drop = result.qoi["pressure_drop_Pa"]
     assert found.derivatives[0, 0] == pytest.approx(drop / 0.04, rel=1e-8)
@@ -142,7 +178,9 @@ def test_pressure_drop_by_its_closed_form():
 
 
 def test_conduction_of_a_lattice_by_its_closed_form():
-    """k = c a k_p/R: the conductivity goes with contact radius and particles, and against the radius."""
+    """k = c a k_p/R: the conductivity goes with contact radius and particles, and
+    against the radius.
+    """
     text = """
 [particles.lattice]
 type = "bcc"
@@ -151,7 +189,11 @@ contact_radius = 1e-5
 diameter = 2e-3
 conductivity = 26.0
 """
-    keys = ["solids.spheres.diameter", "particles.lattice.contact_radius", "solids.spheres.conductivity"]
+    keys = [
+        "solids.spheres.diameter",
+        "particles.lattice.contact_radius",
+        "solids.spheres.conductivity",
+    ]
     made = gradient(loads(text), ["k_xx [W/m/K]"], keys)
     # four steps of 2.5 to 5 % leave an error of their fourth power
     assert made.logarithmic[0] == pytest.approx([-1.0, 1.0, 1.0], abs=1e-4)

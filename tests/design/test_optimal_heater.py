@@ -1,4 +1,6 @@
-"""Shortest heater, counter-current with constant properties, against its exact solution; runs of the real solver."""
+"""Shortest heater, counter-current with constant properties, against its exact
+solution; runs of the real solver.
+"""
 
 import json
 
@@ -56,12 +58,22 @@ def outlet(length, d):
     """Gas at its outlet by the exact solution [K]."""
     eps = 0.4
     ha = 6.0 * (1.0 - eps) / d * 12.0 * 0.05 / d
-    f, _ = finite_length(length, length, 0.5 * 1000 * 0.3, -2000 * 800 * 1.5e-4, eps * 0.05, (1 - eps) * 0.5, ha)
+    f, _ = finite_length(
+        length,
+        length,
+        0.5 * 1000 * 0.3,
+        -2000 * 800 * 1.5e-4,
+        eps * 0.05,
+        (1 - eps) * 0.5,
+        ha,
+    )
     return GAS_IN + (SOLID_IN - GAS_IN) * float(f)
 
 
 def shortest(asked, d):
-    """Length at which the gas leaves as hot as asked for; it is shortest for the smallest particles."""
+    """Length at which the gas leaves as hot as asked for; it is shortest for the
+    smallest particles.
+    """
     return brentq(lambda at: outlet(at, d) - asked, 0.01, 1.0, xtol=1e-14)
 
 
@@ -73,12 +85,21 @@ def test_length_and_prices_are_those_of_the_exact_solution(tmp_path, monkeypatch
     found = json.loads((tmp_path / "out" / "summary.json").read_text())
     keys = found["keys"]
     assert keys["solids.particles.diameter"]["value"] == SMALLEST
-    # the solver has 1e-7 of theta, and the constraint holds to 1e-6 of its change over the bounds
-    assert keys["mesh.length"]["value"] == pytest.approx(shortest(ASKED, SMALLEST), rel=1e-5)
+    # the solver has 1e-7 of theta, and the constraint holds to 1e-6 of its change over
+    # the bounds
+    assert keys["mesh.length"]["value"] == pytest.approx(
+        shortest(ASKED, SMALLEST), rel=1e-5
+    )
     step = 0.05
-    slope = (shortest(ASKED + step, SMALLEST) - shortest(ASKED - step, SMALLEST)) / (2.0 * step)
+    slope = (shortest(ASKED + step, SMALLEST) - shortest(ASKED - step, SMALLEST)) / (
+        2.0 * step
+    )
     # the price is for what is less asked for
     assert -found["constraints"][0]["price"] == pytest.approx(slope, rel=1e-3)
     step = 1e-6
-    slope = (shortest(ASKED, SMALLEST + step) - shortest(ASKED, SMALLEST - step)) / (2.0 * step)
-    assert keys["solids.particles.diameter"]["price_of_bound"] == pytest.approx(slope, rel=1e-3)
+    slope = (shortest(ASKED, SMALLEST + step) - shortest(ASKED, SMALLEST - step)) / (
+        2.0 * step
+    )
+    assert keys["solids.particles.diameter"]["price_of_bound"] == pytest.approx(
+        slope, rel=1e-3
+    )

@@ -1,4 +1,6 @@
-"""The command `contbed optimise` on a model in closed form: reading, files, what is told, going on after a kill."""
+"""The command `contbed optimise` on a model in closed form: reading, files, what is
+told, going on after a kill.
+"""
 
 import csv
 import json
@@ -56,7 +58,11 @@ solids.particles.diameter = { from = "1 mm", to = "4 mm" }
 def model(scene):
     """Pressure drop 2000 v^2/(d/1 mm) [Pa] and largest velocity v + 10 d [m/s]."""
     v, d = scene.boundary["left"].gas.velocity, scene.diameter
-    return {"pressure_drop_Pa": 2000.0 * v**2 / (1e3 * d), "u_max": v + 10.0 * d, "heat_wall_W": 3.0}
+    return {
+        "pressure_drop_Pa": 2000.0 * v**2 / (1e3 * d),
+        "u_max": v + 10.0 * d,
+        "heat_wall_W": 3.0,
+    }
 
 
 def slopes(scene, qoi, keys):
@@ -64,12 +70,20 @@ def slopes(scene, qoi, keys):
     v, d = scene.boundary["left"].gas.velocity, scene.diameter
     drop = 2000.0 * v**2 / (1e3 * d)
     table = {
-        "pressure_drop_Pa": {"boundary.left.gas.velocity": 4.0 * v / d, "solids.particles.diameter": -drop / d},
+        "pressure_drop_Pa": {
+            "boundary.left.gas.velocity": 4.0 * v / d,
+            "solids.particles.diameter": -drop / d,
+        },
         "u_max": {"boundary.left.gas.velocity": 1.0, "solids.particles.diameter": 10.0},
-        "heat_wall_W": {"boundary.left.gas.velocity": 0.0, "solids.particles.diameter": 0.0},
+        "heat_wall_W": {
+            "boundary.left.gas.velocity": 0.0,
+            "solids.particles.diameter": 0.0,
+        },
     }
     derivatives = np.array([[table[name][key] for key in keys] for name in qoi])
-    return types.SimpleNamespace(derivatives=derivatives, standard_errors=None, method="tangent")
+    return types.SimpleNamespace(
+        derivatives=derivatives, standard_errors=None, method="tangent"
+    )
 
 
 @pytest.fixture
@@ -82,9 +96,16 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.fixture
 def runner(monkeypatch):
-    """A runner that records its calls; `runner.error(scene)` may return what it raises."""
+    """A runner that records its calls; `runner.error(scene)` may return what it
+    raises.
+    """
     module = types.ModuleType("contbed.runner")
-    module.calls, module.gradients, module.error, module.model = [], [], lambda scene: None, model
+    module.calls, module.gradients, module.error, module.model = (
+        [],
+        [],
+        lambda scene: None,
+        model,
+    )
 
     def run(scene, out, quiet):
         module.calls.append(scene)
@@ -122,7 +143,9 @@ def summary(folder):
 
 
 def test_the_optimum_its_prices_and_files(folder, runner, capsys, monkeypatch):
-    """Both constraints are active: v = 0.4 - 10 d and 2000 v^2 = P (1000 d), with P = 100 Pa."""
+    """Both constraints are active: v = 0.4 - 10 d and 2000 v^2 = P (1000 d), with
+    P = 100 Pa.
+    """
 
     def fastest_at(pressure):
         return 0.4 - 10.0 * min(np.roots([100.0, -8.0 - 0.5 * pressure, 0.16]))
@@ -133,8 +156,12 @@ def test_the_optimum_its_prices_and_files(folder, runner, capsys, monkeypatch):
     d = 0.04 - 0.1 * v
     found = summary(folder)
     assert found["status"] == "optimum"
-    assert found["keys"]["boundary.left.gas.velocity"]["value"] == pytest.approx(v, rel=1e-8)
-    assert found["keys"]["solids.particles.diameter"]["value"] == pytest.approx(d, rel=1e-7)
+    assert found["keys"]["boundary.left.gas.velocity"]["value"] == pytest.approx(
+        v, rel=1e-8
+    )
+    assert found["keys"]["solids.particles.diameter"]["value"] == pytest.approx(
+        d, rel=1e-7
+    )
     assert found["objective"]["value"] == pytest.approx(v, rel=1e-8)
     assert found["objective"]["unit"] == "m/s"
     pressure, fastest = found["constraints"]
@@ -151,18 +178,31 @@ def test_the_optimum_its_prices_and_files(folder, runner, capsys, monkeypatch):
         rows = list(csv.DictReader(file))
     assert len(rows) == len(runner.calls) == found["runs"]["evaluated"]
     assert rows[0]["boundary.left.gas.velocity [m/s]"] == "0.1"
-    assert rows[0]["boundary.left.gas.velocity: objective [m/s]"] == "0.1"  # as it is maximised, not its negative
+    # as it is maximised, not its negative
+    assert rows[0]["boundary.left.gas.velocity: objective [m/s]"] == "0.1"
     assert float(rows[0]["pressure_drop [Pa]"]) == pytest.approx(2000.0 * 0.01 / 3.0)
     assert (folder / "out" / "convergence.png").read_bytes()[:4] == b"\x89PNG"
     text, warned = capsys.readouterr()
     assert warned == ""
-    assert '"pressure_drop_Pa <= 0.1 kPa": 10 Pa more allowed changes boundary.left.gas.velocity by +0.0' in text
-    assert text.splitlines()[-1].startswith(f"{len(rows)} evaluations, 0 were before, 0 failed")
-    pytest.importorskip("plotly", reason="plotly is not installed: pip install 'contbed[report]'")
+    assert (
+        '"pressure_drop_Pa <= 0.1 kPa": 10 Pa more allowed changes '
+        "boundary.left.gas.velocity by +0.0" in text
+    )
+    assert text.splitlines()[-1].startswith(
+        f"{len(rows)} evaluations, 0 were before, 0 failed"
+    )
+    pytest.importorskip(
+        "plotly", reason="plotly is not installed: pip install 'contbed[report]'"
+    )
     assert cli.main(["report", "out"]) == 0
     report = (folder / "out" / "report.html").read_text()
-    assert "Fast flow" in report and f"<code>boundary.left.gas.velocity</code>: {v:.6g} m/s" in report
-    assert "active constraints: pressure_drop_Pa &lt;= 0.1 kPa, u_max &lt;= 0.4" in report
+    assert (
+        "Fast flow" in report
+        and f"<code>boundary.left.gas.velocity</code>: {v:.6g} m/s" in report
+    )
+    assert (
+        "active constraints: pressure_drop_Pa &lt;= 0.1 kPa, u_max &lt;= 0.4" in report
+    )
     assert f"{pressure['price']:.6g}" in report and "m/s per Pa" in report
     charts = charts_of(report)
     best = charts[0]["data"][1]["y"]
@@ -186,14 +226,21 @@ def test_a_second_call_computes_nothing(folder, runner):
 
 def test_a_failed_run_is_stepped_back_from_and_told(folder, runner, capsys):
     runner.error = lambda scene: (
-        ConvergenceError("no convergence here") if scene.boundary["left"].gas.velocity > 0.3723 else None
+        ConvergenceError("no convergence here")
+        if scene.boundary["left"].gas.velocity > 0.3723
+        else None
     )
     assert optimise() == 0
     captured = capsys.readouterr()
-    assert "warning: stepped back to" in captured.err and "no convergence here" in captured.err
+    assert (
+        "warning: stepped back to" in captured.err
+        and "no convergence here" in captured.err
+    )
     found = summary(folder)
     assert found["runs"]["failed"] >= 1 and found["warnings"]
-    assert found["keys"]["boundary.left.gas.velocity"]["value"] == pytest.approx(0.3723, abs=1e-4)
+    assert found["keys"]["boundary.left.gas.velocity"]["value"] == pytest.approx(
+        0.3723, abs=1e-4
+    )
     with open(folder / "out" / "table.csv", newline="") as file:
         failed = [row for row in csv.DictReader(file) if row["exit code"] == "3"]
     assert failed and failed[0]["problem"] == "no convergence here"
@@ -207,7 +254,10 @@ def test_a_failed_run_is_stepped_back_from_and_told(folder, runner, capsys):
 def test_a_start_that_fails_is_told(folder, runner, capsys):
     runner.error = lambda scene: ConvergenceError("no convergence here")
     assert optimise() == 3
-    assert "the run at the start failed: no convergence here; give a start" in capsys.readouterr().err
+    assert (
+        "the run at the start failed: no convergence here; give a start"
+        in capsys.readouterr().err
+    )
 
 
 def test_constraints_that_cannot_hold_are_named_with_the_miss(folder, runner, capsys):
@@ -215,7 +265,10 @@ def test_constraints_that_cannot_hold_are_named_with_the_miss(folder, runner, ca
     assert optimise() == 3
     told, warned = capsys.readouterr()
     # u_max = v + 10 d is linear: 0.54 at the largest v and d
-    text = '"u_max >= 0.7" is missed by 0.57 m/s at the start and, by the gradient there, by 0.16 m/s at the best point'
+    text = (
+        '"u_max >= 0.7" is missed by 0.57 m/s at the start and, by the gradient '
+        "there, by 0.16 m/s at the best point"
+    )
     assert f"design.toml:4: {text}" in warned and "pressure_drop_Pa" not in warned
     assert 'the nearest misses "pressure_drop_Pa <= 0.1 kPa" by 22.' in told
     assert '"u_max >= 0.7" by 0.16' in told
@@ -238,18 +291,26 @@ def test_as_many_runs_as_are_allowed(folder, runner, capsys):
 
 def test_formulas_with_prices_and_whole_numbers(folder, runner):
     """The pressure drop asks for d >= 2 mm at any velocity, u_max for 1 m/s."""
-    cost = '{ formula = "2*boundary.left.gas.velocity + solids.particles.diameter", unit = "EUR" }'
+    cost = (
+        '{ formula = "2*boundary.left.gas.velocity + solids.particles.diameter", '
+        'unit = "EUR" }'
+    )
     change(
         folder,
         ('maximise = "boundary.left.gas.velocity"', f"minimise = {cost}"),
-        ("pressure_drop_Pa <= 0.1 kPa", "pressure_drop_Pa <= 1e3 * gas.density * boundary.left.gas.velocity**2"),
+        (
+            "pressure_drop_Pa <= 0.1 kPa",
+            "pressure_drop_Pa <= 1e3 * gas.density * boundary.left.gas.velocity**2",
+        ),
         ('from = "5 cm/s", to = 0.5', "from = 0, to = 3, start = 2, integer = true"),
         ("u_max <= 0.4", "u_max >= 1.01"),
     )
     assert optimise() == 0
     found = summary(folder)
     assert found["keys"]["boundary.left.gas.velocity"]["value"] == 1
-    assert found["keys"]["solids.particles.diameter"]["value"] == pytest.approx(2e-3, rel=1e-6)
+    assert found["keys"]["solids.particles.diameter"]["value"] == pytest.approx(
+        2e-3, rel=1e-6
+    )
     assert found["objective"]["unit"] == "EUR"
     assert found["constraints"][0]["bound"] == pytest.approx(1e3)
     assert "all 4 choices of integers were tried" in found["verdict"]
@@ -267,18 +328,40 @@ def test_formulas_with_prices_and_whole_numbers(folder, runner):
         (
             '"boundary.left.gas.velocity"',
             '"boundary.left.gas.velocty"',
-            "the scene has no number 'boundary.left.gas.velocty'; nearest: boundary.left.gas.velocity",
+            "the scene has no number 'boundary.left.gas.velocty'; nearest: "
+            "boundary.left.gas.velocity",
         ),
         (
             '"boundary.left.gas.velocity"',
             '"u_max + T_fluid_out_K"',
             "u_max is in m/s, T_fluid_out_K in K; they cannot be added",
         ),
-        ("maximise", "minimize", 'design.toml:3: minimize = "boundary.left.gas.velocity": unknown key; allowed:'),
-        ('"u_max <= 0.4"', '"u_max < 0.4"', "toml:4: constraints[1]: 'u_max < 0.4': expected one of <=, >= and =="),
-        ('"u_max <= 0.4"', '"u_max <= 40 Pa"', "expected a velocity like 'm/s', found '40 Pa'"),
-        ('"u_max <= 0.4"', '"u_max <= 2*pressure_drop_Pa"', "the left side is in m/s, the right one in Pa"),
-        ("0.4", '0.4", "u_max >= 50 cm/s', '"u_max >= 50 cm/s" contradicts "u_max <= 0.4" by 0.1 m/s; change one'),
+        (
+            "maximise",
+            "minimize",
+            'design.toml:3: minimize = "boundary.left.gas.velocity": unknown key; '
+            "allowed:",
+        ),
+        (
+            '"u_max <= 0.4"',
+            '"u_max < 0.4"',
+            "toml:4: constraints[1]: 'u_max < 0.4': expected one of <=, >= and ==",
+        ),
+        (
+            '"u_max <= 0.4"',
+            '"u_max <= 40 Pa"',
+            "expected a velocity like 'm/s', found '40 Pa'",
+        ),
+        (
+            '"u_max <= 0.4"',
+            '"u_max <= 2*pressure_drop_Pa"',
+            "the left side is in m/s, the right one in Pa",
+        ),
+        (
+            "0.4",
+            '0.4", "u_max >= 50 cm/s',
+            '"u_max >= 50 cm/s" contradicts "u_max <= 0.4" by 0.1 m/s; change one',
+        ),
         (
             "u_max <= 0.4",
             "boundary.left.gas.velocity >= 0.6",
@@ -289,31 +372,55 @@ def test_formulas_with_prices_and_whole_numbers(folder, runner):
             "boundary.left.gas.velocity >= 0.6",
             "missed by at least 0.1 m/s, at boundary.left.gas.velocity = 0.5 m/s",
         ),
-        ('"5 cm/s"', '"90 cm/s"', "design.toml:6: boundary.left.gas.velocity: from, 0.9, is above to, 0.5; swap them"),
+        (
+            '"5 cm/s"',
+            '"90 cm/s"',
+            "design.toml:6: boundary.left.gas.velocity: from, 0.9, is above to, 0.5; "
+            "swap them",
+        ),
         (
             '"5 cm/s"',
             '"20 cm/s"',
-            "boundary.left.gas.velocity: the scene's value, 0.1, is outside of 0.2 to 0.5; give start = ...",
+            "boundary.left.gas.velocity: the scene's value, 0.1, is outside of 0.2 to "
+            "0.5; give start = ...",
         ),
         (
             '"5 cm/s"',
             '"5 cm"',
-            "design.toml:6: boundary.left.gas.velocity: from: expected a velocity like 'm/s', found '5 cm'",
+            "design.toml:6: boundary.left.gas.velocity: from: expected a velocity like "
+            "'m/s', found '5 cm'",
         ),
-        ("to = 0.5", "to = 0.5, start = 0.6", "start, 0.6, is outside of 0.05 to 0.5; move it inside"),
-        ("to = 0.5", "to = 0.5, count = 3", "count = 3: unknown key; allowed: from, to, start, integer"),
+        (
+            "to = 0.5",
+            "to = 0.5, start = 0.6",
+            "start, 0.6, is outside of 0.05 to 0.5; move it inside",
+        ),
+        (
+            "to = 0.5",
+            "to = 0.5, count = 3",
+            "count = 3: unknown key; allowed: from, to, start, integer",
+        ),
         (
             "boundary.left.gas.velocity = {",
             "boundary.left.gas.velosity = {",
-            "toml:6: boundary.left.gas.velosity: the scene has no such key; allowed: temperature",
+            "toml:6: boundary.left.gas.velosity: the scene has no such key; allowed: "
+            "temperature",
         ),
         (
             "boundary.left.gas.velocity = {",
             "mesh.type = {",
             "mesh.type: is no number and cannot be varied between bounds",
         ),
-        ('"scene.toml"', '"bed.toml"', 'design.toml:2: scene: no such file: "bed.toml"'),
-        ("title =", "runs = 0\ntitle =", "toml:1: runs = 0: out of range; allowed: an integer >= 1"),
+        (
+            '"scene.toml"',
+            '"bed.toml"',
+            'design.toml:2: scene: no such file: "bed.toml"',
+        ),
+        (
+            "title =",
+            "runs = 0\ntitle =",
+            "toml:1: runs = 0: out of range; allowed: an integer >= 1",
+        ),
     ],
 )
 def test_mistakes_are_told_before_any_run(folder, runner, capsys, old, new, told):
@@ -323,20 +430,28 @@ def test_mistakes_are_told_before_any_run(folder, runner, capsys, old, new, told
     assert runner.calls == [] and not (folder / "out").exists()
 
 
-def test_a_result_that_the_run_does_not_have_is_told_after_one_run(folder, runner, capsys):
+def test_a_result_that_the_run_does_not_have_is_told_after_one_run(
+    folder, runner, capsys
+):
     change(folder, ("u_max <= 0.4", "T_fluid_out_K <= 400"))
     assert optimise() == 2
-    assert 'design.toml:4: the run has no result "T_fluid_out_K"; allowed: pressure_drop_Pa' in capsys.readouterr().err
+    assert (
+        'design.toml:4: the run has no result "T_fluid_out_K"; allowed: '
+        "pressure_drop_Pa" in capsys.readouterr().err
+    )
     assert len(runner.calls) == 1
 
 
 def test_all_mistakes_at_once(folder):
     change(
-        folder, ("u_max <= 0.4", "u_max < 0.4"), ("boundary.left.gas.velocity = {", "boundary.left.gas.velosity = {")
+        folder,
+        ("u_max <= 0.4", "u_max < 0.4"),
+        ("boundary.left.gas.velocity = {", "boundary.left.gas.velosity = {"),
     )
     with pytest.raises(SceneError) as caught:
         read_design("design.toml")
-    assert len(caught.value.problems) == 1  # the keys come first, as units of constraints follow from them
+    # the keys come first, as units of constraints follow from them
+    assert len(caught.value.problems) == 1
     change(
         folder,
         ("boundary.left.gas.velosity = {", "boundary.left.gas.velocity = {"),
@@ -374,14 +489,19 @@ def test_formulas_have_values_units_and_derivatives(text, value, unit):
     assert (found(at), found.unit) == (pytest.approx(value, rel=1e-14), unit)
     for name, slope in found.derivatives(at).items():
         h = 1e-6
-        difference = (found({**at, name: 1.5 + h}) - found({**at, name: 1.5 - h})) / (2.0 * h)
+        difference = (found({**at, name: 1.5 + h}) - found({**at, name: 1.5 - h})) / (
+            2.0 * h
+        )
         assert slope == pytest.approx(difference, rel=1e-8, abs=1e-9)
 
 
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("(mesh.length - 900 Pa)**2", "'900 Pa': a number in a formula has no unit; write it in SI"),
+        (
+            "(mesh.length - 900 Pa)**2",
+            "'900 Pa': a number in a formula has no unit; write it in SI",
+        ),
         ("mesh.length pressure_drop_Pa", "cannot be read as a formula"),
         ("mesh.length(2)", "there is no function 'mesh.length' for formulas"),
     ],
@@ -419,7 +539,9 @@ def test_a_killed_search_goes_on_and_computes_no_run_twice(folder, runner):
     calls = len(runner.calls)
     paths = [str(Path(__file__).parent), str(Path(cb.__file__).parents[1])]
     code = textwrap.dedent(KILLED.format(paths=paths, last=4))
-    done = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, capture_output=True, text=True
+    )
     assert done.returncode == -signal.SIGKILL, done.stderr
     assert not (folder / "out" / "summary.json").exists()
     assert (folder / "out" / "table.csv").exists()  # of the three that had ended
@@ -438,9 +560,17 @@ def test_a_gradient_that_fails_on_the_way_loses_nothing(folder, runner, monkeypa
 
     monkeypatch.setattr(evaluations, "gradient", gradient)
     assert optimise() in (0, 3)
-    assert any("no gradient: no room for a step" in text for text in summary(folder)["warnings"])
+    assert any(
+        "no gradient: no room for a step" in text
+        for text in summary(folder)["warnings"]
+    )
     monkeypatch.setattr(
-        evaluations, "gradient", lambda *_: gradient(cb.load("scene.toml", {"boundary.left.gas.velocity": 1}), [], [])
+        evaluations,
+        "gradient",
+        lambda *_: gradient(
+            cb.load("scene.toml", {"boundary.left.gas.velocity": 1}), [], []
+        ),
     )
     (folder / "out" / "summary.json").unlink()
-    assert cli.main(["optimise", "design.toml", "--out", "fresh"]) == 2  # a key without derivative is told at once
+    # a key without derivative is told at once
+    assert cli.main(["optimise", "design.toml", "--out", "fresh"]) == 2

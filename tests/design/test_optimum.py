@@ -9,27 +9,43 @@ from contbed.many.optimise.whole import ENUMERATED, best_choice
 
 
 class Quadratic:
-    """x'Hx/2 + c'x with A x <= b, or = b where `equality` says so; `fails(x)` where it cannot be computed."""
+    """x'Hx/2 + c'x with A x <= b, or = b where `equality` says so; `fails(x)` where
+    it cannot be computed.
+    """
 
     def __init__(self, H, c, A, b, low, high, equality=None, fails=None):
-        self.H, self.c, self.A, self.b = (np.array(part, dtype=float) for part in (H, c, A, b))
+        self.H, self.c, self.A, self.b = (
+            np.array(part, dtype=float) for part in (H, c, A, b)
+        )
         self.A = self.A.reshape(len(self.b), len(self.c))
         self.low, self.high = np.array(low, dtype=float), np.array(high, dtype=float)
-        self.equality = np.zeros(len(self.b), bool) if equality is None else np.array(equality)
+        self.equality = (
+            np.zeros(len(self.b), bool) if equality is None else np.array(equality)
+        )
         self.fails, self.points = fails, []
 
     def values(self, x):
         self.points.append(x)
         if self.fails is not None and self.fails(x):
             raise EvaluationFailed(f"no value at {x}")
-        return np.concatenate([[0.5 * x @ self.H @ x + self.c @ x], self.A @ x - self.b])
+        return np.concatenate(
+            [[0.5 * x @ self.H @ x + self.c @ x], self.A @ x - self.b]
+        )
 
     def derivatives(self, x):
         return np.vstack([self.H @ x + self.c, self.A])
 
 
-# Nocedal and Wright 2006, example 16.4: the solution is (1.4, 1.7), with the first constraint active at 0.8
-EXAMPLE = ([[2, 0], [0, 2]], [-2, -5], [[-1, 2], [1, 2], [1, -2]], [2, 6, 2], [0, 0], [10, 10])
+# Nocedal and Wright 2006, example 16.4: the solution is (1.4, 1.7), with the first
+# constraint active at 0.8
+EXAMPLE = (
+    [[2, 0], [0, 2]],
+    [-2, -5],
+    [[-1, 2], [1, 2], [1, -2]],
+    [2, 6, 2],
+    [0, 0],
+    [10, 10],
+)
 
 
 def test_a_quadratic_program_with_known_solution_and_multipliers():
@@ -42,7 +58,9 @@ def test_a_quadratic_program_with_known_solution_and_multipliers():
 
 @pytest.mark.parametrize("seed", range(8))
 def test_random_quadratic_programs_with_scales_far_apart(seed):
-    """The solution is chosen with its multipliers; c and b follow from the first-order conditions."""
+    """The solution is chosen with its multipliers; c and b follow from the
+    first-order conditions.
+    """
     random = np.random.default_rng(seed)
     n, m = 4, 3
     scale = 10.0 ** random.integers(-4, 5, n)
@@ -53,10 +71,16 @@ def test_random_quadratic_programs_with_scales_far_apart(seed):
     prices = np.array([0.7, 0.3, 0.0]) / np.abs(A * scale).max(axis=1)
     c = -H @ x - A.T @ prices
     b = A @ x + np.array([0.0, 0.0, 0.5]) * np.abs(A * scale).max(axis=1)
-    found = minimise(Quadratic(H, c, A, b, x - 3.0 * scale, x + 2.0 * scale), x + scale * random.uniform(-1, 1, n))
-    # f is flat where it is smallest: a search that ends at 1e-8 of its change has x to the root of that
+    found = minimise(
+        Quadratic(H, c, A, b, x - 3.0 * scale, x + 2.0 * scale),
+        x + scale * random.uniform(-1, 1, n),
+    )
+    # f is flat where it is smallest: a search that ends at 1e-8 of its change has x to
+    # the root of that
     np.testing.assert_allclose((found.x - x) / scale, 0.0, atol=1e-3)
-    np.testing.assert_allclose(found.prices * np.abs(A * scale).max(axis=1), [0.7, 0.3, 0.0], atol=3e-3)
+    np.testing.assert_allclose(
+        found.prices * np.abs(A * scale).max(axis=1), [0.7, 0.3, 0.0], atol=3e-3
+    )
     assert found.converged
 
 
@@ -64,7 +88,12 @@ def test_prices_are_what_a_change_of_the_constraint_changes():
     H, c, A, b, low, high = EXAMPLE
     found = minimise(Quadratic(*EXAMPLE), np.array([2.0, 0.0]))
     d = 1e-3
-    more, less = (minimise(Quadratic(H, c, A, [b[0] + s * d, *b[1:]], low, high), found.x).values[0] for s in (1, -1))
+    more, less = (
+        minimise(Quadratic(H, c, A, [b[0] + s * d, *b[1:]], low, high), found.x).values[
+            0
+        ]
+        for s in (1, -1)
+    )
     assert (less - more) / (2.0 * d) == pytest.approx(found.prices[0], rel=1e-5)
 
 
@@ -89,9 +118,13 @@ def test_bounds_alone():
     assert (high.x[0], high.bound_prices[0]) == (2.0, pytest.approx(-3.0))
 
 
-@pytest.mark.parametrize("bound", [[], [10.0]], ids=["alone", "far from its constraint"])
+@pytest.mark.parametrize(
+    "bound", [[], [10.0]], ids=["alone", "far from its constraint"]
+)
 def test_a_smallest_value_inside_of_the_bounds(bound):
-    """The gradient is zero there, so that nothing is left to measure what is left of it by."""
+    """The gradient is zero there, so that nothing is left to measure what is left of
+    it by.
+    """
     row = [[1.0, 1.0]] if bound else []
     problem = Quadratic([[2, 0], [0, 2]], [-2, -5], row, bound, [0, 0], [10, 10])
     for start in ([2.0, 0.0], [9.0, 9.0], [1.0, 2.5], [1.0 + 1e-9, 2.5]):
@@ -109,7 +142,9 @@ def test_a_target_is_met_by_the_square_of_what_is_missed():
 
 
 def test_a_failed_point_is_stepped_back_from():
-    """The first step leads to (2, 2), where there is no value; the optimum is on this side of it."""
+    """The first step leads to (2, 2), where there is no value; the optimum is on
+    this side of it.
+    """
     problem = Quadratic(*EXAMPLE, fails=lambda x: x[1] > 1.75)
     found = minimise(problem, np.array([2.0, 0.0]))
     np.testing.assert_allclose(found.x, [1.4, 1.7], atol=1e-6)
@@ -127,9 +162,13 @@ def test_an_optimum_that_cannot_be_computed_is_not_claimed():
 
 
 def test_constraints_that_cannot_hold_end_where_they_are_missed_least():
-    found = minimise(Quadratic([[2, 0], [0, 2]], [-2, -5], [[-1, -1]], [-30], [0, 0], [10, 10]), np.array([2.0, 0.0]))
+    found = minimise(
+        Quadratic([[2, 0], [0, 2]], [-2, -5], [[-1, -1]], [-30], [0, 0], [10, 10]),
+        np.array([2.0, 0.0]),
+    )
     assert not found.feasible and not found.converged
-    assert found.values[1] == pytest.approx(10.0)  # 30 asked for, 20 at the corner of the bounds
+    # 30 asked for, 20 at the corner of the bounds
+    assert found.values[1] == pytest.approx(10.0)
 
 
 def test_a_start_that_misses_constraints_is_led_back():
@@ -141,7 +180,10 @@ def test_a_start_that_misses_constraints_is_led_back():
         def derivatives(self, x):
             return np.array([[1.0, 1.0], 2.0 * x])
 
-    found = minimise(Circle(np.eye(2), [0, 0], [[0, 0]], [0], [-3, -3], [3, 3]), np.array([2.5, -2.8]))
+    found = minimise(
+        Circle(np.eye(2), [0, 0], [[0, 0]], [0], [-3, -3], [3, 3]),
+        np.array([2.5, -2.8]),
+    )
     np.testing.assert_allclose(found.x, [-1.0, -1.0], atol=1e-5)
     assert found.prices[0] == pytest.approx(0.5, abs=1e-5)
 
@@ -154,14 +196,18 @@ def test_each_point_is_computed_once():
 
 
 def whole_quadratic(a, b):
-    """(x - 0.3 i - 0.2 j)^2 + (i - a)^2 + (j - b)^2 with whole i, j: smallest at the whole numbers next to (a, b)."""
+    """(x - 0.3 i - 0.2 j)^2 + (i - a)^2 + (j - b)^2 with whole i, j: smallest at the
+    whole numbers next to (a, b).
+    """
 
     def search(choice, near):
         i, j = choice
         problem = Quadratic([[2.0]], [-2.0 * (0.3 * i + 0.2 * j)], [], [], [-10], [10])
         found = minimise(problem, np.array([0.0]) if near is None else near.x)
         constant = (0.3 * i + 0.2 * j) ** 2 + (i - a) ** 2 + (j - b) ** 2
-        return constrained_search.Optimum(**{**vars(found), "values": found.values + constant})
+        return constrained_search.Optimum(
+            **{**vars(found), "values": found.values + constant}
+        )
 
     return search
 
@@ -178,7 +224,9 @@ def test_whole_numbers_by_all_choices_or_by_neighbours(high):
 def test_choices_without_a_run_are_left_out():
     search = whole_quadratic(2.0, 2.0)
     best = best_choice(
-        [(0, 3), (0, 3)], (0, 0), lambda choice, near: None if choice == (2, 2) else search(choice, near)
+        [(0, 3), (0, 3)],
+        (0, 0),
+        lambda choice, near: None if choice == (2, 2) else search(choice, near),
     )
     assert best.choice in {(1, 2), (2, 1), (3, 2), (2, 3)}
     assert best_choice([(0, 1)], (0,), lambda choice, near: None) is None

@@ -1,4 +1,6 @@
-"""The tangent of steady packed beds: closed forms, Taylor remainders, full solutions on the same mesh."""
+"""The tangent of steady packed beds: closed forms, Taylor remainders, full solutions
+on the same mesh.
+"""
 
 from dataclasses import fields
 
@@ -14,17 +16,23 @@ from contbed.many.derivatives.gradients import gradient, gradient_of, picked
 from contbed.many.derivatives.keys import continuous, key
 from studies._exact import fin
 
-# the rounding of temperatures over the step of differences; the truncation of either is smaller
+# the rounding of temperatures over the step of differences; the truncation of either is
+# smaller
 RELATIVE = 1e-6
 
 
 def worst(scene, count=None, seed=0):
-    """Largest difference of tangent and differences on the same mesh, over the largest relative derivative.
+    """Largest difference of tangent and differences on the same mesh, over the largest
+    relative derivative.
 
     `count` keys are drawn by a seed; all by default.
     """
     result = cb.run(scene)
-    qoi = [name for name in result.qoi if name.endswith(("_out_K", "duty_W", "pressure_drop_Pa"))]
+    qoi = [
+        name
+        for name in result.qoi
+        if name.endswith(("_out_K", "duty_W", "pressure_drop_Pa"))
+    ]
     chosen = [one for one in continuous(scene) if one.value]
     if count is not None:
         drawn = np.random.default_rng(seed).choice(len(chosen), count, replace=False)
@@ -33,9 +41,12 @@ def worst(scene, count=None, seed=0):
     assert made.method == "tangent"
     solve = frozen_results(result, qoi)
     centre = picked(scene, result.qoi, qoi)
-    found = np.array([differences.slope(scene, one, solve, centre, 3e-4).values for one in chosen]).T
+    found = np.array(
+        [differences.slope(scene, one, solve, centre, 3e-4).values for one in chosen]
+    ).T
     weights = np.abs(found * made.at).max(axis=1)
-    weights = np.maximum(weights, 1e-9 * np.abs(centre))  # of a result that none of the keys changes
+    # of a result that none of the keys changes
+    weights = np.maximum(weights, 1e-9 * np.abs(centre))
     return (np.abs(made.derivatives - found) * np.abs(made.at) / weights[:, None]).max()
 
 
@@ -72,7 +83,9 @@ def test_slip_case_by_its_exact_solution():
     made = gradient(scene, ["T_fluid_out_K", "T_solid_out_K"], list(names))
     assert made.method == "tangent"
     values = {
-        "bed": scene.packed_bed.model_dump() | scene.closures.model_dump() | {"particle_diameter": scene.diameter},
+        "bed": scene.packed_bed.model_dump()
+        | scene.closures.model_dump()
+        | {"particle_diameter": scene.diameter},
         "fluid": scene.gas.model_dump(),
         "solid": scene.solid.model_dump(),
         "length": 0.04,
@@ -89,13 +102,20 @@ def test_slip_case_by_its_exact_solution():
             ends.append(slip_case(values))
         table[path[-1]] = base
         exact = (ends[0] - ends[1]) / (2 * step)
-        # sixty cells of third degree; the smallest derivatives stand beside temperatures of 350 K
-        assert made.derivatives[:, k] * base == pytest.approx(exact * base, rel=1e-5, abs=1e-5)
+        # sixty cells of third degree; the smallest derivatives stand beside
+        # temperatures of 350 K
+        assert made.derivatives[:, k] * base == pytest.approx(
+            exact * base, rel=1e-5, abs=1e-5
+        )
 
 
 def test_fin_between_a_hot_end_and_a_cold_fluid():
-    """A bed that conducts to a fluid of fixed temperature: Q = sqrt(k h a) (T_w - T) tanh(m L)."""
-    text = SLIP.replace("gas.velocity = 0.2\nsolids.particles.velocity = 1e-4", "gas.velocity = 2e6")
+    """A bed that conducts to a fluid of fixed temperature: Q = sqrt(k h a) (T_w - T)
+    tanh(m L).
+    """
+    text = SLIP.replace(
+        "gas.velocity = 0.2\nsolids.particles.velocity = 1e-4", "gas.velocity = 2e6"
+    )
     text = text.replace("gas.fixed_temperature", "gas.temperature")
     names = [
         "solids.particles.conductivity",
@@ -111,7 +131,9 @@ def test_fin_between_a_hot_end_and_a_cold_fluid():
     def heat(conductivity, nusselt, diameter, length, wall, fluid):
         k, ha = 0.4 * conductivity, nusselt * 0.0345 / diameter * 6.0 * 0.4 / diameter
         m = np.sqrt(ha / k)
-        slope = (fin(np.array([1e-7 * length]), length, k, ha)[0] - 1.0) / (1e-7 * length)
+        slope = (fin(np.array([1e-7 * length]), length, k, ha)[0] - 1.0) / (
+            1e-7 * length
+        )
         assert slope == pytest.approx(-m * np.tanh(m * length), rel=1e-5)
         return k * m * np.tanh(m * length) * (wall - fluid)
 
@@ -121,18 +143,26 @@ def test_fin_between_a_hot_end_and_a_cold_fluid():
         step = 1e-4 * at[j] * np.eye(len(at))[j]
         exact = (heat(*(at + step)) - heat(*(at - step))) / (2e-4 * at[j])
         # the fluid takes up 1e-9 of its own temperature
-        assert made.derivatives[0, j] * at[j] == pytest.approx(exact * at[j], rel=2e-5, abs=1e-6 * heat(*at))
+        assert made.derivatives[0, j] * at[j] == pytest.approx(
+            exact * at[j], rel=2e-5, abs=1e-6 * heat(*at)
+        )
 
 
 def test_danckwerts_reaction_free_limit():
-    """A stream that enters by Danckwerts and heats a bed that loses heat to a cold solid at its inlet temperature.
+    """A stream that enters by Danckwerts and heats a bed that loses heat to a cold
+    solid at its inlet temperature.
 
-    With both phases moving alike and no difference of temperature at the inlet but that of the stream, the outlet of a
-    bed without exchange is the temperature of the stream: its derivative is one to the inlet, nought to all others.
+    With both phases moving alike and no difference of temperature at the inlet but that
+    of the stream, the outlet of a bed without exchange is the temperature of the
+    stream: its derivative is one to the inlet, nought to all others.
     """
-    text = SLIP.replace("nusselt = 12.0", "nusselt = 0.0").replace("gas.fixed_temperature", "gas.temperature")
+    text = SLIP.replace("nusselt = 12.0", "nusselt = 0.0").replace(
+        "gas.fixed_temperature", "gas.temperature"
+    )
     made = gradient(
-        loads(text), ["T_fluid_out_K"], ["boundary.left.gas.temperature", "boundary.left.gas.velocity", "mesh.length"]
+        loads(text),
+        ["T_fluid_out_K"],
+        ["boundary.left.gas.temperature", "boundary.left.gas.velocity", "mesh.length"],
     )
     assert made.derivatives[0] == pytest.approx([1.0, 0.0, 0.0], abs=1e-6)
 
@@ -154,7 +184,9 @@ def test_remainder_of_taylor_falls_with_the_square_of_the_step():
         for step in (0.02 * one.value, 0.01 * one.value):
             change = solve(one.on(scene, one.value + step)) - made.values
             remainders.append(np.abs(change - made.derivatives[:, j] * step))
-        assert np.log2(remainders[0] / remainders[1]) == pytest.approx([2.0, 2.0], abs=0.05)
+        assert np.log2(remainders[0] / remainders[1]) == pytest.approx(
+            [2.0, 2.0], abs=0.05
+        )
     one = key(scene, names[3])  # linear
     change = solve(one.on(scene, one.value + 8.0)) - made.values
     assert change == pytest.approx(8.0 * made.derivatives[:, 3], rel=1e-7)
@@ -172,9 +204,18 @@ def test_many_random_beds_against_differences_of_solutions(seed):
 
 
 def test_a_stream_that_a_change_would_start_takes_differences_of_runs():
-    text = SLIP.replace("solids.particles.velocity = 1e-4", "solids.particles.velocity = 0.0")
-    made = gradient(loads(text), ["T_fluid_out_K"], ["packed_bed.porosity", "boundary.left.solids.particles.velocity"])
-    assert "boundary.left.solids.particles.velocity = 0: a small change adds or removes a stream" in made.notes[0]
+    text = SLIP.replace(
+        "solids.particles.velocity = 1e-4", "solids.particles.velocity = 0.0"
+    )
+    made = gradient(
+        loads(text),
+        ["T_fluid_out_K"],
+        ["packed_bed.porosity", "boundary.left.solids.particles.velocity"],
+    )
+    assert (
+        "boundary.left.solids.particles.velocity = 0: a small change adds or removes a "
+        "stream" in made.notes[0]
+    )
 
 
 def test_gradients_of_a_bed_do_not_change_its_results():

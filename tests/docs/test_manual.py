@@ -1,4 +1,6 @@
-"""The manual: its blocks run as they stand, it builds without warnings, its links lead somewhere."""
+"""The manual: its blocks run as they stand, it builds without warnings, its links
+lead somewhere.
+"""
 
 import re
 import shlex
@@ -17,37 +19,67 @@ from contbed.explain import editor
 from contbed.models import MODELS, kind_of
 
 ROOT = Path(__file__).parents[2]
-PAGES = [*sorted((ROOT / "docs" / "tutorial").glob("*.md")), *sorted((ROOT / "docs" / "howto").glob("*.md"))]
-BLOCK = re.compile(r"^```(\{code-block\} )?(\w+)\n(?::caption: (\S+)\n)?(.*?)^```", re.DOTALL | re.MULTILINE)
+PAGES = [
+    *sorted((ROOT / "docs" / "tutorial").glob("*.md")),
+    *sorted((ROOT / "docs" / "howto").glob("*.md")),
+]
+BLOCK = re.compile(
+    r"^```(\{code-block\} )?(\w+)\n(?::caption: (\S+)\n)?(.*?)^```",
+    re.DOTALL | re.MULTILINE,
+)
 sys.path.insert(0, str(ROOT / "docs" / "_ext"))
 
 
 def blocks(page):
     """Language, file name and text of each block of code."""
-    return [(match[2], match[3], match[4]) for match in BLOCK.finditer(page.read_text(encoding="utf-8"))]
+    return [
+        (match[2], match[3], match[4])
+        for match in BLOCK.finditer(page.read_text(encoding="utf-8"))
+    ]
 
 
 def test_errors_against_exact_solutions_are_those_that_are_allowed():
     from verification import cases
 
     found = cases()
-    assert {case.model.partition(",")[0] for case in found} >= {"packed_bed", "radiation", "bubbling_bed", "two_fluid"}
+    assert {case.model.partition(",")[0] for case in found} >= {
+        "packed_bed",
+        "radiation",
+        "bubbling_bed",
+        "two_fluid",
+    }
     for case in found:
         assert 0.0 <= case.error <= case.allowed, case
 
 
 def test_observed_orders_are_those_of_the_tables():
-    """Slopes of the committed tables: fourth order of flow, 2 p of degree p, first order in tolerance and at jumps."""
+    """Slopes of the committed tables: fourth order of flow, 2 p of degree p, first
+    order in tolerance and at jumps.
+    """
     from verification import ROOT, cases, orders
 
     table = tomllib.loads((ROOT / "docs" / "verification.toml").read_text())["case"]
     found = {case.against.partition(":")[0]: case.order for case in cases()}
     assert all(("order" in entry) != ("no_order" in entry) for entry in table)
     assert sum("order" in entry for entry in table) >= 4
-    told = {name.split(",")[0]: text for name, text in found.items() if not text.startswith("none: ")}
-    assert told["Brinkman-Forchheimer flow between plates"] == "3.6 to 4.3 with cells across; expected 4"
-    assert told["bed with frozen coefficients"] == "2.2, 4.1, 6.1 with cells; expected 2, 4, 6 for degrees 1, 2, 3"
-    rows = [{"n": str(n), "e": str(7.0 * n**-3.0), "kind": kind} for kind in "ab" for n in (4, 8, 16)]
+    told = {
+        name.split(",")[0]: text
+        for name, text in found.items()
+        if not text.startswith("none: ")
+    }
+    assert (
+        told["Brinkman-Forchheimer flow between plates"]
+        == "3.6 to 4.3 with cells across; expected 4"
+    )
+    assert (
+        told["bed with frozen coefficients"]
+        == "2.2, 4.1, 6.1 with cells; expected 2, 4, 6 for degrees 1, 2, 3"
+    )
+    rows = [
+        {"n": str(n), "e": str(7.0 * n**-3.0), "kind": kind}
+        for kind in "ab"
+        for n in (4, 8, 16)
+    ]
     entry = {"over": "n", "errors": ["e"], "series": ["kind"]}
     assert orders(rows, entry) == pytest.approx([3.0, 3.0])
     assert orders(rows, entry | {"tolerance": True}) == pytest.approx([-3.0, -3.0])
@@ -77,7 +109,8 @@ def test_blocks_of_toml_are_toml(page):
 
 def test_scenes_of_the_tutorials_have_the_keys_of_their_schema():
     jsonschema = pytest.importorskip(
-        "jsonschema", reason="jsonschema is not installed: pip install 'contbed[notebook]'"
+        "jsonschema",
+        reason="jsonschema is not installed: pip install 'contbed[notebook]'",
     )
     found = 0
     for page in PAGES:
@@ -92,7 +125,9 @@ def test_scenes_of_the_tutorials_have_the_keys_of_their_schema():
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_every_block_runs(page, tmp_path, monkeypatch, capsys):
-    """Blocks in the order of the page, in one folder: files are written, commands run, Python runs in one process."""
+    """Blocks in the order of the page, in one folder: files are written, commands
+    run, Python runs in one process.
+    """
     monkeypatch.chdir(tmp_path)
     program = []
     for language, name, text in blocks(page):
@@ -112,7 +147,9 @@ def test_every_block_runs(page, tmp_path, monkeypatch, capsys):
     if program:
         (tmp_path / "page.py").write_text("\n".join(program))
         environment = {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1", "PATH": ""}
-        done = subprocess.run([sys.executable, "page.py"], env=environment, capture_output=True, text=True)
+        done = subprocess.run(
+            [sys.executable, "page.py"], env=environment, capture_output=True, text=True
+        )
         assert done.returncode == 0, done.stderr
 
 
@@ -133,10 +170,24 @@ class Links(HTMLParser):
 
 @pytest.mark.slow
 def test_it_builds_and_all_its_links_lead_somewhere(tmp_path):
-    """As `make docs`, with warnings as errors; then every link to a file or a place of the manual is followed."""
+    """As `make docs`, with warnings as errors; then every link to a file or a place
+    of the manual is followed.
+    """
     for name in ("sphinx", "myst_parser", "furo"):
-        pytest.importorskip(name, reason=f"{name} is not installed: pip install 'contbed[docs]'")
-    command = [sys.executable, "-m", "sphinx", "-W", "-q", "-b", "html", str(ROOT / "docs"), str(tmp_path)]
+        pytest.importorskip(
+            name, reason=f"{name} is not installed: pip install 'contbed[docs]'"
+        )
+    command = [
+        sys.executable,
+        "-m",
+        "sphinx",
+        "-W",
+        "-q",
+        "-b",
+        "html",
+        str(ROOT / "docs"),
+        str(tmp_path),
+    ]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stderr[-3000:]
     parsed = {}
@@ -149,33 +200,59 @@ def test_it_builds_and_all_its_links_lead_somewhere(tmp_path):
             parts = urlsplit(target)
             if parts.scheme or target.startswith(("//", "data:")):
                 continue
-            other = (file.parent / unquote(parts.path)).resolve() if parts.path else file
+            other = (
+                (file.parent / unquote(parts.path)).resolve() if parts.path else file
+            )
             names = parsed[other].names if other in parsed else None
-            if not other.exists() or (parts.fragment and names is not None and unquote(parts.fragment) not in names):
+            if not other.exists() or (
+                parts.fragment
+                and names is not None
+                and unquote(parts.fragment) not in names
+            ):
                 broken.append(f"{file.name}: {target}")
     assert not broken, broken[:20]
     for kind in MODELS:
         assert (tmp_path / "generated" / "theory" / f"{kind}.html").exists()
         assert (tmp_path / "generated" / "reference" / f"scene_{kind}.html").exists()
     scripts = [
-        target for links in parsed.values() for target in links.targets if urlsplit(target).scheme in ("http", "https")
+        target
+        for links in parsed.values()
+        for target in links.targets
+        if urlsplit(target).scheme in ("http", "https")
     ]
     loaded = [target for target in scripts if target.endswith((".js", ".css"))]
     assert not loaded  # nothing is loaded from elsewhere
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("file", sorted((ROOT / "docs" / "notebooks").glob("*.ipynb")), ids=lambda file: file.stem)
+@pytest.mark.parametrize(
+    "file",
+    sorted((ROOT / "docs" / "notebooks").glob("*.ipynb")),
+    ids=lambda file: file.stem,
+)
 def test_notebooks_run(file, tmp_path, monkeypatch):
-    """Each from the first cell to the last, in an empty folder; the saved results are of a run without errors."""
-    nbformat = pytest.importorskip("nbformat", reason="nbformat is not installed: pip install 'contbed[notebook]'")
-    nbclient = pytest.importorskip("nbclient", reason="nbclient is not installed: pip install 'contbed[notebook]'")
-    pytest.importorskip("ipykernel", reason="ipykernel is not installed: pip install 'contbed[notebook]'")
+    """Each from the first cell to the last, in an empty folder; the saved results
+    are of a run without errors.
+    """
+    nbformat = pytest.importorskip(
+        "nbformat", reason="nbformat is not installed: pip install 'contbed[notebook]'"
+    )
+    nbclient = pytest.importorskip(
+        "nbclient", reason="nbclient is not installed: pip install 'contbed[notebook]'"
+    )
+    pytest.importorskip(
+        "ipykernel",
+        reason="ipykernel is not installed: pip install 'contbed[notebook]'",
+    )
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
     notebook = nbformat.read(file, 4)
     nbformat.validate(notebook)
     code = [cell for cell in notebook.cells if cell.cell_type == "code"]
     assert all(cell.execution_count for cell in code)
-    assert not any(output.output_type == "error" for cell in code for output in cell.outputs)
+    assert not any(
+        output.output_type == "error" for cell in code for output in cell.outputs
+    )
     where = {"metadata": {"path": str(tmp_path)}}
-    nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources=where).execute()
+    nbclient.NotebookClient(
+        notebook, timeout=300, kernel_name="python3", resources=where
+    ).execute()

@@ -16,7 +16,9 @@ from contbed.reacting_bed.closures import places_of
 
 def test_conditions_are_in_si():
     found = conditions("d_p=300 um, rho_s = 2600, T=850 degC, k_s=2 W/m/K")
-    assert found == pytest.approx({"d_p": 3e-4, "rho_solid": 2600.0, "T": 1123.15, "k_solid": 2.0}, rel=1e-12)
+    assert found == pytest.approx(
+        {"d_p": 3e-4, "rho_solid": 2600.0, "T": 1123.15, "k_solid": 2.0}, rel=1e-12
+    )
 
 
 @pytest.mark.parametrize(
@@ -25,15 +27,24 @@ def test_conditions_are_in_si():
         ("d_p", "no NAME=VALUE"),
         ("dp=1 mm", "no argument of a closure"),
         ("d_p=1 kg", "expected a length"),
-        ("d_p=-3 um", r"d_p = -3 um: -3e-06 m; particle diameter must be in \(0, inf\)"),
+        (
+            "d_p=-3 um",
+            r"d_p = -3 um: -3e-06 m; particle diameter must be in \(0, inf\)",
+        ),
         ("d_p=0", r"d_p = 0: 0 m; .* must be in \(0, inf\)"),
         ("T=-300 degC", r"-26.85 K; temperature must be in \(0, inf\)"),
         ("eps=1.2", r"eps = 1.2: 1.2; porosity must be in \(0, 1\]"),
         ("d_p=inf", "particle diameter must be in"),
         ("u=nan", "u = nan: superficial velocity must be a finite number"),
         ("d_p=1 mm, d_p=2 mm", "d_p is given twice"),
-        ("eps=0.4, eps_s=0.5", "eps = 0.4 and eps_s = 0.5 must sum to 1; give one of them"),
-        ("rho_g=1.2, rho=2", "rho_gas = 1.2 and rho = 2 are one quantity; give one of them"),
+        (
+            "eps=0.4, eps_s=0.5",
+            "eps = 0.4 and eps_s = 0.5 must sum to 1; give one of them",
+        ),
+        (
+            "rho_g=1.2, rho=2",
+            "rho_gas = 1.2 and rho = 2 are one quantity; give one of them",
+        ),
     ],
 )
 def test_bad_conditions_say_what_is_wrong(text, part):
@@ -42,13 +53,17 @@ def test_bad_conditions_say_what_is_wrong(text, part):
 
 
 def test_what_follows_from_the_conditions():
-    """Numbers by hand; the gas is air, whose Prandtl number is 0.71 within 2 % at 300 K (Incropera, table A.4)."""
+    """Numbers by hand; the gas is air, whose Prandtl number is 0.71 within 2 % at
+    300 K (Incropera, table A.4).
+    """
     known, remark = derived({"T": 300.0, "d_p": 1e-3, "u": 0.5, "rho_solid": 2500.0})
     assert "air at 300 K" in remark
     assert known["rho"] == pytest.approx(101325 * 0.02885 / 8.314 / 300, rel=1e-3)
     assert known["Pr"] == pytest.approx(0.71, rel=0.02)
     assert known["Re"] == pytest.approx(0.5e-3 * known["rho"] / known["mu"])
-    assert known["Ar"] == pytest.approx(1e-9 * known["rho"] * (2500 - known["rho"]) * 9.81 / known["mu"] ** 2)
+    assert known["Ar"] == pytest.approx(
+        1e-9 * known["rho"] * (2500 - known["rho"]) * 9.81 / known["mu"] ** 2
+    )
     given, none = derived({"mu": 1e-3, "rho": 1000.0, "u": -1.0, "d_p": 1e-3})
     assert none == "" and given["Re"] == pytest.approx(1000.0)
 
@@ -56,18 +71,24 @@ def test_what_follows_from_the_conditions():
 def test_closures_inside_their_range_come_first():
     choices = ranked("nusselt", {"Re": 3.0, "Pr": 0.7, "eps": 0.4})
     verdicts = [bool(choice.outside) for choice in choices]
-    assert verdicts == sorted(verdicts) and choices[-1].name == "nusselt_wakao_kaguei"  # Re from 15 on
+    # Re from 15 on
+    assert verdicts == sorted(verdicts) and choices[-1].name == "nusselt_wakao_kaguei"
     gunn = next(choice for choice in choices if choice.name == "nusselt_gunn")
-    assert gunn.value == pytest.approx(float(registry.get("nusselt_gunn")(Re=3.0, Pr=0.7, eps=0.4)))
+    assert gunn.value == pytest.approx(
+        float(registry.get("nusselt_gunn")(Re=3.0, Pr=0.7, eps=0.4))
+    )
 
 
 def test_a_fluidized_bed_spans_reynolds_numbers():
-    """From minimum fluidization to the terminal velocity; a value beyond the range on one side is outside."""
+    """From minimum fluidization to the terminal velocity; a value beyond the range
+    on one side is outside.
+    """
     known, _ = derived(conditions("d_p=300 um, rho_s=2600, T=850 degC"))
     spans = fluidized(known)
     assert 0.07 < spans["Re"][0] < 0.08 and 4.0 < spans["Re"][1] < 4.5
     outside = {choice.name for choice in ranked("drag", known, spans) if choice.outside}
-    assert outside == {"drag_beetstra", "drag_igci", "drag_milioli"}  # porosities up to 0.95, from 0.41
+    # porosities up to 0.95, from 0.41
+    assert outside == {"drag_beetstra", "drag_igci", "drag_milioli"}
     assert fluidized({"d_p": 1e-3}) == {}
 
 
@@ -91,16 +112,35 @@ def test_kind_of_a_place():
 
 def test_kinds_of_places_are_those_that_a_reacting_bed_binds():
     """What is offered for a place is what its scene takes there."""
-    bound = {".".join(key): kind for key, _, kind in places_of(Mock(), Mock(), {"NAME": Mock()}, {"wall": Mock()})}
+    bound = {
+        ".".join(key): kind
+        for key, _, kind in places_of(
+            Mock(), Mock(), {"NAME": Mock()}, {"wall": Mock()}
+        )
+    }
     assert bound == {key: kind_for(key) for key in bound}
     assert bound["closures.dispersion_mass"] == "mass_dispersion"
 
 
 def test_the_command(capsys):
-    assert cli.main(["closures", "--for", "closures.drag", "--at", "d_p=300 um, rho_s=2600, T=850 degC"]) == 0
+    assert (
+        cli.main(
+            [
+                "closures",
+                "--for",
+                "closures.drag",
+                "--at",
+                "d_p=300 um, rho_s=2600, T=850 degC",
+            ]
+        )
+        == 0
+    )
     out = capsys.readouterr().out
     assert "Re = 0.07556 to 4.215" in out
-    assert out.index("drag_gidaspow") < out.index("drag_beetstra") and "range 0.35 to 0.95" in out
+    assert (
+        out.index("drag_gidaspow") < out.index("drag_beetstra")
+        and "range 0.35 to 0.95" in out
+    )
 
 
 def test_search_finds_all_words(capsys):
@@ -109,7 +149,10 @@ def test_search_finds_all_words(capsys):
     assert search("Geldart").splitlines()[0].startswith("Geldart")
     with pytest.raises(SceneError, match="nothing has the words"):
         search("frobnicate")
-    assert cli.main(["explain"]) == 2 and cli.main(["explain", "heat", "--search", "heat"]) == 2
+    assert (
+        cli.main(["explain"]) == 2
+        and cli.main(["explain", "heat", "--search", "heat"]) == 2
+    )
 
 
 def test_every_entry_of_the_search_explains_itself():
@@ -119,7 +162,11 @@ def test_every_entry_of_the_search_explains_itself():
 
 def test_the_shell_completes_names():
     code = "import sys; from contbed.cli import main; sys.exit(main([]))"
-    environment = {"_CONTBED_COMPLETE": "complete_bash", "COMP_WORDS": "contbed explain nusselt_gu", "COMP_CWORD": "2"}
+    environment = {
+        "_CONTBED_COMPLETE": "complete_bash",
+        "COMP_WORDS": "contbed explain nusselt_gu",
+        "COMP_CWORD": "2",
+    }
     done = subprocess.run([sys.executable, "-c", code], env=environment | {"PYTHONPATH": ":".join(sys.path)},
                           capture_output=True, text=True)  # fmt: skip
     assert done.stdout.split() == ["nusselt_gunn"]

@@ -1,4 +1,6 @@
-"""Whatever a scene, a template or a list of contbed calls by a name, `contbed explain` has a data sheet of."""
+"""Whatever a scene, a template or a list of contbed calls by a name, `contbed
+explain` has a data sheet of.
+"""
 
 import tomllib
 
@@ -16,26 +18,35 @@ NAMED = ("material", "law", "model", "type", "name")  # keys whose texts are nam
 
 
 def names_of(root, table, path=()):
-    """Yield the names of the keys of a table, whole and their last parts, and the texts that are names.
+    """Yield the names of the keys of a table, whole and their last parts, and the texts
+    that are names.
 
     A name that the user chooses, such as that of a boundary, is left out by itself.
     """
     for key, value in table.items():
         here = (*path, key)
-        options = [option for node in schema.at(root, path) for option in schema.options(node)]
+        options = [
+            option for node in schema.at(root, path) for option in schema.options(node)
+        ]
         if any(key in option.get("properties", {}) for option in options):
             yield key
         if schema.at(root, here):
             yield ".".join(here)
         if isinstance(value, dict):
             yield from names_of(root, value, here)
-        elif isinstance(value, str) and value.isidentifier() and (".".join(here) in closure_keys() or key in NAMED):
+        elif (
+            isinstance(value, str)
+            and value.isidentifier()
+            and (".".join(here) in closure_keys() or key in NAMED)
+        ):
             yield value
 
 
 @pytest.mark.parametrize("kind", MODELS)
 def test_every_name_of_a_template_is_explained(kind):
-    names = set(names_of(schema.of(MODELS[kind].scene), tomllib.loads(editor.template(kind)))) - {"title"}
+    names = set(
+        names_of(schema.of(MODELS[kind].scene), tomllib.loads(editor.template(kind)))
+    ) - {"title"}
     assert len(names) > 10
     for name in sorted(names):
         assert explain(name), name
@@ -43,7 +54,12 @@ def test_every_name_of_a_template_is_explained(kind):
 
 def test_every_closure_kind_place_law_and_material_is_explained():
     groups = ("models", "closures", "reactions", "materials", "tables")
-    listed = [line.split()[0] for group in groups for lines in catalogue.sections(group).values() for line in lines]
+    listed = [
+        line.split()[0]
+        for group in groups
+        for lines in catalogue.sections(group).values()
+        for line in lines
+    ]
     words = [word + end for word in catalogue.WORDS for end in ("", "s")]
     laws = [law for of in catalogue.laws().values() for law in of]
     for name in {
@@ -73,14 +89,24 @@ def test_every_key_is_found_by_its_last_part():
         (["sulphate_reduction"], "rate law of sulphate_reduction"),
         (["howard"], "rate law of CO_oxidation in bubbling beds"),
         (["shrinking_core"], "[reactions.NAME] needs A, E, diffusivity"),
-        (["closures"], "drag                         drag coefficient per volume of the bed: beetstra, di_felice"),
+        (
+            ["closures"],
+            "drag                         drag coefficient per volume of the bed: "
+            "beetstra, di_felice",
+        ),
         (["material"], "iron_ore                     dense grains of hematite"),
         (["material"], "    gas.material"),
         (["rate", "laws"], "xu_froment_shift"),
         (["no_slip"], "boundary.NAME.type"),
         (["minimum", "fluidization"], "minimum fluidization - "),
-        (["k_eff"], "k_eff [W/m/K] - named result, [W/m/K]: effective thermal conductivity"),
-        (["cascade"], "contbed cascade - command: Compute a bed with closures from particles"),
+        (
+            ["k_eff"],
+            "k_eff [W/m/K] - named result, [W/m/K]: effective thermal conductivity",
+        ),
+        (
+            ["cascade"],
+            "contbed cascade - command: Compute a bed with closures from particles",
+        ),
     ],
 )
 def test_words_that_users_have(capsys, words, part):
@@ -95,7 +121,10 @@ def test_words_that_users_have(capsys, words, part):
 )  # fmt: skip
 def test_the_nearest_names_are_told(capsys, name, near):
     assert cli.main(["explain", name]) == 2
-    assert near in capsys.readouterr().err.partition("nearest: ")[2].replace(",", "").split()
+    assert (
+        near
+        in capsys.readouterr().err.partition("nearest: ")[2].replace(",", "").split()
+    )
 
 
 def test_a_result_of_a_pattern_is_explained_once():

@@ -1,4 +1,6 @@
-"""Materials by name: their values against the tables of their sources, and how a scene uses them."""
+"""Materials by name: their values against the tables of their sources, and how a
+scene uses them.
+"""
 
 import tomllib
 from pathlib import Path
@@ -29,12 +31,30 @@ BED = {
 
 # temperatures [K], then the property there as printed in the source
 PRINTED = {
-    ("alumina", "heat_capacity"): ([293.15, 773.15, 1273.15, 1473.15, 1673.15], [755, 1165, 1255, 1285, 1315]),
-    ("alumina", "conductivity"): ([293.15, 773.15, 1273.15, 1473.15, 1673.15], [33.0, 11.4, 7.22, 6.67, 6.34]),
-    ("steel", "heat_capacity"): ([300, 400, 600, 800, 1000, 1200, 1500], [477, 515, 557, 582, 611, 640, 682]),
-    ("steel", "conductivity"): ([300, 400, 600, 800, 1000, 1200, 1500], [14.9, 16.6, 19.8, 22.6, 25.4, 28.0, 31.7]),
-    ("silica", "heat_capacity"): ([300, 400, 600, 800, 1000, 1200], [745, 905, 1040, 1105, 1155, 1195]),
-    ("silica", "conductivity"): ([300, 400, 600, 800, 1000, 1200], [1.38, 1.51, 1.75, 2.17, 2.87, 4.00]),
+    ("alumina", "heat_capacity"): (
+        [293.15, 773.15, 1273.15, 1473.15, 1673.15],
+        [755, 1165, 1255, 1285, 1315],
+    ),
+    ("alumina", "conductivity"): (
+        [293.15, 773.15, 1273.15, 1473.15, 1673.15],
+        [33.0, 11.4, 7.22, 6.67, 6.34],
+    ),
+    ("steel", "heat_capacity"): (
+        [300, 400, 600, 800, 1000, 1200, 1500],
+        [477, 515, 557, 582, 611, 640, 682],
+    ),
+    ("steel", "conductivity"): (
+        [300, 400, 600, 800, 1000, 1200, 1500],
+        [14.9, 16.6, 19.8, 22.6, 25.4, 28.0, 31.7],
+    ),
+    ("silica", "heat_capacity"): (
+        [300, 400, 600, 800, 1000, 1200],
+        [745, 905, 1040, 1105, 1155, 1195],
+    ),
+    ("silica", "conductivity"): (
+        [300, 400, 600, 800, 1000, 1200],
+        [1.38, 1.51, 1.75, 2.17, 2.87, 4.00],
+    ),
 }
 
 
@@ -42,7 +62,9 @@ PRINTED = {
 def test_printed_values(key):
     name, quantity = key
     for T, value in zip(*PRINTED[key], strict=True):
-        assert MATERIALS[name].at(T)[quantity] == pytest.approx(value, rel=MATERIALS[name].error)
+        assert MATERIALS[name].at(T)[quantity] == pytest.approx(
+            value, rel=MATERIALS[name].error
+        )
 
 
 @pytest.mark.parametrize(
@@ -57,7 +79,9 @@ def test_heat_capacities_follow_the_shomate_equation(name, mass, shomate):
     for T in np.linspace(*MATERIALS[name].T_range, 23):
         t = T / 1000.0
         expected = (a + b * t + c * t**2 + d * t**3 + e / t**2) / mass
-        assert MATERIALS[name].at(T)["heat_capacity"] == pytest.approx(expected, rel=MATERIALS[name].error)
+        assert MATERIALS[name].at(T)["heat_capacity"] == pytest.approx(
+            expected, rel=MATERIALS[name].error
+        )
 
 
 def test_solar_salt_in_celsius():
@@ -82,16 +106,31 @@ def test_a_scene_takes_the_values_of_its_materials():
     scene = cb.load(BED)
     assert scene.gas.density == pytest.approx(2090.0 - 0.636 * 340.0, rel=1e-6)
     assert scene.solid.heat_capacity == MATERIALS["alumina"].heat_capacity
-    constant = cb.load(BED, {"solids.beads.material_temperature": "700 K", "solids.beads.density": 3000.0}).solid
+    constant = cb.load(
+        BED,
+        {"solids.beads.material_temperature": "700 K", "solids.beads.density": 3000.0},
+    ).solid
     assert constant.density == 3000.0  # what is given replaces what the library has
-    assert constant.heat_capacity == pytest.approx(MATERIALS["alumina"].at(700.0)["heat_capacity"])
+    assert constant.heat_capacity == pytest.approx(
+        MATERIALS["alumina"].at(700.0)["heat_capacity"]
+    )
     assert from_dict(resolved(scene)) == scene
 
 
 def test_the_range_of_a_material_is_watched():
     assert cb.run(cb.load(BED)).warnings == []
-    hot = cb.run(cb.load(BED, {"solids.beads.material": "sand", "boundary.right.solids.beads.temperature": 900.0}))
-    assert any("sand" in text and "outside 298 to 847 K" in text for text in hot.warnings)
+    hot = cb.run(
+        cb.load(
+            BED,
+            {
+                "solids.beads.material": "sand",
+                "boundary.right.solids.beads.temperature": 900.0,
+            },
+        )
+    )
+    assert any(
+        "sand" in text and "outside 298 to 847 K" in text for text in hot.warnings
+    )
 
 
 @pytest.mark.parametrize(
@@ -99,8 +138,19 @@ def test_the_range_of_a_material_is_watched():
     [
         ({"material": "alumna"}, "did you mean 'alumina'"),
         ({"material": "solar_salt"}, "is a fluid, not a solid"),
-        ({"material": "alumina", "material_temperature": "3000 degC"}, "known from 293 to 1773 K"),
-        ({"density": 1, "heat_capacity": 1, "conductivity": 1, "material_temperature": 300}, "no use without material"),
+        (
+            {"material": "alumina", "material_temperature": "3000 degC"},
+            "known from 293 to 1773 K",
+        ),
+        (
+            {
+                "density": 1,
+                "heat_capacity": 1,
+                "conductivity": 1,
+                "material_temperature": 300,
+            },
+            "no use without material",
+        ),
         ({"material": "FCC"}, "solids.beads.heat_capacity: missing"),
     ],
 )
@@ -113,7 +163,9 @@ def test_scenes_from_dicts_and_short_reprs():
     result = cb.run(cb.load(BED))
     text = repr(result)
     assert text.startswith("<Result of a packed_bed scene: ok; ") and len(text) < 250
-    with pytest.raises(SceneError, match=r"scene:1: packed_bed.porosity = 2: out of range"):
+    with pytest.raises(
+        SceneError, match=r"scene:1: packed_bed.porosity = 2: out of range"
+    ):
         cb.load({**BED, "packed_bed": {"porosity": 2}})
 
 
@@ -138,15 +190,23 @@ def test_particles_of_other_scenes_are_of_a_material():
     assert found.heat_capacity == pytest.approx(exact["heat_capacity"], rel=1e-14)
     assert found.conductivity == pytest.approx(exact["conductivity"], rel=1e-14)
     assert found.mixing_conductivity == 2e4  # that of mixing is not the material's
-    riser = scene_with("two_fluid_checks/cooling.toml", BEADS, {"material": "FCC"}, ["density"])
+    riser = scene_with(
+        "two_fluid_checks/cooling.toml", BEADS, {"material": "FCC"}, ["density"]
+    )
     assert riser.solid.density == 1400.0
 
 
 @pytest.mark.parametrize(
     ("added", "part"),
     [
-        ({"material": "alumina"}, "heat_capacity of alumina varies: give material_temperature"),
-        ({"material": "alumina", "material_temperature": 3000.0}, "known from 293 to 1773 K"),
+        (
+            {"material": "alumina"},
+            "heat_capacity of alumina varies: give material_temperature",
+        ),
+        (
+            {"material": "alumina", "material_temperature": 3000.0},
+            "known from 293 to 1773 K",
+        ),
         ({"material_temperature": 300.0}, "no use without material"),
         ({"material": "sandd", "material_temperature": 300.0}, "did you mean 'sand'"),
     ],

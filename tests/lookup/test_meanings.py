@@ -1,4 +1,6 @@
-"""Every key of scenes and of files of studies has a meaning, which `contbed explain` and the manual show."""
+"""Every key of scenes and of files of studies has a meaning, which `contbed explain`
+and the manual show.
+"""
 
 import importlib
 import pkgutil
@@ -17,7 +19,12 @@ def has_meaning(node):
 
 
 def test_every_key_of_a_scene_has_a_meaning():
-    without = [name for name, nodes in catalogue.keys().items() for node in nodes if not has_meaning(node)]
+    without = [
+        name
+        for name, nodes in catalogue.keys().items()
+        for node in nodes
+        if not has_meaning(node)
+    ]
     assert without == []
 
 
@@ -33,14 +40,22 @@ def study_tables():
     """The tables of files of studies, without those of physics."""
     for module in pkgutil.walk_packages(contbed.many.__path__, "contbed.many."):
         importlib.import_module(module.name)
-    return {table for table in tables_below(Table) if table.__module__.startswith("contbed.many.")}
+    return {
+        table
+        for table in tables_below(Table)
+        if table.__module__.startswith("contbed.many.")
+    }
 
 
 def test_every_key_of_a_study_has_a_meaning(study_tables):
     without = []
     for table in study_tables:
         for key, field in table.model_fields.items():
-            named = [table for table in study_tables if table.__doc__ and table.__name__ in str(field.annotation)]
+            named = [
+                table
+                for table in study_tables
+                if table.__doc__ and table.__name__ in str(field.annotation)
+            ]
             if not field.description and not named:
                 without.append(f"{table.__name__}.{key}")
     assert study_tables and without == []

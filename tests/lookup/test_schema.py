@@ -1,4 +1,6 @@
-"""The JSON schema for editors takes what `contbed check` takes, and refuses wrong values and keys."""
+"""The JSON schema for editors takes what `contbed check` takes, and refuses wrong
+values and keys.
+"""
 
 import json
 import tomllib
@@ -12,7 +14,9 @@ from contbed.explain.closure_keys import closure_keys
 from contbed.models import MODELS, kind_of
 from contbed.scene import schema
 
-jsonschema = pytest.importorskip("jsonschema", reason="jsonschema is not installed: pip install 'contbed[notebook]'")
+jsonschema = pytest.importorskip(
+    "jsonschema", reason="jsonschema is not installed: pip install 'contbed[notebook]'"
+)
 ROOT = Path(__file__).parents[2]
 FILES = [
     *ROOT.glob("studies/*/*.toml"),
@@ -30,7 +34,9 @@ def validators():
 
 
 def test_every_scene_of_the_project_is_valid(validators):
-    """All studies and templates, each by the schema of its kind and by that of all kinds together."""
+    """All studies and templates, each by the schema of its kind and by that of all
+    kinds together.
+    """
     every = jsonschema.Draft202012Validator(editor.json_schema())
     seen = set()
     for file in FILES:
@@ -39,7 +45,10 @@ def test_every_scene_of_the_project_is_valid(validators):
             continue
         kind = kind_of(values)
         seen.add(kind)
-        wrong = [f"{file.name}: {error.json_path}: {error.message}" for error in validators[kind].iter_errors(values)]
+        wrong = [
+            f"{file.name}: {error.json_path}: {error.message}"
+            for error in validators[kind].iter_errors(values)
+        ]
         assert not wrong
         assert every.is_valid(values)
     assert seen == set(MODELS)
@@ -73,7 +82,9 @@ def test_descriptions_say_the_unit_and_closures_are_offered():
 
 
 def test_every_place_that_takes_a_closure_has_a_kind():
-    """A key whose value may be a closure's table is known to `contbed closures --for`."""
+    """A key whose value may be a closure's table is known to `contbed closures
+    --for`.
+    """
 
     def keys(table, path, seen):
         for key, node in table.get("properties", {}).items():
@@ -82,11 +93,23 @@ def test_every_place_that_takes_a_closure_has_a_kind():
             for option in schema.options(node):
                 inner = option.get("additionalProperties")
                 name = (key, "NAME") if isinstance(inner, dict) else (key,)
-                for below in schema.options(inner) if isinstance(inner, dict) else [option]:
-                    if "properties" in below and below.get("title") not in seen and not schema.is_closure(below):
-                        yield from keys(below, (*path, *name), (*seen, below.get("title")))
+                for below in (
+                    schema.options(inner) if isinstance(inner, dict) else [option]
+                ):
+                    if (
+                        "properties" in below
+                        and below.get("title") not in seen
+                        and not schema.is_closure(below)
+                    ):
+                        yield from keys(
+                            below, (*path, *name), (*seen, below.get("title"))
+                        )
 
-    wanted = {".".join(path) for model in MODELS.values() for path in keys(schema.of(model.scene), (), ())}
+    wanted = {
+        ".".join(path)
+        for model in MODELS.values()
+        for path in keys(schema.of(model.scene), (), ())
+    }
     assert wanted <= set(closure_keys())
 
 

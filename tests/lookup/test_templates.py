@@ -1,4 +1,6 @@
-"""`contbed new KIND` for each physics: a commented scene that runs as it is, without a warning."""
+"""`contbed new KIND` for each physics: a commented scene that runs as it is, without
+a warning.
+"""
 
 import pytest
 
@@ -18,7 +20,8 @@ def test_every_physics_has_a_scene_to_begin_with(kind, tmp_path, capsys):
     assert cli.main(["new", kind, "--out", str(file)]) == 0
     scene = load(file)
     assert scene.warnings == ()
-    assert cli.main(["new", kind, "--out", str(file)]) == 2  # a file that is there is not written over
+    # a file that is there is not written over
+    assert cli.main(["new", kind, "--out", str(file)]) == 2
     assert "is there already" in capsys.readouterr().err
 
 
@@ -26,7 +29,10 @@ def test_every_physics_has_a_scene_to_begin_with(kind, tmp_path, capsys):
 LONG = ("two_fluid", "particles_gas", "single_particle")
 
 
-@pytest.mark.parametrize("kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind in LONG)) for kind in MODELS])
+@pytest.mark.parametrize(
+    "kind",
+    [pytest.param(kind, marks=[pytest.mark.slow] * (kind in LONG)) for kind in MODELS],
+)
 def test_it_runs(kind, tmp_path):
     file = tmp_path / "scene.toml"
     file.write_text(editor.template(kind))
@@ -37,6 +43,8 @@ def test_it_runs(kind, tmp_path):
 
 def test_new_lists_the_kinds_and_names_the_nearest(capsys):
     assert cli.main(["new"]) == 0
-    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(MODELS)
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(
+        MODELS
+    )
     assert cli.main(["new", "packed_bad"]) == 2
     assert "did you mean 'packed_bed'?" in capsys.readouterr().err

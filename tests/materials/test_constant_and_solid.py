@@ -13,7 +13,9 @@ T = np.linspace(300.0, 1200.0, 10)
 
 
 def test_constants_stay_floats():
-    fluid = ConstantFluid(density=1.2, heat_capacity=1005, viscosity=1.8e-5, conductivity=0.026)
+    fluid = ConstantFluid(
+        density=1.2, heat_capacity=1005, viscosity=1.8e-5, conductivity=0.026
+    )
     solid = Solid(2600.0, 850, (1.5,))
     for material, methods in (
         (fluid, ("density", "heat_capacity", "viscosity", "conductivity")),
@@ -37,12 +39,22 @@ def test_materials_are_frozen_values():
 
 
 def test_polynomial_solid():
-    solid = Solid((2600.0, -0.1), (700.0, 0.5, -1e-4), (2.0, 1e-3, 0.0), T_range=(300.0, 1200.0), name="sand")
+    solid = Solid(
+        (2600.0, -0.1),
+        (700.0, 0.5, -1e-4),
+        (2.0, 1e-3, 0.0),
+        T_range=(300.0, 1200.0),
+        name="sand",
+    )
     assert not solid.constant
     np.testing.assert_allclose(solid.density(T), 2600.0 - 0.1 * T, rtol=1e-14)
-    np.testing.assert_allclose(solid.heat_capacity(T), 700.0 + 0.5 * T - 1e-4 * T**2, rtol=1e-14)
+    np.testing.assert_allclose(
+        solid.heat_capacity(T), 700.0 + 0.5 * T - 1e-4 * T**2, rtol=1e-14
+    )
     np.testing.assert_allclose(solid.conductivity(T), 2.0 + 1e-3 * T, rtol=1e-14)
-    np.testing.assert_allclose(solid.enthalpy(T + 1e-20j).imag / 1e-20, solid.heat_capacity(T), rtol=1e-14)
+    np.testing.assert_allclose(
+        solid.enthalpy(T + 1e-20j).imag / 1e-20, solid.heat_capacity(T), rtol=1e-14
+    )
     assert solid.share_outside(np.array([300.0, 1200.0, 500.0, np.nan])) == 0.25
     assert solid.share_outside(np.array([])) == 0.0
 
@@ -61,7 +73,10 @@ def test_mixed_solid_keeps_its_constants():
         ({"heat_capacity": ()}, ["heat_capacity", "coefficients"]),
         ({"heat_capacity": (1.0, math.nan)}, ["heat_capacity", "finite"]),
         ({"density": (0.0, 0.0)}, ["density", "0 kg/m3"]),
-        ({"conductivity": (1.0, -2e-3), "T_range": (300.0, 1000.0)}, ["conductivity", "-1 W/m/K", "1000 K", "narrow"]),
+        (
+            {"conductivity": (1.0, -2e-3), "T_range": (300.0, 1000.0)},
+            ["conductivity", "-1 W/m/K", "1000 K", "narrow"],
+        ),
         ({"T_range": (500.0, 400.0)}, ["T_range", "(500, 400)"]),
     ],
 )

@@ -26,7 +26,9 @@ KEYS = {"density": "D", "heat_capacity": "C", "viscosity": "V", "conductivity": 
 
 @pytest.fixture(scope="module", params=CASES, ids=list(CASES))
 def case(request):
-    """The fluid, and points between the nodes, off the ends where CoolProp may name the other phase."""
+    """The fluid, and points between the nodes, off the ends where CoolProp may name
+    the other phase.
+    """
     name, pressure, T_range = CASES[request.param]
     fluid = real_fluid(name, pressure, T_range)
     lo, hi = fluid.T_range
@@ -35,36 +37,48 @@ def case(request):
 
 
 def test_equals_coolprop(case):
-    """1e-6, ten times the tolerance of the table, since its error is sampled half way between nodes."""
+    """1e-6, ten times the tolerance of the table, since its error is sampled half
+    way between nodes.
+    """
     fluid, name, T = case
     for method, key in KEYS.items():
         exact = [PropsSI(key, "T", T_i, "P", fluid.pressure, name) for T_i in T]
-        np.testing.assert_allclose(getattr(fluid, method)(T), exact, rtol=1e-6, err_msg=method)
+        np.testing.assert_allclose(
+            getattr(fluid, method)(T), exact, rtol=1e-6, err_msg=method
+        )
 
 
 def test_enthalpy_equals_coolprop(case):
     """It is integrated from heat capacity, not fitted; 1e-7 of its span."""
     fluid, name, T = case
     exact = np.array([PropsSI("H", "T", T_i, "P", fluid.pressure, name) for T_i in T])
-    np.testing.assert_allclose(fluid.enthalpy(T), exact, rtol=0, atol=1e-7 * np.ptp(exact))
+    np.testing.assert_allclose(
+        fluid.enthalpy(T), exact, rtol=0, atol=1e-7 * np.ptp(exact)
+    )
 
 
 def test_derivatives_of_the_tables(case):
-    """Central differences of the table itself, O(step^2), where no node lies within the step.
+    """Central differences of the table itself, O(step^2), where no node lies within the
+    step.
 
-    The tolerance covers round-off of the difference and, near the critical point, the third derivative.
+    The tolerance covers round-off of the difference and, near the critical point, the
+    third derivative.
     """
     fluid, _, T = case
     step = 1e-4
     for name, (f, df) in fluid._tables.items():
         difference = (f(T + step) - f(T - step)) / (2.0 * step)
         scale = np.max(np.abs(f(T))) * 1e-15 / step + np.max(np.abs(difference)) * 1e-6
-        np.testing.assert_allclose(df(T), difference, rtol=1e-6, atol=5.0 * scale, err_msg=name)
+        np.testing.assert_allclose(
+            df(T), difference, rtol=1e-6, atol=5.0 * scale, err_msg=name
+        )
 
 
 def test_derivative_of_enthalpy_is_heat_capacity(case):
     fluid, _, T = case
-    np.testing.assert_array_equal(fluid._tables["enthalpy"][1](T), fluid.heat_capacity(T))
+    np.testing.assert_array_equal(
+        fluid._tables["enthalpy"][1](T), fluid.heat_capacity(T)
+    )
 
 
 def test_outside_the_range_values_stay_and_are_counted(case):
@@ -75,7 +89,9 @@ def test_outside_the_range_values_stay_and_are_counted(case):
         far, near = f(np.array([lo - 500.0, hi + 500.0])), f(np.array([lo, hi]))
         np.testing.assert_allclose(far, near, rtol=1e-12)
     np.testing.assert_allclose(
-        fluid.enthalpy(hi + 100.0) - fluid.enthalpy(hi), 100.0 * fluid.heat_capacity(hi), rtol=1e-9
+        fluid.enthalpy(hi + 100.0) - fluid.enthalpy(hi),
+        100.0 * fluid.heat_capacity(hi),
+        rtol=1e-9,
     )
     assert fluid.share_outside(np.array([lo - 1.0, lo, hi, hi + 1.0])) == 0.5
 
@@ -83,16 +99,23 @@ def test_outside_the_range_values_stay_and_are_counted(case):
 def test_shapes_and_pickling():
     fluid = real_fluid("Water", 1e5, (280.0, 370.0))
     T = np.linspace(281.0, 369.0, 12)
-    np.testing.assert_array_equal(fluid.density(T.reshape(4, 3)).ravel(), fluid.density(T))
+    np.testing.assert_array_equal(
+        fluid.density(T.reshape(4, 3)).ravel(), fluid.density(T)
+    )
     assert np.shape(fluid.density(300.0)) == ()
-    np.testing.assert_array_equal(pickle.loads(pickle.dumps(fluid)).enthalpy(T), fluid.enthalpy(T))
+    np.testing.assert_array_equal(
+        pickle.loads(pickle.dumps(fluid)).enthalpy(T), fluid.enthalpy(T)
+    )
     assert fluid.table_error < 1e-7
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("Water", 1e5, (300.0, 500.0)), ["crosses the phase change", "372.76 K", "below it for liquid"]),
+        (
+            ("Water", 1e5, (300.0, 500.0)),
+            ["crosses the phase change", "372.76 K", "below it for liquid"],
+        ),
         (("steam", 1e5, (300.0, 370.0)), ["not all steam", "372.76 K"]),
         (("Water", 1e5), ["T_range is missing", "(273.16, 2000) K", "372.76 K"]),
         (("Water", 25e6), ["T_range is missing", "does not boil"]),

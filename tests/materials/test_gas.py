@@ -1,4 +1,6 @@
-"""Gas mixtures against Cantera itself, and the identities that hold between their properties."""
+"""Gas mixtures against Cantera itself, and the identities that hold between their
+properties.
+"""
 
 import pickle
 import sys
@@ -19,7 +21,8 @@ MIXTURES = {
     "syngas": "CO:0.2, CO2:0.1, H2:0.2, H2O:0.1, CH4:0.05, N2:0.35",
     "three mid temperatures": "AR:1, HCN:1, HNCO:2, N2:2, HOCN:0.5, C3H8:1e-6",
 }
-T = np.linspace(300.0, 3000.0, 541)  # holds both ends and 1000 K, the usual mid temperature
+# holds both ends and 1000 K, the usual mid temperature
+T = np.linspace(300.0, 3000.0, 541)
 
 
 @pytest.fixture(scope="module", params=MIXTURES, ids=list(MIXTURES))
@@ -27,29 +30,47 @@ def pair(request):
     """The mixture, and Cantera's own properties at T."""
     composition = MIXTURES[request.param]
     solution = ct.Solution("gri30.yaml")
-    wanted = ("density", "cp_mass", "viscosity", "thermal_conductivity", "enthalpy_mass")
+    wanted = (
+        "density",
+        "cp_mass",
+        "viscosity",
+        "thermal_conductivity",
+        "enthalpy_mass",
+    )
     rows = []
     for T_i in T:
         solution.TPX = T_i, PRESSURE, composition
         rows.append([getattr(solution, name) for name in wanted])
     names = ("density", "heat_capacity", "viscosity", "conductivity", "enthalpy")
-    return gas_mixture(composition, PRESSURE), dict(zip(names, np.array(rows).T, strict=True)), solution
+    return (
+        gas_mixture(composition, PRESSURE),
+        dict(zip(names, np.array(rows).T, strict=True)),
+        solution,
+    )
 
 
-@pytest.mark.parametrize("name", ["density", "heat_capacity", "viscosity", "conductivity"])
+@pytest.mark.parametrize(
+    "name", ["density", "heat_capacity", "viscosity", "conductivity"]
+)
 def test_equals_cantera(pair, name):
-    """1e-12: both are sums of the same few terms; Cantera's unshifted fits lose up to 3 digits by cancellation."""
+    """1e-12: both are sums of the same few terms; Cantera's unshifted fits lose up
+    to 3 digits by cancellation.
+    """
     gas, cantera, _ = pair
     np.testing.assert_allclose(getattr(gas, name)(T), cantera[name], rtol=1e-12)
 
 
 def test_enthalpy_equals_cantera_below_the_mid_temperatures_and_is_continuous(pair):
-    """Above, Cantera's jumps by the rounding of its seven-digit coefficients; 100 J/kg is 0.1 K at most."""
+    """Above, Cantera's jumps by the rounding of its seven-digit coefficients; 100
+    J/kg is 0.1 K at most.
+    """
     gas, cantera, solution = pair
     T_mid = sorted({solution.species(s).thermo.coeffs[0] for s in gas.mole_fractions})
     scale = np.ptp(cantera["enthalpy"])
     low = T_mid[0] >= T
-    np.testing.assert_allclose(gas.enthalpy(T[low]), cantera["enthalpy"][low], rtol=1e-12, atol=1e-12 * scale)
+    np.testing.assert_allclose(
+        gas.enthalpy(T[low]), cantera["enthalpy"][low], rtol=1e-12, atol=1e-12 * scale
+    )
     np.testing.assert_allclose(gas.enthalpy(T), cantera["enthalpy"], rtol=0, atol=100.0)
     for T_m in T_mid:
         below, above = gas.enthalpy(np.array([T_m, np.nextafter(T_m, np.inf)]))
@@ -57,7 +78,9 @@ def test_enthalpy_equals_cantera_below_the_mid_temperatures_and_is_continuous(pa
 
 
 def test_enthalpy_is_the_integral_of_heat_capacity(pair):
-    """Complex step, exact to round-off; off 1000 K, where a complex number counts as above the mid temperature."""
+    """Complex step, exact to round-off; off 1000 K, where a complex number counts as
+    above the mid temperature.
+    """
     gas, _, _ = pair
     points = T[T != 1000.0]
     slope = gas.enthalpy(points + 1e-20j).imag / 1e-20
@@ -66,7 +89,9 @@ def test_enthalpy_is_the_integral_of_heat_capacity(pair):
 
 def test_ideal_gas_law(pair):
     gas, _, _ = pair
-    np.testing.assert_allclose(gas.density(T) * 8.31446261815324 * T / gas.molar_mass, PRESSURE, rtol=1e-14)
+    np.testing.assert_allclose(
+        gas.density(T) * 8.31446261815324 * T / gas.molar_mass, PRESSURE, rtol=1e-14
+    )
 
 
 def test_sanity(pair):
@@ -90,16 +115,24 @@ def test_shapes_and_scalars():
 
 def test_ways_to_write_a_composition():
     wanted = gas_mixture("N2:0.79, O2:0.21", 1e5).viscosity(T)
-    for composition in ({"N2": 79, "O2": 21, "AR": 0}, "N2: 3.76; O2:1", "N2 : 79 O2 : 21"):
+    for composition in (
+        {"N2": 79, "O2": 21, "AR": 0},
+        "N2: 3.76; O2:1",
+        "N2 : 79 O2 : 21",
+    ):
         gas = gas_mixture(composition, 1e5)
         assert list(gas.mole_fractions) == ["N2", "O2"]
         np.testing.assert_allclose(gas.viscosity(T), wanted, rtol=1e-4)
-    np.testing.assert_array_equal(gas_mixture("N2", 1e5).density(T), gas_mixture({"N2": 2.0}, 1e5).density(T))
+    np.testing.assert_array_equal(
+        gas_mixture("N2", 1e5).density(T), gas_mixture({"N2": 2.0}, 1e5).density(T)
+    )
 
 
 def test_survives_pickling():
     gas = gas_mixture("N2:0.79, O2:0.21", 1e5)
-    np.testing.assert_array_equal(pickle.loads(pickle.dumps(gas)).viscosity(T), gas.viscosity(T))
+    np.testing.assert_array_equal(
+        pickle.loads(pickle.dumps(gas)).viscosity(T), gas.viscosity(T)
+    )
 
 
 def test_cost_does_not_grow_with_species():
@@ -148,16 +181,21 @@ def test_no_cantera(monkeypatch):
 
 def test_share_outside():
     gas = gas_mixture("N2", 1e5, T_range=(300.0, 1000.0))
-    assert gas.share_outside(np.array([299.9, 300.0, 1000.0, 1000.1, 1100.0])) == pytest.approx(0.6)
+    assert gas.share_outside(
+        np.array([299.9, 300.0, 1000.0, 1000.1, 1100.0])
+    ) == pytest.approx(0.6)
     assert gas.share_outside(500.0) == 0.0
 
 
 @pytest.mark.parametrize(("text", "good"), [
-    ("N2:0.79, O2:0.21", True), ("N2:3.76, O2:1", True), ("N2", True), ("N2:0.7901, O2:0.2101", True),
+    ("N2:0.79, O2:0.21", True), ("N2:3.76, O2:1", True), ("N2", True), ("N2:0.7901, "
+                                                                        "O2:0.2101", True),
     ("N2:0.5, O2:0.6", False), ("N2:0.79, O2:0.12", False),
 ])  # fmt: skip
 def test_fractions_sum_to_one(text, good):
-    """Fractions that do not are a mistake of the scene; amounts above 1 are in moles, in any scale."""
+    """Fractions that do not are a mistake of the scene; amounts above 1 are in
+    moles, in any scale.
+    """
     fluid = {"model": "cantera", "composition": text}
     scenes = (
         {"mesh": {"type": "line", "length": 1.0}, "packed_bed": {"porosity": 0.4}, "gas": fluid,
@@ -172,5 +210,8 @@ def test_fractions_sum_to_one(text, good):
         if good:
             assert from_dict(scene)
         else:
-            with pytest.raises(SceneError, match=r"(fluid|gas)\.composition.*fractions sum to (1\.1|0\.91), not to 1"):
+            with pytest.raises(
+                SceneError,
+                match=r"(fluid|gas)\.composition.*fractions sum to (1\.1|0\.91), not to 1",
+            ):
                 from_dict(scene)

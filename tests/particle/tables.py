@@ -1,4 +1,6 @@
-"""Tables of exact values in tests/data: comment lines begin with #, then names, then numbers or words."""
+"""Tables of exact values in tests/data: comment lines begin with #, then names, then
+numbers or words.
+"""
 
 from __future__ import annotations
 

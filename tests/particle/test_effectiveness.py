@@ -16,7 +16,9 @@ def test_sphere_with_film(row):
     eta = effectiveness.sphere(row["phi"])
     # the table has 12 digits
     assert eta == pytest.approx(row["eta"], rel=5e-12)
-    assert effectiveness.overall(eta, row["phi"], row["Bi"]) == pytest.approx(row["eta_overall"], rel=5e-12)
+    assert effectiveness.overall(eta, row["phi"], row["Bi"]) == pytest.approx(
+        row["eta_overall"], rel=5e-12
+    )
 
 
 @pytest.mark.parametrize("law", [effectiveness.sphere, effectiveness.slab])
@@ -32,7 +34,9 @@ def test_no_diffusion_limit_and_strong_limit():
     assert effectiveness.sphere(1e4) == pytest.approx(3.0 / 1e4 * (1 - 1e-4), rel=1e-14)
     assert effectiveness.slab(1e4) == pytest.approx(1e-4, rel=1e-14)
     # film alone: rate per volume 3 k_film/R c
-    assert effectiveness.overall(effectiveness.sphere(1e6), 1e6, 2.0) * 1e12 / 6.0 == pytest.approx(1.0, rel=1e-5)
+    assert effectiveness.overall(
+        effectiveness.sphere(1e6), 1e6, 2.0
+    ) * 1e12 / 6.0 == pytest.approx(1.0, rel=1e-5)
 
 
 @pytest.mark.parametrize("square", [-0.01, 0.0, 1e-3, 0.3, 25.0])
@@ -41,11 +45,17 @@ def test_effectiveness_of_a_rate_constant_and_its_slope(square):
     k = Dual(np.array([square * D / R**2]), {"k": np.ones(1)})
     eta = effectiveness.effectiveness_of(R, k, D)
     if square > 0:
-        assert eta.value[0] == pytest.approx(float(effectiveness.sphere(np.sqrt(square))), rel=1e-12)
+        assert eta.value[0] == pytest.approx(
+            float(effectiveness.sphere(np.sqrt(square))), rel=1e-12
+        )
     step = 1e-4 * D / R**2
-    up, down = (effectiveness.effectiveness_of(R, k.value[0] + s, D) for s in (step, -step))
+    up, down = (
+        effectiveness.effectiveness_of(R, k.value[0] + s, D) for s in (step, -step)
+    )
     # central difference: error of order step^2 of an analytic function
-    assert eta.tangents["k"][0] == pytest.approx(float(up - down) / (2 * step), rel=1e-6)
+    assert eta.tangents["k"][0] == pytest.approx(
+        float(up - down) / (2 * step), rel=1e-6
+    )
 
 
 def test_thiele_modulus():
@@ -53,18 +63,26 @@ def test_thiele_modulus():
     assert effectiveness.thiele(2e-3, -1.0, 4e-6) == 0.0
 
 
-@pytest.mark.parametrize("row", [r for r in rows("nonisothermal_effectiveness.csv") if r["kind"] == "state"])
+@pytest.mark.parametrize(
+    "row", [r for r in rows("nonisothermal_effectiveness.csv") if r["kind"] == "state"]
+)
 def test_states_with_heat_of_reaction(row):
     found = nonisothermal.states(row["phi"], row["g"], row["b"])
     closest = min(found, key=lambda state: abs(state.eta - row["eta"]))
-    # 1e-10 is the tolerance stated for the table; an almost empty centre amplifies phi, there 1e-7
+    # 1e-10 is the tolerance stated for the table; an almost empty centre amplifies phi,
+    # there 1e-7
     assert closest.eta == pytest.approx(row["eta"], rel=1e-10)
     assert closest.centre == pytest.approx(row["y_centre"], rel=1e-7)
 
 
-@pytest.mark.parametrize("row", [r for r in rows("nonisothermal_effectiveness.csv") if r["kind"] == "fold"])
+@pytest.mark.parametrize(
+    "row", [r for r in rows("nonisothermal_effectiveness.csv") if r["kind"] == "fold"]
+)
 def test_folds(row):
-    phi, state = min(nonisothermal.folds(row["g"], row["b"]), key=lambda fold: abs(fold[0] - row["phi"]))
+    phi, state = min(
+        nonisothermal.folds(row["g"], row["b"]),
+        key=lambda fold: abs(fold[0] - row["phi"]),
+    )
     assert phi == pytest.approx(row["phi"], rel=1e-10)
     # at a fold eta is known to the root of the digits of phi: the table states 7
     assert state.eta == pytest.approx(row["eta"], rel=3e-7)
@@ -95,12 +113,16 @@ def test_state_against_collocation_in_r():
         tol=1e-9,
         max_nodes=20000,
     )
-    near = min(nonisothermal.states(phi, g, b), key=lambda s: abs(s.centre - found.y[0, 0]))
+    near = min(
+        nonisothermal.states(phi, g, b), key=lambda s: abs(s.centre - found.y[0, 0])
+    )
     # tolerance of the other method
     assert near.eta == pytest.approx(3.0 * found.y[1, -1] / phi**2, rel=1e-7)
 
 
-@pytest.mark.parametrize(("phi", "g", "b"), [(1.0, 20.0, -1.5), (0.0, 20.0, 0.1), (1.0, 1e4, 0.5)])
+@pytest.mark.parametrize(
+    ("phi", "g", "b"), [(1.0, 20.0, -1.5), (0.0, 20.0, 0.1), (1.0, 1e4, 0.5)]
+)
 def test_numbers_that_no_particle_has(phi, g, b):
     with pytest.raises(ValueError, match=r"phi =|b ="):
         nonisothermal.states(phi, g, b)

@@ -7,7 +7,8 @@ import pytest
 
 from contbed.particle.interior import interior
 
-# lowest roots: tan x = x; J_1; pi: modes of a sphere, cylinder, slab without flux over the surface
+# lowest roots: tan x = x; J_1; pi: modes of a sphere, cylinder, slab without flux over
+# the surface
 FIRST = {"sphere": 4.493409457909064, "cylinder": 3.831705970207512, "slab": np.pi}
 
 
@@ -21,8 +22,13 @@ def test_slowest_mode(shape, points, error):
 @pytest.mark.parametrize("shape", FIRST)
 def test_mean_changes_by_the_flux_alone(shape):
     inside = interior(5, shape)
-    assert inside.weights.sum() == pytest.approx(1.0, rel=1e-14) and np.all(inside.weights > 0)
-    assert np.abs(inside.stiffness.sum(axis=0)).max() < 1e-13 * np.abs(inside.stiffness).max()
+    assert inside.weights.sum() == pytest.approx(1.0, rel=1e-14) and np.all(
+        inside.weights > 0
+    )
+    assert (
+        np.abs(inside.stiffness.sum(axis=0)).max()
+        < 1e-13 * np.abs(inside.stiffness).max()
+    )
     assert inside.stiffness == pytest.approx(inside.stiffness.T)
 
 
@@ -37,9 +43,12 @@ def test_even_polynomials_are_exact(shape):
     assert inside.weights @ r**4 == pytest.approx(s / (s + 4.0), rel=1e-13)  # mean
 
 
-@pytest.mark.parametrize(("points", "error"), [(2, 2e-2), (3, 2e-3), (4, 1e-4), (6, 1e-7)])
+@pytest.mark.parametrize(
+    ("points", "error"), [(2, 2e-2), (3, 2e-3), (4, 1e-4), (6, 1e-7)]
+)
 def test_uptake_of_a_sphere_in_a_periodic_gas(points, error):
-    # exact share of the film that the uptake has: phi/(Bi + phi), phi = sqrt(p) coth sqrt(p) - 1, p = i omega R^2/alpha
+    # exact share of the film that the uptake has: phi/(Bi + phi), phi = sqrt(p) coth
+    # sqrt(p) - 1, p = i omega R^2/alpha
     inside, Bi, p = interior(points), 10.0, 20j
     matrix = p * np.diag(inside.weights) + inside.stiffness
     matrix[-1, -1] += 3.0 * Bi

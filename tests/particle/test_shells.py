@@ -9,7 +9,9 @@ from contbed.particle.effectiveness import sphere
 from contbed.particle.shells import shells
 
 
-@pytest.mark.parametrize(("phi", "tolerance"), [(1.0, 1e-8), (10.0, 1e-5), (100.0, 1e-4), (1000.0, 4e-4)])
+@pytest.mark.parametrize(
+    ("phi", "tolerance"), [(1.0, 1e-8), (10.0, 1e-5), (100.0, 1e-4), (1000.0, 4e-4)]
+)
 def test_first_order(phi, tolerance):
     points = shells()
     matrix = points.stiffness + phi**2 * np.diag(points.weights)
@@ -20,8 +22,11 @@ def test_first_order(phi, tolerance):
 def test_matrices():
     points = shells()
     assert np.all(points.weights[1:] > 0.0)
-    np.testing.assert_allclose(points.stiffness, points.stiffness.T, rtol=1e-12, atol=1e-10)
-    # a parabola: the flux through the surface is what its laplacian of 6 makes, 3 K r^2 = flux at the surface
+    np.testing.assert_allclose(
+        points.stiffness, points.stiffness.T, rtol=1e-12, atol=1e-10
+    )
+    # a parabola: the flux through the surface is what its laplacian of 6 makes, 3 K r^2
+    # = flux at the surface
     flow = points.stiffness @ points.radii**2
     np.testing.assert_allclose(flow[:-1], -6.0 * points.weights[:-1], atol=1e-9)
     assert flow.sum() == pytest.approx(0.0, abs=1e-9)

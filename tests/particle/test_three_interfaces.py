@@ -1,4 +1,6 @@
-"""Hematite pellet with three interfaces: published-form pellet in constant gas, balances, guards, derivatives."""
+"""Hematite pellet with three interfaces: published-form pellet in constant gas,
+balances, guards, derivatives.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,10 @@ IRON = 2 * 0.9665 * 3528 / 0.15969  # [mol/m3], of the table
 FILM = 0.15  # [m/s], of the table
 KEYS = ("T_K", "x_H2", "p_Pa", "d_m")
 CASES = [
-    (key, list(group)) for key, group in groupby(rows("pellet_three_interfaces.csv"), lambda r: [r[k] for k in KEYS])
+    (key, list(group))
+    for key, group in groupby(
+        rows("pellet_three_interfaces.csv"), lambda r: [r[k] for k in KEYS]
+    )
 ]
 
 
@@ -28,12 +33,17 @@ def surroundings(T, x, p):
 
 
 def pellet(T, x, p, d, guard):
-    """Time [s] as a function of the share of oxygen removed, integrated from one end of a core to the next."""
+    """Time [s] as a function of the share of oxygen removed, integrated from one end
+    of a core to the next.
+    """
     gas, at = surroundings(T, x, p)
 
     def speeds(t, X):
         w = three.interface_rates(tuple(X), d / 2, gas, at, guard)
-        return [-v / (s * IRON * d / 2) if x > 0 else 0.0 for v, s, x in zip(w, three.GAS_PER_IRON, X, strict=True)]
+        return [
+            -v / (s * IRON * d / 2) if x > 0 else 0.0
+            for v, s, x in zip(w, three.GAS_PER_IRON, X, strict=True)
+        ]
 
     X, t, parts = np.ones(3), 0.0, []
     for gone in range(3):
@@ -43,7 +53,14 @@ def pellet(T, x, p, d, guard):
 
         end.terminal = True
         part = solve_ivp(
-            speeds, (t, t + 1e5), X, method="DOP853", rtol=1e-10, atol=1e-12, events=[end], dense_output=True
+            speeds,
+            (t, t + 1e5),
+            X,
+            method="DOP853",
+            rtol=1e-10,
+            atol=1e-12,
+            events=[end],
+            dense_output=True,
         )
         parts.append(part)
         t, X = float(part.t[-1]), part.y[:, -1].copy()
@@ -66,7 +83,8 @@ def pellet(T, x, p, d, guard):
 def test_pellet_in_constant_gas(key, group):
     time = pellet(*key, guard=0.0)
     for row in group:
-        # the table starts at a radius just below 1: times are 1e-6 s apart at first, and 4e-7 at the very end
+        # the table starts at a radius just below 1: times are 1e-6 s apart at first,
+        # and 4e-7 at the very end
         assert time(row["reduction"]) == pytest.approx(row["t_s"], rel=1e-6, abs=3e-6)
 
 
@@ -107,9 +125,13 @@ def test_no_interface_overtakes_below_the_triple_point():
 
     def speeds(t, X):
         w = three.interface_rates(tuple(X), 0.006, gas, at)
-        return [-v / (s * IRON * 0.006) for v, s in zip(w, three.GAS_PER_IRON, strict=True)]
+        return [
+            -v / (s * IRON * 0.006) for v, s in zip(w, three.GAS_PER_IRON, strict=True)
+        ]
 
-    X = solve_ivp(speeds, (0, 400.0), np.ones(3), method="LSODA", rtol=1e-8, atol=1e-10).y
+    X = solve_ivp(
+        speeds, (0, 400.0), np.ones(3), method="LSODA", rtol=1e-8, atol=1e-10
+    ).y
     assert np.all(X[0] <= X[1] + 1e-6) and np.all(X[1] <= X[2] + 1e-6)
     assert X[2, -1] < 0.999
 
@@ -117,7 +139,9 @@ def test_no_interface_overtakes_below_the_triple_point():
 def test_nothing_goes_back_without_product():
     at = three.TAKAHASHI["H2"].constants(1100.0)
     gas = three.Gas(0.0, 10.0, FILM)  # steam
-    assert three.pellet_rates((1.0, 1.0, 1.0), 0.005, gas, at) == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
+    assert three.pellet_rates((1.0, 1.0, 1.0), 0.005, gas, at) == pytest.approx(
+        (0.0, 0.0, 0.0), abs=1e-12
+    )
     assert three.pellet_rates((0.5, 0.7, 0.9), 0.005, gas, at)[2] < 0.0
 
 
@@ -129,7 +153,10 @@ def test_a_core_that_is_gone_takes_nothing():
 
 
 def test_oxygen_and_iron():
-    assert three.oxygen_removed((1.0, 1.0, 1.0)) == 0.0 and three.oxygen_removed((0.0, 0.0, 0.0)) == 1.0
+    assert (
+        three.oxygen_removed((1.0, 1.0, 1.0)) == 0.0
+        and three.oxygen_removed((0.0, 0.0, 0.0)) == 1.0
+    )
     assert three.oxygen_removed((0.0, 1.0, 1.0)) == pytest.approx(1 / 9)
     assert three.oxygen_removed((0.0, 0.0, 1.0)) == pytest.approx(1 / 3)
     assert sum(three.iron_shares((0.2, 0.5, 0.8))) == pytest.approx(1.0)
@@ -145,15 +172,28 @@ def test_derivatives_by_dual_numbers():
     step = 1e-5
 
     def rates(X, reducing):
-        return three.pellet_rates(tuple(X), 0.006, three.Gas(reducing, gas.oxidised, FILM), at)
+        return three.pellet_rates(
+            tuple(X), 0.006, three.Gas(reducing, gas.oxidised, FILM), at
+        )
 
     for k in range(3):
         up, down = ([x + s * (j == k) for j, x in enumerate(X)] for s in (step, -step))
-        wanted = [(a - b) / (2 * step) for a, b in zip(rates(up, gas.reducing), rates(down, gas.reducing), strict=True)]
-        # differences of order step^2; a rate that does not depend on a radius has no such slope
-        assert [float(v.tangents[k][0]) for v in found] == pytest.approx(wanted, rel=1e-6, abs=1e-7)
+        wanted = [
+            (a - b) / (2 * step)
+            for a, b in zip(
+                rates(up, gas.reducing), rates(down, gas.reducing), strict=True
+            )
+        ]
+        # differences of order step^2; a rate that does not depend on a radius has no
+        # such slope
+        assert [float(v.tangents[k][0]) for v in found] == pytest.approx(
+            wanted, rel=1e-6, abs=1e-7
+        )
     wanted = [
-        (a - b) / (2 * step) for a, b in zip(rates(X, gas.reducing + step), rates(X, gas.reducing - step), strict=True)
+        (a - b) / (2 * step)
+        for a, b in zip(
+            rates(X, gas.reducing + step), rates(X, gas.reducing - step), strict=True
+        )
     ]
     assert [float(v.tangents["c"][0]) for v in found] == pytest.approx(wanted, rel=1e-6)
 
@@ -163,8 +203,12 @@ def test_all_pellets_at_once():
     c = 1e5 / (R_GAS * T)
     gas = three.Gas(0.9 * c, 0.1 * c, FILM)
     X = tuple(np.array(x) for x in ((0.2, 0.5), (0.5, 0.6), (0.8, 0.9)))
-    both = np.array(three.pellet_rates(X, 0.006, gas, three.TAKAHASHI["CO"].constants(T)))
+    both = np.array(
+        three.pellet_rates(X, 0.006, gas, three.TAKAHASHI["CO"].constants(T))
+    )
     for k in range(2):
         at = three.TAKAHASHI["CO"].constants(T[k])
-        single = three.pellet_rates(tuple(x[k] for x in X), 0.006, three.Gas(0.9 * c[k], 0.1 * c[k], FILM), at)
+        single = three.pellet_rates(
+            tuple(x[k] for x in X), 0.006, three.Gas(0.9 * c[k], 0.1 * c[k], FILM), at
+        )
         assert both[:, k] == pytest.approx(np.array(single), rel=1e-13)

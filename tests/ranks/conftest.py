@@ -1,4 +1,6 @@
-"""Runs `dolfinx_program.py` alone or under mpirun; without DOLFINx each test is skipped by name."""
+"""Runs `dolfinx_program.py` alone or under mpirun; without DOLFINx each test is
+skipped by name.
+"""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -18,7 +20,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
-    """Folder with what a command of the program wrote on a number of ranks, run when first asked for."""
+    """Folder with what a command of the program wrote on a number of ranks, run when
+    first asked for.
+    """
     done: dict[Any, Path] = {}
 
     def get(command: str, ranks: int, *arguments: Any) -> Path:
@@ -26,7 +30,9 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
         if key not in done:
             done[key] = tmp_path_factory.mktemp(f"{command}-{ranks}")
             finished = started(ranks, command, done[key], *arguments)
-            assert finished.returncode == 0, finished.stdout[-4000:] + finished.stderr[-8000:]
+            assert finished.returncode == 0, (
+                finished.stdout[-4000:] + finished.stderr[-8000:]
+            )
         return done[key]
 
     return get

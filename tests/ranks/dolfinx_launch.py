@@ -27,12 +27,22 @@ def missing() -> str:
     return "" if shutil.which("mpirun") else "mpirun is not installed"
 
 
-def started(ranks: int, *arguments: Any, program: Any = PROGRAM, **environment: str) -> Any:
-    """A finished run of a Python program on a number of ranks, with its output; hangs end in an error."""
-    command = [sys.executable, *(("-m", program) if isinstance(program, str) else (program,)), *arguments]
+def started(
+    ranks: int, *arguments: Any, program: Any = PROGRAM, **environment: str
+) -> Any:
+    """A finished run of a Python program on a number of ranks, with its output;
+    hangs end in an error.
+    """
+    command = [
+        sys.executable,
+        *(("-m", program) if isinstance(program, str) else (program,)),
+        *arguments,
+    ]
     command = [str(part) for part in command]
     if ranks > 1:
         command = ["mpirun", "-n", str(ranks), *command]
     root = str(PROGRAM.parents[2])
     everything = os.environ | ENVIRONMENT | {"PYTHONPATH": root} | environment
-    return subprocess.run(command, capture_output=True, text=True, timeout=900, env=everything)
+    return subprocess.run(
+        command, capture_output=True, text=True, timeout=900, env=everything
+    )

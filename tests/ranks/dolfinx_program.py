@@ -1,4 +1,6 @@
-"""What the tests run under mpirun: `dolfinx_program.py COMMAND OUT ...`, see `COMMANDS`."""
+"""What the tests run under mpirun: `dolfinx_program.py COMMAND OUT ...`, see
+`COMMANDS`.
+"""
 
 import json
 import sys
@@ -17,22 +19,38 @@ from contbed.runner import run
 
 def found(result: Any) -> dict[str, Any]:
     """Fields, profiles, balances and named results of a run as arrays."""
-    out = {f"nodal.{name}": np.asarray(values) for name, (_, values) in result.nodal.items()}
+    out = {
+        f"nodal.{name}": np.asarray(values)
+        for name, (_, values) in result.nodal.items()
+    }
     out |= {
         f"series.{k}.{name}": np.asarray(values)
         for k, (_, nodal) in enumerate(result.series)
         for name, (_, values) in nodal.items()
     }
-    out |= {f"profile.{name}": np.asarray(column) for name, column in result.profiles.items()}
+    out |= {
+        f"profile.{name}": np.asarray(column)
+        for name, column in result.profiles.items()
+    }
     out |= {
         f"{name}.{header}": np.asarray(column)
         for name, table in result.tables.items()
         for header, column in table.items()
     }
-    out |= {f"balance.{name}": np.array(item["relative_residual"]) for name, item in result.balances.items()}
-    out |= {f"qoi.{name}": np.array(value) for name, value in result.qoi.items() if isinstance(value, float)}
+    out |= {
+        f"balance.{name}": np.array(item["relative_residual"])
+        for name, item in result.balances.items()
+    }
+    out |= {
+        f"qoi.{name}": np.array(value)
+        for name, value in result.qoi.items()
+        if isinstance(value, float)
+    }
     for item in result.closures:
-        out |= {f"used.{item['name']}.{k}": np.array(use["used"], float) for k, use in item["ranges"].items()}
+        out |= {
+            f"used.{item['name']}.{k}": np.array(use["used"], float)
+            for k, use in item["ranges"].items()
+        }
     return out
 
 
@@ -106,7 +124,9 @@ def lose(out: Path, scene: str) -> None:
 
 
 def complain(out: Path, scene: str, key: str, value: str) -> None:
-    """All ranks meet the error that ended the root rank, in a scene with one value changed."""
+    """All ranks meet the error that ended the root rank, in a scene with one value
+    changed.
+    """
     table = tables = deepcopy(SCENES[scene])
     *path, last = key.split(".")
     for step in path:
@@ -122,7 +142,9 @@ def complain(out: Path, scene: str, key: str, value: str) -> None:
 
 
 def slopes(out: Path, scene: str, qoi: str, *keys: str) -> None:
-    """Derivatives of a result; on all ranks, and on one rank of a run that has been made as well."""
+    """Derivatives of a result; on all ranks, and on one rank of a run that has been
+    made as well.
+    """
     from mpi4py import MPI
 
     loaded = from_dict(SCENES[scene])
@@ -132,7 +154,9 @@ def slopes(out: Path, scene: str, qoi: str, *keys: str) -> None:
         assert found is None and result is None
         return
     if MPI.COMM_WORLD.size == 1:
-        assert np.array_equal(gradient_of(result, [qoi], keys).derivatives, found.derivatives)
+        assert np.array_equal(
+            gradient_of(result, [qoi], keys).derivatives, found.derivatives
+        )
     else:
         try:
             gradient_of(result, [qoi], keys)
@@ -141,7 +165,9 @@ def slopes(out: Path, scene: str, qoi: str, *keys: str) -> None:
     np.savez(out / "slopes.npz", derivatives=found.derivatives, method=found.method)
 
 
-COMMANDS = {f.__name__: f for f in (agree, iterate, write, stop, resume, lose, complain, slopes)}
+COMMANDS = {
+    f.__name__: f for f in (agree, iterate, write, stop, resume, lose, complain, slopes)
+}
 
 if __name__ == "__main__":
     COMMANDS[sys.argv[1]](Path(sys.argv[2]), *sys.argv[3:])

@@ -4,21 +4,49 @@ from pathlib import Path
 from typing import Any
 
 MESHES = Path(__file__).parents[2] / "meshes"
-GAS = {"model": "cantera", "composition": "N2:0.7, CO2:0.2, H2O:0.1", "pressure": "1 bar"}
-CONSTANT = {"density": 1.2, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5}
+GAS = {
+    "model": "cantera",
+    "composition": "N2:0.7, CO2:0.2, H2O:0.1",
+    "pressure": "1 bar",
+}
+CONSTANT = {
+    "density": 1.2,
+    "heat_capacity": 1000.0,
+    "conductivity": 0.05,
+    "viscosity": 2e-5,
+}
 STEEL = {"density": 7800.0, "heat_capacity": 500.0, "conductivity": 1.5}
-SILICA = {"density": 2200.0, "heat_capacity": [560.0, 0.75, -2.2e-4], "conductivity": 1.8}
+SILICA = {
+    "density": 2200.0,
+    "heat_capacity": [560.0, 0.75, -2.2e-4],
+    "conductivity": 1.8,
+}
 DIAMETER, POROSITY = 0.006, 0.42
 INLET = {"gas": {"velocity": 0.5, "fixed_temperature": 700.0}}
 WALL = {"type": "no_slip"}
 COOL = {"gas": {"coefficient": 30.0, "ambient": 300.0}}
-CHANNEL = {"type": "rectangle", "length": 0.2, "height": 0.05, "cells": [12, 5], "shape": "triangle"}
-BOX = {"type": "box", "length": 0.1, "width": 0.04, "height": 0.05, "cells": [4, 3, 3], "shape": "tetrahedron"}
+CHANNEL = {
+    "type": "rectangle",
+    "length": 0.2,
+    "height": 0.05,
+    "cells": [12, 5],
+    "shape": "triangle",
+}
+BOX = {
+    "type": "box",
+    "length": 0.1,
+    "width": 0.04,
+    "height": 0.05,
+    "cells": [4, 3, 3],
+    "shape": "tetrahedron",
+}
 LINE = {"type": "line", "length": 1.0, "cells": 30}
 CONDUCTING = {"nusselt": "gunn", "conductivity_solids": 0.5}
 
 
-def bed(mesh: dict[str, Any], solid: dict[str, Any] = STEEL, **tables: Any) -> dict[str, Any]:
+def bed(
+    mesh: dict[str, Any], solid: dict[str, Any] = STEEL, **tables: Any
+) -> dict[str, Any]:
     """A scene with a bed at rest that hot gas enters; tables replace its own."""
     scene = {
         "mesh": mesh,
@@ -137,8 +165,14 @@ MEDIUM = {
 }
 SCENES |= {
     "medium_equilibrium": MEDIUM,
-    "medium_conducting": {**MEDIUM, "radiation": MEDIUM["radiation"] | {"level": "p1", "conductivity": 0.5}},
-    "medium_rosseland": {**MEDIUM, "radiation": MEDIUM["radiation"] | {"level": "rosseland", "conductivity": 0.5}},
+    "medium_conducting": {
+        **MEDIUM,
+        "radiation": MEDIUM["radiation"] | {"level": "p1", "conductivity": 0.5},
+    },
+    "medium_rosseland": {
+        **MEDIUM,
+        "radiation": MEDIUM["radiation"] | {"level": "rosseland", "conductivity": 0.5},
+    },
     "medium_plane": {
         **MEDIUM,
         "mesh": CHANNEL | {"length": 1.0, "height": 1.0},

@@ -1,4 +1,6 @@
-"""What the tests of shares of a mesh run under mpirun: `shares_program.py COMMAND OUT`, see `COMMANDS`."""
+"""What the tests of shares of a mesh run under mpirun: `shares_program.py COMMAND
+OUT`, see `COMMANDS`.
+"""
 
 import json
 import sys
@@ -32,23 +34,36 @@ SHAPES = {
 
 
 def placed(all_ranks: RankGroup, root: Any, key: int, ends: Any) -> Any:
-    """Middles of the own cells of each rank, and how many facets of it lie on the low and high end of each axis."""
+    """Middles of the own cells of each rank, and how many facets of it lie on the
+    low and high end of each axis.
+    """
     from dolfinx.mesh import locate_entities_boundary
 
     part = all_ranks.objects[key]
     mesh = part.mesh
     dim = mesh.topology.dim
-    middles = mesh.geometry.x[dolfinx.geometry_list(mesh)[: part.owned]].mean(axis=1)[:, :dim]
+    middles = mesh.geometry.x[dolfinx.geometry_list(mesh)[: part.owned]].mean(axis=1)[
+        :, :dim
+    ]
     mesh.topology.create_connectivity(dim - 1, dim)
     found = [
-        [len(locate_entities_boundary(mesh, dim - 1, lambda x, d=d, e=e: np.isclose(x[d], e))) for e in pair]
+        [
+            len(
+                locate_entities_boundary(
+                    mesh, dim - 1, lambda x, d=d, e=e: np.isclose(x[d], e)
+                )
+            )
+            for e in pair
+        ]
         for d, pair in enumerate(ends)
     ]
     return all_ranks.comm.gather((middles, found))
 
 
 def cells(out: Path) -> None:
-    """What each rank gives to DOLFINx of meshes of each shape, and where their cells and facets are then."""
+    """What each rank gives to DOLFINx of meshes of each shape, and where their cells
+    and facets are then.
+    """
     given: list[Any] = []
     make = dolfinx.create_mesh
 
@@ -71,23 +86,32 @@ def cells(out: Path) -> None:
                 expected=mesh.p[:, mesh.t].mean(axis=1).T[partition.order],
                 order=partition.order,
                 facets=np.sum([facets for _, facets in parts], axis=0),
-                there=[[np.isclose(exterior[d], e).all(axis=0).sum() for e in pair] for d, pair in enumerate(ends)],
+                there=[
+                    [np.isclose(exterior[d], e).all(axis=0).sum() for e in pair]
+                    for d, pair in enumerate(ends)
+                ],
                 size=(mesh.nelements, mesh.nvertices),
             )
 
         run_on_root(main)
-    (out / f"rank{rank_group().comm.rank}.json").write_text(json.dumps(dict(zip(SHAPES, given, strict=True))))
+    (out / f"rank{rank_group().comm.rank}.json").write_text(
+        json.dumps(dict(zip(SHAPES, given, strict=True)))
+    )
 
 
 def longest(all_ranks: RankGroup, root: Any, key: int) -> Any:
     """Length of the longest array that each rank has of a grid."""
     part = all_ranks.objects[key]
     lists = (*vars(part).values(), *part.geometry)
-    return all_ranks.comm.gather(max(len(x) for x in lists if isinstance(x, np.ndarray)))
+    return all_ranks.comm.gather(
+        max(len(x) for x in lists if isinstance(x, np.ndarray))
+    )
 
 
 def grids(out: Path) -> None:
-    """How long the lists of a grid of rectangles and one of triangles are on each rank, where building it fails."""
+    """How long the lists of a grid of rectangles and one of triangles are on each
+    rank, where building it fails.
+    """
     from contbed.two_fluid.fv import grid
 
     def refuse(*arguments: Any) -> Any:
@@ -101,9 +125,14 @@ def grids(out: Path) -> None:
             scene = BEDS[name] | {"mesh": BEDS[name]["mesh"] | {"cells": [40, 100]}}
             plan = Ranks().plan(from_dict(scene))
             bed, _ = plan.bed()
-            assert len(bed.state.eps_s) == len(plan.grid.cells)  # put together, as for a row
+            # put together, as for a row
+            assert len(bed.state.eps_s) == len(plan.grid.cells)
             bed.step_towards(1e3)
-            held = {key: len(value) for key, value in vars(bed._whole).items() if isinstance(value, np.ndarray)}
+            held = {
+                key: len(value)
+                for key, value in vars(bed._whole).items()
+                if isinstance(value, np.ndarray)
+            }
             found[name] = {
                 "lists": rank_group().run_on_all(longest, plan.place.parts.key),
                 "faces": plan.grid.face_count,
@@ -117,7 +146,9 @@ def grids(out: Path) -> None:
 
 
 def points(out: Path) -> None:
-    """Whether the first rank has points of the integrals over cells after it has assembled, of a box that radiates."""
+    """Whether the first rank has points of the integrals over cells after it has
+    assembled, of a box that radiates.
+    """
     from contbed.ranks.system import System
 
     assemble, found = System.assemble, []
@@ -128,9 +159,17 @@ def points(out: Path) -> None:
         return made
 
     System.assemble = watched  # type: ignore[method-assign]
-    ends = {side: {"radiation": {"temperature": T, "emissivity": 0.8}} for side, T in (("left", 900.0), ("top", 400.0))}
+    ends = {
+        side: {"radiation": {"temperature": T, "emissivity": 0.8}}
+        for side, T in (("left", 900.0), ("top", 400.0))
+    }
     tables = {"radiation": {"level": "p1", "absorption": 3.0}, "boundary": ends}
-    run(from_dict(tables | {"mesh": SHAPES["bricks"].model_dump(), "output": {"plots": False}}), engine="dolfinx")
+    run(
+        from_dict(
+            tables | {"mesh": SHAPES["bricks"].model_dump(), "output": {"plots": False}}
+        ),
+        engine="dolfinx",
+    )
     if found:
         (out / "points.json").write_text(json.dumps(found))
 

@@ -1,4 +1,6 @@
-"""Runs of several ranks: what goes wrong is said, ends all ranks with an exit code, and never hangs."""
+"""Runs of several ranks: what goes wrong is said, ends all ranks with an exit code,
+and never hangs.
+"""
 
 import json
 import subprocess
@@ -41,18 +43,24 @@ def scene(tmp_path: Path):
 
 def run(ranks: int, scene: Path, out: Path | None = None):
     out = out or scene.parent / "out"
-    return started(ranks, "run", scene, "--engine", "dolfinx", "--out", out, program="contbed")
+    return started(
+        ranks, "run", scene, "--engine", "dolfinx", "--out", out, program="contbed"
+    )
 
 
 @pytest.mark.without_dolfinx
 def test_missing_dolfinx_is_named(scene) -> None:
     code = (
         "import sys; sys.modules['dolfinx'] = None\nfrom contbed.cli import main\n"
-        f"sys.exit(main(['run', {str(scene())!r}, '--engine', 'dolfinx', '--out', {str(scene().parent / 'out')!r}]))"
+        f"sys.exit(main(['run', {str(scene())!r}, '--engine', 'dolfinx', '--out', "
+        f"{str(scene().parent / 'out')!r}]))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 2
-    assert "the engine dolfinx cannot be loaded" in done.stderr and "python3-dolfinx" in done.stderr
+    assert (
+        "the engine dolfinx cannot be loaded" in done.stderr
+        and "python3-dolfinx" in done.stderr
+    )
     assert "Traceback" not in done.stderr
 
 
@@ -74,12 +82,17 @@ def test_other_versions_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     from contbed.ranks import dolfinx
 
     monkeypatch.setattr(library, "__version__", "0.9.0")
-    with pytest.raises(EngineError, match=r"tested with DOLFINx 0\.5 only, found 0\.9\.0"):
+    with pytest.raises(
+        EngineError, match=r"tested with DOLFINx 0\.5 only, found 0\.9\.0"
+    ):
         dolfinx.modules()
 
 
 def test_two_ranks_write_one_result(scene) -> None:
-    done = started(2, "run", scene(), "--out", scene().parent / "out", program="contbed")  # the engine goes by itself
+    # the engine goes by itself
+    done = started(
+        2, "run", scene(), "--out", scene().parent / "out", program="contbed"
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("results are in") == 1
     summary = json.loads((scene().parent / "out" / "summary.json").read_text())
@@ -102,11 +115,17 @@ def test_what_the_engine_lacks_is_named(tmp_path: Path, ranks: int) -> None:
 @pytest.mark.parametrize(
     ("study", "what"),
     [
-        ("patil_packed_bed/schumann.toml", "fronts tracked along characteristics .* do not run on several ranks"),
+        (
+            "patil_packed_bed/schumann.toml",
+            "fronts tracked along characteristics .* do not run on several ranks",
+        ),
         ("lattices/sc.toml", "kind particles gains nothing from ranks"),
         ("reformer_tube/tube_U300.toml", "kind reacting_bed gains nothing from ranks"),
         ("bubbling_bed_case1/p1.toml", "kind bubbling_bed gains nothing from ranks"),
-        ("two_fluid_checks/developed.toml", "kind developed_flow gains nothing from ranks"),
+        (
+            "two_fluid_checks/developed.toml",
+            "kind developed_flow gains nothing from ranks",
+        ),
     ],
 )
 def test_other_models_are_refused_by_name(study: str, what: str) -> None:
@@ -127,7 +146,10 @@ def test_a_bad_scene_is_told_once(scene) -> None:
 def test_a_rank_that_fails_ends_all() -> None:
     done = started(2, "lose", "unused", "heat_constant")
     assert done.returncode != 0
-    assert "rank 1 of 2 failed (FloatingPointError: this rank has had enough); all ranks end" in done.stderr
+    assert (
+        "rank 1 of 2 failed (FloatingPointError: this rank has had enough); all ranks "
+        "end" in done.stderr
+    )
 
 
 @pytest.mark.parametrize(
@@ -137,9 +159,15 @@ def test_a_rank_that_fails_ends_all() -> None:
         ("heat_constant", "solver.balance_tolerance", "1e-30", "BalanceError", 5),
     ],
 )
-def test_all_ranks_meet_the_error_of_the_root_rank(results, scene, key, value, error: str, code: int) -> None:
+def test_all_ranks_meet_the_error_of_the_root_rank(
+    results, scene, key, value, error: str, code: int
+) -> None:
     folder = results("complain", 2, scene, key, value)
     first, second = ((folder / f"rank{k}.txt").read_text() for k in range(2))
-    assert first.startswith(f"{error} {code} ") and second.startswith(f"RootRankError {code} ")
+    assert first.startswith(f"{error} {code} ") and second.startswith(
+        f"RootRankError {code} "
+    )
     assert first.split(" ", 2)[2] == second.split(" ", 2)[2]
-    assert (folder / "summary.json").is_file() and (folder / "checkpoint.npz").is_file() == (code == 3)
+    assert (folder / "summary.json").is_file() and (
+        folder / "checkpoint.npz"
+    ).is_file() == (code == 3)

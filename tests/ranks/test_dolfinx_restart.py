@@ -1,7 +1,8 @@
-"""A run that is interrupted and continued gives the numbers of the whole run, also on another number of ranks.
+"""A run that is interrupted and continued gives the numbers of the whole run, also on
+another number of ranks.
 
-On the same number of ranks sums have the same order, so the numbers are the same to the last bit. On another number
-they differ by rounding: 1e-10 as in test_dolfinx_agree.
+On the same number of ranks sums have the same order, so the numbers are the same to the
+last bit. On another number they differ by rounding: 1e-10 as in test_dolfinx_agree.
 """
 
 import numpy as np
@@ -21,4 +22,7 @@ def test_continued_on_other_ranks(results, first: int, then: int) -> None:
         if first == then:
             assert np.array_equal(continued[key], whole[key]), key
         else:
-            assert np.abs(continued[key] - whole[key]).max() <= 1e-10 * np.abs(whole[key]).max(), key
+            assert (
+                np.abs(continued[key] - whole[key]).max()
+                <= 1e-10 * np.abs(whole[key]).max()
+            ), key

@@ -1,4 +1,6 @@
-"""What the tests of two fluids run under mpirun: `two_fluid_program.py COMMAND OUT ...`, see `COMMANDS`."""
+"""What the tests of two fluids run under mpirun: `two_fluid_program.py COMMAND OUT
+...`, see `COMMANDS`.
+"""
 
 import os
 import signal
@@ -29,7 +31,9 @@ def loaded(name: str) -> Any:
 
 
 def states(out: Path, *names: str) -> None:
-    """State of beds after STEPS steps, and the largest share of mass or heat that is not accounted for."""
+    """State of beds after STEPS steps, and the largest share of mass or heat that is
+    not accounted for.
+    """
     for name in names or (*BEDS, *CHECK_CASES):
 
         def main(name: str = name) -> None:
@@ -37,14 +41,24 @@ def states(out: Path, *names: str) -> None:
             start = contents(bed)
             for _ in range(STEPS):
                 bed.step_towards(1e3)
-            open_shares = [abs(balance["relative_residual"]) for balance in balances(bed, start).values()]
-            np.savez(out / f"{name}.npz", **bed.saved(), drift=max(open_shares), counts=np.concatenate(compiled.counts))
+            open_shares = [
+                abs(balance["relative_residual"])
+                for balance in balances(bed, start).values()
+            ]
+            np.savez(
+                out / f"{name}.npz",
+                **bed.saved(),
+                drift=max(open_shares),
+                counts=np.concatenate(compiled.counts),
+            )
 
         run_on_root(main)
 
 
 def averages(out: Path, *names: str) -> None:
-    """Averages by rank over the last steps, those of the fields that the first rank gathers, and what it asked for."""
+    """Averages by rank over the last steps, those of the fields that the first rank
+    gathers, and what it asked for.
+    """
     for name in names:
 
         def main(name: str = name) -> None:
@@ -70,7 +84,9 @@ def averages(out: Path, *names: str) -> None:
 
 
 def files(out: Path, *names: str) -> None:
-    """Fields and averages of the same state, each in one file of the first rank and in pieces of all."""
+    """Fields and averages of the same state, each in one file of the first rank and
+    in pieces of all.
+    """
     for name in names:
 
         def main(name: str = name) -> None:
@@ -95,7 +111,11 @@ def in_pieces(out: Path, name: str, end: str) -> None:
 def whole(out: Path, name: str, end: str, plots: bool = False) -> None:
     """A run with its files until `end` [s]."""
     time = BEDS[name]["time"] | {"end": float(end)}
-    run(from_dict(BEDS[name] | {"time": time, "output": {"plots": plots}}), out=out, engine="dolfinx")
+    run(
+        from_dict(BEDS[name] | {"time": time, "output": {"plots": plots}}),
+        out=out,
+        engine="dolfinx",
+    )
 
 
 def resume(out: Path, name: str, folder: str) -> None:
@@ -117,11 +137,15 @@ def kill(out: Path, name: str) -> None:
         step(self, dt)
 
     Simulation.step = dying
-    scene = from_dict(BEDS[name] | {"time": BEDS[name]["time"] | {"checkpoint_every": 1e-9}})
+    scene = from_dict(
+        BEDS[name] | {"time": BEDS[name]["time"] | {"checkpoint_every": 1e-9}}
+    )
     run(scene, out=out, engine="dolfinx")
 
 
-COMMANDS = {f.__name__: f for f in (states, averages, files, in_pieces, whole, resume, kill)}
+COMMANDS = {
+    f.__name__: f for f in (states, averages, files, in_pieces, whole, resume, kill)
+}
 
 if __name__ == "__main__":
     COMMANDS[sys.argv[1]](Path(sys.argv[2]), *sys.argv[3:])

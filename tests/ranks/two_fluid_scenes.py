@@ -1,4 +1,6 @@
-"""Beds of two fluids for runs on ranks: the check cases, and a bed that moves on each kind of mesh."""
+"""Beds of two fluids for runs on ranks: the check cases, and a bed that moves on
+each kind of mesh.
+"""
 
 from copy import deepcopy
 from pathlib import Path
@@ -23,20 +25,41 @@ CHECK_CASES = (
 )
 JET = {
     "model": "two_fluid",
-    "closures": {"drag": "drag_gidaspow", "friction_viscosity": "friction_viscosity_schaeffer"},
+    "closures": {
+        "drag": "drag_gidaspow",
+        "friction_viscosity": "friction_viscosity_schaeffer",
+    },
     "gas": {"density": 1.2, "viscosity": 1.8e-5},
-    "solids": {"beads": {"diameter": 5e-4, "density": 2500.0, "restitution": 0.9, "packing_limit": 0.63}},
+    "solids": {
+        "beads": {
+            "diameter": 5e-4,
+            "density": 2500.0,
+            "restitution": 0.9,
+            "packing_limit": 0.63,
+        }
+    },
     "initial": {
         "solids": {"beads": {"granular_temperature": 1e-3}},
         "noise": 0.02,
-        "layer": [{"end": 0.06, "solids": {"beads": {"volume_fraction": 0.58, "velocity": 0.1}}}],
+        "layer": [
+            {
+                "end": 0.06,
+                "solids": {"beads": {"volume_fraction": 0.58, "velocity": 0.1}},
+            }
+        ],
     },
     "boundary": {
         "bottom": {"type": "inlet", "gas": {"velocity": 0.8}},
         "top": {"type": "outlet"},
         "left": {
             "type": "wall",
-            "solids": {"beads": {"wall": "johnson_jackson", "specularity": 0.05, "restitution": 0.9}},
+            "solids": {
+                "beads": {
+                    "wall": "johnson_jackson",
+                    "specularity": 0.05,
+                    "restitution": 0.9,
+                }
+            },
         },
         "right": {"type": "wall"},
     },
@@ -67,8 +90,12 @@ def bed(mesh: dict[str, Any], **more: dict[str, Any]) -> dict[str, Any]:
     return scene
 
 
-def heated(scene: dict[str, Any], changes: dict[str, Any] | None = None) -> dict[str, Any]:
-    """A bed with [heat]: hot gas comes in, the left wall is hot, and the right one is heated; both where there are."""
+def heated(
+    scene: dict[str, Any], changes: dict[str, Any] | None = None
+) -> dict[str, Any]:
+    """A bed with [heat]: hot gas comes in, the left wall is hot, and the right one
+    is heated; both where there are.
+    """
     enters = scene["boundary"]["bottom"]["type"] == "inlet"
     hot_gas = {"boundary.bottom.gas.temperature": 600.0} if enters else {}
     made = deepcopy(scene) | {"heat": {}}
@@ -81,8 +108,12 @@ def heated(scene: dict[str, Any], changes: dict[str, Any] | None = None) -> dict
     return made
 
 
-def _without(scene: dict[str, Any], side: str, **more: dict[str, Any]) -> dict[str, Any]:
-    scene["boundary"] = {name: part for name, part in scene["boundary"].items() if name != side} | more
+def _without(
+    scene: dict[str, Any], side: str, **more: dict[str, Any]
+) -> dict[str, Any]:
+    scene["boundary"] = {
+        name: part for name, part in scene["boundary"].items() if name != side
+    } | more
     return scene
 
 
@@ -98,12 +129,24 @@ BEDS = {
     "triangles_second_order": bed(PLANE | {"shape": "triangle"}, time={"order": 2}),
     "triangles_around_an_axis": _without(
         _without(
-            bed({"type": "axisymmetric", "radius": 0.02, "length": 0.1, "cells": [6, 25], "shape": "triangle"}), "left"
+            bed(
+                {
+                    "type": "axisymmetric",
+                    "radius": 0.02,
+                    "length": 0.1,
+                    "cells": [6, 25],
+                    "shape": "triangle",
+                }
+            ),
+            "left",
         ),
         "right",
         wall=JET["boundary"]["left"],
     ),
-    "periodic": _without(_without(bed(PLANE), "left", left={"type": "periodic", "partner": "right"}), "right"),
+    "periodic": _without(
+        _without(bed(PLANE), "left", left={"type": "periodic", "partner": "right"}),
+        "right",
+    ),
     "tetrahedra": bed(
         {
             "type": "box",
@@ -117,17 +160,29 @@ BEDS = {
         time={"first": 1e-4, "longest": 1e-4},
     ),
     "hexahedra": bed(
-        {"type": "box", "length": 0.03, "width": 0.02, "height": 0.08, "cells": [3, 2, 8]},
+        {
+            "type": "box",
+            "length": 0.03,
+            "width": 0.02,
+            "height": 0.08,
+            "cells": [3, 2, 8],
+        },
         boundary={"front": {"type": "wall"}, "back": {"type": "wall"}},
     ),
     "factors_near_walls": bed(PLANE, closures={"drag": "igci", "wall_drag": "igci"}),
-    "closed": _without(bed(PLANE | {"shape": "triangle"}), "top", bottom={"type": "wall"}, top={"type": "wall"}),
+    "closed": _without(
+        bed(PLANE | {"shape": "triangle"}),
+        "top",
+        bottom={"type": "wall"},
+        top={"type": "wall"},
+    ),
 }
 BEDS |= {
     "heated": heated(BEDS["triangles"]),
     "heated_closed": heated(BEDS["closed"]),
     "heated_rectangles": heated(
-        BEDS["rectangles"], {"gas.density_law": "constant", "two_fluid.conductivity_gas": 0.05}
+        BEDS["rectangles"],
+        {"gas.density_law": "constant", "two_fluid.conductivity_gas": 0.05},
     ),
 }
 PULSE = {
@@ -138,5 +193,9 @@ PULSE = {
     "gas": {"velocity": 2.0, "temperature": 900.0},
     "until": 0.02,
 }
-BEDS["pulse"] = BEDS["heated"] | {"boundary": BEDS["heated"]["boundary"] | {"pulse": PULSE}}
-BEDS["averaged"] = bed(PLANE | {"shape": "triangle"}, time={"average_from": 0.012, "fields": 0.02})
+BEDS["pulse"] = BEDS["heated"] | {
+    "boundary": BEDS["heated"]["boundary"] | {"pulse": PULSE}
+}
+BEDS["averaged"] = bed(
+    PLANE | {"shape": "triangle"}, time={"average_from": 0.012, "fields": 0.02}
+)

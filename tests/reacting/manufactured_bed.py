@@ -1,7 +1,9 @@
-"""A made-up state of a reacting bed, and the sources that make it a solution, written independently of the package.
+"""A made-up state of a reacting bed, and the sources that make it a solution, written
+independently of the package.
 
-Gases A and B of unlike masses with dispersion, A -> B in the gas, A adsorbed by particles that move against the gas or
-rest, two temperatures with exchange and conduction. Derivatives are those of complex steps, exact to rounding.
+Gases A and B of unlike masses with dispersion, A -> B in the gas, A adsorbed by
+particles that move against the gas or rest, two temperatures with exchange and
+conduction. Derivatives are those of complex steps, exact to rounding.
 """
 
 from __future__ import annotations
@@ -27,7 +29,9 @@ FILM = AREA * SHERWOOD * D_GAS / D  # [1/s]
 NAMES = ("g_A", "g_B", "T_fluid", "T_solid", "a_A_0")
 
 
-def scene(velocity_solid: float, cells: int, degree: int, transient: bool) -> dict[str, Any]:
+def scene(
+    velocity_solid: float, cells: int, degree: int, transient: bool
+) -> dict[str, Any]:
     """The scene whose equations are those of `fluxes`, `sources` and `contents`."""
     gases = {}
     for name, mass, h in (("A", M_A, H_A), ("B", M_B, H_B)):
@@ -42,11 +46,19 @@ def scene(velocity_solid: float, cells: int, degree: int, transient: bool) -> di
     made["gas"] |= {"diffusivity": D_GAS, "conductivity": 0.03, "viscosity": 2e-5}
     made["solids"]["particles"] |= {"density": RHO, "heat_capacity": C_S}
     # A -> B does not balance with unlike masses of one element: 3 A -> 2 B does
-    made["reactions"] = {"r": {"equation": "3 A -> 2 B", "A": K_RATE, "E": 0.0, "orders": {"A": 1.0}}}
+    made["reactions"] = {
+        "r": {"equation": "3 A -> 2 B", "A": K_RATE, "E": 0.0, "orders": {"A": 1.0}}
+    }
     made["heat"] = {}
-    made["closures"] |= {"nusselt": H_HEAT / AREA * D / 0.03, "conductivity_gas": K_F, "conductivity_solids": K_S}
+    made["closures"] |= {
+        "nusselt": H_HEAT / AREA * D / 0.03,
+        "conductivity_gas": K_F,
+        "conductivity_solids": K_S,
+    }
     made["closures"] |= {"dispersion_mass": D_BED, "sherwood": SHERWOOD}
-    made["solids"]["particles"]["adsorption"] = {"A": {"henry": HENRY, "diffusivity": 1e-6}}
+    made["solids"]["particles"]["adsorption"] = {
+        "A": {"henry": HENRY, "diffusivity": 1e-6}
+    }
     made["solids"]["particles"]["inside"] = {"adsorption": "film"}
     made["solver"] = {"degree": degree}
     if velocity_solid:
@@ -59,7 +71,9 @@ def scene(velocity_solid: float, cells: int, degree: int, transient: bool) -> di
 
 
 def fields(x: Any, t: Any) -> tuple[list[Any], list[Any]]:
-    """Unknowns and their slopes; what diffuses has no slope where its stream leaves, x = 1 (solids x = 0)."""
+    """Unknowns and their slopes; what diffuses has no slope where its stream leaves,
+    x = 1 (solids x = 0).
+    """
     w, s = 0.5 * np.pi, 1.0 + 0.3 * np.sin(2.0 * t)
     c = 1.0 + 0.2 * np.cos(3.0 * t)
     values = [
@@ -92,12 +106,16 @@ def fluxes(x: Any, t: Any, v: float) -> list[Any]:
     u, q = fields(x, t)
     G = M_A * u[0] + M_B * u[1]
     rho = P / (R_GAS * u[2]) * G / (u[0] + u[1])
-    slope = (M_A * q[0] * G - M_A * u[0] * (M_A * q[0] + M_B * q[1])) / G**2  # of the mass fraction of A
+    # of the mass fraction of A
+    slope = (M_A * q[0] * G - M_A * u[0] * (M_A * q[0] + M_B * q[1])) / G**2
     J_A, J_B = -EPS * rho * D_BED * slope / M_A, EPS * rho * D_BED * slope / M_B
     h_A, h_B = _enthalpies(u[2])
     gas = (u[0] + J_A) * h_A + (u[1] + J_B) * h_B - K_F * q[2]
     held = _adsorbed(u)
-    solid = v * ((1.0 - EPS) * RHO * C_S * (u[3] - T_0) + held * _enthalpies(u[3])[0]) - K_S * q[3]
+    solid = (
+        v * ((1.0 - EPS) * RHO * C_S * (u[3] - T_0) + held * _enthalpies(u[3])[0])
+        - K_S * q[3]
+    )
     return [u[0] + J_A, u[1] + J_B, gas, solid, v * held]
 
 
@@ -107,7 +125,9 @@ def sources(x: Any, t: Any) -> list[Any]:
     c = u[0] / (u[0] + u[1]) * P / (R_GAS * u[2])
     rate = EPS * K_RATE * c
     taken = FILM * (c - u[4])
-    passed = H_HEAT * (u[3] - u[2]) + np.where(np.real(taken) > 0.0, -taken * _enthalpies(u[2])[0], 0.0)
+    passed = H_HEAT * (u[3] - u[2]) + np.where(
+        np.real(taken) > 0.0, -taken * _enthalpies(u[2])[0], 0.0
+    )
     passed = passed + np.where(np.real(taken) > 0.0, 0.0, -taken * _enthalpies(u[3])[0])
     return [-3.0 * rate - taken, 2.0 * rate, passed, -passed, taken]
 
@@ -128,7 +148,10 @@ def added(x: Any, t: float, v: float, transient: bool) -> list[Any]:
     along = [f.imag / STEP for f in fluxes(x + 1j * STEP, t, v)]
     out = [a - np.real(s) for a, s in zip(along, sources(x, t), strict=True)]
     if transient:
-        out = [a + f.imag / STEP for a, f in zip(out, contents(x, t + 1j * STEP), strict=True)]
+        out = [
+            a + f.imag / STEP
+            for a, f in zip(out, contents(x, t + 1j * STEP), strict=True)
+        ]
     return out
 
 
@@ -152,7 +175,9 @@ class Driven:
         return self.bed.diffusive(u, q)
 
 
-def problem_of(velocity_solid: float, cells: int, degree: int, transient: bool = False) -> Any:
+def problem_of(
+    velocity_solid: float, cells: int, degree: int, transient: bool = False
+) -> Any:
     """The bed of the scene, its gas stored where it is transient."""
     made = plan(from_dict(scene(velocity_solid, cells, degree, transient))).problem
     assert made.layout.names == NAMES
@@ -164,7 +189,9 @@ def at(problem: Any, t: float, transient: bool = False) -> Any:
     copy, v = replace(problem), problem.bed.velocity_solid
     ends = problem.system.ends
     x = (0.0, 1.0)
-    inflow = tuple(np.array([float(np.real(f)) for f in fluxes(x[k], t, v)]) for k in (0, 1))
+    inflow = tuple(
+        np.array([float(np.real(f)) for f in fluxes(x[k], t, v)]) for k in (0, 1)
+    )
     flux = tuple(np.where(ends.given[k], inflow[k], 0.0) for k in (0, 1))
     if not v:  # no heat passes the ends of a bed at rest
         for end in flux:
@@ -173,7 +200,13 @@ def at(problem: Any, t: float, transient: bool = False) -> Any:
 
     directions = [1 if ahead else -1 for ahead in base.ahead]
     given = Ends((flux[0], flux[1]), ends.given, ends.value)
-    copy.__dict__["system"] = System(problem.line, directions, base.diffuses, Driven(problem.bed, t, transient), given)
+    copy.__dict__["system"] = System(
+        problem.line,
+        directions,
+        base.diffuses,
+        Driven(problem.bed, t, transient),
+        given,
+    )
     return copy
 
 

@@ -1,4 +1,6 @@
-"""Scenes of reacting beds with made-up species, for which closed forms exist, and their tables."""
+"""Scenes of reacting beds with made-up species, for which closed forms exist, and
+their tables.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,15 @@ TABLES = Path(__file__).parent / "tables"
 
 def table(name: str) -> list[dict[str, Any]]:
     """Rows of a table of exact values; numbers where they are numbers."""
-    lines = [line for line in (TABLES / f"{name}.csv").read_text().splitlines() if not line.startswith("#")]
-    return [{key: _number(value) for key, value in row.items()} for row in csv.DictReader(lines)]
+    lines = [
+        line
+        for line in (TABLES / f"{name}.csv").read_text().splitlines()
+        if not line.startswith("#")
+    ]
+    return [
+        {key: _number(value) for key, value in row.items()}
+        for row in csv.DictReader(lines)
+    ]
 
 
 def _number(text: str) -> Any:
@@ -30,15 +39,25 @@ def _number(text: str) -> Any:
 
 
 def species(**masses: float) -> dict[str, Any]:
-    """Species of given molar masses, made of one element that weighs as much as they do."""
-    return {name: {"elements": {"H": mass * 1e3}, "molar_mass": mass} for name, mass in masses.items()}
+    """Species of given molar masses, made of one element that weighs as much as they
+    do.
+    """
+    return {
+        name: {"elements": {"H": mass * 1e3}, "molar_mass": mass}
+        for name, mass in masses.items()
+    }
 
 
 def isothermal(composition: str, gases: dict[str, Any], **more: Any) -> dict[str, Any]:
     """A bed of 1 m at one temperature and pressure, gas from the left."""
     scene: dict[str, Any] = {
         "mesh": {"type": "line", "length": 1.0},
-        "gas": {"model": "ideal_gas", "composition": composition, "pressure": P, "species": gases},
+        "gas": {
+            "model": "ideal_gas",
+            "composition": composition,
+            "pressure": P,
+            "species": gases,
+        },
         "solids": {"particles": {"diameter": 3e-3}},
         "packed_bed": {"porosity": 0.4, "pressure_drop": "none"},
         "closures": {},
@@ -52,9 +71,13 @@ def isothermal(composition: str, gases: dict[str, Any], **more: Any) -> dict[str
 
 
 def let_move(scene: dict[str, Any], velocity: float, **state: float) -> dict[str, Any]:
-    """Let all solid phases move along x, in place: a superficial velocity, and the temperature where they enter."""
+    """Let all solid phases move along x, in place: a superficial velocity, and the
+    temperature where they enter.
+    """
     side = scene["boundary"].setdefault("left" if velocity > 0.0 else "right", {})
-    side["solids"] = {phase: {"velocity": abs(velocity), **state} for phase in scene["solids"]}
+    side["solids"] = {
+        phase: {"velocity": abs(velocity), **state} for phase in scene["solids"]
+    }
     return scene
 
 
@@ -83,7 +106,9 @@ def expansion(e: float, Da: float) -> dict[str, Any]:
     """First order with change of moles, A -> (1 + e) B from pure A."""
     nu = 1.0 + e
     scene = isothermal("A:1", species(A=0.028, B=0.028 / nu))
-    scene["reactions"] = {"r": {"equation": f"A -> {nu} B", "A": Da * 0.5 / 0.4, "E": 0.0}}
+    scene["reactions"] = {
+        "r": {"equation": f"A -> {nu} B", "A": Da * 0.5 / 0.4, "E": 0.0}
+    }
     return scene
 
 
@@ -94,7 +119,10 @@ def ergun(row: dict[str, float]) -> dict[str, Any]:
     scene["gas"] |= {"pressure": row["p_in_Pa"], "viscosity": row["mu_Pa_s"]}
     scene["packed_bed"]["porosity"] = row["eps"]
     scene["solids"]["particles"]["diameter"] = row["d_m"]
-    scene["boundary"]["left"]["gas"] = {"mass_flux": row["G_kg_m2_s"], "temperature": row["T_K"]}
+    scene["boundary"]["left"]["gas"] = {
+        "mass_flux": row["G_kg_m2_s"],
+        "temperature": row["T_K"],
+    }
     scene["packed_bed"]["pressure_drop"] = "ergun"
     return scene
 
@@ -104,7 +132,9 @@ def solids() -> dict[str, Any]:
     return {
         "composition": "S:1",
         "density": 3000.0,
-        "constituent": {name: {"elements": {"Fe": 1.0}, "molar_mass": 0.1} for name in ("S", "P")},
+        "constituent": {
+            name: {"elements": {"Fe": 1.0}, "molar_mass": 0.1} for name in ("S", "P")
+        },
     }
 
 
@@ -120,7 +150,15 @@ def bilinear(N: float, r: float) -> dict[str, Any]:
     scene["solids"]["particles"] |= solids()
     k = N * u * v / F
     orders = {"A": 1.0, "S": 1.0}
-    scene["reactions"] = {"r": {"equation": "A + S -> B + P", "A": k, "E": 0.0, "orders": orders, "basis": "bed"}}
+    scene["reactions"] = {
+        "r": {
+            "equation": "A + S -> B + P",
+            "A": k,
+            "E": 0.0,
+            "orders": orders,
+            "basis": "bed",
+        }
+    }
     return scene
 
 
@@ -148,10 +186,16 @@ def shrinking_core(N: float, n: float, f: float, d: float, r: float) -> dict[str
     return scene
 
 
-def equilibrium(composition: str, pressure: float, temperature: float, equations: dict[str, str]) -> dict[str, Any]:
+def equilibrium(
+    composition: str, pressure: float, temperature: float, equations: dict[str, str]
+) -> dict[str, Any]:
     """A bed in which reversible reactions are fast."""
     scene = isothermal(composition, {})
-    scene["gas"] = {"model": "cantera", "composition": composition, "pressure": pressure}
+    scene["gas"] = {
+        "model": "cantera",
+        "composition": composition,
+        "pressure": pressure,
+    }
     scene["boundary"]["left"]["gas"]["temperature"] = temperature
     molar = pressure / (R_GAS * temperature)
     scene["reactions"] = {
@@ -162,7 +206,9 @@ def equilibrium(composition: str, pressure: float, temperature: float, equations
 
 
 def ignition(Pe_m: float, Pe_h: float, B: float, g: float, Da: float) -> dict[str, Any]:
-    """Adiabatic bed of first order in the mole fraction; `reactions.r.factor` is Da = k(T_in) L/u."""
+    """Adiabatic bed of first order in the mole fraction; `reactions.r.factor` is
+    Da = k(T_in) L/u.
+    """
     cp, T_in, d, G, eps = 30.0, 600.0, 3e-3, 0.5, 0.4
     mass = 0.028
     fall = cp * B * T_in / g
@@ -188,8 +234,12 @@ def ignition(Pe_m: float, Pe_h: float, B: float, g: float, Da: float) -> dict[st
     return scene
 
 
-def fixed_bed(law: str, f: float, d: float, r: float, xi: float, tau: float) -> dict[str, Any]:
-    """Bed at rest whose particles react with the gas; xi and tau as in the header of its table."""
+def fixed_bed(
+    law: str, f: float, d: float, r: float, xi: float, tau: float
+) -> dict[str, Any]:
+    """Bed at rest whose particles react with the gas; xi and tau as in the header of
+    its table.
+    """
     u, full = 0.5, 1000.0
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     scene["solids"]["particles"] |= solids()
@@ -199,7 +249,15 @@ def fixed_bed(law: str, f: float, d: float, r: float, xi: float, tau: float) -> 
     if law == "bohart_adams":
         k = 1.0 / (MOLAR * full)
         orders = {"A": 1.0, "S": 1.0}
-        scene["reactions"] = {"r": {"equation": "A + S -> B + P", "A": k, "E": 0.0, "orders": orders, "basis": "bed"}}
+        scene["reactions"] = {
+            "r": {
+                "equation": "A + S -> B + P",
+                "A": k,
+                "E": 0.0,
+                "orders": orders,
+                "basis": "bed",
+            }
+        }
         return scene
     cores = shrinking_core(1.0, 1.0, f, d, r)
     scene["reactions"] = cores["reactions"]
@@ -209,15 +267,25 @@ def fixed_bed(law: str, f: float, d: float, r: float, xi: float, tau: float) -> 
 
 
 def schumann(xi: float, eta: float) -> float:
-    """Gas temperature after a step of the inlet, theta = 1 - e^-xi int_0^xi ... (Schumann 1929)."""
+    """Gas temperature after a step of the inlet, theta = 1 - e^-xi int_0^xi ...
+    (Schumann 1929).
+    """
     if eta <= 0.0:
         return float(np.exp(-xi))
-    inner = quad(lambda z: np.exp(-((np.sqrt(z) - np.sqrt(eta)) ** 2)) * ive(0, 2.0 * np.sqrt(z * eta)), 0.0, xi)[0]
+    inner = quad(
+        lambda z: (
+            np.exp(-((np.sqrt(z) - np.sqrt(eta)) ** 2)) * ive(0, 2.0 * np.sqrt(z * eta))
+        ),
+        0.0,
+        xi,
+    )[0]
     return float(1.0 - inner)
 
 
 def heated(xi: float) -> tuple[dict[str, Any], float]:
-    """A bed of xi transfer units at 300 K in a gas of 600 K, and eta = h a t/C_solid per second."""
+    """A bed of xi transfer units at 300 K in a gas of 600 K, and eta = h a t/C_solid
+    per second.
+    """
     cp, rho_s, c_s, G, L, d = 30.0, 2000.0, 800.0, 0.5, 0.2, 3e-3
     gases = species(A=0.028)
     gases["A"] |= {"heat_capacity": cp, "enthalpy": 0.0}
@@ -247,8 +315,18 @@ def looping() -> dict[str, Any]:
     k = 1e-3 / MOLAR
     at = {"E": 0.0, "basis": "bed"}
     scene["reactions"] = {
-        "reduction": {"equation": "A + S -> B + P", "A": k, "orders": {"A": 1.0, "S": 1.0}, **at},
-        "oxidation": {"equation": "O + P -> I + S", "A": 2.0 * k, "orders": {"O": 1.0, "P": 1.0}, **at},
+        "reduction": {
+            "equation": "A + S -> B + P",
+            "A": k,
+            "orders": {"A": 1.0, "S": 1.0},
+            **at,
+        },
+        "oxidation": {
+            "equation": "O + P -> I + S",
+            "A": 2.0 * k,
+            "orders": {"O": 1.0, "P": 1.0},
+            **at,
+        },
     }
     scene["boundary"]["left"]["gas"]["composition"] = switched(["A:1", "O:1"], 600.0)
     scene["time"] = {"end": 1200.0, "times": [600.0], "tolerance": 1e-3, "cycle": {}}

@@ -31,5 +31,7 @@ def stepped(scene: dict[str, Any], dt: float) -> dict[str, np.ndarray]:
     course = Course.of(found.scene, found.problem, found.schedule, found.stores_gas)
     u = course.start()
     for _ in range(3):
-        _, u, _ = stages((course.problem, course.problem), u, u, dt, Report(), course.sizes(u))
+        _, u, _ = stages(
+            (course.problem, course.problem), u, u, dt, Report(), course.sizes(u)
+        )
     return dict(zip(course.problem.names, u, strict=True))

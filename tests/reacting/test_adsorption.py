@@ -1,4 +1,6 @@
-"""Beds that adsorb: breakthrough against Rosen and the linear driving force, Langmuir fronts, moving beds, heat."""
+"""Beds that adsorb: breakthrough against Rosen and the linear driving force,
+Langmuir fronts, moving beds, heat.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,8 @@ def breaks_through(scene, unit, units, cells=8):
     return result.profiles["x_A [1]"] / TRACE, result
 
 
-# errors are those of the points inside, see the table of `contbed.particle.interior`, and of steps to 1e-4: 2e-5
+# errors are those of the points inside, see the table of `contbed.particle.interior`,
+# and of steps to 1e-4: 2e-5
 @pytest.mark.parametrize(
     ("level", "points", "biot", "units", "tolerance"),
     [("interior", 4, 10.0, 5.0, 1e-4), ("linear_driving_force", 3, 10.0, 5.0, 1e-4)],
@@ -40,7 +43,9 @@ def test_breakthrough(level, points, biot, units, tolerance):
     scene["solids"]["particles"]["inside"] = {"adsorption": level, "points": points}
     found, _ = breaks_through(scene, unit, units)
     law = {"interior": "interior", "linear_driving_force": "effective"}[level]
-    np.testing.assert_allclose(found, breakthrough(units, units * SHARES, biot, law), atol=tolerance)
+    np.testing.assert_allclose(
+        found, breakthrough(units, units * SHARES, biot, law), atol=tolerance
+    )
 
 
 def test_porous_particles_hold_gas_as_well():
@@ -51,11 +56,15 @@ def test_porous_particles_hold_gas_as_well():
     scene["solids"]["particles"]["adsorption"]["A"]["henry"] *= 0.5
     scene["solids"]["particles"]["inside"] = {"adsorption": "linear_driving_force"}
     found, _ = breaks_through(scene, unit, units)
-    np.testing.assert_allclose(found, breakthrough(units, units * SHARES, 1.0, "effective"), atol=1e-4)
+    np.testing.assert_allclose(
+        found, breakthrough(units, units * SHARES, 1.0, "effective"), atol=1e-4
+    )
 
 
 def test_a_langmuir_front_keeps_its_shape():
-    """q_s 1.25 times the loading in equilibrium with the feed: r = 0.2; the film alone resists."""
+    """q_s 1.25 times the loading in equilibrium with the feed: r = 0.2; the film
+    alone resists.
+    """
     units, capacity = 12.0, 1.25
     scene, unit = adsorber(K, units, 1.0, capacity)
     scene["solids"]["particles"]["inside"] = {"adsorption": "film"}
@@ -69,7 +78,9 @@ def test_a_langmuir_front_keeps_its_shape():
     assert abs(result.balances["C"]["relative_residual"]) < CLOSED
 
 
-@pytest.mark.parametrize(("gamma", "biot", "fourier"), [(-0.8, 1.0, 1.0), (0.5, 10.0, 0.3)])
+@pytest.mark.parametrize(
+    ("gamma", "biot", "fourier"), [(-0.8, 1.0, 1.0), (0.5, 10.0, 0.3)]
+)
 def test_a_steady_bed_that_moves(gamma, biot, fourier):
     """Clean particles move along or against the gas."""
     units = 3.0 * abs(gamma) * biot * fourier
@@ -78,7 +89,9 @@ def test_a_steady_bed_that_moves(gamma, biot, fourier):
     let_move(scene, gamma * SPEED / K)
     scene["solids"]["particles"]["inside"] = {"adsorption": "interior", "points": 6}
     result = contbed.run(from_dict(scene))
-    assert result.qoi["x_A_out"] / TRACE == pytest.approx(moving_bed(gamma, biot, fourier), abs=1e-6)
+    assert result.qoi["x_A_out"] / TRACE == pytest.approx(
+        moving_bed(gamma, biot, fourier), abs=1e-6
+    )
     assert abs(result.balances["C"]["relative_residual"]) < CLOSED
 
 
@@ -88,7 +101,12 @@ def test_heat_of_adsorption_stays_in_the_bed():
     share = 0.1
     scene["gas"]["composition"] = f"A:{share}, N:{1.0 - share}"
     for data in scene["gas"]["species"].values():
-        data |= {"heat_capacity": 30.0, "enthalpy": 0.0, "conductivity": 0.03, "viscosity": 2e-5}
+        data |= {
+            "heat_capacity": 30.0,
+            "enthalpy": 0.0,
+            "conductivity": 0.03,
+            "viscosity": 2e-5,
+        }
     loading = 0.5
     scene["solids"]["particles"]["adsorption"]["A"] = {
         "capacity": loading,
@@ -109,14 +127,16 @@ def test_heat_of_adsorption_stays_in_the_bed():
     result = contbed.run(from_dict(scene))
     for each in result.balances.values():
         assert abs(each["relative_residual"]) < CLOSED
-    # where the front has passed an adiabatic bed is warmer by -dH q/c_p at most, and by more than half of it, as the
-    # gas carries the rest ahead
+    # where the front has passed an adiabatic bed is warmer by -dH q/c_p at most, and by
+    # more than half of it, as the gas carries the rest ahead
     full = 3e4 * result.profiles["q_A [mol/kg]"].max() / 900.0
     assert 0.5 * full < result.profiles["T_solid [K]"].max() - T < 1.5 * full
 
 
 def test_gases_compete_for_sites():
-    """A bed that is filled with what enters holds both gases in the shares of their affinities."""
+    """A bed that is filled with what enters holds both gases in the shares of their
+    affinities.
+    """
     scene, _ = adsorber(K, 20.0, 1.0)
     scene["gas"]["composition"] = "A:0.02, C:0.01, N:0.97"
     scene["gas"]["species"]["C"] = {"elements": {"O": 2.0}, "molar_mass": 0.032}
@@ -130,8 +150,12 @@ def test_gases_compete_for_sites():
     scene["mesh"]["cells"] = 2
     result = contbed.run(from_dict(scene))
     a, c = 1e-3 * 0.02 * P, 4e-3 * 0.01 * P
-    np.testing.assert_allclose(result.profiles["q_A [mol/kg]"], a / (1.0 + a + c), rtol=1e-10)
-    np.testing.assert_allclose(result.profiles["q_C [mol/kg]"], c / (1.0 + a + c), rtol=1e-10)
+    np.testing.assert_allclose(
+        result.profiles["q_A [mol/kg]"], a / (1.0 + a + c), rtol=1e-10
+    )
+    np.testing.assert_allclose(
+        result.profiles["q_C [mol/kg]"], c / (1.0 + a + c), rtol=1e-10
+    )
 
 
 def test_isotherms_follow_the_temperature():
@@ -139,12 +163,19 @@ def test_isotherms_follow_the_temperature():
 
     isotherm = Isotherm(2e-5, None, -2e4, 300.0)
     # d ln H/dT = dH/(R T2)
-    slope = (isotherm.affinity_at(300.5) - isotherm.affinity_at(299.5)) / isotherm.affinity_at(300.0)
+    slope = (
+        isotherm.affinity_at(300.5) - isotherm.affinity_at(299.5)
+    ) / isotherm.affinity_at(300.0)
     assert slope == pytest.approx(-2e4 / 8.31446261815324 / 300.0**2, rel=1e-4)
 
 
 @pytest.mark.parametrize(
-    ("biot", "units", "level"), [(0.02, 20.0, "film"), (1.0, 20.0, "linear_driving_force"), (10.0, 5.0, "interior")]
+    ("biot", "units", "level"),
+    [
+        (0.02, 20.0, "film"),
+        (1.0, 20.0, "linear_driving_force"),
+        (10.0, 5.0, "interior"),
+    ],
 )
 def test_the_plan_chooses_the_cheapest_level(biot, units, level):
     scene, unit = adsorber(K, units, biot)
@@ -162,18 +193,31 @@ def test_the_plan_chooses_the_cheapest_level(biot, units, level):
             "no gas of this name enters, fills the bed or reacts",
         ),
         ({"closures": None}, "closures.sherwood: missing; the film around particles"),
-        ({"solids.particles.density": None}, "solids.particles.density: missing; loadings are per mass"),
+        (
+            {"solids.particles.density": None},
+            "solids.particles.density: missing; loadings are per mass",
+        ),
         ({"time": None}, "particles at rest take up nothing in a steady state"),
-        ({"initial": None}, "particles begin in equilibrium with the gas that fills the bed"),
-        ({ADSORPTION: {"A": {"capacity": 1.0, "diffusivity": 1e-6}}}, "capacity and affinity belong together"),
-        ({ADSORPTION: {"A": {"diffusivity": 1e-6}}}, "give henry, or capacity and affinity"),
+        (
+            {"initial": None},
+            "particles begin in equilibrium with the gas that fills the bed",
+        ),
+        (
+            {ADSORPTION: {"A": {"capacity": 1.0, "diffusivity": 1e-6}}},
+            "capacity and affinity belong together",
+        ),
+        (
+            {ADSORPTION: {"A": {"diffusivity": 1e-6}}},
+            "give henry, or capacity and affinity",
+        ),
         (
             {
                 "solids.particles.constituent": solids()["constituent"],
                 "solids.particles.composition": "S:1",
                 "reactions": {"r": {"equation": "A + S -> A2 + P", **CORE}},
             },
-            "A is adsorbed by the particles in which it reacts, and shrinking_core has a film and a layer of its own",
+            "A is adsorbed by the particles in which it reacts, and shrinking_core has "
+            "a film and a layer of its own",
         ),
     ],
 )

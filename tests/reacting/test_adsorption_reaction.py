@@ -1,4 +1,6 @@
-"""Gases that react in the particles that adsorb them: transforms of breakthroughs, steady states, balances, limits."""
+"""Gases that react in the particles that adsorb them: transforms of breakthroughs,
+steady states, balances, limits.
+"""
 
 from __future__ import annotations
 
@@ -21,23 +23,28 @@ POINTS = 8  # inside of a sphere, to 1e-9
 
 
 def reacting(biot: float, Da: float, level: str, **adsorption):
-    """A trace A -> B of first order in particles that adsorb A, and the time of a transfer unit.
+    """A trace A -> B of first order in particles that adsorb A, and the time of a
+    transfer unit.
 
     Da : rate constant over (1 - eps), over k_f a, both per volume of bed
     """
     scene, unit = adsorber(K, UNITS, biot)
     scene["gas"]["species"]["B"] = scene["gas"]["species"]["A"]
     k = Da * K / unit
-    scene["reactions"] = {"r": {"equation": "A -> B", "A": k, "E": 0.0, "basis": "particle"}}
+    scene["reactions"] = {
+        "r": {"equation": "A -> B", "A": k, "E": 0.0, "basis": "particle"}
+    }
     scene["solids"]["particles"]["inside"] = {"adsorption": level, "points": POINTS}
     scene["solids"]["particles"]["adsorption"] |= adsorption
     return scene, unit
 
 
 def resistance(biot: float, Da: float, level: str):
-    """What particles take of (c - 0) k_f a, over the transform p in transfer units: film, and what is inside.
+    """What particles take of (c - 0) k_f a, over the transform p in transfer units:
+    film, and what is inside.
 
-    Inside of a sphere g = (phi coth phi - 1)/Bi with phi^2 = 3 Bi (p + Da); the linear driving force adds Bi/5.
+    Inside of a sphere g = (phi coth phi - 1)/Bi with phi^2 = 3 Bi (p + Da); the linear
+    driving force adds Bi/5.
     """
 
     def share(p):
@@ -52,13 +59,18 @@ def resistance(biot: float, Da: float, level: str):
 
 
 @pytest.mark.parametrize(
-    ("biot", "Da", "level"), [(1.0, 0.3, "film"), (2.0, 0.5, "linear_driving_force"), (5.0, 0.4, "interior")]
+    ("biot", "Da", "level"),
+    [(1.0, 0.3, "film"), (2.0, 0.5, "linear_driving_force"), (5.0, 0.4, "interior")],
 )
 def test_breakthrough(biot, Da, level):
     """The transform of what leaves is exp(-units share(p))/p."""
     scene, unit = reacting(biot, Da, level)
     times = np.array([1.0, 2.0, 4.0, 8.0])
-    scene["time"] |= {"end": times[-1] * unit, "times": list(times[:-1] * unit), "tolerance": 1e-5}
+    scene["time"] |= {
+        "end": times[-1] * unit,
+        "times": list(times[:-1] * unit),
+        "tolerance": 1e-5,
+    }
     scene["mesh"]["cells"] = 4
     result = solved(scene)
     share = resistance(biot, Da, level)
@@ -69,26 +81,36 @@ def test_breakthrough(biot, Da, level):
 
 
 @pytest.mark.parametrize(
-    ("biot", "Da", "level"), [(1.0, 0.3, "film"), (2.0, 0.5, "linear_driving_force"), (5.0, 0.4, "interior")]
+    ("biot", "Da", "level"),
+    [(1.0, 0.3, "film"), (2.0, 0.5, "linear_driving_force"), (5.0, 0.4, "interior")],
 )
 def test_steady_state(biot, Da, level):
-    """Particles at rest that react have a steady state: exp(-units share(0)), whatever they adsorb."""
+    """Particles at rest that react have a steady state: exp(-units share(0)),
+    whatever they adsorb.
+    """
     found = []
     for more in (1.0, 3.0):
         scene, _ = reacting(biot, Da, level)
         scene["solids"]["particles"]["adsorption"]["A"]["henry"] *= more
         del scene["time"]
         found.append(solved(scene).qoi["x_A_out"] / TRACE)
-    assert found[0] == pytest.approx(np.exp(-UNITS * resistance(biot, Da, level)(0.0)), abs=1e-8)
+    assert found[0] == pytest.approx(
+        np.exp(-UNITS * resistance(biot, Da, level)(0.0)), abs=1e-8
+    )
     assert found[1] == pytest.approx(found[0], abs=1e-12)
 
 
 def test_a_film_alone_is_that_of_particles_that_do_not_adsorb():
-    """One concentration in the particle is that at its surface; both are solved to Newton's 1e-10."""
+    """One concentration in the particle is that at its surface; both are solved to
+    Newton's 1e-10.
+    """
     scene, _ = reacting(1.0, 0.3, "film")
     del scene["time"]
     one = solved(scene)
-    del scene["solids"]["particles"]["adsorption"], scene["solids"]["particles"]["inside"]
+    del (
+        scene["solids"]["particles"]["adsorption"],
+        scene["solids"]["particles"]["inside"],
+    )
     other = solved(scene)
     for key in ("x_A_out", "x_B_out", "extent_r_mol_m2s"):
         assert one.qoi[key] == pytest.approx(other.qoi[key], rel=1e-9), key
@@ -102,8 +124,16 @@ def hot(level: str):
     scene["reactions"]["r"]["equation"] = "A -> 2 B"
     for name, data in scene["gas"]["species"].items():
         formed = {"A": 0.0, "B": -4e3, "N": 0.0}[name]
-        data |= {"heat_capacity": 30.0, "enthalpy": formed, "conductivity": 0.03, "viscosity": 2e-5}
-    same = {"diffusivity": scene["solids"]["particles"]["adsorption"]["A"]["diffusivity"], "temperature": T}
+        data |= {
+            "heat_capacity": 30.0,
+            "enthalpy": formed,
+            "conductivity": 0.03,
+            "viscosity": 2e-5,
+        }
+    same = {
+        "diffusivity": scene["solids"]["particles"]["adsorption"]["A"]["diffusivity"],
+        "temperature": T,
+    }
     scene["solids"]["particles"]["adsorption"] = {
         "A": same | {"capacity": 1.0, "affinity": 1e-4, "enthalpy": -2e4},
         "B": same | {"capacity": 0.5, "affinity": 2e-5, "enthalpy": -1e4},
@@ -156,9 +186,11 @@ def test_equal_kinds_are_one():
 
 
 def test_a_product_that_is_adsorbed_shifts_the_equilibrium():
-    """A <-> B + C with K = p_B p_C/p_A of 0.05 bar: more than the equilibrium reacts until C has filled the particles.
+    """A <-> B + C with K = p_B p_C/p_A of 0.05 bar: more than the equilibrium reacts
+    until C has filled the particles.
 
-    x^2/(1 - x^2) p = K with the share x that reacts of pure A at 1 bar; what is left to take up is a millionth.
+    x^2/(1 - x^2) p = K with the share x that reacts of pure A at 1 bar; what is left to
+    take up is a millionth.
     """
     scene, unit = reacting(1.0, 20.0, "film")
     scene["gas"]["composition"] = "A:1"
@@ -170,9 +202,12 @@ def test_a_product_that_is_adsorbed_shifts_the_equilibrium():
     for data in scene["gas"]["species"].values():
         data |= {"heat_capacity": 30.0, "enthalpy": 0.0}
     scene["gas"]["species"]["A"]["entropy"] = -8.31446261815324 * np.log(0.05)
-    scene["gas"]["species"]["B"]["heat_capacity"] = scene["gas"]["species"]["C"]["heat_capacity"] = 15.0
+    scene["gas"]["species"]["B"]["heat_capacity"] = scene["gas"]["species"]["C"][
+        "heat_capacity"
+    ] = 15.0
     scene["reactions"]["r"]["equation"] = "A <-> B + C"
-    scene["closures"]["sherwood"] *= 4.0  # 20 transfer units, which leave exp(-20) of the distance
+    # 20 transfer units, which leave exp(-20) of the distance
+    scene["closures"]["sherwood"] *= 4.0
     isotherm = scene["solids"]["particles"]["adsorption"].pop("A")
     scene["solids"]["particles"]["adsorption"] = {"C": isotherm}
     scene["time"] = {"end": 40.0 * unit, "times": [1.0 * unit], "tolerance": 1e-3}
@@ -211,6 +246,7 @@ def test_pores_are_modelled_once(inside):
     scene["reactions"]["r"]["diffusivity"] = 1e-6
     scene["solids"]["particles"]["inside"] = inside
     with pytest.raises(
-        SceneError, match=r"reactions\.r: A is adsorbed by the particles in which it reacts: it diffuses"
+        SceneError,
+        match=r"reactions\.r: A is adsorbed by the particles in which it reacts: it diffuses",
     ):
         plan(from_dict(scene))

@@ -58,13 +58,21 @@ def test_the_scene_without_mistakes_is_taken():
     [
         ("CO2 + 2 H2O", "CO2 + H2O", "loses 2 atoms of H per mole of reaction"),
         ("CO2 + 2 H2O", "CO2 + H2O", "reactions.burning.equation"),
-        ('E = "50 kJ/mol"\n', "", "reactions.burning.E: missing; the law power needs the activation energy"),
+        (
+            'E = "50 kJ/mol"\n',
+            "",
+            "reactions.burning.E: missing; the law power needs the activation energy",
+        ),
         ('E = "50 kJ/mol"', 'E = "50 kJ"', "expected a quantity like 'J/mol'"),
         ("A = 1.0", "A = -1.0", "out of range; allowed: a number >= 0"),
         ("CH4:0.5, O2:0.5", "CH4:0.5, O2:0.6", "fractions sum to 1.1, not to 1"),
         ("A = 1.0", 'A = 1.0\nlaw = "powr"', "unknown rate law; allowed: power"),
         ("A = 1.0", "A = 1.0\norders = { CH5 = 1.0 }", "there is no 'CH5'"),
-        ("CH4 + 2 O2 -> CO2", "CH4 + 2 Oxygen -> CO2", "'Oxygen' is no chemical formula"),
+        (
+            "CH4 + 2 O2 -> CO2",
+            "CH4 + 2 Oxygen -> CO2",
+            "'Oxygen' is no chemical formula",
+        ),
         ("CH4 + 2 O2 -> CO2", "CH4 + 2 O2 = CO2", "needs one arrow"),
         (
             "[boundary.left]\n",
@@ -78,12 +86,21 @@ def test_the_scene_without_mistakes_is_taken():
             "gas.velocity = 0.5\ngas.mass_flux = 1.0",
             "give one of velocity, mass_flux, molar_flux",
         ),
-        ("gas.velocity = 0.5\n", "", "the gas has no flow; give one of velocity, mass_flux, molar_flux"),
-        ("[packed_bed]\n", "[closures]\nnusselt = 'nusselt_gun'\n[packed_bed]\n", "nusselt_gunn"),
+        (
+            "gas.velocity = 0.5\n",
+            "",
+            "the gas has no flow; give one of velocity, mass_flux, molar_flux",
+        ),
+        (
+            "[packed_bed]\n",
+            "[closures]\nnusselt = 'nusselt_gun'\n[packed_bed]\n",
+            "nusselt_gunn",
+        ),
         (
             "equation = ",
             "basis = 'catalyst'\nequation = ",
-            "solids.particles.density: missing; the rate of reactions.burning is per mass of catalyst",
+            "solids.particles.density: missing; the rate of reactions.burning is per "
+            "mass of catalyst",
         ),
     ],
 )
@@ -99,12 +116,24 @@ def test_mistakes_of_gas_reactions(old, new, said):
     [
         ('rate = "k*c_CH4"', "'k' is not known in this formula"),
         ('rate = "c_CH4*"', "cannot be read as a formula"),
-        ('rate = "2.5 mol*c_CH4"', "'2.5 mol': a number in a formula has no unit; write it in SI"),
-        ('rate = "1.5e-3 kPa*c_CH4"', "'1.5e-3 kPa': a number in a formula has no unit"),
+        (
+            'rate = "2.5 mol*c_CH4"',
+            "'2.5 mol': a number in a formula has no unit; write it in SI",
+        ),
+        (
+            'rate = "1.5e-3 kPa*c_CH4"',
+            "'1.5e-3 kPa': a number in a formula has no unit",
+        ),
         ('rate = "__import__(c_CH4)"', "there is no function '__import__'"),
         ('rate = "c_CH4.real"', "only numbers, names"),
-        ('rate = "c_CH4"\nunit = "mol/kg/s"', "measures something else than mol/m**3/s"),
-        ('rate = "k*c_CH4"\nparameters = { k = "3 1/parsnip" }', "unknown unit '1/parsnip'"),
+        (
+            'rate = "c_CH4"\nunit = "mol/kg/s"',
+            "measures something else than mol/m**3/s",
+        ),
+        (
+            'rate = "k*c_CH4"\nparameters = { k = "3 1/parsnip" }',
+            "unknown unit '1/parsnip'",
+        ),
         ('rate = "c_CH4"\nA = 1.0', "a formula is the whole rate"),
     ],
 )
@@ -118,8 +147,16 @@ def test_mistakes_of_formulas(rate, said):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("O2 = { h", "O2 = { conductivity = [0.03, 0, -600], h", r"O2\.conductivity.*: gives -0\.15 W/m/K at 500 K"),
-        ("O2 = { h", "O2 = { viscosity = [-2e-5], h", r"O2\.viscosity.*: gives -2e-05 Pa s at 500 K"),
+        (
+            "O2 = { h",
+            "O2 = { conductivity = [0.03, 0, -600], h",
+            r"O2\.conductivity.*: gives -0\.15 W/m/K at 500 K",
+        ),
+        (
+            "O2 = { h",
+            "O2 = { viscosity = [-2e-5], h",
+            r"O2\.viscosity.*: gives -2e-05 Pa s at 500 K",
+        ),
         (
             "O2 = { heat_capacity = 30.0",
             "O2 = { shomate = [30, -80, 0, 0, 0, 1]",
@@ -139,7 +176,9 @@ def test_properties_that_are_negative_where_streams_enter(old, new, said):
 
 
 def test_solids_at_rest_have_no_steady_state():
-    text = filled(GOOD.replace("CH4 + 2 O2 -> CO2 + 2 H2O", "CH4 + 4 FeO -> CO2 + 2 H2O + 4 Fe"))
+    text = filled(
+        GOOD.replace("CH4 + 2 O2 -> CO2 + 2 H2O", "CH4 + 4 FeO -> CO2 + 2 H2O + 4 Fe")
+    )
     with pytest.raises(SceneError, match="are used up: no steady state exists"):
         loads(text)
 
@@ -148,7 +187,9 @@ def test_species_without_thermodynamics():
     from contbed import models
 
     text = GOOD.replace("H2O = { heat_capacity = 35.0, enthalpy = -241.8e3 }", "")
-    with pytest.raises(SceneError, match=r"bed.toml:\d+: H2O is neither a gas of \[gas.species\]"):
+    with pytest.raises(
+        SceneError, match=r"bed.toml:\d+: H2O is neither a gas of \[gas.species\]"
+    ):
         models.plan(loads(text, "bed.toml"))
 
 
@@ -156,10 +197,13 @@ def test_gas_that_cannot_pass_is_told():
     import contbed
     from contbed.errors import ConvergenceError
 
-    text = GOOD.replace('"CH4:0.5, O2:0.5"', '"CH4:0.5, O2:0.5"\nviscosity = 2e-5').replace(
-        "velocity = 0.5", "velocity = 9.0"
-    )
-    with pytest.raises(ConvergenceError, match=r"the gas cannot pass the bed: by closures\.permeability"):
+    text = GOOD.replace(
+        '"CH4:0.5, O2:0.5"', '"CH4:0.5, O2:0.5"\nviscosity = 2e-5'
+    ).replace("velocity = 0.5", "velocity = 9.0")
+    with pytest.raises(
+        ConvergenceError,
+        match=r"the gas cannot pass the bed: by closures\.permeability",
+    ):
         contbed.run(loads(text))
 
 
@@ -184,8 +228,14 @@ def with_pressure(text):
     ("text", "said"),
     [
         # whose cells are halved before it is given up
-        (FAST + "[heat]\n", r"converged is 0 s; it is worst for T at x = 0 m\. Give initial\.temperature"),
-        (with_pressure(FAST + "[heat]\n"), r"it is worst for \w+ at x = \S+ m at t = 0 s; use more mesh\.cells"),
+        (
+            FAST + "[heat]\n",
+            r"converged is 0 s; it is worst for T at x = 0 m\. Give initial\.temperature",
+        ),
+        (
+            with_pressure(FAST + "[heat]\n"),
+            r"it is worst for \w+ at x = \S+ m at t = 0 s; use more mesh\.cells",
+        ),
     ],
 )
 def test_what_fails_names_its_place(text, said):
@@ -197,14 +247,17 @@ def test_what_fails_names_its_place(text, said):
 
 
 def test_pressures_that_are_not_found_are_told(monkeypatch):
-    """Before the first step those of a gas that is stored are sought; here in one iteration."""
+    """Before the first step those of a gas that is stored are sought; here in one
+    iteration.
+    """
     import contbed
     from contbed.errors import ConvergenceError
     from contbed.reacting_bed import solve
 
     monkeypatch.setattr(solve, "FIRST_ITERATIONS", 1)
     with pytest.raises(
-        ConvergenceError, match=r'bed\.toml: .* at x = .* are sought; give packed_bed\.pressure_drop = "none"'
+        ConvergenceError,
+        match=r'bed\.toml: .* at x = .* are sought; give packed_bed\.pressure_drop = "none"',
     ):
         contbed.run(loads(with_pressure(GOOD), "bed.toml"))
 
@@ -229,10 +282,16 @@ dispersion = "vdi"
         ("", None),
     ],
 )
-def test_a_conductivity_of_the_whole_bed_beside_that_of_the_gas_is_told(table, gas, said):
+def test_a_conductivity_of_the_whole_bed_beside_that_of_the_gas_is_told(
+    table, gas, said
+):
     whole = f'conductivity_solids = "zehner_schluender"\n{gas}\n'
-    text = GOOD.replace('model = "ideal_gas"', 'model = "ideal_gas"\nconductivity = 0.04')
-    text = filled(text, "\ndensity = 2000.0\nconductivity = 1.0\nheat_capacity = 900.0\n")
+    text = GOOD.replace(
+        'model = "ideal_gas"', 'model = "ideal_gas"\nconductivity = 0.04'
+    )
+    text = filled(
+        text, "\ndensity = 2000.0\nconductivity = 1.0\nheat_capacity = 900.0\n"
+    )
     text = text.replace("length = 1.0", "length = 1.0\ndiameter = 0.05") + SECTION
     text += whole if table == "packed_bed.section" else f"[closures]\n{whole}"
     warnings = loads(text, "bed.toml").warnings

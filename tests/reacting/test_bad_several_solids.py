@@ -1,4 +1,6 @@
-"""Mistakes in scenes with several kinds of particles: what is wrong, where, and the remedy."""
+"""Mistakes in scenes with several kinds of particles: what is wrong, where, and the
+remedy.
+"""
 
 from __future__ import annotations
 
@@ -60,33 +62,88 @@ solids.coke.velocity = "1 mm/s"
 
 def test_the_scene_without_mistakes_is_planned():
     text = str(plan(loads(GOOD)))
-    assert "ore (0.6 of the volume, 10 mm), coke (0.4 of the volume, 30 mm); Sauter mean 13.64 mm" in text
+    assert (
+        "ore (0.6 of the volume, 10 mm), coke (0.4 of the volume, 30 mm); Sauter mean "
+        "13.64 mm" in text
+    )
     assert "at the particles, coke" in text and "FeO_ore, Fe_ore, C_coke" in text
 
 
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("volume_share = 0.4", "volume_share = 0.5", "solids: the shares of the volume sum to 1.1, not to 1"),
-        ('"30 mm"', '"30 m"', 'solids.coke.diameter = "30 m": 30 m is more than the length of the bed'),
-        ("[solids.ore]", "[solid]\ndensity = 1.0\n[solids.ore]", "this key is called 'solids.NAME' now"),
+        (
+            "volume_share = 0.4",
+            "volume_share = 0.5",
+            "solids: the shares of the volume sum to 1.1, not to 1",
+        ),
+        (
+            '"30 mm"',
+            '"30 m"',
+            'solids.coke.diameter = "30 m": 30 m is more than the length of the bed',
+        ),
+        (
+            "[solids.ore]",
+            "[solid]\ndensity = 1.0\n[solids.ore]",
+            "this key is called 'solids.NAME' now",
+        ),
         ("solids.coke", "solids.coke_1", "letters and digits only"),
         (
             'equation = "C + CO2',
             'solid = "coal"\nequation = "C + CO2',
             "there is no solid phase 'coal'; allowed: ore, coke",
         ),
-        ("[reactions.boudouard]", '[reactions.boudouard]\nbasis = "bed"\nsolid = "coke"', "is not that of a phase"),
-        ('composition = "C:1"', 'composition = "C:0.8"', 'solids.coke.composition = "C:0.8": fractions sum to 0.8'),
-        ("density = 1000.0\n", "", "solids.coke.density: missing; or give solids.coke.constituent.C.density"),
-        ('solids.coke.velocity = "1', 'solids.coke.velocity = "-1', "solid phases that move go one way"),
+        (
+            "[reactions.boudouard]",
+            '[reactions.boudouard]\nbasis = "bed"\nsolid = "coke"',
+            "is not that of a phase",
+        ),
+        (
+            'composition = "C:1"',
+            'composition = "C:0.8"',
+            'solids.coke.composition = "C:0.8": fractions sum to 0.8',
+        ),
+        (
+            "density = 1000.0\n",
+            "",
+            "solids.coke.density: missing; or give solids.coke.constituent.C.density",
+        ),
+        (
+            'solids.coke.velocity = "1',
+            'solids.coke.velocity = "-1',
+            "solid phases that move go one way",
+        ),
         ('solids.coke.velocity = "1 mm/s"', "", "takes C of particles at rest"),
-        ("density = 1000.0", "density = 1000.0\nnusselt = 3.0", "give closures.nusselt, which the others have"),
-        ("density = 1000.0", "density = 1000.0\nsherwood = 3.0", "has no meaning without closures.sherwood"),
-        ("{ C = {", "{ FeO = { heat_capacity = 51.0 }, C = {", "has other data in solids.ore"),
-        ("solids.coke.velocity", "solids.coal.velocity", "no such solid phase; allowed: ore, coke"),
-        ("gas.velocity = 0.5", "gas.velocity = 0.5\nsolids.ore.velocity = 0.001", "gives it already; remove one"),
-        ("gas.temperature", "solids.ore.temperature = 300.0\ngas.temperature", "ore does not enter here"),
+        (
+            "density = 1000.0",
+            "density = 1000.0\nnusselt = 3.0",
+            "give closures.nusselt, which the others have",
+        ),
+        (
+            "density = 1000.0",
+            "density = 1000.0\nsherwood = 3.0",
+            "has no meaning without closures.sherwood",
+        ),
+        (
+            "{ C = {",
+            "{ FeO = { heat_capacity = 51.0 }, C = {",
+            "has other data in solids.ore",
+        ),
+        (
+            "solids.coke.velocity",
+            "solids.coal.velocity",
+            "no such solid phase; allowed: ore, coke",
+        ),
+        (
+            "gas.velocity = 0.5",
+            "gas.velocity = 0.5\nsolids.ore.velocity = 0.001",
+            "gives it already; remove one",
+        ),
+        (
+            "gas.temperature",
+            "solids.ore.temperature = 300.0\ngas.temperature",
+            "ore does not enter here",
+        ),
     ],
 )
 def test_mistakes(old, new, said):
@@ -97,16 +154,24 @@ def test_mistakes(old, new, said):
 
 
 def test_a_reaction_without_solids_names_its_kind():
-    text = GOOD + '[reactions.oxidation]\nequation = "2 CO + O2 -> 2 CO2"\nA = 1.0\nE = 0.0\nbasis = "catalyst"\n'
+    text = (
+        GOOD
+        + '[reactions.oxidation]\nequation = "2 CO + O2 -> 2 CO2"\nA = 1.0\nE = 0.0\n'
+        'basis = "catalyst"\n'
+    )
     text = text.replace("CO2 = { heat", "O2 = { heat_capacity = 30.0 }\nCO2 = { heat")
     with pytest.raises(
-        SceneError, match=r":\d+: reactions.oxidation.solid: missing; .* name their phase, of ore, coke"
+        SceneError,
+        match=r":\d+: reactions.oxidation.solid: missing; .* name their phase, of ore, coke",
     ):
         plan(loads(text))
 
 
 def test_solids_are_needed():
-    text = GOOD.split("[solids.ore]")[0] + GOOD[GOOD.index("[packed_bed]") : GOOD.index("[boundary.right]")]
+    text = (
+        GOOD.split("[solids.ore]")[0]
+        + GOOD[GOOD.index("[packed_bed]") : GOOD.index("[boundary.right]")]
+    )
     with pytest.raises(SceneError, match=r"solids: this table is missing"):
         loads(text)
 
@@ -156,13 +221,23 @@ inflow = 300.0
         (18, "wall.coefficient: this key is called 'boundary.wall.coefficient' now"),
         (19, "particle: this key is called 'solids.NAME.inside' now"),
         (21, "adsorption: this key is called 'solids.NAME.adsorption' now"),
-        (25, "time.initial_composition: this key is called 'initial.gas.composition' now"),
+        (
+            25,
+            "time.initial_composition: this key is called 'initial.gas.composition' now",
+        ),
         (26, "time.gas: this key is called 'packed_bed.gas_storage' now"),
-        (28, "boundary.left.fluid.inflow: this key is called 'boundary.left.gas.temperature' now"),
+        (
+            28,
+            "boundary.left.fluid.inflow: this key is called "
+            "'boundary.left.gas.temperature' now",
+        ),
     ],
 )
 def test_former_keys_name_the_present_ones(line, said):
     with pytest.raises(SceneError) as error:
         loads(FORMER + "[mesh]\ntype = 'line'\nlength = 1.0\n", "bed.toml")
     key, text = said.split(": ", 1)
-    assert any(row.startswith(f"bed.toml:{line}: {key}") and text in row for row in error.value.problems)
+    assert any(
+        row.startswith(f"bed.toml:{line}: {key}") and text in row
+        for row in error.value.problems
+    )

@@ -1,4 +1,5 @@
-"""Runs in time: no amount falls below zero, order, steps and totals stay; each test first sees how far it would fall.
+"""Runs in time: no amount falls below zero, order, steps and totals stay; each test
+first sees how far it would fall.
 
 Amounts are bounded to 1e-10 of their size, to which Newton's method solves.
 """
@@ -42,12 +43,16 @@ def course_of(scene):
 
 
 def least_of(scene):
-    """The least amount of all steps, at nodes and between them where polynomials are the solution."""
+    """The least amount of all steps, at nodes and between them where polynomials are
+    the solution.
+    """
     course = course_of(scene)
     least = 0.0
     for history in march(course, begin(course, course.start()), Report()):
         problem = course.at(history.time)
-        kept = [k for k, name in enumerate(problem.names) if name.startswith(("g_", "n_"))]
+        kept = [
+            k for k, name in enumerate(problem.names) if name.startswith(("g_", "n_"))
+        ]
         least = min(least, lowest(problem, history.u)[kept].min())
     return least
 
@@ -65,12 +70,20 @@ def cores(end):
     scene["mesh"] |= {"length": 0.1, "cells": 4}
     scene["solids"]["particles"]["diameter"] = 2e-4
     scene["solids"]["particles"] |= solids()
-    table = {"equation": "A + S -> B + P", "law": "shrinking_core", "A": 1e-2, "E": 0.0, "diffusivity": 1e-7}
+    table = {
+        "equation": "A + S -> B + P",
+        "law": "shrinking_core",
+        "A": 1e-2,
+        "E": 0.0,
+        "diffusivity": 1e-7,
+    }
     return scene | {"reactions": {"r": table}, "time": {"end": end, "tolerance": 1e-3}}
 
 
 def fast_cores():
-    """Cores so fast that A below zero takes P in the first step, before there is any: P ended alone makes it worse."""
+    """Cores so fast that A below zero takes P in the first step, before there is
+    any: P ended alone makes it worse.
+    """
     scene = cores(1.0)
     scene["reactions"]["r"]["A"] = 1.0
     scene["packed_bed"]["gas_storage"] = "quasi_steady"
@@ -118,18 +131,25 @@ def test_no_amount_falls_below_zero(monkeypatch, scene, falls):
 
 
 def constant_rate(tau):
-    """A rate of first order in the gas that knows nothing of the solid, over two transfer units."""
+    """A rate of first order in the gas that knows nothing of the solid, over two
+    transfer units.
+    """
     scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, tau)
-    scene["reactions"]["r"] |= {"orders": {"A": 1.0}, "A": scene["reactions"]["r"]["A"] * N_SOLID}
+    scene["reactions"]["r"] |= {
+        "orders": {"A": 1.0},
+        "A": scene["reactions"]["r"]["A"] * N_SOLID,
+    }
     scene["mesh"]["cells"] = 20
     return scene
 
 
 def test_a_rate_ends_with_the_solid():
-    """Behind a front at xi = tau - 1 nothing is left; before it y = exp(-(xi - tau + 1)), S = 1 - y.
+    """Behind a front at xi = tau - 1 nothing is left; before it
+    y = exp(-(xi - tau + 1)), S = 1 - y.
 
-    Where the rate goes on the solid falls to -0.5. At the end the last stage takes what is left of some nodes: the gas
-    errs by up to 1.5e-4 on other cells and at other times, what has reacted by rounding.
+    Where the rate goes on the solid falls to -0.5. At the end the last stage takes what
+    is left of some nodes: the gas errs by up to 1.5e-4 on other cells and at other
+    times, what has reacted by rounding.
     """
     scene = constant_rate(1.5)
     assert least_of(scene) > -LEFT
@@ -145,7 +165,11 @@ def test_nothing_changes_where_nothing_falls_below_zero(monkeypatch):
     scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
     scene["gas"]["composition"] = "A:0.9, B:0.1"
     one = contbed.run(from_dict(scene))
-    assert (one.qoi["cells_damped"], one.qoi["steps_damped"], one.qoi["steps_limited"]) == (0, 0, 0)
+    assert (
+        one.qoi["cells_damped"],
+        one.qoi["steps_damped"],
+        one.qoi["steps_limited"],
+    ) == (0, 0, 0)
     monkeypatch.setattr(module, "lowest", lambda problem, u: np.zeros(u.shape[:2]))
     other = contbed.run(from_dict(scene))
     for name, column in one.tables["outlet"].items():
@@ -156,7 +180,9 @@ def test_nothing_changes_where_nothing_falls_below_zero(monkeypatch):
 
 @pytest.mark.parametrize("bounds", [False, True], ids=["free", "damped"])
 def test_order_two_in_time_with_damping(bounds):
-    """Steps of one length with and without a damping that is constant: 4 for order 2."""
+    """Steps of one length with and without a damping that is constant: 4 for order
+    2.
+    """
     scene = in_series() | {"initial": {"gas": {"composition": "A:1"}}}
     scene["packed_bed"]["gas_storage"] = "stored"
     course = course_of(scene)
@@ -167,7 +193,9 @@ def test_order_two_in_time_with_damping(bounds):
     for steps in (20, 40, 80):
         u = course.start()
         for _ in range(steps):
-            _, u, _ = stages((problem, problem), u, u, 0.2 / steps, Report(), course.sizes(u))
+            _, u, _ = stages(
+                (problem, problem), u, u, 0.2 / steps, Report(), course.sizes(u)
+            )
         found.append(u / problem.sizes[:, None, None])
     coarse, middle, fine = found
     ratio = np.abs(coarse - middle).max() / np.abs(middle - fine).max()
@@ -175,30 +203,49 @@ def test_order_two_in_time_with_damping(bounds):
 
 
 def test_damping_of_a_step_is_that_of_what_it_stores():
-    """In long steps that of what is carried, in short ones of what a stage stores, h/(gamma dt) of solids that move."""
+    """In long steps that of what is carried, in short ones of what a stage stores,
+    h/(gamma dt) of solids that move.
+    """
     problem = course_of(moving()).problem
     carries, stores = (module.flattening(problem, dt) for dt in (1e12, 1e-6))
     names = list(problem.names)
-    gas, solid = [names.index(name) for name in ("g_A", "g_B")], [names.index(name) for name in ("n_S", "n_P")]
+    gas, solid = (
+        [names.index(name) for name in ("g_A", "g_B")],
+        [names.index(name) for name in ("n_S", "n_P")],
+    )
     v = abs(problem.bed.velocity_solid)
     np.testing.assert_allclose(carries[gas], 1.0, rtol=1e-12)
     np.testing.assert_allclose(carries[solid], v, rtol=1e-6)
     np.testing.assert_allclose(stores[gas], 1.0, rtol=1e-12)
-    np.testing.assert_allclose(stores[solid], v + problem.line.h / (GAMMA * 1e-6) * np.ones((2, 1)), rtol=1e-12)
+    np.testing.assert_allclose(
+        stores[solid], v + problem.line.h / (GAMMA * 1e-6) * np.ones((2, 1)), rtol=1e-12
+    )
 
 
-CHAIN = [SimpleNamespace(stoichiometry=s) for s in ({"X": -1.0, "Y": 2.0, "g": -1.0}, {"Y": -1.0, "Z": 1.0})]
+CHAIN = [
+    SimpleNamespace(stoichiometry=s)
+    for s in ({"X": -1.0, "Y": 2.0, "g": -1.0}, {"Y": -1.0, "Z": 1.0})
+]
 
 
 def test_rates_take_no_more_than_there_is():
-    """X -> 2 Y -> Z: Y lives of X, and what X keeps Y does not gain; a reaction that runs back takes of Z."""
+    """X -> 2 Y -> Z: Y lives of X, and what X keeps Y does not gain; a reaction that
+    runs back takes of Z.
+    """
     first, second = np.array([3.0, 3.0, 0.5, 1.0]), np.array([5.0, 5.0, 0.5, -2.0])
-    most = {"Y": np.zeros(4), "Z": np.full(4, 0.5), "X": np.array([np.inf, 1.0, 1.0, np.inf])}
+    most = {
+        "Y": np.zeros(4),
+        "Z": np.full(4, 0.5),
+        "X": np.array([np.inf, 1.0, 1.0, np.inf]),
+    }
     (one,), (two,) = within([[first], [second]], CHAIN, most)
     np.testing.assert_allclose(one, [3.0, 1.0, 0.5, 1.0], rtol=1e-14)
     np.testing.assert_allclose(two, [5.0, 2.0, 0.5, -0.5], rtol=1e-14)
     for name, limit in most.items():
-        lost = -sum(r.stoichiometry.get(name, 0.0) * rate for r, rate in zip(CHAIN, (one, two), strict=True))
+        lost = -sum(
+            r.stoichiometry.get(name, 0.0) * rate
+            for r, rate in zip(CHAIN, (one, two), strict=True)
+        )
         assert np.all(lost <= limit + 1e-14), name
 
 
@@ -211,13 +258,20 @@ def test_derivatives_of_limited_rates():
 
     a, b, step = np.array([1.1]), np.array([2.0]), 1e-6
     exact = rates(Dual(a, {"a": np.ones(1)}), Dual(b, {"b": np.ones(1)}))
-    for slot, up, down in (("a", (a + step, b), (a - step, b)), ("b", (a, b + step), (a, b - step))):
+    for slot, up, down in (
+        ("a", (a + step, b), (a - step, b)),
+        ("b", (a, b + step), (a, b - step)),
+    ):
         for rate, more, less in zip(exact, rates(*up), rates(*down), strict=True):
-            assert rate.tangents.get(slot, np.zeros(1)) == pytest.approx((more - less) / (2.0 * step), abs=1e-8)
+            assert rate.tangents.get(slot, np.zeros(1)) == pytest.approx(
+                (more - less) / (2.0 * step), abs=1e-8
+            )
 
 
 def test_what_is_shown_between_nodes_holds_as_much():
-    """Solids at rest of a front in one cell: nothing below zero between nodes, and the same in the cell."""
+    """Solids at rest of a front in one cell: nothing below zero between nodes, and
+    the same in the cell.
+    """
     problem = course_of(cores(1.0)).problem
     u = problem.start()
     k, made = problem.names.index("n_S"), problem.names.index("n_P")
@@ -225,33 +279,46 @@ def test_what_is_shown_between_nodes_holds_as_much():
     u[made, 3] = u[k, 2] - u[k, 3]
     shown, xi = between_nodes(problem, u), np.linspace(0.0, 1.0, 999)
     assert (u[k, 3] @ problem.line.basis(xi).T).min() < -0.05 * problem.sizes[k]
-    assert (shown[[k, made], 3] @ problem.line.basis(xi).T).min() >= -1e-12 * problem.sizes[k]
-    np.testing.assert_allclose(shown @ problem.line.weights, u @ problem.line.weights, rtol=1e-14)
+    assert (
+        shown[[k, made], 3] @ problem.line.basis(xi).T
+    ).min() >= -1e-12 * problem.sizes[k]
+    np.testing.assert_allclose(
+        shown @ problem.line.weights, u @ problem.line.weights, rtol=1e-14
+    )
     np.testing.assert_allclose(shown[k] + shown[made], u[k] + u[made], rtol=1e-14)
     assert np.array_equal(np.delete(shown, 3, axis=1), np.delete(u, 3, axis=1))
 
 
 def test_gas_to_the_left_is_damped_as_to_the_right():
-    """Mirrored fields to rounding of Newton's method, whose tolerance is 1e-10, at the steps of both."""
+    """Mirrored fields to rounding of Newton's method, whose tolerance is 1e-10, at
+    the steps of both.
+    """
     right, left = cores(60.0), cores(60.0)
-    inside = 0.1 * (np.arange(8) + 0.5) / 8  # of cells: at a vertex it is the value on its left
+    # of cells: at a vertex it is the value on its left
+    inside = 0.1 * (np.arange(8) + 0.5) / 8
     right["output"] = left["output"] = {"positions": inside.tolist(), "plots": False}
     left["boundary"] = {"right": left["boundary"]["left"]}
     one, other = contbed.run(from_dict(right)), contbed.run(from_dict(left))
     assert one.qoi["steps_damped"] > 10
     for name in ("x_A [1]", "x_B [1]", "w_S [1]"):
-        np.testing.assert_allclose(other.profiles[name][::-1], one.profiles[name], atol=1e-7)
+        np.testing.assert_allclose(
+            other.profiles[name][::-1], one.profiles[name], atol=1e-7
+        )
 
 
 def test_damping_of_short_steps_leaves_no_solid_in_the_cell_where_it_enters():
-    """A counter-current bed from its start to its steady state: P ends at 0.5 mol/m3 of it, 3e-5 of all solids.
+    """A counter-current bed from its start to its steady state: P ends at 0.5 mol/m3 of
+    it, 3e-5 of all solids.
 
-    With the damping of the first steps, of 0.6 s, cells become flat, and 45 mol/m3 stay where no P enters.
+    With the damping of the first steps, of 0.6 s, cells become flat, and 45 mol/m3 stay
+    where no P enters.
     """
     scene = let_move(isothermal("A:1", species(A=0.028, B=0.028)), -1e-4)
     scene["solids"]["particles"] |= solids()
     scene["mesh"]["cells"] = 10
-    scene["reactions"] = {"r": {"equation": "A + S -> B + P", "A": 1e-5, "E": 0.0, "basis": "bed"}}
+    scene["reactions"] = {
+        "r": {"equation": "A + S -> B + P", "A": 1e-5, "E": 0.0, "basis": "bed"}
+    }
     scene["reactions"]["r"]["orders"] = {"A": 1.0, "S": 1.0}
     steady = contbed.run(from_dict(scene))
     scene["time"] = {"end": 6e4}

@@ -1,4 +1,6 @@
-"""Cells of runs in time that follow errors: states on other cells hold the same, fronts have their closed forms."""
+"""Cells of runs in time that follow errors: states on other cells hold the same,
+fronts have their closed forms.
+"""
 
 from __future__ import annotations
 
@@ -40,8 +42,13 @@ def hot_gas(**heat):
     """A gas that fills the pores and becomes hot where A becomes B."""
     gases = species(A=0.028, B=0.028)
     gases["A"] |= {"heat_capacity": 30.0, "enthalpy": 0.0}
-    gases["B"] |= {"heat_capacity": 45.0, "enthalpy": -1e4}  # another: else all pressures would stay one
-    scene = isothermal("A:1", gases) | {"heat": {}, "closures": heat, "initial": {"temperature": 400.0}}
+    # another: else all pressures would stay one
+    gases["B"] |= {"heat_capacity": 45.0, "enthalpy": -1e4}
+    scene = isothermal("A:1", gases) | {
+        "heat": {},
+        "closures": heat,
+        "initial": {"temperature": 400.0},
+    }
     scene["solids"]["particles"] |= {"density": 2.0, "heat_capacity": 1000.0}
     scene["packed_bed"]["gas_storage"] = "stored"
     scene["gas"]["conductivity"] = 0.05
@@ -53,7 +60,9 @@ def hot_gas(**heat):
 def after(scene, steps):
     """The bed and its state after some steps."""
     course = course_of(scene)
-    history = list(islice(march(course, begin(course, course.start()), Report()), steps))[-1]
+    history = list(
+        islice(march(course, begin(course, course.start()), Report()), steps)
+    )[-1]
     return course.at(history.time), history.u
 
 
@@ -64,7 +73,9 @@ def held(problem, u):
 
 
 def cells(length, count, seed):
-    return length * np.sort(np.append(np.random.default_rng(seed).random(count - 1), [0.0, 1.0]))
+    return length * np.sort(
+        np.append(np.random.default_rng(seed).random(count - 1), [0.0, 1.0])
+    )
 
 
 def test_polynomials_stay_where_cells_are_divided_and_integrals_stay_everywhere():
@@ -73,11 +84,21 @@ def test_polynomials_stay_where_cells_are_divided_and_integrals_stay_everywhere(
     values = np.random.default_rng(1).random((2, 6, 4))
     finer = Line(np.union1d(line.vertices, cells(1.0, 9, 2)), 3)
     found = projected(line, values, finer)
-    assert np.allclose(found, line.at(values, finer.points.ravel()).reshape(found.shape), rtol=0.0, atol=1e-12)
-    other = Line(cells(1.0, 5, 3), 3)
-    ends = np.array([[line.weights @ v for v in field] * line.h for field in values]).sum(axis=1)
     assert np.allclose(
-        (projected(line, values, other) @ line.weights * other.h).sum(axis=1), ends, rtol=1e-14, atol=0.0
+        found,
+        line.at(values, finer.points.ravel()).reshape(found.shape),
+        rtol=0.0,
+        atol=1e-12,
+    )
+    other = Line(cells(1.0, 5, 3), 3)
+    ends = np.array(
+        [[line.weights @ v for v in field] * line.h for field in values]
+    ).sum(axis=1)
+    assert np.allclose(
+        (projected(line, values, other) @ line.weights * other.h).sum(axis=1),
+        ends,
+        rtol=1e-14,
+        atol=0.0,
     )
 
 
@@ -93,21 +114,32 @@ HELD = {
 
 @pytest.mark.parametrize("scene", HELD.values(), ids=HELD)
 def test_other_cells_hold_the_same(scene):
-    """Moles of each species and heat to 1e-13 of the whole, on finer and coarser cells in turn, of reacting beds."""
+    """Moles of each species and heat to 1e-13 of the whole, on finer and coarser
+    cells in turn, of reacting beds.
+    """
     problem, u = after(scene, 8)
     whole = held(problem, u)[0].sum(axis=1)
     other, state = problem, u
     for count, seed in ((200, 1), (3, 2), (29, 3), (5, 4)):
-        other, state = transferred(other, state, cells(problem.line.vertices[-1], count, seed))
+        other, state = transferred(
+            other, state, cells(problem.line.vertices[-1], count, seed)
+        )
         parts, content = held(other, state)
-        assert np.allclose(parts.sum(axis=1), whole, rtol=1e-13, atol=1e-13 * np.abs(whole[whole != 0.0]).min())
+        assert np.allclose(
+            parts.sum(axis=1),
+            whole,
+            rtol=1e-13,
+            atol=1e-13 * np.abs(whole[whole != 0.0]).min(),
+        )
         solids = [k for k, name in enumerate(problem.names) if name.startswith("n_")]
         assert np.all(content[solids] > -1.1e-10 * problem.sizes[solids, None, None])
 
 
 @pytest.mark.parametrize("name", ["section that adsorbs", "gas in the pores"])
 def test_cells_that_are_divided_and_joined_have_their_state_again(name):
-    """Values at nodes to 1e-9 of their sizes: what rounding of heat leaves, far below errors of steps."""
+    """Values at nodes to 1e-9 of their sizes: what rounding of heat leaves, far
+    below errors of steps.
+    """
     problem, u = after(HELD[name], 8)
     v = problem.line.vertices
     finer, state = transferred(problem, u, np.union1d(v, 0.5 * (v[1:] + v[:-1])))
@@ -123,9 +155,12 @@ def test_cells_are_halves_of_halves_as_short_as_wanted():
     wanted[2] = 0.01
     found = halved(np.linspace(0.0, 1.0, FEWEST + 1), wanted)
     h = np.diff(found)
-    assert np.all(np.log2(h) % 1.0 == 0.0) and set(np.linspace(0.0, 1.0, FEWEST + 1)) <= set(found)
+    assert np.all(np.log2(h) % 1.0 == 0.0) and set(
+        np.linspace(0.0, 1.0, FEWEST + 1)
+    ) <= set(found)
     inside = (found[:-1] >= 2 / FEWEST) & (found[1:] <= 3 / FEWEST)
-    assert h[inside].max() == 2.0**-7 and h.max() == 1 / FEWEST  # the longest such that is no longer than 0.01
+    # the longest such that is no longer than 0.01
+    assert h[inside].max() == 2.0**-7 and h.max() == 1 / FEWEST
     assert np.max(h[1:] / h[:-1]) <= 4.0  # neighbours are alike
     assert np.diff(halved(found, np.full(len(h), 1e-9))).min() == SHORTEST
 
@@ -138,17 +173,23 @@ def thermal(**mesh):
     scene, eta_per_s = heated(XI)
     scene["mesh"] |= mesh
     scene["time"] |= {"end": 0.5 * XI / eta_per_s, "tolerance": 1e-3}
-    scene["output"] |= {"positions": np.linspace(0.0, scene["mesh"]["length"], 41).tolist()}
+    scene["output"] |= {
+        "positions": np.linspace(0.0, scene["mesh"]["length"], 41).tolist()
+    }
     return scene
 
 
 def test_a_front_of_heat_has_its_closed_form():
-    """Schumann's within the error of steps, 2.2e-3 on 40 cells of one length; 10 of them miss ten times as much."""
+    """Schumann's within the error of steps, 2.2e-3 on 40 cells of one length; 10 of
+    them miss ten times as much.
+    """
     exact = np.array([schumann(XI * x, 0.5 * XI) for x in np.linspace(0.0, 1.0, 41)])
     errors = []
     for scene in (thermal(cells=10), following(thermal(), 1e-4)):
         result = contbed.run(from_dict(scene))
-        errors.append(np.abs((result.profiles["T_fluid [K]"] - 300.0) / 300.0 - exact).max())
+        errors.append(
+            np.abs((result.profiles["T_fluid [K]"] - 300.0) / 300.0 - exact).max()
+        )
         assert abs(result.balances["energy"]["relative_residual"]) < CLOSED
     assert errors[0] > 0.02
     assert errors[1] < 2.5e-3
@@ -157,10 +198,21 @@ def test_a_front_of_heat_has_its_closed_form():
 
 
 FOLLOWING = [
-    pytest.param(following(hot_gas(nusselt=10.0), 1e-2, times=[0.5], end=1.0, tolerance=1e-2), id="gas in the pores"),
-    pytest.param(following(cores(60.0), 1e-3, times=[2.0]), id="cores", marks=pytest.mark.slow),
-    pytest.param(following(BEDS["kinds of pellets"], 1e-3), id="pellets", marks=pytest.mark.slow),
-    pytest.param(following(BEDS["adsorbing section"], 1e-5), id="section that adsorbs", marks=pytest.mark.slow),
+    pytest.param(
+        following(hot_gas(nusselt=10.0), 1e-2, times=[0.5], end=1.0, tolerance=1e-2),
+        id="gas in the pores",
+    ),
+    pytest.param(
+        following(cores(60.0), 1e-3, times=[2.0]), id="cores", marks=pytest.mark.slow
+    ),
+    pytest.param(
+        following(BEDS["kinds of pellets"], 1e-3), id="pellets", marks=pytest.mark.slow
+    ),
+    pytest.param(
+        following(BEDS["adsorbing section"], 1e-5),
+        id="section that adsorbs",
+        marks=pytest.mark.slow,
+    ),
 ]
 
 
@@ -169,13 +221,17 @@ def test_restart_on_cells_that_follow_goes_on_bit_for_bit(tmp_path, monkeypatch,
     whole = contbed.run(from_dict(given))
     assert whole.qoi["cells_changes"] > 1 and whole.qoi["time_steps"] > STOP
     interrupted(given, tmp_path / "a", monkeypatch)
-    same(contbed.run(from_dict(given), out=tmp_path / "b", restart=tmp_path / "a"), whole)
+    same(
+        contbed.run(from_dict(given), out=tmp_path / "b", restart=tmp_path / "a"), whole
+    )
     for name, balance in whole.balances.items():
         assert abs(balance["relative_residual"]) < CLOSED, name
 
 
 def test_a_run_begins_on_cells_that_fit_its_profiles(tmp_path):
-    """Profiles between two points of each cell are linear: cells are a little shorter than those they come from."""
+    """Profiles between two points of each cell are linear: cells are a little
+    shorter than those they come from.
+    """
     given = following(thermal(), 1e-3)
     given["output"] = {"plots": False}
     before = contbed.run(from_dict(given), out=tmp_path)
@@ -184,24 +240,38 @@ def test_a_run_begins_on_cells_that_fit_its_profiles(tmp_path):
     given["initial"] |= {"file": str(tmp_path / "profiles.csv")}
     course = fitted(course_of(given))
     x, T = before.profiles["x [m]"], before.profiles["T_solid [K]"]
-    found = course.problem.line.at(course.start()[course.problem.names.index("T_solid")], x)
+    found = course.problem.line.at(
+        course.start()[course.problem.names.index("T_solid")], x
+    )
     assert FEWEST < course.problem.line.cells <= 2 * before.qoi["cells"]
     assert np.abs(found - T).max() < 1e-2 * 300.0
 
 
 @pytest.mark.slow
 def test_temperatures_at_a_front_of_heat_keep_their_bounds():
-    """Within the error of cells that a run tells, where they leave them by 7 % on 60 cells; means to 0.2 K of 539 K."""
-    scene = contbed.load(fronts.HERE / "oxygen_carrier.toml", {"output.positions": fronts.X.tolist()})
+    """Within the error of cells that a run tells, where they leave them by 7 % on 60
+    cells; means to 0.2 K of 539 K.
+    """
+    scene = contbed.load(
+        fronts.HERE / "oxygen_carrier.toml", {"output.positions": fronts.X.tolist()}
+    )
     exact, left = fronts.reference(scene.time.end)
     result = contbed.run(scene)
     T, span = result.profiles["T_fluid [K]"], np.ptp(exact)
     assert result.qoi["cells_error"] < 0.02
-    assert max(T.max() - exact.max(), exact.min() - T.min()) < result.qoi["cells_error"] * span
+    assert (
+        max(T.max() - exact.max(), exact.min() - T.min())
+        < result.qoi["cells_error"] * span
+    )
     assert np.abs(T - exact).mean() < 0.2
     assert np.abs(result.profiles["w_S [1]"] - left).max() < 1e-3  # that of steps
-    assert any("fronts are shorter than the shortest cells" in text for text in result.warnings)
-    closed = {name: abs(balance["relative_residual"]) for name, balance in result.balances.items()}
+    assert any(
+        "fronts are shorter than the shortest cells" in text for text in result.warnings
+    )
+    closed = {
+        name: abs(balance["relative_residual"])
+        for name, balance in result.balances.items()
+    }
     assert closed.pop("energy") < 1e-11  # as on cells of one length
     assert max(closed.values()) < 0.1 * CLOSED
 
@@ -215,13 +285,23 @@ def test_a_plan_says_that_cells_are_adaptive():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda s: s["mesh"].update(cells=10), "solver.adapt = 8: cells do not follow errors beside mesh.cells"),
-        (lambda s: s["time"].update(cycle={}), "solver.adapt = 8: cells do not follow errors in time.cycle"),
+        (
+            lambda s: s["mesh"].update(cells=10),
+            "solver.adapt = 8: cells do not follow errors beside mesh.cells",
+        ),
+        (
+            lambda s: s["time"].update(cycle={}),
+            "solver.adapt = 8: cells do not follow errors in time.cycle",
+        ),
     ],
 )
 def test_cells_that_cannot_follow_are_a_mistake(change, said):
     scene = following(thermal())
-    scene["boundary"]["left"]["gas"]["temperature"] = {"times": [0, 1], "values": [600.0, 300.0], "period": 2.0}
+    scene["boundary"]["left"]["gas"]["temperature"] = {
+        "times": [0, 1],
+        "values": [600.0, 300.0],
+        "period": 2.0,
+    }
     change(scene)
     with pytest.raises(SceneError) as error:
         from_dict(scene)
@@ -233,7 +313,9 @@ def test_refinement_of_cells_that_are_not_given_is_a_mistake(time):
     scene = thermal()
     scene["time"] = time
     scene["mesh"]["refine"] = 1
-    with pytest.raises(SceneError, match="has no effect on cells that the run chooses; give mesh"):
+    with pytest.raises(
+        SceneError, match="has no effect on cells that the run chooses; give mesh"
+    ):
         from_dict(scene)
     scene["mesh"]["cells"] = 3
     assert plan(from_dict(scene)).problem.line.cells == 6

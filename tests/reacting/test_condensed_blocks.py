@@ -1,4 +1,6 @@
-"""Fields in no flux are eliminated at their nodes: the same solution as that of the whole matrix."""
+"""Fields in no flux are eliminated at their nodes: the same solution as that of the
+whole matrix.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ SIZES = np.ones(M), np.ones(M)
 def blocks():
     """Random blocks; local fields have entries at their own nodes alone."""
     random = np.random.default_rng(7)
-    lower, own, upper = (random.standard_normal((N, M, NODES, M, NODES)) for _ in range(3))
+    lower, own, upper = (
+        random.standard_normal((N, M, NODES, M, NODES)) for _ in range(3)
+    )
     for part in (lower, own, upper):
         for f in LOCAL:
             part[:, f] = 0.0
@@ -32,7 +36,9 @@ def blocks():
 
 
 def held(parts, local=()):
-    """Blocks in which what a node takes from itself is among the sources: half of it, and all of local fields."""
+    """Blocks in which what a node takes from itself is among the sources: half of
+    it, and all of local fields.
+    """
     lower, own, upper = parts
     exchanged = np.setdiff1d(np.arange(M), local)
     measure = np.random.default_rng(10).uniform(0.5, 2.0, (N, NODES))
@@ -75,7 +81,12 @@ def test_wide_blocks_have_sparse_factors_with_the_same_solution(local, monkeypat
     right = np.random.default_rng(8).standard_normal((M, N, NODES))
     as_band = Factors(held(blocks(), local), SIZES).solve(right)
     monkeypatch.setattr(line_blocks, "WIDEST", 1)
-    np.testing.assert_allclose(Factors(held(blocks(), local), SIZES).solve(right), as_band, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(
+        Factors(held(blocks(), local), SIZES).solve(right),
+        as_band,
+        rtol=1e-11,
+        atol=1e-13,
+    )
 
 
 @pytest.mark.parametrize(("value", "told"), [(0.0, "singular"), (np.nan, "not finite")])
@@ -90,11 +101,22 @@ def test_sparse_factors_tell_what_is_wrong(value, told, monkeypatch):
 
 @pytest.mark.parametrize("local", [(), LOCAL], ids=["all fields", "condensed"])
 def test_units_leave_the_solution_as_exact_as_it_was(local):
-    """Equations in other units and unknowns in others, a million times and a billionth: digits are lost to rounding."""
+    """Equations in other units and unknowns in others, a million times and a
+    billionth: digits are lost to rounding.
+    """
     random = np.random.default_rng(9)
-    equations, unknowns = 10.0 ** random.uniform(-6, 6, M), 10.0 ** random.uniform(-9, 9, M)
+    equations, unknowns = (
+        10.0 ** random.uniform(-6, 6, M),
+        10.0 ** random.uniform(-9, 9, M),
+    )
     right = random.standard_normal((M, N, NODES))
     plain = Factors(held(blocks(), local), SIZES).solve(right)
-    other = tuple(part * equations[:, None, None, None] / unknowns[:, None] for part in blocks())
-    found = Factors(held(other, local), (equations, unknowns)).solve(right * equations[:, None, None])
-    np.testing.assert_allclose(found / unknowns[:, None, None], plain, rtol=1e-12, atol=1e-14)
+    other = tuple(
+        part * equations[:, None, None, None] / unknowns[:, None] for part in blocks()
+    )
+    found = Factors(held(other, local), (equations, unknowns)).solve(
+        right * equations[:, None, None]
+    )
+    np.testing.assert_allclose(
+        found / unknowns[:, None, None], plain, rtol=1e-12, atol=1e-14
+    )

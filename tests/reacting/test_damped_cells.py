@@ -1,7 +1,8 @@
-"""Fluxes that damp amounts inside of cells: exact derivatives, heat that goes with them, gas that fills the pores.
+"""Fluxes that damp amounts inside of cells: exact derivatives, heat that goes with
+them, gas that fills the pores.
 
-Amounts of a gas that is stored are bounded to 1e-10 of their size, to which Newton's method solves; each test first
-sees how far they would fall.
+Amounts of a gas that is stored are bounded to 1e-10 of their size, to which Newton's
+method solves; each test first sees how far they would fall.
 """
 
 from __future__ import annotations
@@ -28,15 +29,24 @@ def with_rings(scene):
     scene = deepcopy(scene)
     scene["mesh"]["diameter"] = 0.1
     scene["boundary"]["wall"] = {"coefficient": 50.0, "ambient": 600.0}
-    scene["packed_bed"]["section"] = {"rings": 2, "conductivity_solids": 2.0, "dispersion": 1e-3}
+    scene["packed_bed"]["section"] = {
+        "rings": 2,
+        "conductivity_solids": 2.0,
+        "dispersion": 1e-3,
+    }
     return scene
 
 
 def one_temperature(scene):
     """Gas and particles that go the same way."""
-    closures = {key: scene["closures"][key] for key in ("conductivity_solids", "sherwood", "dispersion_mass")}
+    closures = {
+        key: scene["closures"][key]
+        for key in ("conductivity_solids", "sherwood", "dispersion_mass")
+    }
     boundary = {"left": {"gas": {"velocity": 0.5, "temperature": 400.0}}}
-    return let_move(scene | {"boundary": boundary, "closures": closures}, 2e-4, temperature=400.0)
+    return let_move(
+        scene | {"boundary": boundary, "closures": closures}, 2e-4, temperature=400.0
+    )
 
 
 BEDS = {
@@ -57,52 +67,89 @@ def bed_of(scene, stored):
 @pytest.mark.parametrize("stored", [False, True], ids=["at once", "stored"])
 @pytest.mark.parametrize("scene", BEDS.values(), ids=BEDS)
 def test_derivatives_of_damping(scene, stored):
-    """What damping adds against differences of steps of 1e-4, which are of order 2; it adds nothing to a cell."""
+    """What damping adds against differences of steps of 1e-4, which are of order 2;
+    it adds nothing to a cell.
+    """
     problem, random = bed_of(scene, stored), np.random.default_rng(5)
     m, N = len(problem.names), problem.line.cells
     damping = random.uniform(0.0, 2.0, (m, N)) * (carried(problem) > 0.0)[:, None]
     damped = replace(problem, damping=damping)
     scale = problem.sizes[:, None, None]
-    u = problem.start() * random.uniform(0.9, 1.1, (m, N, 4)) + 0.1 * scale * random.uniform(0.1, 1.0, (m, N, 4))
+    u = problem.start() * random.uniform(
+        0.9, 1.1, (m, N, 4)
+    ) + 0.1 * scale * random.uniform(0.1, 1.0, (m, N, 4))
     v = random.uniform(-1.0, 1.0, u.shape) * scale
 
     def added(at):
-        return damped.system.assemble(at, False)[0] - problem.system.assemble(at, False)[0]
+        return (
+            damped.system.assemble(at, False)[0] - problem.system.assemble(at, False)[0]
+        )
 
     def product(of):
         matrix = of.system.assemble(u)[1].matrix(of.flux_sizes)
         return (matrix @ v.ravel()).reshape(u.shape)
 
     step = 1e-4
-    differences = (added(u + step * v) - added(u - step * v)) / (2.0 * step) / problem.flux_sizes[:, None, None]
+    differences = (
+        (added(u + step * v) - added(u - step * v))
+        / (2.0 * step)
+        / problem.flux_sizes[:, None, None]
+    )
     exact = product(damped) - product(problem)
     assert np.abs(exact).max() > 0.1
-    np.testing.assert_allclose(exact, differences, rtol=0.0, atol=1e-6 * np.abs(exact).max())
+    np.testing.assert_allclose(
+        exact, differences, rtol=0.0, atol=1e-6 * np.abs(exact).max()
+    )
     moved = added(u) / problem.flux_sizes[:, None, None]
-    np.testing.assert_allclose(moved.sum(axis=2), 0.0, atol=1e-12 * max(1.0, np.abs(moved).max()))
+    np.testing.assert_allclose(
+        moved.sum(axis=2), 0.0, atol=1e-12 * max(1.0, np.abs(moved).max())
+    )
 
 
-@pytest.mark.parametrize("temperatures", [{"T": 800.0}, {"T_fluid": 700.0, "T_solid": 900.0}])
+@pytest.mark.parametrize(
+    "temperatures", [{"T": 800.0}, {"T_fluid": 700.0, "T_solid": 900.0}]
+)
 @pytest.mark.parametrize("stored", [False, True], ids=["at once", "stored"])
 def test_fluxes_of_damping_carry_their_heat(stored, temperatures):
-    """To rounding; where the gas fills the pores its moles go both ways. Two kinds together are one."""
+    """To rounding; where the gas fills the pores its moles go both ways. Two kinds
+    together are one.
+    """
     scene = hot() if len(temperatures) == 2 else one_temperature(hot())
     one, two = bed_of(scene, stored), bed_of(split(scene), stored)
     random = np.random.default_rng(7)
     values = {name: np.array([x]) for name, x in (one.entering | temperatures).items()}
-    J = {name: random.uniform(-1.0, 1.0, 1) if name[:2] in ("g_", "n_") else np.zeros(1) for name in values}
+    J = {
+        name: random.uniform(-1.0, 1.0, 1) if name[:2] in ("g_", "n_") else np.zeros(1)
+        for name in values
+    }
 
     def damped(problem, shares):
         def of(table):
-            """The fluxes of each kind are its share, its temperature is that of both."""
-            names = {f"{name}_{kind}": (name, share) for kind, share in shares.items() for name in table}
-            amounts = {new: table[name] * (share if name[:2] == "n_" else 1.0) for new, (name, share) in names.items()}
+            """The fluxes of each kind are its share, its temperature is that of
+            both.
+            """
+            names = {
+                f"{name}_{kind}": (name, share)
+                for kind, share in shares.items()
+                for name in table
+            }
+            amounts = {
+                new: table[name] * (share if name[:2] == "n_" else 1.0)
+                for new, (name, share) in names.items()
+            }
             return [(table | amounts)[name] for name in problem.layout.names]
 
-        return dict(zip(problem.layout.names, problem.bed.damped(of(values), of(J)), strict=True))
+        return dict(
+            zip(
+                problem.layout.names, problem.bed.damped(of(values), of(J)), strict=True
+            )
+        )
 
     found, h = damped(one, {}), one.bed.enthalpies
-    gas, solids = [f"g_{name}" for name in one.layout.gases], [f"n_{name}" for name in one.layout.solids]
+    gas, solids = (
+        [f"g_{name}" for name in one.layout.gases],
+        [f"n_{name}" for name in one.layout.solids],
+    )
     moved = {name: float(found[name][0]) for name in (*gas, *solids)}
     assert abs(sum(moved[name] for name in gas)) < 1e-15 or not stored
     assert all(moved[name] == J[name][0] for name in solids)
@@ -114,15 +161,24 @@ def test_fluxes_of_damping_carry_their_heat(stored, temperatures):
     shares = {"coarse": 0.3, "fine": 0.7}
     both = damped(two, shares)
     for name in found:
-        sums = [both[name]] if name in both else [both[f"{name}_{kind}"] for kind in shares]
-        np.testing.assert_allclose(np.sum(sums, axis=0), found[name], rtol=1e-12, atol=1e-12)
+        sums = (
+            [both[name]]
+            if name in both
+            else [both[f"{name}_{kind}"] for kind in shares]
+        )
+        np.testing.assert_allclose(
+            np.sum(sums, axis=0), found[name], rtol=1e-12, atol=1e-12
+        )
 
 
 def entering(composition, initial, gases):
     scene = isothermal(composition, gases)
     scene["mesh"]["cells"] = 6
     scene["packed_bed"]["gas_storage"] = "stored"
-    return scene | {"initial": {"gas": {"composition": initial}}, "time": {"end": RESIDENCE, "tolerance": 1e-3}}
+    return scene | {
+        "initial": {"gas": {"composition": initial}},
+        "time": {"end": RESIDENCE, "tolerance": 1e-3},
+    }
 
 
 def dispersed(Pe, cells=6):
@@ -134,13 +190,17 @@ def dispersed(Pe, cells=6):
 
 def of_all_masses():
     """Light and heavy gases in plug flow, of which one is a trace at first."""
-    return entering("A:0.5, C:0.5", "B:0.999, C:0.001", species(A=0.002, B=0.028, C=0.044))
+    return entering(
+        "A:0.5, C:0.5", "B:0.999, C:0.001", species(A=0.002, B=0.028, C=0.044)
+    )
 
 
 def meeting():
     """A + B -> 2 P, so fast that A and B are nowhere together."""
     scene = entering("A:0.5, B:0.5", "B:1", species(A=0.028, B=0.028, P=0.028))
-    return scene | {"reactions": {"r": {"equation": "A + B -> 2 P", "A": 5.0, "E": 0.0}}}
+    return scene | {
+        "reactions": {"r": {"equation": "A + B -> 2 P", "A": 5.0, "E": 0.0}}
+    }
 
 
 STORED = {
@@ -154,7 +214,10 @@ LONG = ("steep front", "plug flow")
 
 @pytest.mark.parametrize(
     ("scene", "falls"),
-    [pytest.param(*case, id=name, marks=[pytest.mark.slow] * (name in LONG)) for name, case in STORED.items()],
+    [
+        pytest.param(*case, id=name, marks=[pytest.mark.slow] * (name in LONG))
+        for name, case in STORED.items()
+    ],
 )
 def test_no_stored_gas_falls_below_zero(monkeypatch, scene, falls):
     assert unbounded(monkeypatch, scene) < falls
@@ -171,7 +234,9 @@ def test_no_stored_gas_falls_below_zero(monkeypatch, scene, falls):
 
 
 def exactly(Pe, times):
-    """What leaves a closed vessel after a step (Danckwerts 1953), at times over the residence."""
+    """What leaves a closed vessel after a step (Danckwerts 1953), at times over the
+    residence.
+    """
 
     def transform(p):
         a = np.sqrt(1.0 + 4.0 * p / Pe)
@@ -191,16 +256,30 @@ def test_fronts_that_are_damped_are_exact_on_finer_cells():
         scene["output"]["positions"] = [1.0]
         result = contbed.run(from_dict(scene))
         assert result.qoi["steps_damped"] > 0
-        errors.append(np.abs(result.profiles["x_A [1]"][: len(times)] - exactly(20.0, times)).max())
+        errors.append(
+            np.abs(
+                result.profiles["x_A [1]"][: len(times)] - exactly(20.0, times)
+            ).max()
+        )
     assert errors[0] < 2e-3
     assert errors[0] > 2.0**3 * errors[1]
 
 
 def test_a_front_without_heat_leaves_the_temperature():
-    """One gas displaces another whose formation takes 400 kJ/mol more: without its heat in the fluxes a run fails."""
+    """One gas displaces another whose formation takes 400 kJ/mol more: without its
+    heat in the fluxes a run fails.
+    """
     scene, _ = heated(4.0)
-    more = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0, "enthalpy": -4e5}
-    scene["gas"] |= {"composition": "B:1", "species": scene["gas"]["species"] | {"B": more}}
+    more = {
+        "elements": {"H": 28.0},
+        "molar_mass": 0.028,
+        "heat_capacity": 30.0,
+        "enthalpy": -4e5,
+    }
+    scene["gas"] |= {
+        "composition": "B:1",
+        "species": scene["gas"]["species"] | {"B": more},
+    }
     scene["boundary"]["left"]["gas"]["temperature"] = 300.0
     scene["mesh"]["cells"] = 6
     scene["time"] |= {"end": 0.3}
@@ -214,7 +293,8 @@ def test_a_front_without_heat_leaves_the_temperature():
 
 
 def test_a_gas_that_has_come_to_rest_takes_long_steps():
-    """A -> B -> C: B and C are zero where the gas enters, and damped there for ever; 45 residences take 4 steps.
+    """A -> B -> C: B and C are zero where the gas enters, and damped there for ever; 45
+    residences take 4 steps.
 
     Damping that comes and goes takes ten thousand.
     """

@@ -1,4 +1,5 @@
-"""Gases that are used up within the bed at orders below 1: c^(1-n) falls by a straight line to zero, and stays there.
+"""Gases that are used up within the bed at orders below 1: c^(1-n) falls by a straight
+line to zero, and stays there.
 
 u dc/dx = -eps k c^n,    c = (c0^(1-n) - (1-n) eps k x/u)^(1/(1-n)) before the point of extinction, 0 behind it
 """
@@ -14,7 +15,8 @@ import contbed
 from contbed.closures.formula import parse_formula
 from contbed.loading import from_dict
 
-K, EPS, SPEED = 20.0, 0.4, 0.5  # [mol^(1-n)/m^(3-3n)/s], [-], [m/s]; for n = 1/2 it ends at 0.61 m
+# [mol^(1-n)/m^(3-3n)/s], [-], [m/s]; for n = 1/2 it ends at 0.61 m
+K, EPS, SPEED = 20.0, 0.4, 0.5
 X = np.linspace(0.0, 1.0, 81)
 
 
@@ -33,7 +35,9 @@ def power(n, **more):
 
 
 def solved(scene, n):
-    """The run, and the largest error of x_A outside of the cell in which the gas ends."""
+    """The run, and the largest error of x_A outside of the cell in which the gas
+    ends.
+    """
     found = contbed.run(from_dict(scene))
     assert found.status == "ok" and not found.warnings
     assert abs(found.balances["H"]["relative_residual"]) < CLOSED
@@ -59,7 +63,9 @@ def solved(scene, n):
     ids=["formula", "pressure", "order", "given cells"],
 )
 def test_a_square_root_ends_at_a_point(scene):
-    """A parabola, which the cells hold: what is left are powers below 1e-7 of the gas, and the cell where it ends."""
+    """A parabola, which the cells hold: what is left are powers below 1e-7 of the
+    gas, and the cell where it ends.
+    """
     found, error = solved(scene, 0.5)
     assert error < 1e-6  # solver.tolerance
     assert found.qoi["conversion_A"] == pytest.approx(1.0, abs=1e-10)
@@ -69,7 +75,9 @@ def test_a_square_root_ends_at_a_point(scene):
 
 @pytest.mark.parametrize("n", [0.3, 0.7])
 def test_other_orders_end_at_a_point(n):
-    """Behind that of 0.7, which needs no help, polynomials of the cells around it reach further."""
+    """Behind that of 0.7, which needs no help, polynomials of the cells around it
+    reach further.
+    """
     found, error = solved(power(n), n)
     assert error < 3e-5  # of cells, as solver.tolerance^0.7 is what they are held to
     assert found.qoi["conversion_A"] == pytest.approx(1.0, abs=1e-10)
@@ -86,11 +94,22 @@ def test_two_gases_that_end_at_once_or_one_of_them():
 
 
 def test_smooth_powers_of_a_formula():
-    """Straight below a share of what a power is taken of at the sizes; all else is as it is."""
+    """Straight below a share of what a power is taken of at the sizes; all else is
+    as it is.
+    """
     formula = parse_formula("2*a**0.5 + sqrt(3*b)/a**1.5 - c**k")
-    assert formula.has_roots({}) and not parse_formula("a**1.5 + b**k/a**(-0.5)").has_roots({"k": 2.0})
-    assert parse_formula("b**k").has_roots({"k": 0.5}) and not parse_formula("b**k").has_roots({})
-    values = {"a": np.array([4.0, 1e-6]), "b": np.array([9.0, 1e-7]), "c": np.array([2.0, 2.0]), "k": 0.5}
+    assert formula.has_roots({}) and not parse_formula(
+        "a**1.5 + b**k/a**(-0.5)"
+    ).has_roots({"k": 2.0})
+    assert parse_formula("b**k").has_roots({"k": 0.5}) and not parse_formula(
+        "b**k"
+    ).has_roots({})
+    values = {
+        "a": np.array([4.0, 1e-6]),
+        "b": np.array([9.0, 1e-7]),
+        "c": np.array([2.0, 2.0]),
+        "k": 0.5,
+    }
     small, sizes = 0.01, {"a": 2.0, "b": 5.0, "c": 1.0, "k": 0.5}
 
     def smooth(x, s):
@@ -98,36 +117,66 @@ def test_smooth_powers_of_a_formula():
 
     a, b = values["a"], values["b"]
     wanted = 2.0 * smooth(a, 0.02) + smooth(3.0 * b, 0.15) / a**1.5 - smooth(2.0, 0.01)
-    assert formula(values, small, sizes) == pytest.approx(wanted, rel=1e-9)  # of 1e-14 in a**1.5
-    assert formula(values) == pytest.approx(2.0 * a**0.5 + (3.0 * b) ** 0.5 / a**1.5 - 2.0**0.5, rel=1e-9)
+    # of 1e-14 in a**1.5
+    assert formula(values, small, sizes) == pytest.approx(wanted, rel=1e-9)
+    assert formula(values) == pytest.approx(
+        2.0 * a**0.5 + (3.0 * b) ** 0.5 / a**1.5 - 2.0**0.5, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize(
     ("scene", "k", "n"),
     [
         pytest.param(power(0.5, cells=12), K, 0.5, id="order"),
-        pytest.param(bed(64, rate="k*c_A**n", parameters={"k": K, "n": 0.5}), K, 0.5, id="formula"),
-        pytest.param(bed(16, A=10.0 * K, E=0.0, orders={"A": 0.3}), 10.0 * K, 0.3, id="within one cell"),
-        pytest.param(power(0.5) | {"solver": {"adapt": 8, "tolerance": 1e-4}}, K, 0.5, id="following"),
+        pytest.param(
+            bed(64, rate="k*c_A**n", parameters={"k": K, "n": 0.5}),
+            K,
+            0.5,
+            id="formula",
+        ),
+        pytest.param(
+            bed(16, A=10.0 * K, E=0.0, orders={"A": 0.3}),
+            10.0 * K,
+            0.3,
+            id="within one cell",
+        ),
+        pytest.param(
+            power(0.5) | {"solver": {"adapt": 8, "tolerance": 1e-4}},
+            K,
+            0.5,
+            id="following",
+        ),
     ],
 )
 def test_a_gas_that_ends_in_time_is_as_in_a_steady_bed(scene, k, n):
-    """Away from the cells around its end to the share that is smoothed, 1e-5, or what following cells are held to."""
+    """Away from the cells around its end to the share that is smoothed, 1e-5, or
+    what following cells are held to.
+    """
     packed_bed = scene["packed_bed"] | {"gas_storage": "quasi_steady"}
-    found = contbed.run(from_dict(scene | {"time": {"end": 1.0}, "packed_bed": packed_bed}))
+    found = contbed.run(
+        from_dict(scene | {"time": {"end": 1.0}, "packed_bed": packed_bed})
+    )
     left = MOLAR ** (1.0 - n) - (1.0 - n) * EPS * k * X / SPEED
-    off = np.abs(found.profiles["x_A [1]"] - np.maximum(left, 0.0) ** (1.0 / (1.0 - n)) / MOLAR)
+    off = np.abs(
+        found.profiles["x_A [1]"] - np.maximum(left, 0.0) ** (1.0 / (1.0 - n)) / MOLAR
+    )
     far = np.abs(X - MOLAR ** (1.0 - n) * SPEED / ((1.0 - n) * EPS * k)) > 0.1
-    assert far.sum() > 60 and off[far].max() < (1e-4**0.7 if "solver" in scene else 1e-5)
+    assert far.sum() > 60 and off[far].max() < (
+        1e-4**0.7 if "solver" in scene else 1e-5
+    )
     assert abs(found.balances["H"]["relative_residual"]) < CLOSED
 
 
 @pytest.mark.parametrize("trace", [1e-3, 1e-6])
 def test_powers_of_a_trace_in_time_stay(trace):
-    """A tenth of it is left where the bed ends: what is smoothed is a share of the trace, 1e-5, of 0.1 of it."""
+    """A tenth of it is left where the bed ends: what is smoothed is a share of the
+    trace, 1e-5, of 0.1 of it.
+    """
     k = (1.0 - 0.1**0.5) * 2.0 * (trace * MOLAR) ** 0.5 * SPEED / EPS
     scene = bed(cells=8, A=k, E=0.0, orders={"A": 0.5})
     scene["gas"]["composition"] = f"A:{trace}, B:{1.0 - trace}"
     scene["time"] = {"end": 1.0}
     scene["packed_bed"]["gas_storage"] = "quasi_steady"
-    assert contbed.run(from_dict(scene)).qoi["x_A_out"] == pytest.approx(0.1 * trace, rel=1e-6)
+    assert contbed.run(from_dict(scene)).qoi["x_A_out"] == pytest.approx(
+        0.1 * trace, rel=1e-6
+    )

@@ -1,7 +1,9 @@
-"""Fronts that move through beds at rest, against their closed forms: speeds, and temperatures between and behind them.
+"""Fronts that move through beds at rest, against their closed forms: speeds, and
+temperatures between and behind them.
 
-Of a catalytic bed the rate is that above a temperature of ignition and none below, here over a width: what that
-changes a trajectory of the equations in the frame of the front tells, theta' = s theta - 1 + c, c' = -K H(theta) c.
+Of a catalytic bed the rate is that above a temperature of ignition and none below, here
+over a width: what that changes a trajectory of the equations in the frame of the front
+tells, theta' = s theta - 1 + c, c' = -K H(theta) c.
 """
 
 from __future__ import annotations
@@ -20,7 +22,9 @@ T0 = 300.0  # [K], of gas and bed
 
 
 def hot_between(row, cells, sharp):
-    """Result of a bed of 1 m whose solid takes the gas within 1/`sharp` of it, after 0.8 m, and fronts of the form."""
+    """Result of a bed of 1 m whose solid takes the gas within 1/`sharp` of it, after
+    0.8 m, and fronts of the form.
+    """
     F, b, N = row["F"], row["b"], row["N"]
     mass = row["G"] / F
     gases = species(A=mass, B=mass)
@@ -32,7 +36,10 @@ def hot_between(row, cells, sharp):
     scene["packed_bed"]["pressure_drop"] = "none"
     scene["solids"]["particles"] |= solids() | {"density": N * 0.1 / 0.6}
     for name, data in scene["solids"]["particles"]["constituent"].items():
-        data |= {"heat_capacity": row["C"] / N, "enthalpy": 0.0 if name == "S" else row["dH"] / b}
+        data |= {
+            "heat_capacity": row["C"] / N,
+            "enthalpy": 0.0 if name == "S" else row["dH"] / b,
+        }
     scene["heat"] = {}
     end = 0.8 / row["w_reaction"]
     scene["time"] = {"end": end, "tolerance": 1e-3}
@@ -60,14 +67,18 @@ def hot_between(row, cells, sharp):
     ],
 )
 def test_a_bed_is_hot_between_its_fronts(row, cells, sharp, off):
-    """Means of the temperature between the fronts, in kelvin, and both speeds to a thousandth and a hundredth."""
+    """Means of the temperature between the fronts, in kelvin, and both speeds to a
+    thousandth and a hundredth.
+    """
     exact = GAS_SOLID[row]
     result, cold, reacted = hot_between(exact, cells, sharp)
     x, T = result.profiles["x [m]"], result.profiles["T_fluid [K]"]
     place = (x - cold) / (reacted - cold)
     between = (place > 0.4) & (place < 0.7)
     assert np.mean(T[between]) - T0 == pytest.approx(exact["dT"], rel=0.0, abs=off)
-    assert np.interp(0.5, result.profiles["w_S [1]"], x) == pytest.approx(reacted, rel=1e-3)
+    assert np.interp(0.5, result.profiles["w_S [1]"], x) == pytest.approx(
+        reacted, rel=1e-3
+    )
     assert x[np.argmax(0.5 * exact["dT"] < T - T0)] == pytest.approx(cold, rel=1e-2)
     assert abs(result.balances["energy"]["relative_residual"]) < 1e-12
 
@@ -78,13 +89,16 @@ WIDTH = 0.04  # of it, over which the rate of the catalytic bed begins
 
 
 def ignited(row, cells, length, travel, solids_speed=0.0):
-    """Speed of a front between two moments and the highest temperature behind or ahead of it.
+    """Speed of a front between two moments and the highest temperature behind or ahead
+    of it.
 
     Parameters
     ----------
     length : of the bed, over that of conduction lam/(G c_p)
-    travel : of a front from the inlet with the speed of the closed form until both moments, over the same
-    solids_speed : of the bed, over G c_p/C; a front that moves upstream stays in it then
+    travel : of a front from the inlet with the speed of the closed form until both
+        moments, over the same
+    solids_speed : of the bed, over G c_p/C; a front that moves upstream stays in it
+        then
     """
     cp, lam, eps = 30.0, 0.5, 0.4
     density, heat = 1000.0, 800.0
@@ -106,7 +120,11 @@ def ignited(row, cells, length, travel, solids_speed=0.0):
             "equation": "A -> B",
             "basis": "bed",
             "rate": "k*x_A*0.5*(1 + tanh((T - T_i)/w))",
-            "parameters": {"k": row["K"] / unit, "T_i": T0 + row["theta_i"] * RISE, "w": WIDTH * RISE},
+            "parameters": {
+                "k": row["K"] / unit,
+                "T_i": T0 + row["theta_i"] * RISE,
+                "w": WIDTH * RISE,
+            },
         }
     }
     times = [xi * unit / (speed * (solids_speed + row["omega"])) for xi in travel]
@@ -119,23 +137,46 @@ def ignited(row, cells, length, travel, solids_speed=0.0):
     result = contbed.run(from_dict(scene))
     theta = (result.profiles["T_fluid [K]"].reshape(2, -1) - T0) / RISE
     ahead = [int(np.argmax(one > row["theta_i"])) for one in theta]
-    at = [np.interp(row["theta_i"], one[: k + 1][-2:], x[: k + 1][-2:]) for one, k in zip(theta, ahead, strict=True)]
-    return (at[1] - at[0]) / (times[1] - times[0]) / speed - solids_speed, theta[1].max()
+    at = [
+        np.interp(row["theta_i"], one[: k + 1][-2:], x[: k + 1][-2:])
+        for one, k in zip(theta, ahead, strict=True)
+    ]
+    return (at[1] - at[0]) / (times[1] - times[0]) / speed - solids_speed, theta[
+        1
+    ].max()
 
 
 def of_trajectory(row):
-    """Speed omega = 1 - s of a front whose rate begins over WIDTH: theta ends at 1/s where nothing is left."""
+    """Speed omega = 1 - s of a front whose rate begins over WIDTH: theta ends at 1/s
+    where nothing is left.
+    """
     theta_i, K = row["theta_i"], row["K"]
 
     def slopes(_, y, s):
-        return [s * y[0] - 1.0 + y[1], -0.5 * K * (1.0 + np.tanh((y[0] - theta_i) / WIDTH)) * y[1]]
+        return [
+            s * y[0] - 1.0 + y[1],
+            -0.5 * K * (1.0 + np.tanh((y[0] - theta_i) / WIDTH)) * y[1],
+        ]
 
     def missed(s):
-        ends = [lambda x, y, s: y[1] - 1e-9, lambda x, y, s: y[0] - 3.0 / s, lambda x, y, s: y[0] - theta_i + 0.5]
+        ends = [
+            lambda x, y, s: y[1] - 1e-9,
+            lambda x, y, s: y[0] - 3.0 / s,
+            lambda x, y, s: y[0] - theta_i + 0.5,
+        ]
         for end in ends:
             end.terminal = True
         start = [theta_i - 12.0 * WIDTH, 1.0]
-        path = solve_ivp(slopes, (0.0, 400.0), start, "LSODA", events=ends, args=(s,), rtol=1e-11, atol=1e-13)
+        path = solve_ivp(
+            slopes,
+            (0.0, 400.0),
+            start,
+            "LSODA",
+            events=ends,
+            args=(s,),
+            rtol=1e-11,
+            atol=1e-13,
+        )
         theta, c = path.y[:, -1]
         return theta - 1.0 / s + c / (s + K)
 
@@ -143,12 +184,18 @@ def of_trajectory(row):
     return 1.0 - brentq(missed, s - 0.01, s + 0.01, xtol=1e-12)
 
 
-@pytest.mark.parametrize("row", CATALYTIC, ids=lambda row: f"{row['theta_i']:g}-{row['K']:g}")
+@pytest.mark.parametrize(
+    "row", CATALYTIC, ids=lambda row: f"{row['theta_i']:g}-{row['K']:g}"
+)
 def test_what_the_width_of_ignition_changes(row):
-    """At most 4e-3 of the speed of heat: less than cells do in the runs below; the closed form is that of no width."""
+    """At most 4e-3 of the speed of heat: less than cells do in the runs below; the
+    closed form is that of no width.
+    """
     assert of_trajectory(row) == pytest.approx(row["omega"], rel=0.0, abs=4e-3)
     s = 1.0 - row["omega"]
-    assert row["theta_i"] * s**2 + row["K"] * row["theta_i"] * s - row["K"] == pytest.approx(0.0, abs=1e-10)
+    assert row["theta_i"] * s**2 + row["K"] * row["theta_i"] * s - row[
+        "K"
+    ] == pytest.approx(0.0, abs=1e-10)
 
 
 @pytest.mark.slow
@@ -163,7 +210,8 @@ def test_what_the_width_of_ignition_changes(row):
     ids=["upstream", "downstream", "thin", "fast"],
 )
 def test_speeds_of_catalytic_fronts(number, cells, length, travel, solids_speed, off):
-    """To 2e-3 of the speed of heat, which cells of a quarter to two thirds of the reaction's length and settling leave.
+    """To 2e-3 of the speed of heat, which cells of a quarter to two thirds of the
+    reaction's length and settling leave.
 
     The thin front reacts within less than a cell.
     """
@@ -178,5 +226,8 @@ def test_speeds_of_catalytic_fronts(number, cells, length, travel, solids_speed,
 def test_speeds_follow_the_cells():
     """Half of the length of cells leaves less than half of the error."""
     row = CATALYTIC[1]
-    errors = [abs(ignited(row, cells, 8.0, (3.5, 4.5))[0] - of_trajectory(row)) for cells in (32, 64)]
+    errors = [
+        abs(ignited(row, cells, 8.0, (3.5, 4.5))[0] - of_trajectory(row))
+        for cells in (32, 64)
+    ]
     assert errors[1] < 0.5 * errors[0]

@@ -1,11 +1,24 @@
-"""Runs that begin with profiles: exact where these move or decay, continued from an earlier run, bad tables told."""
+"""Runs that begin with profiles: exact where these move or decay, continued from an
+earlier run, bad tables told.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 from adsorption_scenes import adsorber
-from reacting_bed_scenes import MOLAR, N_SOLID, R_GAS, P, fixed_bed, heated, isothermal, let_move, solids, species
+from reacting_bed_scenes import (
+    MOLAR,
+    N_SOLID,
+    R_GAS,
+    P,
+    fixed_bed,
+    heated,
+    isothermal,
+    let_move,
+    solids,
+    species,
+)
 from several_solids import split
 from solving import solved
 
@@ -18,7 +31,8 @@ from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.equations.inside import Inside, Isotherm
 
 RESIDENCE = 0.8  # [s] of the gas of `isothermal` in its pores
-STEPS = 2e-4  # steps to a local tolerance of 1e-4, of one order more than their estimate
+# steps to a local tolerance of 1e-4, of one order more than their estimate
+STEPS = 2e-4
 
 
 def begins_with(scene, path, text, **initial):
@@ -30,7 +44,15 @@ def begins_with(scene, path, text, **initial):
 
 def rows(header, *columns):
     return (
-        "\n".join([header, *(",".join(f"{float(value)!r}" for value in row) for row in zip(*columns, strict=True))])
+        "\n".join(
+            [
+                header,
+                *(
+                    ",".join(f"{float(value)!r}" for value in row)
+                    for row in zip(*columns, strict=True)
+                ),
+            ]
+        )
         + "\n"
     )
 
@@ -40,7 +62,9 @@ def rows(header, *columns):
 
 @pytest.mark.parametrize("direction", [1.0, -1.0], ids=["to the right", "to the left"])
 def test_a_gas_in_the_pores_moves_and_decays_from_its_profile(tmp_path, direction):
-    """x_A is 0.8 of the way of the gas from its inlet, moved by u t/eps and times e^(-k t); the table is linear."""
+    """x_A is 0.8 of the way of the gas from its inlet, moved by u t/eps and times
+    e^(-k t); the table is linear.
+    """
     k, after = 0.5, 0.5
     scene = isothermal("B:1", species(A=0.028, B=0.028))
     if direction < 0:
@@ -50,14 +74,19 @@ def test_a_gas_in_the_pores_moves_and_decays_from_its_profile(tmp_path, directio
     scene["time"] = {"end": after * RESIDENCE, "tolerance": 1e-5}
     scene["packed_bed"]["gas_storage"] = "stored"
     share = np.array([0.0, 0.8][:: int(direction)])
-    begins_with(scene, tmp_path, rows("x [m],x_A [1],x_B [1]", (0.0, 1.0), share, 1.0 - share))
+    begins_with(
+        scene, tmp_path, rows("x [m],x_A [1],x_B [1]", (0.0, 1.0), share, 1.0 - share)
+    )
     found = solved(scene)
     x = found.profiles["x [m]"]
     way = (x if direction > 0 else 1.0 - x) - after
     exact = 0.8 * np.maximum(way, 0.0) * np.exp(-k * after * RESIDENCE)
-    assert np.abs(found.profiles["x_A [1]"] - exact)[np.abs(way) > 0.3].max() < 1e-5  # steps to a local error of 1e-5
-    assert np.abs(found.profiles["x_A [1]"] - exact).max() < 1e-2  # a kink in cells of 0.05
-    entered = 0.5 * MOLAR * after * RESIDENCE * 28.0  # kg of H per kg/mol of these species, all of what passes
+    # steps to a local error of 1e-5
+    assert np.abs(found.profiles["x_A [1]"] - exact)[np.abs(way) > 0.3].max() < 1e-5
+    # a kink in cells of 0.05
+    assert np.abs(found.profiles["x_A [1]"] - exact).max() < 1e-2
+    # kg of H per kg/mol of these species, all of what passes
+    entered = 0.5 * MOLAR * after * RESIDENCE * 28.0
     assert found.balances["H"]["in"] == pytest.approx(entered, rel=1e-12)
 
 
@@ -66,7 +95,13 @@ def decaying(**time):
     scene = isothermal("A:1", species(A=0.028))
     scene["solids"]["particles"] |= solids()
     scene["reactions"] = {
-        "r": {"equation": "S -> P", "A": 1e-3 / 0.6, "E": 0.0, "orders": {"S": 1.0}, "basis": "particle"},
+        "r": {
+            "equation": "S -> P",
+            "A": 1e-3 / 0.6,
+            "E": 0.0,
+            "orders": {"S": 1.0},
+            "basis": "particle",
+        },
     }
     scene["mesh"]["cells"] = 4
     scene["time"] = {"end": 1000.0, **time}
@@ -75,21 +110,33 @@ def decaying(**time):
 
 @pytest.mark.parametrize("by", ["moles", "mass"])
 def test_solids_at_rest_decay_from_their_profile(tmp_path, by):
-    """S falls from 0.2 + 0.6 x by one and the same factor everywhere, which is that of a uniform bed."""
+    """S falls from 0.2 + 0.6 x by one and the same factor everywhere, which is that
+    of a uniform bed.
+    """
     share = np.array([0.2, 0.8])
-    header, of = ("n_S [mol/m3],n_P [mol/m3]", N_SOLID) if by == "moles" else ("w_S [1],w_P [%]", 1.0)
+    header, of = (
+        ("n_S [mol/m3],n_P [mol/m3]", N_SOLID)
+        if by == "moles"
+        else ("w_S [1],w_P [%]", 1.0)
+    )
     other = (1.0 - share) * of * (1.0 if by == "moles" else 100.0)
     table = rows(f"x [m],{header}", (0.0, 1.0), share * of, other)
     found = solved(begins_with(decaying(), tmp_path, table))
     x = found.profiles["x [m]"]
     left = solved(decaying()).profiles["w_S [1]"][0]
-    assert found.profiles["n_S [mol/m3]"] / N_SOLID == pytest.approx((0.2 + 0.6 * x) * left, abs=STEPS)
-    assert found.profiles["w_S [1]"] + found.profiles["w_P [1]"] == pytest.approx(1.0, abs=1e-12)
+    assert found.profiles["n_S [mol/m3]"] / N_SOLID == pytest.approx(
+        (0.2 + 0.6 * x) * left, abs=STEPS
+    )
+    assert found.profiles["w_S [1]"] + found.profiles["w_P [1]"] == pytest.approx(
+        1.0, abs=1e-12
+    )
     assert left == pytest.approx(np.exp(-1.0), abs=STEPS)
 
 
 def test_a_profile_of_temperature_moves_with_the_heat(tmp_path):
-    """One temperature, gas at once: C dT/dt + G c_p dT/dx = 0, so that the profile moves as it is."""
+    """One temperature, gas at once: C dT/dt + G c_p dT/dx = 0, so that the profile
+    moves as it is.
+    """
     scene, _ = heated(4.0)
     scene["closures"], scene["initial"] = {}, {}
     scene["mesh"]["cells"] = 20
@@ -100,8 +147,12 @@ def test_a_profile_of_temperature_moves_with_the_heat(tmp_path):
     scene["packed_bed"]["gas_storage"] = "quasi_steady"
     at = np.array([0.15, 0.17, 0.19])
     scene["output"]["positions"] = at.tolist()
-    found = solved(begins_with(scene, tmp_path, "x [cm],T_fluid [degC]\n0,26.85\n20,126.85\n"))
-    assert found.profiles["T_solid [K]"] == pytest.approx(300.0 + 500.0 * (at - 0.1), abs=300.0 * STEPS)
+    found = solved(
+        begins_with(scene, tmp_path, "x [cm],T_fluid [degC]\n0,26.85\n20,126.85\n")
+    )
+    assert found.profiles["T_solid [K]"] == pytest.approx(
+        300.0 + 500.0 * (at - 0.1), abs=300.0 * STEPS
+    )
 
 
 def test_solids_that_move_carry_their_profile(tmp_path):
@@ -112,7 +163,8 @@ def test_solids_that_move_carry_their_profile(tmp_path):
     found = solved(begins_with(scene, tmp_path, table))
     x, w = found.profiles["x [m]"], found.profiles["w_S [1]"]
     moved = np.where(x > 0.5, (1.0 - 0.8 * (x - 0.5)) * np.exp(-1.0), np.exp(-x / 0.5))
-    assert np.abs(w - moved).max() < 1e-2  # a kink in cells of 0.05, and no P at the inlet, where a cell is damped
+    # a kink in cells of 0.05, and no P at the inlet, where a cell is damped
+    assert np.abs(w - moved).max() < 1e-2
     assert np.abs(w - moved)[(np.abs(x - 0.5) > 0.2) & (x > 0.05)].max() < STEPS
 
 
@@ -121,9 +173,13 @@ def test_solids_that_move_carry_their_profile(tmp_path):
 
 @pytest.mark.parametrize("section", [False, True], ids=["line", "section"])
 def test_a_steady_state_stays(tmp_path, section):
-    """Gas and particles that conduct and react, from the profiles of their steady state."""
+    """Gas and particles that conduct and react, from the profiles of their steady
+    state.
+    """
     gas = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0}
-    scene = isothermal("A:0.9, B:0.1", {"A": gas | {"enthalpy": 4000.0}, "B": gas | {"enthalpy": 0.0}})
+    scene = isothermal(
+        "A:0.9, B:0.1", {"A": gas | {"enthalpy": 4000.0}, "B": gas | {"enthalpy": 0.0}}
+    )
     scene["gas"] |= {"viscosity": 2e-5, "conductivity": 0.05, "diffusivity": 2e-5}
     scene["solids"]["particles"] |= {"density": 2000.0, "heat_capacity": 800.0}
     scene["heat"] = {}
@@ -133,7 +189,11 @@ def test_a_steady_state_stays(tmp_path, section):
     if section:  # adiabatic: uniform across
         scene["mesh"]["diameter"] = 0.1
         scene["boundary"]["wall"] = {"heat_flux": 0.0}
-        scene["packed_bed"]["section"] = {"rings": 2, "conductivity_solids": 1.0, "conductivity_gas": 1.0}
+        scene["packed_bed"]["section"] = {
+            "rings": 2,
+            "conductivity_solids": 1.0,
+            "conductivity_gas": 1.0,
+        }
     scene["output"]["positions"] = np.linspace(0.0, 1.0, 193).tolist()
     before = solved(scene).profiles
     write_table(tmp_path / "profiles.csv", before)
@@ -144,15 +204,23 @@ def test_a_steady_state_stays(tmp_path, section):
     span = np.ptp(before["T_solid [K]"])
     assert span > 30.0
     for key, size in (("T_fluid [K]", span), ("T_solid [K]", span), ("x_A [1]", 1.0)):
-        assert after[key] == pytest.approx(before[key], abs=2e-4 * size)  # of interpolation and of steps
+        # of interpolation and of steps
+        assert after[key] == pytest.approx(before[key], abs=2e-4 * size)
 
 
 def continued(tmp_path, scene, first, end):
-    """Profiles of a run in one piece and of one that goes on from those of its first part."""
+    """Profiles of a run in one piece and of one that goes on from those of its first
+    part.
+    """
     whole = solved(scene | {"time": scene["time"] | {"end": end}})
-    part = solved(scene | {"time": scene["time"] | {"end": first, "times": [0.5 * first]}})
+    part = solved(
+        scene | {"time": scene["time"] | {"end": first, "times": [0.5 * first]}}
+    )
     write_table(tmp_path / "profiles.csv", part.profiles)
-    rest = {"time": scene["time"] | {"end": end - first}, "initial": {"file": str(tmp_path / "profiles.csv")}}
+    rest = {
+        "time": scene["time"] | {"end": end - first},
+        "initial": {"file": str(tmp_path / "profiles.csv")},
+    }
     return whole.profiles, solved(scene | rest).profiles
 
 
@@ -165,13 +233,18 @@ def reacting(cells):
 
 
 def test_a_run_goes_on_from_the_profiles_of_an_earlier_one(tmp_path):
-    """Interpolation between three positions of a cell is of order 2; steps to 1e-5 are below that."""
+    """Interpolation between three positions of a cell is of order 2; steps to 1e-5
+    are below that.
+    """
     errors = []
     for cells in (4, 8, 16):
         whole, after = continued(tmp_path, reacting(cells), 400.0, 800.0)
-        errors.append(max(np.abs(whole[key] - after[key]).max() for key in ("w_S [1]", "x_A [1]")))
+        errors.append(
+            max(np.abs(whole[key] - after[key]).max() for key in ("w_S [1]", "x_A [1]"))
+        )
     assert errors[0] < 2e-3 and errors[2] < 2e-4
-    assert errors[1] < 0.35 * errors[0] and errors[2] < 0.35 * errors[1]  # 1/4 of order 2
+    # 1/4 of order 2
+    assert errors[1] < 0.35 * errors[0] and errors[2] < 0.35 * errors[1]
 
 
 def test_two_temperatures_go_on(tmp_path):
@@ -179,7 +252,8 @@ def test_two_temperatures_go_on(tmp_path):
     scene["mesh"]["cells"] = 12
     whole, after = continued(tmp_path, scene, 2.0 / eta, 4.0 / eta)
     for key in ("T_fluid [K]", "T_solid [K]"):
-        assert after[key] == pytest.approx(whole[key], abs=0.3)  # 1e-3 of 300 K by interpolation
+        # 1e-3 of 300 K by interpolation
+        assert after[key] == pytest.approx(whole[key], abs=0.3)
 
 
 @pytest.mark.parametrize("capacity", [None, 2.0], ids=["linear", "langmuir"])
@@ -189,7 +263,8 @@ def test_particles_that_hold_gas_go_on(tmp_path, capacity):
     del scene["output"]["positions"]
     whole, after = continued(tmp_path, scene, 8.0 * unit, 12.0 * unit)
     key = "q_A [mol/kg]"
-    assert after[key] == pytest.approx(whole[key], abs=3e-3 * whole[key].max())  # interpolation of the front
+    # interpolation of the front
+    assert after[key] == pytest.approx(whole[key], abs=3e-3 * whole[key].max())
 
 
 def test_kinds_go_on_with_what_each_holds(tmp_path):
@@ -203,12 +278,17 @@ def test_kinds_go_on_with_what_each_holds(tmp_path):
 
 
 def test_rows_of_the_time_that_is_named(tmp_path):
-    table = "t [s],x [m],w_S [1],w_P [1]\n0,0,1,0\n0,1,1,0\n600,0,0.5,0.5\n600,1,0.5,0.5\n"
+    table = (
+        "t [s],x [m],w_S [1],w_P [1]\n0,0,1,0\n0,1,1,0\n600,0,0.5,0.5\n600,1,0.5,0.5\n"
+    )
     early = plan(from_dict(begins_with(decaying(), tmp_path, table, time=0.0)))
     assert "start.csv at t = 0 s: n_S, n_P" in str(early)
     late = solved(begins_with(decaying(end=10.0), tmp_path, table))
     assert late.profiles["w_S [1]"][0] == pytest.approx(0.5 * np.exp(-0.01), abs=1e-6)
-    with pytest.raises(SceneError, match=r"start\.csv:1: no rows at t = 300 s; the file has t = 0, 600 s"):
+    with pytest.raises(
+        SceneError,
+        match=r"start\.csv:1: no rows at t = 300 s; the file has t = 0, 600 s",
+    ):
         from_dict(begins_with(decaying(), tmp_path, table, time=300.0))
 
 
@@ -216,10 +296,16 @@ def test_rows_of_the_time_that_is_named(tmp_path):
 
 
 def test_loadings_give_the_concentrations_that_hold_them():
-    """What particles hold at given concentrations, and back; linear and competing isotherms, with and without pores."""
+    """What particles hold at given concentrations, and back; linear and competing
+    isotherms, with and without pores.
+    """
     points = interior(3, "sphere")
     T_solid = np.array([300.0, 400.0])
-    c = {"A": np.array([1.0, 40.0]), "B": np.array([5.0, 0.0]), "C": np.array([3.0, 1e3])}
+    c = {
+        "A": np.array([1.0, 40.0]),
+        "B": np.array([5.0, 0.0]),
+        "C": np.array([3.0, 1e3]),
+    }
     isotherms = {
         "A": Isotherm(1e-4, 2.0, -2e4, 300.0),
         "B": Isotherm(5e-4, 1.0, 0.0, 300.0),
@@ -239,15 +325,32 @@ def test_loadings_give_the_concentrations_that_hold_them():
             900.0,
             0.6,
         )
-        held = inside.held({gas: [value] * inside.count for gas, value in c.items()}, T_solid)[0]
-        q = {gas: sum(parts) / (inside.solids * inside.density) for gas, parts in held.items()}
+        held = inside.held(
+            {gas: [value] * inside.count for gas, value in c.items()}, T_solid
+        )[0]
+        q = {
+            gas: sum(parts) / (inside.solids * inside.density)
+            for gas, parts in held.items()
+        }
         found = inside.concentrations(q, T_solid)
         for gas, value in c.items():
             assert found[gas] == pytest.approx(value, rel=1e-12, abs=1e-13)
     full = Inside(
-        ("A",), {"A": isotherms["A"]}, {}, points.weights, points.stiffness, points.surface, 0.0, 1e-3, 0.0, 900.0, 0.6
+        ("A",),
+        {"A": isotherms["A"]},
+        {},
+        points.weights,
+        points.stiffness,
+        points.surface,
+        0.0,
+        1e-3,
+        0.0,
+        900.0,
+        0.6,
     )
-    assert not np.isfinite(full.concentrations({"A": np.array([2.0])}, np.array([300.0]))["A"]).any()
+    assert not np.isfinite(
+        full.concentrations({"A": np.array([2.0])}, np.array([300.0]))["A"]
+    ).any()
 
 
 def test_the_plan_tells_what_is_uniform(tmp_path):
@@ -256,10 +359,15 @@ def test_the_plan_tells_what_is_uniform(tmp_path):
     scene["time"]["end"] = 1.0
     table = "x [m],q_A [mol/kg]\n0,1e-4\n1,0\n"
     text = str(plan(from_dict(begins_with(scene, tmp_path, table))))
-    assert "start.csv: q_A; gas of one composition; particles uniform inside, with the loadings of the file" in text
+    assert (
+        "start.csv: q_A; gas of one composition; particles uniform inside, with the "
+        "loadings of the file" in text
+    )
     table = "x [m],x_A [1],x_N [1]\n0,1e-6,0.999999\n1,0,1\n"
     text = str(plan(from_dict(begins_with(scene, tmp_path, table))))
-    assert "start.csv: x_A, x_N; particles in equilibrium with the gas around them" in text
+    assert (
+        "start.csv: x_A, x_N; particles in equilibrium with the gas around them" in text
+    )
 
 
 def warm_sorbent(table, path):
@@ -274,26 +382,42 @@ def warm_sorbent(table, path):
     scene["time"]["end"] = 1.0
     found = plan(from_dict(begins_with(scene, path, table)))
     course = Course.of(found.scene, found.problem, found.schedule, found.stores_gas)
-    return dict(zip(course.problem.names, course.start(), strict=True)), course.problem.line.points
+    return dict(
+        zip(course.problem.names, course.start(), strict=True)
+    ), course.problem.line.points
 
 
 def test_particles_begin_in_equilibrium_with_the_gas_of_the_file(tmp_path):
-    """At the temperature of the gas around them, whose moles per volume fall with it."""
-    u, x = warm_sorbent("x [m],T_fluid [K],x_A [1],x_N [1]\n0,300,1e-6,0.999999\n1,600,1e-6,0.999999\n", tmp_path)
-    assert u["a_A_0"] == pytest.approx(1e-6 * P / (R_GAS * (300.0 + 300.0 * x)), rel=1e-12)
+    """At the temperature of the gas around them, whose moles per volume fall with
+    it.
+    """
+    u, x = warm_sorbent(
+        "x [m],T_fluid [K],x_A [1],x_N [1]\n0,300,1e-6,0.999999\n1,600,1e-6,0.999999\n",
+        tmp_path,
+    )
+    assert u["a_A_0"] == pytest.approx(
+        1e-6 * P / (R_GAS * (300.0 + 300.0 * x)), rel=1e-12
+    )
 
 
 def test_one_temperature_is_that_of_the_particles(tmp_path):
-    """They hold the heat; of two temperatures each has its own, and one column holds for both."""
+    """They hold the heat; of two temperatures each has its own, and one column holds
+    for both.
+    """
     table = "x [m],T_fluid [K],T_solid [K]\n0,310,300\n0.2,310,300\n"
-    for given, wanted in ((table, {"T": 300.0}), (table.replace(",T_solid [K]", "").replace(",300", ""), {"T": 310.0})):
+    for given, wanted in (
+        (table, {"T": 300.0}),
+        (table.replace(",T_solid [K]", "").replace(",300", ""), {"T": 310.0}),
+    ):
         scene, _ = heated(4.0)
         scene["closures"], scene["initial"], scene["time"] = {}, {}, {"end": 1.0}
         found = plan(from_dict(begins_with(scene, tmp_path, given)))
         course = Course.of(found.scene, found.problem, found.schedule, found.stores_gas)
         u = dict(zip(course.problem.names, course.start(), strict=True))
         assert {name: float(u[name].mean()) for name in wanted} == wanted
-    u, _ = warm_sorbent("x [m],T_fluid [K],T_solid [K]\n0,310,300\n1,310,300\n", tmp_path)
+    u, _ = warm_sorbent(
+        "x [m],T_fluid [K],T_solid [K]\n0,310,300\n1,310,300\n", tmp_path
+    )
     assert u["T_fluid"].mean() == 310.0 and u["T_solid"].mean() == 300.0
     u, _ = warm_sorbent("x [m],T_solid [K]\n0,300\n1,300\n", tmp_path)
     assert u["T_fluid"].mean() == 300.0 and u["T_solid"].mean() == 300.0
@@ -301,7 +425,9 @@ def test_one_temperature_is_that_of_the_particles(tmp_path):
 
 def test_gases_of_the_file_belong_to_the_bed(tmp_path):
     """A gas that neither enters nor reacts, but fills the bed, leaves it."""
-    scene = isothermal("B:1", species(A=0.028, B=0.028), closures={"dispersion_mass": 0.0})
+    scene = isothermal(
+        "B:1", species(A=0.028, B=0.028), closures={"dispersion_mass": 0.0}
+    )
     scene["mesh"]["cells"] = 10
     scene["time"] = {"end": 0.5 * RESIDENCE, "tolerance": 1e-3}
     scene["packed_bed"]["gas_storage"] = "stored"
@@ -312,27 +438,73 @@ def test_gases_of_the_file_belong_to_the_bed(tmp_path):
 # bad tables
 
 BAD = [
-    ("x [m],T_fluid [K]\n0,300\n1.5,300\n", r"start\.csv:3: column 'x': positions from 0 to 1\.5 m, the bed is 1 m"),
-    ("x [m],w_S [1],w_P [1]\n0,1,0\n0,1,0\n", r"start\.csv:3: the position 0 m is given twice"),
+    (
+        "x [m],T_fluid [K]\n0,300\n1.5,300\n",
+        r"start\.csv:3: column 'x': positions from 0 to 1\.5 m, the bed is 1 m",
+    ),
+    (
+        "x [m],w_S [1],w_P [1]\n0,1,0\n0,1,0\n",
+        r"start\.csv:3: the position 0 m is given twice",
+    ),
     ("y [1],w_S [1]\n0,1\n", r"start\.csv:1: no column with a length"),
-    ("x [m],w_S [K],w_P [1]\n0,1,0\n1,1,0\n", r"start\.csv:1: expected a plain number in 1, found 'w_S \[K\]'"),
-    ("x [m],w_S [1],w_P [1]\n0,1,0\n1,0.7,0.2\n", r"start\.csv:3: mass fractions, .* sum to 0\.9; they must sum to 1"),
-    ("x [m],w_S [1],w_P [1]\n0,1,0\n1,1.2,-0.2\n", r"start\.csv:3: column 'w_P': -0\.2 is below zero"),
-    ("x [m],n_S [mol/m3]\n0,1\n1,2\n", r"start\.csv:1: no column 'n_P'; give the moles of all solids that react"),
-    ("x [m],n_S [kg/m3],n_P [mol/m3]\n0,1,1\n", r"start\.csv:1: expected a .* in mol/m\*\*3, found 'n_S \[kg/m3\]'"),
-    ("x [m],n_Q [mol/m3]\n0,1\n1,2\n", r"start\.csv:1: column 'n_Q': nothing in this scene; remove it, or allowed:"),
-    ("x [m],T_slid [K]\n0,300\n1,300\n", r"column 'T_slid': nothing in this scene; .* did you mean 'T_solid'"),
-    ("x [m],x_A [1]\n0,1\n1,0.9\n", r"start\.csv:3: mole fractions, .* sum to 0\.9; they must sum to 1"),
-    ("x [m],x_A [1],x_Z [1]\n0,1,0\n1,0.9,0.1\n", r"start\.csv:1: column 'x_Z': Z is neither a gas of"),
-    ("x [m],q_A [mol/kg]\n0,1\n1,1\n", r"start\.csv:1: column 'q_A': nothing in this scene"),
-    ("x [m],T_fluid [K]\n0,25\n1,300\n", r"start\.csv:2: column 'T_fluid': 25 K lies below 50 K; .*'T_fluid \[degC\]'"),
-    ("x [m],T_fluid [degC]\n0,25\n1,warm\n", r"start\.csv:3: column 'T_fluid': expected a number, found 'warm'"),
+    (
+        "x [m],w_S [K],w_P [1]\n0,1,0\n1,1,0\n",
+        r"start\.csv:1: expected a plain number in 1, found 'w_S \[K\]'",
+    ),
+    (
+        "x [m],w_S [1],w_P [1]\n0,1,0\n1,0.7,0.2\n",
+        r"start\.csv:3: mass fractions, .* sum to 0\.9; they must sum to 1",
+    ),
+    (
+        "x [m],w_S [1],w_P [1]\n0,1,0\n1,1.2,-0.2\n",
+        r"start\.csv:3: column 'w_P': -0\.2 is below zero",
+    ),
+    (
+        "x [m],n_S [mol/m3]\n0,1\n1,2\n",
+        r"start\.csv:1: no column 'n_P'; give the moles of all solids that react",
+    ),
+    (
+        "x [m],n_S [kg/m3],n_P [mol/m3]\n0,1,1\n",
+        r"start\.csv:1: expected a .* in mol/m\*\*3, found 'n_S \[kg/m3\]'",
+    ),
+    (
+        "x [m],n_Q [mol/m3]\n0,1\n1,2\n",
+        r"start\.csv:1: column 'n_Q': nothing in this scene; remove it, or allowed:",
+    ),
+    (
+        "x [m],T_slid [K]\n0,300\n1,300\n",
+        r"column 'T_slid': nothing in this scene; .* did you mean 'T_solid'",
+    ),
+    (
+        "x [m],x_A [1]\n0,1\n1,0.9\n",
+        r"start\.csv:3: mole fractions, .* sum to 0\.9; they must sum to 1",
+    ),
+    (
+        "x [m],x_A [1],x_Z [1]\n0,1,0\n1,0.9,0.1\n",
+        r"start\.csv:1: column 'x_Z': Z is neither a gas of",
+    ),
+    (
+        "x [m],q_A [mol/kg]\n0,1\n1,1\n",
+        r"start\.csv:1: column 'q_A': nothing in this scene",
+    ),
+    (
+        "x [m],T_fluid [K]\n0,25\n1,300\n",
+        r"start\.csv:2: column 'T_fluid': 25 K lies below 50 K; .*'T_fluid \[degC\]'",
+    ),
+    (
+        "x [m],T_fluid [degC]\n0,25\n1,warm\n",
+        r"start\.csv:3: column 'T_fluid': expected a number, found 'warm'",
+    ),
 ]
 
 
-@pytest.mark.parametrize(("table", "message"), BAD, ids=[str(k) for k in range(len(BAD))])
+@pytest.mark.parametrize(
+    ("table", "message"), BAD, ids=[str(k) for k in range(len(BAD))]
+)
 def test_mistakes_of_a_table_are_told(tmp_path, table, message):
-    with pytest.raises(SceneError, match=r"initial\.file.*: (start\.csv:1: )?" + message):
+    with pytest.raises(
+        SceneError, match=r"initial\.file.*: (start\.csv:1: )?" + message
+    ):
         plan(from_dict(begins_with(decaying(), tmp_path, table)))
 
 
@@ -340,33 +512,55 @@ def test_temperatures_and_gas_are_given_once(tmp_path):
     scene, _ = heated(4.0)
     scene["time"]["end"] = 1.0
     table = "x [m],T_fluid [K]\n0,300\n0.2,300\n"
-    with pytest.raises(SceneError, match=r"column 'T_fluid': temperatures stand in initial\.temperature as well"):
+    with pytest.raises(
+        SceneError,
+        match=r"column 'T_fluid': temperatures stand in initial\.temperature as well",
+    ):
         plan(from_dict(begins_with(scene, tmp_path, table)))
     del scene["initial"]["temperature"]
     scene["packed_bed"]["gas_storage"] = "stored"
     scene["initial"] |= {"gas": {"composition": "A:1"}}
     table = "x [m],T_fluid [K],x_A [1]\n0,300,1\n0.2,300,1\n"
-    with pytest.raises(SceneError, match=r"column 'x_A': the gas stands in initial\.gas\.composition as well"):
+    with pytest.raises(
+        SceneError,
+        match=r"column 'x_A': the gas stands in initial\.gas\.composition as well",
+    ):
         plan(from_dict(begins_with(scene, tmp_path, table)))
 
 
 def test_inert_solids_and_full_particles_are_told(tmp_path):
     scene = decaying()
     scene["solids"]["particles"]["composition"] = "S:0.8, I:0.2"
-    scene["solids"]["particles"]["constituent"]["I"] = {"elements": {"Al": 1.0}, "molar_mass": 0.1}
+    scene["solids"]["particles"]["constituent"]["I"] = {
+        "elements": {"Al": 1.0},
+        "molar_mass": 0.1,
+    }
     table = "x [m],w_S [1],w_P [1]\n0,0.4,0.4\n1,0.4,0.3\n"
-    with pytest.raises(SceneError, match=r"start\.csv:3: .* sum to 0\.9, 0\.2 of them of what does not react"):
+    with pytest.raises(
+        SceneError,
+        match=r"start\.csv:3: .* sum to 0\.9, 0\.2 of them of what does not react",
+    ):
         plan(from_dict(begins_with(scene, tmp_path, table)))
     table = "x [m],w_S [1],w_P [1],w_I [1]\n0,0.4,0.4,0.2\n1,0.4,0.3,0.3\n"
-    with pytest.raises(SceneError, match=r"start\.csv:3: column 'w_I': 0\.3, and this solid does not react .* 0\.2"):
+    with pytest.raises(
+        SceneError,
+        match=r"start\.csv:3: column 'w_I': 0\.3, and this solid does not react .* 0\.2",
+    ):
         plan(from_dict(begins_with(scene, tmp_path, table)))
     scene, _ = adsorber(50.0, 20.0, 0.02, 2.0)
     scene["time"]["end"] = 1.0
     most = scene["solids"]["particles"]["adsorption"]["A"]["capacity"]
     with pytest.raises(
-        SceneError, match=r"column 'q_A': .* no less than the capacity .* solids\.particles\.adsorption\.A\.capacity"
+        SceneError,
+        match=r"column 'q_A': .* no less than the capacity .* solids\.particles\.adsorption\.A\.capacity",
     ):
-        plan(from_dict(begins_with(scene, tmp_path, f"x [m],q_A [mol/kg]\n0,{2.0 * most!r}\n1,0\n")))
+        plan(
+            from_dict(
+                begins_with(
+                    scene, tmp_path, f"x [m],q_A [mol/kg]\n0,{2.0 * most!r}\n1,0\n"
+                )
+            )
+        )
 
 
 def test_a_missing_file_is_told(tmp_path):
@@ -380,4 +574,6 @@ def test_a_profile_of_a_shorter_bed_is_told(tmp_path):
     for last, told in ((0.5, True), (0.96, False)):
         table = f"x [m],w_S [1],w_P [1]\n0,1,0\n{last},1,0\n"
         found = solved(begins_with(decaying(end=10.0), tmp_path, table))
-        assert any("positions from 0 to 0.5 m" in text for text in found.warnings) == told
+        assert (
+            any("positions from 0 to 0.5 m" in text for text in found.warnings) == told
+        )

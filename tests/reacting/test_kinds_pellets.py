@@ -1,4 +1,6 @@
-"""Pellets that are resolved inside among several kinds of particles: alike they are one; unlike they add up."""
+"""Pellets that are resolved inside among several kinds of particles: alike they are
+one; unlike they add up.
+"""
 
 from __future__ import annotations
 
@@ -16,12 +18,15 @@ from contbed.particle.effectiveness import sphere
 from contbed.plan_text import percent
 from contbed.reacting_bed.plan import plan
 
-ROUNDING = 1e-9  # of two solutions of the same equations, whose Newton's methods end at 1e-10
+# of two solutions of the same equations, whose Newton's methods end at 1e-10
+ROUNDING = 1e-9
 SHELLS = 1e-5  # of what leaves: points inside err by 3e-6 of the effectiveness
 
 
 def reforming():
-    """Three reactions of five gases, two temperatures, a film and a falling pressure."""
+    """Three reactions of five gases, two temperatures, a film and a falling
+    pressure.
+    """
     scene = deepcopy(REFORMER)
     scene["mesh"]["cells"] = 4
     scene["gas"]["conductivity"] = 0.1
@@ -38,12 +43,20 @@ def reforming():
 def test_kinds_that_are_alike_are_one():
     one, two = solved(reforming()), solved(split_pellets(reforming()))
     for name, column in one.profiles.items():
-        for found in [name] if name in two.profiles else [name.replace(" ", f"_{kind} ") for kind in SHARES]:
-            np.testing.assert_allclose(two.profiles[found], column, rtol=ROUNDING, atol=1e-12, err_msg=found)
+        for found in (
+            [name]
+            if name in two.profiles
+            else [name.replace(" ", f"_{kind} ") for kind in SHARES]
+        ):
+            np.testing.assert_allclose(
+                two.profiles[found], column, rtol=ROUNDING, atol=1e-12, err_msg=found
+            )
     for name in ("reforming", "shift", "total"):
         extent = one.qoi[f"extent_{name}_mol_m2s"]
         assert two.qoi[f"extent_{name}_mol_m2s"] == pytest.approx(extent, rel=ROUNDING)
-        assert two.qoi[f"extent_{name}_coarse_mol_m2s"] == pytest.approx(SHARES["coarse"] * extent, rel=ROUNDING)
+        assert two.qoi[f"extent_{name}_coarse_mol_m2s"] == pytest.approx(
+            SHARES["coarse"] * extent, rel=ROUNDING
+        )
     assert 0.05 < one.qoi["conversion_CH4"] < 0.5
 
 
@@ -51,17 +64,31 @@ def test_beads_dilute_a_catalyst():
     phi, share = 5.0, 0.3
     scene, k = pellets(phi)
     scene["mesh"]["length"] = L = 1.0 / (share * 0.6 * k * sphere(phi) / 0.5)
-    scene = split_pellets(scene, {"catalyst": share, "beads": 1.0 - share}, beads={"inside": {"diffusivity": {}}})
+    scene = split_pellets(
+        scene,
+        {"catalyst": share, "beads": 1.0 - share},
+        beads={"inside": {"diffusivity": {}}},
+    )
     result = solved(scene)
-    assert result.qoi["x_A_out"] == pytest.approx(left(k * L, share * sphere(phi)), rel=SHELLS)
+    assert result.qoi["x_A_out"] == pytest.approx(
+        left(k * L, share * sphere(phi)), rel=SHELLS
+    )
     told = dict(result.plan.built)["intrapellet diffusion"]
-    assert told.startswith("diffusion and reaction of A, B in catalyst; effectiveness at the inlet: r 0.48")
+    assert told.startswith(
+        "diffusion and reaction of A, B in catalyst; effectiveness at the inlet: r 0.48"
+    )
 
 
 def test_each_kind_has_its_size_and_diffusivities():
-    """Two catalysts in parallel, each with film and closed effectiveness: 1/eta_o = 1/eta + phi^2/(3 Bi)."""
+    """Two catalysts in parallel, each with film and closed effectiveness:
+    1/eta_o = 1/eta + phi^2/(3 Bi).
+    """
     scene, k = pellets(2.0)
-    d, factor, Bi = {"coarse": 6e-3, "fine": 2e-3}, {"coarse": 3.0, "fine": 0.5}, {"coarse": 8.0, "fine": 4.0}
+    d, factor, Bi = (
+        {"coarse": 6e-3, "fine": 2e-3},
+        {"coarse": 3.0, "fine": 0.5},
+        {"coarse": 8.0, "fine": 4.0},
+    )
     gas = 2e-5
     scene["gas"]["diffusivity"], scene["closures"]["sherwood"] = gas, 1.0
     total, changes = 0.0, {}
@@ -75,12 +102,16 @@ def test_each_kind_has_its_size_and_diffusivities():
             "sherwood": 2.0 * Bi[kind] * inside / gas,
         }
     scene["mesh"]["length"] = L = 1.0 / (0.6 * k * total / 0.5)
-    assert solved(split_pellets(scene, **changes)).qoi["x_A_out"] == pytest.approx(left(k * L, total), rel=SHELLS)
+    assert solved(split_pellets(scene, **changes)).qoi["x_A_out"] == pytest.approx(
+        left(k * L, total), rel=SHELLS
+    )
 
 
 @pytest.mark.parametrize(("phi", "level"), [(0.1, "none"), (0.6, "interior")])
 def test_auto_judges_all_kinds(phi, level):
-    """Of two catalysts of which one is twice as large E is the mean of 1 - eta by volume."""
+    """Of two catalysts of which one is twice as large E is the mean of 1 - eta by
+    volume.
+    """
     scene, k = pellets(phi)
     scene["mesh"]["length"] = 0.5 / (0.6 * k)
     scene["solids"]["particles"]["inside"]["mass"] = "auto"
@@ -88,11 +119,15 @@ def test_auto_judges_all_kinds(phi, level):
     planned = plan(from_dict(scene))
     assert {table.inside.mass for table in planned.scene.solids.values()} == {level}
     error = 1.0 - SHARES["coarse"] * sphere(2.0 * phi) - SHARES["fine"] * sphere(phi)
-    told = dict(planned.built if level == "interior" else planned.skipped)["intrapellet diffusion"]
+    told = dict(planned.built if level == "interior" else planned.skipped)[
+        "intrapellet diffusion"
+    ]
     assert f"changes the reacted amounts by {percent(error)}" in told
     found = solved(scene).qoi["x_A_out"]
     for table in scene["solids"].values():
-        table["inside"] = {"mass": level} if level == "none" else table["inside"] | {"mass": level}
+        table["inside"] = (
+            {"mass": level} if level == "none" else table["inside"] | {"mass": level}
+        )
     assert found == solved(scene).qoi["x_A_out"]
 
 
@@ -103,16 +138,30 @@ def diffusivities(scene):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda s: diffusivities(s).pop("B"), r"solids\.fine\.inside\.diffusivity.*: B reacts in"),
-        (lambda s: diffusivities(s).update(C=1e-6), r"fine\.inside\.diffusivity\.C.*: no reaction in"),
-        (lambda s: diffusivities(s).clear(), r"solids\.fine\.inside\.diffusivity.*: A reacts in the particles"),
-        (lambda s: s["reactions"].clear(), r"solids\.fine\.inside\.mass.*: nothing reacts in these particles"),
+        (
+            lambda s: diffusivities(s).pop("B"),
+            r"solids\.fine\.inside\.diffusivity.*: B reacts in",
+        ),
+        (
+            lambda s: diffusivities(s).update(C=1e-6),
+            r"fine\.inside\.diffusivity\.C.*: no reaction in",
+        ),
+        (
+            lambda s: diffusivities(s).clear(),
+            r"solids\.fine\.inside\.diffusivity.*: A reacts in the particles",
+        ),
+        (
+            lambda s: s["reactions"].clear(),
+            r"solids\.fine\.inside\.mass.*: nothing reacts in these particles",
+        ),
         (
             lambda s: s["solids"]["fine"]["inside"].update(mass="none"),
             r"no reaction in particles that are resolved needs it",
         ),
         (
-            lambda s: s["solids"]["fine"].update(composition="S:1", constituent={"S": {"molar_mass": 0.1}}),
+            lambda s: s["solids"]["fine"].update(
+                composition="S:1", constituent={"S": {"molar_mass": 0.1}}
+            ),
             r"solids\.fine\.inside\..*: resolves catalytic reactions of gases",
         ),
     ],

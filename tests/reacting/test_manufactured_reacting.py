@@ -1,4 +1,6 @@
-"""Manufactured solutions of a reacting bed with all of its terms: order in space and in time."""
+"""Manufactured solutions of a reacting bed with all of its terms: order in space and
+in time.
+"""
 
 from __future__ import annotations
 
@@ -17,12 +19,17 @@ def error_in_space(cells, degree):
     found = newton(problem, start * 1.001, Report())
     sizes = np.abs(start).max(axis=(1, 2))
     line = problem.line
-    return np.sqrt(np.einsum("ecj,j,c->e", (found - start) ** 2, line.weights, line.h)) / sizes
+    return (
+        np.sqrt(np.einsum("ecj,j,c->e", (found - start) ** 2, line.weights, line.h))
+        / sizes
+    )
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
 def test_order_in_space(degree):
-    """Polynomials of degree p: order p + 1 of all fields; 0.28 below it is found for p = 1, 0.2 and less above."""
+    """Polynomials of degree p: order p + 1 of all fields; 0.28 below it is found for
+    p = 1, 0.2 and less above.
+    """
     coarse, fine = error_in_space(8, degree), error_in_space(16, degree)
     order = np.log2(coarse / fine)
     assert np.all(order > degree + 0.7), order
@@ -39,7 +46,9 @@ def error_in_time(problem, steps, end=0.6):
 
 
 def test_order_in_time():
-    """All fields are stored, the streams that enter change: order 2; 1.81 to 2.03 are found."""
+    """All fields are stored, the streams that enter change: order 2; 1.81 to 2.03
+    are found.
+    """
     problem = problem_of(-2e-3, 3, 5, True)
     coarse, fine = error_in_time(problem, 20), error_in_time(problem, 40)
     order = np.log2(coarse / fine)

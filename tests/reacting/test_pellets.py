@@ -1,4 +1,6 @@
-"""Pellets whose inside is resolved: closed forms of first order, derivatives, and the reformer's rates."""
+"""Pellets whose inside is resolved: closed forms of first order, derivatives, and
+the reformer's rates.
+"""
 
 from __future__ import annotations
 
@@ -21,14 +23,26 @@ D_A, D_B, R = 2e-6, 5e-6, 1.5e-3
 
 
 def pellets(phi, K=None):
-    """A -> B of first order in pellets, phi = R sqrt(k/D_A); with the equilibrium constant K reversible."""
+    """A -> B of first order in pellets, phi = R sqrt(k/D_A); with the equilibrium
+    constant K reversible.
+    """
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     k = D_A * (phi / R) ** 2
     rate = "k*c_A" if K is None else "k*(c_A - c_B/K)"
     parameters = {"k": k} if K is None else {"k": k, "K": K}
-    scene["reactions"] = {"r": {"equation": "A -> B", "rate": rate, "parameters": parameters, "basis": "particle"}}
+    scene["reactions"] = {
+        "r": {
+            "equation": "A -> B",
+            "rate": rate,
+            "parameters": parameters,
+            "basis": "particle",
+        }
+    }
     scene["solids"]["particles"] |= {"density": 1000.0}
-    scene["solids"]["particles"]["inside"] = {"mass": "interior", "diffusivity": {"A": D_A, "B": D_B}}
+    scene["solids"]["particles"]["inside"] = {
+        "mass": "interior",
+        "diffusivity": {"A": D_A, "B": D_B},
+    }
     return scene, k
 
 
@@ -70,7 +84,9 @@ def test_thiele_where_a_reaction_runs_back():
         scene["solids"]["particles"]["inside"]["mass"] = mass
         problem = plan(from_dict(scene)).problem
         state = problem.state(problem.start()[:, 0, :1])
-        rates.append(float(problem.bed.rates(state, problem.bed.medium.at(state))[0][0]))
+        rates.append(
+            float(problem.bed.rates(state, problem.bed.medium.at(state))[0][0])
+        )
     assert rates[0] < 0.0
     assert rates[1] / rates[0] == pytest.approx(sphere(phi / np.sqrt(K)), rel=1e-12)
 
@@ -89,14 +105,22 @@ REFORMER = {
             "density": 2700.0,
             "inside": {
                 "mass": "interior",
-                "diffusivity": {"CH4": 2e-6, "H2O": 2.5e-6, "H2": 6e-6, "CO": 2e-6, "CO2": 1.5e-6},
+                "diffusivity": {
+                    "CH4": 2e-6,
+                    "H2O": 2.5e-6,
+                    "H2": 6e-6,
+                    "CO": 2e-6,
+                    "CO2": 1.5e-6,
+                },
             },
         }
     },
     "packed_bed": {"porosity": 0.5, "pressure_drop": "none"},
     "closures": {},
     "heat": {},
-    "reactions": {name: {"law": f"xu_froment_{name}"} for name in ("reforming", "shift", "total")},
+    "reactions": {
+        name: {"law": f"xu_froment_{name}"} for name in ("reforming", "shift", "total")
+    },
     "boundary": {"left": {"gas": {"mass_flux": 5.0, "temperature": 900.0}}},
     "output": {"plots": False},
 }
@@ -122,7 +146,10 @@ def test_derivatives_of_mean_rates():
         for k, rate in enumerate(found):
             slope = (sides[0][k] - sides[1][k]) / (2.0 * h)
             # differences err by the square of 1e-4
-            assert rate.tangents[key][0] == pytest.approx(float(slope[0]), rel=1e-5), (key, k)
+            assert rate.tangents[key][0] == pytest.approx(float(slope[0]), rel=1e-5), (
+                key,
+                k,
+            )
 
 
 def test_a_reformer_closes_and_the_plan_tells_the_effectiveness():
@@ -139,8 +166,14 @@ def test_a_reformer_closes_and_the_plan_tells_the_effectiveness():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"diffusivity": {"A": 1e-6}}, "inside.diffusivity.*: B reacts in the particles and has none"),
-        ({"diffusivity": {"A": 1e-6, "B": 1e-6, "C": 1e-6}}, "no reaction in particles that are resolved needs it"),
+        (
+            {"diffusivity": {"A": 1e-6}},
+            "inside.diffusivity.*: B reacts in the particles and has none",
+        ),
+        (
+            {"diffusivity": {"A": 1e-6, "B": 1e-6, "C": 1e-6}},
+            "no reaction in particles that are resolved needs it",
+        ),
         ({"mass": "none"}, "no reaction in particles that are resolved needs it"),
     ],
 )
@@ -161,13 +194,17 @@ def test_nothing_to_resolve():
 
 @pytest.mark.parametrize(("phi", "level"), [(0.2, "none"), (0.6, "interior")])
 def test_pellets_are_resolved_where_diffusion_matters(phi, level):
-    """Of first order in plug flow what reacts would differ by 1 - eta, and what leaves differs by less."""
+    """Of first order in plug flow what reacts would differ by 1 - eta, and what
+    leaves differs by less.
+    """
     scene, k = pellets(phi)
     scene["mesh"]["length"] = 0.5 / (0.6 * k)
     del scene["solids"]["particles"]["inside"]["mass"]
     planned = plan(from_dict(scene))
     assert planned.scene.solids["particles"].inside.mass == level
-    told = dict(planned.built if level == "interior" else planned.skipped)["intrapellet diffusion"]
+    told = dict(planned.built if level == "interior" else planned.skipped)[
+        "intrapellet diffusion"
+    ]
     assert f"changes the reacted amounts by {percent(1.0 - sphere(phi))}" in told
     found = contbed.run(from_dict(scene)).qoi["x_A_out"]
     both = {}
@@ -175,7 +212,10 @@ def test_pellets_are_resolved_where_diffusion_matters(phi, level):
         if mass == "none":
             scene["solids"]["particles"]["inside"] = {"mass": "none"}
         else:
-            scene["solids"]["particles"]["inside"] = {"mass": mass, "diffusivity": {"A": D_A, "B": D_B}}
+            scene["solids"]["particles"]["inside"] = {
+                "mass": mass,
+                "diffusivity": {"A": D_A, "B": D_B},
+            }
         both[mass] = contbed.run(from_dict(scene)).qoi["x_A_out"]
     assert found == both[level]
     change = abs(both["none"] - both["interior"]) / (1.0 - both["none"])
@@ -183,22 +223,30 @@ def test_pellets_are_resolved_where_diffusion_matters(phi, level):
 
 
 def test_derivatives_of_a_bed_whose_level_was_chosen():
-    """The tangent is that of the level which was run: without resistance x = exp(-0.6 k L/u), dk of it by hand."""
+    """The tangent is that of the level which was run: without resistance
+    x = exp(-0.6 k L/u), dk of it by hand.
+    """
     scene, k = pellets(0.2)
     scene["mesh"]["length"] = L = 0.5 / (0.6 * k)
     scene["solids"]["particles"]["inside"]["mass"] = "auto"
-    found = gradient(from_dict(scene), ["x_A_out"], ["reactions.r.parameters.k"]).derivatives[0, 0]
+    found = gradient(
+        from_dict(scene), ["x_A_out"], ["reactions.r.parameters.k"]
+    ).derivatives[0, 0]
     # resolved pellets have 2 (1 - eta) = 0.5 % less
     assert found == pytest.approx(-left(k * L, 1.0) * 0.6 * L / 0.5, rel=1e-4)
 
 
 def test_what_cannot_be_judged_is_resolved():
-    """In time; without a diffusivity there is nothing to resolve, and nothing is solved to find out."""
+    """In time; without a diffusivity there is nothing to resolve, and nothing is
+    solved to find out.
+    """
     scene, _ = pellets(0.1)
     del scene["solids"]["particles"]["inside"]["mass"]
     scene["time"] = {"end": 1.0}
     planned = plan(from_dict(scene))
-    assert "always resolved in transients" in dict(planned.built)["intrapellet diffusion"]
+    assert (
+        "always resolved in transients" in dict(planned.built)["intrapellet diffusion"]
+    )
     assert type(planned.problem.reactions[0].rate).__name__ == "Pellets"
     del scene["solids"]["particles"]["inside"], scene["time"]
     planned = plan(from_dict(scene))

@@ -1,8 +1,10 @@
-"""Points inside of particles fall below zero before a front reaches them; what that costs, and what a limiter would.
+"""Points inside of particles fall below zero before a front reaches them; what that
+costs, and what a limiter would.
 
-A polynomial through a few points inside undershoots ahead of a steep front. What the particle holds does not, and is of
-the order of the polynomials. Points moved towards their mean until none is below zero, as Zhang and Shu do between
-cells, hold as much, but take up more than they should.
+A polynomial through a few points inside undershoots ahead of a steep front. What the
+particle holds does not, and is of the order of the polynomials. Points moved towards
+their mean until none is below zero, as Zhang and Shu do between cells, hold as much,
+but take up more than they should.
 """
 
 from __future__ import annotations
@@ -25,7 +27,9 @@ EXACT = 20  # points
 
 
 def uptake(count, biot, limits=False):
-    """Concentrations at the points of a sphere after a step around it (times, points), exact in time, and the mean."""
+    """Concentrations at the points of a sphere after a step around it (times,
+    points), exact in time, and the mean.
+    """
     points = interior(count, SHAPES["spheres"])
     w, film = np.array(points.weights), np.zeros(count + 1)
     film[-1] = points.surface * biot
@@ -42,7 +46,12 @@ def uptake(count, biot, limits=False):
 
 @pytest.mark.parametrize(
     ("biot", "count", "low", "error"),
-    [(0.5, 3, 3.4e-4, 1e-5), (3.0, 3, 1.8e-3, 3e-4), (3.0, 6, 5.1e-4, 1.3e-5), (10.0, 3, 4.4e-3, 2.1e-3)],
+    [
+        (0.5, 3, 3.4e-4, 1e-5),
+        (3.0, 3, 1.8e-3, 3e-4),
+        (3.0, 6, 5.1e-4, 1.3e-5),
+        (10.0, 3, 4.4e-3, 2.1e-3),
+    ],
 )
 def test_undershoots_cost_less_than_a_limiter(biot, count, low, error):
     """To the two digits that `equations.inside` tells."""
@@ -69,6 +78,9 @@ def test_particles_of_a_bed_hold_nothing_below_zero():
     lowest, least = 0.0, 0.0
     for after in march(course, begin(course, course.start()), Report()):
         points = after.u[rows] / problem.sizes[rows][:, None, None]
-        lowest, least = min(lowest, points.min()), min(least, np.tensordot(weights, points, axes=1).min())
+        lowest, least = (
+            min(lowest, points.min()),
+            min(least, np.tensordot(weights, points, axes=1).min()),
+        )
     assert -3e-3 < lowest < -1e-3  # of Bi = 3
     assert least > -1e-9  # what Newton's method leaves below zero in the gas

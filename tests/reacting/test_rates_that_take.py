@@ -1,4 +1,6 @@
-"""Rates that take what is not there, or have no value: told before the run where that is sure, else by its result."""
+"""Rates that take what is not there, or have no value: told before the run where
+that is sure, else by its result.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,8 @@ from contbed.reacting_bed import rate_checks
 from contbed.reacting_bed.rate_checks import taken_though_absent, taken_to_the_end
 from contbed.reacting_bed.solve import Report, step
 
-CONSUMED = 2.0  # [mol/m3/s]; over 0.4 m of gas it takes 0.8 of the 12 mol/m2/s that enter
+# [mol/m3/s]; over 0.4 m of gas it takes 0.8 of the 12 mol/m2/s that enter
+CONSUMED = 2.0
 
 
 def bed(rate, composition="A:1", **more):
@@ -31,7 +34,10 @@ def bed(rate, composition="A:1", **more):
 
 
 def test_a_negative_rate_takes_what_does_not_enter():
-    with pytest.raises(SceneError, match=r"reactions\.r\.rate: takes .* of B where .*: B does not enter.*its sign"):
+    with pytest.raises(
+        SceneError,
+        match=r"reactions\.r\.rate: takes .* of B where .*: B does not enter.*its sign",
+    ):
         plan(bed("-1e-2*c_A"))
 
 
@@ -39,11 +45,14 @@ def test_rates_that_run_back_may_be_negative():
     """B alone enters, and becomes A as by an equilibrium; to the error of 8 cells."""
     result = contbed.run(bed("c_A - c_B", "B:1"))
     assert result.status == "ok"
-    assert result.qoi["x_A_out"] == pytest.approx(0.5 * (1.0 - 2.718281828 ** (-2.0 * 0.4 / 0.5)), abs=1e-5)
+    assert result.qoi["x_A_out"] == pytest.approx(
+        0.5 * (1.0 - 2.718281828 ** (-2.0 * 0.4 / 0.5)), abs=1e-5
+    )
 
 
 def test_a_rate_that_does_not_end_is_no_state_that_can_be():
-    rate = 0.55 * 0.5 * MOLAR / 0.4  # takes 0.55 of the gas that enters, half of which is A
+    # takes 0.55 of the gas that enters, half of which is A
+    rate = 0.55 * 0.5 * MOLAR / 0.4
     said = r"r\.rate: takes .* of A where .*A falls to -0\..* at x = 0\.\d+ m"
     with pytest.raises(ConvergenceError, match=said) as found:
         contbed.run(bed(str(rate), "A:0.5, B:0.5"))
@@ -54,14 +63,19 @@ def test_a_rate_that_does_not_end_is_no_state_that_can_be():
 
 def test_an_iteration_that_stops_where_a_gas_ends_names_it():
     """Newton's method takes no more of the only gas than there is."""
-    with pytest.raises(ConvergenceError, match=r"worst for A .*: takes .* of A .*: A is used up at x = 0\.\d+ m"):
+    with pytest.raises(
+        ConvergenceError,
+        match=r"worst for A .*: takes .* of A .*: A is used up at x = 0\.\d+ m",
+    ):
         contbed.run(bed(str(1.5 * 0.5 * MOLAR / 0.4)))
 
 
 def test_the_advice_ends_the_rate():
     rate = 1.5 * 0.5 * MOLAR / 0.4
     scene = bed(f"{rate}*c_A/(abs(c_A) + 0.1)")
-    scene = scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"cells": None})})
+    scene = scene.model_copy(
+        update={"mesh": scene.mesh.model_copy(update={"cells": None})}
+    )
     result = contbed.run(scene)
     assert result.status == "ok"
     assert result.qoi["conversion_A"] == pytest.approx(1.0, abs=1e-9)
@@ -79,7 +93,9 @@ def test_a_constant_rate_of_what_is_left_is_exact():
 def test_runs_in_time_keep_what_they_passed(gas, tmp_path):
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     scene["mesh"]["cells"] = 8
-    scene["reactions"] = {"r": {"equation": "A -> B", "rate": str(1.5 * 0.5 * MOLAR / 0.4)}}
+    scene["reactions"] = {
+        "r": {"equation": "A -> B", "rate": str(1.5 * 0.5 * MOLAR / 0.4)}
+    }
     scene["time"] = {"end": 2.0}
     scene["packed_bed"]["gas_storage"] = gas
     with pytest.raises(ConvergenceError, match=r"takes .* of A where .* at t = \d"):
@@ -94,8 +110,12 @@ def test_films_are_looked_at():
     scene["gas"] |= {"diffusivity": 1e-6, "viscosity": 2e-5}
     scene["closures"] |= {"sherwood": 2.0}
     scene["solids"]["particles"] |= {"density": 1000.0}
-    scene["reactions"] = {"r": {"equation": "A -> B", "rate": "100.0", "basis": "particle"}}
-    with pytest.raises(ConvergenceError, match=r"of A at the particles where there is none"):
+    scene["reactions"] = {
+        "r": {"equation": "A -> B", "rate": "100.0", "basis": "particle"}
+    }
+    with pytest.raises(
+        ConvergenceError, match=r"of A at the particles where there is none"
+    ):
         contbed.run(from_dict(scene))
 
 
@@ -103,17 +123,28 @@ def test_solids_that_move_are_looked_at():
     scene = let_move(isothermal("A:1", species(A=0.028, B=0.028)), -1e-5)
     scene["mesh"]["cells"] = 8
     scene["solids"]["particles"] |= solids()
-    scene["reactions"] = {"r": {"equation": "A + S -> B + P", "rate": "0.1*c_A", "basis": "bed"}}
-    with pytest.raises(ConvergenceError, match=r"of S where .*: S .*n_S/\(abs\(n_S\) \+ "):
+    scene["reactions"] = {
+        "r": {"equation": "A + S -> B + P", "rate": "0.1*c_A", "basis": "bed"}
+    }
+    with pytest.raises(
+        ConvergenceError, match=r"of S where .*: S .*n_S/\(abs\(n_S\) \+ "
+    ):
         contbed.run(from_dict(scene))
 
 
 @pytest.mark.parametrize(
     ("rate", "said"),
     [
-        ("c_A/c_B", r"is inf as gas and solids enter, at 500 K, where there is no B; add a small amount"),
+        (
+            "c_A/c_B",
+            r"is inf as gas and solids enter, at 500 K, where there is no B; add a "
+            r"small amount",
+        ),
         ("c_A/(1 + 1/c_B)", r"has a slope that is not finite"),
-        ("c_A*c_B**(-0.5)", r"is inf as gas and solids enter, at 500 K, where there is no B"),
+        (
+            "c_A*c_B**(-0.5)",
+            r"is inf as gas and solids enter, at 500 K, where there is no B",
+        ),
         ("log(T - 600)", r"is nan as gas and solids enter, at 500 K; see its limits"),
     ],
 )
@@ -128,19 +159,27 @@ def test_a_negative_order_in_what_does_not_enter_is_infinite():
     """Powers are straight lines to zero, so that nothing would react."""
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     scene["mesh"]["cells"] = 8
-    scene["reactions"] = {"r": {"equation": "A -> B", "A": 1.0, "E": 0.0, "orders": {"A": 1.0, "B": -0.5}}}
+    scene["reactions"] = {
+        "r": {"equation": "A -> B", "A": 1.0, "E": 0.0, "orders": {"A": 1.0, "B": -0.5}}
+    }
     said = r"reactions\.r: is infinite .* there is no B, .* the order is -0\.5: .*\(c_B \+ 1e-6\)\*\*\(-0\.5\)"
     with pytest.raises(SceneError, match=said):
         plan(from_dict(scene))
-    scene["reactions"] = {"r": {"equation": "A -> B", "rate": "c_A*(c_B + 1e-6)**(-0.5)"}}
+    scene["reactions"] = {
+        "r": {"equation": "A -> B", "rate": "c_A*(c_B + 1e-6)**(-0.5)"}
+    }
     advised = contbed.run(from_dict(scene))
     scene["reactions"] = {"r": {"equation": "A -> B", "rate": "c_A/sqrt(c_B + 1e-6)"}}
-    assert advised.qoi["conversion_A"] == pytest.approx(contbed.run(from_dict(scene)).qoi["conversion_A"], rel=1e-9)
+    assert advised.qoi["conversion_A"] == pytest.approx(
+        contbed.run(from_dict(scene)).qoi["conversion_A"], rel=1e-9
+    )
     assert 0.1 < advised.qoi["conversion_A"] < 1.0
 
 
 def in_time(reaction, fills=None, **more):
-    """Gas A and B that fills the bed or follows at once; `fills` is what is there before."""
+    """Gas A and B that fills the bed or follows at once; `fills` is what is there
+    before.
+    """
     scene = isothermal("A:0.5, B:0.5", species(A=0.028, B=0.028, N=0.028))
     scene["mesh"]["cells"] = 8
     scene["reactions"] = {"r": {"equation": "A -> B", **reaction}}
@@ -162,13 +201,25 @@ INFINITE = r"reactions\.r: is infinite {}, where there is no B, of which the ord
             None,
             r"r\.rate: is nan in the gas that fills .* at 500 K, where .* no A, no B",
         ),
-        (ORDERS, "A:1", None, INFINITE.format("in the gas that fills the bed at the start")),
+        (
+            ORDERS,
+            "A:1",
+            None,
+            INFINITE.format("in the gas that fills the bed at the start"),
+        ),
         (ORDERS, None, "A:1", INFINITE.format("as gas and solids enter")),
-        (ORDERS, None, {"times": [0.0, 0.5], "values": ["A:0.5, B:0.5", "A:1"], "form": "step"}, "is infinite as gas"),
+        (
+            ORDERS,
+            None,
+            {"times": [0.0, 0.5], "values": ["A:0.5, B:0.5", "A:1"], "form": "step"},
+            "is infinite as gas",
+        ),
     ],
     ids=["filled", "filled by A", "enters", "enters later"],
 )
-def test_rates_without_value_are_told_before_a_run_in_time(reaction, fills, enters, said):
+def test_rates_without_value_are_told_before_a_run_in_time(
+    reaction, fills, enters, said
+):
     scene = in_time(reaction, fills)
     if enters is not None:
         scene["boundary"]["left"]["gas"]["composition"] = enters
@@ -177,7 +228,9 @@ def test_rates_without_value_are_told_before_a_run_in_time(reaction, fills, ente
 
 
 def test_a_gas_without_what_reacts_is_no_mistake():
-    """A purge has neither A, of which the order is positive, nor B, of which it is negative."""
+    """A purge has neither A, of which the order is positive, nor B, of which it is
+    negative.
+    """
     require_buildable(from_dict(in_time(ORDERS, "N:1")))
 
 
@@ -186,12 +239,17 @@ def test_a_rate_without_value_at_the_start_of_a_file_is_told(tmp_path):
     (tmp_path / "start.csv").write_text("x [m],x_N [1]\n0,1\n1,1\n")
     scene = in_time({"rate": "0.5*c_A/c_B"})
     scene["initial"] = {"file": "start.csv"}
-    with pytest.raises(ConvergenceError, match=r"at t = 0 s; the rate of r is nan at x = .*: add a small amount"):
+    with pytest.raises(
+        ConvergenceError,
+        match=r"at t = 0 s; the rate of r is nan at x = .*: add a small amount",
+    ):
         contbed.run(from_dict(scene, base=tmp_path))
 
 
 def test_a_rate_that_loses_its_value_in_time_is_told():
-    with pytest.raises(ConvergenceError, match=r"the rate of r is nan at x = .* at t = 0\.\d+ s"):
+    with pytest.raises(
+        ConvergenceError, match=r"the rate of r is nan at x = .* at t = 0\.\d+ s"
+    ):
         contbed.run(from_dict(in_time({"rate": "c_A*(1 + 0*log(x_A - 0.45))"})))
 
 
@@ -217,7 +275,9 @@ def test_check_refuses_what_run_refuses(tmp_path):
     from contbed.cli import app
 
     file = tmp_path / "bed.toml"
-    water = next(line for line in GOOD.splitlines(keepends=True) if line.startswith("H2O"))
+    water = next(
+        line for line in GOOD.splitlines(keepends=True) if line.startswith("H2O")
+    )
     file.write_text(GOOD.replace(water, ""))
     said = {}
     for command in ("check", "run"):
@@ -234,8 +294,13 @@ def test_check_solves_nothing(monkeypatch):
 
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     scene["solids"]["particles"] |= {"density": 1000.0}
-    scene["solids"]["particles"]["inside"] = {"mass": "auto", "diffusivity": {"A": 1e-6, "B": 1e-6}}
-    scene["reactions"] = {"r": {"equation": "A -> B", "A": 1.0, "E": 0.0, "basis": "particle"}}
+    scene["solids"]["particles"]["inside"] = {
+        "mass": "auto",
+        "diffusivity": {"A": 1e-6, "B": 1e-6},
+    }
+    scene["reactions"] = {
+        "r": {"equation": "A -> B", "A": 1.0, "E": 0.0, "basis": "particle"}
+    }
     monkeypatch.setattr(pellet_level, "steady", lambda *_: pytest.fail("solved"))
     require_buildable(from_dict(scene))
 
@@ -244,8 +309,13 @@ def test_a_constant_rate_in_resolved_pellets():
     """No diffusion slows it down: what is taken is that of the whole pellets."""
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     scene["solids"]["particles"] |= {"density": 1000.0}
-    scene["solids"]["particles"]["inside"] = {"mass": "interior", "diffusivity": {"A": 1e-6, "B": 1e-6}}
-    scene["reactions"] = {"r": {"equation": "A -> B", "rate": "1.0", "basis": "particle"}}
+    scene["solids"]["particles"]["inside"] = {
+        "mass": "interior",
+        "diffusivity": {"A": 1e-6, "B": 1e-6},
+    }
+    scene["reactions"] = {
+        "r": {"equation": "A -> B", "rate": "1.0", "basis": "particle"}
+    }
     result = contbed.run(from_dict(scene))
     assert result.qoi["conversion_A"] == pytest.approx(0.6 / (0.5 * MOLAR), rel=1e-10)
 
@@ -259,8 +329,13 @@ def test_sections_are_looked_at_ring_by_ring():
     scene["mesh"]["diameter"] = 0.1
     scene["boundary"]["wall"] = {"coefficient": 50.0, "ambient": T}
     scene["packed_bed"]["section"] = {"rings": 2, "conductivity_solids": 1.0}
-    scene["reactions"] = {"r": {"equation": "A -> B", "rate": str(0.55 * 0.5 * MOLAR / 0.4)}}
-    with pytest.raises(ConvergenceError, match=r"takes .* of A where .*A falls to -0\.0\d* of the gas at x = 0\.9"):
+    scene["reactions"] = {
+        "r": {"equation": "A -> B", "rate": str(0.55 * 0.5 * MOLAR / 0.4)}
+    }
+    with pytest.raises(
+        ConvergenceError,
+        match=r"takes .* of A where .*A falls to -0\.0\d* of the gas at x = 0\.9",
+    ):
         contbed.run(from_dict(scene))
 
 
@@ -269,20 +344,35 @@ def test_solids_of_several_kinds_go_by_their_own_names():
     scene["mesh"]["cells"] = 8
     scene["solids"]["particles"] |= solids()
     scene["reactions"] = {
-        "r": {"equation": "A + S -> B + P", "rate": "0.1*c_A", "basis": "particle", "solid": ["coarse", "fine"]}
+        "r": {
+            "equation": "A + S -> B + P",
+            "rate": "0.1*c_A",
+            "basis": "particle",
+            "solid": ["coarse", "fine"],
+        }
     }
-    with pytest.raises(ConvergenceError, match=r"of S_\w+ where .*n_S/\(abs\(n_S\) \+ "):
+    with pytest.raises(
+        ConvergenceError, match=r"of S_\w+ where .*n_S/\(abs\(n_S\) \+ "
+    ):
         contbed.run(from_dict(split(scene)))
 
 
 def test_beds_without_reactions_have_no_such_rates():
-    problem = plan(from_dict(isothermal("A:1", species(A=0.028), closures={"dispersion_mass": 1e-4}))).problem
+    problem = plan(
+        from_dict(
+            isothermal("A:1", species(A=0.028), closures={"dispersion_mass": 1e-4})
+        )
+    ).problem
     u = -problem.start()
-    assert taken_though_absent(problem, u) is None and taken_to_the_end(problem, u) is None
+    assert (
+        taken_though_absent(problem, u) is None and taken_to_the_end(problem, u) is None
+    )
 
 
 def test_named_laws_are_not_blamed(monkeypatch):
-    """Whatever their rates are in a state within an iteration: here one where there is no Fe3O4 and no FeO."""
+    """Whatever their rates are in a state within an iteration: here one where there
+    is no Fe3O4 and no FeO.
+    """
     gases = {name: {"heat_capacity": 30.0} for name in ("H2", "H2O")}
     scene = let_move(isothermal("H2:0.9, H2O:0.1", gases), -1e-4)
     scene["mesh"]["cells"] = 4
@@ -296,6 +386,8 @@ def test_named_laws_are_not_blamed(monkeypatch):
     problem = plan(from_dict(scene)).problem
     u = problem.start()
     monkeypatch.setattr(
-        rate_checks, "rates_at_all_points", lambda *_: [k * np.ones(u[0].size) for k in (0.0, 1.0, 1.0)]
+        rate_checks,
+        "rates_at_all_points",
+        lambda *_: [k * np.ones(u[0].size) for k in (0.0, 1.0, 1.0)],
     )
     assert taken_to_the_end(problem, u) is None

@@ -43,5 +43,7 @@ sys.exit(", ".join(found) or (0 if scene.kind == "packed_bed" else scene.kind))
 
 
 def test_a_scene_without_species_imports_nothing_of_reacting_beds():
-    done = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr

@@ -1,4 +1,6 @@
-"""Cyclic steady states of reacting beds: against regenerators, against marching many periods, bounds, messages."""
+"""Cyclic steady states of reacting beds: against regenerators, against marching many
+periods, bounds, messages.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ TOLERANCE = 1e-8  # of the change over a period, the default
 
 
 def regenerator(row):
-    """A bed that stores heat, without reactions, with one blow from either end; the times of both."""
+    """A bed that stores heat, without reactions, with one blow from either end; the
+    times of both.
+    """
     scene, eta = heated(row["Lambda_hot"])
     times = [row[f"Pi_{blow}"] / eta for blow in ("hot", "cold")]
     scene["boundary"]["left"]["gas"]["mass_flux"] = switched(
@@ -40,20 +44,34 @@ def regenerator(row):
     scene["time"]["cycle"] = {}
     scene["mesh"]["cells"] = 20
     nodes, weights = np.polynomial.legendre.leggauss(40)
-    scene["output"]["positions"] = (0.5 * scene["mesh"]["length"] * (1.0 + nodes)).tolist()
+    scene["output"]["positions"] = (
+        0.5 * scene["mesh"]["length"] * (1.0 + nodes)
+    ).tolist()
     return scene, 0.5 * weights
 
 
 @pytest.mark.slow
 def test_a_regenerator():
-    """Heat stored by the hot blow over what the gas could leave, of exact tables: (T_mid - T_end)/dT Lambda/Pi."""
-    row = next(row for row in rows("regenerator.csv") if row["Lambda_hot"] == 30 and row["Pi_cold"] == 25)
+    """Heat stored by the hot blow over what the gas could leave, of exact tables:
+    (T_mid - T_end)/dT Lambda/Pi.
+    """
+    row = next(
+        row
+        for row in rows("regenerator.csv")
+        if row["Lambda_hot"] == 30 and row["Pi_cold"] == 25
+    )
     scene, weights = regenerator(row)
     found = solved(scene)
     middle, end = found.profiles["T_solid [K]"].reshape(2, -1)
-    charged = float(weights @ (middle - end)) / 300.0 * row["Lambda_hot"] / row["Pi_hot"]
-    assert charged == pytest.approx(row["effectiveness_hot"], abs=2e-4)  # steps to a local error of 1e-4
-    assert found.qoi["cycle_change_K"] <= TOLERANCE * 300.0 and found.qoi["cycle_periods"] < 20
+    charged = (
+        float(weights @ (middle - end)) / 300.0 * row["Lambda_hot"] / row["Pi_hot"]
+    )
+    # steps to a local error of 1e-4
+    assert charged == pytest.approx(row["effectiveness_hot"], abs=2e-4)
+    assert (
+        found.qoi["cycle_change_K"] <= TOLERANCE * 300.0
+        and found.qoi["cycle_periods"] < 20
+    )
     assert found.qoi["cycle_change"] <= TOLERANCE
 
 
@@ -63,14 +81,19 @@ def test_solids_that_are_reduced_and_oxidised_against_plain_repetition(monkeypat
     monkeypatch.setattr(Anderson, "__call__", lambda self, state, image: image)
     plain = solved(looping())
     for key in ("n_S [mol/m3]", "x_A [1]", "x_O [1]"):
-        # the change falls by 0.3 a period: what is left is below 2 of the tolerance, over 0.3 of what reacts
+        # the change falls by 0.3 a period: what is left is below 2 of the tolerance,
+        # over 0.3 of what reacts
         size = max(np.abs(plain.profiles[key]).max(), 1.0)
-        assert found.profiles[key] == pytest.approx(plain.profiles[key], abs=1e-6 * size)
+        assert found.profiles[key] == pytest.approx(
+            plain.profiles[key], abs=1e-6 * size
+        )
     assert found.qoi["cycle_periods"] < plain.qoi["cycle_periods"]
     # what is at rest is that of the start, and what one half gives the other takes
     total = found.profiles["n_S [mol/m3]"] + found.profiles["n_P [mol/m3]"]
     assert total == pytest.approx(total[0], rel=1e-12)
-    reduced, oxidised = (found.qoi[f"extent_{name}_mol_m2s"] for name in ("reduction", "oxidation"))
+    reduced, oxidised = (
+        found.qoi[f"extent_{name}_mol_m2s"] for name in ("reduction", "oxidation")
+    )
     assert reduced >= 0.0 and oxidised > 0.0
     fe = found.balances["Fe"]
     assert abs(fe["in"]) < 1e-12 and abs(fe["stored"]) < 1e-9
@@ -78,15 +101,22 @@ def test_solids_that_are_reduced_and_oxidised_against_plain_repetition(monkeypat
 
 @pytest.mark.slow
 def test_a_hot_zone_between_two_directions_of_flow():
-    """An exothermic reaction that the turning flow keeps in the bed: repetition falls by 2 % a period near its end."""
+    """An exothermic reaction that the turning flow keeps in the bed: repetition
+    falls by 2 % a period near its end.
+    """
     gas = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0}
-    scene = isothermal("A:0.02, B:0.98", {"A": gas | {"enthalpy": 150e3}, "B": gas | {"enthalpy": 0.0}})
+    scene = isothermal(
+        "A:0.02, B:0.98", {"A": gas | {"enthalpy": 150e3}, "B": gas | {"enthalpy": 0.0}}
+    )
     scene["solids"]["particles"] |= {"density": 1500.0, "heat_capacity": 800.0}
     scene["heat"] = {}
     scene["closures"] |= {"conductivity_solids": 5.0}
     scene["mesh"] |= {"length": 0.5, "cells": 8}
-    scene["output"]["positions"] = (0.5 / 16.0 * (np.arange(16) + 0.5)).tolist()  # not where cells meet
-    scene["boundary"] = {side: {"gas": {"temperature": 350.0}} for side in ("left", "right")}
+    # not where cells meet
+    scene["output"]["positions"] = (0.5 / 16.0 * (np.arange(16) + 0.5)).tolist()
+    scene["boundary"] = {
+        side: {"gas": {"temperature": 350.0}} for side in ("left", "right")
+    }
     scene["boundary"]["left"]["gas"]["mass_flux"] = switched([0.3, -0.3], 60.0)
     scene["reactions"] = {"r": {"equation": "A -> B", "A": 2e4, "E": 5e4}}
     scene["time"] = {"end": 120.0, "times": [60.0]}
@@ -108,23 +138,34 @@ def course_of(scene):
 
 def marched(scene, count):
     """The run that goes through so many periods."""
-    time = {key: value for key, value in scene["time"].items() if key not in ("cycle", "times")}
+    time = {
+        key: value
+        for key, value in scene["time"].items()
+        if key not in ("cycle", "times")
+    }
     again = scene | {"time": time | {"end": count * time["end"]}}
     again["boundary"] = deepcopy(scene["boundary"])
     again["boundary"]["left"]["gas"]["composition"]["period"] = time["end"]
     return solved(again)
 
 
-@pytest.mark.parametrize("isotherm", ["linear", pytest.param("langmuir", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "isotherm", ["linear", pytest.param("langmuir", marks=pytest.mark.slow)]
+)
 def test_a_bed_that_adsorbs_and_is_flushed_against_marching(isotherm):
     scene, unit = adsorber(20.0, 6.0, 0.02, None if isotherm == "linear" else 2.0)
-    scene["boundary"]["left"]["gas"]["composition"] = switched(["A:1e-6, N:0.999999", "N:1"], 2.0 * unit)
+    scene["boundary"]["left"]["gas"]["composition"] = switched(
+        ["A:1e-6, N:0.999999", "N:1"], 2.0 * unit
+    )
     scene["time"] |= {"end": 4.0 * unit, "tolerance": 1e-3, "cycle": {}}
     scene["mesh"]["cells"] = 6
     del scene["output"]["positions"]
     found, after = solved(scene), marched(scene, 12)
     key = "q_A [mol/kg]"
-    assert found.profiles[key] == pytest.approx(after.profiles[key], abs=2e-3 * after.profiles[key].max())  # of steps
+    # of steps
+    assert found.profiles[key] == pytest.approx(
+        after.profiles[key], abs=2e-3 * after.profiles[key].max()
+    )
     carbon = found.balances["C"]
     assert abs(carbon["stored"]) < 10.0 * TOLERANCE * carbon["in"]
     assert carbon["in"] == pytest.approx(carbon["out"], rel=10.0 * TOLERANCE)
@@ -132,36 +173,50 @@ def test_a_bed_that_adsorbs_and_is_flushed_against_marching(isotherm):
 
 @pytest.mark.slow
 def test_a_gas_in_the_pores_against_marching():
-    scene = isothermal("A:1", species(A=0.028, B=0.028), closures={"dispersion_mass": 0.1})
+    scene = isothermal(
+        "A:1", species(A=0.028, B=0.028), closures={"dispersion_mass": 0.1}
+    )
     scene["boundary"]["left"]["gas"]["composition"] = switched(["A:1", "B:1"], 0.4)
     scene["time"] = {"end": 0.8, "tolerance": 1e-3, "cycle": {}}
     scene["packed_bed"]["gas_storage"] = "stored"
     scene["initial"] |= {"gas": {"composition": "B:1"}}
     scene["mesh"]["cells"] = 6
     found, after = solved(scene), marched(scene, 6)
-    assert found.profiles["x_A [1]"] == pytest.approx(after.profiles["x_A [1]"], abs=2e-3)  # of steps
+    # of steps
+    assert found.profiles["x_A [1]"] == pytest.approx(
+        after.profiles["x_A [1]"], abs=2e-3
+    )
     assert found.qoi["cycle_periods"] <= 12
 
 
 @pytest.mark.slow
 def test_kept_steps_that_miss_more_than_allowed_are_chosen_anew(monkeypatch):
-    """Steps of the first period alone, that of a bed at one temperature, do not fit the last."""
+    """Steps of the first period alone, that of a bed at one temperature, do not fit
+    the last.
+    """
     wanted = solved(looping())
     monkeypatch.setattr(cycle, "ADAPTIVE", 1)
     found = solved(looping())
-    assert found.profiles["n_S [mol/m3]"] == pytest.approx(wanted.profiles["n_S [mol/m3]"], rel=2e-3, abs=10.0)
+    assert found.profiles["n_S [mol/m3]"] == pytest.approx(
+        wanted.profiles["n_S [mol/m3]"], rel=2e-3, abs=10.0
+    )
     errors = []
     monkeypatch.setattr(cycle, "MOST", 8)
     course = course_of(looping())
-    monkeypatch.setattr(cycle, "OUTDATED", 1e-3)  # of which every step misses more: all periods are chosen anew
+    # of which every step misses more: all periods are chosen anew
+    monkeypatch.setattr(cycle, "OUTDATED", 1e-3)
     before = cycle.repeated
-    monkeypatch.setattr(cycle, "repeated", lambda *given: errors.append(1) or before(*given))
+    monkeypatch.setattr(
+        cycle, "repeated", lambda *given: errors.append(1) or before(*given)
+    )
     seen = list(cycle.periods(course, course.start(), Report(), lambda *_: None))
     assert len(errors) <= (len(seen) + 1) // 2
 
 
 @pytest.mark.slow
-def test_a_period_that_fails_from_an_extrapolated_state_is_repeated_from_the_best(monkeypatch):
+def test_a_period_that_fails_from_an_extrapolated_state_is_repeated_from_the_best(
+    monkeypatch,
+):
     course, before, calls = course_of(looping()), cycle._steps, []
 
     def failing(*given):
@@ -180,17 +235,26 @@ def test_a_period_that_fails_from_an_extrapolated_state_is_repeated_from_the_bes
 
 
 @pytest.mark.slow
-def test_an_extrapolation_that_changes_much_more_is_given_up_for_the_best_period(monkeypatch):
+def test_an_extrapolation_that_changes_much_more_is_given_up_for_the_best_period(
+    monkeypatch,
+):
     course, before, calls = course_of(looping()), Anderson.__call__, []
 
     def wild(self, state, image):
         calls.append(1)
-        return image.reshape(2, -1)[::-1].ravel() if len(calls) == 3 else before(self, state, image)
+        return (
+            image.reshape(2, -1)[::-1].ravel()
+            if len(calls) == 3
+            else before(self, state, image)
+        )
 
-    monkeypatch.setattr(Anderson, "__call__", wild)  # what is left of S is P, and the other way round
+    # what is left of S is P, and the other way round
+    monkeypatch.setattr(Anderson, "__call__", wild)
     found = list(cycle.periods(course, course.start(), Report(), lambda *_: None))
     assert found[3].change > cycle.GROWN * found[2].change
-    assert found[4].history.held == pytest.approx(contents(course.problem, found[2].history.u), rel=1e-12)
+    assert found[4].history.held == pytest.approx(
+        contents(course.problem, found[2].history.u), rel=1e-12
+    )
     assert found[-1].closed
 
 
@@ -234,7 +298,8 @@ def test_extrapolated_temperatures_and_fractions_stay_within_their_bounds():
     assert found[:2, 0, 0] == pytest.approx([1.0, 0.0], abs=1e-15)
     assert found[:2].sum(axis=0) == pytest.approx(1.0, abs=1e-15)
     assert found[2, 1, 0] == pytest.approx(1.0 + cycle.BEYOND)
-    assert out[:2].sum(axis=0) == pytest.approx(u[:2].sum(axis=0), rel=1e-14)  # the flux of the gas is that it had
+    # the flux of the gas is that it had
+    assert out[:2].sum(axis=0) == pytest.approx(u[:2].sum(axis=0), rel=1e-14)
 
 
 @pytest.mark.slow
@@ -247,14 +312,21 @@ def test_a_cycle_goes_on_from_its_checkpoint(tmp_path):
     again = contbed.run(scene, out=tmp_path / "two", restart=tmp_path / "one")
     assert again.qoi["cycle_change"] <= TOLERANCE and again.qoi["cycle_periods"] <= 3
     key = "n_S [mol/m3]"
-    assert again.profiles[key] == pytest.approx(first.profiles[key], rel=1e-3)  # of steps that are chosen anew
+    # of steps that are chosen anew
+    assert again.profiles[key] == pytest.approx(first.profiles[key], rel=1e-3)
 
 
 def test_a_cycle_that_is_not_found_keeps_its_last_period(monkeypatch):
     monkeypatch.setattr(cycle, "MOST", 2)
     kept = []
-    monkeypatch.setattr("contbed.reacting_bed.transient.fill", lambda at, history, result: kept.append(history.time))
-    with pytest.raises(ConvergenceError, match=r"time\.cycle: of 2 periods the best changes the bed by 0\.0"):
+    monkeypatch.setattr(
+        "contbed.reacting_bed.transient.fill",
+        lambda at, history, result: kept.append(history.time),
+    )
+    with pytest.raises(
+        ConvergenceError,
+        match=r"time\.cycle: of 2 periods the best changes the bed by 0\.0",
+    ):
         contbed.run(from_dict(looping()))
     assert kept == [1200.0]
 
@@ -263,9 +335,14 @@ def test_a_cycle_that_is_not_found_ends_with_its_best_period(monkeypatch):
     course, before = course_of(looping()), Anderson.__call__
 
     def wild(self, state, image):
-        return image.reshape(2, -1)[::-1].ravel() if len(self) == 1 else before(self, state, image)
+        return (
+            image.reshape(2, -1)[::-1].ravel()
+            if len(self) == 1
+            else before(self, state, image)
+        )
 
-    monkeypatch.setattr(Anderson, "__call__", wild)  # what is left of S is P, and the other way round
+    # what is left of S is P, and the other way round
+    monkeypatch.setattr(Anderson, "__call__", wild)
     monkeypatch.setattr(cycle, "MOST", 3)
     *found, best = cycle.periods(course, course.start(), Report(), lambda *_: None)
     assert [each.periods for each in found] == [1, 2, 3] and best.periods == 3
@@ -275,11 +352,17 @@ def test_a_cycle_that_is_not_found_ends_with_its_best_period(monkeypatch):
 def test_cycles_that_cannot_be_are_told():
     scene = looping()
     scene["boundary"]["left"]["gas"]["composition"] = "A:1"
-    with pytest.raises(SceneError, match=r"time\.cycle.*: a cycle needs a composition, a flow, or a temperature"):
+    with pytest.raises(
+        SceneError,
+        match=r"time\.cycle.*: a cycle needs a composition, a flow, or a temperature",
+    ):
         from_dict(scene)
     scene = looping()
     scene["boundary"]["left"]["gas"]["composition"] |= {"period": 900.0}
-    with pytest.raises(SceneError, match=r"its period of 900 s fits 1\.33333 times into the cycle.*multiple"):
+    with pytest.raises(
+        SceneError,
+        match=r"its period of 900 s fits 1\.33333 times into the cycle.*multiple",
+    ):
         from_dict(scene)
     scene["boundary"]["left"]["gas"]["composition"]["period"] = 600.0 + 1e-5
     scene["boundary"]["left"]["gas"]["composition"]["times"] = [0.0, 300.0]
@@ -294,7 +377,9 @@ def test_cycles_that_cannot_be_are_told():
 
 @pytest.mark.slow
 def test_a_state_that_comes_back_comes_back_by_other_steps():
-    """The state of a cycle by kept steps, marched once by steps that are chosen anew, to their errors."""
+    """The state of a cycle by kept steps, marched once by steps that are chosen
+    anew, to their errors.
+    """
     course = course_of(looping())
     last = list(cycle.periods(course, course.start(), Report(), lambda *_: None))[-1]
     *_, after = march(course, begin(course, last.history.u), Report())
@@ -303,10 +388,14 @@ def test_a_state_that_comes_back_comes_back_by_other_steps():
 
 
 def following(rate):
-    """Gas A that becomes B in a bed that stores nothing, of two compositions in turn."""
+    """Gas A that becomes B in a bed that stores nothing, of two compositions in
+    turn.
+    """
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     scene["mesh"]["cells"] = 8
-    scene["boundary"]["left"]["gas"]["composition"] = switched(["A:0.5, B:0.5", "A:1"], 1.0)
+    scene["boundary"]["left"]["gas"]["composition"] = switched(
+        ["A:0.5, B:0.5", "A:1"], 1.0
+    )
     scene["reactions"] = {"r": {"equation": "A -> B", "rate": rate}}
     scene["time"] = {"end": 2.0, "cycle": {}}
     scene["packed_bed"]["gas_storage"] = "quasi_steady"
@@ -316,23 +405,33 @@ def following(rate):
 def test_a_bed_that_stores_nothing_closes_in_its_first_period():
     found = solved(following("c_A"))
     assert found.qoi["cycle_periods"] == 1 and found.qoi["cycle_change"] == 0.0
-    assert found.qoi["x_A_out"] == pytest.approx(np.exp(-0.4 / 0.5), abs=1e-6)  # plug flow, to the error of 8 cells
+    # plug flow, to the error of 8 cells
+    assert found.qoi["x_A_out"] == pytest.approx(np.exp(-0.4 / 0.5), abs=1e-6)
 
 
 def test_a_cycle_that_was_found_is_told_at_other_times(tmp_path):
     scene = following("c_A")
     contbed.run(from_dict(scene), out=tmp_path / "one")
     scene["time"]["times"] = [0.5, 1.5]
-    again = contbed.run(from_dict(scene), out=tmp_path / "two", restart=tmp_path / "one")
+    again = contbed.run(
+        from_dict(scene), out=tmp_path / "two", restart=tmp_path / "one"
+    )
     assert again.qoi["cycle_periods"] == 1
     wanted = solved(scene)
-    assert again.profiles["x_A [1]"] == pytest.approx(wanted.profiles["x_A [1]"], rel=1e-12)  # nothing is stored
+    # nothing is stored
+    assert again.profiles["x_A [1]"] == pytest.approx(
+        wanted.profiles["x_A [1]"], rel=1e-12
+    )
     assert sorted(set(again.profiles["t [s]"])) == [0.5, 1.5, 2.0]
 
 
 def test_rates_that_take_what_is_not_there_in_a_cycle_are_told():
-    taking = 0.55 * 0.5 * MOLAR / 0.4  # 0.55 of the gas, of which half is A in the first half of the period
-    with pytest.raises(ConvergenceError, match=r"r\.rate: takes .* of A where .*A falls to -0\.05 .* at t = 2e-05 s"):
+    # 0.55 of the gas, of which half is A in the first half of the period
+    taking = 0.55 * 0.5 * MOLAR / 0.4
+    with pytest.raises(
+        ConvergenceError,
+        match=r"r\.rate: takes .* of A where .*A falls to -0\.05 .* at t = 2e-05 s",
+    ):
         contbed.run(from_dict(following(str(taking))))
 
 
@@ -348,4 +447,6 @@ def test_a_cycle_that_is_killed_goes_on_from_its_last_period(tmp_path, monkeypat
             assert np.array_equal(states[-1], found.history.u)
 
     monkeypatch.setattr(cycle, "periods", watched)
-    assert contbed.run(from_dict(scene), out=tmp_path).qoi["cycle_periods"] == len(states)
+    assert contbed.run(from_dict(scene), out=tmp_path).qoi["cycle_periods"] == len(
+        states
+    )

@@ -1,22 +1,40 @@
-"""Beds mirrored along x, streams along each other, and inlets with a known state inside."""
+"""Beds mirrored along x, streams along each other, and inlets with a known state
+inside.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from reacting_bed_scenes import bilinear, danckwerts, isothermal, let_move, solids, species
+from reacting_bed_scenes import (
+    bilinear,
+    danckwerts,
+    isothermal,
+    let_move,
+    solids,
+    species,
+)
 
 import contbed as cb
 from contbed.loading import from_dict
 from studies.clc_moving_bed import study as clc
 
-RESULTS = ("conversion_CH4", "conversion_Fe2O3", "pressure_drop_Pa", "T_solid_out_K", "T_fluid_out_K")
+RESULTS = (
+    "conversion_CH4",
+    "conversion_Fe2O3",
+    "pressure_drop_Pa",
+    "T_solid_out_K",
+    "T_fluid_out_K",
+)
 
 
 def test_a_mirrored_bed_gives_the_same():
     scene = cb.load(clc.HERE / "iron_oxide.toml")
     values = scene.model_dump(exclude_none=True)
-    values["boundary"] = {"left": values["boundary"]["right"], "right": values["boundary"]["left"]}
+    values["boundary"] = {
+        "left": values["boundary"]["right"],
+        "right": values["boundary"]["left"],
+    }
     ours, mirrored = cb.run(scene), cb.run(from_dict(values))
     for key in RESULTS:
         assert mirrored.qoi[key] == pytest.approx(ours.qoi[key], rel=1e-9), key
@@ -47,7 +65,9 @@ def test_known_composition_inside_of_the_inlet():
 
 
 def test_particles_that_move_without_reacting_carry_heat():
-    """Counter-current exchange of equal capacities with NTU = 3: effectiveness NTU/(1 + NTU)."""
+    """Counter-current exchange of equal capacities with NTU = 3: effectiveness
+    NTU/(1 + NTU).
+    """
     cp, G, L, d = 30.0, 0.5, 0.5, 3e-3
     gases = species(A=0.028)
     gases["A"] |= {"heat_capacity": cp, "enthalpy": 0.0}
@@ -55,7 +75,9 @@ def test_particles_that_move_without_reacting_carry_heat():
     scene = isothermal("A:1", gases)
     scene["gas"] |= {"conductivity": 0.03, "viscosity": 2e-5}
     scene["mesh"]["length"] = L
-    scene["solids"]["particles"] |= {k: v for k, v in solids().items() if k == "density"} | {"heat_capacity": 800.0}
+    scene["solids"]["particles"] |= {
+        k: v for k, v in solids().items() if k == "density"
+    } | {"heat_capacity": 800.0}
     scene["boundary"]["left"]["gas"] = {"mass_flux": G, "temperature": 400.0}
     let_move(scene, -capacity / 800.0 / 3000.0, temperature=800.0)
     scene["heat"] = {}

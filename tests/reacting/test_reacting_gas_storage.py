@@ -1,10 +1,23 @@
-"""Gas that is stored in the pores: exact distributions of residence times, order in time, totals that close."""
+"""Gas that is stored in the pores: exact distributions of residence times, order in
+time, totals that close.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from reacting_bed_scenes import MOLAR, danckwerts, ergun, fixed_bed, heated, isothermal, put, schumann, species, table
+from reacting_bed_scenes import (
+    MOLAR,
+    danckwerts,
+    ergun,
+    fixed_bed,
+    heated,
+    isothermal,
+    put,
+    schumann,
+    species,
+    table,
+)
 
 import contbed
 from contbed.errors import ConvergenceError, SceneError
@@ -21,7 +34,9 @@ RESIDENCE = 0.8  # [s] of the gas in `danckwerts`: 0.4 of 1 m at 0.5 m/s
 
 
 def vessel(Pe, Da):
-    """Transform over time in residence times of what leaves a closed vessel after a step (Danckwerts 1953)."""
+    """Transform over time in residence times of what leaves a closed vessel after a
+    step (Danckwerts 1953).
+    """
 
     def transform(p):
         a = np.sqrt(1.0 + 4.0 * (p + Da) / Pe)
@@ -63,7 +78,9 @@ def course_of(scene):
 
 
 def test_rounding_does_not_decide_the_steps(monkeypatch):
-    """Residuals with some roundings more, as another order of summation leaves: times are the same to the last bit."""
+    """Residuals with some roundings more, as another order of summation leaves:
+    times are the same to the last bit.
+    """
     scene, _ = heated(4.0)
     scene["mesh"]["cells"] = 8
     scene["time"] |= {"end": 400.0, "tolerance": 1e-3}
@@ -74,7 +91,9 @@ def test_rounding_does_not_decide_the_steps(monkeypatch):
     def rounded(system, u, jacobian=True):
         residual, slopes = assemble(system, u, jacobian)
         size = np.abs(residual).max(axis=(1, 2), keepdims=True)
-        return residual + 1e-15 * size * random.uniform(-1.0, 1.0, residual.shape), slopes
+        return residual + 1e-15 * size * random.uniform(
+            -1.0, 1.0, residual.shape
+        ), slopes
 
     monkeypatch.setattr(System, "assemble", rounded)
     other = contbed.run(from_dict(scene)).tables["outlet"]
@@ -94,7 +113,8 @@ def marched(course, steps):
 
 @pytest.mark.parametrize("rings", [0, pytest.param(2, marks=pytest.mark.slow)])
 def test_order_two_in_time_with_inlets_that_change(rings):
-    """Composition, temperature and flow rise linearly, the gas is stored, first-order reaction with heat.
+    """Composition, temperature and flow rise linearly, the gas is stored, first-order
+    reaction with heat.
 
     With rings the wall becomes hotter as well, and gas and heat pass across.
     """
@@ -132,15 +152,19 @@ def test_order_two_in_time_with_inlets_that_change(rings):
     coarse, middle, fine = (marched(course, steps) / sizes for steps in (40, 80, 160))
     for k, name in enumerate(course.problem.names):
         ratio = np.abs(coarse[k] - middle[k]).max() / np.abs(middle[k] - fine[k]).max()
-        # 4 for order 2; 3.97 to 4.18 are found, to 4.34 with rings, which comes to 4.18 with twice the steps
+        # 4 for order 2; 3.97 to 4.18 are found, to 4.34 with rings, which comes to 4.18
+        # with twice the steps
         assert 3.8 < ratio < 4.4, (name, ratio)
 
 
 def test_heat_of_the_gas_delays_the_front():
-    """At 10 MPa the gas holds a tenth of the heat: Schumann's curve comes later by the time the gas stays."""
+    """At 10 MPa the gas holds a tenth of the heat: Schumann's curve comes later by
+    the time the gas stays.
+    """
     scene, eta_per_s = heated(4.0)
     scene["gas"]["pressure"] = 1e7
-    scene["boundary"]["left"]["gas"]["temperature"] = 302.0  # little, so that the density of the gas is nearly constant
+    # little, so that the density of the gas is nearly constant
+    scene["boundary"]["left"]["gas"]["temperature"] = 302.0
     scene["time"] |= {"tolerance": 2e-3}
     scene["packed_bed"]["gas_storage"] = "stored"
     scene["solids"]["particles"] |= {"density": 200.0}
@@ -162,7 +186,10 @@ def test_gas_with_a_pressure_drop_closes():
     row = table("ergun_isothermal_gas")[0]
     scene = ergun(row)
     gases = scene["gas"]["species"]
-    gases["B"] = {"elements": {"H": 2e3 * row["M_kg_mol"]}, "molar_mass": 2.0 * row["M_kg_mol"]}
+    gases["B"] = {
+        "elements": {"H": 2e3 * row["M_kg_mol"]},
+        "molar_mass": 2.0 * row["M_kg_mol"],
+    }
     scene["time"] = {"end": 1.0, "tolerance": 1e-3}
     scene["packed_bed"]["gas_storage"] = "stored"
     scene["initial"] |= {"gas": {"composition": "B:1"}}
@@ -182,7 +209,11 @@ def test_the_plan_chooses_by_the_residence():
         "storage in the gas",
         "what leaves is early by that: the gas stays for 1.07 s, 0.0013 of the run",
     )
-    scene["boundary"]["left"]["gas"]["velocity"] = {"times": [0.0, 50.0], "values": [0.5, 0.4], "form": "step"}
+    scene["boundary"]["left"]["gas"]["velocity"] = {
+        "times": [0.0, 50.0],
+        "values": [0.5, 0.4],
+        "form": "step",
+    }
     chosen = plan(from_dict(scene))
     assert chosen.stores_gas
     assert "0.027 of the shortest time between changes" in chosen.built[-1][1]
@@ -191,7 +222,11 @@ def test_the_plan_chooses_by_the_residence():
 @pytest.mark.parametrize(
     ("key", "value", "said"),
     [
-        ("packed_bed.gas_storage", "quasi_steady", "has no meaning for a gas that follows at once"),
+        (
+            "packed_bed.gas_storage",
+            "quasi_steady",
+            "has no meaning for a gas that follows at once",
+        ),
         ("initial.gas.composition", "B:0.5, A:0.6", "fractions sum to 1.1"),
         ("initial.gas.composition", "C:1", "C is neither a gas"),
     ],
@@ -207,16 +242,20 @@ def test_transient_heat_needs_particles():
     scene, _ = heated(4.0)
     scene["solids"]["particles"] = {"diameter": 3e-3}
     scene["time"]["end"] = 1.0
-    with pytest.raises(SceneError, match=r"solids\.particles\.heat_capacity: missing; .* hold heat"):
+    with pytest.raises(
+        SceneError, match=r"solids\.particles\.heat_capacity: missing; .* hold heat"
+    ):
         from_dict(scene)
 
 
 @pytest.mark.parametrize("share", [-0.2, 1e-3])
 def test_gas_that_cools_faster_than_it_enters_is_told(share):
-    """Where the flow falls, gas in the pores takes the temperature of colder particles, and needs less room.
+    """Where the flow falls, gas in the pores takes the temperature of colder particles,
+    and needs less room.
 
-    With the lag dT of the gas behind the particles, n c dT/dt = h a dT holds before the jump: n/T dT/dt of the gas is
-    g ln(T_in/T_out) of the former flow g, of 500 K where it enters and T_out, less the same of the flow that is left.
+    With the lag dT of the gas behind the particles, n c dT/dt = h a dT holds before the
+    jump: n/T dT/dt of the gas is g ln(T_in/T_out) of the former flow g, of 500 K where
+    it enters and T_out, less the same of the flow that is left.
     """
     scene, eta_per_s = heated(4.0)
     end = 1.02 / eta_per_s
@@ -230,19 +269,31 @@ def test_gas_that_cools_faster_than_it_enters_is_told(share):
     scene["time"] |= {"end": end}
     scene["packed_bed"]["gas_storage"] = "stored"
     scene["mesh"]["cells"] = 5
-    with pytest.raises(ConvergenceError, match=r"the particles cool the gas .* it would flow back") as told:
+    with pytest.raises(
+        ConvergenceError, match=r"the particles cool the gas .* it would flow back"
+    ) as told:
         contbed.run(from_dict(scene))
     room = float(str(told.value).split("makes room for ")[1].split()[0])
     before = 0.5 / 0.028 * np.log(500.0 / (300.0 + 200.0 * schumann(4.0, 1.0)))
-    assert room == pytest.approx(before * (1.0 - share if share > 0.0 else 1.0), rel=0.1)
+    assert room == pytest.approx(
+        before * (1.0 - share if share > 0.0 else 1.0), rel=0.1
+    )
 
 
 def test_gas_that_is_used_up_faster_than_it_enters_is_told():
-    """A bed full of A, 2 A -> B: k c L/2 of the moles vanish, more than enter; no step and no mesh helps."""
+    """A bed full of A, 2 A -> B: k c L/2 of the moles vanish, more than enter; no
+    step and no mesh helps.
+    """
     scene = isothermal("A:1", species(A=0.014, B=0.028), time={"end": 10.0})
     scene["packed_bed"]["gas_storage"] = "stored"
-    scene["reactions"] = {"r": {"equation": "2 A -> B", "A": 3.0, "E": 0.0, "orders": {"A": 1.0}}}
-    # the rate of the equation is 3 c over the gas, 0.4 of the bed; the gas enters with 0.5 m/s
-    told = f"reactions take {1.2 * MOLAR:.3g} mol/m2/s of the gas .* and {0.5 * MOLAR:.3g} enter"
+    scene["reactions"] = {
+        "r": {"equation": "2 A -> B", "A": 3.0, "E": 0.0, "orders": {"A": 1.0}}
+    }
+    # the rate of the equation is 3 c over the gas, 0.4 of the bed; the gas enters with
+    # 0.5 m/s
+    told = (
+        f"reactions take {1.2 * MOLAR:.3g} mol/m2/s of the gas .* and "
+        f"{0.5 * MOLAR:.3g} enter"
+    )
     with pytest.raises(ConvergenceError, match=told):
         contbed.run(from_dict(scene))

@@ -1,4 +1,6 @@
-"""Folds and multiple steady states of the adiabatic bed against a fold system solved by collocation."""
+"""Folds and multiple steady states of the adiabatic bed against a fold system solved
+by collocation.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,11 @@ BEDS = sorted({(row["Pe_m"], row["Pe_h"], row["B"], row["g"]) for row in ROWS})
 
 def rows_of(bed, kind):
     keys = ("Pe_m", "Pe_h", "B", "g")
-    return [row for row in ROWS if tuple(row[key] for key in keys) == bed and row["kind"] == kind]
+    return [
+        row
+        for row in ROWS
+        if tuple(row[key] for key in keys) == bed and row["kind"] == kind
+    ]
 
 
 CELLS = 16  # by which folds are exact to 2e-9
@@ -30,9 +36,15 @@ CELLS = 16  # by which folds are exact to 2e-9
 )
 def test_folds_and_states(bed, cells):
     assert bed in BEDS
-    ((on,), (off,), states) = (rows_of(bed, kind) for kind in ("ignition", "extinction", "state"))
+    ((on,), (off,), states) = (
+        rows_of(bed, kind) for kind in ("ignition", "extinction", "state")
+    )
     scene = ignition(*bed, Da=0.5 * off["Da"])
-    scene["continuation"] = {"parameter": "reactions.r.factor", "to": 2.0 * on["Da"], "at": states[0]["Da"]}
+    scene["continuation"] = {
+        "parameter": "reactions.r.factor",
+        "to": 2.0 * on["Da"],
+        "at": states[0]["Da"],
+    }
     if cells is not None:
         scene["mesh"]["cells"] = cells
     result = contbed.run(from_dict(scene))
@@ -41,13 +53,20 @@ def test_folds_and_states(bed, cells):
     assert result.qoi["fold_2"] == pytest.approx(off["Da"], rel=1e-6)
     assert result.qoi["steady_states_found"] == len(states)
     left = sorted(result.tables["states"]["x_A_out [1]"], reverse=True)
-    assert [1.0 - x for x in left] == pytest.approx([row["X_out"] for row in states], abs=1e-7)
+    assert [1.0 - x for x in left] == pytest.approx(
+        [row["X_out"] for row in states], abs=1e-7
+    )
 
 
 def test_a_bed_without_fold_has_one_state():
     scene = ignition(20.0, 20.0, 8.0, 20.0, 0.05)
     scene["mesh"]["cells"] = CELLS
-    scene["continuation"] = {"parameter": "reactions.r.factor", "to": 0.3, "at": 0.1, "points": 30}
+    scene["continuation"] = {
+        "parameter": "reactions.r.factor",
+        "to": 0.3,
+        "at": 0.1,
+        "points": 30,
+    }
     result = contbed.run(from_dict(scene))
     assert not [key for key in result.qoi if key.startswith("fold")]
     assert result.qoi["steady_states_found"] == 1
@@ -59,14 +78,20 @@ def in_a_section(scene, rings, **wall):
     if wall:
         scene["boundary"]["wall"] = wall
     if rings:
-        scene["packed_bed"]["section"] = {"rings": rings, "conductivity_solids": 1e3, "dispersion_mass": 1e-2}
+        scene["packed_bed"]["section"] = {
+            "rings": rings,
+            "conductivity_solids": 1e3,
+            "dispersion_mass": 1e-2,
+        }
     return scene
 
 
 def test_folds_of_rings_alike_are_those_of_the_bed():
     """Without heat through the wall the branch of the section is that of the table."""
     bed = (5.0, 5.0, 10.0, 20.0)
-    (on,), (off,), _ = (rows_of(bed, kind) for kind in ("ignition", "extinction", "state"))
+    (on,), (off,), _ = (
+        rows_of(bed, kind) for kind in ("ignition", "extinction", "state")
+    )
     scene = in_a_section(ignition(*bed, Da=0.5 * off["Da"]), 2)
     scene["continuation"] = {"parameter": "reactions.r.factor", "to": 2.0 * on["Da"]}
     scene["mesh"]["cells"] = CELLS
@@ -77,10 +102,17 @@ def test_folds_of_rings_alike_are_those_of_the_bed():
 
 @pytest.mark.slow
 def test_fold_of_a_cooled_section_comes_to_that_of_one_dimension():
-    """Wide conduction across: R/(4 K_r) beside 1/h_w = 0.2 is 1e-5 of 0.2 m2 K/W, and so is the change of the fold."""
+    """Wide conduction across: R/(4 K_r) beside 1/h_w = 0.2 is 1e-5 of 0.2 m2 K/W,
+    and so is the change of the fold.
+    """
     folds = []
     for rings in (0, 2):
-        scene = in_a_section(ignition(5.0, 5.0, 10.0, 20.0, Da=0.02), rings, coefficient=5.0, ambient=600.0)
+        scene = in_a_section(
+            ignition(5.0, 5.0, 10.0, 20.0, Da=0.02),
+            rings,
+            coefficient=5.0,
+            ambient=600.0,
+        )
         scene["continuation"] = {"parameter": "reactions.r.factor", "to": 2.0}
         scene["mesh"]["cells"] = CELLS
         folds.append(contbed.run(from_dict(scene)).qoi["fold_1"])

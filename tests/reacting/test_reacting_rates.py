@@ -1,4 +1,6 @@
-"""Rates at particles: films, effectiveness, formulas with units, and laws against each other."""
+"""Rates at particles: films, effectiveness, formulas with units, and laws against
+each other.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ from contbed.particle.effectiveness import overall, sphere
 def catalytic(**reaction):
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     scene["mesh"]["length"] = 0.1
-    scene["reactions"] = {"r": {"equation": "A -> B", "A": 20.0, "E": 0.0, "basis": "particle"} | reaction}
+    scene["reactions"] = {
+        "r": {"equation": "A -> B", "A": 20.0, "E": 0.0, "basis": "particle"} | reaction
+    }
     return scene
 
 
@@ -34,7 +38,9 @@ def test_film_in_series_with_a_first_order_rate():
     scene["gas"]["diffusivity"] = D
     scene["closures"] |= {"sherwood": 4.0}
     film = 4.0 * D / d * 6.0 / d  # per volume of particles [1/s]
-    assert left(scene) == pytest.approx(np.exp(-exponent(1.0 / (1.0 / 20.0 + 1.0 / film))), rel=1e-8)
+    assert left(scene) == pytest.approx(
+        np.exp(-exponent(1.0 / (1.0 / 20.0 + 1.0 / film))), rel=1e-8
+    )
 
 
 def test_effectiveness_of_spheres():
@@ -42,7 +48,9 @@ def test_effectiveness_of_spheres():
     scene = catalytic(diffusivity=D_e)
     scene["solids"]["particles"]["inside"] = {"mass": "effectiveness"}
     phi = R * np.sqrt(20.0 / D_e)
-    assert left(scene) == pytest.approx(np.exp(-exponent(20.0 * float(sphere(phi)))), rel=1e-8)
+    assert left(scene) == pytest.approx(
+        np.exp(-exponent(20.0 * float(sphere(phi)))), rel=1e-8
+    )
 
 
 def test_effectiveness_with_a_film_is_the_overall_one():
@@ -61,7 +69,12 @@ def test_a_formula_gives_what_the_law_gives():
     k = scene["reactions"]["r"]["A"]
     written = danckwerts(10.0, 1.0)
     written["reactions"] = {
-        "r": {"equation": "A -> B", "rate": "k*c_A", "unit": "mol/m**3/s", "parameters": {"k": f"{k} 1/s"}}
+        "r": {
+            "equation": "A -> B",
+            "rate": "k*c_A",
+            "unit": "mol/m**3/s",
+            "parameters": {"k": f"{k} 1/s"},
+        }
     }
     assert left(written) == pytest.approx(left(scene), rel=1e-12)
     # 1 mol/m3/s is 3.6 kmol/m3/h
@@ -71,7 +84,13 @@ def test_a_formula_gives_what_the_law_gives():
 
 @pytest.mark.parametrize(
     ("text", "value"),
-    [("2*x**3 - 1", 53.0), ("-x**2", -9.0), ("exp(log(x))", 3.0), ("max(x, 5)/2", 2.5), ("x**(2/3)", 3.0 ** (2 / 3))],
+    [
+        ("2*x**3 - 1", 53.0),
+        ("-x**2", -9.0),
+        ("exp(log(x))", 3.0),
+        ("max(x, 5)/2", 2.5),
+        ("x**(2/3)", 3.0 ** (2 / 3)),
+    ],
 )
 def test_formulas(text, value):
     formula = parse_formula(text)
@@ -79,4 +98,6 @@ def test_formulas(text, value):
     dual = formula({"x": Dual(np.array([3.0]), {"x": np.array([1.0])})})
     step = 1e-6
     slope = (formula({"x": 3.0 + step}) - formula({"x": 3.0 - step})) / (2.0 * step)
-    assert float(dual.tangents.get("x", [0.0])[0]) == pytest.approx(slope, rel=1e-7, abs=1e-9)
+    assert float(dual.tangents.get("x", [0.0])[0]) == pytest.approx(
+        slope, rel=1e-7, abs=1e-9
+    )

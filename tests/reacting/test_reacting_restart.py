@@ -1,4 +1,6 @@
-"""Transient reacting beds that are stopped: a restart gives the numbers of an uninterrupted run bit for bit."""
+"""Transient reacting beds that are stopped: a restart gives the numbers of an
+uninterrupted run bit for bit.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,12 @@ def scene(**more):
 
 def heated_section():
     """A bed of three rings that a wall heats; A -> B."""
-    gas = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0, "enthalpy": 0.0}
+    gas = {
+        "elements": {"H": 28.0},
+        "molar_mass": 0.028,
+        "heat_capacity": 30.0,
+        "enthalpy": 0.0,
+    }
     given = isothermal("A:1", {"A": gas, "B": gas}) | {"heat": {}}
     given["solids"]["particles"] |= {"density": 2000.0, "heat_capacity": 1000.0}
     given["reactions"] = {"r": {"equation": "A -> B", "A": 400.0, "E": 3e4}}
@@ -78,10 +85,18 @@ def interrupted(given, folder, monkeypatch):
 def test_restart_goes_on_bit_for_bit(tmp_path, monkeypatch):
     whole = contbed.run(from_dict(scene()))
     interrupted(scene(), tmp_path / "a", monkeypatch)
-    same(contbed.run(from_dict(scene()), out=tmp_path / "b", restart=tmp_path / "a"), whole)
+    same(
+        contbed.run(from_dict(scene()), out=tmp_path / "b", restart=tmp_path / "a"),
+        whole,
+    )
     # of a finished run nothing changes, and a later end is taken
-    same(contbed.run(from_dict(scene()), out=tmp_path / "c", restart=tmp_path / "b"), whole)
-    longer = contbed.run(from_dict(scene(end=1000.0)), out=tmp_path / "d", restart=tmp_path / "b")
+    same(
+        contbed.run(from_dict(scene()), out=tmp_path / "c", restart=tmp_path / "b"),
+        whole,
+    )
+    longer = contbed.run(
+        from_dict(scene(end=1000.0)), out=tmp_path / "d", restart=tmp_path / "b"
+    )
     assert longer.qoi["time_reached_s"] == 1000.0
     assert set(whole.profiles["t [s]"]) < set(longer.profiles["t [s]"]) | {800.0}
 
@@ -106,17 +121,26 @@ def section_of_pellets():
     given = heated_section()
     given["reactions"]["r"] |= {"A": 5e6, "E": 6e4, "basis": "particle"}
     given["packed_bed"]["section"]["rings"] = 2
-    given["solids"]["particles"]["inside"] = {"mass": "interior", "diffusivity": {"A": 2e-6, "B": 2e-6}}
+    given["solids"]["particles"]["inside"] = {
+        "mass": "interior",
+        "diffusivity": {"A": 2e-6, "B": 2e-6},
+    }
     given["time"] = {"end": 300.0, "times": [50.0], "tolerance": 1e-3}
     return given
 
 
 def kinds_that_adsorb():
-    """Two kinds of particles with points inside that take up a gas whose share falls."""
+    """Two kinds of particles with points inside that take up a gas whose share
+    falls.
+    """
     given, unit = adsorber(100.0, 10.0, 3.0)
     given["mesh"]["cells"] = 4
     values = ["A:1e-6, N:0.999999", "A:5e-7, N:0.9999995"]
-    given["boundary"]["left"]["gas"]["composition"] = {"times": [0, 3.0 * unit], "values": values, "form": "linear"}
+    given["boundary"]["left"]["gas"]["composition"] = {
+        "times": [0, 3.0 * unit],
+        "values": values,
+        "form": "linear",
+    }
     given["solids"]["particles"]["inside"] = {"adsorption": "interior", "points": 2}
     given["time"] |= {"end": 3.0 * unit, "tolerance": 1e-3}
     return split(given)
@@ -133,13 +157,19 @@ def gas_that_is_damped():
     """A front of a gas in the pores, on cells that do not resolve it."""
     given = danckwerts(1000.0, 0.0)
     given["mesh"]["cells"] = 6
-    return given | {"initial": {"gas": {"composition": "B:1"}}, "time": {"end": 1.6, "tolerance": 1e-3}}
+    return given | {
+        "initial": {"gas": {"composition": "B:1"}},
+        "time": {"end": 1.6, "tolerance": 1e-3},
+    }
 
 
 def cores_that_are_damped():
     """Cores of 0.2 mm at rest, whose rate takes what is left of them."""
     given = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 1.5)
-    given["reactions"]["r"] |= {"orders": {"A": 1.0}, "A": given["reactions"]["r"]["A"] * N_SOLID}
+    given["reactions"]["r"] |= {
+        "orders": {"A": 1.0},
+        "A": given["reactions"]["r"]["A"] * N_SOLID,
+    }
     given["mesh"]["cells"] = 20
     return given
 
@@ -160,18 +190,28 @@ def test_restart_of_beds_goes_on_bit_for_bit(tmp_path, monkeypatch, given):
     whole = contbed.run(from_dict(given))
     assert whole.qoi["time_steps"] > STOP
     interrupted(given, tmp_path / "a", monkeypatch)
-    same(contbed.run(from_dict(given), out=tmp_path / "b", restart=tmp_path / "a"), whole)
+    same(
+        contbed.run(from_dict(given), out=tmp_path / "b", restart=tmp_path / "a"), whole
+    )
 
 
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda s: s["packed_bed"].update(porosity=0.41), "packed_bed.porosity = 0.41: the checkpoint has 0.4"),
         (
-            lambda s: s["boundary"]["left"]["gas"]["composition"].update(values=["A:1", "A:0.4, B:0.6"]),
+            lambda s: s["packed_bed"].update(porosity=0.41),
+            "packed_bed.porosity = 0.41: the checkpoint has 0.4",
+        ),
+        (
+            lambda s: s["boundary"]["left"]["gas"]["composition"].update(
+                values=["A:1", "A:0.4, B:0.6"]
+            ),
             "boundary.left.gas.composition.values",
         ),
-        (lambda s: s["time"].update(tolerance=1e-5), "time.tolerance = 1e-05: the checkpoint has 0.0001"),
+        (
+            lambda s: s["time"].update(tolerance=1e-5),
+            "time.tolerance = 1e-05: the checkpoint has 0.0001",
+        ),
         (lambda s: s["time"].update(end=20.0, times=[]), "time.end = 20: lies before"),
         (lambda s: s["time"].update(times=[1.0]), "time.times: 1 s lies before"),
     ],

@@ -1,4 +1,6 @@
-"""Reacting beds resolved across the flow: closed forms, manufactured solutions, limits, balances, mistakes."""
+"""Reacting beds resolved across the flow: closed forms, manufactured solutions,
+limits, balances, mistakes.
+"""
 
 from __future__ import annotations
 
@@ -27,20 +29,28 @@ SECTION = "packed_bed.section"
 def heated(rings, shape="tube", wall=50.0, conductivity=K, reacts=0.0):
     """A bed of 1 m between walls at a temperature; A -> B if it reacts."""
     data = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": CP}
-    scene = isothermal("A:1", {"A": {**data, "enthalpy": 0.0}, "B": {**data, "enthalpy": -4e3}})
+    scene = isothermal(
+        "A:1", {"A": {**data, "enthalpy": 0.0}, "B": {**data, "enthalpy": -4e3}}
+    )
     scene["reactions"] = {"r": {"equation": "A -> B", "A": reacts, "E": 3e4}}
     scene["heat"] = {}
     scene["mesh"]["cells"] = 8
     scene["mesh"]["diameter"] = 2 * RADIUS
     scene["boundary"]["wall"] = {"coefficient": wall, "ambient": T_WALL}
     if rings:
-        scene["packed_bed"]["section"] = {"shape": shape, "rings": rings, "conductivity_solids": conductivity}
+        scene["packed_bed"]["section"] = {
+            "shape": shape,
+            "rings": rings,
+            "conductivity_solids": conductivity,
+        }
     scene["output"]["positions"] = [0.5, 1.0]
     return scene
 
 
 def mean_of_series(shape, wall, Fo):
-    """Mean temperature after a Fourier number K t/(C R^2), of bodies at T that are heated through their surfaces."""
+    """Mean temperature after a Fourier number K t/(C R^2), of bodies at T that are
+    heated through their surfaces.
+    """
     Bi, most = wall * RADIUS / K, 60.0
     if shape == "tube":
         crossing = lambda b: b * j1(b) - Bi * j0(b)  # noqa: E731
@@ -50,43 +60,60 @@ def mean_of_series(shape, wall, Fo):
         share = lambda b: 2.0 * Bi**2 / (b**2 * (b**2 + Bi**2 + Bi))  # noqa: E731
     grid = np.linspace(1e-6, most, 3000)
     signs = np.flatnonzero(np.diff(np.sign(crossing(grid))))
-    roots = np.array([brentq(crossing, grid[k], grid[k + 1], xtol=1e-14) for k in signs])
+    roots = np.array(
+        [brentq(crossing, grid[k], grid[k + 1], xtol=1e-14) for k in signs]
+    )
     return T_WALL + (T - T_WALL) * float(share(roots) @ np.exp(-(roots**2) * Fo))
 
 
 def mixed(shape, wall, x):
-    """Mean temperature of plug flow of constant properties that enters at T, heated through its walls (Graetz)."""
+    """Mean temperature of plug flow of constant properties that enters at T, heated
+    through its walls (Graetz).
+    """
     capacity = U * P / (R_GAS * T) * CP  # [W/m2/K]
     return mean_of_series(shape, wall, K * x / (capacity * RADIUS**2))
 
 
 @pytest.mark.parametrize("shape", ["tube", "plane"])
 def test_plug_flow_between_walls(shape):
-    """Graetz's problem of plug flow with a wall coefficient: order 2 across; 0.4 K of 300 K with 8 rings."""
+    """Graetz's problem of plug flow with a wall coefficient: order 2 across; 0.4 K
+    of 300 K with 8 rings.
+    """
     exact = np.array([mixed(shape, 50.0, x) for x in (0.5, 1.0)])
-    coarse, fine = (solved(heated(rings, shape)).profiles["T_fluid [K]"] - exact for rings in (4, 8))
+    coarse, fine = (
+        solved(heated(rings, shape)).profiles["T_fluid [K]"] - exact for rings in (4, 8)
+    )
     assert np.all(np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1))
     assert np.abs(fine).max() < 0.5
 
 
 def test_plug_flow_in_a_duct_is_that_of_two_planes():
-    """Heat passes along y and z alike: (T - T_a)/(T_in - T_a) is the product of those between plane walls.
+    """Heat passes along y and z alike: (T - T_a)/(T_in - T_a) is the product of those
+    between plane walls.
 
-    With discrete columns as well, for the mean and in the middle of a side; 1e-6 of 300 K is the error along the flow.
+    With discrete columns as well, for the mean and in the middle of a side; 1e-6 of 300
+    K is the error along the flow.
     """
     duct, plane = (solved(heated(4, shape)).profiles for shape in ("duct", "plane"))
     share = {
-        key: ((duct[f"T_fluid{key} [K]"] - T_WALL) / (T - T_WALL), (plane[f"T_fluid{key} [K]"] - T_WALL) / (T - T_WALL))
+        key: (
+            (duct[f"T_fluid{key} [K]"] - T_WALL) / (T - T_WALL),
+            (plane[f"T_fluid{key} [K]"] - T_WALL) / (T - T_WALL),
+        )
         for key in ("", "_axis", "_wall")
     }
     assert np.all(share[""][1] < 0.95)
     assert share[""][0] == pytest.approx(share[""][1] ** 2, abs=1e-6)
     assert share["_axis"][0] == pytest.approx(share["_axis"][1] ** 2, abs=1e-6)
-    assert share["_wall"][0] == pytest.approx(share["_wall"][1] * share["_axis"][1], abs=1e-6)
+    assert share["_wall"][0] == pytest.approx(
+        share["_wall"][1] * share["_axis"][1], abs=1e-6
+    )
 
 
 def test_a_duct_is_the_same_along_y_and_z():
-    """A reacting bed with species that pass across: columns (i, j) and (j, i) agree to Newton's tolerance."""
+    """A reacting bed with species that pass across: columns (i, j) and (j, i) agree
+    to Newton's tolerance.
+    """
     scene = heated(3, "duct", reacts=400.0)
     scene["packed_bed"]["section"]["dispersion_mass"] = 1e-4
     problem, u = solved(scene).solved
@@ -100,42 +127,68 @@ MU, K_GAS, D_P = 3e-5, 0.04, 3e-3
 
 @pytest.mark.parametrize("name", ["wall_martin_nilles", "wall_li_finlayson"])
 def test_wall_coefficient_by_name(name):
-    """With constant properties it is a number, from Re = G d_p/mu, Pr = c mu/k, the conductivity without dispersion."""
+    """With constant properties it is a number, from Re = G d_p/mu, Pr = c mu/k, the
+    conductivity without dispersion.
+    """
     scene = heated(6, wall=1.0)
     scene["gas"] |= {"viscosity": MU, "conductivity": K_GAS}
     scene["packed_bed"]["section"]["dispersion"] = 0.5
     flux = U * P / (R_GAS * T) * 0.028
-    known = {"Re": flux * D_P / MU, "Pr": CP / 0.028 * MU / K_GAS, "k_fluid": K_GAS, "d_p": D_P, "D_bed": 2 * RADIUS}
+    known = {
+        "Re": flux * D_P / MU,
+        "Pr": CP / 0.028 * MU / K_GAS,
+        "k_fluid": K_GAS,
+        "d_p": D_P,
+        "D_bed": 2 * RADIUS,
+    }
     stagnant = {"k_stagnant": K} if name == "wall_martin_nilles" else {}
-    scene["boundary"]["wall"]["coefficient"] = float(get(name, "wall")(**known, **stagnant))
+    scene["boundary"]["wall"]["coefficient"] = float(
+        get(name, "wall")(**known, **stagnant)
+    )
     expected = solved(scene)
     scene["boundary"]["wall"]["coefficient"] = name
     found = solved(scene)
-    np.testing.assert_allclose(found.profiles["T_fluid [K]"], expected.profiles["T_fluid [K]"], rtol=1e-11)  # Newton's
+    # Newton's
+    np.testing.assert_allclose(
+        found.profiles["T_fluid [K]"], expected.profiles["T_fluid [K]"], rtol=1e-11
+    )
     assert {use["name"] for use in found.closures} == {name}
 
 
 def test_the_wall_meets_the_outermost_ring():
-    """Where viscosity follows T, the temperature at the axis leaves the heat through the wall as it is, to rounding."""
+    """Where viscosity follows T, the temperature at the axis leaves the heat through
+    the wall as it is, to rounding.
+    """
     scene = heated(2, wall="li_finlayson")
     scene["gas"]["conductivity"] = K_GAS
     for gas in scene["gas"]["species"].values():
         gas["viscosity"] = [6e-8, 1.0]  # 6e-8 T
     problem = plan(from_dict(scene)).problem
-    section, rings, k = Section(problem.bed, problem.rings), problem.rings, problem.layout.names.index("T")
+    section, rings, k = (
+        Section(problem.bed, problem.rings),
+        problem.rings,
+        problem.layout.names.index("T"),
+    )
 
     def gains(T_axis):
         points = np.array([problem.first_point()] * 2, dtype=float)
         points[:, k] = T_axis, 600.0
         values = [np.array([value]) for value in points.ravel()]
-        outer = section(values, [0.0 * value for value in values], np.zeros(1))[2][len(problem.layout.names) + k]
-        return float(outer[0]) - K * (T_axis - 600.0) * rings.joins[0].area / rings.shares[1]
+        outer = section(values, [0.0 * value for value in values], np.zeros(1))[2][
+            len(problem.layout.names) + k
+        ]
+        return (
+            float(outer[0])
+            - K * (T_axis - 600.0) * rings.joins[0].area / rings.shares[1]
+        )
 
     assert gains(700.0) == pytest.approx(gains(500.0), rel=1e-12)
 
 
 def test_dispersion_between_rings_moves_no_mass():
-    """What species of unlike dispersion and molar mass carry across a face sums to no mass, to rounding."""
+    """What species of unlike dispersion and molar mass carry across a face sums to
+    no mass, to rounding.
+    """
     scene = heated(2)
     scene["gas"]["composition"] = "A:0.5, B:0.5"
     scene["gas"]["species"]["B"] |= {"elements": {"H": 44.0}, "molar_mass": 0.044}
@@ -152,13 +205,17 @@ def test_dispersion_between_rings_moves_no_mass():
 
 
 def test_temperature_of_the_wall_carries_its_heat():
-    """Far from the inlet with a given flux T rises by q R/(2 K) from the axis to the wall: a parabola, exact."""
+    """Far from the inlet with a given flux T rises by q R/(2 K) from the axis to the
+    wall: a parabola, exact.
+    """
     scene = heated(5)
     scene["mesh"]["diameter"] = 2 * RADIUS
     scene["boundary"]["wall"] = {"heat_flux": 300.0}
     scene["mesh"]["length"], scene["output"]["positions"] = 10.0, [10.0]
     result = solved(scene)
-    difference = result.profiles["T_fluid_wall [K]"] - result.profiles["T_fluid_axis [K]"]
+    difference = (
+        result.profiles["T_fluid_wall [K]"] - result.profiles["T_fluid_axis [K]"]
+    )
     assert difference == pytest.approx(300.0 * RADIUS / (2.0 * K), rel=1e-6)
 
 
@@ -171,9 +228,11 @@ def test_order_across(shape):
 
 @pytest.mark.parametrize("degree", [1, 2])
 def test_order_along(degree):
-    """Polynomials of degree p: order p + 1 of all fields, against a fine line with the same rings.
+    """Polynomials of degree p: order p + 1 of all fields, against a fine line with the
+    same rings.
 
-    Differences between the rings vanish within some centimetres, which coarse cells do not see: 0.15 below is found.
+    Differences between the rings vanish within some centimetres, which coarse cells do
+    not see: 0.15 below is found.
     """
     best, u = solution("tube", 2, 30, 5)[:2]
     found = []
@@ -186,7 +245,9 @@ def test_order_along(degree):
 
 
 def test_steps_in_time_come_to_the_steady_state():
-    """From what enters, by steps of growing length: the state that Newton's method finds at once."""
+    """From what enters, by steps of growing length: the state that Newton's method
+    finds at once.
+    """
     scene = heated(3, reacts=400.0)
     scene["packed_bed"]["section"]["dispersion_mass"] = 1e-4
     problem, u = solved(scene).solved
@@ -198,7 +259,9 @@ def test_steps_in_time_come_to_the_steady_state():
 def test_wide_dispersion_is_one_dimension():
     """The difference from the 1-D bed falls with 1/K."""
     one = solved(heated(0, reacts=400.0)).qoi
-    far, near = (solved(heated(4, conductivity=K, reacts=400.0)).qoi for K in (2e3, 2e4))
+    far, near = (
+        solved(heated(4, conductivity=K, reacts=400.0)).qoi for K in (2e3, 2e4)
+    )
     for key in ("T_fluid_out_K", "x_B_out", "heat_wall_W"):
         assert 8.0 < (far[key] - one[key]) / (near[key] - one[key]) < 12.0
         assert near[key] == pytest.approx(one[key], rel=1e-5)
@@ -206,13 +269,18 @@ def test_wide_dispersion_is_one_dimension():
 
 
 def test_species_and_pressure_across_the_section():
-    """Elements and energy close; rings that exchange species are more alike than those that do not."""
+    """Elements and energy close; rings that exchange species are more alike than
+    those that do not.
+    """
     scene = heated(5, reacts=400.0)
     scene["packed_bed"]["pressure_drop"] = "ergun"
     scene["gas"] |= {"viscosity": 3e-5, "conductivity": 0.05}
     scene["packed_bed"]["section"] |= {"dispersion": "vdi"}
     alone = solved(scene).solved
-    scene["packed_bed"]["section"]["dispersion_mass"] = {"name": "mass_dispersion_peclet", "Pe_p": 10.0}
+    scene["packed_bed"]["section"]["dispersion_mass"] = {
+        "name": "mass_dispersion_peclet",
+        "Pe_p": 10.0,
+    }
     together = solved(scene).solved
     spread = []
     for problem, u in (alone, together):
@@ -225,7 +293,9 @@ def test_species_and_pressure_across_the_section():
 
 
 def heating(rings, **time):
-    """The bed of `heated` with particles, followed in time from the temperature of the gas that enters."""
+    """The bed of `heated` with particles, followed in time from the temperature of
+    the gas that enters.
+    """
     scene = heated(rings)
     scene["solids"]["particles"] |= {"density": DENSITY, "heat_capacity": C_SOLID}
     scene["packed_bed"]["gas_storage"] = "quasi_steady"
@@ -236,9 +306,11 @@ def heating(rings, **time):
 @pytest.mark.slow
 @pytest.mark.parametrize("shape", ["tube", "plane"])
 def test_conduction_into_a_bed_from_its_walls(shape):
-    """Ahead of the front of heat from the inlet a bed is a body of Biot number 1.25 in time (series): order 2.
+    """Ahead of the front of heat from the inlet a bed is a body of Biot number 1.25 in
+    time (series): order 2.
 
-    The front is at 0.1 m of 1 m; steps of a tolerance of 1e-5 err by less than a tenth of what 6 rings do.
+    The front is at 0.1 m of 1 m; steps of a tolerance of 1e-5 err by less than a tenth
+    of what 6 rings do.
     """
     fourier = K * 300.0 / ((1.0 - POROSITY) * DENSITY * C_SOLID * RADIUS**2)
     exact, errors = mean_of_series(shape, 50.0, fourier), []
@@ -261,11 +333,13 @@ def test_conduction_into_a_bed_from_its_walls(shape):
     ],
 )
 def test_bed_alike_across_is_plug_flow_in_time(gas, shape):
-    """Walls through which a given flux of zero goes: all rings are the bed in one dimension, at every step.
+    """Walls through which a given flux of zero goes: all rings are the bed in one
+    dimension, at every step.
 
-    With a reaction, a falling pressure, and a jump of the inlet. Stages end at corrections of 1e-14 of typical sizes,
-    [K] 1e3: what rounding makes of these over the steps stays below 1e-9 of the fields.
-    Lengths of steps follow from an error that is a small difference of stages: 1e-6 for the outlet at each step.
+    With a reaction, a falling pressure, and a jump of the inlet. Stages end at
+    corrections of 1e-14 of typical sizes, [K] 1e3: what rounding makes of these over
+    the steps stays below 1e-9 of the fields. Lengths of steps follow from an error that
+    is a small difference of stages: 1e-6 for the outlet at each step.
     """
     runs = []
     for rings in (0, 3):
@@ -279,18 +353,26 @@ def test_bed_alike_across_is_plug_flow_in_time(gas, shape):
         scene["boundary"]["wall"] = {"heat_flux": 0.0}
         scene["gas"]["viscosity"] = 3e-5
         scene["packed_bed"]["pressure_drop"] = "ergun"
-        scene["boundary"]["left"]["gas"]["temperature"] = {"times": [0, 20], "values": [T, T + 50.0], "form": "step"}
+        scene["boundary"]["left"]["gas"]["temperature"] = {
+            "times": [0, 20],
+            "values": [T, T + 50.0],
+            "form": "step",
+        }
         runs.append(solved(scene))
     one, section = runs
     assert section.qoi["time_steps"] == one.qoi["time_steps"]
     for name, column in one.profiles.items():
         assert np.allclose(section.profiles[name], column, rtol=1e-9, atol=1e-12), name
     for name, column in one.tables["outlet"].items():
-        assert np.allclose(section.tables["outlet"][name], column, rtol=1e-6, atol=1e-9), name
+        assert np.allclose(
+            section.tables["outlet"][name], column, rtol=1e-6, atol=1e-9
+        ), name
 
 
 def adsorbing(rings, level, **time):
-    """A bed at rest that takes up a gas with -40 kJ/mol: five times what enters in a unit of time, to equilibrium."""
+    """A bed at rest that takes up a gas with -40 kJ/mol: five times what enters in a
+    unit of time, to equilibrium.
+    """
     scene, unit = adsorber(100.0, 10.0, 3.0, 2.0)
     for name in scene["gas"]["species"]:
         scene["gas"]["species"][name] |= {"heat_capacity": CP, "enthalpy": 0.0}
@@ -303,15 +385,28 @@ def adsorbing(rings, level, **time):
     scene["mesh"]["diameter"] = 2 * RADIUS
     scene["boundary"]["wall"] = {"heat_flux": 0.0}
     if rings:
-        scene["packed_bed"]["section"] = {"rings": rings, "conductivity_solids": 0.5, "dispersion_mass": 1e-4}
+        scene["packed_bed"]["section"] = {
+            "rings": rings,
+            "conductivity_solids": 0.5,
+            "dispersion_mass": 1e-4,
+        }
     return scene
 
 
 @pytest.mark.parametrize(
-    "level", [*(pytest.param(name, marks=pytest.mark.slow) for name in ("film", "linear_driving_force")), "interior"]
+    "level",
+    [
+        *(
+            pytest.param(name, marks=pytest.mark.slow)
+            for name in ("film", "linear_driving_force")
+        ),
+        "interior",
+    ],
 )
 def test_bed_that_adsorbs_alike_across_is_plug_flow(level):
-    """Breakthrough of a Langmuir front with its heat: rings are the bed in one dimension, to Newton's tolerance."""
+    """Breakthrough of a Langmuir front with its heat: rings are the bed in one
+    dimension, to Newton's tolerance.
+    """
     one, section = (solved(adsorbing(rings, level, tolerance=1e-3)) for rings in (0, 2))
     assert section.qoi["time_steps"] == one.qoi["time_steps"]
     assert 0.01 < one.profiles["x_A [1]"][-1] / TRACE < 0.9  # the front passes the end
@@ -337,7 +432,10 @@ def test_heat_of_adsorption_leaves_through_the_wall():
     """Energy and elements close to 1e-12; the axis is warmer than the wall."""
     scene = adsorbing(3, "film", tolerance=1e-3)
     scene["gas"]["composition"] = "A:0.1, N:0.9"
-    scene["solids"]["particles"]["adsorption"]["A"] |= {"affinity": 1e-4, "capacity": 1.0}
+    scene["solids"]["particles"]["adsorption"]["A"] |= {
+        "affinity": 1e-4,
+        "capacity": 1.0,
+    }
     scene["mesh"]["diameter"] = 2 * RADIUS
     scene["boundary"]["wall"] = {"coefficient": 50.0, "ambient": T}
     scene["solids"]["particles"]["heat_capacity"] = 200.0
@@ -348,7 +446,9 @@ def test_heat_of_adsorption_leaves_through_the_wall():
 
 
 def test_moving_bed_that_adsorbs_is_plug_flow():
-    """Steady counter-current uptake, points inside of particles: rings alike are the bed in one dimension."""
+    """Steady counter-current uptake, points inside of particles: rings alike are the
+    bed in one dimension.
+    """
     runs = []
     for rings in (0, 3):
         scene = adsorbing(rings, "interior")
@@ -366,17 +466,27 @@ def test_moving_bed_that_adsorbs_is_plug_flow():
 
 @pytest.mark.parametrize("temperatures", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_section_in_time_ends_in_its_steady_state(temperatures):
-    """A reacting bed whose wall has become hotter, after 30 of the times in which heat passes it, is steady: 1e-8."""
-    hotter = {"times": [0, 10, 1e5], "values": [T_WALL - 100.0, T_WALL, T_WALL], "form": "linear"}
+    """A reacting bed whose wall has become hotter, after 30 of the times in which
+    heat passes it, is steady: 1e-8.
+    """
+    hotter = {
+        "times": [0, 10, 1e5],
+        "values": [T_WALL - 100.0, T_WALL, T_WALL],
+        "form": "linear",
+    }
     scenes = [heating(4, end=1e5), heated(4)]
     for scene in scenes:
         scene["mesh"]["cells"] = 4
-        scene["gas"]["composition"] = "A:0.9, B:0.1"  # on four cells B would fall below zero if none entered
+        # on four cells B would fall below zero if none entered
+        scene["gas"]["composition"] = "A:0.9, B:0.1"
         scene["reactions"]["r"]["A"] = 400.0
         scene["packed_bed"]["section"]["dispersion_mass"] = 1e-4
         if temperatures == 2:
             scene["closures"]["nusselt"] = 20.0
-            scene["solids"]["particles"] |= {"density": DENSITY, "heat_capacity": C_SOLID}
+            scene["solids"]["particles"] |= {
+                "density": DENSITY,
+                "heat_capacity": C_SOLID,
+            }
             scene["gas"] |= {"viscosity": MU, "conductivity": K_GAS}
             scene["packed_bed"]["section"]["conductivity_gas"] = 0.5
     scenes[0]["boundary"]["wall"]["ambient"] = hotter
@@ -387,12 +497,17 @@ def test_section_in_time_ends_in_its_steady_state(temperatures):
 
 
 def test_plan_tells_whether_one_dimension_is_enough():
-    """Mears: q R/(2 K) against 0.4 R T^2/E, with q by the coefficient and a quarter of the radius in series."""
+    """Mears: q R/(2 K) against 0.4 R T^2/E, with q by the coefficient and a quarter
+    of the radius in series.
+    """
     q = (T_WALL - T) / (1.0 / 50.0 + 0.25 * RADIUS / K)
     found = across(plan(from_dict(heated(4, reacts=400.0))).problem)
     assert found.difference == pytest.approx(q * RADIUS / (2.0 * K), rel=1e-12)
-    # the concentration of an ideal gas falls with 1/T, so that its rate rises by E - R T
-    assert found.limit == pytest.approx(0.4 * R_GAS * T**2 / (3e4 - R_GAS * T), rel=1e-4)
+    # the concentration of an ideal gas falls with 1/T, so that its rate rises by E - R
+    # T
+    assert found.limit == pytest.approx(
+        0.4 * R_GAS * T**2 / (3e4 - R_GAS * T), rel=1e-4
+    )
     assert not found.fits
     scene = heated(0, wall=0.05, reacts=400.0)
     scene["gas"] |= {"viscosity": 3e-5, "conductivity": 0.05}
@@ -408,7 +523,10 @@ def test_plan_tells_whether_one_dimension_is_enough():
         ({"mesh.diameter": None}, r"mesh\.diameter: missing; the size of the section"),
         ({f"{SECTION}.conductivity_solids": None}, "no heat passes between the rings"),
         ({f"{SECTION}.conductivity_solids": 0.0}, "no heat passes between the rings"),
-        ({"closures.nusselt": 10.0}, "the wall exchanges heat with the gas, which conducts none to it"),
+        (
+            {"closures.nusselt": 10.0},
+            "the wall exchanges heat with the gas, which conducts none to it",
+        ),
         (
             {SECTION: None, "boundary.wall.coefficient": "martin_nilles"},
             r"wall\.coefficient.*which one dimension does not have; add \[packed_bed\.section\]",

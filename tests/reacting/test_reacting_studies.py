@@ -1,4 +1,6 @@
-"""Scenes of the studies of reacting beds against their references, to the digits that these have."""
+"""Scenes of the studies of reacting beds against their references, to the digits
+that these have.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,10 @@ def test_reformer(case):
     result = cb.run(cb.load(reformer.HERE / f"{case}.toml"))
     for key, value in reformer.reference(case).items():
         assert result.qoi[key] == pytest.approx(value, rel=1e-7), key
-    assert all(abs(balance["relative_residual"]) < 1e-12 for balance in result.balances.values())
+    assert all(
+        abs(balance["relative_residual"]) < 1e-12
+        for balance in result.balances.values()
+    )
 
 
 # by `reference()` of the study, which takes 8 s; its two integrators agree to 4e-10
@@ -31,7 +36,10 @@ def test_moving_bed_of_iron_oxide():
     result = cb.run(cb.load(clc.HERE / "iron_oxide.toml"))
     for key, value in SHOOTING.items():
         assert result.qoi[key] == pytest.approx(value, rel=1e-8), key
-    assert all(abs(balance["relative_residual"]) < 1e-12 for balance in result.balances.values())
+    assert all(
+        abs(balance["relative_residual"]) < 1e-12
+        for balance in result.balances.values()
+    )
 
 
 @pytest.mark.slow
@@ -39,7 +47,11 @@ def test_moving_bed_of_iron_oxide():
     "changes",
     [
         {"boundary.left.gas.molar_flux": 5.2, "mesh.length": 3.0},
-        {"boundary.left.gas.molar_flux": 4.6, "mesh.length": 2.0, "solids.carrier.diameter": 2e-3},
+        {
+            "boundary.left.gas.molar_flux": 4.6,
+            "mesh.length": 2.0,
+            "solids.carrier.diameter": 2e-3,
+        },
     ],
 )
 def test_moving_bed_with_more_methane_than_oxide_burns(changes):
@@ -52,9 +64,23 @@ def test_moving_bed_with_more_methane_than_oxide_burns(changes):
 @pytest.mark.slow
 @pytest.mark.parametrize("case", dri.CASES)
 def test_hydrogen_shaft(case):
-    result = cb.run(cb.load(dri.HERE / "h2_5m.toml", {"boundary.left.gas.molar_flux": dri.CASES[case]}))
-    # of the span of each result; the upwind cells of the reference are less sure than that where heat is short
-    spans = {"metallization": 1.0, "reduction": 1.0, "T_solid_out_K": 1e3, "T_fluid_out_K": 1e3, "x_H2_out": 1.0}
+    result = cb.run(
+        cb.load(
+            dri.HERE / "h2_5m.toml", {"boundary.left.gas.molar_flux": dri.CASES[case]}
+        )
+    )
+    # of the span of each result; the upwind cells of the reference are less sure than
+    # that where heat is short
+    spans = {
+        "metallization": 1.0,
+        "reduction": 1.0,
+        "T_solid_out_K": 1e3,
+        "T_fluid_out_K": 1e3,
+        "x_H2_out": 1.0,
+    }
     for key, value in zip(spans, dri.reference(case)[: len(spans)], strict=True):
         assert result.qoi[key] == pytest.approx(value, abs=5e-4 * spans[key]), key
-    assert all(abs(balance["relative_residual"]) < 1e-12 for balance in result.balances.values())
+    assert all(
+        abs(balance["relative_residual"]) < 1e-12
+        for balance in result.balances.values()
+    )

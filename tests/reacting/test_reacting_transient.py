@@ -1,4 +1,6 @@
-"""Beds at rest whose particles are used up, or heated, by the gas: exact profiles, and totals that close."""
+"""Beds at rest whose particles are used up, or heated, by the gas: exact profiles,
+and totals that close.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,8 @@ import contbed
 from contbed.loading import from_dict
 
 ROWS = [row for row in table("fixed_bed_gas_solid") if row["d"] < 1.0]
-# steps to a local tolerance of 1e-4, of one order more than their estimate; the largest error of all rows is 1.02e-5
+# steps to a local tolerance of 1e-4, of one order more than their estimate; the largest
+# error of all rows is 1.02e-5
 STEPS = 2e-5
 CLOSED = 1e-12
 
@@ -26,7 +29,11 @@ def compared(row):
 
 
 def test_breakthrough_through_a_bed_that_is_used_up():
-    row = next(row for row in ROWS if row["law"] == "bohart_adams" and (row["xi"], row["tau"]) == (2.0, 0.8))
+    row = next(
+        row
+        for row in ROWS
+        if row["law"] == "bohart_adams" and (row["xi"], row["tau"]) == (2.0, 0.8)
+    )
     result = compared(row)
     assert result.tables["outlet"]["t [s]"][-1] == pytest.approx(800.0)
     assert np.all(np.diff(result.tables["outlet"]["x_A [1]"]) > 0.0)
@@ -34,7 +41,11 @@ def test_breakthrough_through_a_bed_that_is_used_up():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "row", ROWS, ids=lambda r: f"{r['law']}-{r['f']:g}-{r['d']:g}-{r['r']:g}-{r['xi']:g}-{r['tau']:g}"
+    "row",
+    ROWS,
+    ids=lambda r: (
+        f"{r['law']}-{r['f']:g}-{r['d']:g}-{r['r']:g}-{r['xi']:g}-{r['tau']:g}"
+    ),
 )
 def test_gas_and_conversion_in_beds_at_rest(row):
     compared(row)
@@ -50,7 +61,9 @@ def test_heating_of_a_bed_by_a_gas():
 
 
 def test_steps_do_not_depend_on_how_far_a_bed_is_heated():
-    """Errors refer to the temperatures of the scene: 4 K and 300 K take the same steps to the same share of them."""
+    """Errors refer to the temperatures of the scene: 4 K and 300 K take the same
+    steps to the same share of them.
+    """
     steps, thetas = [], []
     for rise in (4.0, 300.0):
         scene, eta_per_s = heated(4.0)

@@ -1,7 +1,9 @@
-"""Balances of beds that hold much more than reacts or passes: two kinds of cores at rest in a gas that changes.
+"""Balances of beds that hold much more than reacts or passes: two kinds of cores at
+rest in a gas that changes.
 
-The scenes are those of 40 drawn at random whose balances were open the most: by 5e-10 of what had reacted, which is the
-rounding of what is held, and by 2e-12 of the heat of the streams, which is what the corrections of a step left.
+The scenes are those of 40 drawn at random whose balances were open the most: by 5e-10
+of what had reacted, which is the rounding of what is held, and by 2e-12 of the heat of
+the streams, which is what the corrections of a step left.
 """
 
 from __future__ import annotations
@@ -12,38 +14,78 @@ from solving import CLOSED
 import contbed
 from contbed.loading import from_dict
 
-GASES = {"H2": (29.0, 0.0), "H2O": (36.0, -241.8e3), "N2": (30.0, 0.0)}  # J/mol/K, J/mol
-SOLIDS = {"FeO": (50.0, -272e3, 5700.0), "Fe": (30.0, 0.0, 7800.0), "Al2O3": (100.0, -1675e3, 3900.0)}  # and kg/m3
+# J/mol/K, J/mol
+GASES = {"H2": (29.0, 0.0), "H2O": (36.0, -241.8e3), "N2": (30.0, 0.0)}
+# and kg/m3
+SOLIDS = {
+    "FeO": (50.0, -272e3, 5700.0),
+    "Fe": (30.0, 0.0, 7800.0),
+    "Al2O3": (100.0, -1675e3, 3900.0),
+}
 
 
 def kind(share, diameter, oxide):
-    """Cores of FeO in alumina; `share` of the volume of all particles, `oxide` that of the mass."""
+    """Cores of FeO in alumina; `share` of the volume of all particles, `oxide` that
+    of the mass.
+    """
     names = ("heat_capacity", "enthalpy", "density")
     return {
         "volume_share": share,
         "diameter": diameter,
         "composition": f"FeO:{oxide}, Al2O3:{round(1.0 - oxide, 6)}",
         "porosity": 0.3,
-        "constituent": {name: dict(zip(names, data, strict=True)) for name, data in SOLIDS.items()},
+        "constituent": {
+            name: dict(zip(names, data, strict=True)) for name, data in SOLIDS.items()
+        },
     }
 
 
 def bed(length, cells, mass_flux, hottest, oxide, fast):
-    """A bed of two kinds whose gas and its temperature change; `fast` [m/s] of the rate constant of the cores."""
+    """A bed of two kinds whose gas and its temperature change; `fast` [m/s] of the
+    rate constant of the cores.
+    """
     gas = {name: {"heat_capacity": c, "enthalpy": h} for name, (c, h) in GASES.items()}
-    composition = {"times": [0.0, 200.0], "values": ["H2:0.5, N2:0.5", "H2:0.2, H2O:0.24, N2:0.56"], "form": "linear"}
+    composition = {
+        "times": [0.0, 200.0],
+        "values": ["H2:0.5, N2:0.5", "H2:0.2, H2O:0.24, N2:0.56"],
+        "form": "linear",
+    }
     warmer = {"times": [0.0, 200.0], "values": [900.0, hottest]}
     return {
         "mesh": {"type": "line", "length": length, "cells": cells},
-        "gas": {"model": "ideal_gas", "pressure": 1.5e5, "viscosity": 4e-5, "conductivity": 0.2, "diffusivity": 4e-4}
+        "gas": {
+            "model": "ideal_gas",
+            "pressure": 1.5e5,
+            "viscosity": 4e-5,
+            "conductivity": 0.2,
+            "diffusivity": 4e-4,
+        }
         | {"species": gas},
-        "packed_bed": {"porosity": 0.42, "pressure_drop": "ergun", "gas_storage": "quasi_steady"},
+        "packed_bed": {
+            "porosity": 0.42,
+            "pressure_drop": "ergun",
+            "gas_storage": "quasi_steady",
+        },
         "solids": {"coarse": kind(0.34, 6e-3, oxide), "fine": kind(0.66, 2e-3, oxide)},
-        "boundary": {"left": {"gas": {"mass_flux": mass_flux, "temperature": warmer, "composition": composition}}},
+        "boundary": {
+            "left": {
+                "gas": {
+                    "mass_flux": mass_flux,
+                    "temperature": warmer,
+                    "composition": composition,
+                }
+            }
+        },
         "heat": {},
         "closures": {"nusselt": "gunn", "sherwood": "wakao_funazkri"},
         "reactions": {
-            "r": {"equation": "FeO + H2 -> Fe + H2O", "law": "shrinking_core", "A": fast, "E": 6e4, "diffusivity": 4e-6}
+            "r": {
+                "equation": "FeO + H2 -> Fe + H2O",
+                "law": "shrinking_core",
+                "A": fast,
+                "E": 6e4,
+                "diffusivity": 4e-6,
+            }
         },
         "time": {"end": 200.0, "tolerance": 1e-2},
         "initial": {"temperature": 800.0},
@@ -68,10 +110,17 @@ def test_balances_close_where_much_is_held(shape):
 def test_energy_closes_in_many_steps():
     """Particles of 7 and 1 mm that a warmer gas heats in some hundred steps."""
     scene = bed(0.28, 4, 0.52, 1090.0, 0.5, 4.4e-4)
-    scene["solids"] = {"coarse": kind(0.375, 7e-3, 0.5), "fine": kind(0.625, 1.06e-3, 0.5)}
+    scene["solids"] = {
+        "coarse": kind(0.375, 7e-3, 0.5),
+        "fine": kind(0.625, 1.06e-3, 0.5),
+    }
     scene["reactions"]["r"]["diffusivity"] = 2.3e-5
     values = ["H2:0.5, N2:0.5", "H2:0.8, H2O:0.06, N2:0.14"]
-    scene["boundary"]["left"]["gas"]["composition"] = {"times": [0.0, 200.0], "values": values, "form": "step"}
+    scene["boundary"]["left"]["gas"]["composition"] = {
+        "times": [0.0, 200.0],
+        "values": values,
+        "form": "step",
+    }
     scene["boundary"]["left"]["gas"]["temperature"]["times"] = [0.0, 400.0]
     scene["time"] |= {"end": 374.0, "tolerance": 1e-3}
     scene["initial"] |= {"temperature": 715.5}

@@ -1,4 +1,6 @@
-"""Pellets that are resolved inside of a bed that is resolved across the flow: limits, closed forms, order, restart."""
+"""Pellets that are resolved inside of a bed that is resolved across the flow:
+limits, closed forms, order, restart.
+"""
 
 from __future__ import annotations
 
@@ -31,13 +33,19 @@ def alike(scene, **section):
 def same(one, section, rel=1e-9):
     """All that a bed in one dimension reports, to Newton's tolerance."""
     for name, column in one.profiles.items():
-        np.testing.assert_allclose(section.profiles[name], column, rtol=rel, atol=1e-12, err_msg=name)
+        np.testing.assert_allclose(
+            section.profiles[name], column, rtol=rel, atol=1e-12, err_msg=name
+        )
     for name in one.qoi.keys() - {"time_steps", "share_negative"}:
-        assert section.qoi[name] == pytest.approx(one.qoi[name], rel=rel, abs=1e-12), name
+        assert section.qoi[name] == pytest.approx(one.qoi[name], rel=rel, abs=1e-12), (
+            name
+        )
 
 
 def reforming(rings):
-    """Three reactions of five gases with their heat, a falling pressure, species that pass between the rings."""
+    """Three reactions of five gases with their heat, a falling pressure, species
+    that pass between the rings.
+    """
     scene = deepcopy(REFORMER)
     scene["mesh"]["cells"] = 4
     scene["packed_bed"]["pressure_drop"] = "ergun"
@@ -68,11 +76,15 @@ def test_first_order(shape, biot):
         gas |= {"heat_capacity": CP, "enthalpy": 0.0}
     scene["heat"] = {}
     alike(scene, rings=2, shape=shape, conductivity_solids=1.0)
-    assert solved(scene).qoi["x_A_out"] == pytest.approx(left(k * scene["mesh"]["length"], eta), rel=SHELLS)
+    assert solved(scene).qoi["x_A_out"] == pytest.approx(
+        left(k * scene["mesh"]["length"], eta), rel=SHELLS
+    )
 
 
 def cooled(rings, mass="interior", factor=1.0):
-    """First order that gives off heat to a wall, phi of 11 at the axis and 2 at the wall."""
+    """First order that gives off heat to a wall, phi of 11 at the axis and 2 at the
+    wall.
+    """
     gases = species(A=0.028, B=0.028)
     gases["A"] |= {"heat_capacity": CP, "enthalpy": 6e3}
     gases["B"] |= {"heat_capacity": CP, "enthalpy": 0.0}
@@ -80,10 +92,22 @@ def cooled(rings, mass="interior", factor=1.0):
     scene["mesh"] |= {"length": 0.3, "cells": 6}
     scene["solids"]["particles"] |= {"density": 1000.0, "heat_capacity": 800.0}
     scene["heat"] = {}
-    scene["reactions"] = {"r": {"equation": "A -> B", "A": 5e6, "E": E, "basis": "particle", "factor": factor}}
+    scene["reactions"] = {
+        "r": {
+            "equation": "A -> B",
+            "A": 5e6,
+            "E": E,
+            "basis": "particle",
+            "factor": factor,
+        }
+    }
     scene["mesh"]["diameter"] = 2 * RADIUS
     scene["boundary"]["wall"] = {"coefficient": 100.0, "ambient": T_WALL}
-    scene["packed_bed"]["section"] = {"rings": rings, "conductivity_solids": 1.0, "dispersion_mass": 1e-4}
+    scene["packed_bed"]["section"] = {
+        "rings": rings,
+        "conductivity_solids": 1.0,
+        "dispersion_mass": 1e-4,
+    }
     scene["output"]["positions"] = [0.1, 0.3]
     scene["solids"]["particles"]["inside"] = {"mass": mass}
     if mass == "effectiveness":
@@ -95,7 +119,9 @@ def cooled(rings, mass="interior", factor=1.0):
 
 def test_a_cooled_tube_is_that_with_the_closed_effectiveness():
     """Each ring has the modulus of its own temperature."""
-    exact, found = (solved(cooled(4, mass)).profiles for mass in ("effectiveness", "interior"))
+    exact, found = (
+        solved(cooled(4, mass)).profiles for mass in ("effectiveness", "interior")
+    )
     for name, column in exact.items():
         np.testing.assert_allclose(found[name], column, rtol=SHELLS, err_msg=name)
     assert np.all(found["T_fluid_axis [K]"] - found["T_fluid_wall [K]"] > 50.0)
@@ -103,7 +129,12 @@ def test_a_cooled_tube_is_that_with_the_closed_effectiveness():
 
 def test_order_across():
     coarse, fine, finest = (
-        np.array([solved(cooled(rings)).qoi[key] for key in ("x_A_out", "T_fluid_out_K", "heat_wall_W")])
+        np.array(
+            [
+                solved(cooled(rings)).qoi[key]
+                for key in ("x_A_out", "T_fluid_out_K", "heat_wall_W")
+            ]
+        )
         for rings in (4, 8, 16)
     )
     orders = np.log2((coarse - fine) / (fine - finest))
@@ -112,7 +143,9 @@ def test_order_across():
 
 @pytest.mark.parametrize(("factor", "level"), [(1e-4, "none"), (1.0, "interior")])
 def test_auto_weighs_the_rings_by_their_area(factor, level):
-    """E = 1 - eta over the rates of the bed in which nothing resists inside, each ring with its own temperature."""
+    """E = 1 - eta over the rates of the bed in which nothing resists inside, each
+    ring with its own temperature.
+    """
     planned = plan(from_dict(cooled(3, "auto", factor)))
     assert planned.scene.solids["particles"].inside.mass == level
     problem, u = solved(cooled(3, "none", factor)).solved
@@ -124,7 +157,9 @@ def test_auto_weighs_the_rings_by_their_area(factor, level):
         np.einsum("r,rcj,j,c->", problem.rings.shares, f, line.weights, line.h)
         for f in (rate, rate * (1.0 - sphere(R * np.sqrt(k / D_A))))
     )
-    told = dict(planned.built if level == "interior" else planned.skipped)["intrapellet diffusion"]
+    told = dict(planned.built if level == "interior" else planned.skipped)[
+        "intrapellet diffusion"
+    ]
     assert f"changes the reacted amounts by {percent(part / whole)}" in told
     assert solved(cooled(3, "auto", factor)).qoi == solved(cooled(3, level, factor)).qoi
 
@@ -133,9 +168,13 @@ def in_time(scene, end):
     return scene | {"time": {"end": end, "tolerance": 1e-3}}
 
 
-@pytest.mark.parametrize("gas", ["quasi_steady", pytest.param("stored", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "gas", ["quasi_steady", pytest.param("stored", marks=pytest.mark.slow)]
+)
 def test_rings_alike_in_time(gas):
-    """A jump of the inlet temperature: the same steps, and at each the bed in one dimension."""
+    """A jump of the inlet temperature: the same steps, and at each the bed in one
+    dimension.
+    """
     runs = []
     for rings in (0, 2):
         scene = in_time(cooled(2), 60.0)
@@ -154,7 +193,9 @@ def test_rings_alike_in_time(gas):
 
 @pytest.mark.slow
 def test_in_time_it_ends_in_the_steady_state():
-    """B enters as well: of a scene that would fall below zero on its cells the steady state alone is damped."""
+    """B enters as well: of a scene that would fall below zero on its cells the
+    steady state alone is damped.
+    """
     scene = cooled(3)
     scene["gas"]["composition"] = "A:0.9, B:0.1"
     steady, late = solved(scene), solved(in_time(scene, 5e4))
@@ -164,8 +205,13 @@ def test_in_time_it_ends_in_the_steady_state():
 
 
 def test_derivatives_are_those_of_differences():
-    """Central differences err by the square of 1e-4 and by what is left of Newton's method over it."""
+    """Central differences err by the square of 1e-4 and by what is left of Newton's
+    method over it.
+    """
     key = "reactions.r.factor"
     found = gradient_of(solved(cooled(2)), ["x_A_out"], [key]).derivatives[0, 0]
-    low, high = (solved(cooled(2, factor=1.0 + side * 1e-4)).qoi["x_A_out"] for side in (-1.0, 1.0))
+    low, high = (
+        solved(cooled(2, factor=1.0 + side * 1e-4)).qoi["x_A_out"]
+        for side in (-1.0, 1.0)
+    )
     assert found == pytest.approx((high - low) / 2e-4, rel=1e-5)

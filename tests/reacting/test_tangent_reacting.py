@@ -1,4 +1,6 @@
-"""The tangent of steady reacting beds: Danckwerts' dispersed plug flow in closed form, differences of runs."""
+"""The tangent of steady reacting beds: Danckwerts' dispersed plug flow in closed
+form, differences of runs.
+"""
 
 import numpy as np
 import pytest
@@ -12,22 +14,34 @@ from contbed.models import MODELS
 
 
 def left_over(rate, dispersion, length, velocity, eps=0.4):
-    """Share of a reactant that leaves a bed of first order with axial dispersion (Danckwerts 1953)."""
+    """Share of a reactant that leaves a bed of first order with axial dispersion
+    (Danckwerts 1953).
+    """
     Pe, Da = velocity * length / (eps * dispersion), eps * rate * length / velocity
     a = np.sqrt(1.0 + 4.0 * Da / Pe)
-    below = (1.0 + a) ** 2 * np.exp(0.5 * a * Pe) - (1.0 - a) ** 2 * np.exp(-0.5 * a * Pe)
+    below = (1.0 + a) ** 2 * np.exp(0.5 * a * Pe) - (1.0 - a) ** 2 * np.exp(
+        -0.5 * a * Pe
+    )
     return 4.0 * a * np.exp(0.5 * Pe) / below
 
 
 def test_danckwerts_dispersed_plug_flow():
     scene = from_dict(danckwerts(8.0, 1.5))
-    names = ["reactions.r.A", "closures.dispersion_mass", "mesh.length", "boundary.left.gas.velocity"]
+    names = [
+        "reactions.r.A",
+        "closures.dispersion_mass",
+        "mesh.length",
+        "boundary.left.gas.velocity",
+    ]
     made = gradient(scene, ["conversion_A", "x_B_out"], names)
     assert made.method == "tangent"
     at = [scene.reactions["r"].A, scene.closures.dispersion_mass, 1.0, 0.5]
     assert made.values[0] == pytest.approx(1.0 - left_over(*at), rel=1e-6)
     for j in range(len(names)):
-        ends = [left_over(*(v * (1.0 + 1e-4 * side * (k == j)) for k, v in enumerate(at))) for side in (1, -1)]
+        ends = [
+            left_over(*(v * (1.0 + 1e-4 * side * (k == j)) for k, v in enumerate(at)))
+            for side in (1, -1)
+        ]
         exact = -(ends[0] - ends[1]) / (2e-4 * at[j])
         # cells that follow errors of 1e-5 leave 1e-6 of the derivative
         assert made.derivatives[:, j] == pytest.approx([exact, exact], rel=1e-5)
@@ -47,6 +61,9 @@ def test_reformer_against_differences_on_given_cells():
     made = gradient(scene, qoi, names)
     for j, name in enumerate(names):
         one = key(scene, name)
-        ends = [picked(scene, cb.run(one.on(scene, one.value * (1 + side * 1e-4))).qoi, qoi) for side in (1, -1)]
+        ends = [
+            picked(scene, cb.run(one.on(scene, one.value * (1 + side * 1e-4))).qoi, qoi)
+            for side in (1, -1)
+        ]
         found = (ends[0] - ends[1]) / (2e-4 * one.value)
         assert made.derivatives[:, j] == pytest.approx(found, rel=1e-6)

@@ -1,4 +1,6 @@
-"""Every study has its README, its functions and scenes that are accepted; short ones give their tables again."""
+"""Every study has its README, its functions and scenes that are accepted; short ones
+give their tables again.
+"""
 
 import ast
 import inspect
@@ -16,9 +18,12 @@ from studies._gallery.catalogue import FUNCTIONS, STUDIES, studies
 from studies._gallery.command import README, listing, with_list
 
 ALL = studies()
-FOLDERS = sorted(path for path in STUDIES.iterdir() if path.is_dir() and path.name[0] not in "_.")
+FOLDERS = sorted(
+    path for path in STUDIES.iterdir() if path.is_dir() and path.name[0] not in "_."
+)
 SCENES = sorted({scene for study in ALL.values() for scene in study.scenes})
-NEEDS = {"scaling": "DOLFINx", "two_energy_benchmark": "NGSolve"}  # programs that are not part of the project
+# programs that are not part of the project
+NEEDS = {"scaling": "DOLFINx", "two_energy_benchmark": "NGSolve"}
 
 
 def name_of(path):
@@ -38,10 +43,20 @@ def test_study_has_its_functions(study):
 @pytest.mark.parametrize("study", ALL.values(), ids=list(ALL))
 def test_what_a_study_takes_of_other_modules_is_there(study):
     """A function that was renamed is missed here, not after hours of a run."""
-    known = {name: item for name, item in vars(study.module).items() if isinstance(item, ModuleType)}
+    known = {
+        name: item
+        for name, item in vars(study.module).items()
+        if isinstance(item, ModuleType)
+    }
     for node in ast.walk(ast.parse(inspect.getsource(study.module))):
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in known:
-            assert hasattr(known[node.value.id], node.attr), f"line {node.lineno}: {node.value.id}.{node.attr}"
+        if (
+            isinstance(node, ast.Attribute)
+            and isinstance(node.value, ast.Name)
+            and node.value.id in known
+        ):
+            assert hasattr(known[node.value.id], node.attr), (
+                f"line {node.lineno}: {node.value.id}.{node.attr}"
+            )
 
 
 @pytest.mark.parametrize("study", ALL.values(), ids=list(ALL))
@@ -55,7 +70,9 @@ def test_readme_states_figure_tolerance_and_cost(study):
 
 def settles(path):
     """Whether the plan of a scene settles a packing first, which takes long."""
-    return "count" in tomllib.loads(path.read_text(encoding="utf-8")).get("particles", {})
+    return "count" in tomllib.loads(path.read_text(encoding="utf-8")).get(
+        "particles", {}
+    )
 
 
 @pytest.mark.parametrize("path", SCENES, ids=name_of)
@@ -64,7 +81,11 @@ def test_scenes_are_checked(path):
 
 
 @pytest.mark.parametrize(
-    "path", [pytest.param(path, id=name_of(path), marks=[pytest.mark.slow] * settles(path)) for path in SCENES]
+    "path",
+    [
+        pytest.param(path, id=name_of(path), marks=[pytest.mark.slow] * settles(path))
+        for path in SCENES
+    ],
 )
 def test_scenes_are_planned(path):
     assert cb.plan(cb.load(path)).unknowns()
@@ -98,25 +119,39 @@ def test_the_readme_lists_the_studies():
 
 
 def test_a_table_keeps_what_it_writes(tmp_path):
-    table = Table({"case": "", "x [m]": ".3g", "n": "d"}, [("a, b", 0.12345, 1), ("c", None, 2), ("a, b", 2.0, 3)])
+    table = Table(
+        {"case": "", "x [m]": ".3g", "n": "d"},
+        [("a, b", 0.12345, 1), ("c", None, 2), ("a, b", 2.0, 3)],
+    )
     table.write(tmp_path / "t.csv")
-    assert (tmp_path / "t.csv").read_text() == 'case,x [m],n\n"a, b",0.123,1\nc,,2\n"a, b",2,3\n'
+    assert (
+        tmp_path / "t.csv"
+    ).read_text() == 'case,x [m],n\n"a, b",0.123,1\nc,,2\n"a, b",2,3\n'
     again = Table.read(tmp_path / "t.csv")
     assert again.rows == table.rows and not again.differences(table, 0.0)
     assert again.where({"case": "a, b", "n": 3})["x [m]"].tolist() == [2.0]
     assert again.values("case") == ["a, b", "c"]
     other = Table({"case": "", "x [m]": ".3g", "n": "d"}, [("c", 5.0, 2)])
-    assert again.updated(other, ["case"]).rows == [("a, b", "0.123", "1"), ("c", "5", "2"), ("a, b", "2", "3")]
+    assert again.updated(other, ["case"]).rows == [
+        ("a, b", "0.123", "1"),
+        ("c", "5", "2"),
+        ("a, b", "2", "3"),
+    ]
     with pytest.raises(ValueError):
         Table({"a": "", "b": ""}, [(1,)])
 
 
 def test_rows_of_one_case_are_replaced_together():
-    """At the place of the first one, however many they were and are; those of a new case come last."""
+    """At the place of the first one, however many they were and are; those of a new
+    case come last.
+    """
     columns = {"case": "", "t [s]": ".3g"}
     old = Table(columns, [("a", 0.0), ("b", 0.0), ("b", 1.0), ("c", 0.0)])
     new = Table(columns, [("d", 5.0), ("b", 2.0), ("b", 3.0), ("b", 4.0)])
-    wanted = Table(columns, [("a", 0.0), ("b", 2.0), ("b", 3.0), ("b", 4.0), ("c", 0.0), ("d", 5.0)])
+    wanted = Table(
+        columns,
+        [("a", 0.0), ("b", 2.0), ("b", 3.0), ("b", 4.0), ("c", 0.0), ("d", 5.0)],
+    )
     assert old.updated(new, ["case"]).rows == wanted.rows
 
 
@@ -138,12 +173,21 @@ def test_a_table_that_is_not_committed_is_a_difference():
 
 
 def test_changes_are_laid_over_a_scene():
-    assert merged({"a": {"b": 1, "c": 2}, "d": 3}, {"a": {"b": 4}}) == {"a": {"b": 4, "c": 2}, "d": 3}
-    assert merged({"a": {"type": "wall", "x": 1}}, {"a": {"type": "inlet"}}) == {"a": {"type": "inlet"}}
+    assert merged({"a": {"b": 1, "c": 2}, "d": 3}, {"a": {"b": 4}}) == {
+        "a": {"b": 4, "c": 2},
+        "d": 3,
+    }
+    assert merged({"a": {"type": "wall", "x": 1}}, {"a": {"type": "inlet"}}) == {
+        "a": {"type": "inlet"}
+    }
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("study", [study for study in ALL.values() if not study.is_long], ids=lambda study: study.name)
+@pytest.mark.parametrize(
+    "study",
+    [study for study in ALL.values() if not study.is_long],
+    ids=lambda study: study.name,
+)
 def test_short_studies_give_their_tables_again(study):
     if study.name in NEEDS:
         pytest.skip(f"needs {NEEDS[study.name]}")

@@ -1,4 +1,6 @@
-"""Every scene of the radiation studies runs; their numbers hold against studies._exact at the scenes' own values."""
+"""Every scene of the radiation studies runs; their numbers hold against
+studies._exact at the scenes' own values.
+"""
 
 import tomllib
 from importlib import import_module
@@ -21,13 +23,19 @@ def study(name, script="study"):
 def scenes(name):
     """All scenes of a study as parameters."""
     folder = STUDIES / name
-    return [pytest.param(path, id=str(path.relative_to(folder))[:-5]) for path in sorted(folder.rglob("*.toml"))]
+    return [
+        pytest.param(path, id=str(path.relative_to(folder))[:-5])
+        for path in sorted(folder.rglob("*.toml"))
+    ]
 
 
 def run(scene):
     """The result of a run whose balances close."""
     result = cb.run(scene)
-    assert all(abs(balance["relative_residual"]) < 1e-10 for balance in result.balances.values())
+    assert all(
+        abs(balance["relative_residual"]) < 1e-10
+        for balance in result.balances.values()
+    )
     return result
 
 
@@ -43,7 +51,8 @@ def test_plates_in_radiative_equilibrium(path):
 
 
 @pytest.mark.parametrize(
-    ("ordinates", "flux", "slip"), [(2, 8e-3, 2e-2), (4, 6e-4, 6e-3), (8, 4e-5, 2e-3), (16, 3e-6, 3e-4)]
+    ("ordinates", "flux", "slip"),
+    [(2, 8e-3, 2e-2), (4, 6e-4, 6e-3), (8, 4e-5, 2e-3), (16, 3e-6, 3e-4)],
 )
 def test_ordinates_converge_to_transport(ordinates, flux, slip):
     module = study("heaslet_warming")
@@ -60,19 +69,29 @@ def test_conduction_with_radiation(path, theta_L):
     _, N, _, tau = path.stem.split("_")
     for level in ("two_flux", "p1"):
         scene = module.load(N, tau, level, theta_L=theta_L)
-        assert module.found(run(scene)) == pytest.approx(module.of_model(scene).total, rel=1e-7)
+        assert module.found(run(scene)) == pytest.approx(
+            module.of_model(scene).total, rel=1e-7
+        )
     scene = module.load(N, tau, "ordinates", 4, theta_L)
-    assert module.found(run(scene)) == pytest.approx(module.reference(scene).total, rel=6e-4)
+    assert module.found(run(scene)) == pytest.approx(
+        module.reference(scene).total, rel=6e-4
+    )
 
 
 def test_heat_through_a_conducting_medium_does_not_depend_on_the_place():
-    """Radiation and conduction add up to the same flux at every point of the profiles."""
+    """Radiation and conduction add up to the same flux at every point of the
+    profiles.
+    """
     module = study("conduction_radiation")
     scene = module.load("0.01", "1", "ordinates", 8)
     profiles = run(scene).profiles
-    x, T, q = (profiles[name] for name in ("x [m]", "T_solid [K]", "q_radiation [W/m2]"))
+    x, T, q = (
+        profiles[name] for name in ("x [m]", "T_solid [K]", "q_radiation [W/m2]")
+    )
     exact = module.reference(scene)
-    assert np.interp(exact.depth, 10 * x, T / 1000) == pytest.approx(exact.theta, abs=2e-5)
+    assert np.interp(exact.depth, 10 * x, T / 1000) == pytest.approx(
+        exact.theta, abs=2e-5
+    )
     scale = 5.670374419e4
     assert q[[0, -1]] / scale == pytest.approx(exact.radiative, rel=1e-4)
     conducted = -scene.radiation.conductivity * np.gradient(T, x)
@@ -92,11 +111,15 @@ def test_isothermal_slab(albedo, tau):
     module = study("isothermal_slab")
     for level in ("two_flux", "p1"):
         scene = module.variant(albedo, tau, level)
-        assert module.found(run(scene)) == pytest.approx(module.closed_form(scene), rel=1e-6)
+        assert module.found(run(scene)) == pytest.approx(
+            module.closed_form(scene), rel=1e-6
+        )
     for ordinates, (thin, thick) in {4: (1.2e-2, 2e-3), 8: (3e-3, 1e-4)}.items():
         scene = module.variant(albedo, tau, "ordinates", ordinates)
         found = module.found(run(scene))
-        assert found == pytest.approx(module.reference(scene), rel=thin if tau < 0.1 else thick)
+        assert found == pytest.approx(
+            module.reference(scene), rel=thin if tau < 0.1 else thick
+        )
         assert found[0] == pytest.approx(found[1], rel=1e-11)
 
 
@@ -110,7 +133,11 @@ def test_square_enclosure(path):
         assert module.wall_flux(result, x, wall) == pytest.approx(expected, rel=1e-6)
 
 
-@pytest.mark.parametrize("options", [{}, {"ends": False}, {"mixing": 0.01}], ids=["bed", "mirrors", "little mixing"])
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"ends": False}, {"mixing": 0.01}],
+    ids=["bed", "mirrors", "little mixing"],
+)
 def test_radiation_of_all_species_is_the_divergence_of_the_flux(options):
     module = study("rabi_two_flux", "bed")
     for level in module.LEVELS:
@@ -119,22 +146,31 @@ def test_radiation_of_all_species_is_the_divergence_of_the_flux(options):
 
 def test_hot_bed_against_collocation():
     module = study("rabi_two_flux", "bed")
-    reference = tomllib.loads((module.HERE / "data" / "bed.toml").read_text())["reference"]["p1"]
+    reference = tomllib.loads((module.HERE / "data" / "bed.toml").read_text())[
+        "reference"
+    ]["p1"]
     found = module.solved("p1")
     assert found.T_d == pytest.approx(reference["T_distributor_K"], abs=1e-5)
     middle = [np.interp(0.3, found.z, getattr(found, name)) for name in module.SOLIDS]
     assert middle == pytest.approx(reference["T_half_height_K"], abs=1e-4)
-    assert found.T_emulsion[-1] == pytest.approx(reference["T_emulsion_top_K"], abs=1e-4)
+    assert found.T_emulsion[-1] == pytest.approx(
+        reference["T_emulsion_top_K"], abs=1e-4
+    )
     assert found.T_bubble[-1] == pytest.approx(reference["T_bubble_top_K"], abs=1e-4)
     for name, key in (("tubes", "tubes"), ("wall", "walls"), ("top", "top")):
-        assert found.heat[name] == pytest.approx(reference[f"{key}_radiation_W"], abs=0.01)
+        assert found.heat[name] == pytest.approx(
+            reference[f"{key}_radiation_W"], abs=0.01
+        )
 
 
 def test_closure_misses_the_ends_only():
     module = study("rabi_two_flux", "bed")
 
     def middle(**options):
-        return [np.interp(0.3, one.z, one.T_inert) for one in (module.solved(n, **options) for n in ("closure", "p1"))]
+        return [
+            np.interp(0.3, one.z, one.T_inert)
+            for one in (module.solved(n, **options) for n in ("closure", "p1"))
+        ]
 
     paper, full = middle()
     assert 20 < paper - full < 30
@@ -143,7 +179,9 @@ def test_closure_misses_the_ends_only():
 
 
 def test_forward_integration_does_not_conserve():
-    """Its flux relaxes to -dE/dz over beta above the distributor, whatever leaves there."""
+    """Its flux relaxes to -dE/dz over beta above the distributor, whatever leaves
+    there.
+    """
     module = study("rabi_two_flux", "bed")
     bed = module.Bed("closure")
     found = bed.results(bed.solve())
@@ -151,13 +189,21 @@ def test_forward_integration_does_not_conserve():
     assert q[0] < -1e5
     inside = (found.z > 0.02) & (found.z < 0.58)
     slope = np.gradient(found.G / 4, found.z)
-    np.testing.assert_allclose(q[inside], -slope[inside] / bed.beta, rtol=0.05, atol=1.0)
+    np.testing.assert_allclose(
+        q[inside], -slope[inside] / bed.beta, rtol=0.05, atol=1.0
+    )
 
 
 def test_rosseland_of_a_packed_bed_stays_within_its_stated_error():
     module = study("radiating_bed")
     for length, chosen in ((0.05, False), (0.5, True)):
-        (full, scene), (thick, _) = (module.heat(length, level) for level in ("p1", "rosseland"))
+        (full, scene), (thick, _) = (
+            module.heat(length, level) for level in ("p1", "rosseland")
+        )
         assert 0 < thick / full - 1 < module.estimate(scene, scene.mesh)
-        cheapest = run(cb.load(module.HERE / "bed_cheapest.toml", {"mesh.length": length}))
-        assert cheapest.qoi["heat_left_W"] == pytest.approx(thick if chosen else full, rel=1e-12)
+        cheapest = run(
+            cb.load(module.HERE / "bed_cheapest.toml", {"mesh.length": length})
+        )
+        assert cheapest.qoi["heat_left_W"] == pytest.approx(
+            thick if chosen else full, rel=1e-12
+        )

@@ -7,7 +7,11 @@ import re
 import shutil
 import subprocess
 
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+BROWSER = (
+    shutil.which("chromium")
+    or shutil.which("chromium-browser")
+    or shutil.which("google-chrome")
+)
 WATCH = """<script>
 window.faults = [];
 addEventListener("error", (e) => faults.push(String(e.message)));
@@ -30,4 +34,6 @@ def browse(*arguments):
         "--hide-scrollbars",
         "--virtual-time-budget=20000",
     ]
-    return subprocess.run([*command, *arguments], capture_output=True, text=True, timeout=120, check=True).stdout
+    return subprocess.run(
+        [*command, *arguments], capture_output=True, text=True, timeout=120, check=True
+    ).stdout

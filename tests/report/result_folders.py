@@ -1,4 +1,6 @@
-"""Small folders as the commands leave them, for reports; written by hand where a command takes too long for a test."""
+"""Small folders as the commands leave them, for reports; written by hand where a
+command takes too long for a test.
+"""
 
 import json
 
@@ -11,7 +13,10 @@ VERSIONS = {"contbed": "0.1.0"}
 
 
 def of_run(folder):
-    run(load(_bed(folder), {"output.plots": False, "output.fields": False}), out=folder / "run")
+    run(
+        load(_bed(folder), {"output.plots": False, "output.fields": False}),
+        out=folder / "run",
+    )
     profiles = folder / "run" / "profiles.csv"
     lines = profiles.read_text().splitlines(keepends=True)
     profiles.write_text("".join([lines[0], *lines[-3:]]))
@@ -33,7 +38,10 @@ def of_sweep(folder):
         "parameters": {"boundary.left.gas.velocity": 0.2},
         "qoi": {},
     }
-    about = {"parameters": {"boundary.left.gas.velocity": {"unit": "m/s"}}, "qoi": {"x": {"unit": None}}}
+    about = {
+        "parameters": {"boundary.left.gas.velocity": {"unit": "m/s"}},
+        "qoi": {"x": {"unit": None}},
+    }
     content = {
         "study": "s.toml",
         "cases": 2,
@@ -53,15 +61,23 @@ def of_uncertainty(folder):
         "estimator": "samples",
         "runs": 2,
     }
-    result = {"unit": "K", "spreads": [spread], "shares by gradients": {"boundary.left.gas.velocity": 1.0}}
+    result = {
+        "unit": "K",
+        "spreads": [spread],
+        "shares by gradients": {"boundary.left.gas.velocity": 1.0},
+    }
     result |= {"indices": {"total": {"boundary.left.gas.velocity": 1.0}, "groups": 2}}
-    (folder / "uncertainty.json").write_text(json.dumps({"method": "sobol", "results": {"x": result}}))
+    (folder / "uncertainty.json").write_text(
+        json.dumps({"method": "sobol", "results": {"x": result}})
+    )
     return folder, "uncertainty.json"
 
 
 def of_sensitivities(folder):
     scene = load(_bed(folder))
-    found, about = design.sensitivities(scene, ["T_fluid_out_K"], ["packed_bed.porosity", "boundary.left.gas.velocity"])
+    found, about = design.sensitivities(
+        scene, ["T_fluid_out_K"], ["packed_bed.porosity", "boundary.left.gas.velocity"]
+    )
     design.write(found, about, folder / "derivatives", "")
     return folder / "derivatives", "sensitivities.json"
 
@@ -69,7 +85,8 @@ def of_sensitivities(folder):
 def of_optimum(folder):
     _bed(folder)
     (folder / "design.toml").write_text(
-        'scene = "bed.toml"\nmaximise = "T_fluid_out_K"\nconstraints = ["pressure_drop_Pa <= 1.5 kPa"]\n'
+        'scene = "bed.toml"\nmaximise = "T_fluid_out_K"\nconstraints = '
+        '["pressure_drop_Pa <= 1.5 kPa"]\n'
         "[keys]\nboundary.left.gas.velocity = { from = 0.49, to = 0.51 }\n"
     )
     optimise(folder / "design.toml", folder / "optimum")
@@ -77,8 +94,20 @@ def of_optimum(folder):
 
 
 def of_calibration(folder):
-    ends = ("low", "high", "low of profile", "high of profile", "low of posterior", "high of posterior")
-    key = {"unit": "m", "prior": "even", "fitted": 1.0, "standard error": 0.1} | dict.fromkeys(ends)
+    ends = (
+        "low",
+        "high",
+        "low of profile",
+        "high of profile",
+        "low of posterior",
+        "high of posterior",
+    )
+    key = {
+        "unit": "m",
+        "prior": "even",
+        "fitted": 1.0,
+        "standard error": 0.1,
+    } | dict.fromkeys(ends)
     data = {
         "fitted": 1,
         "chi_square": 1.0,
@@ -94,8 +123,10 @@ def of_calibration(folder):
     }  # fmt: skip
     (folder / "summary.json").write_text(json.dumps(content))
     (folder / "points.csv").write_text(
-        "experiment,line,quantity,unit,t [s],x [m],fitted,measured,predicted,low,high,deviation over error\n"
-        "a,a.csv:2,T,K,1,,yes,300,301,299,303,1\na,a.csv:3,T,K,2,,yes,310,311,309,313,1\n"
+        "experiment,line,quantity,unit,t [s],x "
+        "[m],fitted,measured,predicted,low,high,deviation over error\n"
+        "a,a.csv:2,T,K,1,,yes,300,301,299,303,1\n"
+        "a,a.csv:3,T,K,2,,yes,310,311,309,313,1\n"
     )
     for name in ("fit", "residuals", "keys"):
         (folder / f"{name}.png").write_bytes(b"a picture")
@@ -103,7 +134,13 @@ def of_calibration(folder):
 
 
 def of_cascade(folder):
-    band = {"probability": 0.9, "low": 890.0, "high": 910.0, "mean": 900.0, "standard_deviation": 5.0}
+    band = {
+        "probability": 0.9,
+        "low": 890.0,
+        "high": 910.0,
+        "mean": 900.0,
+        "standard_deviation": 5.0,
+    }
     measured = {
         "case": "c", "quantity": "T_solid", "unit": "K", "uncertainty": 0.5, "points": 2, "share in the band": 0.5,
         "share in the band of a measurement": 1.0, "shares of the parts": {"packing": 1.0},
@@ -117,7 +154,8 @@ def of_cascade(folder):
     (folder / "summary.json").write_text(json.dumps(content))
     (folder / "samples.csv").write_text("packing,T_fluid_out [K]\n1,895\n2,905\n")
     (folder / "measured.csv").write_text(
-        "t [s],position [m],measured,best,low,high\n1,0.1,300,301,299,303\n2,0.1,310,311,309,313\n"
+        "t [s],position [m],measured,best,low,high\n1,0.1,300,301,299,303\n"
+        "2,0.1,310,311,309,313\n"
     )
     return folder, "summary.json"
 

@@ -37,7 +37,8 @@ def test_a_film_has_one_picture_for_each_time(plane, capsys):
     assert "animation.gif" in capsys.readouterr().out
     film = frames(plane / "animation.gif")
     assert len(film) == 3
-    assert all(np.abs(a - b).mean() > 1.0 for a, b in pairwise(film))  # grey values of 255
+    # grey values of 255
+    assert all(np.abs(a - b).mean() > 1.0 for a, b in pairwise(film))
 
 
 def test_other_fields_and_mistakes(plane, tmp_path):
@@ -56,7 +57,10 @@ def test_a_steady_run_has_no_film(tmp_path):
 
 
 def test_mp4(plane, tmp_path):
-    pytest.importorskip("imageio_ffmpeg", reason="imageio-ffmpeg is not installed: pip install 'contbed[animation]'")
+    pytest.importorskip(
+        "imageio_ffmpeg",
+        reason="imageio-ffmpeg is not installed: pip install 'contbed[animation]'",
+    )
     file = animate(plane, tmp_path / "film.mp4")
     assert file.read_bytes()[4:8] == b"ftyp" and file.stat().st_size > 2000
 

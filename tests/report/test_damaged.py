@@ -1,4 +1,6 @@
-"""Folders that something has damaged or changed since: each file is told in one sentence, with what to do."""
+"""Folders that something has damaged or changed since: each file is told in one
+sentence, with what to do.
+"""
 
 import copy
 import csv
@@ -25,13 +27,17 @@ BAD = (None, [], {}, "text", 3.5, True, [1], "3.5", {"a": 1}, ...)
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch):
-    """The code of plotly and the packing of the charts, which take longer than the rest, are left out."""
+    """The code of plotly and the packing of the charts, which take longer than the
+    rest, are left out.
+    """
     monkeypatch.setattr(page, "_plotly", lambda: "")
     monkeypatch.setattr(page, "_compressed", lambda text: "")
 
 
 def places(value, path=()):
-    """Yield the path of each value; of a list the first two, of the scene those on top."""
+    """Yield the path of each value; of a list the first two, of the scene those on
+    top.
+    """
     yield path
     if isinstance(value, dict) and path[:1] != ("scene",):
         for key in value:
@@ -57,12 +63,18 @@ def changed(content, path, bad):
 
 
 def told(folder):
-    """Return the message where a report is refused, which names a file and a remedy; nothing where it is written."""
+    """Return the message where a report is refused, which names a file and a remedy;
+    nothing where it is written.
+    """
     try:
         write([folder])
     except ContbedError as error:
         text = str(error)
-        assert re.match(rf"{folder}/\S+\.(json|csv|vtu)[: ]", text) and "again" in text and "\n" not in text
+        assert (
+            re.match(rf"{folder}/\S+\.(json|csv|vtu)[: ]", text)
+            and "again" in text
+            and "\n" not in text
+        )
         return text
     return ""
 
@@ -81,7 +93,11 @@ def test_any_value_of_json_may_be_of_another_shape(tmp_path, kind):
     assert len(refused) > 0.3 * len(found) and len(set(refused)) > 20
 
 
-@pytest.mark.parametrize("text", ["", "{", "\x00", "<html>", "[" * 100_000, '{"a": 1}', "[]", "null"], ids=repr)
+@pytest.mark.parametrize(
+    "text",
+    ["", "{", "\x00", "<html>", "[" * 100_000, '{"a": 1}', "[]", "null"],
+    ids=repr,
+)
 def test_a_summary_that_is_none(tmp_path, text):
     (tmp_path / "summary.json").write_text(text[:200_000])
     assert "not the summary of a run" in told(tmp_path)
@@ -96,14 +112,28 @@ def texts(text):
         csv.writer(out, lineterminator="\n").writerows(rows)
         return out.getvalue()
 
-    yield from ("", "\n", "\x00\x01", "<html></html>\n", '"' + text, text.replace(",", ";"), text[: len(text) // 2])
-    yield from (written(rows[:1]), written(rows[:2]), written([[rows[0][0]] * len(rows[0]), *rows[1:]]))
+    yield from (
+        "",
+        "\n",
+        "\x00\x01",
+        "<html></html>\n",
+        '"' + text,
+        text.replace(",", ";"),
+        text[: len(text) // 2],
+    )
+    yield from (
+        written(rows[:1]),
+        written(rows[:2]),
+        written([[rows[0][0]] * len(rows[0]), *rows[1:]]),
+    )
     for k in range(len(rows[0])):
         yield written([row[:k] + row[k + 1 :] for row in rows])
         yield written([[*rows[0][:k], "foreign", *rows[0][k + 1 :]], *rows[1:]])
         for cell in ("abc", "", "nan", "inf", "1,5"):
             yield written([*rows[:-1], [*rows[-1][:k], cell, *rows[-1][k + 1 :]]])
-            yield written([rows[0], *([*row[:k], cell, *row[k + 1 :]] for row in rows[1:])])
+            yield written(
+                [rows[0], *([*row[:k], cell, *row[k + 1 :]] for row in rows[1:])]
+            )
 
 
 TABLES = {
@@ -123,7 +153,9 @@ def test_tables_may_lack_columns_and_have_texts(tmp_path, file):
         (folder / file).write_text(other)
         found.append(told(folder))
     assert sum(map(bool, found)) > 5
-    assert file == "samples.csv" or any(re.search(rf"{file}:\d+: ", one) for one in found)
+    assert file == "samples.csv" or any(
+        re.search(rf"{file}:\d+: ", one) for one in found
+    )
 
 
 def test_a_table_is_told_with_column_and_line(tmp_path):
@@ -145,13 +177,20 @@ def plane(tmp_path_factory):
 
 LAST = "fields_0002.vtu"
 FOREIGN = {
-    "no fields": (lambda mesh: meshio.Mesh(mesh.points, mesh.cells), "not those of fields_0000.vtu"),
+    "no fields": (
+        lambda mesh: meshio.Mesh(mesh.points, mesh.cells),
+        "not those of fields_0000.vtu",
+    ),
     "other cells": (
-        lambda mesh: meshio.Mesh(np.eye(4, 3), [("tetra", [[0, 1, 2, 3]])], point_data={"T": np.ones(4)}),
+        lambda mesh: meshio.Mesh(
+            np.eye(4, 3), [("tetra", [[0, 1, 2, 3]])], point_data={"T": np.ones(4)}
+        ),
         "not those of fields_0000.vtu",
     ),
     "points that are not there": (
-        lambda mesh: meshio.Mesh(mesh.points, [(b.type, b.data + 1000) for b in mesh.cells], mesh.point_data),
+        lambda mesh: meshio.Mesh(
+            mesh.points, [(b.type, b.data + 1000) for b in mesh.cells], mesh.point_data
+        ),
         "a cell names point 1224 of 225",
     ),
 }
@@ -170,5 +209,7 @@ def test_fields_of_another_run_are_told(plane, tmp_path, what):
 
 def test_particles_need_their_radius(plane, tmp_path):
     (tmp_path / "summary.json").write_text((plane / "summary.json").read_text())
-    meshio.Mesh(np.eye(2, 3), [("vertex", [[0], [1]])], point_data={"T": np.ones(2)}).write(tmp_path / "fields.vtu")
+    meshio.Mesh(
+        np.eye(2, 3), [("vertex", [[0], [1]])], point_data={"T": np.ones(2)}
+    ).write(tmp_path / "fields.vtu")
     assert "particles without their radius" in told(tmp_path)

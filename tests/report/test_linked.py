@@ -1,4 +1,6 @@
-"""Linked plots: which columns are drawn and how, what is left out and why, and that a choice in one marks the other."""
+"""Linked plots: which columns are drawn and how, what is left out and why, and that
+a choice in one marks the other.
+"""
 
 import html
 import json
@@ -11,12 +13,21 @@ from contbed.errors import ContbedError
 from contbed.many.derivatives.sensitivities import sensitivities
 from contbed.many.derivatives.sensitivities import write as write_sensitivities
 from contbed.report import page
-from contbed.report.linked import GREY, MAX_CATEGORIES, MAX_PAIRS, Column, linked, read_columns
+from contbed.report.linked import (
+    GREY,
+    MAX_CATEGORIES,
+    MAX_PAIRS,
+    Column,
+    linked,
+    read_columns,
+)
 from contbed.report.optimum import _best
 from contbed.report.write import write
 from tests.report.report_file import BROWSER, WATCH, browse, charts_of
 
-pytest.importorskip("plotly", reason="plotly is not installed: pip install 'contbed[report]'")
+pytest.importorskip(
+    "plotly", reason="plotly is not installed: pip install 'contbed[report]'"
+)
 LAWS = ("gunn", {"name": "power", "a": 1.2}, "gunn", True)
 
 
@@ -25,20 +36,32 @@ def column(name, *values, unit="1"):
 
 
 def test_texts_are_categories_on_axes_and_panels():
-    found = linked([column("law", *LAWS), column("T", 300.0, 310.0, 320.0, 330.0, unit="K")], list("abcd"))
+    found = linked(
+        [column("law", *LAWS), column("T", 300.0, 310.0, 320.0, 330.0, unit="K")],
+        list("abcd"),
+    )
     parallel, matrix = (chart["data"][0] for chart in found.charts)
     axis, number = parallel["dimensions"]
-    assert axis["ticktext"] == ["gunn", "power, a = 1.2", "yes"] and axis["values"] == [0.0, 1.0, 0.0, 2.0]
+    assert axis["ticktext"] == ["gunn", "power, a = 1.2", "yes"] and axis["values"] == [
+        0.0,
+        1.0,
+        0.0,
+        2.0,
+    ]
     assert axis["tickvals"] == [0, 1, 2]
     assert number["label"] == "T [K]" and "ticktext" not in number
     panel = matrix["dimensions"][0]
-    assert panel["values"] == ["gunn", "power, a = 1.2", "gunn", "yes"] and panel["axis"] == {"type": "category"}
+    assert panel["values"] == ["gunn", "power, a = 1.2", "gunn", "yes"] and panel[
+        "axis"
+    ] == {"type": "category"}
     assert parallel["line"]["color"] == [300.0, 310.0, 320.0, 330.0]
     assert found.left_out == ()
 
 
 def test_the_lowest_value_is_no_grey():
-    """Grey is for rows that are not chosen: the scale has it below the lowest value, at the end that hides a row."""
+    """Grey is for rows that are not chosen: the scale has it below the lowest value,
+    at the end that hides a row.
+    """
     line = linked([column("T", 2.0, 4.0)], ["a", "b"]).charts[0]["data"][0]["line"]
     share = (2.0 - line["cmin"]) / (line["cmax"] - line["cmin"])
     at = [colour for place, colour in line["colorscale"] if place <= share + 1e-12]
@@ -61,17 +84,28 @@ def test_what_is_left_out_is_told_with_the_reason():
     found = linked(columns, many)
     told = dict(found.left_out)
     assert told["gaps [K]"] == f"2 of {count} runs have no value"
-    assert told["same"] == "the same in all runs: 300" and told["one law"] == "the same in all runs: gunn"
-    assert told["files"].startswith(f"{count} different texts") and told["nothing"] == "no run has a value"
+    assert (
+        told["same"] == "the same in all runs: 300"
+        and told["one law"] == "the same in all runs: gunn"
+    )
+    assert (
+        told["files"].startswith(f"{count} different texts")
+        and told["nothing"] == "no run has a value"
+    )
     assert f"first {MAX_PAIRS} columns" in told[f"q{MAX_PAIRS}"]
     drawn = {axis["label"] for axis in found.charts[0]["data"][0]["dimensions"]}
-    assert drawn | set(told) == {one.label for one in columns}  # no column is lost without a word
+    # no column is lost without a word
+    assert drawn | set(told) == {one.label for one in columns}
     text = found.section("Linked plots", page.Charts().place)
-    assert "6 columns are left out" in text and all(why in text for why in told.values())
+    assert "6 columns are left out" in text and all(
+        why in text for why in told.values()
+    )
 
 
 def test_texts_with_gaps_have_a_category_for_them():
-    axis = linked([column("yes", "yes", None), column("n", 1, 2)], ["a", "b"]).charts[0]["data"][0]["dimensions"][0]
+    axis = linked([column("yes", "yes", None), column("n", 1, 2)], ["a", "b"]).charts[
+        0
+    ]["data"][0]["dimensions"][0]
     assert axis["ticktext"] == ["yes", "none"]
 
 
@@ -80,7 +114,9 @@ def test_tables_that_are_damaged_are_told_with_their_line(tmp_path):
     file.write_text("k_eff [W/m/K]: objective [W/m/K],run\n1.5,a\n,b\nnan,c\n")
     found = read_columns(file)
     assert list(found) == ["k_eff [W/m/K]: objective", "run"]
-    assert found["k_eff [W/m/K]: objective"].values == (1.5, None, None) and found["run"].values == ("a", "b", "c")
+    assert found["k_eff [W/m/K]: objective"].values == (1.5, None, None) and found[
+        "run"
+    ].values == ("a", "b", "c")
     file.write_text("a,b\n1,2\n3\n")
     with pytest.raises(ContbedError, match=r"table.csv:3: .*1 values under 2 headers"):
         read_columns(file)
@@ -90,11 +126,22 @@ def test_tables_that_are_damaged_are_told_with_their_line(tmp_path):
 
 def test_the_best_so_far_holds_the_constraints():
     objective = column("f", 5.0, 1.0, None, 3.0, 4.0)
-    missed = [column("g <= 1: missed by", -1.0, 0.5, None, 1e-8, -0.1), column("h == 0: missed by", 0, 0, None, 0, -2)]
+    missed = [
+        column("g <= 1: missed by", -1.0, 0.5, None, 1e-8, -0.1),
+        column("h == 0: missed by", 0, 0, None, 0, -2),
+    ]
     assert _best(False, objective, missed[:1]) == [5.0, 5.0, 5.0, 3.0, 3.0]
     assert _best(True, objective, missed[:1]) == [5.0] * 5
-    assert _best(False, objective, [column("g: missed by", 1.0, -1.0, None, -1.0, -1.0)]) == [None, 1.0, 1.0, 1.0, 1.0]
-    assert _best(False, column("f", 5.0, 6.0, None, 6.0, 4.0), missed[1:]) == [5.0, 5.0, 5.0, 5.0, 5.0]
+    assert _best(
+        False, objective, [column("g: missed by", 1.0, -1.0, None, -1.0, -1.0)]
+    ) == [None, 1.0, 1.0, 1.0, 1.0]
+    assert _best(False, column("f", 5.0, 6.0, None, 6.0, 4.0), missed[1:]) == [
+        5.0,
+        5.0,
+        5.0,
+        5.0,
+        5.0,
+    ]
 
 
 def sweep(folder):
@@ -113,10 +160,21 @@ def sweep(folder):
         for k in range(9)
     ]
     about = {
-        "parameters": {"boundary.left.gas.velocity": {"unit": "m/s"}, "closures.nusselt": {"unit": None}},
+        "parameters": {
+            "boundary.left.gas.velocity": {"unit": "m/s"},
+            "closures.nusselt": {"unit": None},
+        },
         "qoi": {"T_fluid_out_K": {"unit": "K"}, "converged": {"unit": "1"}},
     }
-    content = {"study": "sweep.toml", "cases": 9, "ended": 9, "failed": 1, "warnings": [], **about, "runs": runs}
+    content = {
+        "study": "sweep.toml",
+        "cases": 9,
+        "ended": 9,
+        "failed": 1,
+        "warnings": [],
+        **about,
+        "runs": runs,
+    }
     (folder / "table.json").write_text(json.dumps(content))
 
 
@@ -178,41 +236,75 @@ const wait = setInterval(async () => {
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(BROWSER is None, reason="no Chromium here: apt-get install chromium")
+@pytest.mark.skipif(
+    BROWSER is None, reason="no Chromium here: apt-get install chromium"
+)
 def test_a_choice_is_linked_both_ways_in_a_browser(tmp_path):
-    """What is chosen along an axis is marked in the panels; what is framed in a panel alone keeps its colour."""
+    """What is chosen along an axis is marked in the panels; what is framed in a
+    panel alone keeps its colour.
+    """
     sweep(tmp_path)
     text = write([tmp_path], tmp_path / "report.html").read_text()
-    (tmp_path / "tried.html").write_text(text.replace("<head>", "<head>" + WATCH).replace("</body>", USE + "</body>"))
-    dom = browse("--dump-dom", "--window-size=1280,1800", f"file://{tmp_path / 'tried.html'}")
-    told = json.loads(html.unescape(re.search(r'<pre id="told">(.*?)</pre>', dom, re.DOTALL)[1]))
+    (tmp_path / "tried.html").write_text(
+        text.replace("<head>", "<head>" + WATCH).replace("</body>", USE + "</body>")
+    )
+    dom = browse(
+        "--dump-dom", "--window-size=1280,1800", f"file://{tmp_path / 'tried.html'}"
+    )
+    told = json.loads(
+        html.unescape(re.search(r'<pre id="told">(.*?)</pre>', dom, re.DOTALL)[1])
+    )
     assert told["faults"] == []
-    assert told["before"] == told["after"] == [300.0, 301.0, 302.0, 303.0, 304.0, 306.0, 307.0, 308.0]
-    assert told["brushed"] == [2, 3, 4] and told["twice"] == [0, 6, 7] and told["none"] is None
+    assert (
+        told["before"]
+        == told["after"]
+        == [300.0, 301.0, 302.0, 303.0, 304.0, 306.0, 307.0, 308.0]
+    )
+    assert (
+        told["brushed"] == [2, 3, 4]
+        and told["twice"] == [0, 6, 7]
+        and told["none"] is None
+    )
     framed = told["framed"]
     assert framed and len(framed) < 8
-    expected = [value if k in framed else told["grey"] for k, value in enumerate(told["before"])]
+    expected = [
+        value if k in framed else told["grey"] for k, value in enumerate(told["before"])
+    ]
     assert told["greyed"] == expected and told["free"]
 
 
 @pytest.mark.slow
 def test_report_of_derivatives(tmp_path):
-    """Bars and table hold what the command found, the largest relative derivative first."""
-    scene, keys = load("studies/moving_bed_heater/heater.toml"), ["packed_bed.porosity", "solids.silica.diameter"]
+    """Bars and table hold what the command found, the largest relative derivative
+    first.
+    """
+    scene, keys = (
+        load("studies/moving_bed_heater/heater.toml"),
+        ["packed_bed.porosity", "solids.silica.diameter"],
+    )
     found, about = sensitivities(scene, ["T_fluid_out_K", "pressure_drop_Pa"], keys)
     write_sensitivities(found, about, tmp_path, scene.title)
     text = write([tmp_path]).read_text(encoding="utf-8")
     for chart, i in zip(charts_of(text), range(2), strict=True):
         bars = chart["data"][0]
-        largest = sorted(zip(found.logarithmic[i], found.keys, strict=True), key=lambda pair: -abs(pair[0]))
+        largest = sorted(
+            zip(found.logarithmic[i], found.keys, strict=True),
+            key=lambda pair: -abs(pair[0]),
+        )
         assert bars["y"] == [name for _, name in largest]
         assert bars["x"] == [float(value) for value, _ in largest]
-    assert f"<td class=number>{page.number(float(found.derivatives[1, 0]))}</td>" in text and "<td>Pa/m</td>" in text
+    assert (
+        f"<td class=number>{page.number(float(found.derivatives[1, 0]))}</td>" in text
+        and "<td>Pa/m</td>" in text
+    )
 
 
 def test_damaged_derivatives_are_refused(tmp_path):
-    (tmp_path / "sensitivities.json").write_text('{"title": "", "qoi": 3}', encoding="utf-8")
+    (tmp_path / "sensitivities.json").write_text(
+        '{"title": "", "qoi": 3}', encoding="utf-8"
+    )
     with pytest.raises(
-        ContbedError, match=r"sensitivities\.json: .* method is missing; run contbed sensitivities again"
+        ContbedError,
+        match=r"sensitivities\.json: .* method is missing; run contbed sensitivities again",
     ):
         write([tmp_path])

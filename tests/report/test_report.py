@@ -1,4 +1,6 @@
-"""`contbed report`: one file that needs nothing else, with the numbers of summary.json, opened in a browser."""
+"""`contbed report`: one file that needs nothing else, with the numbers of
+summary.json, opened in a browser.
+"""
 
 import base64
 import html
@@ -18,7 +20,9 @@ from contbed.report.read import read_run
 from contbed.report.write import write
 from tests.report.report_file import BROWSER, WATCH, browse, charts_of
 
-pytest.importorskip("plotly", reason="plotly is not installed: pip install 'contbed[report]'")
+pytest.importorskip(
+    "plotly", reason="plotly is not installed: pip install 'contbed[report]'"
+)
 LIMIT = 5_000_000  # bytes of a report
 
 
@@ -28,7 +32,10 @@ def plane(tmp_path_factory):
     (folder / "plane.toml").write_text(PLANE)
     run(load(folder / "plane.toml"), out=folder / "plane")
     run(
-        load(folder / "plane.toml", {"boundary.left.gas.velocity": 0.2, "packed_bed.porosity": 0.5}),
+        load(
+            folder / "plane.toml",
+            {"boundary.left.gas.velocity": 0.2, "packed_bed.porosity": 0.5},
+        ),
         out=folder / "slower",
     )
     return folder
@@ -38,7 +45,9 @@ def test_numbers_are_those_of_the_summary(plane):
     text = write([plane / "plane"]).read_text()
     summary = json.loads((plane / "plane" / "summary.json").read_text())
     assert len(text) < LIMIT
-    plain = html.unescape(re.sub(r"<[^>]+>", " ", text.split('<script type="text/plain"')[0]))
+    plain = html.unescape(
+        re.sub(r"<[^>]+>", " ", text.split('<script type="text/plain"')[0])
+    )
     for key, value in summary["qoi"].items():
         assert key.split(" [")[0] in plain and f"{value:.6g}" in plain
     for part in (
@@ -58,14 +67,18 @@ def test_numbers_are_those_of_the_summary(plane):
 
 def test_nothing_is_loaded_from_elsewhere(plane):
     text = write([plane / "plane"]).read_text()
-    assert not re.search(r"<(script|link|img|iframe)[^>]+(src|href)=", text.split('id="plotly"')[0])
+    assert not re.search(
+        r"<(script|link|img|iframe)[^>]+(src|href)=", text.split('id="plotly"')[0]
+    )
 
 
 def test_packed_fields_are_exact_to_their_digits():
     values = np.linspace(280.0, 900.0, 2 * 3 * 4).reshape(2, 3, 4)
     values[0, 1, 2] = np.nan
     found = charts.packed(values)
-    numbers = np.frombuffer(base64.b64decode(found["data"]), "<u2").reshape(found["shape"])
+    numbers = np.frombuffer(base64.b64decode(found["data"]), "<u2").reshape(
+        found["shape"]
+    )
     assert (numbers == 65535).sum() == 1 and numbers[0, 1, 2] == 65535
     back = found["low"] + numbers * (found["high"] - found["low"]) / 65534
     there = np.isfinite(values)
@@ -73,22 +86,33 @@ def test_packed_fields_are_exact_to_their_digits():
 
 
 def test_fields_of_a_plane_are_where_they_belong(plane):
-    """The picture of the solid at the end against the field at its own points, away from steep layers."""
+    """The picture of the solid at the end against the field at its own points, away
+    from steep layers.
+    """
     import meshio
 
     items = {item.field: item for item in pictures(read_run(plane / "plane", "plane"))}
     item = items["T_solid"]
-    assert item.times == (200.0, 500.0, 1000.0) and item.frames.shape == (3, len(item.y), len(item.x))
+    assert item.times == (200.0, 500.0, 1000.0) and item.frames.shape == (
+        3,
+        len(item.y),
+        len(item.x),
+    )
     mesh = meshio.read(plane / "plane" / "fields_0002.vtu")
     for point, value in zip(mesh.points, mesh.point_data["T_solid"], strict=True):
         if 0.05 < point[0] < 0.25 and 0.02 < point[1] < 0.05:
-            i, j = np.abs(item.x - point[0]).argmin(), np.abs(item.y - point[1]).argmin()
-            assert item.frames[2, j, i] == pytest.approx(value, abs=3.0)  # half a point, 1 mm, at 2 K/mm
+            i, j = (
+                np.abs(item.x - point[0]).argmin(),
+                np.abs(item.y - point[1]).argmin(),
+            )
+            # half a point, 1 mm, at 2 K/mm
+            assert item.frames[2, j, i] == pytest.approx(value, abs=3.0)
 
 
 def test_a_box_is_cut_in_its_middle(tmp_path):
     text = PLANE.replace('"rectangle", length = 0.3, height = 0.1, cells = [12, 4]',
-                         '"box", length = 0.3, width = 0.06, height = 0.1, cells = [6, 2, 4]')  # fmt: skip
+                         '"box", length = 0.3, width = 0.06, height = 0.1, cells = [6, '
+                         '2, 4]')  # fmt: skip
     text = re.sub(r"^time = .*$", "", text, flags=re.MULTILINE)
     (tmp_path / "box.toml").write_text(text)
     run(load(tmp_path / "box.toml"), out=tmp_path / "box")
@@ -98,21 +122,37 @@ def test_a_box_is_cut_in_its_middle(tmp_path):
 
 
 def test_particles_have_their_size(plane):
-    """Two spheres that touch the sides of the picture: their diameters in pixels are shares of its height."""
+    """Two spheres that touch the sides of the picture: their diameters in pixels are
+    shares of its height.
+    """
     radius = np.array([0.01, 0.03])
-    frame = (np.array([0.01, 0.03]), np.array([0.21, 0.03]), radius, np.array([1.0, 2.0]))
+    frame = (
+        np.array([0.01, 0.03]),
+        np.array([0.21, 0.03]),
+        radius,
+        np.array([1.0, 2.0]),
+    )
     cloud = Cloud("T", (frame,), (0.0,), "")
     assert np.allclose(cloud.box(), [(0.0, 0.06), (0.0, 0.22)])
     chart = charts.picture(read_run(plane / "plane", "plane"), cloud, False)
     inside = chart["height"] - charts.MARGINS
-    assert np.allclose(chart["data"][0]["marker"]["size"], 2 * radius / 0.22 * inside, rtol=1e-5)
+    assert np.allclose(
+        chart["data"][0]["marker"]["size"], 2 * radius / 0.22 * inside, rtol=1e-5
+    )
 
 
 def test_two_runs_side_by_side(plane):
     text = write([plane / "plane", plane / "slower"], plane / "both.html").read_text()
-    plain = html.unescape(re.sub(r"<[^>]+>", " ", text.split('<script type="text/plain"')[0]))
+    plain = html.unescape(
+        re.sub(r"<[^>]+>", " ", text.split('<script type="text/plain"')[0])
+    )
     assert "boundary.left.gas.velocity" in plain and "Where the scenes differ" in plain
-    names = {trace["name"] for chart in charts_of(text) if chart["kind"] == "curves" for trace in chart["data"]}
+    names = {
+        trace["name"]
+        for chart in charts_of(text)
+        if chart["kind"] == "curves"
+        for trace in chart["data"]
+    }
     assert {"plane: T_fluid", "slower: T_fluid"} <= names
     assert len(text) < LIMIT
 
@@ -121,22 +161,46 @@ def test_two_runs_side_by_side(plane):
 def test_a_sweep_has_linked_plots(plane):
     (plane / "bed.toml").write_text(editor.template("packed_bed"))
     (plane / "sweep.toml").write_text(
-        'scene = "bed.toml"\n[parameters]\nboundary.left.gas.velocity = [0.4, 0.5, 0.6]\n'
+        'scene = "bed.toml"\n[parameters]\nboundary.left.gas.velocity = [0.4, 0.5, '
+        "0.6]\n"
     )
-    assert cli.main(["sweep", str(plane / "sweep.toml"), "--out", str(plane / "sweep"), "--jobs", "1", "--quiet"]) == 0
+    assert (
+        cli.main(
+            [
+                "sweep",
+                str(plane / "sweep.toml"),
+                "--out",
+                str(plane / "sweep"),
+                "--jobs",
+                "1",
+                "--quiet",
+            ]
+        )
+        == 0
+    )
     text = write([plane / "sweep"]).read_text()
     found = {chart["kind"]: chart for chart in charts_of(text)}
     assert set(found) == {"parallel", "matrix"}
-    labels = [entry["label"].replace("<br>", "") for entry in found["parallel"]["data"][0]["dimensions"]]
-    assert any("velocity" in label for label in labels) and any("T_fluid_out" in label for label in labels)
+    labels = [
+        entry["label"].replace("<br>", "")
+        for entry in found["parallel"]["data"][0]["dimensions"]
+    ]
+    assert any("velocity" in label for label in labels) and any(
+        "T_fluid_out" in label for label in labels
+    )
     assert len(text) < LIMIT
 
 
 def test_columns_over_time_are_not_profiles():
-    """A bed's height is a column over the time, a coordinate only where each time has several rows."""
+    """A bed's height is a column over the time, a coordinate only where each time
+    has several rows.
+    """
     time = {"t [s]": np.array([0.0, 1.0]), "height [m]": np.array([0.1, 0.2])}
     assert charts._axis([time]) == ("t [s]", None)
-    profiles = {"t [s]": np.array([0.0, 0.0, 1.0, 1.0]), "height [m]": np.array([0.0, 1.0, 0.0, 1.0])}
+    profiles = {
+        "t [s]": np.array([0.0, 0.0, 1.0, 1.0]),
+        "height [m]": np.array([0.0, 1.0, 0.0, 1.0]),
+    }
     assert charts._axis([profiles]) == ("height [m]", "t [s]")
 
 
@@ -152,12 +216,42 @@ def test_run_writes_a_report_also_of_a_failure(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text = re.sub(r"^time = .*$", "", PLANE, flags=re.MULTILINE)
     (tmp_path / "steady.toml").write_text(text + "[solver]\nstrict = true\n")
-    assert cli.main(["run", "steady.toml", "--report", "--quiet", "--set", "closures.nusselt=gunn"]) == 0
+    assert (
+        cli.main(
+            [
+                "run",
+                "steady.toml",
+                "--report",
+                "--quiet",
+                "--set",
+                "closures.nusselt=gunn",
+            ]
+        )
+        == 0
+    )
     report = tmp_path / "results" / "steady" / "report.html"
-    assert "report.html" in json.loads((report.parent / "summary.json").read_text())["files"]
-    assert cli.main(["run", "steady.toml", "--quiet", "--set", "closures.nusselt=gunn"]) == 0
+    assert (
+        "report.html"
+        in json.loads((report.parent / "summary.json").read_text())["files"]
+    )
+    assert (
+        cli.main(["run", "steady.toml", "--quiet", "--set", "closures.nusselt=gunn"])
+        == 0
+    )
     assert not report.exists()
-    assert cli.main(["run", "steady.toml", "--report", "--quiet", "--set", "boundary.left.gas.velocity=0.001"]) == 4
+    assert (
+        cli.main(
+            [
+                "run",
+                "steady.toml",
+                "--report",
+                "--quiet",
+                "--set",
+                "boundary.left.gas.velocity=0.001",
+            ]
+        )
+        == 4
+    )
     assert "closure out of range" in report.read_text()
 
 
@@ -184,20 +278,34 @@ const wait = setInterval(() => {
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(BROWSER is None, reason="no Chromium here: apt-get install chromium")
+@pytest.mark.skipif(
+    BROWSER is None, reason="no Chromium here: apt-get install chromium"
+)
 def test_in_a_browser(plane, tmp_path):
-    """It opens without an error, each slider changes its chart, axes are labelled, and the picture is not empty."""
+    """It opens without an error, each slider changes its chart, axes are labelled,
+    and the picture is not empty.
+    """
     text = write([plane / "plane"], tmp_path / "report.html").read_text()
     tried = tmp_path / "tried.html"
-    tried.write_text(text.replace("<head>", "<head>" + WATCH).replace("</body>", USE + "</body>"))
+    tried.write_text(
+        text.replace("<head>", "<head>" + WATCH).replace("</body>", USE + "</body>")
+    )
     dom = browse("--dump-dom", f"file://{tried}")
-    told = json.loads(html.unescape(re.search(r'<pre id="told">(.*?)</pre>', dom, re.DOTALL)[1]))
+    told = json.loads(
+        html.unescape(re.search(r'<pre id="told">(.*?)</pre>', dom, re.DOTALL)[1])
+    )
     assert told["faults"] == []
     assert int(told["ready"]) >= 5
-    assert len(told["seen"]) >= 4 and all(when == "200 s" and changed for when, changed in told["seen"])
+    assert len(told["seen"]) >= 4 and all(
+        when == "200 s" and changed for when, changed in told["seen"]
+    )
     labels = set(re.findall(r'class="[xy]title"[^>]*>([^<]+)<', dom))
     assert {"x [m]", "y [m]", "K", "wall time [s]"} <= labels
-    browse("--window-size=1280,2000", f"--screenshot={tmp_path / 'shot.png'}", f"file://{tmp_path / 'report.html'}")
+    browse(
+        "--window-size=1280,2000",
+        f"--screenshot={tmp_path / 'shot.png'}",
+        f"file://{tmp_path / 'report.html'}",
+    )
     from matplotlib.image import imread
 
     pixels = imread(tmp_path / "shot.png")[..., :3]

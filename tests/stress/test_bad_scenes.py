@@ -1,4 +1,6 @@
-"""What goes wrong in real scenes: every mistake is a line that says where it stands and what to do."""
+"""What goes wrong in real scenes: every mistake is a line that says where it stands
+and what to do.
+"""
 
 import math
 import string
@@ -79,49 +81,130 @@ SIEVED = CHAR.replace("diameter = 0.001\n", SIEVES)
 LINE = 'type = "line"\nlength = 1.0\n'
 AXISYMMETRIC = 'type = "axisymmetric"\nlength = 1.0\nradius = "50 mm"\n'
 
-# name, text of GOOD, what stands there instead, parts of one of the problems; the first has the line
+# name, text of GOOD, what stands there instead, parts of one of the problems; the first
+# has the line
 CASES = [
     # the file
-    ("no equals sign", "density = 0.6", "density 0.6", [":9: not valid TOML: expected '='"]),
+    (
+        "no equals sign",
+        "density = 0.6",
+        "density 0.6",
+        [":9: not valid TOML: expected '='"],
+    ),
     ("no value", "density = 0.6", "density =", [":9: not valid TOML: invalid value"]),
     ("decimal comma", "density = 0.6", "density = 0,6", [":9: not valid TOML"]),
     ("unit without quotes", '"50 mm"', "50 mm", [":6: not valid TOML"]),
     ("open string", '"50 mm"', '"50 mm', [":6: not valid TOML"]),
-    ("key twice", "density = 0.6", "density = 0.6\ndensity = 0.7", [":10: not valid TOML: this key stands twice"]),
-    ("table twice", "[solids.sand]", "[mesh]", [":14: not valid TOML: cannot declare ('mesh',) twice"]),
-    ("number too long", "0.6", "9" * 5000, [":9: an integer with more than 4300 digits"]),
-    ("nested too deeply", "0.6", "[" * 5000 + "]" * 5000, [":1: arrays or tables are nested too deeply"]),
+    (
+        "key twice",
+        "density = 0.6",
+        "density = 0.6\ndensity = 0.7",
+        [":10: not valid TOML: this key stands twice"],
+    ),
+    (
+        "table twice",
+        "[solids.sand]",
+        "[mesh]",
+        [":14: not valid TOML: cannot declare ('mesh',) twice"],
+    ),
+    (
+        "number too long",
+        "0.6",
+        "9" * 5000,
+        [":9: an integer with more than 4300 digits"],
+    ),
+    (
+        "nested too deeply",
+        "0.6",
+        "[" * 5000 + "]" * 5000,
+        [":1: arrays or tables are nested too deeply"],
+    ),
     # names of tables and keys
-    ("table misspelt", "[heat]", "[het]", [":27: het: unknown key", "did you mean 'heat'?"]),
+    (
+        "table misspelt",
+        "[heat]",
+        "[het]",
+        [":27: het: unknown key", "did you mean 'heat'?"],
+    ),
     (
         "table unknown",
         "[closures]",
         "[dem]\nn = 1\n[closures]",
         [":23: dem: unknown key", "allowed: title, model, mesh, gas"],
     ),
-    ("key misspelt", "porosity", "porosty", [":21: packed_bed.porosty = 0.4: unknown key", "did you mean 'porosity'?"]),
+    (
+        "key misspelt",
+        "porosity",
+        "porosty",
+        [":21: packed_bed.porosty = 0.4: unknown key", "did you mean 'porosity'?"],
+    ),
     (
         "key in capitals",
         "porosity",
         "Porosity",
         [":21: packed_bed.Porosity = 0.4: unknown key", "did you mean 'porosity'?"],
     ),
-    ("key of another mesh", "radius", "height", [":6: mesh.height", "unknown key", "allowed: type, length, radius"]),
+    (
+        "key of another mesh",
+        "radius",
+        "height",
+        [":6: mesh.height", "unknown key", "allowed: type, length, radius"],
+    ),
     (
         "key in an inline table",
         "velocity",
         "velosity",
         [":30: boundary.bottom.gas.velosity", "did you mean 'velocity'?"],
     ),
-    ("key with a line break", "porosity", '"a\\nb"', [':21: packed_bed."a\\nb" = 0.4: unknown key']),
-    ("key missing", "porosity = 0.4\n", "", [":20: packed_bed.porosity: missing; allowed: a number > 0 and < 1"]),
-    ("table missing", "[packed_bed]\nporosity = 0.4\n", "", [":1: packed_bed: this table is missing"]),
-    ("value for a table", "title", "solver = 3\ntitle", [":1: solver = 3: wrong kind of value; allowed: a table with"]),
-    ("list for a table", "[heat]", "[[heat]]", [":27: heat", "wrong kind of value; allowed: a table"]),
+    (
+        "key with a line break",
+        "porosity",
+        '"a\\nb"',
+        [':21: packed_bed."a\\nb" = 0.4: unknown key'],
+    ),
+    (
+        "key missing",
+        "porosity = 0.4\n",
+        "",
+        [":20: packed_bed.porosity: missing; allowed: a number > 0 and < 1"],
+    ),
+    (
+        "table missing",
+        "[packed_bed]\nporosity = 0.4\n",
+        "",
+        [":1: packed_bed: this table is missing"],
+    ),
+    (
+        "value for a table",
+        "title",
+        "solver = 3\ntitle",
+        [":1: solver = 3: wrong kind of value; allowed: a table with"],
+    ),
+    (
+        "list for a table",
+        "[heat]",
+        "[[heat]]",
+        [":27: heat", "wrong kind of value; allowed: a table"],
+    ),
     # single values
-    ("out of range", "0.4", "1.4", [":21: packed_bed.porosity = 1.4: out of range; allowed: a number > 0 and < 1"]),
-    ("range with a unit", '"3 mm"', "0", [":18: solids.sand.diameter = 0: out of range; allowed: a number > 0 m"]),
-    ("negative with a unit", '"3 mm"', '"-3 mm"', [':18: solids.sand.diameter = "-3 mm": out of range', "> 0 m"]),
+    (
+        "out of range",
+        "0.4",
+        "1.4",
+        [":21: packed_bed.porosity = 1.4: out of range; allowed: a number > 0 and < 1"],
+    ),
+    (
+        "range with a unit",
+        '"3 mm"',
+        "0",
+        [":18: solids.sand.diameter = 0: out of range; allowed: a number > 0 m"],
+    ),
+    (
+        "negative with a unit",
+        '"3 mm"',
+        '"-3 mm"',
+        [':18: solids.sand.diameter = "-3 mm": out of range', "> 0 m"],
+    ),
     ("nan", "0.4", "nan", [":21: packed_bed.porosity = NaN: not a finite number"]),
     (
         "inf",
@@ -135,7 +218,12 @@ CASES = [
         "velocity = [0, inf]",
         [":30: boundary.bottom.gas.velocity[1]", "not a finite number"],
     ),
-    ("true for a number", "0.4", "true", [":21: packed_bed.porosity = true: expected a number, found true"]),
+    (
+        "true for a number",
+        "0.4",
+        "true",
+        [":21: packed_bed.porosity = true: expected a number, found true"],
+    ),
     (
         "true for a whole number",
         "[packed_bed]",
@@ -148,23 +236,54 @@ CASES = [
         "[solver]\nreduce = 1\n[packed_bed]",
         [":21: solver.reduce = 1", "allowed: true or false"],
     ),
-    ("fraction for a whole number", "radius", "refine = 1.5\nradius", [":6: mesh.refine = 1.5", "an integer >= 0"]),
+    (
+        "fraction for a whole number",
+        "radius",
+        "refine = 1.5\nradius",
+        [":6: mesh.refine = 1.5", "an integer >= 0"],
+    ),
     (
         "text for a number",
         "0.4",
         '"loose"',
-        [":21: packed_bed.porosity = \"loose\": expected a plain number, found 'loose'"],
+        [
+            ':21: packed_bed.porosity = "loose": expected a plain number, found '
+            "'loose'"
+        ],
     ),
     (
         "list for a number",
         "0.4",
         "[0.4]",
-        [":21: packed_bed.porosity", "wrong kind of value; allowed: a number > 0 and < 1"],
+        [
+            ":21: packed_bed.porosity",
+            "wrong kind of value; allowed: a number > 0 and < 1",
+        ],
     ),
-    ("date for a number", "0.4", "2024-01-01", [':21: packed_bed.porosity = "2024-01-01"', "wrong kind of value"]),
-    ("number beyond floats", "0.6", "1" + "0" * 400, [":9: gas.density = 1000", "wrong kind of value"]),
-    ("wrong choice", '"axisymmetric"', '"lines"', [':4: mesh.type = "lines": unknown choice', "did you mean 'line'?"]),
-    ("no choice", 'type = "axisymmetric"\n', "", [":3: mesh.type: missing; allowed: 'axisymmetric', 'box'"]),
+    (
+        "date for a number",
+        "0.4",
+        "2024-01-01",
+        [':21: packed_bed.porosity = "2024-01-01"', "wrong kind of value"],
+    ),
+    (
+        "number beyond floats",
+        "0.6",
+        "1" + "0" * 400,
+        [":9: gas.density = 1000", "wrong kind of value"],
+    ),
+    (
+        "wrong choice",
+        '"axisymmetric"',
+        '"lines"',
+        [':4: mesh.type = "lines": unknown choice', "did you mean 'line'?"],
+    ),
+    (
+        "no choice",
+        'type = "axisymmetric"\n',
+        "",
+        [":3: mesh.type: missing; allowed: 'axisymmetric', 'box'"],
+    ),
     (
         "choice of a key",
         "[solids.sand]",
@@ -177,33 +296,73 @@ CASES = [
         "[solver]\ndegree = 4\n[packed_bed]",
         [":21: solver.degree = 4: unknown choice; allowed: 1, 2, 3"],
     ),
-    ("cells for each direction", "radius", "cells = [4]\nradius", [":6: mesh.cells[1]: missing"]),
-    ("polynomial without terms", "[1.0, 1e-3]", "[]", [":17: solids.sand.conductivity = []: empty; allowed: a list"]),
+    (
+        "cells for each direction",
+        "radius",
+        "cells = [4]\nradius",
+        [":6: mesh.cells[1]: missing"],
+    ),
+    (
+        "polynomial without terms",
+        "[1.0, 1e-3]",
+        "[]",
+        [":17: solids.sand.conductivity = []: empty; allowed: a list"],
+    ),
     (
         "no computer squares it",
         "[1.0, 1e-3]",
         "[1.0, 1e200]",
         [":17: solids.sand.conductivity[1] = 1e+200:", "no size"],
     ),
-    ("nothing is that small", "[1.0, 1e-3]", '"1e-200 W/m/K"', [":17: solids.sand.conductivity", "0, or from 1e-50"]),
+    (
+        "nothing is that small",
+        "[1.0, 1e-3]",
+        '"1e-200 W/m/K"',
+        [":17: solids.sand.conductivity", "0, or from 1e-50"],
+    ),
     # units
-    ("wrong dimension", '"3 mm"', '"3 kg"', [":18: solids.sand.diameter", "expected a length like 'm', found '3 kg'"]),
-    ("no unit", '"3 mm"', '"3"', [":18: solids.sand.diameter", "without a unit; write 3 for SI, or '3 m'"]),
-    ("unknown unit", '"3 mm"', '"3 quux"', [":18: solids.sand.diameter", "unknown unit 'quux'"]),
+    (
+        "wrong dimension",
+        '"3 mm"',
+        '"3 kg"',
+        [":18: solids.sand.diameter", "expected a length like 'm', found '3 kg'"],
+    ),
+    (
+        "no unit",
+        '"3 mm"',
+        '"3"',
+        [":18: solids.sand.diameter", "without a unit; write 3 for SI, or '3 m'"],
+    ),
+    (
+        "unknown unit",
+        '"3 mm"',
+        '"3 quux"',
+        [":18: solids.sand.diameter", "unknown unit 'quux'"],
+    ),
     (
         "unit twice",
         '"3 mm"',
         '"3 mm mm"',
         [":18: solids.sand.diameter", "expected a length like 'm', found '3 mm mm'"],
     ),
-    ("coulomb for celsius", '"400 degC"', '"400 C"', [":30: boundary.bottom.gas.temperature", "Celsius are 'degC'"]),
+    (
+        "coulomb for celsius",
+        '"400 degC"',
+        '"400 C"',
+        [":30: boundary.bottom.gas.temperature", "Celsius are 'degC'"],
+    ),
     (
         "below zero kelvin",
         '"25 degC"',
         '"-300 degC"',
         [":33: boundary.top.solids.sand.temperature", "out of range", "> 0 K"],
     ),
-    ("comma in a quantity", '"50 mm"', '"5,0 mm"', [":6: mesh.radius", "the decimal sign is a point"]),
+    (
+        "comma in a quantity",
+        '"50 mm"',
+        '"5,0 mm"',
+        [":6: mesh.radius", "the decimal sign is a point"],
+    ),
     (
         "volume flow for a velocity",
         "velocity = 0.5",
@@ -217,30 +376,60 @@ CASES = [
         '"gun"',
         [":24: closures.nusselt", "unknown nusselt closure", "nearest: nusselt_gunn"],
     ),
-    ("closure of another kind", '"gunn"', '"wall_li_finlayson"', [":24: closures.nusselt", "is of kind 'wall'"]),
-    ("closure without a name", '"gunn"', "{ Nu = 2 }", [":24: closures.nusselt.name: missing"]),
-    ("closure's parameter", '"gunn"', '{ name = "gunn", n = 1 }', [":24: closures.nusselt", "no parameter 'n'"]),
+    (
+        "closure of another kind",
+        '"gunn"',
+        '"wall_li_finlayson"',
+        [":24: closures.nusselt", "is of kind 'wall'"],
+    ),
+    (
+        "closure without a name",
+        '"gunn"',
+        "{ Nu = 2 }",
+        [":24: closures.nusselt.name: missing"],
+    ),
+    (
+        "closure's parameter",
+        '"gunn"',
+        '{ name = "gunn", n = 1 }',
+        [":24: closures.nusselt", "no parameter 'n'"],
+    ),
     (
         "parameter's value",
         '"gunn"',
         '{ name = "gunn", exponent_Pr = true }',
         [":24: closures.nusselt", "a finite number"],
     ),
-    ("parameter missing", '"gunn"', '"power"', [":24: closures.nusselt", "closure 'power' needs a, b"]),
+    (
+        "parameter missing",
+        '"gunn"',
+        '"power"',
+        [":24: closures.nusselt", "closure 'power' needs a, b"],
+    ),
     (
         "phase with parameters",
         '"gunn"',
         '2\nconductivity_solids = { name = "phase", x = 1 }',
         [":25: closures.", "no parameters"],
     ),
-    ("negative for a closure", '"gunn"', "-1", [":24: closures.nusselt = -1: out of range; allowed: a number >= 0"]),
+    (
+        "negative for a closure",
+        '"gunn"',
+        "-1",
+        [":24: closures.nusselt = -1: out of range; allowed: a number >= 0"],
+    ),
     (
         "dispersion's keys",
         '"wakao_kaguei"',
         "{ axial = 1, trans = 2 }",
         [":25: closures.dispersion.trans", "'transverse'"],
     ),
-    ("dispersion misspelt", "wakao_kaguei", "wakao", [":25: closures.dispersion", "nearest: dispersion_wakao_kaguei"]),
+    (
+        "dispersion misspelt",
+        "wakao_kaguei",
+        "wakao",
+        [":25: closures.dispersion", "nearest: dispersion_wakao_kaguei"],
+    ),
     # contradictions and gaps
     (
         "no solid",
@@ -272,15 +461,39 @@ CASES = [
         "velocity = [1, 1]",
         [":30: boundary.bottom.gas.velocity", "radial velocity is 0"],
     ),
-    ("boundary misspelt", "[boundary.wall]", "[boundary.walls]", [":35: boundary.walls", "did you mean 'wall'?"]),
-    ("boundary of another mesh", "boundary.wall", "boundary.left", [":35: boundary.left", "it has wall, bottom, top"]),
-    ("condition on the axis", "boundary.wall", "boundary.axis", [":35: boundary.axis", "line of symmetry"]),
-    ("region misspelt", "[heat]", "[region.core]\n[heat]", [":27: region.core", "one region, 'bed'"]),
+    (
+        "boundary misspelt",
+        "[boundary.wall]",
+        "[boundary.walls]",
+        [":35: boundary.walls", "did you mean 'wall'?"],
+    ),
+    (
+        "boundary of another mesh",
+        "boundary.wall",
+        "boundary.left",
+        [":35: boundary.left", "it has wall, bottom, top"],
+    ),
+    (
+        "condition on the axis",
+        "boundary.wall",
+        "boundary.axis",
+        [":35: boundary.axis", "line of symmetry"],
+    ),
+    (
+        "region misspelt",
+        "[heat]",
+        "[region.core]\n[heat]",
+        [":27: region.core", "one region, 'bed'"],
+    ),
     (
         "unit forgotten",
         '"3 mm"',
         "3",
-        [":18: solids.sand.diameter = 3", "mesh.length (scene.toml:5)", "unit missing?"],
+        [
+            ":18: solids.sand.diameter = 3",
+            "mesh.length (scene.toml:5)",
+            "unit missing?",
+        ],
     ),
     (
         "inflow where it leaves",
@@ -294,7 +507,12 @@ CASES = [
         "velocity = -0.5",
         [":32: boundary.top.gas: the gas enters"],
     ),
-    ("inflow without velocity", "velocity = 0.5, ", "", [":30: boundary.bottom.gas.temperature", "use fixed"]),
+    (
+        "inflow without velocity",
+        "velocity = 0.5, ",
+        "",
+        [":30: boundary.bottom.gas.temperature", "use fixed"],
+    ),
     (
         "inflow at a wall",
         'coefficient = "li_finlayson", ambient',
@@ -307,21 +525,36 @@ CASES = [
         "temperature = 300, heat_flux = 1",
         [":33: boundary.top.solids.sand", "found temperature, heat_flux"],
     ),
-    ("no condition", ', temperature = "25 degC"', "", [":33: boundary.top.solids.sand", "without a temperature"]),
+    (
+        "no condition",
+        ', temperature = "25 degC"',
+        "",
+        [":33: boundary.top.solids.sand", "without a temperature"],
+    ),
     (
         "coefficient alone",
         ", ambient = 300",
         "",
         [":36: boundary.wall.gas", "coefficient and ambient belong together"],
     ),
-    ("nothing leaves", "[boundary.top]", '[boundary.top]\ntype = "slip"', [":33: boundary.top.type", "cannot leave"]),
+    (
+        "nothing leaves",
+        "[boundary.top]",
+        '[boundary.top]\ntype = "slip"',
+        [":33: boundary.top.type", "cannot leave"],
+    ),
     (
         "inlet at the outlet",
         "[boundary.top]",
         '[boundary.top]\ntype = "inlet"',
         [":33: boundary.top.type", "not enter"],
     ),
-    ("outlet at the inlet", "[boundary.bottom]", '[boundary.bottom]\ntype = "outlet"', [":30: boundary.bottom.type"]),
+    (
+        "outlet at the inlet",
+        "[boundary.bottom]",
+        '[boundary.bottom]\ntype = "outlet"',
+        [":30: boundary.bottom.type"],
+    ),
     (
         "undetermined",
         GOOD[GOOD.index("[boundary.bottom]") :],
@@ -334,9 +567,24 @@ CASES = [
         NO_EXCHANGE,
         [":25: heat: the steady", "of the solid is"],
     ),
-    ("times after the end", "[heat]", TIME + "times = [1, 11]\n[heat]", [":31: time.times[1] = 11", "scene.toml:30"]),
-    ("step after the end", "[heat]", TIME + "step = 11\n[heat]", [":31: time.step = 11", "time.end (scene.toml:30)"]),
-    ("step and tolerance", "[heat]", TIME + "step = 1\ntolerance = 0.1\n[heat]", [":32: time.tolerance", "toml:31"]),
+    (
+        "times after the end",
+        "[heat]",
+        TIME + "times = [1, 11]\n[heat]",
+        [":31: time.times[1] = 11", "scene.toml:30"],
+    ),
+    (
+        "step after the end",
+        "[heat]",
+        TIME + "step = 11\n[heat]",
+        [":31: time.step = 11", "time.end (scene.toml:30)"],
+    ),
+    (
+        "step and tolerance",
+        "[heat]",
+        TIME + "step = 1\ntolerance = 0.1\n[heat]",
+        [":32: time.tolerance", "toml:31"],
+    ),
     (
         "position outside",
         "[heat]",
@@ -349,16 +597,36 @@ CASES = [
         "[1.0, -1e-2]",
         [":17: solids.sand.conductivity", "is -5.731 at boundary.bottom"],
     ),
-    ("fluid table upside down", CONSTANT, COOLPROP.replace("300", "900"), [":11: gas.T_range", "lower temperature"]),
-    ("outside of the fluid table", CONSTANT, COOLPROP.replace("300", "350"), [":34: boundary.wall.gas.ambient"]),
+    (
+        "fluid table upside down",
+        CONSTANT,
+        COOLPROP.replace("300", "900"),
+        [":11: gas.T_range", "lower temperature"],
+    ),
+    (
+        "outside of the fluid table",
+        CONSTANT,
+        COOLPROP.replace("300", "350"),
+        [":34: boundary.wall.gas.ambient"],
+    ),
     (
         "composition",
         CONSTANT,
         'model = "cantera"\ncomposition = "N2:a"\n[solids.sand]\n',
         [":10: gas.composition", "must be a number"],
     ),
-    ("mesh file missing", AXISYMMETRIC, 'type = "file"\nfile = "no.msh"\n', [':5: mesh.file = "no.msh": no such file']),
-    ("mesh file of another kind", AXISYMMETRIC, 'type = "file"\nfile = "a.stl"\n', [":5: mesh.file", "neither"]),
+    (
+        "mesh file missing",
+        AXISYMMETRIC,
+        'type = "file"\nfile = "no.msh"\n',
+        [':5: mesh.file = "no.msh": no such file'],
+    ),
+    (
+        "mesh file of another kind",
+        AXISYMMETRIC,
+        'type = "file"\nfile = "a.stl"\n',
+        [":5: mesh.file", "neither"],
+    ),
     # radiation
     (
         "radiation: level",
@@ -471,7 +739,8 @@ CASES = [
     (
         "radiation: rosseland and a loose wall",
         BOTTOM,
-        RADIATION.replace("absorption", 'level = "rosseland"\nabsorption') + "radiation = { temperature = 900 }\n",
+        RADIATION.replace("absorption", 'level = "rosseland"\nabsorption')
+        + "radiation = { temperature = 900 }\n",
         [":33: boundary.bottom.radiation", "solids.NAME.fixed_temperature"],
     ),
     (
@@ -520,7 +789,10 @@ CASES = [
         "two solids that fill the bed",
         BOTTOM,
         CHAR.replace("[radiation]\n", "") + "density = 900\n" + BOTTOM,
-        [":14: solids: a bed without species has one solid with a density; found sand, char"],
+        [
+            ":14: solids: a bed without species has one solid with a density; found "
+            "sand, char"
+        ],
     ),
     (
         "a condition of another solid",
@@ -532,7 +804,10 @@ CASES = [
         "velocity given twice",
         'temperature = "25 degC" }',
         'temperature = "25 degC" }\ngas.velocity = 0.1',
-        [":34: boundary.top.gas.velocity", "boundary.bottom.gas.velocity (scene.toml:30)"],
+        [
+            ":34: boundary.top.gas.velocity",
+            "boundary.bottom.gas.velocity (scene.toml:30)",
+        ],
     ),
     ("former table", "[gas]", "[fluid]", [":8: fluid: this key is called 'gas' now"]),
     (
@@ -545,13 +820,25 @@ CASES = [
         "former flow",
         "[heat]",
         "[flow]\nvelocity = 1\n[heat]",
-        [":28: flow.velocity = 1: give boundary.NAME.gas.velocity where the gas enters"],
+        [
+            ":28: flow.velocity = 1: give boundary.NAME.gas.velocity where the gas "
+            "enters"
+        ],
     ),
-    ("diameter on a line", AXISYMMETRIC, LINE + "\n", [":36: boundary.wall.gas.coefficient", "D_bed = ..."]),
+    (
+        "diameter on a line",
+        AXISYMMETRIC,
+        LINE + "\n",
+        [":36: boundary.wall.gas.coefficient", "D_bed = ..."],
+    ),
 ]
 
 
-@pytest.mark.parametrize(("old", "new", "parts"), [case[1:] for case in CASES], ids=[case[0] for case in CASES])
+@pytest.mark.parametrize(
+    ("old", "new", "parts"),
+    [case[1:] for case in CASES],
+    ids=[case[0] for case in CASES],
+)
 def test_each_mistake_is_one_clear_line(old, new, parts):
     assert GOOD.count(old) >= 1
     with pytest.raises(SceneError) as error:
@@ -567,8 +854,15 @@ def test_the_scene_without_mistakes_is_a_scene():
 
 
 def test_all_mistakes_of_a_file_are_told_at_once_in_the_order_of_the_file():
-    text = GOOD.replace("0.4", "40").replace('"gunn"', '"gun"').replace("radius", "raduis").replace('"50 mm"', '"5 kg"')
-    text = text.replace("[boundary.wall]", "[boundary.wal]").replace("[packed_bed]", "[packed_bed]\nswirl = 1")
+    text = (
+        GOOD.replace("0.4", "40")
+        .replace('"gunn"', '"gun"')
+        .replace("radius", "raduis")
+        .replace('"50 mm"', '"5 kg"')
+    )
+    text = text.replace("[boundary.wall]", "[boundary.wal]").replace(
+        "[packed_bed]", "[packed_bed]\nswirl = 1"
+    )
     with pytest.raises(SceneError) as error:
         loads(text)
     lines = [int(line.split(":")[1]) for line in error.value.problems]
@@ -577,7 +871,13 @@ def test_all_mistakes_of_a_file_are_told_at_once_in_the_order_of_the_file():
 
 
 @pytest.mark.parametrize(
-    ("old", "new"), [("[heat]", "[het]"), ("[solids.sand]", "[sold.sand]"), ("0.4", "4"), ('"gunn"', '"gun"')]
+    ("old", "new"),
+    [
+        ("[heat]", "[het]"),
+        ("[solids.sand]", "[sold.sand]"),
+        ("0.4", "4"),
+        ('"gunn"', '"gun"'),
+    ],
 )
 def test_one_mistake_is_told_once_without_what_follows_from_it(old, new):
     with pytest.raises(SceneError) as error:
@@ -586,10 +886,16 @@ def test_one_mistake_is_told_once_without_what_follows_from_it(old, new):
 
 
 def test_contradictions_are_told_beside_wrong_values():
-    text = GOOD.replace("0.4", "40").replace("[boundary.wall]", "[boundary.wal]").replace('"gunn"', '"hsu"')
+    text = (
+        GOOD.replace("0.4", "40")
+        .replace("[boundary.wall]", "[boundary.wal]")
+        .replace('"gunn"', '"hsu"')
+    )
     with pytest.raises(SceneError) as error:
         loads(text)
-    assert ["packed_bed.porosity" in line for line in error.value.problems].count(True) == 1
+    assert ["packed_bed.porosity" in line for line in error.value.problems].count(
+        True
+    ) == 1
     assert any("boundary.wal:" in line for line in error.value.problems)
 
 
@@ -609,7 +915,9 @@ def test_files_that_hold_no_scene(tmp_path, content, part):
     path.write_bytes(content)
     with pytest.raises(SceneError) as error:
         load(path)
-    assert any(str(path) + part in line for line in error.value.problems), error.value.problems
+    assert any(str(path) + part in line for line in error.value.problems), (
+        error.value.problems
+    )
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -620,8 +928,14 @@ def test_files_that_hold_no_scene(tmp_path, content, part):
             'scene = "bed.toml"\n[parameters]\nmesh.length = [1, 2]',
             ":2: parameters: .* a study; run it with `contbed sweep",
         ),
-        ('scene = "bed.toml"\nminimise = "duty_W"', ":2: minimise: .* a study; run it with `contbed optimise FILE`"),
-        ('format = 1\nkind = "nusselt"', ":1: format: this is no scene but a closure; name it in one"),
+        (
+            'scene = "bed.toml"\nminimise = "duty_W"',
+            ":2: minimise: .* a study; run it with `contbed optimise FILE`",
+        ),
+        (
+            'format = 1\nkind = "nusselt"',
+            ":1: format: this is no scene but a closure; name it in one",
+        ),
     ],
 )
 def test_files_of_other_commands_are_known(tmp_path, text, told):
@@ -648,7 +962,20 @@ SCALARS = st.one_of(
     st.floats(),
     st.text(max_size=12),
     st.sampled_from(
-        ["3 mm", "1e400 m", "-4 K", "gunn", "phase", "hsu", "line", "file", "1 degC/m", "5 (", "2 m^-99999", "1 %"]
+        [
+            "3 mm",
+            "1e400 m",
+            "-4 K",
+            "gunn",
+            "phase",
+            "hsu",
+            "line",
+            "file",
+            "1 degC/m",
+            "5 (",
+            "2 m^-99999",
+            "1 %",
+        ]
     ),
 )
 VALUES = st.recursive(
@@ -656,27 +983,54 @@ VALUES = st.recursive(
     lambda inner: (
         st.lists(inner, max_size=3)
         | st.dictionaries(
-            st.sampled_from(["name", "axial", "fixed_temperature", "velocity", "x"]) | st.text(max_size=4),
+            st.sampled_from(["name", "axial", "fixed_temperature", "velocity", "x"])
+            | st.text(max_size=4),
             inner,
             max_size=3,
         )
     ),
     max_leaves=5,
 )
-KEYS = ["title", *(".".join(map(str, path)) for path in key_lines(GOOD) if not isinstance(path[-1], int))]
-KEYS += ["time", "time.end", "time.times", "solver.degree", "region.bed", "output.positions", "mesh.cells"]
-KEYS += ["gas.model", "boundary.wall.type", "closures.conductivity_solids", "closures.tortuosity", "mesh.file"]
+KEYS = [
+    "title",
+    *(
+        ".".join(map(str, path))
+        for path in key_lines(GOOD)
+        if not isinstance(path[-1], int)
+    ),
+]
+KEYS += [
+    "time",
+    "time.end",
+    "time.times",
+    "solver.degree",
+    "region.bed",
+    "output.positions",
+    "mesh.cells",
+]
+KEYS += [
+    "gas.model",
+    "boundary.wall.type",
+    "closures.conductivity_solids",
+    "closures.tortuosity",
+    "mesh.file",
+]
 KEYS += ["solids.sand.shape", "mesh.refine", "fluid.density", "flow.velocity"]
 
 
 @settings(max_examples=300)
-@given(st.dictionaries(st.sampled_from(sorted(set(KEYS))), VALUES, min_size=1, max_size=4))
+@given(
+    st.dictionaries(st.sampled_from(sorted(set(KEYS))), VALUES, min_size=1, max_size=4)
+)
 def test_any_values_give_a_scene_or_clear_lines(overrides):
     try:
         scene = loads(GOOD, overrides=overrides)
     except SceneError as error:
         assert error.problems
-        assert all(line.isprintable() and line.startswith(("scene.toml:", "override: ")) for line in error.problems)
+        assert all(
+            line.isprintable() and line.startswith(("scene.toml:", "override: "))
+            for line in error.problems
+        )
     else:
         assert isinstance(scene, Scene)
         assert 0 < scene.packed_bed.porosity < 1
@@ -684,12 +1038,19 @@ def test_any_values_give_a_scene_or_clear_lines(overrides):
 
 
 @settings(max_examples=300)
-@given(st.integers(0, len(GOOD)), st.integers(0, 12), st.text(string.printable + "\u00e9\u2028", max_size=6))
+@given(
+    st.integers(0, len(GOOD)),
+    st.integers(0, 12),
+    st.text(string.printable + "\u00e9\u2028", max_size=6),
+)
 def test_any_damage_to_the_text_gives_a_scene_or_clear_lines(start, length, insert):
     try:
         scene = loads(GOOD[:start] + insert + GOOD[start + length :])
     except SceneError as error:
-        assert all(line.isprintable() and line.startswith("scene.toml:") for line in error.problems)
+        assert all(
+            line.isprintable() and line.startswith("scene.toml:")
+            for line in error.problems
+        )
         count = GOOD.count("\n") + insert.count("\n") + 1
         assert all(1 <= int(line.split(":")[1]) <= count for line in error.problems)
     else:
@@ -698,8 +1059,15 @@ def test_any_damage_to_the_text_gives_a_scene_or_clear_lines(start, length, inse
 
 def test_a_table_of_another_physics_is_refused_with_a_remedy():
     """Two fluids take no radiation: by line, with the physics that do."""
-    scene = (Path(contbed.__file__).parent / "two_fluid" / "template.toml").read_text(encoding="utf-8")
-    scene = scene.replace('model = "two_fluid"', "two_fluid = {}")  # a file for one model alone
+    scene = (Path(contbed.__file__).parent / "two_fluid" / "template.toml").read_text(
+        encoding="utf-8"
+    )
+    # a file for one model alone
+    scene = scene.replace('model = "two_fluid"', "two_fluid = {}")
     line = len(scene.splitlines()) + 1
-    with pytest.raises(SceneError, match=rf":{line}: radiation: two fluids exchange heat by .* use .bubbling_bed. or"):
+    with pytest.raises(
+        SceneError,
+        match=rf":{line}: radiation: two fluids exchange heat by .* use .bubbling_bed. "
+        r"or",
+    ):
         loads(scene.rstrip("\n") + '\n[radiation]\nlevel = "ordinates"\n')

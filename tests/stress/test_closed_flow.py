@@ -1,4 +1,6 @@
-"""Flow between walls that nothing enters: a fluid at rest, and one that a moving bed stirs."""
+"""Flow between walls that nothing enters: a fluid at rest, and one that a moving bed
+stirs.
+"""
 
 from pathlib import Path
 
@@ -6,7 +8,9 @@ import pytest
 
 import contbed as cb
 
-CHANNEL = Path(__file__).parents[2] / "studies" / "brinkman_forchheimer" / "slip_0.00.toml"
+CHANNEL = (
+    Path(__file__).parents[2] / "studies" / "brinkman_forchheimer" / "slip_0.00.toml"
+)
 CLOSED = {"mesh.cells": [6, 8], "boundary.left.gas.velocity": 0.0}
 
 
@@ -19,9 +23,18 @@ def test_fluid_between_no_slip_walls_stays_at_rest():
 
 @pytest.mark.filterwarnings("error")
 def test_a_bed_that_moves_through_a_closed_vessel_builds_up_pressure():
-    """Between walls the fluid cannot follow: its pressure rises by what drag gives, -eps (mu/K + ...) (-u_solid)."""
+    """Between walls the fluid cannot follow: its pressure rises by what drag gives,
+    -eps (mu/K + ...) (-u_solid).
+    """
     result = cb.run(
-        cb.load(CHANNEL, {**CLOSED, "boundary.left.solids.particles.velocity": 0.01, "closures.forchheimer": 0.0})
+        cb.load(
+            CHANNEL,
+            {
+                **CLOSED,
+                "boundary.left.solids.particles.velocity": 0.01,
+                "closures.forchheimer": 0.0,
+            },
+        )
     )
     assert result.status == "ok"
     darcy = 1.731e-5 / 2.024706875e-5 * 0.01 * 4.0

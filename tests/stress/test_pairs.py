@@ -1,4 +1,6 @@
-"""Pairs of runs into one folder, started together or a moment apart: one result of one scene, and a clear error."""
+"""Pairs of runs into one folder, started together or a moment apart: one result of
+one scene, and a clear error.
+"""
 
 import json
 import os
@@ -57,7 +59,16 @@ INLETS = (400.0, 500.0)
 def start(folder: Path, inlet: float) -> subprocess.Popen[str]:
     scene = folder / f"inlet_{inlet:.0f}.toml"
     scene.write_text(SCENE.replace("INLET", str(inlet)))
-    command = [sys.executable, "-m", "contbed", "run", str(scene), "--out", str(folder / "out"), "--quiet"]
+    command = [
+        sys.executable,
+        "-m",
+        "contbed",
+        "run",
+        str(scene),
+        "--out",
+        str(folder / "out"),
+        "--quiet",
+    ]
     environment = {**os.environ, "PYTHONPATH": HOME, "OMP_NUM_THREADS": "1"}
     return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment)
 

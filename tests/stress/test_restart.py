@@ -1,7 +1,9 @@
-"""Runs that are stopped: by a signal, a full disk, a state that does not exist, a balance that stays open.
+"""Runs that are stopped: by a signal, a full disk, a state that does not exist, a
+balance that stays open.
 
-A restarted run must give the numbers of an uninterrupted one bit for bit: steps sit on a ladder of integers, every sum
-is continued in the same order, and the checkpoint holds doubles. So all comparisons here are of bytes.
+A restarted run must give the numbers of an uninterrupted one bit for bit: steps sit on
+a ladder of integers, every sum is continued in the same order, and the checkpoint holds
+doubles. So all comparisons here are of bytes.
 """
 
 import json
@@ -84,7 +86,9 @@ COMMAND = [sys.executable, "-m", "contbed", "run", "--quiet"]
 
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory):
-    """Of the scene with shorter steps, which runs for 0.5 s after its first checkpoint: kills come within 0.2 s."""
+    """Of the scene with shorter steps, which runs for 0.5 s after its first
+    checkpoint: kills come within 0.2 s.
+    """
     path = tmp_path_factory.mktemp("scene") / "bed.toml"
     path.write_text(SCENE.replace("step = 0.5", "step = 0.2"))
     return path
@@ -100,12 +104,16 @@ def whole(scene, tmp_path_factory):
 
 def finish(command) -> tuple[int, str]:
     """Exit code and stderr."""
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=120)
+    done = subprocess.run(
+        [str(word) for word in command], capture_output=True, text=True, timeout=120
+    )
     return done.returncode, done.stderr
 
 
 def start_until_checkpoint(scene: Path, folder: Path) -> subprocess.Popen:
-    """A run that has written a checkpoint; shells let what they start in the background ignore interrupts."""
+    """A run that has written a checkpoint; shells let what they start in the
+    background ignore interrupts.
+    """
     run = subprocess.Popen(
         [*COMMAND, str(scene), "--out", str(folder)],
         stderr=subprocess.PIPE,
@@ -118,7 +126,9 @@ def start_until_checkpoint(scene: Path, folder: Path) -> subprocess.Popen:
 
 
 def same(folder: Path, other: Path) -> None:
-    assert (folder / "profiles.csv").read_bytes() == (other / "profiles.csv").read_bytes()
+    assert (folder / "profiles.csv").read_bytes() == (
+        other / "profiles.csv"
+    ).read_bytes()
     one, two = (json.loads((f / "summary.json").read_text()) for f in (folder, other))
     for key in ("status", "balances", "qoi", "closures", "warnings"):
         assert one[key] == two[key], key
@@ -144,7 +154,9 @@ class Stop:
             raise KeyboardInterrupt
 
 
-@pytest.mark.parametrize("text", [SCENE, ADAPTIVE, NONLINEAR], ids=["fixed step", "adaptive", "nonlinear"])
+@pytest.mark.parametrize(
+    "text", [SCENE, ADAPTIVE, NONLINEAR], ids=["fixed step", "adaptive", "nonlinear"]
+)
 @pytest.mark.parametrize("at", [0.1, 333.0])
 def test_a_then_b_is_ab(text, at, tmp_path, monkeypatch):
     text = text.replace("end = 1500.0", "end = 1001.0")
@@ -159,7 +171,8 @@ def test_a_then_b_is_ab(text, at, tmp_path, monkeypatch):
     # what was reached is balanced and can be looked at
     assert abs(stopped["balances"]["energy"]["relative_residual"]) <= 1e-10
     reached = read_table(tmp_path / "a" / "profiles.csv")["t [s]"][-1]
-    assert reached == pytest.approx(stopped["qoi"]["time_reached_s"], rel=1e-11)  # a table has 12 digits
+    # a table has 12 digits
+    assert reached == pytest.approx(stopped["qoi"]["time_reached_s"], rel=1e-11)
     restarted = cb.run(loads(text), out=tmp_path / "b", restart=tmp_path / "a")
     for name, column in whole.profiles.items():
         assert np.array_equal(column, restarted.profiles[name])
@@ -179,7 +192,9 @@ def killed(scene: Path, folder: Path, delay: float) -> None:
     run.stderr.close()
 
 
-@pytest.mark.parametrize("seed", [1, 2, *(pytest.param(k, marks=pytest.mark.slow) for k in range(3, 11))])
+@pytest.mark.parametrize(
+    "seed", [1, 2, *(pytest.param(k, marks=pytest.mark.slow) for k in range(3, 11))]
+)
 def test_kill_at_any_moment(scene, whole, tmp_path, seed):
     killed(scene, tmp_path, random.Random(seed).uniform(0.0, 0.2))
     assert finish([*COMMAND, scene, "--restart", tmp_path])[0] == 0
@@ -204,7 +219,10 @@ def test_kill_while_a_checkpoint_is_written(scene, whole, tmp_path, moment):
         from contbed.cli import main
         main(["run", "--quiet", sys.argv[1], "--out", sys.argv[2]])
     """
-    assert finish([sys.executable, "-c", textwrap.dedent(code), scene, tmp_path])[0] == -signal.SIGKILL
+    assert (
+        finish([sys.executable, "-c", textwrap.dedent(code), scene, tmp_path])[0]
+        == -signal.SIGKILL
+    )
     assert len(list(tmp_path.glob("checkpoint.npz.*.part"))) == 1
     assert json.loads((tmp_path / "summary.json").read_text())["status"] == "running"
     assert finish([*COMMAND, scene, "--restart", tmp_path])[0] == 0
@@ -215,9 +233,16 @@ def test_kill_while_a_checkpoint_is_written(scene, whole, tmp_path, moment):
 def test_kill_before_the_first_checkpoint(scene, tmp_path):
     code, message = finish([*COMMAND, scene, "--restart", tmp_path])
     assert code == 2
-    assert message == f"{tmp_path}: no checkpoint.npz to restart from; run the scene without --restart\n"
+    assert (
+        message
+        == f"{tmp_path}: no checkpoint.npz to restart from; run the scene without "
+        "--restart\n"
+    )
     code, message = finish([*COMMAND, scene, "--restart", tmp_path / "nothing"])
-    assert (code, message) == (2, f"{tmp_path / 'nothing'}: no such folder to restart from\n")
+    assert (code, message) == (
+        2,
+        f"{tmp_path / 'nothing'}: no such folder to restart from\n",
+    )
     assert not (tmp_path / "nothing").exists()
 
 
@@ -239,8 +264,17 @@ def test_interrupt_leaves_the_last_state(scene, whole, tmp_path):
 def test_the_way_on_has_the_settings_of_the_run(scene, tmp_path, capsys, monkeypatch):
     """A scene without them is another one, with which the checkpoint is refused."""
     monkeypatch.setattr("contbed.runner.run", stopped_after_a_checkpoint)
-    settings = ["--set", "boundary.left.gas.velocity=0.31", "--set", "title=a b", "--allow-large"]
-    assert cli.main(["run", str(scene), "--out", str(tmp_path), "--quiet", *settings]) == 130
+    settings = [
+        "--set",
+        "boundary.left.gas.velocity=0.31",
+        "--set",
+        "title=a b",
+        "--allow-large",
+    ]
+    assert (
+        cli.main(["run", str(scene), "--out", str(tmp_path), "--quiet", *settings])
+        == 130
+    )
     changes = "--set boundary.left.gas.velocity=0.31 --set 'title=a b'"
     way = f"contbed run {scene} {changes} --allow-large --restart {tmp_path}"
     assert capsys.readouterr().err == f"interrupted; to resume: {way}\n"
@@ -268,24 +302,43 @@ def stopped_after_a_checkpoint(_, out, **__):
 
 def test_checkpoint_of_another_scene(scene, whole):
     before = (whole / "summary.json").read_bytes()
-    code, message = finish([*COMMAND, scene, "--set", "boundary.left.gas.velocity=0.31", "--restart", whole])
+    code, message = finish(
+        [
+            *COMMAND,
+            scene,
+            "--set",
+            "boundary.left.gas.velocity=0.31",
+            "--restart",
+            whole,
+        ]
+    )
     assert code == 2
     assert message.startswith(
-        "override: boundary.left.gas.velocity = 0.31: the checkpoint has 0.3\nthe checkpoint belongs to another"
+        "override: boundary.left.gas.velocity = 0.31: the checkpoint has 0.3\nthe "
+        "checkpoint belongs to another"
     )
     assert (whole / "summary.json").read_bytes() == before
 
 
-@pytest.mark.parametrize("text", [SCENE, ADAPTIVE, NONLINEAR], ids=["fixed step", "adaptive", "nonlinear"])
+@pytest.mark.parametrize(
+    "text", [SCENE, ADAPTIVE, NONLINEAR], ids=["fixed step", "adaptive", "nonlinear"]
+)
 def test_a_run_goes_on_to_a_later_end_and_other_output_times(text, tmp_path):
     long = (
-        text.replace("end = 1500.0", "end = 600.0").replace("1000.0]", "550.0]").replace("end = 1010.0", "end = 600.0")
+        text.replace("end = 1500.0", "end = 600.0")
+        .replace("1000.0]", "550.0]")
+        .replace("end = 1010.0", "end = 600.0")
     )
-    short = long.replace("end = 600.0", "end = 500.0").replace("[1.0, 100.0, 550.0]", "[1.0, 50.0, 100.0]")
+    short = long.replace("end = 600.0", "end = 500.0").replace(
+        "[1.0, 100.0, 550.0]", "[1.0, 50.0, 100.0]"
+    )
     whole = cb.run(loads(long))
     cb.run(loads(short), out=tmp_path)
     found = cb.run(loads(long), out=tmp_path, restart=tmp_path)
-    assert found.status == "ok" and abs(found.balances["energy"]["relative_residual"]) <= 1e-10
+    assert (
+        found.status == "ok"
+        and abs(found.balances["energy"]["relative_residual"]) <= 1e-10
+    )
     assert list(dict.fromkeys(found.profiles["t [s]"])) == [1.0, 100.0, 550.0, 600.0]
     for name, column in whole.profiles.items():
         assert np.allclose(column, found.profiles[name], rtol=2e-3, atol=0.05), name
@@ -295,29 +348,47 @@ def test_a_run_goes_on_to_a_later_end_and_other_output_times(text, tmp_path):
 
 @pytest.mark.parametrize("refine", [0, 1])
 def test_a_run_goes_on_on_the_mesh_that_it_began_on(refine, tmp_path):
-    """The cells of an automatic line follow end and output times; a run that goes on keeps those of its checkpoint.
+    """The cells of an automatic line follow end and output times; a run that goes on
+    keeps those of its checkpoint.
 
-    Another run to the same end on another mesh differs by the errors of both, below 1e-3 of the span of 200 K.
+    Another run to the same end on another mesh differs by the errors of both, below
+    1e-3 of the span of 200 K.
     """
-    short = SCENE.replace("cells = 40", f"refine = {refine}").replace("end = 1500.0", "end = 300.0")
+    short = SCENE.replace("cells = 40", f"refine = {refine}").replace(
+        "end = 1500.0", "end = 300.0"
+    )
     short = re.sub(r"times = .*\n", "", short)
     long = short.replace("end = 300.0", "end = 1500.0\ntimes = [1400.0]")
     first, whole = cb.run(loads(short), out=tmp_path), cb.run(loads(long))
     found = cb.run(loads(long), out=tmp_path, restart=tmp_path)
     assert not np.array_equal(first.plan.mesh.skfem.p, whole.plan.mesh.skfem.p)
     assert np.array_equal(found.plan.mesh.skfem.p, first.plan.mesh.skfem.p)
-    assert found.qoi["T_fluid_out_K"] == pytest.approx(whole.qoi["T_fluid_out_K"], abs=0.2)
+    assert found.qoi["T_fluid_out_K"] == pytest.approx(
+        whole.qoi["T_fluid_out_K"], abs=0.2
+    )
 
 
 def test_what_has_passed_cannot_be_asked_for(tmp_path):
-    text = SCENE.replace("end = 1500.0", "end = 200.0").replace("100.0, 1000.0]", "100.0]")
+    text = SCENE.replace("end = 1500.0", "end = 200.0").replace(
+        "100.0, 1000.0]", "100.0]"
+    )
     cb.run(loads(text), out=tmp_path)
     before = json.loads((tmp_path / "summary.json").read_text())
-    with pytest.raises(SceneError, match=r"scene\.toml:\d+: time.end = 150: lies before 200 s"):
+    with pytest.raises(
+        SceneError, match=r"scene\.toml:\d+: time.end = 150: lies before 200 s"
+    ):
         cb.run(loads(text.replace("end = 200.0", "end = 150.0")), restart=tmp_path)
-    with pytest.raises(SceneError, match=r"scene\.toml:\d+: time.times: 60 s lies before 200 s, .* was not kept"):
+    with pytest.raises(
+        SceneError,
+        match=r"scene\.toml:\d+: time.times: 60 s lies before 200 s, .* was not kept",
+    ):
         cb.run(
-            loads(text.replace("[1.0, 100.0]", "[1.0, 60.0]").replace("end = 200.0", "end = 300.0")), restart=tmp_path
+            loads(
+                text.replace("[1.0, 100.0]", "[1.0, 60.0]").replace(
+                    "end = 200.0", "end = 300.0"
+                )
+            ),
+            restart=tmp_path,
         )
     assert json.loads((tmp_path / "summary.json").read_text()) == before
 
@@ -327,9 +398,15 @@ def test_damaged_checkpoint(whole, tmp_path):
     with np.load(whole / "checkpoint.npz") as file:
         data = content.index(file["array.state"].tobytes())
     other = bytes([content[data] ^ 1])
-    for damaged in (content[:data] + other + content[data + 1 :], content[: len(content) // 2], b""):
+    for damaged in (
+        content[:data] + other + content[data + 1 :],
+        content[: len(content) // 2],
+        b"",
+    ):
         (tmp_path / "checkpoint.npz").write_bytes(damaged)
-        with pytest.raises(SceneError, match=r"damaged checkpoint .*run the scene without --restart"):
+        with pytest.raises(
+            SceneError, match=r"damaged checkpoint .*run the scene without --restart"
+        ):
             cb.run(loads(SCENE), restart=tmp_path)
 
 
@@ -340,12 +417,17 @@ def test_checkpoint_of_another_version(scene, whole, tmp_path):
         name = next(key for key in parts[part] if key != "identity")
         del parts[part][name]
         checkpoint.save(tmp_path, *parts)
-        with pytest.raises(SceneError, match=f"it lacks '{name}', as of another version; run the scene without"):
+        with pytest.raises(
+            SceneError,
+            match=f"it lacks '{name}', as of another version; run the scene without",
+        ):
             cb.run(cb.load(scene), out=tmp_path, restart=tmp_path)
 
 
 def test_a_steady_scene_has_nothing_to_restart(whole):
-    with pytest.raises(SceneError, match="nothing to restart, the scene takes no time steps"):
+    with pytest.raises(
+        SceneError, match="nothing to restart, the scene takes no time steps"
+    ):
         cb.run(loads(SCENE[: SCENE.index("[time]")]), restart=whole)
 
 
@@ -356,7 +438,9 @@ def small_disk(tmp_path):
         pytest.skip("disk full: needs root to mount a small tmpfs")
     disk = tmp_path / "disk"
     disk.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=400k", "tmpfs", disk], capture_output=True).returncode:
+    if subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=400k", "tmpfs", disk], capture_output=True
+    ).returncode:
         pytest.skip("disk full: mounting a tmpfs is not permitted here")
     yield disk
     subprocess.run(["umount", disk], check=True)
@@ -370,12 +454,16 @@ def test_full_disk(small_disk, tmp_path):
     code, message = finish([*COMMAND, path, "--out", small_disk])
     assert code == 1
     assert message == (
-        f"cannot write {small_disk / 'checkpoint.npz'}: No space left on device; free some space or write elsewhere; "
+        f"cannot write {small_disk / 'checkpoint.npz'}: No space left on device; free "
+        "some space or write elsewhere; "
         "the previous checkpoint is intact\n"
     )
     elsewhere = tmp_path / "elsewhere"
     assert finish([*COMMAND, path, "--restart", small_disk, "--out", elsewhere])[0] == 0
-    assert json.loads((elsewhere / "summary.json").read_text())["qoi"]["time_reached_s"] == 1500.0
+    assert (
+        json.loads((elsewhere / "summary.json").read_text())["qoi"]["time_reached_s"]
+        == 1500.0
+    )
 
 
 def test_folder_that_cannot_be_written(scene, tmp_path):
@@ -383,7 +471,10 @@ def test_folder_that_cannot_be_written(scene, tmp_path):
     began = time.monotonic()
     code, message = finish([*COMMAND, scene, "--out", tmp_path / "file" / "results"])
     assert code == 1
-    assert message.startswith(f"cannot write {tmp_path / 'file' / 'results'}: Not a directory; a file has the name of")
+    assert message.startswith(
+        f"cannot write {tmp_path / 'file' / 'results'}: Not a directory; a file has "
+        "the name of"
+    )
     assert time.monotonic() - began < 10.0  # before anything is solved
 
 
@@ -414,14 +505,26 @@ def test_no_solution(tmp_path):
 
 
 def test_strict_range(tmp_path):
-    text = steady(**{"velocity = 0.3\n": "velocity = 0.01\n"}) + "[solver]\nstrict = true\n"
+    text = (
+        steady(**{"velocity = 0.3\n": "velocity = 0.01\n"})
+        + "[solver]\nstrict = true\n"
+    )
     code, message, summary = outcome(text, tmp_path)
-    assert code == 4 and message.startswith("closure nusselt_wakao_kaguei is out of its range: Re ")
-    assert summary["status"] == "closure out of range" and summary["qoi"]["T_fluid_out_K"] > 300.0
+    assert code == 4 and message.startswith(
+        "closure nusselt_wakao_kaguei is out of its range: Re "
+    )
+    assert (
+        summary["status"] == "closure out of range"
+        and summary["qoi"]["T_fluid_out_K"] > 300.0
+    )
     assert (tmp_path / "out" / "profiles.csv").exists()
 
 
 def test_open_balance(tmp_path):
-    code, message, summary = outcome(steady() + "[solver]\nbalance_tolerance = 1e-30\n", tmp_path)
+    code, message, summary = outcome(
+        steady() + "[solver]\nbalance_tolerance = 1e-30\n", tmp_path
+    )
     assert code == 5 and message.startswith("balance of energy is open by ")
-    assert summary["status"] == "balance open" and summary["qoi"]["T_fluid_out_K"] > 300.0
+    assert (
+        summary["status"] == "balance open" and summary["qoi"]["T_fluid_out_K"] > 300.0
+    )

@@ -1,6 +1,8 @@
-"""Sweeps by several workers: the same to the last bit as by one, and whoever is killed, nothing is lost or done twice.
+"""Sweeps by several workers: the same to the last bit as by one, and whoever is killed,
+nothing is lost or done twice.
 
-Every worker writes a line to the log of a run when it begins it and when it has ended it; these lines are counted.
+Every worker writes a line to the log of a run when it begins it and when it has ended
+it; these lines are counted.
 """
 
 import csv
@@ -52,7 +54,11 @@ solids.particles.velocity = 1e-4
 solids.particles.fixed_temperature = 500
 """
 # a hundred time steps, so that there is something to kill
-SLOW = SCENE + "[initial]\ngas.temperature = 400\nsolids.particles.temperature = 400\n\n[time]\nend = 40\nstep = 0.4\n"
+SLOW = (
+    SCENE
+    + "[initial]\ngas.temperature = 400\nsolids.particles.temperature = 400\n\n[time]\n"
+    "end = 40\nstep = 0.4\n"
+)
 STUDY = """\
 scene = "scene.toml"
 [sample]
@@ -110,20 +116,30 @@ def log(out):
 
 
 def times(out, what):
-    return {name: sum(line[1] == what for line in lines) for name, lines in log(out).items()}
+    return {
+        name: sum(line[1] == what for line in lines) for name, lines in log(out).items()
+    }
 
 
 def assert_same(one, other):
     """Tables and profiles agree to the last bit."""
-    assert (Path(one) / "table.csv").read_bytes() == (Path(other) / "table.csv").read_bytes()
-    files = sorted(path.relative_to(one) for path in Path(one).glob("runs/*/profiles.csv"))
-    assert files == sorted(path.relative_to(other) for path in Path(other).glob("runs/*/profiles.csv"))
+    assert (Path(one) / "table.csv").read_bytes() == (
+        Path(other) / "table.csv"
+    ).read_bytes()
+    files = sorted(
+        path.relative_to(one) for path in Path(one).glob("runs/*/profiles.csv")
+    )
+    assert files == sorted(
+        path.relative_to(other) for path in Path(other).glob("runs/*/profiles.csv")
+    )
     for file in files:
         assert (Path(one) / file).read_bytes() == (Path(other) / file).read_bytes()
 
 
 def assert_once(count, killed):
-    """Every run was computed to its end once; begun again were at most those that were killed."""
+    """Every run was computed to its end once; begun again were at most those that
+    were killed.
+    """
     begun, finished = times("out", "begun"), times("out", "finished")
     assert len(begun) == len(outcomes("out")) == count
     assert max(begun.values()) <= 2 and sum(begun.values()) <= count + killed
@@ -152,7 +168,11 @@ def test_a_killed_process_costs_only_what_was_running(folder):
 
     def killer():
         wait_for(lambda: len(outcomes("out")) >= 6)
-        running = [lines[-1][0] for lines in log("out").values() if lines and lines[-1][1] == "begun"]
+        running = [
+            lines[-1][0]
+            for lines in log("out").values()
+            if lines and lines[-1][1] == "begun"
+        ]
         victims.append(running[0])
         kill(running[0])
 
@@ -168,7 +188,9 @@ def test_a_killed_process_costs_only_what_was_running(folder):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("where", ["processes", "cluster"])
-def test_a_run_that_always_kills_its_worker_fails_and_the_others_finish(folder, where, request):
+def test_a_run_that_always_kills_its_worker_fails_and_the_others_finish(
+    folder, where, request
+):
     workers = {"jobs": 2}
     if where == "cluster":
         workers = {"scheduler": request.getfixturevalue("cluster").scheduler_address}
@@ -179,7 +201,12 @@ def test_a_run_that_always_kills_its_worker_fails_and_the_others_finish(folder, 
     def killer():
         while not done:
             lines = log("out").get(victim, [])
-            if lines and len(lines[-1]) > 1 and lines[-1][1] == "begun" and victim not in outcomes("out"):
+            if (
+                lines
+                and len(lines[-1]) > 1
+                and lines[-1][1] == "begun"
+                and victim not in outcomes("out")
+            ):
                 with suppress(ProcessLookupError):
                     kill(lines[-1][0])
             time.sleep(0.005)
@@ -190,7 +217,10 @@ def test_a_run_that_always_kills_its_worker_fails_and_the_others_finish(folder, 
     done.append(True)
     thread.join()
     assert [row.name for row in found.failed] == [victim]
-    assert found.failed[0].exit_code == 137 and "its worker died" in found.failed[0].problem
+    assert (
+        found.failed[0].exit_code == 137
+        and "its worker died" in found.failed[0].problem
+    )
     assert len(found.rows) == 5
     assert not sweep("study.toml", "out", jobs=2, retry_failed=True).failed
 
@@ -210,15 +240,24 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(folder):
     process.communicate()
     before = outcomes("out")
     assert 8 <= len(before) < 24
-    stamps = {name: (folder / "out/runs" / name / "outcome.json").stat().st_mtime_ns for name in before}
+    stamps = {
+        name: (folder / "out/runs" / name / "outcome.json").stat().st_mtime_ns
+        for name in before
+    }
     process = command("--out", "out", "--jobs", "2")
     out, err = process.communicate()
     assert (process.returncode, err) == (0, "")  # a pipe gets no progress bar
     *spreads, last = out.splitlines()
     for how in ("samples", "polynomial chaos"):
         assert sum(f", by {how} (24 runs): mean " in line for line in spreads) == 4
-    assert last == f"24 of 24 runs are finished, {len(before)} were before; see out/table.csv"
-    assert {name: (folder / "out/runs" / name / "outcome.json").stat().st_mtime_ns for name in before} == stamps
+    assert (
+        last
+        == f"24 of 24 runs are finished, {len(before)} were before; see out/table.csv"
+    )
+    assert {
+        name: (folder / "out/runs" / name / "outcome.json").stat().st_mtime_ns
+        for name in before
+    } == stamps
     begun = times("out", "begun")
     assert len(begun) == 24 and all(begun[name] == 1 for name in before)
     assert sum(begun.values()) <= 24 + 2  # those that were running
@@ -234,7 +273,11 @@ def test_an_interrupted_sweep_ends_clean(folder, whole_group):
     wait_for(lambda: len(outcomes("out")) >= 4)
     (os.killpg if whole_group else os.kill)(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=60)
-    assert (process.returncode, out, err) == (130, "", "interrupted; to resume: the same command\n")
+    assert (process.returncode, out, err) == (
+        130,
+        "",
+        "interrupted; to resume: the same command\n",
+    )
     with open("out/table.csv", newline="") as file:
         assert 4 <= len(list(csv.DictReader(file))) < 24
     with pytest.raises(ProcessLookupError):  # no worker is left
@@ -255,7 +298,11 @@ def test_two_sweeps_of_one_study_share_the_work(folder):
 def cluster():
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(
-        n_workers=3, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
+        n_workers=3,
+        threads_per_worker=1,
+        processes=True,
+        dashboard_address=None,
+        silence_logs=50,
     ) as made:
         yield made
 
@@ -267,7 +314,11 @@ def test_two_hundred_runs_on_a_cluster_with_a_worker_killed(folder, cluster):
 
     def killer():
         wait_for(lambda: len(outcomes("out")) >= 80)
-        running = [lines[-1][0] for lines in log("out").values() if lines and lines[-1][1] == "begun"]
+        running = [
+            lines[-1][0]
+            for lines in log("out").values()
+            if lines and lines[-1][1] == "begun"
+        ]
         victims.append(running[0] if running else next(iter(log("out").values()))[0][0])
         kill(victims[0])
 
@@ -293,7 +344,10 @@ def test_a_lost_scheduler_ends_the_sweep_and_the_machine_goes_on(folder, cluster
 
     thread = Thread(target=killer)
     thread.start()
-    with pytest.raises(ContbedError, match=r"lost the scheduler at tcp:.*; the same command resumes from here"):
+    with pytest.raises(
+        ContbedError,
+        match=r"lost the scheduler at tcp:.*; the same command resumes from here",
+    ):
         sweep("study.toml", "out", scheduler=cluster.scheduler_address)
     thread.join()
     found = sweep("study.toml", "out", jobs=1)

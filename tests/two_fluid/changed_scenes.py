@@ -4,7 +4,9 @@ from copy import deepcopy
 
 
 def changed(scene, changes=None, without=()):
-    """A copy of a scene with the values of `changes`, "table.key": value, and without the keys of `without`."""
+    """A copy of a scene with the values of `changes`, "table.key": value, and
+    without the keys of `without`.
+    """
     values = deepcopy(scene)
     for path, value in (changes or {}).items():
         *way, last = path.split(".")

@@ -1,4 +1,6 @@
-"""Small unstructured meshes by gmsh, as grids: rectangles, cylinders in (r, z) and boxes of every shape of cell."""
+"""Small unstructured meshes by gmsh, as grids: rectangles, cylinders in (r, z) and
+boxes of every shape of cell.
+"""
 
 import tempfile
 from functools import cache
@@ -10,7 +12,13 @@ from contbed.two_fluid.boundary import symmetry
 from contbed.two_fluid.fv import grid
 
 IN_3D = ("hexahedra", "tetrahedra")
-KINDS = ("quadrilaterals", "triangles", "axisymmetric_quadrilaterals", "axisymmetric_triangles", *IN_3D)
+KINDS = (
+    "quadrilaterals",
+    "triangles",
+    "axisymmetric_quadrilaterals",
+    "axisymmetric_triangles",
+    *IN_3D,
+)
 PLANE = """
 Point(1) = {{0, 0, 0, {size}}};
 Point(2) = {{{length}, 0, 0, {size}}};
@@ -54,16 +62,37 @@ Periodic Surface {{sides[0]}} = {{1}} Translate {{0, 0, {height}}};
 
 
 def geometry(kind, length, height, size):
-    """Text of a .geo; in 3-D the section is a square and cells of `size` stand on it."""
+    """Text of a .geo; in 3-D the section is a square and cells of `size` stand on
+    it.
+    """
     # each quadrilateral is cut into four
-    hexahedra, whole = kind == "hexahedra", size if kind.endswith(("triangles", "tetrahedra")) else 2 * size
-    plane = PLANE.format(length=length, width=length if kind in IN_3D else height, size=whole)
+    hexahedra, whole = (
+        kind == "hexahedra",
+        size if kind.endswith(("triangles", "tetrahedra")) else 2 * size,
+    )
+    plane = PLANE.format(
+        length=length, width=length if kind in IN_3D else height, size=whole
+    )
     if kind not in IN_3D:
-        left, right = ("axis", "wall") if kind.startswith("axisymmetric") else ("left", "right")
-        return plane + ("" if kind.endswith("triangles") else QUADRILATERALS) + NAMES.format(left=left, right=right)
+        left, right = (
+            ("axis", "wall") if kind.startswith("axisymmetric") else ("left", "right")
+        )
+        return (
+            plane
+            + ("" if kind.endswith("triangles") else QUADRILATERALS)
+            + NAMES.format(left=left, right=right)
+        )
     layers = f"Layers{{{round(0.5 * height / size)}}}; Recombine;" if hexahedra else ""
-    text = plane + (QUADRILATERALS if hexahedra else "") + BOX.format(height=height, layers=layers)
-    return text + ("" if hexahedra else SAME_SIDES.format(length=length, width=length, height=height))
+    text = (
+        plane
+        + (QUADRILATERALS if hexahedra else "")
+        + BOX.format(height=height, layers=layers)
+    )
+    return text + (
+        ""
+        if hexahedra
+        else SAME_SIDES.format(length=length, width=length, height=height)
+    )
 
 
 @cache
@@ -86,5 +115,10 @@ def unstructured(kind, length, height, size, periodic=()):
 
 
 def sides(on, wall, **others):
-    """A condition for each boundary: `others` by name, slip on the axis, `wall` on the rest."""
-    return {name: others.get(name, symmetry() if name == "axis" else wall) for name in on.boundaries}
+    """A condition for each boundary: `others` by name, slip on the axis, `wall` on
+    the rest.
+    """
+    return {
+        name: others.get(name, symmetry() if name == "axis" else wall)
+        for name in on.boundaries
+    }

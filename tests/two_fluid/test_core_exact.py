@@ -1,4 +1,6 @@
-"""The two-fluid step against closed forms: cooling, shear, drag, settling, shock, rest, mass, symmetry, energy."""
+"""The two-fluid step against closed forms: cooling, shear, drag, settling, shock,
+rest, mass, symmetry, energy.
+"""
 
 import numpy as np
 import pytest
@@ -34,10 +36,18 @@ def orders(errors):
 
 
 def haff(dt, order, end, drag=0.0):
-    """Computed over exact granular temperature of V1, with g0 of Sinclair and Jackson as a number."""
+    """Computed over exact granular temperature of V1, with g0 of Sinclair and
+    Jackson as a number.
+    """
     e, s, d_p, g0 = 0.95, 0.3, 150e-6, 4.84732
     gamma = 12 * (1 - e**2) * g0 * 2500 / (d_p * np.sqrt(np.pi))
-    b = bed(line(0.01, 4, True), closures(drag, dissipation=gamma), {}, (0.0,), Options(dt=dt, order=order))
+    b = bed(
+        line(0.01, 4, True),
+        closures(drag, dissipation=gamma),
+        {},
+        (0.0,),
+        Options(dt=dt, order=order),
+    )
     b.start(eps_s=s, theta=1e-2)
     b.advance(end)
     rate = 8 * (1 - e**2) * s * g0 / (d_p * np.sqrt(np.pi))
@@ -61,31 +71,42 @@ def test_order_in_time_of_cooling(order, drag):
 
 
 def test_walls_produce_and_dissipate_as_johnson_and_jackson_say():
-    """1.5 rho_s eps_s h dtheta/dt = 2 pi sqrt(3) rho_s eps_s g0 sqrt(theta)/eps_max [phi U^2/6 - (1 - e^2) theta/4].
+    """1.5 rho_s eps_s h dtheta/dt = 2 pi sqrt(3) rho_s eps_s g0 sqrt(theta)/eps_max
+    [phi U^2/6 - (1 - e^2) theta/4].
 
-    Between two walls that both move with U past particles at rest, which are too viscous to slip past each other. In
-    one short step velocity and sqrt(theta) change by less than 1e-3.
+    Between two walls that both move with U past particles at rest, which are too
+    viscous to slip past each other. In one short step velocity and sqrt(theta) change
+    by less than 1e-3.
     """
     height, theta, dt, U, phi, e = 0.01, 1e-2, 1e-5, 0.2, 0.3, 0.6
     rates = []
     for specularity, restitution in ((phi, 1.0), (0.0, e)):
         wall = Wall("slip", "johnson_jackson", specularity, restitution, (U,))
         grid = rectangle(height, height, (2, 2), [("left", "right")])
-        b = bed(grid, closures(viscosity=1e4, conductivity=1e4), {"bottom": wall, "top": wall}, options=Options(dt=dt))
+        b = bed(
+            grid,
+            closures(viscosity=1e4, conductivity=1e4),
+            {"bottom": wall, "top": wall},
+            options=Options(dt=dt),
+        )
         b.start(eps_s=0.3, theta=theta)
         b.advance(dt)
         rates.append(np.mean(b.state.theta - theta) / dt)
     common = 2.0 * np.pi * 3.0**0.5 * theta**0.5 / 0.63 / (1.5 * height)
-    assert rates == pytest.approx([common * phi * U**2 / 6.0, -common * (1.0 - e**2) * theta / 4.0], rel=2e-3)
+    assert rates == pytest.approx(
+        [common * phi * U**2 / 6.0, -common * (1.0 - e**2) * theta / 4.0], rel=2e-3
+    )
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("viscosity", [1e2, pytest.param(1e4, marks=pytest.mark.slow)])
 def test_walls_drag_rubbing_particles_with_coulombs_stress(viscosity, shape):
-    """rho_s eps_s h du/dt = 2 mu p_friction until the particles move with both walls, at U, as they do from then on.
+    """rho_s eps_s h du/dt = 2 mu p_friction until the particles move with both walls,
+    at U, as they do from then on.
 
-    p_friction is 1 Pa. What rubs does not depend on the viscosity, which carries it to the particles inside. The
-    share of the velocity that walls keep is that of the last step, so the error is of first order in the step.
+    p_friction is 1 Pa. What rubs does not depend on the viscosity, which carries it to
+    the particles inside. The share of the velocity that walls keep is that of the last
+    step, so the error is of first order in the step.
     """
     height, U, coefficient, errors = 0.01, 0.01, 0.3, []
     wall = Wall("slip", "johnson_jackson", 1e-9, friction=coefficient, velocity=(U,))
@@ -96,18 +117,27 @@ def test_walls_drag_rubbing_particles_with_coulombs_stress(viscosity, shape):
         b = bed(grid, laws, {"bottom": wall, "top": wall}, options=Options(dt=dt))
         b.start(eps_s=0.6, theta=1e-8)
         b.advance(0.1)
-        errors.append(np.average(b.state.u_solid[:, 0], weights=grid.geometry.volume) / speed - 1.0)
+        errors.append(
+            np.average(b.state.u_solid[:, 0], weights=grid.geometry.volume) / speed
+            - 1.0
+        )
     assert np.abs(errors[-1]) < 5e-3
     assert orders(errors) == pytest.approx(1.0, abs=0.1)
     b.advance(0.5)
     np.testing.assert_allclose(b.state.u_solid[:, 0], U, rtol=1e-6)
 
 
-@pytest.mark.parametrize(("shape", "cells"), [("quadrilateral", (4, 32)), ("triangle", (2, 16))])
+@pytest.mark.parametrize(
+    ("shape", "cells"), [("quadrilateral", (4, 32)), ("triangle", (2, 16))]
+)
 def test_shear_between_moving_walls(shape, cells):
-    """Production balances dissipation: theta = mu S^2/gamma, uniform, with linear velocity."""
+    """Production balances dissipation: theta = mu S^2/gamma, uniform, with linear
+    velocity.
+    """
     height, speed, mu, gamma = 0.01, 0.1, 0.6, 2.7e4
-    grid = rectangle(height * cells[0] / cells[1], height, cells, [("left", "right")], shape)
+    grid = rectangle(
+        height * cells[0] / cells[1], height, cells, [("left", "right")], shape
+    )
     laws = closures(pressure=1.0, conductivity=20.0, dissipation=gamma / 0.09)
     granular = laws.granular
 
@@ -115,7 +145,10 @@ def test_shear_between_moving_walls(shape, cells):
         return granular(eps_s, theta, K)._replace(mu=2.0 * eps_s * np.sqrt(theta))
 
     object.__setattr__(laws, "granular", rubbing)
-    walls = {"bottom": Wall("slip", velocity=(-speed,)), "top": Wall("slip", velocity=(speed,))}
+    walls = {
+        "bottom": Wall("slip", velocity=(-speed,)),
+        "top": Wall("slip", velocity=(speed,)),
+    }
     b = bed(grid, laws, walls, options=Options(dt=5e-4), rho_solid=25.0)
     y = grid.centres[:, 1]
     u = np.stack((speed * (2 * y / height - 1), 0 * y), axis=1)
@@ -132,13 +165,20 @@ def test_shear_between_moving_walls(shape, cells):
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_shear_rate_of_linear_motion(shape):
-    """S/2 in simple shear; for u = (a x, c z) the deviator has the invariant (a^2 + c^2 - (a + c)^2/3)/2; rounding."""
+    """S/2 in simple shear; for u = (a x, c z) the deviator has the invariant
+    (a^2 + c^2 - (a + c)^2/3)/2; rounding.
+    """
     sides = dict.fromkeys(("left", "right", "top", "bottom"), SLIP)
     b = bed(rectangle(1.0, 1.0, (6, 5), shape=shape), closures(), sides)
     inner = (np.abs(b.model.grid.centres - 0.5) < 0.3).all(axis=1)
-    for strain, rate in (([[0.0, 4.0], [0.0, 0.0]], 2.0), ([[3.0, 0.0], [0.0, 1.0]], np.sqrt(7 / 3))):
+    for strain, rate in (
+        ([[0.0, 4.0], [0.0, 0.0]], 2.0),
+        ([[3.0, 0.0], [0.0, 1.0]], np.sqrt(7 / 3)),
+    ):
         b.start(eps_s=0.5, u_solid=b.model.grid.centres @ np.array(strain).T)
-        np.testing.assert_allclose(shear_rate(b.state.u_solid, b.state.eps_s, b.model)[inner], rate, rtol=1e-12)
+        np.testing.assert_allclose(
+            shear_rate(b.state.u_solid, b.state.eps_s, b.model)[inner], rate, rtol=1e-12
+        )
 
 
 @pytest.mark.parametrize("order", [1, 2])
@@ -147,19 +187,25 @@ def test_slip_relaxes_and_momentum_stays(order):
     exact = np.exp(-K * s * end * (1 / (s * 2500) + 1 / ((1 - s) * 1.2)))
     errors = []
     for dt in (1e-3, 5e-4, 2.5e-4):
-        b = bed(line(0.1, 4, True), closures(K), {}, (0.0,), Options(dt=dt, order=order))
+        b = bed(
+            line(0.1, 4, True), closures(K), {}, (0.0,), Options(dt=dt, order=order)
+        )
         b.start(eps_s=s, u_gas=1.0)
         b.advance(end)
         errors.append(abs((b.state.u_gas - b.state.u_solid)[0, 0] / exact - 1))
         np.testing.assert_allclose(
-            1.2 * (1 - s) * b.state.u_gas + 2500 * s * b.state.u_solid, 1.2 * (1 - s), rtol=1e-12
+            1.2 * (1 - s) * b.state.u_gas + 2500 * s * b.state.u_solid,
+            1.2 * (1 - s),
+            rtol=1e-12,
         )
     assert np.abs(orders(errors) - order).max() < 0.1
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_uniform_suspension_hangs_in_the_gas(shape):
-    """A start in equilibrium stays there: -dp/dz is the weight of both phases, to rounding."""
+    """A start in equilibrium stays there: -dp/dz is the weight of both phases, to
+    rounding.
+    """
     s, rho, mu, d_p = 0.4, 1.225, 1.7894e-5, 275e-6
     drag = wen_yu(rho, mu, d_p)
     u = brentq(lambda u: drag(s, u) * u - (1 - s) * (2500 - rho) * 9.81, 1e-6, 10)
@@ -178,15 +224,28 @@ def test_uniform_suspension_hangs_in_the_gas(shape):
 
 @pytest.mark.parametrize("dt", [1e-2, 1.0, pytest.param(100.0, marks=pytest.mark.slow)])
 def test_terminal_slip_for_any_step(dt):
-    """Steady slip of a dilute suspension between gas walls does not depend on the step."""
+    """Steady slip of a dilute suspension between gas walls does not depend on the
+    step.
+    """
     s, rho, mu, d_p = 1e-3, 1.2, 1.8e-5, 150e-6
     drag = wen_yu(rho, mu, d_p)
     slip = brentq(lambda u: drag(s, u) * u - (1 - s) * (2550 - rho) * 9.81, 1e-6, 10)
-    b = bed(line(1.0, 8, True), closures(drag), {}, (-9.81,), Options(dt=dt), d_p=d_p, rho_solid=2550.0)
+    b = bed(
+        line(1.0, 8, True),
+        closures(drag),
+        {},
+        (-9.81,),
+        Options(dt=dt),
+        d_p=d_p,
+        rho_solid=2550.0,
+    )
     b.start(eps_s=s, u_gas=0.0)
     # a body force holds the mean of both momenta
     weight = (s * 2550 + (1 - s) * rho) * 9.81
-    b.model.sources.force_gas[:], b.model.sources.force_solid[:] = weight / rho, weight / 2550
+    b.model.sources.force_gas[:], b.model.sources.force_solid[:] = (
+        weight / rho,
+        weight / 2550,
+    )
     for _ in range(200):
         b.step(dt)
     np.testing.assert_allclose(b.state.u_gas - b.state.u_solid, slip, rtol=1e-8)
@@ -197,7 +256,10 @@ def test_bed_stays_at_rest(superficial):
     """Gas off, and gas below minimum fluidization: friction carries the particles."""
 
     def ergun(eps_s, slip):
-        return 150 * eps_s * 1.8e-5 / ((1 - eps_s) * 275e-6**2) + 1.75 * 1.2 * slip / 275e-6
+        return (
+            150 * eps_s * 1.8e-5 / ((1 - eps_s) * 275e-6**2)
+            + 1.75 * 1.2 * slip / 275e-6
+        )
 
     grid = rectangle(0.1, 0.2, (4, 16))
     laws = closures(ergun, 1.0, 0.05, 0.0, 0.01, 1e6, friction=400.0, rubbing=20.0)
@@ -216,7 +278,10 @@ def test_settling_fronts():
     drag = wen_yu(rho, mu, d_p)
     slip = brentq(lambda u: drag(s, u) * u - (1 - s) * (2500 - rho) * 9.81, 1e-6, 10)
     grid = line(0.1, 200)
-    laws, sides = closures(drag, friction=2e4, eps_friction=0.595), {"left": SLIP, "right": SLIP}
+    laws, sides = (
+        closures(drag, friction=2e4, eps_friction=0.595),
+        {"left": SLIP, "right": SLIP},
+    )
     values = {"rho_gas": rho, "mu_gas": mu, "d_p": d_p, "eps_max": 0.6}
     b = bed(grid, laws, sides, (-9.81,), Options(dt_max=1.0), **values)
     z = grid.centres[:, 0]
@@ -236,20 +301,31 @@ def test_settling_fronts():
 
 
 def settled(cells, end, options):
-    """Glass in water from eps_s = 0.1 in a closed column of square cells, 0.1 m high, at the time `end` [s]."""
+    """Glass in water from eps_s = 0.1 in a closed column of square cells, 0.1 m
+    high, at the time `end` [s].
+    """
     grid = rectangle(0.1 * cells[0] / cells[1], 0.1, cells)
     sides = dict.fromkeys(("left", "right", "bottom", "top"), SLIP)
     values = {"rho_gas": 998.0, "mu_gas": 1e-3, "d_p": 100e-6, "eps_max": 0.6}
-    b = bed(grid, closures(wen_yu(998.0, 1e-3, 100e-6)), sides, (0.0, -9.81), options, **values)
+    b = bed(
+        grid,
+        closures(wen_yu(998.0, 1e-3, 100e-6)),
+        sides,
+        (0.0, -9.81),
+        options,
+        **values,
+    )
     b.start(eps_s=0.1)
     b.advance(end)
     return b
 
 
 def test_fronts_stay_level():
-    """Steps far longer than the buoyancy waves of both fronts (N dt = 4 and 7): no sideways motion grows from rounding.
+    """Steps far longer than the buoyancy waves of both fronts (N dt = 4 and 7): no
+    sideways motion grows from rounding.
 
-    Explicit gravity multiplies it by about N^2 dt^2 in each of the 20 steps; 1e-3 is a fifth of the settling velocity.
+    Explicit gravity multiplies it by about N^2 dt^2 in each of the 20 steps; 1e-3 is a
+    fifth of the settling velocity.
     """
     b = settled((10, 100), 2.0, Options(dt=0.1))
     assert np.abs(b.state.u_solid[:, 0]).max() < 1e-3
@@ -257,10 +333,12 @@ def test_fronts_stay_level():
 
 @pytest.mark.slow
 def test_fronts_stay_level_at_half_a_cell_a_step():
-    """Steps of about 1/N: what grows sideways from rounding in 8 s stays below a fifth of the settling velocity.
+    """Steps of about 1/N: what grows sideways from rounding in 8 s stays below a fifth
+    of the settling velocity.
 
-    It has been 2e-5 to 2e-4 m/s, as rounding has it. With waves of N dt up to 0.22 left to themselves in place of 0.1
-    it came to 5e-3 to 2e-2, and mixed the top of the sediment.
+    It has been 2e-5 to 2e-4 m/s, as rounding has it. With waves of N dt up to 0.22 left
+    to themselves in place of 0.1 it came to 5e-3 to 2e-2, and mixed the top of the
+    sediment.
     """
     b = settled((20, 400), 8.0, Options(dt_max=10.0, dt_first=1e-2))
     assert np.abs(b.state.u_solid[:, 0]).max() < 1e-3
@@ -270,23 +348,43 @@ def test_fronts_stay_level_at_half_a_cell_a_step():
 
 
 def test_shock_of_the_granular_gas():
-    """Isothermal shock tube: plateau between the waves, speed of the shock, about first order in L1 (V6)."""
+    """Isothermal shock tube: plateau between the waves, speed of the shock, about
+    first order in L1 (V6).
+    """
     state, speed, shock, end = 0.01412995, 0.34743567, 1.18869463, 0.25
     errors, speeds = [], []
     for cells in (100, 200):
         grid = line(1.0, cells)
         options = Options(theta="frozen", dt_first=1e-3 / cells, dt_max=0.3 / cells)
-        b = bed(grid, closures(pressure=1.0), {"left": SLIP, "right": SLIP}, (0.0,), options, rho_gas=1e-8, mu_gas=0.0)
+        b = bed(
+            grid,
+            closures(pressure=1.0),
+            {"left": SLIP, "right": SLIP},
+            (0.0,),
+            options,
+            rho_gas=1e-8,
+            mu_gas=0.0,
+        )
         x = grid.centres[:, 0]
         b.start(eps_s=np.where(x < 0.5, 0.02, 0.01), theta=1.0)
         b.advance(end)
         order = np.argsort(x)
-        x, eps, u = (x[order] - 0.5) / end, b.state.eps_s[order], b.state.u_solid[order, 0]
+        x, eps, u = (
+            (x[order] - 0.5) / end,
+            b.state.eps_s[order],
+            b.state.u_solid[order, 0],
+        )
         fan = 0.02 * np.exp(-(x + 1))
-        exact = np.where(x < -1, 0.02, np.where(x < speed - 1, fan, np.where(x < shock, state, 0.01)))
+        exact = np.where(
+            x < -1, 0.02, np.where(x < speed - 1, fan, np.where(x < shock, state, 0.01))
+        )
         errors.append(np.abs(eps - exact).mean())
         front = np.flatnonzero(eps > 0.5 * (state + 0.01)).max()
-        speeds.append(np.interp(-0.5 * (state + 0.01), -eps[front : front + 2], x[front : front + 2]))
+        speeds.append(
+            np.interp(
+                -0.5 * (state + 0.01), -eps[front : front + 2], x[front : front + 2]
+            )
+        )
         middle = np.argmin(np.abs(x - 0.3))
     assert eps[middle] == pytest.approx(state, rel=2e-3)
     assert u[middle] == pytest.approx(speed, rel=5e-3)
@@ -296,12 +394,24 @@ def test_shock_of_the_granular_gas():
 
 
 def test_crossing_streams_stay_bounded():
-    """Two pressureless streams that meet: no negative fraction, no new extreme of velocity, mass exact (V7)."""
+    """Two pressureless streams that meet: no negative fraction, no new extreme of
+    velocity, mass exact (V7).
+    """
     grid = line(1.0, 100)
-    b = bed(grid, closures(), {"left": SLIP, "right": SLIP}, (0.0,), rho_gas=1e-8, mu_gas=0.0)
+    b = bed(
+        grid,
+        closures(),
+        {"left": SLIP, "right": SLIP},
+        (0.0,),
+        rho_gas=1e-8,
+        mu_gas=0.0,
+    )
     x = grid.centres[:, 0]
     left, right = np.abs(x - 0.3) < 0.1, np.abs(x - 0.7) < 0.1
-    b.start(eps_s=np.where(left | right, 0.01, 0.0), u_solid=np.where(x < 0.5, 1.0, -1.0)[:, None])
+    b.start(
+        eps_s=np.where(left | right, 0.01, 0.0),
+        u_solid=np.where(x < 0.5, 1.0, -1.0)[:, None],
+    )
     before = solids(b)
     b.advance(0.4)
     assert b.state.eps_s.min() >= 0 and b.state.eps_s.max() <= 0.63
@@ -315,14 +425,28 @@ WALLS = [Wall(), Wall(solid="slip"), Wall("no_slip", "johnson_jackson", 0.1, 0.9
 def fluidized(wall, cells=(10, 30), shape="quadrilateral", noise=0.0, **options):
     """A lively bed of 5 cm: gas through the bottom, from rest."""
     grid = rectangle(0.05, 0.15, cells, shape=shape)
-    laws = closures(wen_yu(1.2, 1.8e-5, 275e-6), 1.0, 0.05, 0.02, 0.05, 1e6, friction=400.0, rubbing=1.0)
+    laws = closures(
+        wen_yu(1.2, 1.8e-5, 275e-6),
+        1.0,
+        0.05,
+        0.02,
+        0.05,
+        1e6,
+        friction=400.0,
+        rubbing=1.0,
+    )
     sides = {"left": wall, "right": wall, "bottom": Inlet(0.4), "top": Outlet()}
     b = bed(grid, laws, sides, (0.0, -9.81), Options(**options))
     z = grid.centres[:, 1]
     packed = 0.52 + noise * np.random.default_rng(3).uniform(-1, 1, len(z))
     eps = np.where(z < 0.06, packed, 0.0)
     rise = np.stack((0 * z, 0.4 / (1 - eps)), axis=1)
-    b.start(eps_s=eps, u_gas=rise, theta=1e-4, p=np.maximum(0.06 - z, 0) * 0.52 * 2500 * 9.81)
+    b.start(
+        eps_s=eps,
+        u_gas=rise,
+        theta=1e-4,
+        p=np.maximum(0.06 - z, 0) * 0.52 * 2500 * 9.81,
+    )
     return b
 
 
@@ -333,7 +457,11 @@ def test_solids_stay_for_every_wall(wall, shape):
     before = solids(b)
     for _ in range(300):
         b.step(b.next_step())
-        assert b.state.eps_s.min() >= 0 and b.state.eps_s.max() <= 0.63 and b.state.theta.min() >= 0
+        assert (
+            b.state.eps_s.min() >= 0
+            and b.state.eps_s.max() <= 0.63
+            and b.state.theta.min() >= 0
+        )
     left = b.state.account.solid_out
     # V8: 1e-12 of the mass, what left through the outlet counted
     assert solids(b) + left == pytest.approx(before, rel=1e-12)
@@ -348,13 +476,22 @@ def test_inflow_is_counted():
     grid = rectangle(0.1, 0.3, (6, 18))
     feed = Inlet(1.0, eps_s=0.05, solid_flux=60.0, theta=1e-3)
     sides = {"left": Wall(), "right": Wall(), "bottom": feed, "top": Outlet()}
-    b = bed(grid, closures(wen_yu(1.2, 1.8e-5, 275e-6), 1.0, 0.05, dissipation=1e5), sides, (0.0, -9.81))
+    b = bed(
+        grid,
+        closures(wen_yu(1.2, 1.8e-5, 275e-6), 1.0, 0.05, dissipation=1e5),
+        sides,
+        (0.0, -9.81),
+    )
     b.start(eps_s=0.0, u_gas=np.array([0.0, 1.0]))
     b.advance(0.1)
     assert b.state.account.solid_in == pytest.approx(60.0 / 2500 * 0.1 * 0.1, rel=1e-12)
-    assert solids(b) == pytest.approx(b.state.account.solid_in - b.state.account.solid_out, rel=1e-12)
+    assert solids(b) == pytest.approx(
+        b.state.account.solid_in - b.state.account.solid_out, rel=1e-12
+    )
     gas_in = b.state.account.gas_in + b.state.account.solid_in
-    assert gas_in == pytest.approx(b.state.account.gas_out + b.state.account.solid_out, rel=1e-10)
+    assert gas_in == pytest.approx(
+        b.state.account.gas_out + b.state.account.solid_out, rel=1e-10
+    )
 
 
 def test_mirror_symmetry():
@@ -374,12 +511,16 @@ def test_mirror_symmetry():
         np.testing.assert_allclose(field[here], field[there], rtol=0, atol=1e-10)
 
 
-@pytest.mark.parametrize(("theta", "dissipation"), [("pde", 1e4), ("algebraic", 1e4), ("algebraic", 10.0)])
+@pytest.mark.parametrize(
+    ("theta", "dissipation"), [("pde", 1e4), ("algebraic", 1e4), ("algebraic", 10.0)]
+)
 def test_energy_does_not_grow(theta, dissipation):
-    """Random velocities in a periodic box: kinetic and granular energy of both phases only fall (V11).
+    """Random velocities in a periodic box: kinetic and granular energy of both phases
+    only fall (V11).
 
-    Where little is dissipated, production and dissipation balance at a theta that the particles need longer than a step
-    to reach; taken at once, it is energy from nowhere.
+    Where little is dissipated, production and dissipation balance at a theta that the
+    particles need longer than a step to reach; taken at once, it is energy from
+    nowhere.
     """
     grid = rectangle(0.1, 0.1, (12, 12), [("left", "right"), ("bottom", "top")])
     options = Options(courant=0.3, theta=theta)
@@ -391,13 +532,17 @@ def test_energy_does_not_grow(theta, dissipation):
 
     def energy():
         gas, solid = ((u**2).sum(axis=1) / 2 for u in (b.state.u_gas, b.state.u_solid))
-        return volume @ (1.2 * (1 - b.state.eps_s) * gas + 2500 * b.state.eps_s * (solid + 1.5 * b.state.theta))
+        return volume @ (
+            1.2 * (1 - b.state.eps_s) * gas
+            + 2500 * b.state.eps_s * (solid + 1.5 * b.state.theta)
+        )
 
     last = energy()
     for _ in range(100):
         b.step(b.next_step())
         now = energy()
-        # granular pressure stores a little in eps_s, which this sum does not see: rounding of that order is allowed
+        # granular pressure stores a little in eps_s, which this sum does not see:
+        # rounding of that order is allowed
         assert now <= last * (1 + 1e-6)
         last = now
 
@@ -406,7 +551,9 @@ def test_energy_does_not_grow(theta, dissipation):
 
 
 def test_limiter_keeps_bounds_and_mass():
-    """Random fluxes far beyond what fits: bounds hold, mass is kept, and fluxes that fit are not touched."""
+    """Random fluxes far beyond what fits: bounds hold, mass is kept, and fluxes that
+    fit are not touched.
+    """
     grid = rectangle(1.0, 1.0, (8, 8))
     g, random = grid.geometry, np.random.default_rng(1)
     for strength in (1e-3, 0.1, 10.0):
@@ -415,7 +562,9 @@ def test_limiter_keeps_bounds_and_mass():
         flux = strength * random.normal(size=len(g.left))
         flux[grid.interior :] = 0.0
         given, out, upwind_cells = flux.copy(), np.empty(64), np.zeros(64, dtype=bool)
-        limiter.limit(g, 0.01, limiter.Bounds(s, np.zeros(64), 0.6), flux, out, upwind_cells)
+        limiter.limit(
+            g, 0.01, limiter.Bounds(s, np.zeros(64), 0.6), flux, out, upwind_cells
+        )
         assert out.min() >= 0 and out.max() <= 0.6
         assert out @ g.volume == pytest.approx(s @ g.volume, rel=1e-13)
         assert (np.abs(flux) <= np.abs(given)).all() and (flux * given >= 0).all()
@@ -437,14 +586,22 @@ def test_restart_is_bitwise():
 def test_not_finite_names_field_cell_and_place():
     b = fluidized(WALLS[0])
     b.state.theta[7] = np.nan
-    with pytest.raises(ConvergenceError, match=r"t = .*, step 1: .* is not finite in cell \d+ at \("):
+    with pytest.raises(
+        ConvergenceError, match=r"t = .*, step 1: .* is not finite in cell \d+ at \("
+    ):
         b.step(1e-4)
 
 
 def test_boundaries_without_condition_and_conditions_without_boundary():
     with pytest.raises(SceneError) as caught:
-        bed(rectangle(1, 1, (4, 4)), closures(), {"left": SLIP, "right": SLIP, "bottom": SLIP, "lid": SLIP})
+        bed(
+            rectangle(1, 1, (4, 4)),
+            closures(),
+            {"left": SLIP, "right": SLIP, "bottom": SLIP, "lid": SLIP},
+        )
     assert len(caught.value.problems) == 2
     with pytest.raises(SceneError, match="own plane"):
-        walls = dict.fromkeys(("left", "right", "bottom", "top"), Wall(velocity=(1.0, 0.0)))
+        walls = dict.fromkeys(
+            ("left", "right", "bottom", "top"), Wall(velocity=(1.0, 0.0))
+        )
         bed(rectangle(1, 1, (4, 4)), closures(), walls)

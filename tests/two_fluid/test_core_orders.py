@@ -1,4 +1,6 @@
-"""Order of the two-fluid step for a manufactured solution with eps, both velocities, p and theta all live (V10)."""
+"""Order of the two-fluid step for a manufactured solution with eps, both velocities,
+p and theta all live (V10).
+"""
 
 import numpy as np
 import pytest
@@ -28,13 +30,21 @@ def p(x):
 
 def u_gas(x):
     return np.stack(
-        (1.5 + 0.4 * np.sin(x[:, 0] + 1.2 * x[:, 1]), 0.8 + 0.3 * np.cos(1.3 * x[:, 0] - 0.7 * x[:, 1])), axis=1
+        (
+            1.5 + 0.4 * np.sin(x[:, 0] + 1.2 * x[:, 1]),
+            0.8 + 0.3 * np.cos(1.3 * x[:, 0] - 0.7 * x[:, 1]),
+        ),
+        axis=1,
     )
 
 
 def u_solid(x):
     return np.stack(
-        (1.0 + 0.3 * np.cos(0.8 * x[:, 0] + x[:, 1]), 0.6 + 0.2 * np.sin(1.1 * x[:, 0] + 0.6 * x[:, 1])), axis=1
+        (
+            1.0 + 0.3 * np.cos(0.8 * x[:, 0] + x[:, 1]),
+            0.6 + 0.2 * np.sin(1.1 * x[:, 0] + 0.6 * x[:, 1]),
+        ),
+        axis=1,
     )
 
 
@@ -43,7 +53,9 @@ def grad(f, x, step=1e-3):
     out = []
     for k in range(2):
         d = step * np.eye(2)[k]
-        out.append((8 * (f(x + d) - f(x - d)) - (f(x + 2 * d) - f(x - 2 * d))) / (12 * step))
+        out.append(
+            (8 * (f(x + d) - f(x - d)) - (f(x + 2 * d) - f(x - 2 * d))) / (12 * step)
+        )
     return np.stack(out, axis=-1)
 
 
@@ -74,18 +86,37 @@ def sources(x):
     def along(u, f):
         return np.einsum("n...j,nj->n...", grad(f, x), u)
 
-    gas = RHO_GAS * (1 - s) * along(ug, u_gas) + (1 - s) * grad(p, x) - divergence(tau_g, x) + K * s * (ug - us)
-    solid = RHO_SOLID * s * along(us, u_solid) + s * grad(p, x) + grad(p_solid, x) - divergence(tau_s, x)
+    gas = (
+        RHO_GAS * (1 - s) * along(ug, u_gas)
+        + (1 - s) * grad(p, x)
+        - divergence(tau_g, x)
+        + K * s * (ug - us)
+    )
+    solid = (
+        RHO_SOLID * s * along(us, u_solid)
+        + s * grad(p, x)
+        + grad(p_solid, x)
+        - divergence(tau_s, x)
+    )
     solid -= K * s * (ug - us)
     work = np.einsum("nij,nij->n", tau_s(x), grad(u_solid, x))
-    conducted = divergence(lambda x: (CONDUCTIVITY * eps_s(x))[:, None] * grad(theta, x), x)
-    energy = 1.5 * RHO_SOLID * s[:, 0] * along(us, theta) + p_solid(x) * divergence(u_solid, x) - work - conducted
+    conducted = divergence(
+        lambda x: (CONDUCTIVITY * eps_s(x))[:, None] * grad(theta, x), x
+    )
+    energy = (
+        1.5 * RHO_SOLID * s[:, 0] * along(us, theta)
+        + p_solid(x) * divergence(u_solid, x)
+        - work
+        - conducted
+    )
     energy += GAMMA * s[:, 0] ** 2 * theta(x) ** 1.5 + 3 * K * s[:, 0] * theta(x)
     return gas / (RHO_GAS * (1 - s)), solid / (RHO_SOLID * s), energy
 
 
 def errors(cells, shape, limited):
-    """L2 errors of all fields after 0.2 s from the exact fields, with dt as the square of the cell size."""
+    """L2 errors of all fields after 0.2 s from the exact fields, with dt as the
+    square of the cell size.
+    """
     if shape.endswith("s"):
         grid = unstructured(shape, 1.0, 1.0, 1.0 / cells)
     else:
@@ -94,7 +125,13 @@ def errors(cells, shape, limited):
     given = Given(u_gas, u_solid, eps_s, theta)
     laws = closures(K, 1.0, MU, BULK, CONDUCTIVITY, GAMMA)
     materials = {"rho_gas": RHO_GAS, "mu_gas": MU_GAS, "rho_solid": RHO_SOLID}
-    b = bed(grid, laws, dict.fromkeys(grid.boundaries, given), options=Options(limited=limited, dt=dt), **materials)
+    b = bed(
+        grid,
+        laws,
+        dict.fromkeys(grid.boundaries, given),
+        options=Options(limited=limited, dt=dt),
+        **materials,
+    )
     for source, flux in (
         (b.model.sources.solid, lambda x: eps_s(x)[:, None] * u_solid(x)),
         (b.model.sources.gas, lambda x: (1 - eps_s(x))[:, None] * u_gas(x)),
@@ -103,8 +140,18 @@ def errors(cells, shape, limited):
         np.add.at(source, g.left, through)
         np.subtract.at(source, g.right, through[: grid.interior])
         source /= g.volume
-    b.model.sources.force_gas[:], b.model.sources.force_solid[:], b.model.sources.theta[:] = sources(x)
-    exact = {"eps_s": eps_s(x), "u_gas": u_gas(x), "u_solid": u_solid(x), "theta": theta(x), "p": p(x)}
+    (
+        b.model.sources.force_gas[:],
+        b.model.sources.force_solid[:],
+        b.model.sources.theta[:],
+    ) = sources(x)
+    exact = {
+        "eps_s": eps_s(x),
+        "u_gas": u_gas(x),
+        "u_solid": u_solid(x),
+        "theta": theta(x),
+        "p": p(x),
+    }
     b.start(**exact)
     b.advance(0.2)
     found = b.state.fields()
@@ -114,9 +161,11 @@ def errors(cells, shape, limited):
 
 
 def test_linear_profiles_are_reconstructed_exactly():
-    """A slope of 1 per cell gives half of it at the face, limited or not; less the half step that goes the other way.
+    """A slope of 1 per cell gives half of it at the face, limited or not; less the half
+    step that goes the other way.
 
-    The limiter gives nothing at an extremum, and at most twice the smaller difference (van Leer 1979).
+    The limiter gives nothing at an extremum, and at most twice the smaller difference
+    (van Leer 1979).
     """
     for limited in (False, True):
         assert limited_increment(0.5, 1.0, 1.0, -0.1, limited) == pytest.approx(0.4)
@@ -139,7 +188,9 @@ def test_order_on_quadrilaterals(limited, lowest):
 
 
 def test_order_on_triangles():
-    """Halved rectangles, whose diagonals turn in the middle: an irregular line, where pressure is known less well."""
+    """Halved rectangles, whose diagonals turn in the middle: an irregular line,
+    where pressure is known less well.
+    """
     coarse, fine = (errors(n, "triangle", False) for n in (10, 20))
     observed = dict(zip(NAMES, np.log2(coarse / fine), strict=True))
     assert min(observed.values()) > 1.8, observed
@@ -148,7 +199,9 @@ def test_order_on_triangles():
 @pytest.mark.parametrize("limited", [False, True])
 @pytest.mark.parametrize("shape", ["triangles", "quadrilaterals"])
 def test_order_on_meshes_of_gmsh(shape, limited):
-    """The gas remembers on faces what cells do not see, or p is noise over dt and velocities keep an order of 1.2."""
+    """The gas remembers on faces what cells do not see, or p is noise over dt and
+    velocities keep an order of 1.2.
+    """
     coarse, fine = (errors(n, shape, limited) for n in (12, 24))
     observed = dict(zip(NAMES, np.log2(coarse / fine), strict=True))
     assert min(observed.values()) > 1.8, observed

@@ -1,4 +1,6 @@
-"""Fully developed flow: several solutions of one pair of flows, rough walls, and scenes that cannot be run."""
+"""Fully developed flow: several solutions of one pair of flows, rough walls, and
+scenes that cannot be run.
+"""
 
 from pathlib import Path
 
@@ -8,13 +10,20 @@ from scipy.integrate import cumulative_trapezoid
 
 import contbed as cb
 from contbed.closures.granular import g0_sinclair_jackson
-from contbed.closures.granular_transport import granular_conductivity_syamlal, granular_dissipation_lun
+from contbed.closures.granular_transport import (
+    granular_conductivity_syamlal,
+    granular_dissipation_lun,
+)
 from contbed.developed_flow.equations import Coefficients
 from contbed.developed_flow.plan import coefficients
 from contbed.errors import ConvergenceError, SceneError
 
 SCENE = Path(__file__).parents[2] / "studies" / "two_fluid_checks" / "developed.toml"
-THIN = {"developed_flow.gas_velocity": 8.335, "developed_flow.solids_mass_flux": 2.0, "solver.branches": True}
+THIN = {
+    "developed_flow.gas_velocity": 8.335,
+    "developed_flow.solids_mass_flux": 2.0,
+    "solver.branches": True,
+}
 
 
 def load(**overrides):
@@ -23,15 +32,20 @@ def load(**overrides):
 
 @pytest.mark.slow
 def test_branch_with_folds_has_three_solutions_and_gives_the_one_that_is_meant():
-    """A dilute flow folds between 8.3271 and 8.3419 m/s. The middle one of its solutions is no end of a relaxation."""
-    result = cb.run(load(**THIN, **{"developed_flow.granular_temperature_centre": 0.0158}))
+    """A dilute flow folds between 8.3271 and 8.3419 m/s. The middle one of its
+    solutions is no end of a relaxation.
+    """
+    result = cb.run(
+        load(**THIN, **{"developed_flow.granular_temperature_centre": 0.0158})
+    )
     theta = result.tables["branches"]["theta_centre [m2/s2]"]
     drop = result.tables["branches"]["pressure_gradient [Pa/m]"]
     assert result.qoi["solutions_found"] == len(theta) == 3
     # a node has moved to the kink of this solution since: 1e-5
     assert result.qoi["theta_centre"] == pytest.approx(theta[1], rel=1e-5)
     assert result.qoi["pressure_gradient_Pa_m"] == pytest.approx(drop[1], rel=1e-5)
-    assert np.all(np.diff(drop) < -1.0)  # the calmer, the more particles: by more than 1 of 34 Pa/m
+    # the calmer, the more particles: by more than 1 of 34 Pa/m
+    assert np.all(np.diff(drop) < -1.0)
     assert abs(result.balances["momentum"]["relative_residual"]) < 1e-10
     assert [text for text in result.warnings if "turbulent" not in text] == []
 
@@ -39,27 +53,46 @@ def test_branch_with_folds_has_three_solutions_and_gives_the_one_that_is_meant()
 def test_one_solution_says_when_another_was_meant():
     result = cb.run(load(**{"developed_flow.granular_temperature_centre": 0.3}))
     assert result.qoi["theta_centre"] == pytest.approx(0.027872205, rel=1e-6)
-    assert any("not near 0.3; solver.branches = true" in text for text in result.warnings)
+    assert any(
+        "not near 0.3; solver.branches = true" in text for text in result.warnings
+    )
 
 
 def test_rough_wall_holds_particles_back():
-    """Specularity 1 is reached through smoother walls. Particles are slower at the wall and the drop is larger."""
-    smooth, rough = (cb.run(load(**{"boundary.wall.solids.beads.specularity": value})) for value in (0.05, 1.0))
+    """Specularity 1 is reached through smoother walls. Particles are slower at the
+    wall and the drop is larger.
+    """
+    smooth, rough = (
+        cb.run(load(**{"boundary.wall.solids.beads.specularity": value}))
+        for value in (0.05, 1.0)
+    )
     assert rough.qoi["u_solid_wall"] < 0.2 * smooth.qoi["u_solid_wall"]
-    assert rough.qoi["pressure_gradient_Pa_m"] > 2 * smooth.qoi["pressure_gradient_Pa_m"]
+    assert (
+        rough.qoi["pressure_gradient_Pa_m"] > 2 * smooth.qoi["pressure_gradient_Pa_m"]
+    )
     assert abs(rough.balances["momentum"]["relative_residual"]) < 1e-10
 
 
 def test_pipe_holds_its_momentum_and_granular_energy_up_to_every_radius():
-    """Both stresses carry weight less push; what is sheared dissipates or is conducted to the wall: by trapezoids and
-    differences between nodes, 2e-3 and 1e-2 of the largest.
+    """Both stresses carry weight less push; what is sheared dissipates or is conducted
+    to the wall: by trapezoids and differences between nodes, 2e-3 and 1e-2 of the
+    largest.
     """
     result = cb.run(load(**{"developed_flow.section": "pipe", "solver.cells": 120}))
     c = result.profiles
     r, eps_s, theta, mu, beta = (
-        c[name] for name in ("r [m]", "eps_s [1]", "theta [m2/s2]", "mu_solid [Pa s]", "beta [kg/m3/s]")
+        c[name]
+        for name in (
+            "r [m]",
+            "eps_s [1]",
+            "theta [m2/s2]",
+            "mu_solid [Pa s]",
+            "beta [kg/m3/s]",
+        )
     )
-    force = result.qoi["pressure_gradient_Pa_m"] - 9.81 * (2500.0 * eps_s + 1.2 * (1 - eps_s))
+    force = result.qoi["pressure_gradient_Pa_m"] - 9.81 * (
+        2500.0 * eps_s + 1.2 * (1 - eps_s)
+    )
     shear = np.gradient(c["u_solid [m/s]"], r)
     stress = r * (mu * shear + 1.8e-5 * np.gradient(c["u_gas [m/s]"], r))
     carried = -cumulative_trapezoid(force * r, r, initial=0.0)
@@ -68,15 +101,24 @@ def test_pipe_holds_its_momentum_and_granular_energy_up_to_every_radius():
     g0 = g0_sinclair_jackson(eps_s, 0.6)
     k = 2500.0 * 1e-3 * theta**0.5 * granular_conductivity_syamlal(eps_s, g0, 0.95)
     gamma = 2500.0 / 1e-3 * theta**1.5 * granular_dissipation_lun(eps_s, g0, 0.95)
-    left = cumulative_trapezoid((gamma + 3 * beta * theta - mu * shear**2) * r, r, initial=0.0)
-    assert np.abs(r * k * np.gradient(theta, r) - left)[inner].max() < 1e-2 * np.abs(left).max()
+    left = cumulative_trapezoid(
+        (gamma + 3 * beta * theta - mu * shear**2) * r, r, initial=0.0
+    )
+    assert (
+        np.abs(r * k * np.gradient(theta, r) - left)[inner].max()
+        < 1e-2 * np.abs(left).max()
+    )
 
 
 @pytest.mark.parametrize("name", ["sinclair_jackson", "lun_savage", "ma_ahmadi"])
 def test_fraction_inverts_the_pressure(name):
-    c: Coefficients = coefficients(load(**{"closures.radial_distribution": f"g0_{name}"}))
+    c: Coefficients = coefficients(
+        load(**{"closures.radial_distribution": f"g0_{name}"})
+    )
     eps_s = c.eps_max * np.array([1e-9, 1e-3, 0.1, 0.5, 0.9, 0.999])
-    np.testing.assert_allclose(c.fraction(c.relative_pressure(eps_s)), eps_s, rtol=1e-11)
+    np.testing.assert_allclose(
+        c.fraction(c.relative_pressure(eps_s)), eps_s, rtol=1e-11
+    )
 
 
 def test_no_fraction_below_packing_is_no_number():
@@ -92,7 +134,11 @@ def test_no_fraction_below_packing_is_no_number():
         ("developed_flow.gas_velocity", -1.0, "> 0"),
         ("developed_flow.solids_mass_flux", -1.0, ">= 0"),
         ("closures.drag", "drag_wen_you", "drag_wen_yu"),
-        ("developed_flow.granular_temperature_center", 0.1, "granular_temperature_centre"),
+        (
+            "developed_flow.granular_temperature_center",
+            0.1,
+            "granular_temperature_centre",
+        ),
         ("boundary.wall.solids.beads.specularity", 1.5, "<= 1"),
         ("solids.beads.packing_limit", 0.9, "< 0.75"),
         ("solver.cells", 2, ">= 4"),
@@ -108,15 +154,21 @@ def test_bad_scenes_say_what_is_wrong(key, value, said):
 def test_gas_that_would_be_turbulent_is_told():
     """9 m/s of air between plates 30.4 mm apart: Re = 18 240."""
     planned = cb.plan(load())
-    said = "developed_flow.gas_velocity = 9.0: the gas alone would be turbulent, Re = 1.82e+04"
+    said = (
+        "developed_flow.gas_velocity = 9.0: the gas alone would be turbulent, Re = "
+        "1.82e+04"
+    )
     assert any(said in text for text in planned.scene.warnings)
     assert "WARNING" in str(planned)
-    slow = load(**{"developed_flow.solids_mass_flux": 0.0, "developed_flow.gas_velocity": 0.1})
+    slow = load(
+        **{"developed_flow.solids_mass_flux": 0.0, "developed_flow.gas_velocity": 0.1}
+    )
     assert slow.warnings == () == tuple(cb.run(slow).warnings)
 
 
 def test_a_search_that_fails_ends_with_advice():
     with pytest.raises(
-        ConvergenceError, match=r"no solution found(.|\n)*try granular_temperature_centre = .*a solids_mass_flux below"
+        ConvergenceError,
+        match=r"no solution found(.|\n)*try granular_temperature_centre = .*a solids_mass_flux below",
     ):
         cb.run(load(**{"solver.newton_iterations": 1}))

@@ -1,4 +1,6 @@
-"""Fully developed flow of fine particles: production of fluctuations by the slip, and what is said without it."""
+"""Fully developed flow of fine particles: production of fluctuations by the slip,
+and what is said without it.
+"""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,14 +17,21 @@ from contbed.loading import from_dict
 
 def fcc(cells=60, **closures):
     """FCC of 75 um in a pipe of 100 mm; 5 m/s, 50 kg/m2/s."""
-    flow = {"section": "pipe", "radius": 0.05, "gas_velocity": 5.0, "solids_mass_flux": 50.0}
+    flow = {
+        "section": "pipe",
+        "radius": 0.05,
+        "gas_velocity": 5.0,
+        "solids_mass_flux": 50.0,
+    }
     return from_dict(
         {
             "developed_flow": flow,
             "closures": closures,
             "gas": {"density": 1.2, "viscosity": 1.8e-5},
             "solids": {"beads": {"diameter": 75e-6, "density": 1500.0}},
-            "boundary": {"wall": {"type": "wall", "solids": {"beads": {"specularity": 0.1}}}},
+            "boundary": {
+                "wall": {"type": "wall", "solids": {"beads": {"specularity": 0.1}}}
+            },
             "solver": {"cells": cells},
             "output": {"plots": False, "fields": False},
         }
@@ -47,29 +56,46 @@ def test_fine_particles_have_a_solution_with_production_by_the_slip():
     )
     at = model.local(u, c)
     slip = u.u_gas - u.u_solid
-    S = 81.0 * at.eps_s * 1.8e-5**2 * slip**2 / (at.g0 * 75e-6**3 * 1500.0 * np.pi**0.5 * u.root)
+    S = (
+        81.0
+        * at.eps_s
+        * 1.8e-5**2
+        * slip**2
+        / (at.g0 * 75e-6**3 * 1500.0 * np.pi**0.5 * u.root)
+    )
     assert at.production == pytest.approx(S, rel=1e-12)
 
 
 @pytest.mark.slow
 def test_fine_particles_without_it_end_with_advice():
-    with pytest.raises(ConvergenceError, match=r'no solution found .*production = "granular_production_koch"'):
+    with pytest.raises(
+        ConvergenceError,
+        match=r'no solution found .*production = "granular_production_koch"',
+    ):
         cb.run(fcc(20))
 
 
 @pytest.mark.slow
 def test_cells_that_are_too_coarse_are_halved_and_told():
     result = cb.run(fcc(40, granular_production="granular_production_koch"))
-    assert any("no solution with 40 cells; 80 are used" in text for text in result.warnings)
+    assert any(
+        "no solution with 40 cells; 80 are used" in text for text in result.warnings
+    )
     assert abs(result.balances["momentum"]["relative_residual"]) < 1e-10
 
 
 def test_coarse_particles_that_fail_are_not_told_of_production():
-    """1 mm: shear and walls reach all particles with fluctuations; a search that fails has another reason."""
-    scene = Path(__file__).parents[2] / "studies" / "two_fluid_checks" / "developed.toml"
+    """1 mm: shear and walls reach all particles with fluctuations; a search that
+    fails has another reason.
+    """
+    scene = (
+        Path(__file__).parents[2] / "studies" / "two_fluid_checks" / "developed.toml"
+    )
     with pytest.raises(ConvergenceError) as error:
         cb.run(cb.load(scene, {"solver.newton_iterations": 1}))
-    assert "try granular_temperature_centre" in str(error.value) and "production" not in str(error.value)
+    assert "try granular_temperature_centre" in str(
+        error.value
+    ) and "production" not in str(error.value)
 
 
 def test_a_name_that_does_not_exist_is_refused():

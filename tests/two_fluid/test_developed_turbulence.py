@@ -1,4 +1,6 @@
-"""Turbulent gas in developed flow: friction and profile of smooth pipes, limits of the eddy viscosity, a riser."""
+"""Turbulent gas in developed flow: friction and profile of smooth pipes, limits of
+the eddy viscosity, a riser.
+"""
 
 import numpy as np
 import pytest
@@ -13,14 +15,21 @@ R, NU = 0.05, 1.8e-5 / 1.2
 
 
 def pipe(Re, flux=0.0, turbulence="eddy_viscosity_nikuradse"):
-    flow = {"section": "pipe", "radius": R, "gas_velocity": Re * NU / (2 * R), "solids_mass_flux": flux}
+    flow = {
+        "section": "pipe",
+        "radius": R,
+        "gas_velocity": Re * NU / (2 * R),
+        "solids_mass_flux": flux,
+    }
     return from_dict(
         {
             "developed_flow": flow,
             "closures": {"turbulence": turbulence},
             "gas": {"density": 1.2, "viscosity": 1.8e-5},
             "solids": {"beads": {"diameter": 200e-6, "density": 2500.0}},
-            "boundary": {"wall": {"type": "wall", "solids": {"beads": {"specularity": 0.1}}}},
+            "boundary": {
+                "wall": {"type": "wall", "solids": {"beads": {"specularity": 0.1}}}
+            },
             "output": {"plots": False, "fields": False},
         }
     )
@@ -28,9 +37,11 @@ def pipe(Re, flux=0.0, turbulence="eddy_viscosity_nikuradse"):
 
 @pytest.mark.parametrize("Re", [1e4, 1e5, 1e6])
 def test_friction_and_profile_of_smooth_pipes(Re):
-    """Prandtl's friction within 3.5 % and u+ = ln(y+)/0.41 + 5.0 within 1.0 at y+ 30 to 100.
+    """Prandtl's friction within 3.5 % and u+ = ln(y+)/0.41 + 5.0 within 1.0 at y+ 30 to
+    100.
 
-    The mixing length gives 3.0, -1.2 and -1.9 % of friction, 0.9, 0.5 and 0.5 of u+: a law fitted to pipes.
+    The mixing length gives 3.0, -1.2 and -1.9 % of friction, 0.9, 0.5 and 0.5 of u+: a
+    law fitted to pipes.
     """
     scene = pipe(Re)
     result = cb.run(scene)
@@ -61,26 +72,35 @@ def test_limits_of_the_eddy_viscosity():
     # 0.4 y in the layer that the wall does not damp
     y = np.array([1e-3])
     fast = flow | {"u_friction": 10.0}
-    assert eddy_viscosity_nikuradse(y=y, shear_rate=1.0, drag_rate=0.0, **fast) == pytest.approx(
-        (0.4 * y) ** 2, rel=0.1
-    )
+    assert eddy_viscosity_nikuradse(
+        y=y, shear_rate=1.0, drag_rate=0.0, **fast
+    ) == pytest.approx((0.4 * y) ** 2, rel=0.1)
     # shear that drag of particles outweighs: (l du/dr)^2 over 2 drag_rate/0.3
     damped = eddy_viscosity_nikuradse(y=R, shear_rate=1.0, drag_rate=1e6, **flow)
     assert damped == pytest.approx((0.14 * R) ** 2 * 0.3 / 2e6, rel=1e-6)
 
 
 def test_laminar_gas_takes_no_eddy_viscosity():
-    with pytest.raises(SceneError, match=r"turbulence.*the gas alone is laminar, Re = 2e\+03"):
+    with pytest.raises(
+        SceneError, match=r"turbulence.*the gas alone is laminar, Re = 2e\+03"
+    ):
         pipe(2000.0)
 
 
 def test_turbulence_makes_the_gas_of_a_riser_flatter():
-    """200 um, Re 6e4, 100 kg/m2/s: without it gas flows at 19.5 m/s half way to the wall, at 4.4 m/s at the centre."""
+    """200 um, Re 6e4, 100 kg/m2/s: without it gas flows at 19.5 m/s half way to the
+    wall, at 4.4 m/s at the centre.
+    """
     result = cb.run(pipe(6e4, 100.0))
     laminar = cb.run(pipe(6e4, 100.0, turbulence=None))
-    assert result.profiles["u_gas [m/s]"].max() < 0.7 * laminar.profiles["u_gas [m/s]"].max()
+    assert (
+        result.profiles["u_gas [m/s]"].max()
+        < 0.7 * laminar.profiles["u_gas [m/s]"].max()
+    )
     assert result.qoi["u_gas_centre"] > 1.3 * laminar.qoi["u_gas_centre"]
     for name in ("momentum", "gas flow", "solids flow"):
         assert abs(result.balances[name]["relative_residual"]) < 1e-10
-    assert any('turbulence = "eddy_viscosity_nikuradse"' in text for text in laminar.warnings)
+    assert any(
+        'turbulence = "eddy_viscosity_nikuradse"' in text for text in laminar.warnings
+    )
     assert any(use["name"] == "eddy_viscosity_nikuradse" for use in result.closures)

@@ -1,4 +1,6 @@
-"""Two fluids and developed flow whose gas is a material, a mixture of Cantera or a fluid of CoolProp."""
+"""Two fluids and developed flow whose gas is a material, a mixture of Cantera or a
+fluid of CoolProp.
+"""
 
 import subprocess
 import sys
@@ -14,7 +16,9 @@ BED = {
     "model": "two_fluid",
     "mesh": {"type": "rectangle", "length": 0.1, "height": 0.4, "cells": [4, 16]},
     "gas": {"model": "cantera", "composition": "N2:0.79, O2:0.21"},
-    "solids": {"beads": {"diameter": 275e-6, "density": 2500.0, "heat_capacity": 800.0}},
+    "solids": {
+        "beads": {"diameter": 275e-6, "density": 2500.0, "heat_capacity": 800.0}
+    },
     "heat": {},
     "boundary": {
         "left": {"type": "wall"},
@@ -22,15 +26,27 @@ BED = {
         "bottom": {"type": "inlet", "gas": {"velocity": 0.4, "temperature": 500.0}},
         "top": {"type": "outlet"},
     },
-    "initial": {"gas": {"temperature": 600.0}, "solids": {"beads": {"volume_fraction": 0.5}}},
+    "initial": {
+        "gas": {"temperature": 600.0},
+        "solids": {"beads": {"volume_fraction": 0.5}},
+    },
     "time": {"end": 0.1},
 }
 RISER = {
     "model": "developed_flow",
-    "gas": {"model": "cantera", "composition": "N2:0.79, O2:0.21", "reference_temperature": 400.0},
+    "gas": {
+        "model": "cantera",
+        "composition": "N2:0.79, O2:0.21",
+        "reference_temperature": 400.0,
+    },
     "solids": {"beads": {"diameter": 1e-3, "density": 2500.0}},
     "boundary": {"wall": {"solids": {"beads": {"specularity": 0.05}}}},
-    "developed_flow": {"section": "channel", "radius": 0.0152, "gas_velocity": 9.0, "solids_mass_flux": 100.0},
+    "developed_flow": {
+        "section": "channel",
+        "radius": 0.0152,
+        "gas_velocity": 9.0,
+        "solids_mass_flux": 100.0,
+    },
 }
 COOLPROP = {"model": "coolprop", "name": "Air", "T_range": [300.0, 900.0]}
 AIR = gas_mixture("N2:0.79, O2:0.21", 101325.0)
@@ -38,7 +54,10 @@ AIR = gas_mixture("N2:0.79, O2:0.21", 101325.0)
 
 def properties(gas, T):
     """Density, viscosity, heat capacity and conductivity of a gas at a temperature."""
-    return tuple(float(part(T)) for part in (gas.density, gas.viscosity, gas.heat_capacity, gas.conductivity))
+    return tuple(
+        float(part(T))
+        for part in (gas.density, gas.viscosity, gas.heat_capacity, gas.conductivity)
+    )
 
 
 def cold():
@@ -55,7 +74,9 @@ def cold():
     ],
 )
 def test_properties_are_those_at_one_temperature(changes, without, T):
-    assert from_dict(changed(BED, changes, without)).fluid == pytest.approx(properties(AIR, T), rel=1e-12)
+    assert from_dict(changed(BED, changes, without)).fluid == pytest.approx(
+        properties(AIR, T), rel=1e-12
+    )
 
 
 def test_the_two_libraries_agree_on_air():
@@ -66,7 +87,9 @@ def test_the_two_libraries_agree_on_air():
 
 def test_a_liquid_of_the_library():
     salt = {"material": "solar_salt", "material_temperature": "340 degC"}
-    assert from_dict(changed(BED, {"gas": salt})).fluid.density == pytest.approx(2263.7234 - 0.636 * 613.15)
+    assert from_dict(changed(BED, {"gas": salt})).fluid.density == pytest.approx(
+        2263.7234 - 0.636 * 613.15
+    )
 
 
 def test_developed_flow_takes_them_at_the_reference_temperature():
@@ -77,12 +100,22 @@ def test_developed_flow_takes_them_at_the_reference_temperature():
     ("scene", "changes", "without", "said"),
     [
         (cold(), {}, ("initial.gas.temperature", "boundary.bottom.gas.temperature"), "give gas.reference_temperature"),
-        (BED, {"gas": COOLPROP | {"reference_temperature": 1000.0}}, (), "known from 300 to 900 K, not at 1000 K"),
-        (BED, {"gas": {"density": 1.2, "viscosity": 1.8e-5}}, (), "gas.heat_capacity: missing; [heat] needs it"),
-        (cold(), {"gas.density_law": "ideal_gas"}, (), "gas.density_law = \"ideal_gas\": has no meaning without"),
+        (BED, {"gas": COOLPROP | {"reference_temperature": 1000.0}}, (), "known from "
+                                                                         "300 to 900 "
+                                                                         "K, not at "
+                                                                         "1000 K"),
+        (BED, {"gas": {"density": 1.2, "viscosity": 1.8e-5}}, (), "gas.heat_capacity: "
+                                                                  "missing; [heat] "
+                                                                  "needs it"),
+        (cold(), {"gas.density_law": "ideal_gas"}, (), "gas.density_law = "
+                                                       "\"ideal_gas\": has no meaning "
+                                                       "without"),
         (RISER, {}, ("gas.reference_temperature",), "give gas.reference_temperature"),
-        (BED, {"solids.sand": {"diameter": 1e-3, "density": 2500.0}}, (), "one solid phase, [solids.NAME]; found"),
-        (BED, {"initial.solids.beds.volume_fraction": 0.1}, (), "initial.solids.beds: no such solid; allowed: beads"),
+        (BED, {"solids.sand": {"diameter": 1e-3, "density": 2500.0}}, (), "one solid "
+                                                                          "phase, [solids.NAME]; found"),
+        (BED, {"initial.solids.beds.volume_fraction": 0.1}, (), "initial.solids.beds: "
+                                                                "no such solid; "
+                                                                "allowed: beads"),
         (RISER, {"boundary.wall.solids": {"sand": {"specularity": 0.1}}}, (), "boundary.wall.solids.sand: no such"),
     ],
 )  # fmt: skip
@@ -94,9 +127,12 @@ def test_a_mistake_is_named(scene, changes, without, said):
 
 def test_a_gas_of_constants_imports_no_library():
     code = (
-        "import sys; from contbed.loading import load; from contbed.models import MODELS, plan\n"
+        "import sys; from contbed.loading import load; from contbed.models import "
+        "MODELS, plan\n"
         "plan(load(MODELS['two_fluid'].template)); print(*sys.modules)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
     assert "contbed.two_fluid.plan" in done.stdout
     assert not {"cantera", "CoolProp"} & set(done.stdout.split())

@@ -1,4 +1,6 @@
-"""Lateral profiles at levels: those of the row of cells that a level cuts, and the mean speed of the particles."""
+"""Lateral profiles at levels: those of the row of cells that a level cuts, and the
+mean speed of the particles.
+"""
 
 import numpy as np
 import pytest
@@ -43,7 +45,9 @@ def test_a_level_has_the_profile_of_its_row_of_cells():
 
 
 def test_speed_is_the_mean_of_the_magnitude():
-    """Not less than the magnitude of the mean velocity, and its root mean square not less than the mean."""
+    """Not less than the magnitude of the mean velocity, and its root mean square not
+    less than the mean.
+    """
     from contbed.two_fluid.plan import plan
     from contbed.two_fluid.run import Run
 
@@ -54,17 +58,24 @@ def test_speed_is_the_mean_of_the_magnitude():
         run.after_step(bed)
         if bed.state.time > 1e-3:
             s = bed.state.eps_s
-            speeds.append(bed.state.dt * s * np.sqrt((bed.state.u_solid**2).sum(axis=1)))
+            speeds.append(
+                bed.state.dt * s * np.sqrt((bed.state.u_solid**2).sum(axis=1))
+            )
             weights.append(bed.state.dt * s)
 
     run.bed.advance(4e-3, keep)
     found = run.averages.means()
-    assert found["speed_solid"] == pytest.approx(np.sum(speeds, axis=0) / np.sum(weights, axis=0), rel=1e-12)
-    assert (found["speed_solid"] >= np.linalg.norm(found["u_solid"], axis=1) * (1.0 - 1e-12)).all()
+    assert found["speed_solid"] == pytest.approx(
+        np.sum(speeds, axis=0) / np.sum(weights, axis=0), rel=1e-12
+    )
+    assert (
+        found["speed_solid"] >= np.linalg.norm(found["u_solid"], axis=1) * (1.0 - 1e-12)
+    ).all()
 
 
 def test_a_level_outside_of_the_vessel_is_refused():
     with pytest.raises(
-        SceneError, match=r":7: output.levels\[1\].* outside of the vessel, which reaches from 0 to 0.04"
+        SceneError,
+        match=r":7: output.levels\[1\].* outside of the vessel, which reaches from 0 to 0.04",
     ):
         loads(SCENE.replace("0.032]", "0.042]"))

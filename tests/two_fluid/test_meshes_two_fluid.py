@@ -1,4 +1,6 @@
-"""The two-fluid model on unstructured meshes of every shape of cell: exact states stay, mass is kept, scenes run."""
+"""The two-fluid model on unstructured meshes of every shape of cell: exact states
+stay, mass is kept, scenes run.
+"""
 
 import meshio
 import numpy as np
@@ -49,13 +51,16 @@ def advance(b, steps):
 
 
 def test_uniform_suspension_hangs_in_the_gas(on):
-    # V3 asks for 1e-6 with slip walls; gradients, faces and gathering are exact for what is linear, to rounding
+    # V3 asks for 1e-6 with slip walls; gradients, faces and gathering are exact for
+    # what is linear, to rounding
     s, rho, mu, d_p = 0.4, 1.225, 1.7894e-5, 275e-6
     drag = wen_yu(rho, mu, d_p)
     u = brentq(lambda u: drag(s, u) * u - (1 - s) * (2500 - rho) * 9.81, 1e-6, 10)
     p = (HEIGHT - on.centres[:, -1]) * (s * 2500 + (1 - s) * rho) * 9.81
     ends = {"bottom": Inlet((1 - s) * u), "top": Outlet()}
-    b = bed(on, closures(drag), sides(on, SLIP, **ends), gravity(on), rho_gas=rho, mu_gas=mu)
+    b = bed(
+        on, closures(drag), sides(on, SLIP, **ends), gravity(on), rho_gas=rho, mu_gas=mu
+    )
     b.start(eps_s=s, u_gas=upwards(on, u), p=p)
     advance(b, 50)
     assert np.abs(b.state.u_solid).max() < 1e-10
@@ -75,14 +80,15 @@ def test_column_of_gas_rests(on):
 @pytest.mark.parametrize(
     ("kind", "axis", "superficial", "most"),
     [
-        # without gas to what V3 asks for; gas at the outlet that follows particles as if they fell in from outside
-        # circulates at 1e-4 m/s
+        # without gas to what V3 asks for; gas at the outlet that follows particles as
+        # if they fell in from outside circulates at 1e-4 m/s
         ("triangles", 1, 0.0, 1e-10),
         ("triangles", 0, 0.0, 1e-10),
         ("axisymmetric_triangles", 1, 0.0, 1e-10),
         ("tetrahedra", 2, 0.0, 1e-10),
-        # gas below minimum fluidization: forces that vary along the bed are curved to second order; gradients that take
-        # the curvature for a slope move particles at 5e-5 m/s
+        # gas below minimum fluidization: forces that vary along the bed are curved to
+        # second order; gradients that take the curvature for a slope move particles at
+        # 5e-5 m/s
         ("triangles", 1, 0.03, 1e-6),
         ("triangles", 0, 0.03, 1e-6),
     ],
@@ -91,7 +97,10 @@ def test_packed_bed_rests_below_an_outlet(kind, axis, superficial, most):
     """Particles up to the outlet, carried by friction."""
 
     def ergun(eps_s, slip):
-        return 150 * eps_s * 1.8e-5 / ((1 - eps_s) * 275e-6**2) + 1.75 * 1.2 * slip / 275e-6
+        return (
+            150 * eps_s * 1.8e-5 / ((1 - eps_s) * 275e-6**2)
+            + 1.75 * 1.2 * slip / 275e-6
+        )
 
     along = axis == 0
     on = unstructured(kind, *((HEIGHT, LENGTH) if along else (LENGTH, HEIGHT)), 0.015)
@@ -110,20 +119,34 @@ def test_packed_bed_rests_below_an_outlet(kind, axis, superficial, most):
 
 
 def test_uniform_flow_stays_uniform(on):
-    b = bed(on, closures(), sides(on, SLIP, bottom=Inlet(1.0), top=Outlet()), gravity(on, 0.0))
+    b = bed(
+        on,
+        closures(),
+        sides(on, SLIP, bottom=Inlet(1.0), top=Outlet()),
+        gravity(on, 0.0),
+    )
     b.start(u_gas=upwards(on, 1.0))
     advance(b, 20)
     np.testing.assert_allclose(b.state.u_gas, upwards(on, 1.0), atol=1e-13)
 
 
 def test_noise_fades(on):
-    """Gas alone, with noise on its velocity: convection, projection and gathering amplify nothing, on flat cells too.
+    """Gas alone, with noise on its velocity: convection, projection and gathering
+    amplify nothing, on flat cells too.
 
-    Gradients from the few faces of a flat tetrahedron alone made noise grow tenfold a step.
+    Gradients from the few faces of a flat tetrahedron alone made noise grow tenfold a
+    step.
     """
-    b = bed(on, closures(), sides(on, SLIP, bottom=Inlet(0.5), top=Outlet()), gravity(on, 0.0))
+    b = bed(
+        on,
+        closures(),
+        sides(on, SLIP, bottom=Inlet(0.5), top=Outlet()),
+        gravity(on, 0.0),
+    )
     uniform = upwards(on, 0.5)
-    b.start(u_gas=uniform + 0.02 * np.random.default_rng(1).standard_normal(uniform.shape))
+    b.start(
+        u_gas=uniform + 0.02 * np.random.default_rng(1).standard_normal(uniform.shape)
+    )
     advance(b, 10)
     before = np.abs(b.state.u_gas - uniform).max()
     advance(b, 100)
@@ -131,7 +154,8 @@ def test_noise_fades(on):
 
 
 def test_homogeneous_cooling(on):
-    # first order in time: 1e-3 at dt = 1e-5 (V1), here 1e-2 at 1e-4; theta stays uniform as far as iterations go
+    # first order in time: 1e-3 at dt = 1e-5 (V1), here 1e-2 at 1e-4; theta stays
+    # uniform as far as iterations go
     e, s, d_p, g0, end = 0.95, 0.3, 150e-6, 4.84732, 0.005
     gamma = 12 * (1 - e**2) * g0 * 2500 / (d_p * np.sqrt(np.pi))
     laws = closures(0.0, 1.0, 0.1, 0.1, 0.1, dissipation=gamma)
@@ -139,25 +163,49 @@ def test_homogeneous_cooling(on):
     b.start(eps_s=s, theta=1e-2)
     b.advance(end)
     rate = 8 * (1 - e**2) * s * g0 / (d_p * np.sqrt(np.pi))
-    np.testing.assert_allclose(b.state.theta, 1e-2 / (1 + rate * 0.1 * end / 2) ** 2, rtol=1e-2)
-    assert np.ptp(b.state.theta) < 1e-7 * b.state.theta.mean() and np.abs(b.state.u_solid).max() < 1e-10
+    np.testing.assert_allclose(
+        b.state.theta, 1e-2 / (1 + rate * 0.1 * end / 2) ** 2, rtol=1e-2
+    )
+    assert (
+        np.ptp(b.state.theta) < 1e-7 * b.state.theta.mean()
+        and np.abs(b.state.u_solid).max() < 1e-10
+    )
 
 
 # ---------------------------------------------------------------------- mass and momentum
 
 
 def test_solids_are_kept_between_johnson_jackson_walls(on):
-    """V8: 1e-12 of the mass, with what came in and went out; the flux of both phases has no divergence."""
+    """V8: 1e-12 of the mass, with what came in and went out; the flux of both phases
+    has no divergence.
+    """
     feed = Inlet(1.0, eps_s=0.05, solid_flux=60.0, theta=1e-3)
-    laws = closures(wen_yu(1.2, 1.8e-5, 275e-6), 1.0, 0.05, 0.02, 0.05, 1e6, friction=400.0, rubbing=1.0)
+    laws = closures(
+        wen_yu(1.2, 1.8e-5, 275e-6),
+        1.0,
+        0.05,
+        0.02,
+        0.05,
+        1e6,
+        friction=400.0,
+        rubbing=1.0,
+    )
     wall = Wall("no_slip", "johnson_jackson", 0.1, 0.9)
     b = bed(on, laws, sides(on, wall, bottom=feed, top=Outlet()), gravity(on))
     noise = np.random.default_rng(2).uniform(-1, 1, len(on.cells))
-    b.start(eps_s=0.3 * (1 + 0.1 * noise) * (on.centres[:, -1] < 0.05), u_gas=upwards(on, 1.0), theta=1e-4)
+    b.start(
+        eps_s=0.3 * (1 + 0.1 * noise) * (on.centres[:, -1] < 0.05),
+        u_gas=upwards(on, 1.0),
+        theta=1e-4,
+    )
     before = solids(b)
     for _ in range(60):
         b.step(b.next_step())
-        assert b.state.eps_s.min() >= 0 and b.state.eps_s.max() <= 0.63 and b.state.theta.min() >= 0
+        assert (
+            b.state.eps_s.min() >= 0
+            and b.state.eps_s.max() <= 0.63
+            and b.state.theta.min() >= 0
+        )
     came = b.state.account.solid_in - b.state.account.solid_out
     assert solids(b) == pytest.approx(before + came, rel=1e-12)
     left = np.zeros(len(on.cells))
@@ -167,10 +215,18 @@ def test_solids_are_kept_between_johnson_jackson_walls(on):
 
 
 def momentum_lost(on, drag=100.0):
-    """Drift of the momentum of a lively periodic box in 0.01 s, over density times velocity."""
+    """Drift of the momentum of a lively periodic box in 0.01 s, over density times
+    velocity.
+    """
     size = np.array([LENGTH] * (on.dimension - 1) + [HEIGHT])
     x, volume = 2 * np.pi * on.centres / size, on.geometry.volume
-    b = bed(on, closures(drag, 1.0, 0.2, 0.1, 0.1, 1e4), {}, gravity(on, 0.0), Options(courant=0.3))
+    b = bed(
+        on,
+        closures(drag, 1.0, 0.2, 0.1, 0.1, 1e4),
+        {},
+        gravity(on, 0.0),
+        Options(courant=0.3),
+    )
     u = upwards(on, 0.1 * np.sin(x[:, 0]))
     u[:, 0] += 0.05 * np.cos(x[:, -1]) + 0.03
     b.start(eps_s=0.2 + 0.02 * np.sin(x[:, 0]), u_gas=u, u_solid=u, theta=1e-4)
@@ -181,7 +237,9 @@ def momentum_lost(on, drag=100.0):
 
     before = momentum()
     b.advance(0.01)
-    return np.abs(momentum() - before).max() / (2500 * solids(b) * np.abs(b.state.u_solid).max())
+    return np.abs(momentum() - before).max() / (
+        2500 * solids(b) * np.abs(b.state.u_solid).max()
+    )
 
 
 PAIRS = [("left", "right"), ("bottom", "top")]
@@ -189,8 +247,9 @@ PAIRS = [("left", "right"), ("bottom", "top")]
 
 @pytest.mark.parametrize(("drag", "most"), [(0.0, 1e-14), (100.0, 1e-8)])
 def test_momentum_of_a_periodic_box(drag, most):
-    # forces on faces, gathered in cells, keep momentum to rounding where cells are alike; drag on what faces do not see
-    # of the velocities is that on two separate phases
+    # forces on faces, gathered in cells, keep momentum to rounding where cells are
+    # alike; drag on what faces do not see of the velocities is that on two separate
+    # phases
     assert momentum_lost(rectangle(LENGTH, HEIGHT, (6, 12), PAIRS), drag) < most
 
 
@@ -208,7 +267,9 @@ def test_momentum_of_unequal_cells(kind):
 def test_gas_flow_in_a_pipe_is_parabolic(shape):
     R, mu, errors = 0.01, 0.1, []
     for cells in (6, 12, 24):
-        pipe = MeshAxisymmetric(type="axisymmetric", length=R, radius=R, cells=(cells, cells), shape=shape)
+        pipe = MeshAxisymmetric(
+            type="axisymmetric", length=R, radius=R, cells=(cells, cells), shape=shape
+        )
         on = grid.build(meshing.build(pipe), [("bottom", "top")])
         exact = upwards(on, 1 - (on.centres[:, 0] / R) ** 2)
         b = bed(on, closures(), sides(on, Wall()), (0.0, 0.0), rho_gas=1.0, mu_gas=mu)
@@ -216,8 +277,12 @@ def test_gas_flow_in_a_pipe_is_parabolic(shape):
         b.start(u_gas=exact)
         for _ in range(50):
             b.step(1e-4)
-        errors.append(np.sqrt(on.geometry.volume @ ((b.state.u_gas - exact) ** 2).sum(axis=1)))
-    assert np.log2(errors[0] / errors[1]) > 1.8 and np.log2(errors[1] / errors[2]) > 1.8, errors
+        errors.append(
+            np.sqrt(on.geometry.volume @ ((b.state.u_gas - exact) ** 2).sum(axis=1))
+        )
+    assert (
+        np.log2(errors[0] / errors[1]) > 1.8 and np.log2(errors[1] / errors[2]) > 1.8
+    ), errors
 
 
 # ---------------------------------------------------------------------- scenes
@@ -290,27 +355,48 @@ def scene(folder, text, dimension, boundaries, end=0.01, extra=""):
 
 @pytest.mark.parametrize("kind", [*KINDS, "cylinder"])
 def test_scene_from_gmsh(kind, tmp_path):
-    """Files and tables of a scene on each kind of mesh: cells in place, profiles by position."""
+    """Files and tables of a scene on each kind of mesh: cells in place, profiles by
+    position.
+    """
     round_axis, in_3d = kind.startswith("axi"), kind in (*IN_3D, "cylinder")
-    names = ["wall"] if round_axis or kind == "cylinder" else ["left", "right"] + ["front", "back"] * in_3d
-    text = CYLINDER if kind == "cylinder" else geometry(kind, LENGTH, HEIGHT, 0.015 if in_3d else 0.012)
+    names = (
+        ["wall"]
+        if round_axis or kind == "cylinder"
+        else ["left", "right"] + ["front", "back"] * in_3d
+    )
+    text = (
+        CYLINDER
+        if kind == "cylinder"
+        else geometry(kind, LENGTH, HEIGHT, 0.015 if in_3d else 0.012)
+    )
     walls = "".join(WALL.format(name) for name in names)
-    there = scene(tmp_path, text, 2 + in_3d, walls, extra="axisymmetric = true" * round_axis)
+    there = scene(
+        tmp_path, text, 2 + in_3d, walls, extra="axisymmetric = true" * round_axis
+    )
     result = cb.run(there, tmp_path / "out")
     assert abs(result.qoi["mass_drift_relative"]) < 1e-12
-    assert result.qoi["weight_of_solids"] == pytest.approx(0.55 * 0.06 * 2500 * 9.81, rel=0.15)  # of whole cells
+    # of whole cells
+    assert result.qoi["weight_of_solids"] == pytest.approx(
+        0.55 * 0.06 * 2500 * 9.81, rel=0.15
+    )
     files = meshio.read(sorted((tmp_path / "out").glob("fields_*.vtu"))[-1])
     corners = files.points[files.cells[0].data]
     if kind == "hexahedra":
-        # edges of these cells stand or lie; between corners in a wrong order there are diagonals
-        edges = corners[:, [0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3]] - corners[:, [1, 2, 3, 0, 5, 6, 7, 4, 4, 5, 6, 7]]
+        # edges of these cells stand or lie; between corners in a wrong order there are
+        # diagonals
+        edges = (
+            corners[:, [0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3]]
+            - corners[:, [1, 2, 3, 0, 5, 6, 7, 4, 4, 5, 6, 7]]
+        )
         along, up = np.linalg.norm(edges[..., :2], axis=-1), np.abs(edges[..., 2])
         assert np.minimum(along, up).max() < 1e-9
     middle = corners[..., result.plan.grid.dimension - 1].mean(axis=1)
     dense = files.cell_data["eps_s"][0] > 0.3
     assert dense.any() and middle[dense].max() < 0.08
     axial, lateral = result.tables["axial"], result.tables["lateral"]
-    assert next(iter(lateral)) == ("r [m]" if round_axis or kind == "cylinder" else "x [m]")
+    assert next(iter(lateral)) == (
+        "r [m]" if round_axis or kind == "cylinder" else "x [m]"
+    )
     for table in (axial, lateral):
         place = next(iter(table.values()))
         assert 1 < len(place) <= 15 and (np.diff(place) > 0).all()
@@ -324,26 +410,48 @@ def test_periodic_pair_and_piece_of_a_side(tmp_path):
         "solids.beads = { volume_fraction = 0.2, mass_flux = 20.0 }\n"
     )
     walls = WALL.format("left") + WALL.format("right")
-    result = cb.run(scene(tmp_path, geometry("triangles", LENGTH, HEIGHT, 0.012), 2, walls + feed))
+    result = cb.run(
+        scene(tmp_path, geometry("triangles", LENGTH, HEIGHT, 0.012), 2, walls + feed)
+    )
     # two faces of 12 mm have their middles between 0.07 and 0.1 m
-    assert result.balances["solids"]["in"] == pytest.approx(20.0 * 0.024 * 0.01, rel=1e-9)
+    assert result.balances["solids"]["in"] == pytest.approx(
+        20.0 * 0.024 * 0.01, rel=1e-9
+    )
     periodic = '[boundary.left]\ntype = "periodic"\npartner = "right"\n'
-    result = cb.run(scene(tmp_path, geometry("triangles", LENGTH, HEIGHT, 0.012), 2, periodic))
+    result = cb.run(
+        scene(tmp_path, geometry("triangles", LENGTH, HEIGHT, 0.012), 2, periodic)
+    )
     assert list(result.plan.grid.boundaries) == ["bottom", "top"]
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (('Physical Curve("left", 4) = {4};', ""), "exterior facets are in no Physical Curve"),
-        (("Periodic Curve {2} = {-4} Translate {0.06, 0, 0};", "Transfinite Curve {2} = 8;"), "mesh both sides alike"),
+        (
+            ('Physical Curve("left", 4) = {4};', ""),
+            "exterior facets are in no Physical Curve",
+        ),
+        (
+            (
+                "Periodic Curve {2} = {-4} Translate {0.06, 0, 0};",
+                "Transfinite Curve {2} = 8;",
+            ),
+            "mesh both sides alike",
+        ),
     ],
 )
 def test_meshes_that_cannot_be_used(change, message, tmp_path):
     text = geometry("triangles", LENGTH, HEIGHT, 0.012)
     assert change[0] in text
     with pytest.raises(SceneError, match=message):
-        cb.run(scene(tmp_path, text.replace(*change), 2, '[boundary.left]\ntype = "periodic"\npartner = "right"\n'))
+        cb.run(
+            scene(
+                tmp_path,
+                text.replace(*change),
+                2,
+                '[boundary.left]\ntype = "periodic"\npartner = "right"\n',
+            )
+        )
 
 
 @pytest.mark.parametrize(
@@ -360,10 +468,14 @@ def test_meshes_that_cannot_be_used(change, message, tmp_path):
             + WALL.format("right")
             + WALL.format("port")
             + 'on = "left"\nstart = 0.05\nend = 0.0501',
-            "port: holds no face of 'left', which reaches from 0 m to 0.12 m with 10 faces; refine",
+            "port: holds no face of 'left', which reaches from 0 m to 0.12 m with 10 "
+            "faces; refine",
         ),
         (
-            WALL.format("left") + WALL.format("right") + WALL.format("port") + 'on = "left"\nstart = -1.0\nend = 1.0',
+            WALL.format("left")
+            + WALL.format("right")
+            + WALL.format("port")
+            + 'on = "left"\nstart = -1.0\nend = 1.0',
             "port: holds all faces of 'left'",
         ),
     ],

@@ -1,4 +1,6 @@
-"""Parts of a grid that ranks have, and the outline that the root rank keeps, without ranks: what they must share."""
+"""Parts of a grid that ranks have, and the outline that the root rank keeps, without
+ranks: what they must share.
+"""
 
 import numpy as np
 import pytest
@@ -18,9 +20,12 @@ from contbed.two_fluid.state import zero_state
 SIDES = [("left", "right"), ("bottom", "top")]
 PLANE = MeshRectangle(type="rectangle", length=0.3, height=1.0, cells=(12, 20))
 BOX = {"type": "box", "length": 0.1, "width": 0.2, "height": 0.3}
-ROUND = MeshAxisymmetric(type="axisymmetric", length=1.0, radius=0.3, cells=(6, 9), shape="triangle")
+ROUND = MeshAxisymmetric(
+    type="axisymmetric", length=1.0, radius=0.3, cells=(6, 9), shape="triangle"
+)
 ONE_AROUND = MeshRectangle(type="rectangle", length=0.3, height=1.0, cells=(1, 9))
-# mesh and periodic pairs; a row of one cell that is periodic has faces from the cell to itself
+# mesh and periodic pairs; a row of one cell that is periodic has faces from the cell to
+# itself
 GRIDS = {
     "rectangles": lambda: (meshing.build(PLANE), []),
     "periodic": lambda: (meshing.build(PLANE), SIDES[:1]),
@@ -31,7 +36,10 @@ GRIDS = {
     "quadrilaterals": lambda: (shaken_mesh("quadrilateral", (12, 12)), []),
     "round": lambda: (meshing.build(ROUND), []),
     "box": lambda: (meshing.build(MeshBox(**BOX, cells=(7, 8, 9))), []),
-    "tetrahedra": lambda: (meshing.build(MeshBox(**BOX, cells=(4, 3, 5), shape="tetrahedron")), []),
+    "tetrahedra": lambda: (
+        meshing.build(MeshBox(**BOX, cells=(4, 3, 5), shape="tetrahedron")),
+        [],
+    ),
 }
 # lists of `Geometry` by what they list
 OF_CELLS = ("gradient_inverse", "volume", "moment_inverse", "radius")
@@ -53,13 +61,20 @@ def test_outline_answers_as_the_grid(name):
     assert kept.face_count == whole.face_count > len(kept.geometry.left)
     edges = [assemble(on, conditions(on), 2500.0) for on in (whole, kept)]
     for one, other in zip(edges[0], edges[1], strict=True):
-        for x, y in zip(one, other, strict=True) if isinstance(one, tuple) else [(one, other)]:
+        for x, y in (
+            zip(one, other, strict=True) if isinstance(one, tuple) else [(one, other)]
+        ):
             np.testing.assert_array_equal(x, y)
     for side in (-1, 1):
-        one, other = (end_pressure(on, edge, side) for on, edge in zip((whole, kept), edges, strict=True))
+        one, other = (
+            end_pressure(on, edge, side)
+            for on, edge in zip((whole, kept), edges, strict=True)
+        )
         np.testing.assert_array_equal(one.weights, other.weights)  # the same bits
         assert one.outside == other.outside
-    np.testing.assert_array_equal(np.ptp(whole.middles, axis=0), np.ptp(kept.middles, axis=0))
+    np.testing.assert_array_equal(
+        np.ptp(whole.middles, axis=0), np.ptp(kept.middles, axis=0)
+    )
     assert across(whole)[0] == across(kept)[0]
     states = zero_state(whole), zero_state(kept)
     assert states[0].fluxes.moved.shape == states[1].fluxes.moved.shape
@@ -76,11 +91,19 @@ def test_outline_of_a_large_grid_lists_few_faces():
 
 @pytest.mark.parametrize("axis", ["bottom", "top"])
 def test_outline_of_a_floor_that_is_no_outlet(axis):
-    """The pressure of floor and roof by gradients, which reach two cells into a bed of shaken triangles."""
+    """The pressure of floor and roof by gradients, which reach two cells into a bed
+    of shaken triangles.
+    """
     mesh = shaken_mesh("triangle", (12, 12))
     whole, kept, side = grid.build(mesh), outline(mesh), -1 if axis == "bottom" else 1
-    edges = [assemble(on, {name: Wall() for name in on.boundaries}, 2500.0) for on in (whole, kept)]
-    one, other = (end_pressure(on, edge, side) for on, edge in zip((whole, kept), edges, strict=True))
+    edges = [
+        assemble(on, {name: Wall() for name in on.boundaries}, 2500.0)
+        for on in (whole, kept)
+    ]
+    one, other = (
+        end_pressure(on, edge, side)
+        for on, edge in zip((whole, kept), edges, strict=True)
+    )
     assert np.count_nonzero(one.weights) > 24  # cells beside the side
     np.testing.assert_array_equal(one.weights, other.weights)
 
@@ -88,7 +111,9 @@ def test_outline_of_a_floor_that_is_no_outlet(axis):
 @pytest.mark.parametrize("size", [1, 2, 3])
 @pytest.mark.parametrize("name", GRIDS)
 def test_parts_are_those_of_the_grid(name, size):
-    """Each cell and face once, and all that ranks make from their shares to the last bit as in the grid as built."""
+    """Each cell and face once, and all that ranks make from their shares to the last
+    bit as in the grid as built.
+    """
     mesh, periodic = GRIDS[name]()
     whole, division = grid.build(mesh, periodic), Division.of(connect(mesh, periodic))
     height = whole.centres[:, -1] / whole.middles[:, -1].max()
@@ -100,20 +125,39 @@ def test_parts_are_those_of_the_grid(name, size):
     assert np.array_equal(np.sort(faces), np.arange(whole.face_count))
     for part in parts:
         g, there = part.geometry, whole.geometry
-        for names, places in ((OF_FACES, part.faces), (OF_INTERIOR, part.interior), (OF_CELLS, part.cells)):
+        for names, places in (
+            (OF_FACES, part.faces),
+            (OF_INTERIOR, part.interior),
+            (OF_CELLS, part.cells),
+        ):
             for key in names:
                 if len(getattr(there, key)):
-                    np.testing.assert_array_equal(getattr(there, key)[places], getattr(g, key), err_msg=key)
-        assert (g.skewed, g.axes, g.edge_from, g.edge_to) == (there.skewed, there.axes, len(g.right), len(g.left))
+                    np.testing.assert_array_equal(
+                        getattr(there, key)[places], getattr(g, key), err_msg=key
+                    )
+        assert (g.skewed, g.axes, g.edge_from, g.edge_to) == (
+            there.skewed,
+            there.axes,
+            len(g.right),
+            len(g.left),
+        )
         np.testing.assert_array_equal(there.left[part.faces], part.cells[g.left])
         np.testing.assert_array_equal(there.right[part.interior], part.cells[g.right])
         np.testing.assert_array_equal(whole.centres[part.cells], part.centres)
         np.testing.assert_array_equal(whole.middles[part.faces], part.middles)
         nodes = mesh.skfem.p[:, mesh.skfem.t[:, part.grid_cells]]
-        np.testing.assert_allclose(part.points[part.corners].mean(axis=1).T, nodes.mean(axis=1), rtol=0.0, atol=1e-15)
+        np.testing.assert_allclose(
+            part.points[part.corners].mean(axis=1).T,
+            nodes.mean(axis=1),
+            rtol=0.0,
+            atol=1e-15,
+        )
         for other in parts:
             if part.rank in other.received:
-                sent, received = part.cells[part.sent[other.rank]], other.cells[other.received[part.rank]]
+                sent, received = (
+                    part.cells[part.sent[other.rank]],
+                    other.cells[other.received[part.rank]],
+                )
                 assert len(sent)
                 np.testing.assert_array_equal(sent, received)
         assert part.sent.keys() == part.received.keys()
@@ -123,7 +167,13 @@ def test_a_model_on_the_outline_has_the_same_conditions_and_ends():
     mesh = meshing.build(PLANE)
     whole = grid.build(mesh)
     materials = Materials(1.2, 1.8e-5, 2500.0, 5e-4, 0.63, (0.0, -9.81))
-    one, other = (build_model(on, materials, closures(), conditions(on)) for on in (whole, outline(mesh)))
+    one, other = (
+        build_model(on, materials, closures(), conditions(on))
+        for on in (whole, outline(mesh))
+    )
     p = np.linspace(0.0, 100.0, len(whole.cells))
     assert [end.mean(p) for end in one.ends] == [end.mean(p) for end in other.ends]
-    assert np.array_equal(one.boundary_cells, other.boundary_cells) and one.closed == other.closed
+    assert (
+        np.array_equal(one.boundary_cells, other.boundary_cells)
+        and one.closed == other.closed
+    )

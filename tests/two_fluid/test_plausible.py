@@ -1,4 +1,6 @@
-"""Two-fluid runs whose results are not possible: steps too long, speeds, pressures and temperatures out of bounds."""
+"""Two-fluid runs whose results are not possible: steps too long, speeds, pressures
+and temperatures out of bounds.
+"""
 
 from pathlib import Path
 
@@ -20,8 +22,14 @@ BED = {
     "two_fluid": {},
     "gas": {"density": 1.2, "viscosity": 1.8e-5},
     "solids": {"beads": {"diameter": 275e-6, "density": 2500.0}},
-    "initial": {"layer": [{"end": 0.2, "solids": {"beads": {"volume_fraction": 0.58}}}]},
-    "boundary": WALLS | {"bottom": {"type": "inlet", "gas": {"velocity": 0.3}}, "top": {"type": "outlet"}},
+    "initial": {
+        "layer": [{"end": 0.2, "solids": {"beads": {"volume_fraction": 0.58}}}]
+    },
+    "boundary": WALLS
+    | {
+        "bottom": {"type": "inlet", "gas": {"velocity": 0.3}},
+        "top": {"type": "outlet"},
+    },
     "time": {"end": 0.02},
 }
 HEAT = {
@@ -33,23 +41,38 @@ HEAT = {
 
 def test_a_fixed_step_that_is_too_long_is_cut():
     """Steps of 0.1 s in cells of 4 cm: uncut, particles reach 4e6 m/s."""
-    change = {"mesh.cells": [8, 24], "time.step": 0.1, "time.sample": 0.1, "time.end": 3.0}
+    change = {
+        "mesh.cells": [8, 24],
+        "time.step": 0.1,
+        "time.sample": 0.1,
+        "time.end": 3.0,
+    }
     result = cb.run(cb.load(STUDIES / "taghipour_bed" / "bed_0.46.toml", change))
     assert result.profiles["u_solid_max [m/s]"].max() < 5.0
-    assert result.qoi["pressure_drop [Pa]"] == pytest.approx(result.qoi["weight_of_solids"], rel=0.5)
-    assert any("time.step = 0.1 s" in text and "were shortened" in text for text in result.warnings)
+    assert result.qoi["pressure_drop [Pa]"] == pytest.approx(
+        result.qoi["weight_of_solids"], rel=0.5
+    )
+    assert any(
+        "time.step = 0.1 s" in text and "were shortened" in text
+        for text in result.warnings
+    )
 
 
 def test_a_fixed_step_within_its_bounds_stays():
-    result = cb.run(from_dict(BED | {"time": {"end": 0.02, "step": 1e-3, "sample": 0.01}}))
+    result = cb.run(
+        from_dict(BED | {"time": {"end": 0.02, "step": 1e-3, "sample": 0.01}})
+    )
     assert result.qoi["steps"] == 20
     assert result.warnings == []
 
 
 @pytest.mark.filterwarnings("error")  # of numpy's numbers that are too large
 def test_a_run_without_guards_that_overheats_says_so(tmp_path, monkeypatch):
-    """Particles between no-slip walls, few of them above many; what was computed before is kept."""
-    # theta overflows after 0.1 to 0.2 s and some 300 steps where their heat does not bind these, with guards never
+    """Particles between no-slip walls, few of them above many; what was computed
+    before is kept.
+    """
+    # theta overflows after 0.1 to 0.2 s and some 300 steps where their heat does not
+    # bind these, with guards never
     monkeypatch.setattr("contbed.two_fluid.simulation.HEATING_LIMIT", 1e6)
     walls = BED["boundary"] | {"bottom": {"type": "inlet", "gas": {"velocity": 0.4}}}
     table = {
@@ -61,22 +84,38 @@ def test_a_run_without_guards_that_overheats_says_so(tmp_path, monkeypatch):
         "layer": [{"end": 0.15, "solids": {"beads": {"volume_fraction": 0.58}}}],
         "solids": {"beads": {"granular_temperature": 1e-4}},
     }
-    with pytest.raises(ConvergenceError, match=r"two_fluid\.guards = false: .*; set guards = true"):
+    with pytest.raises(
+        ConvergenceError, match=r"two_fluid\.guards = false: .*; set guards = true"
+    ):
         cb.run(from_dict(BED | table | {"two_fluid": {"guards": False}}), tmp_path)
     assert (tmp_path / "checkpoint.npz").is_file()
 
 
 def test_impossible_speeds_and_pressures_end_the_run(monkeypatch):
-    """What weight, free fall and inlet give is exceeded where the bounds are made a thousand times as strict."""
+    """What weight, free fall and inlet give is exceeded where the bounds are made a
+    thousand times as strict.
+    """
     speed, drop = plausibility.largest_speed, plausibility.largest_pressure_drop
-    monkeypatch.setattr(plausibility, "largest_speed", lambda *given: 1e-3 * speed(*given))
-    with pytest.raises(ConvergenceError, match=r"free fall and what enters give at most.*leave out time\.step"):
+    monkeypatch.setattr(
+        plausibility, "largest_speed", lambda *given: 1e-3 * speed(*given)
+    )
+    with pytest.raises(
+        ConvergenceError,
+        match=r"free fall and what enters give at most.*leave out time\.step",
+    ):
         cb.run(from_dict(BED))
     monkeypatch.setattr(plausibility, "largest_speed", speed)
     long = BED | {"time": {"end": 0.2}}
-    monkeypatch.setattr(plausibility, "largest_pressure_drop", lambda *given: 0.1 * drop(*given))
-    assert any("while weight and flow give at most" in text for text in cb.run(from_dict(long)).warnings)
-    monkeypatch.setattr(plausibility, "largest_pressure_drop", lambda *given: 1e-3 * drop(*given))
+    monkeypatch.setattr(
+        plausibility, "largest_pressure_drop", lambda *given: 0.1 * drop(*given)
+    )
+    assert any(
+        "while weight and flow give at most" in text
+        for text in cb.run(from_dict(long)).warnings
+    )
+    monkeypatch.setattr(
+        plausibility, "largest_pressure_drop", lambda *given: 1e-3 * drop(*given)
+    )
     with pytest.raises(ConvergenceError, match="while weight and flow give at most"):
         cb.run(from_dict(long))
 
@@ -84,36 +123,77 @@ def test_impossible_speeds_and_pressures_end_the_run(monkeypatch):
 def test_temperatures_beyond_those_given_end_the_run():
     """A wall that gives far too much heat."""
     hot = {"type": "wall", "heat_flux": 1e6}
-    warm = BED["boundary"] | {"left": hot, "bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 300.0}}}
-    scene = BED | HEAT | {"initial": BED["initial"] | {"gas": {"temperature": 300.0}}, "boundary": warm}
-    with pytest.raises(ConvergenceError, match=r"T_(gas|solid) from .* K, possible are 0 to 6000 K"):
+    warm = BED["boundary"] | {
+        "left": hot,
+        "bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 300.0}},
+    }
+    scene = (
+        BED
+        | HEAT
+        | {
+            "initial": BED["initial"] | {"gas": {"temperature": 300.0}},
+            "boundary": warm,
+        }
+    )
+    with pytest.raises(
+        ConvergenceError, match=r"T_(gas|solid) from .* K, possible are 0 to 6000 K"
+    ):
         cb.run(from_dict(scene | {"time": {"end": 2.0}}))
 
 
 def test_particles_that_are_not_there_have_no_temperature():
-    inlet = {"bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 400.0}}}
-    start = {"solids": {"beads": {"volume_fraction": 0.0}}, "gas": {"temperature": 300.0}}
-    result = cb.run(from_dict(BED | HEAT | {"initial": start, "boundary": BED["boundary"] | inlet}))
-    assert np.isnan(result.qoi["T_solid_mean [K]"]) and np.isnan(result.qoi["T_solid_max [K]"])
+    inlet = {
+        "bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 400.0}}
+    }
+    start = {
+        "solids": {"beads": {"volume_fraction": 0.0}},
+        "gas": {"temperature": 300.0},
+    }
+    result = cb.run(
+        from_dict(BED | HEAT | {"initial": start, "boundary": BED["boundary"] | inlet})
+    )
+    assert np.isnan(result.qoi["T_solid_mean [K]"]) and np.isnan(
+        result.qoi["T_solid_max [K]"]
+    )
     assert np.isnan(result.profiles["T_solid_mean [K]"]).all()
     assert np.isnan(result.tables["axial"]["T_solid [K]"]).all()
     assert (result.tables["axial"]["T_gas [K]"] > 299.0).all()
 
 
 def test_a_temperature_below_zero_names_the_remedy():
-    """Negative heat flux of a wall, in one step so long that the plausibility check does not see it coming."""
+    """Negative heat flux of a wall, in one step so long that the plausibility check
+    does not see it coming.
+    """
     cold = BED["boundary"] | {"left": {"type": "wall", "heat_flux": -1e9}}
-    cold |= {"bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 300.0}}}
-    scene = BED | HEAT | {"initial": BED["initial"] | {"gas": {"temperature": 300.0}}, "boundary": cold}
-    with pytest.raises(ConvergenceError, match=r"T_(gas|solid) falls to -\S+ K, not above 0 K: a wall with a negative"):
+    cold |= {
+        "bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 300.0}}
+    }
+    scene = (
+        BED
+        | HEAT
+        | {
+            "initial": BED["initial"] | {"gas": {"temperature": 300.0}},
+            "boundary": cold,
+        }
+    )
+    with pytest.raises(
+        ConvergenceError,
+        match=r"T_(gas|solid) falls to -\S+ K, not above 0 K: a wall with a negative",
+    ):
         cb.run(from_dict(scene))
 
 
 def test_closures_with_parameters_of_heat_run_to_the_end():
     nusselt = {"name": "power", "a": 1.2, "b": 0.5}
-    inlet = {"bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 400.0}}}
+    inlet = {
+        "bottom": {"type": "inlet", "gas": {"velocity": 0.3, "temperature": 400.0}}
+    }
     start = BED["initial"] | {"gas": {"temperature": 300.0}}
-    heat = HEAT | {"closures": {"nusselt": nusselt}, "initial": start, "boundary": BED["boundary"] | inlet}
+    heat = HEAT | {
+        "closures": {"nusselt": nusselt},
+        "initial": start,
+        "boundary": BED["boundary"] | inlet,
+    }
     result = cb.run(from_dict(BED | heat))
     assert any("power" in closure["name"] for closure in result.closures)
 
@@ -124,8 +204,12 @@ def test_what_cannot_be_evaluated_is_told_before_the_steps(monkeypatch, owner, n
         raise ValueError("zero-size array")
 
     monkeypatch.setattr(owner, name, broken)
-    monkeypatch.setattr(study.Simulation, "step", lambda *_: pytest.fail("the bed has been stepped"))
-    with pytest.raises(ContbedError, match="tables cannot be evaluated: ValueError: zero-size array"):
+    monkeypatch.setattr(
+        study.Simulation, "step", lambda *_: pytest.fail("the bed has been stepped")
+    )
+    with pytest.raises(
+        ContbedError, match="tables cannot be evaluated: ValueError: zero-size array"
+    ):
         cb.run(from_dict(BED | {"time": {"end": 0.02, "average_from": 0.01}}))
 
 
@@ -140,7 +224,9 @@ def test_a_table_that_fails_does_not_lose_the_others(tmp_path, monkeypatch):
     monkeypatch.setattr(findings, "tables", broken)
     with pytest.raises(ContbedError, match="tables cannot be evaluated"):
         cb.run(from_dict(BED), tmp_path)
-    assert np.loadtxt(tmp_path / "profiles.csv", delimiter=",", skiprows=1)[-1, 0] == pytest.approx(0.02)
+    assert np.loadtxt(tmp_path / "profiles.csv", delimiter=",", skiprows=1)[
+        -1, 0
+    ] == pytest.approx(0.02)
     summary = (tmp_path / "summary.json").read_text()
     assert '"max_velocity"' in summary
     assert '"status": "failed"' in summary

@@ -1,4 +1,6 @@
-"""The equation of pressure: elimination and multigrid agree, iterations do not grow, the flux has no divergence."""
+"""The equation of pressure: elimination and multigrid agree, iterations do not grow,
+the flux has no divergence.
+"""
 
 import numpy as np
 import pytest
@@ -18,10 +20,17 @@ from contbed.two_fluid.linear.pressure_solver import multigrid_on
 
 
 def system(on, seed=1):
-    """Coefficients with a jump of 1000 between the halves, as at the surface of a bed, outlet at the top; fluxes in."""
+    """Coefficients with a jump of 1000 between the halves, as at the surface of a
+    bed, outlet at the top; fluxes in.
+    """
     g, random = on.geometry, np.random.default_rng(seed)
     low = on.middles[:, -1] < 0.5 * on.middles[:, -1].max()
-    coef = g.area / g.distance * random.uniform(0.5, 2.0, len(g.left)) * np.where(low, 1e-3, 1.0)
+    coef = (
+        g.area
+        / g.distance
+        * random.uniform(0.5, 2.0, len(g.left))
+        * np.where(low, 1e-3, 1.0)
+    )
     top = on.boundaries.get("top", np.empty(0, dtype=int))
     closed = np.setdiff1d(np.arange(on.interior, len(g.left)), top)
     coef[closed] = 0.0
@@ -93,7 +102,9 @@ def test_exact_guess_needs_no_iteration(multigrid):
 
 
 def test_bed_by_multigrid(monkeypatch):
-    """The same bed with either solver; the flux of both phases has no divergence to 1e-10, a restart gives the same."""
+    """The same bed with either solver; the flux of both phases has no divergence to
+    1e-10, a restart gives the same.
+    """
     one = fluidized(WALLS[2], noise=0.01)
     monkeypatch.setattr(pressure_solver, "WIDEST_BAND_OF_LATTICE", 0)
     two = fluidized(WALLS[2], noise=0.01)

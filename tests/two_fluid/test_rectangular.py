@@ -1,4 +1,6 @@
-"""Kernels over rows of rectangular grids against those for any mesh: the same numbers to rounding."""
+"""Kernels over rows of rectangular grids against those for any mesh: the same
+numbers to rounding.
+"""
 
 from dataclasses import replace
 from itertools import cycle
@@ -21,8 +23,18 @@ from contbed.two_fluid.linear.pressure_solver import PressureSolver
 from contbed.two_fluid.simulation import Simulation
 from contbed.two_fluid.state import flatten, rebuild
 
-HOT_BUBBLE = Path(__file__).parents[2] / "studies" / "patil_hot_bubble_two_fluid" / "half_3mm_900.toml"
-WALL = {"type": "wall", "solids": {"beads": {"wall": "johnson_jackson", "specularity": 0.01, "restitution": 0.9}}}
+HOT_BUBBLE = (
+    Path(__file__).parents[2]
+    / "studies"
+    / "patil_hot_bubble_two_fluid"
+    / "half_3mm_900.toml"
+)
+WALL = {
+    "type": "wall",
+    "solids": {
+        "beads": {"wall": "johnson_jackson", "specularity": 0.01, "restitution": 0.9}
+    },
+}
 BED = {
     "mesh": {"type": "rectangle", "length": 0.06, "height": 0.12, "cells": (9, 20)},
     "model": "two_fluid",
@@ -32,7 +44,13 @@ BED = {
     "initial": {
         "gas": {"velocity": 0.46},
         "noise": 0.02,
-        "layer": [{"end": 0.06, "solids": {"beads": {"volume_fraction": 0.55}}, "gas": {"velocity": 1.0}}],
+        "layer": [
+            {
+                "end": 0.06,
+                "solids": {"beads": {"volume_fraction": 0.55}},
+                "gas": {"velocity": 1.0},
+            }
+        ],
     },
     "boundary": {
         "bottom": {"type": "inlet", "gas": {"velocity": 0.46}},
@@ -45,7 +63,13 @@ BED = {
 SOLID_INLET = {
     "type": "inlet",
     "gas": {"velocity": 1.2},
-    "solids": {"beads": {"volume_fraction": 0.1, "mass_flux": 100.0, "granular_temperature": 0.01}},
+    "solids": {
+        "beads": {
+            "volume_fraction": 0.1,
+            "mass_flux": 100.0,
+            "granular_temperature": 0.01,
+        }
+    },
 }
 SCENES = {
     "bed": BED,
@@ -53,7 +77,13 @@ SCENES = {
     "box": changed(
         BED,
         {
-            "mesh": {"type": "box", "length": 0.03, "width": 0.04, "height": 0.12, "cells": (4, 5, 11)},
+            "mesh": {
+                "type": "box",
+                "length": 0.03,
+                "width": 0.04,
+                "height": 0.12,
+                "cells": (4, 5, 11),
+            },
             "boundary.front": WALL,
             "boundary.back": {"type": "symmetry"},
         },
@@ -61,7 +91,12 @@ SCENES = {
     "axisymmetric": changed(
         BED,
         {
-            "mesh": {"type": "axisymmetric", "radius": 0.03, "length": 0.12, "cells": (6, 20)},
+            "mesh": {
+                "type": "axisymmetric",
+                "radius": 0.03,
+                "length": 0.12,
+                "cells": (6, 20),
+            },
             "boundary.axis": {"type": "symmetry"},
             "boundary.wall": WALL,
         },
@@ -72,7 +107,9 @@ SCENES = {
 
 def around_a_tube():
     """Bed of a lattice with empty places."""
-    mesh = meshing.build(MeshRectangle(type="rectangle", length=0.06, height=0.12, cells=(9, 20)))
+    mesh = meshing.build(
+        MeshRectangle(type="rectangle", length=0.06, height=0.12, cells=(9, 20))
+    )
     x, y = mesh.skfem.p[:, mesh.skfem.t].mean(axis=1)
     inside = (np.abs(x - 0.03) < 0.012) & (np.abs(y - 0.05) < 0.01)
     cut = mesh.skfem.restrict(np.flatnonzero(~inside))
@@ -81,26 +118,42 @@ def around_a_tube():
     named = replace(cut, _boundaries=None).with_boundaries(ends | sides)
     on = grid.build(replace(mesh, skfem=named))
     conditions = {"bottom": Inlet(velocity=0.5), "top": Outlet(), "walls": Wall()}
-    found = bed(on, closures(drag=2000.0, pressure=1.0, viscosity=0.01, conductivity=0.01), conditions, (0.0, -9.81))
+    found = bed(
+        on,
+        closures(drag=2000.0, pressure=1.0, viscosity=0.01, conductivity=0.01),
+        conditions,
+        (0.0, -9.81),
+    )
     found.start(eps_s=0.3 * (on.centres[:, 1] < 0.08), u_gas=(0.0, 0.5), theta=1e-3)
     return found
 
 
-CASES = {name: lambda scene=scene: cb.plan(from_dict(scene)).bed()[0] for name, scene in SCENES.items()}
+CASES = {
+    name: lambda scene=scene: cb.plan(from_dict(scene)).bed()[0]
+    for name, scene in SCENES.items()
+}
 CASES["around a tube"] = around_a_tube
 CASES["heat"] = lambda: cb.plan(cb.load(HOT_BUBBLE)).bed()[0]
 # kernels by rows of three dimensions take half a minute to compile
-NAMES = [pytest.param(name, marks=pytest.mark.slow) if name == "box" else name for name in CASES]
+NAMES = [
+    pytest.param(name, marks=pytest.mark.slow) if name == "box" else name
+    for name in CASES
+]
 
 
 def both(by_rows):
-    """The same bed by rows, and face by face with vectors in the memory order of other meshes."""
+    """The same bed by rows, and face by face with vectors in the memory order of
+    other meshes.
+    """
     model = by_rows.model
     on = replace(model.grid, rectangular=False, places=None)
     solver = PressureSolver(on, model.pressure_solver.floating)
     general = Simulation(replace(model, grid=on, pressure_solver=solver))
     saved = flatten(by_rows.state)
-    saved = {name: np.array(v, order="C") if isinstance(v, np.ndarray) else v for name, v in saved.items()}
+    saved = {
+        name: np.array(v, order="C") if isinstance(v, np.ndarray) else v
+        for name, v in saved.items()
+    }
     general.state = rebuild(by_rows.state, saved)
     return by_rows, general
 
@@ -119,22 +172,34 @@ def test_a_step_by_rows_is_that_of_any_mesh(name, monkeypatch):
     general.step(dt)
     found, expected = flatten(by_rows.state), flatten(general.state)
     assert found.keys() == expected.keys()
-    # rates are differences of two velocities over the step: their rounding is that of velocities over the step
-    speed = max(np.abs(expected[f"state.u_{phase}"]).max() for phase in ("gas", "solid"))
-    # cells so empty that rounding is a large share of what they hold have no meaningful velocity of particles
+    # rates are differences of two velocities over the step: their rounding is that of
+    # velocities over the step
+    speed = max(
+        np.abs(expected[f"state.u_{phase}"]).max() for phase in ("gas", "solid")
+    )
+    # cells so empty that rounding is a large share of what they hold have no meaningful
+    # velocity of particles
     filled = general.state.eps_s > 1e-12
     for key, values in expected.items():
         least = speed / dt if ".memory.rate" in key or ".memory.force" in key else 1e-30
-        if key == "state.energy.account.walls":  # of adiabatic walls: rounding of the heat that cells give each other
+        # of adiabatic walls: rounding of the heat that cells give each other
+        if key == "state.energy.account.walls":
             least = float(expected["state.energy.account.heat_in"])
         both_values = found[key], values
-        if key in ("state.u_solid", "state.memory.rate_solid", "state.memory.force_solid"):
+        if key in (
+            "state.u_solid",
+            "state.memory.rate_solid",
+            "state.memory.force_solid",
+        ):
             both_values = found[key][filled], values[filled]
         largest = max(np.abs(values).max(initial=0), least)
-        np.testing.assert_allclose(*both_values, rtol=0, atol=1e-12 * largest, err_msg=key)
+        np.testing.assert_allclose(
+            *both_values, rtol=0, atol=1e-12 * largest, err_msg=key
+        )
 
 
-# cells that threads share the lattices of multigrid for, 5 blocks, and where no multigrid is needed
+# cells that threads share the lattices of multigrid for, 5 blocks, and where no
+# multigrid is needed
 FINE = changed(BED, {"mesh.cells": (90, 100), "boundary.bottom": SOLID_INLET})
 
 
@@ -147,7 +212,12 @@ def test_bits_do_not_depend_on_the_number_of_threads(name, monkeypatch):
         made = make()
         for _ in range(4):
             made.step(made.next_step())
-        found.append({key: np.asarray(value).tobytes() for key, value in flatten(made.state).items()})
+        found.append(
+            {
+                key: np.asarray(value).tobytes()
+                for key, value in flatten(made.state).items()
+            }
+        )
     assert made.model.pressure_solver.lattice is not None
     assert found[0] == found[1] == found[2]
 
@@ -161,14 +231,22 @@ def test_the_number_of_threads_may_change_at_any_time(monkeypatch):
         made = cb.plan(from_dict(FINE)).bed()[0]
         for _ in range(4):
             made.step(made.next_step())
-        found.append({key: np.asarray(value).tobytes() for key, value in flatten(made.state).items()})
+        found.append(
+            {
+                key: np.asarray(value).tobytes()
+                for key, value in flatten(made.state).items()
+            }
+        )
     assert found[0] == found[1]
 
 
 def test_parts_hold_every_face_once():
     on = rectangle(0.1, 0.2, (5, 9), [("left", "right")])
     for number in (1, 2, 4):
-        taken, cells = np.zeros(len(on.geometry.left), int), np.zeros((2, len(on.cells)), int)
+        taken, cells = (
+            np.zeros(len(on.geometry.left), int),
+            np.zeros((2, len(on.cells)), int),
+        )
         for g, rows in on.parts(number):
             taken[g.edge_from : g.edge_to] += 1
             cells[0, g.left[g.edge_from : g.edge_to]] -= 1
@@ -178,15 +256,21 @@ def test_parts_hold_every_face_once():
                 taken[int(rows.face[r]) + of_left] += 1
                 cells[0, int(rows.left[r]) + of_left] += 1
                 cells[1, int(rows.right[r]) + of_right] += 1
-                np.testing.assert_array_equal(g.left[int(rows.face[r]) + of_left], int(rows.left[r]) + of_left)
-                np.testing.assert_array_equal(g.right[int(rows.face[r]) + of_right], int(rows.right[r]) + of_right)
+                np.testing.assert_array_equal(
+                    g.left[int(rows.face[r]) + of_left], int(rows.left[r]) + of_left
+                )
+                np.testing.assert_array_equal(
+                    g.right[int(rows.face[r]) + of_right], int(rows.right[r]) + of_right
+                )
                 assert (rows.begin <= int(rows.left[r]) + of_left).all() and (
                     int(rows.left[r]) + of_left < rows.end
                 ).all()
         assert (taken == 1).all()
         g, ni = on.geometry, on.interior
         np.testing.assert_array_equal(
-            cells[0], np.bincount(g.left[:ni], minlength=45) - np.bincount(g.left[ni:], minlength=45)
+            cells[0],
+            np.bincount(g.left[:ni], minlength=45)
+            - np.bincount(g.left[ni:], minlength=45),
         )
         np.testing.assert_array_equal(cells[1], np.bincount(g.right, minlength=45))
 
@@ -204,12 +288,16 @@ def test_parts_hold_every_face_once():
 def test_rows_hold_all_faces_in_order(on, rows):
     found, g = on.rows, on.geometry
     assert len(found.face) == rows and found.length.sum() == on.interior
-    for axis, *row in zip(found.axis, *(x.astype(int) for x in found[1:5]), strict=True):
+    for axis, *row in zip(
+        found.axis, *(x.astype(int) for x in found[1:5]), strict=True
+    ):
         face, left, right, length = row
         each = np.arange(length)
         np.testing.assert_array_equal(g.left[face + each], left + each)
         np.testing.assert_array_equal(g.right[face + each], right + each)
-        np.testing.assert_allclose(g.normal[face + each], np.eye(on.dimension)[[axis] * length], atol=1e-14)
+        np.testing.assert_allclose(
+            g.normal[face + each], np.eye(on.dimension)[[axis] * length], atol=1e-14
+        )
 
 
 def test_skewed_grids_have_no_rows():

@@ -1,4 +1,6 @@
-"""Two-fluid scenes from file to findings: the check cases against what is known exactly."""
+"""Two-fluid scenes from file to findings: the check cases against what is known
+exactly.
+"""
 
 from pathlib import Path
 
@@ -17,11 +19,18 @@ STUDY = Path(__file__).parents[2] / "studies" / "two_fluid_checks"
 
 def found(name, **overrides):
     """Named results of a check case."""
-    return cb.run(cb.load(STUDY / f"{name}.toml", {key.replace("__", "."): value for key, value in overrides.items()}))
+    return cb.run(
+        cb.load(
+            STUDY / f"{name}.toml",
+            {key.replace("__", "."): value for key, value in overrides.items()},
+        )
+    )
 
 
 def slip(law, scene):
-    """Velocity of the gas past particles that drag holds against their weight in their own suspension."""
+    """Velocity of the gas past particles that drag holds against their weight in
+    their own suspension.
+    """
     eps, gas, solid = 1.0 - scene.initial.solid.volume_fraction, scene.gas, scene.solid
 
     def missing(u):
@@ -44,7 +53,9 @@ def slip(law, scene):
 def test_gas_passes_a_suspension_at_its_slip_velocity(name, law):
     # implicit drag gives the steady slip at any step (V3, V4)
     result = found(name)
-    assert result.qoi["slip_velocity"] == pytest.approx(slip(closures.get(law), result.plan.scene), rel=1e-8)
+    assert result.qoi["slip_velocity"] == pytest.approx(
+        slip(closures.get(law), result.plan.scene), rel=1e-8
+    )
 
 
 def test_printed_slip_velocities():
@@ -55,8 +66,11 @@ def test_printed_slip_velocities():
 
 
 def test_shear_balances_dissipation():
-    # a linear velocity and a uniform theta are exact on any grid; 1e-4 is left of the approach in 2 s
-    assert found("shear", mesh__cells=[2, 8]).qoi["theta_over_s2d2"] == pytest.approx(2.057972, rel=1e-4)
+    # a linear velocity and a uniform theta are exact on any grid; 1e-4 is left of the
+    # approach in 2 s
+    assert found("shear", mesh__cells=[2, 8]).qoi["theta_over_s2d2"] == pytest.approx(
+        2.057972, rel=1e-4
+    )
 
 
 def test_cooling_follows_haff():
@@ -66,12 +80,15 @@ def test_cooling_follows_haff():
 
 
 def test_second_order_cools_better():
-    theta = found("cooling", time__step=2e-4, time__order=2, mesh__cells=[2, 2]).qoi["theta_final"]
+    theta = found("cooling", time__step=2e-4, time__order=2, mesh__cells=[2, 2]).qoi[
+        "theta_final"
+    ]
     assert theta == pytest.approx(2.005229e-5, rel=3e-4)
 
 
 def test_fronts_of_settling():
-    # 200 cells of 0.5 mm; the fronts have run 37 and 7.4 mm, a fifth of a cell is allowed
+    # 200 cells of 0.5 mm; the fronts have run 37 and 7.4 mm, a fifth of a cell is
+    # allowed
     qoi = found("settling").qoi
     assert qoi["front_position_m"] == pytest.approx(0.1 - 8.0 * 4.60966e-3, abs=1e-4)
     assert qoi["lower_front_position_m"] == pytest.approx(8.0 * 9.21932e-4, abs=1e-4)
@@ -99,19 +116,38 @@ def test_walls_of_johnson_and_jackson_lose_nothing():
 
 
 def test_probes_show_the_cell_around_them():
-    """From s0 to 0 when the front, at 4.60966e-3 m/s, passes, to four cells; points outside are told."""
-    scene = cb.load(STUDY / "settling.toml", {"output.probes": {"front": [0.0801]}, "time.sample": 0.1})
+    """From s0 to 0 when the front, at 4.60966e-3 m/s, passes, to four cells; points
+    outside are told.
+    """
+    scene = cb.load(
+        STUDY / "settling.toml",
+        {"output.probes": {"front": [0.0801]}, "time.sample": 0.1},
+    )
     result = cb.run(scene)
     t, eps_s = result.profiles["t [s]"], result.profiles["front eps_s [1]"]
-    assert t[np.flatnonzero(eps_s < 0.05)[0]] == pytest.approx(0.0199 / 4.60966e-3, abs=0.2)
+    assert t[np.flatnonzero(eps_s < 0.05)[0]] == pytest.approx(
+        0.0199 / 4.60966e-3, abs=0.2
+    )
     place = np.flatnonzero(result.tables["axial"]["height [m]"] > 0.0801)[0]
-    assert result.profiles["front p [Pa]"][-1] == result.tables["axial"]["p [Pa]"][place]
-    with pytest.raises(SceneError, match=r"output\.probes\.front.*outside of the mesh(.|\n)*mesh has 1 coord"):
-        cb.plan(cb.load(STUDY / "settling.toml", {"output.probes": {"front": [0.2], "two": [0.1, 0.1]}}))
+    assert (
+        result.profiles["front p [Pa]"][-1] == result.tables["axial"]["p [Pa]"][place]
+    )
+    with pytest.raises(
+        SceneError,
+        match=r"output\.probes\.front.*outside of the mesh(.|\n)*mesh has 1 coord",
+    ):
+        cb.plan(
+            cb.load(
+                STUDY / "settling.toml",
+                {"output.probes": {"front": [0.2], "two": [0.1, 0.1]}},
+            )
+        )
 
 
 def test_spectrum_finds_a_wave_and_its_power():
-    """A sine of amplitude a has the power a^2/2, whole periods to the leakage of the window."""
+    """A sine of amplitude a has the power a^2/2, whole periods to the leakage of the
+    window.
+    """
     t = np.arange(1000) * 0.01
     frequency, power = spectrum(t, 5.0 + 3.0 * np.sin(2 * np.pi * 4.0 * t))
     assert frequency[np.argmax(power)] == pytest.approx(4.0, abs=1e-9)
@@ -150,19 +186,30 @@ def test_restart_is_bit_for_bit(tmp_path):
 
 
 def test_a_bed_at_rest_stays_in_a_closed_box():
-    """Gas of the empty cell above and particles of the full one below meet on the faces between, 1.6 in all.
+    """Gas of the empty cell above and particles of the full one below meet on the faces
+    between, 1.6 in all.
 
-    Such faces let volume through against the pressure, until the equation of pressure was singular.
+    Such faces let volume through against the pressure, until the equation of pressure
+    was singular.
     """
     scene = cb.load(
         MODELS["two_fluid"].template,
         {
-            "mesh": {"type": "rectangle", "length": 0.02, "height": 0.06, "cells": [4, 12]},
+            "mesh": {
+                "type": "rectangle",
+                "length": 0.02,
+                "height": 0.06,
+                "cells": [4, 12],
+            },
             "initial": {
                 "solids": {"beads": {"granular_temperature": 1e-4}},
-                "layer": [{"end": 0.024, "solids": {"beads": {"volume_fraction": 0.58}}}],
+                "layer": [
+                    {"end": 0.024, "solids": {"beads": {"volume_fraction": 0.58}}}
+                ],
             },
-            "boundary": {name: {"type": "wall"} for name in ("left", "right", "bottom", "top")},
+            "boundary": {
+                name: {"type": "wall"} for name in ("left", "right", "bottom", "top")
+            },
             "time": {"end": 0.2, "sample": 0.05},
             "output": {"plots": False, "fields": False},
         },

@@ -63,7 +63,9 @@ def on_lattice(grid):
         found = np.ascontiguousarray(x.T)
         by_component = System(*(np.ascontiguousarray(part.T) for part in system))
         lattice = LatticeMultigrid(grid, levels)
-        iterations = solve_exchange(lattice, by_component, explicit, tolerance, most, found)
+        iterations = solve_exchange(
+            lattice, by_component, explicit, tolerance, most, found
+        )
         x[:], system.links[:] = found.T, by_component.links.T
         return iterations
 
@@ -73,18 +75,26 @@ def on_lattice(grid):
 @pytest.mark.parametrize("lattice", [False, True], ids=["any mesh", "lattice"])
 @pytest.mark.parametrize("name", GRIDS)
 def test_implicit_exchange(name, lattice):
-    """All cells against a dense matrix; the stiff ones alone keep the sum and leave the quiet ones explicit."""
+    """All cells against a dense matrix; the stiff ones alone keep the sum and leave
+    the quiet ones explicit.
+    """
     grid, rng = GRIDS[name](), np.random.default_rng(2)
     count, ni = len(grid.cells), grid.interior
     g = grid.geometry
-    coef = 10.0 ** rng.uniform(-4, 2, (len(g.left), 2)) * (grid.middles[:, :1] > grid.centres[:, 0].mean())
+    coef = 10.0 ** rng.uniform(-4, 2, (len(g.left), 2)) * (
+        grid.middles[:, :1] > grid.centres[:, 0].mean()
+    )
     content, rhs = rng.uniform(1, 2, (count, 2)), rng.normal(size=(count, 2))
     x = np.empty_like(rhs)
     solve = on_lattice(grid) if lattice else cg.solve
-    assert solve(g, System(coef, np.zeros_like(x), content, rhs), 0.0, 1e-12, 500, x) > 0
+    assert (
+        solve(g, System(coef, np.zeros_like(x), content, rhs), 0.0, 1e-12, 500, x) > 0
+    )
     for k in range(2):
         np.testing.assert_allclose(
-            x[:, k], np.linalg.solve(matrix(grid, coef[:, k], content[:, k]), rhs[:, k]), atol=1e-9
+            x[:, k],
+            np.linalg.solve(matrix(grid, coef[:, k], content[:, k]), rhs[:, k]),
+            atol=1e-9,
         )
 
     coef[ni:] = 0.0

@@ -1,4 +1,6 @@
-"""The state is a value: a step leaves it alone, a saved one is the same to the last bit. Phases of a step are timed."""
+"""The state is a value: a step leaves it alone, a saved one is the same to the last
+bit. Phases of a step are timed.
+"""
 
 from pathlib import Path
 
@@ -12,13 +14,26 @@ from contbed.two_fluid.simulation import Simulation
 from contbed.two_fluid.state import flatten, rebuild
 from contbed.two_fluid.step import step
 
-PHASES = ("continuity", "closures", "momentum", "pressure", "reconstruction", "granular temperature")
+PHASES = (
+    "continuity",
+    "closures",
+    "momentum",
+    "pressure",
+    "reconstruction",
+    "granular temperature",
+)
 STUDY = Path(__file__).parents[2] / "studies" / "two_fluid_checks"
 
 
 def beds():
-    """Beds with every part of the state: isothermal, on a skewed grid, with an ideal gas."""
-    return [fluidized(WALLS[2], noise=0.01), fluidized(WALLS[2], shape="triangle"), bubbling("triangle", True)]
+    """Beds with every part of the state: isothermal, on a skewed grid, with an ideal
+    gas.
+    """
+    return [
+        fluidized(WALLS[2], noise=0.01),
+        fluidized(WALLS[2], shape="triangle"),
+        bubbling("triangle", True),
+    ]
 
 
 @pytest.mark.parametrize("number", range(3))
@@ -41,17 +56,26 @@ def test_a_saved_state_is_the_same(number):
     b.step(b.next_step())
     saved = flatten(b.state)
     other = rebuild(Simulation(b.model).state, saved)
-    assert type(other.account) is type(b.state.account) and other.counters == b.state.counters
+    assert (
+        type(other.account) is type(b.state.account)
+        and other.counters == b.state.counters
+    )
     assert saved.keys() == flatten(other).keys()
     for name, value in flatten(other).items():
         assert np.array_equal(value, saved[name]), name
 
 
 def test_phases_of_the_step_are_timed():
-    """They are all of the flow but its start, rows and compilation, so that their sum is not more."""
-    timings = cb.run(cb.load(STUDY / "closed_box_jj.toml", {"mesh.cells": [4, 20], "time.end": 0.02})).timings
+    """They are all of the flow but its start, rows and compilation, so that their
+    sum is not more.
+    """
+    timings = cb.run(
+        cb.load(STUDY / "closed_box_jj.toml", {"mesh.cells": [4, 20], "time.end": 0.02})
+    ).timings
     phases = {name: timings[f"flow: {name}"] for name in PHASES}
-    assert {name for name in timings if name.startswith("flow: ")} == {f"flow: {name}" for name in PHASES}
+    assert {name for name in timings if name.startswith("flow: ")} == {
+        f"flow: {name}" for name in PHASES
+    }
     assert all(seconds > 0.0 for seconds in phases.values())
     assert sum(phases.values()) <= timings["flow"]
 

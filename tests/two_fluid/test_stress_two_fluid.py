@@ -1,4 +1,6 @@
-"""Beds in hard corners: packing shocks, steps at the Courant limit, random fields, extreme particles."""
+"""Beds in hard corners: packing shocks, steps at the Courant limit, random fields,
+extreme particles.
+"""
 
 import numpy as np
 import pytest
@@ -35,13 +37,28 @@ def build(
 ):
     """A small bed, on a `mesh` or a rectangle."""
     scene = {
-        "mesh": mesh or {"type": "rectangle", "length": 0.1, "height": 0.3, "cells": cells, "shape": shape},
+        "mesh": mesh
+        or {
+            "type": "rectangle",
+            "length": 0.1,
+            "height": 0.3,
+            "cells": cells,
+            "shape": shape,
+        },
         "two_fluid": two_fluid or {},
         "gas": gas or {"density": 1.2, "viscosity": 1.8e-5},
         "closures": closures or {},
-        "solids": {"beads": {"diameter": 275e-6, "density": 2500.0} | (solids or {}).get("beads", {})},
+        "solids": {
+            "beads": {"diameter": 275e-6, "density": 2500.0}
+            | (solids or {}).get("beads", {})
+        },
         "initial": initial or {},
-        "boundary": {"bottom": bottom or WALL, "top": {"type": "outlet"}, "left": WALL, "right": WALL},
+        "boundary": {
+            "bottom": bottom or WALL,
+            "top": {"type": "outlet"},
+            "left": WALL,
+            "right": WALL,
+        },
         "time": {"end": 1.0} | time,
     }
     return planning.plan(from_dict(scene, trust=True)).bed()[0]
@@ -49,7 +66,9 @@ def build(
 
 def solids(bed):
     """Volume of the particles here and of those that left."""
-    return bed.state.eps_s @ bed.model.grid.geometry.volume + bed.state.account.solid_out
+    return (
+        bed.state.eps_s @ bed.model.grid.geometry.volume + bed.state.account.solid_out
+    )
 
 
 def watched(bed, end):
@@ -60,7 +79,11 @@ def watched(bed, end):
         assert bed.state.eps_s.min() >= 0.0
         assert bed.state.theta.min() >= 0.0
         dense.append(bed.state.eps_s.max())
-        fast.append(np.linalg.norm(bed.state.u_solid, axis=1).max(where=bed.state.eps_s > 1e-6, initial=0.0))
+        fast.append(
+            np.linalg.norm(bed.state.u_solid, axis=1).max(
+                where=bed.state.eps_s > 1e-6, initial=0.0
+            )
+        )
 
     bed.advance(end, look)
     assert solids(bed) == pytest.approx(before, rel=1e-12)
@@ -70,9 +93,12 @@ def watched(bed, end):
 
 @pytest.mark.parametrize(("courant", "order"), [(0.5, 1), (0.9, 1), (1.0, 1), (0.5, 2)])
 def test_slug_thrown_on_a_wall_packs_and_stays(courant, order):
-    # at eps_s = 0.605 friction over rho_s is 23 m2/s2, far more than stops 1 m/s and the fall: nothing packs further or
-    # flies apart. With one tangent a step, or extrapolated through the shock, particles reach hundreds of m/s
-    dense, fast = watched(build(initial=THROWN, courant=courant, order=order, cells=(12, 36)), 0.25)
+    # at eps_s = 0.605 friction over rho_s is 23 m2/s2, far more than stops 1 m/s and
+    # the fall: nothing packs further or flies apart. With one tangent a step, or
+    # extrapolated through the shock, particles reach hundreds of m/s
+    dense, fast = watched(
+        build(initial=THROWN, courant=courant, order=order, cells=(12, 36)), 0.25
+    )
     assert 0.55 < dense < 0.605
     assert fast < 2.0
 
@@ -83,10 +109,16 @@ def test_slug_thrown_on_a_wall_packs_and_stays(courant, order):
         {},
         {"shape": "triangle"},
         {"two_fluid": {"granular_temperature": "algebraic"}},
-        {"closures": {"friction_viscosity": "friction_viscosity_schaeffer"}, "courant": 1.0},
+        {
+            "closures": {"friction_viscosity": "friction_viscosity_schaeffer"},
+            "courant": 1.0,
+        },
         {"solids": {"beads": {"diameter": 3e-3, "restitution": 1.0}}},
         {"solids": {"beads": {"diameter": 50e-6, "restitution": 0.5}}, "order": 2},
-        {"solids": {"beads": {"density": 1100.0}}, "gas": {"density": 1000.0, "viscosity": 1e-3}},
+        {
+            "solids": {"beads": {"density": 1100.0}},
+            "gas": {"density": 1000.0, "viscosity": 1e-3},
+        },
     ],
 )
 def test_random_fields_calm_down(changes):
@@ -104,9 +136,11 @@ def test_random_fields_calm_down(changes):
 
 @pytest.mark.parametrize(("size", "most"), [(None, 1e-4), (0.01, 1e-3)])
 def test_level_bed_on_triangles_calms_down(size, most, tmp_path):
-    # the surface cuts gmsh's triangles at unequal heights, and where friction is a viscosity they level at 3e-4 m/s;
-    # forces without a potential and cells that follow their empty neighbours keep a bed at 6e-2 m/s, and rounding in
-    # empty cells throws particles from the surface at 4e-2 m/s now and then if they share the velocities of its faces
+    # the surface cuts gmsh's triangles at unequal heights, and where friction is a
+    # viscosity they level at 3e-4 m/s; forces without a potential and cells that follow
+    # their empty neighbours keep a bed at 6e-2 m/s, and rounding in empty cells throws
+    # particles from the surface at 4e-2 m/s now and then if they share the velocities
+    # of its faces
     def look(bed):
         speed = np.linalg.norm(bed.state.u_solid, axis=1)
         assert speed.max(where=bed.state.eps_s > 1e-2, initial=0.0) < most
@@ -124,31 +158,51 @@ def test_level_bed_on_triangles_calms_down(size, most, tmp_path):
     bed.advance(4.0, look)
 
 
-@pytest.mark.parametrize(("kind", "size"), [("triangles", 0.004), ("tetrahedra", 0.008)])
+@pytest.mark.parametrize(
+    ("kind", "size"), [("triangles", 0.004), ("tetrahedra", 0.008)]
+)
 def test_glass_settles_in_water(kind, size, tmp_path):
-    # clear water above, whose depth is what the upper half has lost: within 1 % of the height of the suspension while
-    # cells of 4 and 8 mm keep the sediment out of the upper half
+    # clear water above, whose depth is what the upper half has lost: within 1 % of the
+    # height of the suspension while cells of 4 and 8 mm keep the sediment out of the
+    # upper half
     (tmp_path / "bed.geo").write_text(geometry(kind, 0.02, 0.1, size))
     scene = {
-        "mesh": {"type": "file", "file": str(tmp_path / "bed.geo"), "dimension": 3 if kind in IN_3D else 2},
+        "mesh": {
+            "type": "file",
+            "file": str(tmp_path / "bed.geo"),
+            "dimension": 3 if kind in IN_3D else 2,
+        },
         "closures": {"drag": "drag_wen_yu"},
         "two_fluid": {"guards": False},
         "gas": {"density": 998.0, "viscosity": 1e-3},
-        "solids": {"beads": {"diameter": 1e-4, "density": 2500.0, "packing_limit": 0.6}},
+        "solids": {
+            "beads": {"diameter": 1e-4, "density": 2500.0, "packing_limit": 0.6}
+        },
         "initial": {"solids": {"beads": {"volume_fraction": 0.1}}},
         "time": {"end": 6.0},
     }
-    names = ("bottom", "top", "left", "right") + (("front", "back") if kind in IN_3D else ())
-    scene["boundary"] = dict.fromkeys(names, WALL | {"gas": {"wall": "slip"}, "solids": {"beads": {"wall": "slip"}}})
+    names = ("bottom", "top", "left", "right") + (
+        ("front", "back") if kind in IN_3D else ()
+    )
+    scene["boundary"] = dict.fromkeys(
+        names, WALL | {"gas": {"wall": "slip"}, "solids": {"beads": {"wall": "slip"}}}
+    )
     bed = planning.plan(from_dict(scene, trust=True)).bed()[0]
     watched(bed, 6.0)
     volume, upper = bed.model.grid.geometry.volume, bed.model.grid.centres[:, -1] > 0.05
-    front = 0.1 - 0.1 * (volume * (0.1 - bed.state.eps_s))[upper].sum() / (0.1 * volume.sum())
+    front = 0.1 - 0.1 * (volume * (0.1 - bed.state.eps_s))[upper].sum() / (
+        0.1 * volume.sum()
+    )
     assert front == pytest.approx(0.1 - 4.60966e-3 * 6.0, rel=0.01)
 
 
 def test_table_of_friction_is_pressure_and_slope():
     table = FrictionTable(0.5, 0.01, np.array([0.0, 1.0, 4.0]))
-    known = [(0.4, (0.0, 0.0)), (0.505, (0.5, 100.0)), (0.515, (2.5, 300.0)), (0.6, (4.0, 300.0))]
+    known = [
+        (0.4, (0.0, 0.0)),
+        (0.505, (0.5, 100.0)),
+        (0.515, (2.5, 300.0)),
+        (0.6, (4.0, 300.0)),
+    ]
     for s, pair in known:
         assert frictional_pressure(table, s) == pytest.approx(pair, rel=1e-9)

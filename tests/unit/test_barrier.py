@@ -1,4 +1,6 @@
-"""Threads that run one kernel together: every piece once, nobody ahead of a phase, the same bits for any number."""
+"""Threads that run one kernel together: every piece once, nobody ahead of a phase,
+the same bits for any number.
+"""
 
 import numpy as np
 import pytest

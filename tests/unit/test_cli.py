@@ -46,12 +46,22 @@ def runner(monkeypatch):
     module = types.ModuleType("contbed.runner")
     module.calls, module.error = [], None
 
-    def run(scene, out=None, quiet=False, restart=None, progress=None, engine="skfem", threads=None):
+    def run(
+        scene,
+        out=None,
+        quiet=False,
+        restart=None,
+        progress=None,
+        engine="skfem",
+        threads=None,
+    ):
         module.calls.append((scene, out, quiet, restart))
         if module.error:
             raise module.error
         out.mkdir(parents=True, exist_ok=True)
-        result = types.SimpleNamespace(summary={"qoi": {"pressure_drop": 2.0 / scene.diameter}})
+        result = types.SimpleNamespace(
+            summary={"qoi": {"pressure_drop": 2.0 / scene.diameter}}
+        )
         result.table = lambda: "the table"
         return result
 
@@ -62,21 +72,30 @@ def runner(monkeypatch):
 
 def python(*arguments):
     environment = {**os.environ, "PYTHONPATH": str(Path(contbed.__file__).parents[1])}
-    return subprocess.run([sys.executable, *arguments], env=environment, capture_output=True, text=True)
+    return subprocess.run(
+        [sys.executable, *arguments], env=environment, capture_output=True, text=True
+    )
 
 
 def test_the_command_itself(scene):
-    """The entry point in a process of its own: help is fast and light, a bad scene ends with 2 and writes nothing."""
+    """The entry point in a process of its own: help is fast and light, a bad scene
+    ends with 2 and writes nothing.
+    """
     scene.write_text(SCENE.replace("0.4", "4"))
     before = set(scene.parent.iterdir())
     done = python("-m", "contbed", "run", "scene.toml", "--out", "out")
     assert done.returncode == 2
     assert done.stdout == ""
-    assert done.stderr == "scene.toml:13: packed_bed.porosity = 4: out of range; allowed: a number > 0 and < 1\n"
+    assert (
+        done.stderr
+        == "scene.toml:13: packed_bed.porosity = 4: out of range; allowed: a number > "
+        "0 and < 1\n"
+    )
     assert set(scene.parent.iterdir()) == before
     code = (
         "import sys; from contbed.cli import main; assert main(['--help']) == 0; "
-        "print([m for m in ('numpy', 'pydantic', 'scipy', 'skfem', 'gmsh', 'CoolProp', 'joblib') if m in sys.modules])"
+        "print([m for m in ('numpy', 'pydantic', 'scipy', 'skfem', 'gmsh', 'CoolProp', "
+        "'joblib') if m in sys.modules])"
     )
     done = python("-c", code)
     assert "converge" in done.stdout
@@ -92,7 +111,8 @@ def test_each_command_has_a_help_of_one_line(capsys):
 def test_check(scene, capsys):
     assert cli.main(["check", "scene.toml"]) == 2
     assert capsys.readouterr().err == (
-        'scene.toml:16: boundary.left.gas.velocity: nothing to solve: no wall has type = "no_slip" and there is no '
+        "scene.toml:16: boundary.left.gas.velocity: nothing to solve: no wall has type "
+        '= "no_slip" and there is no '
         "[heat] table\n"
     )
     scene.write_text(STEADY)
@@ -116,7 +136,8 @@ def test_check(scene, capsys):
     assert out == ""
     assert err.splitlines() == [
         "override: packed_bed.porosity = 2: out of range; allowed: a number > 0 and < 1",
-        "override: boundary.left.gas.velocity = \"1 kg\": expected a velocity like 'm/s', found '1 kg'",
+        'override: boundary.left.gas.velocity = "1 kg": expected a velocity like '
+        "'m/s', found '1 kg'",
         "no.toml:1: no such file",
     ]
 
@@ -124,9 +145,19 @@ def test_check(scene, capsys):
 def test_run(scene, runner, capsys):
     assert cli.main(["run", "scene.toml", "--set", "mesh.length=3 m"]) == 0
     loaded, out, quiet, restart = runner.calls[-1]
-    assert (loaded.mesh.length, str(out), quiet, restart) == (3.0, "results/scene", False, None)
+    assert (loaded.mesh.length, str(out), quiet, restart) == (
+        3.0,
+        "results/scene",
+        False,
+        None,
+    )
     assert "the table" in capsys.readouterr().out
-    assert cli.main(["run", "scene.toml", "--out", "there", "--quiet", "--restart", "here"]) == 0
+    assert (
+        cli.main(
+            ["run", "scene.toml", "--out", "there", "--quiet", "--restart", "here"]
+        )
+        == 0
+    )
     assert [str(value) for value in runner.calls[-1][1:]] == ["there", "True", "here"]
     assert capsys.readouterr().out == ""
 
@@ -143,7 +174,9 @@ def test_run(scene, runner, capsys):
         (PermissionError(13, "Permission denied", "/there"), 1),
     ],
 )
-def test_each_error_has_its_exit_code_and_no_traceback(scene, runner, capsys, error, code):
+def test_each_error_has_its_exit_code_and_no_traceback(
+    scene, runner, capsys, error, code
+):
     runner.error = error
     assert cli.main(["run", "scene.toml"]) == code
     out, err = capsys.readouterr()
@@ -217,12 +250,19 @@ def test_version_and_help(capsys):
         ("mesh.box", "width: a number > 0 m; required"),
         ("solver.degree", "allowed: 1 or 2 or 3\n    default: 2"),
         ("boundary.wall.gas", "What one phase does"),
-        ("radiation", "in scenes of kind bubbling_bed:\n[radiation] Radiation between the particles"),
+        (
+            "radiation",
+            "in scenes of kind bubbling_bed:\n[radiation] Radiation between the "
+            "particles",
+        ),
         ("bubbling_bed", "[bubbling_bed] The bed between distributor and freeboard"),
         ("bubbling_bed.freeboard", "What is above the bed"),
         ("duty_W", "named result, [W]: heat that the fluid takes up"),
         ("heat_left_W", "an entry heat_NAME_W, [W]"),
-        ("reactions.CO_oxidation.law", "the first is the default\n    howard: CO + 0.5 O2 -> CO2"),
+        (
+            "reactions.CO_oxidation.law",
+            "the first is the default\n    howard: CO + 0.5 O2 -> CO2",
+        ),
         ("xu_froment_shift", "CO + H2O <-> CO2 + H2"),
         ("drag", "named by closures.drag"),
         ("eps_mf", "voidage at minimum fluidization"),
@@ -241,5 +281,12 @@ def test_list_shows_everything_by_name(scene, capsys):
     (study / "case.toml").write_text(SCENE)
     assert cli.main(["list"]) == 0
     out = capsys.readouterr().out
-    for part in ("two_energy", "closures: nusselt", "nusselt_gunn", "boundary.NAME", "author_2020", "case.toml"):
+    for part in (
+        "two_energy",
+        "closures: nusselt",
+        "nusselt_gunn",
+        "boundary.NAME",
+        "author_2020",
+        "case.toml",
+    ):
         assert part in out

@@ -19,7 +19,9 @@ def value(number, unit="K"):
 
 FOUND = Comparison(
     (
-        Outcome("packed_bed", {"T_gas_out": value(400.0), "bed_height": value(1.0, "m")}),
+        Outcome(
+            "packed_bed", {"T_gas_out": value(400.0), "bed_height": value(1.0, "m")}
+        ),
         Outcome(
             "two_fluid",
             {"T_gas_out": value(404.0)},
@@ -62,7 +64,9 @@ def test_files_hold_the_numbers(tmp_path):
 
 def test_named_results_come_before_columns():
     z = np.array([0.0, 1.0, 3.0])
-    tables = {"profiles": {"z [m]": z, "T_sand [K]": 300.0 + z, "T_emulsion [K]": 2 * z}}
+    tables = {
+        "profiles": {"z [m]": z, "T_sand [K]": 300.0 + z, "T_emulsion [K]": 2 * z}
+    }
     found = common_results({"x_CO_wet": 0.1, "T_solid_mean_K": 5.0}, tables, ["sand"])
     assert found["x_CO_out"].value == 0.1
     assert found["T_solids_mean"].value == 5.0
@@ -72,7 +76,10 @@ def test_named_results_come_before_columns():
 
 
 def test_points_without_a_value_are_left_out_of_means():
-    table = {"height [m]": np.array([0.0, 1.0, 2.0]), "T_gas [K]": np.array([300.0, 400.0, np.nan])}
+    table = {
+        "height [m]": np.array([0.0, 1.0, 2.0]),
+        "T_gas [K]": np.array([300.0, 400.0, np.nan]),
+    }
     found = common_results({}, {"axial": table}, [])
     assert found["T_gas_mean"].value == pytest.approx(350.0)
 

@@ -11,8 +11,19 @@ from contbed.solvers.cost import LONG_RUN, RATES, advice
 from contbed.solvers.linear import Policy
 
 BOX: dict[str, Any] = {
-    "mesh": {"type": "box", "length": 1.0, "width": 1.0, "height": 1.0, "cells": [4, 4, 4]},
-    "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
+    "mesh": {
+        "type": "box",
+        "length": 1.0,
+        "width": 1.0,
+        "height": 1.0,
+        "cells": [4, 4, 4],
+    },
+    "gas": {
+        "density": 1.0,
+        "heat_capacity": 1000.0,
+        "conductivity": 0.05,
+        "viscosity": 2e-5,
+    },
     "solids": {"particles": {"diameter": 0.01}},
     "packed_bed": {"porosity": 0.4},
     "boundary": {"left": {"gas": {"velocity": 0.3}}, "bottom": {"type": "no_slip"}},
@@ -20,12 +31,17 @@ BOX: dict[str, Any] = {
 
 
 def test_small_scenes_stay_on_the_default_engine() -> None:
-    assert advice({"flow": 6000, "heat": 4000}, Policy(2, 8.0)).startswith("engine: skfem, about ")
+    assert advice({"flow": 6000, "heat": 4000}, Policy(2, 8.0)).startswith(
+        "engine: skfem, about "
+    )
 
 
 def test_memory_decides() -> None:
     text = advice({"heat": 10_000_000}, Policy(2, 8.0))
-    assert text.startswith("engine: dolfinx, mpirun -n ") and "skfem would need 50 GB of 8 GB" in text
+    assert (
+        text.startswith("engine: dolfinx, mpirun -n ")
+        and "skfem would need 50 GB of 8 GB" in text
+    )
 
 
 def test_time_decides() -> None:
@@ -38,7 +54,9 @@ def test_time_decides() -> None:
 def test_cost_grows_with_size_on_both_engines(dimension: int) -> None:
     for engine in ("skfem", "dolfinx"):
         rate = RATES[engine, dimension]
-        assert rate.time(2_000_000) > 1.8 * rate.time(1_000_000) and rate.memory_GB(20_000) > rate.memory_GB(10_000)
+        assert rate.time(2_000_000) > 1.8 * rate.time(1_000_000) and rate.memory_GB(
+            20_000
+        ) > rate.memory_GB(10_000)
 
 
 def test_plan_prints_the_advice() -> None:
@@ -46,16 +64,30 @@ def test_plan_prints_the_advice() -> None:
 
 
 def test_radiation_of_a_volume_is_planned_with_multigrid() -> None:
-    """A cube of 38 x 38 x 38 bricks of second degree: 10 kB an unknown where incomplete factors would have 20."""
+    """A cube of 38 x 38 x 38 bricks of second degree: 10 kB an unknown where
+    incomplete factors would have 20.
+    """
     medium = {"level": "p1", "absorption": 3.0, "scattering": 1.0}
     wall = {"radiation": {"temperature": 1000.0, "emissivity": 0.8}}
-    cube = {"type": "box", "length": 1.0, "width": 1.0, "height": 1.0, "cells": [38, 38, 38]}
-    found = plan(from_dict({"mesh": cube, "radiation": medium, "boundary": {"left": wall}}))
+    cube = {
+        "type": "box",
+        "length": 1.0,
+        "width": 1.0,
+        "height": 1.0,
+        "cells": [38, 38, 38],
+    }
+    found = plan(
+        from_dict({"mesh": cube, "radiation": medium, "boundary": {"left": wall}})
+    )
     size = found.unknowns()["radiation"]
-    assert size == 77**3 and found.policy.predicted_GB(size) == pytest.approx(1e-5 * size)
+    assert size == 77**3 and found.policy.predicted_GB(size) == pytest.approx(
+        1e-5 * size
+    )
 
 
 def test_memory_of_multigrid_on_ranks_is_that_of_petsc() -> None:
-    """A cube of a million unknowns took 4 GB on DOLFINx; 21 were predicted, and the scene refused."""
+    """A cube of a million unknowns took 4 GB on DOLFINx; 21 were predicted, and the
+    scene refused.
+    """
     assert 3.9 < PetscPolicy(3).predicted_GB(1_030_301) < 8.0
     assert PetscPolicy(3).predicted_GB(DIRECT_3D) == Policy(3).predicted_GB(DIRECT_3D)

@@ -44,7 +44,8 @@ POINT = st.floats(-3.0, 3.0)
 EXPRESSION: st.SearchStrategy[Any] = st.recursive(
     st.sampled_from(["x", "y"]),
     lambda inner: st.one_of(
-        st.tuples(st.sampled_from(sorted(UNARY)), inner), st.tuples(st.sampled_from(sorted(BINARY)), inner, inner)
+        st.tuples(st.sampled_from(sorted(UNARY)), inner),
+        st.tuples(st.sampled_from(sorted(BINARY)), inner, inner),
     ),
     max_leaves=8,
 )
@@ -68,18 +69,43 @@ def test_derivative_is_the_complex_step(expression: Any, x: float, y: float) -> 
     for slot, shift in (("x", (1j * STEP, 0.0)), ("y", (0.0, 1j * STEP))):
         step = evaluate(expression, at[0] + shift[0], at[1] + shift[1])
         expected = np.imag(step) / STEP * np.ones(1)
-        np.testing.assert_allclose(np.zeros(1) + result.tangents.get(slot, 0.0), expected, **close)
+        np.testing.assert_allclose(
+            np.zeros(1) + result.tangents.get(slot, 0.0), expected, **close
+        )
 
 
 @pytest.mark.parametrize("ufunc", [np.add, np.subtract, np.multiply, np.divide])
 @pytest.mark.parametrize("with_tangents", [True, False])
-def test_operators_are_those_of_numpys_protocol(ufunc: np.ufunc, with_tangents: bool) -> None:
-    """To the bit, for two dual numbers and for one with a number or an array on either side."""
-    operate = {np.add: operator.add, np.subtract: operator.sub, np.multiply: operator.mul, np.divide: operator.truediv}
-    one = Dual(np.array([1.3, -0.2]), {"x": 1.0, "y": np.array([0.3, 2.0])} if with_tangents else {})
-    two = Dual(np.array([0.7, 3.1]), {"y": np.array([1.1, -0.4])} if with_tangents else {})
+def test_operators_are_those_of_numpys_protocol(
+    ufunc: np.ufunc, with_tangents: bool
+) -> None:
+    """To the bit, for two dual numbers and for one with a number or an array on
+    either side.
+    """
+    operate = {
+        np.add: operator.add,
+        np.subtract: operator.sub,
+        np.multiply: operator.mul,
+        np.divide: operator.truediv,
+    }
+    one = Dual(
+        np.array([1.3, -0.2]),
+        {"x": 1.0, "y": np.array([0.3, 2.0])} if with_tangents else {},
+    )
+    two = Dual(
+        np.array([0.7, 3.1]), {"y": np.array([1.1, -0.4])} if with_tangents else {}
+    )
     array = np.array([0.3, -7.0])
-    for pair in ((one, two), (one, one), (one, 0.3), (0.3, one), (one, 1.0), (1, one), (one, array), (array, one)):
+    for pair in (
+        (one, two),
+        (one, one),
+        (one, 0.3),
+        (0.3, one),
+        (one, 1.0),
+        (1, one),
+        (one, array),
+        (array, one),
+    ):
         found, expected = operate[ufunc](*pair), ufunc(*pair)
         np.testing.assert_array_equal(found.value, expected.value)
         assert found.tangents.keys() == expected.tangents.keys()
@@ -115,7 +141,9 @@ def test_every_rule_is_tried() -> None:
         (lambda T: np.where(1.0 > 2.0, 3.0 * T, 5.0 * T), [5.0, 5.0]),
     ],
 )
-def test_piecewise_functions(function: Callable[[Any], Any], slope: list[float]) -> None:
+def test_piecewise_functions(
+    function: Callable[[Any], Any], slope: list[float]
+) -> None:
     T = np.array([-2.0, 2.0])
     result = function(Dual(T, {"T": 1.0}))
     np.testing.assert_array_equal(result.value, function(T))
@@ -124,13 +152,19 @@ def test_piecewise_functions(function: Callable[[Any], Any], slope: list[float])
 
 def test_comparisons_are_plain() -> None:
     T = Dual(np.array([-2.0, 2.0]), {"T": 1.0})
-    for answer, expected in ((T > 0.0, [False, True]), (T <= 0.0, [True, False]), (T != 2.0, [True, False])):
+    for answer, expected in (
+        (T > 0.0, [False, True]),
+        (T <= 0.0, [True, False]),
+        (T != 2.0, [True, False]),
+    ):
         assert isinstance(answer, np.ndarray)
         assert answer.tolist() == expected
 
 
 def test_table_enters_by_value_and_derivative() -> None:
-    result = Dual(np.array([2.0]), {"T": 3.0}).apply(lambda T: 3.5 * T, lambda T: 0.25 * T)
+    result = Dual(np.array([2.0]), {"T": 3.0}).apply(
+        lambda T: 3.5 * T, lambda T: 0.25 * T
+    )
     assert result.value.tolist() == [7.0]
     assert result.tangents["T"].tolist() == [1.5]
 

@@ -1,4 +1,6 @@
-"""Words and phrases that the package and its manual do not use, each with the plain one that takes its place."""
+"""Words and phrases that the package and its manual do not use, each with the plain
+one that takes its place.
+"""
 
 import ast
 import io
@@ -40,7 +42,9 @@ FORBIDDEN = re.compile("|".join(rf"\b{phrase}\b" for phrase in INSTEAD), re.IGNO
 
 
 def prose_of(path: Path) -> list[tuple[int, str]]:
-    """Return the lines and texts of comments, docstrings and messages of a file; names in backticks are left out."""
+    """Return the lines and texts of comments, docstrings and messages of a file;
+    names in backticks are left out.
+    """
     source = path.read_text(encoding="utf-8")
     if path.suffix == ".md":
         found = list(enumerate(source.splitlines(), 1))
@@ -51,7 +55,11 @@ def prose_of(path: Path) -> list[tuple[int, str]]:
             if isinstance(node, ast.Constant) and isinstance(node.value, str)
         ]
         tokens = tokenize.generate_tokens(io.StringIO(source).readline)
-        found += [(token.start[0], token.string) for token in tokens if token.type == tokenize.COMMENT]
+        found += [
+            (token.start[0], token.string)
+            for token in tokens
+            if token.type == tokenize.COMMENT
+        ]
     return [(line, re.sub(r"`[^`]*`", "", text)) for line, text in found]
 
 
@@ -69,7 +77,10 @@ FILES = [
 ]
 
 
-@pytest.mark.parametrize("folder", sorted({path.parent.relative_to(PACKAGE.parent).as_posix() for path in FILES}))
+@pytest.mark.parametrize(
+    "folder",
+    sorted({path.parent.relative_to(PACKAGE.parent).as_posix() for path in FILES}),
+)
 def test_plain_words(folder):
     wrong = []
     for path in FILES:

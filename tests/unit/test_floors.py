@@ -1,4 +1,6 @@
-"""The lowest versions of the libraries: each is declared once and installed by `make test-floors`."""
+"""The lowest versions of the libraries: each is declared once and installed by `make
+test-floors`.
+"""
 
 import re
 import sys
@@ -32,5 +34,8 @@ def test_what_is_installed_is_not_older(item):
         found = metadata.version(name)
     except metadata.PackageNotFoundError:
         pytest.skip(f"{name} is not installed")
-    numbers = [tuple(int(part) for part in re.findall(r"\d+", text)[:3]) for text in (found, version)]
+    numbers = [
+        tuple(int(part) for part in re.findall(r"\d+", text)[:3])
+        for text in (found, version)
+    ]
     assert numbers[0] >= numbers[1]

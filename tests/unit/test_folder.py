@@ -1,4 +1,6 @@
-"""The folder of a run: one run at a time, files that belong together, links, failures."""
+"""The folder of a run: one run at a time, files that belong together, links,
+failures.
+"""
 
 import json
 import os
@@ -19,7 +21,8 @@ from contbed.output.folder import LOCK, occupied, read_summary
 
 TRANSIENT = (
     STEADY
-    + "[initial]\ngas.temperature = 300.0\nsolids.particles.temperature = 400.0\n\n[time]\nend = 2.0\ntimes = [1.0]\n"
+    + "[initial]\ngas.temperature = 300.0\nsolids.particles.temperature = 400.0\n\n"
+    "[time]\nend = 2.0\ntimes = [1.0]\n"
 )
 
 
@@ -73,7 +76,10 @@ time.end = 1.0
     ("text", "key"),
     [
         (
-            TRANSIENT.replace("particles.temperature = 400.0", 'particles.temperature = { file = "out/profiles.csv" }'),
+            TRANSIENT.replace(
+                "particles.temperature = 400.0",
+                'particles.temperature = { file = "out/profiles.csv" }',
+            ),
             "initial.solids.particles.temperature",
         ),
         (REACTING, "initial"),
@@ -84,7 +90,9 @@ def test_a_run_does_not_replace_what_it_reads(tmp_path, text, key):
     out = tmp_path / "out"
     out.mkdir()
     (out / "profiles.csv").write_text("x [m],T_solid [K],x_A [1]\n0,400,1\n1,400,1\n")
-    (out / "summary.json").write_text('{"status": "ok", "files": ["profiles.csv", "summary.json"]}')
+    (out / "summary.json").write_text(
+        '{"status": "ok", "files": ["profiles.csv", "summary.json"]}'
+    )
     before = {path: path.read_text() for path in out.iterdir()}
     (tmp_path / "linked").symlink_to(out)
     scene = loads(text, base=tmp_path)
@@ -100,7 +108,10 @@ def test_other_inputs_may_lie_among_results_and_are_not_replaced(tmp_path):
     with occupied(tmp_path) as place:
         place.begin({}, keep=False, inputs=[tmp_path / "feed.csv"])
         said = r"cannot write .*feed\.csv: the run reads this file"
-        with pytest.raises(ContbedError, match=said), atomic(tmp_path / "feed.csv") as temporary:
+        with (
+            pytest.raises(ContbedError, match=said),
+            atomic(tmp_path / "feed.csv") as temporary,
+        ):
             temporary.write_text("a\n")
         assert (tmp_path / "feed.csv").read_text() == "mine"
 
@@ -119,7 +130,9 @@ def test_only_plain_names_of_the_folder_are_removed(tmp_path):
 
 
 @pytest.mark.parametrize("when", ["plan", "run", "late"])
-def test_a_failed_run_does_not_look_like_the_good_one_before(tmp_path, monkeypatch, when):
+def test_a_failed_run_does_not_look_like_the_good_one_before(
+    tmp_path, monkeypatch, when
+):
     cb.run(loads(STEADY), out=tmp_path)
     place = {
         "plan": "contbed.packed_bed.plan.plan",
@@ -138,7 +151,9 @@ def test_a_failed_run_does_not_look_like_the_good_one_before(tmp_path, monkeypat
     assert status(tmp_path) == "ok"
 
 
-def test_a_scene_with_a_mistake_marks_the_folder_and_makes_none(tmp_path, monkeypatch, capsys):
+def test_a_scene_with_a_mistake_marks_the_folder_and_makes_none(
+    tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scene.toml").write_text(STEADY)
     assert cli.main(["run", "scene.toml", "--out", "out", "--quiet"]) == 0
@@ -160,7 +175,9 @@ def test_a_killed_run_says_running(tmp_path):
         cb.run(cb.load(sys.argv[1]), out=sys.argv[2])
     """
     (tmp_path / "scene.toml").write_text(STEADY)
-    done = subprocess.run([sys.executable, "-c", textwrap.dedent(code), tmp_path / "scene.toml", tmp_path])
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(code), tmp_path / "scene.toml", tmp_path]
+    )
     assert done.returncode == -9
     assert status(tmp_path) == "running" and not (tmp_path / "profiles.csv").exists()
     assert (tmp_path / LOCK).exists()  # of a process that is no more
@@ -170,7 +187,10 @@ def test_a_killed_run_says_running(tmp_path):
 
 def test_two_runs_in_one_folder(tmp_path):
     with occupied(tmp_path):
-        with pytest.raises(ContbedError, match=rf"another run is writing there \(process {os.getpid()} on .*\); wait"):
+        with pytest.raises(
+            ContbedError,
+            match=rf"another run is writing there \(process {os.getpid()} on .*\); wait",
+        ):
             cb.run(loads(STEADY), out=tmp_path)
         with pytest.raises(ContbedError, match="another run"), occupied(tmp_path):
             pass
@@ -179,10 +199,23 @@ def test_two_runs_in_one_folder(tmp_path):
 
 def test_many_runs_at_once_are_one_after_the_other_or_refused(tmp_path):
     (tmp_path / "scene.toml").write_text(STEADY + "[output]\nplots = false\n")
-    start = [sys.executable, "-m", "contbed", "run", "scene.toml", "--quiet", "--out", "out", "--set"]
+    start = [
+        sys.executable,
+        "-m",
+        "contbed",
+        "run",
+        "scene.toml",
+        "--quiet",
+        "--out",
+        "out",
+        "--set",
+    ]
     runs = [
         subprocess.Popen(
-            [*start, f"boundary.left.gas.velocity={0.1 * k}"], cwd=tmp_path, stderr=subprocess.PIPE, text=True
+            [*start, f"boundary.left.gas.velocity={0.1 * k}"],
+            cwd=tmp_path,
+            stderr=subprocess.PIPE,
+            text=True,
         )
         for k in range(1, 5)
     ]
@@ -198,7 +231,13 @@ def test_planted_links_are_not_followed(tmp_path):
     mine.write_text("mine")
     out = tmp_path / "out"
     out.mkdir()
-    for name in ("summary.json.part", "summary.json", "profiles.csv", "profiles.csv.part", "fields.vtu"):
+    for name in (
+        "summary.json.part",
+        "summary.json",
+        "profiles.csv",
+        "profiles.csv.part",
+        "fields.vtu",
+    ):
         (out / name).symlink_to(mine)
     cb.run(loads(STEADY), out=out)
     assert mine.read_text() == "mine"
@@ -211,11 +250,16 @@ def test_planted_links_are_not_followed(tmp_path):
 
 def test_one_output_that_fails_keeps_no_other_back(tmp_path, monkeypatch):
     monkeypatch.setattr("contbed.output.tables.write_table", lambda *_: 1 / 0)
-    with pytest.raises(ContbedError, match=r"profiles.csv cannot be written: ZeroDivisionError: division by zero"):
+    with pytest.raises(
+        ContbedError,
+        match=r"profiles.csv cannot be written: ZeroDivisionError: division by zero",
+    ):
         cb.run(loads(STEADY), out=tmp_path)
     assert names(tmp_path) == {"summary.json", "profiles.png", "fields.vtu"}
     summary = read_summary(tmp_path)
-    assert summary["status"] == "output incomplete" and summary["qoi"]["T_fluid_out_K"] > 0
+    assert (
+        summary["status"] == "output incomplete" and summary["qoi"]["T_fluid_out_K"] > 0
+    )
     (tmp_path / "fields.vtu").unlink()
     (tmp_path / "fields.vtu").mkdir()
     monkeypatch.undo()

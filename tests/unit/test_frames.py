@@ -1,4 +1,6 @@
-"""A result in Python: as xarray and pandas with units, as a table of a notebook, as a figure."""
+"""A result in Python: as xarray and pandas with units, as a table of a notebook, as
+a figure.
+"""
 
 import numpy as np
 import pytest
@@ -7,7 +9,10 @@ from small_scenes import STEADY
 import contbed as cb
 from contbed.errors import ContbedError
 
-TRANSIENT = STEADY + "[time]\nend = 100.0\ntimes = [20.0, 50.0]\n[initial]\ntemperature = 350.0\n"
+TRANSIENT = (
+    STEADY
+    + "[time]\nend = 100.0\ntimes = [20.0, 50.0]\n[initial]\ntemperature = 350.0\n"
+)
 
 
 @pytest.fixture(scope="module")
@@ -25,14 +30,29 @@ def transient():
 
 
 def test_xarray_has_coordinates_and_units(steady, transient):
-    pytest.importorskip("xarray", reason="xarray is not installed: pip install 'contbed[notebook]'")
+    pytest.importorskip(
+        "xarray", reason="xarray is not installed: pip install 'contbed[notebook]'"
+    )
     found = steady.to_xarray()
-    assert found.T_solid.dims == ("x",) and found.T_solid.attrs["units"] == "K" and found.x.attrs["units"] == "m"
-    assert np.array_equal(found.T_solid.values, np.asarray(steady.profiles["T_solid [K]"]))
+    assert (
+        found.T_solid.dims == ("x",)
+        and found.T_solid.attrs["units"] == "K"
+        and found.x.attrs["units"] == "m"
+    )
+    assert np.array_equal(
+        found.T_solid.values, np.asarray(steady.profiles["T_solid [K]"])
+    )
     several = transient.to_xarray()
-    assert several.T_solid.dims == ("t", "x") and list(several.t.values) == [20.0, 50.0, 100.0]
+    assert several.T_solid.dims == ("t", "x") and list(several.t.values) == [
+        20.0,
+        50.0,
+        100.0,
+    ]
     rows = np.asarray(transient.profiles["t [s]"]) == 50.0
-    assert np.array_equal(several.T_solid.sel(t=50.0).values, np.asarray(transient.profiles["T_solid [K]"])[rows])
+    assert np.array_equal(
+        several.T_solid.sel(t=50.0).values,
+        np.asarray(transient.profiles["T_solid [K]"])[rows],
+    )
     fields = steady.to_xarray("fields")
     space, values = steady.nodal["T_solid"]
     assert np.array_equal(fields.T_solid.values, values)
@@ -40,7 +60,9 @@ def test_xarray_has_coordinates_and_units(steady, transient):
 
 
 def test_pandas_has_headers_with_units(steady):
-    pytest.importorskip("pandas", reason="pandas is not installed: pip install 'contbed[notebook]'")
+    pytest.importorskip(
+        "pandas", reason="pandas is not installed: pip install 'contbed[notebook]'"
+    )
     assert list(steady.to_pandas().columns) == list(steady.profiles)
     results = steady.to_pandas("results")
     assert results.loc["T_fluid_out_K", "value"] == steady.qoi["T_fluid_out_K"]
@@ -51,7 +73,11 @@ def test_pandas_has_headers_with_units(steady):
 
 def test_a_notebook_shows_the_results(steady):
     text = steady._repr_html_()
-    assert f"{steady.qoi['T_fluid_out_K']:.6g}" in text and "closes to" in text and "<table>" in text
+    assert (
+        f"{steady.qoi['T_fluid_out_K']:.6g}" in text
+        and "closes to" in text
+        and "<table>" in text
+    )
 
 
 def test_figures_have_a_panel_for_each_unit(steady, transient):

@@ -1,4 +1,6 @@
-"""The picture of what leaves a bed: one panel a unit, no curve of what does not change, no file without a curve."""
+"""The picture of what leaves a bed: one panel a unit, no curve of what does not
+change, no file without a curve.
+"""
 
 import matplotlib.figure
 import numpy as np
@@ -14,17 +16,29 @@ def test_one_panel_a_unit_without_constant_curves(tmp_path, monkeypatch):
 
     def savefig(figure, *arguments, **options):
         for axes in figure.axes:
-            seen[axes.get_ylabel()] = [text.get_text() for text in axes.get_legend().get_texts()]
+            seen[axes.get_ylabel()] = [
+                text.get_text() for text in axes.get_legend().get_texts()
+            ]
         keep(figure, *arguments, **options)
 
     monkeypatch.setattr(matplotlib.figure.Figure, "savefig", savefig)
     x = T / 100.0
-    columns = {"t [s]": T, "T_fluid [K]": 300.0 + T, "x_A [1]": x, "x_B [1]": 1.0 - x, "x_C [1]": np.zeros(20)}
-    history_plot(tmp_path / "outlet.png", columns | {"T_solid [K]": np.full(20, np.nan)})
+    columns = {
+        "t [s]": T,
+        "T_fluid [K]": 300.0 + T,
+        "x_A [1]": x,
+        "x_B [1]": 1.0 - x,
+        "x_C [1]": np.zeros(20),
+    }
+    history_plot(
+        tmp_path / "outlet.png", columns | {"T_solid [K]": np.full(20, np.nan)}
+    )
     assert seen == {"$T$ [K]": ["T_fluid"], "mole fraction [1]": ["x_A", "x_B"]}
     assert (tmp_path / "outlet.png").stat().st_size > 5_000
 
 
 def test_nothing_that_changes_gives_no_picture(tmp_path):
-    history_plot(tmp_path / "outlet.png", {"t [s]": T, "T_fluid [K]": np.full(20, 300.0)})
+    history_plot(
+        tmp_path / "outlet.png", {"t [s]": T, "T_fluid [K]": np.full(20, 300.0)}
+    )
     assert not list(tmp_path.iterdir())

@@ -1,4 +1,6 @@
-"""Systems of volumes that are too large for complete factors: multigrid, incomplete factors, and what is refused."""
+"""Systems of volumes that are too large for complete factors: multigrid, incomplete
+factors, and what is refused.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ from contbed.solvers.linear import Policy, Solver
 
 @pytest.fixture
 def iterative(monkeypatch):
-    """Every system counts as too large for factors; returns the list of (drop, fill) that were used."""
+    """Every system counts as too large for factors; returns the list of (drop, fill)
+    that were used.
+    """
     used = []
     incomplete = linear._incomplete
 
@@ -38,7 +42,9 @@ def iterations(monkeypatch):
 
     def counted(*arguments, **options):
         steps = []
-        found = gmres(*arguments, callback=steps.append, callback_type="pr_norm", **options)
+        found = gmres(
+            *arguments, callback=steps.append, callback_type="pr_norm", **options
+        )
         counts.append(len(steps))
         return found
 
@@ -49,9 +55,27 @@ def iterations(monkeypatch):
 def box(**tables):
     """A small volume with a hot floor."""
     found = {
-        "mesh": {"type": "box", "length": 0.2, "width": 0.1, "height": 0.1, "cells": (6, 4, 4)},
-        "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.1, "viscosity": 2e-5},
-        "solids": {"particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 5.0, "diameter": 0.01}},
+        "mesh": {
+            "type": "box",
+            "length": 0.2,
+            "width": 0.1,
+            "height": 0.1,
+            "cells": (6, 4, 4),
+        },
+        "gas": {
+            "density": 1.0,
+            "heat_capacity": 1000.0,
+            "conductivity": 0.1,
+            "viscosity": 2e-5,
+        },
+        "solids": {
+            "particles": {
+                "density": 2000.0,
+                "heat_capacity": 900.0,
+                "conductivity": 5.0,
+                "diameter": 0.01,
+            }
+        },
         "packed_bed": {"porosity": 0.4},
         "closures": {"nusselt": 1.0},
         "heat": {},
@@ -68,7 +92,9 @@ HEAT = {
     "moving": {
         "boundary": {
             "left": {"gas": {"velocity": 0.05, "temperature": 300.0}},
-            "right": {"solids": {"particles": {"velocity": 1e-3, "temperature": 700.0}}},
+            "right": {
+                "solids": {"particles": {"velocity": 1e-3, "temperature": 700.0}}
+            },
             "bottom": {"solids": {"particles": {"fixed_temperature": 500.0}}},
         }
     },
@@ -79,10 +105,21 @@ HEAT = {
 @pytest.mark.parametrize("shape", ["hexahedron", "tetrahedron"])
 @pytest.mark.parametrize("degree", [1, 2])
 @pytest.mark.parametrize("kind", ["rest", "moving", "mixed"])
-def test_multigrid_gives_the_result_of_complete_factors(kind, degree, shape, iterative, iterations, monkeypatch):
-    """To the tolerance of GMRES, with two temperatures, at rest, moving, and bound by a strong exchange."""
+def test_multigrid_gives_the_result_of_complete_factors(
+    kind, degree, shape, iterative, iterations, monkeypatch
+):
+    """To the tolerance of GMRES, with two temperatures, at rest, moving, and bound
+    by a strong exchange.
+    """
     tables = HEAT.get(kind, {})
-    mesh = {"type": "box", "length": 0.2, "width": 0.1, "height": 0.1, "cells": (6, 4, 4), "shape": shape}
+    mesh = {
+        "type": "box",
+        "length": 0.2,
+        "width": 0.1,
+        "height": 0.1,
+        "cells": (6, 4, 4),
+        "shape": shape,
+    }
     scene = box(mesh=mesh, solver={"degree": degree}, **tables)
     cycled = cb.run(scene)
     assert iterations and not iterative
@@ -90,30 +127,58 @@ def test_multigrid_gives_the_result_of_complete_factors(kind, degree, shape, ite
     monkeypatch.setattr(linear, "MULTIGRID_3D", 120_000)
     complete = cb.run(scene)
     for name in ("T_solid_out_K", "T_fluid_out_K"):
-        assert cycled.qoi.get(name, 0.0) == pytest.approx(complete.qoi.get(name, 0.0), rel=1e-9)
+        assert cycled.qoi.get(name, 0.0) == pytest.approx(
+            complete.qoi.get(name, 0.0), rel=1e-9
+        )
     assert abs(cycled.balances["energy"]["relative_residual"]) < 1e-10
 
 
 def test_iterations_of_multigrid_do_not_grow_with_the_mesh(iterative, iterations):
-    """Twice the cells in each direction: at most a quarter more, where one-level methods take twice as many."""
+    """Twice the cells in each direction: at most a quarter more, where one-level
+    methods take twice as many.
+    """
     for cells in ((6, 4, 4), (12, 8, 8)):
-        cb.run(box(mesh={"type": "box", "length": 0.15, "width": 0.1, "height": 0.1, "cells": cells}))
+        cb.run(
+            box(
+                mesh={
+                    "type": "box",
+                    "length": 0.15,
+                    "width": 0.1,
+                    "height": 0.1,
+                    "cells": cells,
+                }
+            )
+        )
     assert iterations[-1] <= 1.25 * iterations[0] + 1
 
 
 def test_incident_radiation_is_cycled_as_well(iterative, iterations, monkeypatch):
-    """Three fields at a vertex; emission ties the third to the temperature of the solid."""
-    solid = {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 5.0, "diameter": 0.01, "emissivity": 0.8}
+    """Three fields at a vertex; emission ties the third to the temperature of the
+    solid.
+    """
+    solid = {
+        "density": 2000.0,
+        "heat_capacity": 900.0,
+        "conductivity": 5.0,
+        "diameter": 0.01,
+        "emissivity": 0.8,
+    }
     scene = box(radiation={"level": "p1"}, solids={"particles": solid})
     cycled = cb.run(scene)
     assert iterations and not iterative
     monkeypatch.setattr(linear, "MULTIGRID_3D", 120_000)
-    assert cycled.qoi["heat_bottom_W"] == pytest.approx(cb.run(scene).qoi["heat_bottom_W"], rel=1e-8)
+    assert cycled.qoi["heat_bottom_W"] == pytest.approx(
+        cb.run(scene).qoi["heat_bottom_W"], rel=1e-8
+    )
 
 
 def test_thin_factors_take_over_where_multigrid_does_not_do(iterative, monkeypatch):
-    """To the tolerance of GMRES; the balance closes as it does with complete factors."""
-    monkeypatch.setattr(linear, "two_level", lambda matrix, vertices: lambda rhs: rhs[::-1].copy())
+    """To the tolerance of GMRES; the balance closes as it does with complete
+    factors.
+    """
+    monkeypatch.setattr(
+        linear, "two_level", lambda matrix, vertices: lambda rhs: rhs[::-1].copy()
+    )
     thin = cb.run(box())
     assert set(iterative) == {linear.THIN}
     monkeypatch.setattr(linear, "FEW", 120_000)
@@ -143,24 +208,37 @@ def test_thick_factors_that_do_not_fit_are_refused(iterative):
 
 
 def test_memory_is_refused_before_assembly(monkeypatch):
-    """A box of 20 x 10 x 10 cells needs 0.4 GB: said with the numbers before anything is assembled."""
+    """A box of 20 x 10 x 10 cells needs 0.4 GB: said with the numbers before
+    anything is assembled.
+    """
     from contbed.packed_bed.heat import HeatProblem
 
     monkeypatch.setattr(HeatProblem, "__init__", lambda *_: pytest.fail("assembled"))
-    with pytest.raises(SceneError, match=r"unknowns need about .* GB, allowed are 0.2 GB; coarsen the mesh"):
+    with pytest.raises(
+        SceneError,
+        match=r"unknowns need about .* GB, allowed are 0.2 GB; coarsen the mesh",
+    ):
         cb.run(box(mesh={"type": "box", "length": 0.2, "width": 0.1, "height": 0.1, "cells": (20, 10, 10)},
                    solver={"memory_GB": 0.2}))  # fmt: skip
 
 
 def test_predicted_memory_of_a_volume():
-    """As measured: 2.2 GB for the factors of 68,000 unknowns, 10 kB for each with multigrid; within 5 %."""
+    """As measured: 2.2 GB for the factors of 68,000 unknowns, 10 kB for each with
+    multigrid; within 5 %.
+    """
     assert Policy(3, None).predicted_GB(68_000) == pytest.approx(2.2, rel=0.05)
-    assert Policy(3, None, multigrid=True).predicted_GB(68_000) == pytest.approx(0.68, rel=0.05)
+    assert Policy(3, None, multigrid=True).predicted_GB(68_000) == pytest.approx(
+        0.68, rel=0.05
+    )
 
 
 def test_an_automatic_box_is_small_and_has_an_estimate():
-    """The plan holds a first mesh of at most 2000 cells and says how many there may be."""
-    plan = cb.plan(box(mesh={"type": "box", "length": 0.2, "width": 0.1, "height": 0.1}))
+    """The plan holds a first mesh of at most 2000 cells and says how many there may
+    be.
+    """
+    plan = cb.plan(
+        box(mesh={"type": "box", "length": 0.2, "width": 0.1, "height": 0.1})
+    )
     assert plan.mesh.skfem.nelements <= 2000
     assert "4000 cells at most" in str(plan)
     assert cb.run(box()).qoi["estimated_error"] > 1e-3

@@ -1,8 +1,9 @@
 """Who may import whom: no circles between files, and only downwards through the layers.
 
-The docstring of `contbed.models` describes the modules of a physics. Imports inside of functions count like those at
-the top of a file, and so do names of modules given to `import_module`; the package's own `__init__.py` is left out,
-which only names what users import.
+The docstring of `contbed.models` describes the modules of a physics. Imports inside of
+functions count like those at the top of a file, and so do names of modules given to
+`import_module`; the package's own `__init__.py` is left out, which only names what
+users import.
 """
 
 from __future__ import annotations
@@ -22,7 +23,14 @@ LAYERS = (
     ("runner",),
     ("ranks",),
     ("explain", "loading"),
-    ("cfd_dem", "developed_flow", "bubbling_bed", "packed_bed", "reacting_bed", "single_particle"),
+    (
+        "cfd_dem",
+        "developed_flow",
+        "bubbling_bed",
+        "packed_bed",
+        "reacting_bed",
+        "single_particle",
+    ),
     ("dem", "two_fluid", "radiation"),
     ("result",),
     ("engine",),
@@ -50,7 +58,11 @@ def imports(path: Path, known: dict[str, Path]) -> set[str]:
     """Modules of contbed that a file imports anywhere."""
     found = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "contbed":
+        if (
+            isinstance(node, ast.ImportFrom)
+            and node.module
+            and node.module.split(".")[0] == "contbed"
+        ):
             base = node.module.removeprefix("contbed").lstrip(".")
             for alias in node.names:
                 full = f"{base}.{alias.name}" if base else alias.name
@@ -59,16 +71,25 @@ def imports(path: Path, known: dict[str, Path]) -> set[str]:
             found |= {
                 item.value.removeprefix("contbed.")
                 for item in node.args
-                if isinstance(item, ast.Constant) and str(item.value).startswith("contbed.")
+                if isinstance(item, ast.Constant)
+                and str(item.value).startswith("contbed.")
             }
         elif isinstance(node, ast.Import):
-            found |= {alias.name.removeprefix("contbed.") for alias in node.names if alias.name.startswith("contbed.")}
+            found |= {
+                alias.name.removeprefix("contbed.")
+                for alias in node.names
+                if alias.name.startswith("contbed.")
+            }
     return found - {""}
 
 
 def _name(function: ast.expr) -> str:
     """Return the last part of the name that is called."""
-    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+    return (
+        function.attr
+        if isinstance(function, ast.Attribute)
+        else getattr(function, "id", "")
+    )
 
 
 KNOWN = modules()
@@ -77,13 +98,20 @@ GRAPH = {name: imports(path, KNOWN) - {name} for name, path in KNOWN.items()}
 
 def layer(name: str) -> int:
     """Number of the layer of a module: that of the longest name that fits."""
-    fits = [(len(entry), k) for k, row in enumerate(LAYERS) for entry in row if f"{name}.".startswith(f"{entry}.")]
+    fits = [
+        (len(entry), k)
+        for k, row in enumerate(LAYERS)
+        for entry in row
+        if f"{name}.".startswith(f"{entry}.")
+    ]
     assert fits, f"contbed.{name} has no place in LAYERS"
     return max(fits)[1]
 
 
 def circles(graph: dict[str, set[str]]) -> list[list[str]]:
-    """Groups of modules that import each other (strongly connected components, Tarjan 1972)."""
+    """Groups of modules that import each other (strongly connected components,
+    Tarjan 1972).
+    """
     index: dict[str, int] = {}
     low: dict[str, int] = {}
     stack: list[str] = []
@@ -114,7 +142,9 @@ def circles(graph: dict[str, set[str]]) -> list[list[str]]:
 
 
 def test_the_search_finds_a_circle():
-    assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}) == [["a", "b", "c"]]
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}) == [
+        ["a", "b", "c"]
+    ]
 
 
 def test_no_file_imports_in_a_circle():
@@ -130,7 +160,12 @@ def test_no_package_imports_in_a_circle():
 
 
 def test_imports_go_downwards():
-    wrong = [f"{name} -> {other}" for name, others in GRAPH.items() for other in others if layer(other) < layer(name)]
+    wrong = [
+        f"{name} -> {other}"
+        for name, others in GRAPH.items()
+        for other in others
+        if layer(other) < layer(name)
+    ]
     assert wrong == []
 
 
@@ -155,19 +190,32 @@ def test_physics_of_one_layer_do_not_know_each_other():
     for name, others in GRAPH.items():
         room = name.split(".")[0]
         if room in physics:
-            assert {other.split(".")[0] for other in others} & physics <= {room} | below.get(room, set()), name
+            assert {other.split(".")[0] for other in others} & physics <= {
+                room
+            } | below.get(room, set()), name
 
 
 def test_equations_know_their_vocabulary_only():
-    # discrete ordinates are swept by a method of their own, which needs banded and sparse algebra
+    # discrete ordinates are swept by a method of their own, which needs banded and
+    # sparse algebra
     algebra = {"ordinates.py": {"scipy"}}
     for path in PACKAGE.glob("*/equations/*.py"):
         room = path.parent.parent.name
-        used = {name.split(".")[0] for name in imports(path, KNOWN) - {"fem.stabilisation"}}
+        used = {
+            name.split(".")[0] for name in imports(path, KNOWN) - {"fem.stabilisation"}
+        }
         assert used <= {room, "errors", "closures", "radiation"}, path
         tree = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        outside = {node.module.split(".")[0] for node in tree if isinstance(node, ast.ImportFrom) and node.module}
-        allowed = {"numpy", "contbed"} | algebra.get(path.name, set()) | set(sys.stdlib_module_names)
+        outside = {
+            node.module.split(".")[0]
+            for node in tree
+            if isinstance(node, ast.ImportFrom) and node.module
+        }
+        allowed = (
+            {"numpy", "contbed"}
+            | algebra.get(path.name, set())
+            | set(sys.stdlib_module_names)
+        )
         assert outside <= allowed, path
 
 
@@ -175,9 +223,17 @@ def test_closures_and_outputs_know_no_physics():
     for name, others in GRAPH.items():
         room = name.split(".")[0]
         if room == "closures":
-            assert {other.split(".")[0] for other in others} <= {"closures", "errors", "scene"}, name
+            assert {other.split(".")[0] for other in others} <= {
+                "closures",
+                "errors",
+                "scene",
+            }, name
         if room == "particle":
-            assert {other.split(".")[0] for other in others} <= {"particle", "closures", "errors"}, name
+            assert {other.split(".")[0] for other in others} <= {
+                "particle",
+                "closures",
+                "errors",
+            }, name
         if room == "output":
             below = {"output", "errors", "fields", "fem"}
             assert {other.split(".")[0] for other in others} <= below, name

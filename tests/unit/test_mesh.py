@@ -20,10 +20,21 @@ LENGTH, RADIUS, WIDTH, HEIGHT = 0.37, 0.11, 0.13, 0.29
 LINE = MeshLine(type="line", length=LENGTH, cells=7)
 PLANE = {"type": "rectangle", "length": LENGTH, "height": HEIGHT, "cells": (5, 3)}
 ROUND = {"type": "axisymmetric", "length": LENGTH, "radius": RADIUS, "cells": (3, 5)}
-BOX = {"type": "box", "length": LENGTH, "width": WIDTH, "height": HEIGHT, "cells": (2, 3, 4)}
+BOX = {
+    "type": "box",
+    "length": LENGTH,
+    "width": WIDTH,
+    "height": HEIGHT,
+    "cells": (2, 3, 4),
+}
 PLANE_SIZES = {"left": HEIGHT, "right": HEIGHT, "bottom": LENGTH, "top": LENGTH}
 END = np.pi * RADIUS**2
-ROUND_SIZES = {"axis": 0.0, "wall": 2 * np.pi * RADIUS * LENGTH, "bottom": END, "top": END}
+ROUND_SIZES = {
+    "axis": 0.0,
+    "wall": 2 * np.pi * RADIUS * LENGTH,
+    "bottom": END,
+    "top": END,
+}
 BOX_SIZES = {
     "left": WIDTH * HEIGHT,
     "right": WIDTH * HEIGHT,
@@ -35,15 +46,32 @@ BOX_SIZES = {
 CASES = {
     "line": (LINE, LENGTH, {"left": 1.0, "right": 1.0}),
     "quadrilateral": (MeshRectangle(**PLANE), LENGTH * HEIGHT, PLANE_SIZES),
-    "triangle": (MeshRectangle(**PLANE, shape="triangle"), LENGTH * HEIGHT, PLANE_SIZES),
+    "triangle": (
+        MeshRectangle(**PLANE, shape="triangle"),
+        LENGTH * HEIGHT,
+        PLANE_SIZES,
+    ),
     "round": (MeshAxisymmetric(**ROUND), END * LENGTH, ROUND_SIZES),
-    "round_triangle": (MeshAxisymmetric(**ROUND, shape="triangle"), END * LENGTH, ROUND_SIZES),
+    "round_triangle": (
+        MeshAxisymmetric(**ROUND, shape="triangle"),
+        END * LENGTH,
+        ROUND_SIZES,
+    ),
     "hexahedron": (MeshBox(**BOX), LENGTH * WIDTH * HEIGHT, BOX_SIZES),
-    "tetrahedron": (MeshBox(**BOX, shape="tetrahedron"), LENGTH * WIDTH * HEIGHT, BOX_SIZES),
+    "tetrahedron": (
+        MeshBox(**BOX, shape="tetrahedron"),
+        LENGTH * WIDTH * HEIGHT,
+        BOX_SIZES,
+    ),
 }
 NORMALS = {
     "line": {"left": [-1], "right": [1]},
-    "quadrilateral": {"left": [-1, 0], "right": [1, 0], "bottom": [0, -1], "top": [0, 1]},
+    "quadrilateral": {
+        "left": [-1, 0],
+        "right": [1, 0],
+        "bottom": [0, -1],
+        "top": [0, 1],
+    },
     "round": {"axis": [-1, 0], "wall": [1, 0], "bottom": [0, -1], "top": [0, 1]},
     "hexahedron": {
         "left": [-1, 0, 0],
@@ -75,14 +103,18 @@ def test_sizes_and_names_are_exact_on_every_level(case, times):
     settings, size, boundaries = CASES[case]
     coarse = build(settings)
     mesh = refine(coarse, times)
-    assert mesh.skfem.nelements == coarse.skfem.nelements * 2 ** (mesh.skfem.dim() * times)
+    assert mesh.skfem.nelements == coarse.skfem.nelements * 2 ** (
+        mesh.skfem.dim() * times
+    )
     assert mesh.measure() == pytest.approx(size, rel=1e-13)
     assert set(mesh.boundaries) == set(boundaries)
     for name, expected in boundaries.items():
         assert mesh.measure(name) == pytest.approx(expected, rel=1e-13, abs=1e-15), name
     assert mesh.regions == ("bed",)
     assert (mesh.axisymmetric, mesh.axis) == (coarse.axisymmetric, coarse.axis)
-    assert (mesh.axisymmetric, mesh.axis) == ((True, 1) if case.startswith("round") else (False, 0))
+    assert (mesh.axisymmetric, mesh.axis) == (
+        (True, 1) if case.startswith("round") else (False, 0)
+    )
     assert_partition(mesh)
 
 
@@ -93,13 +125,22 @@ def test_normals_point_outwards(case, times):
     for name, normal in NORMALS[case].items():
         basis = skfem.FacetBasis(mesh, mesh.elem(), facets=mesh.boundaries[name])
         found = np.asarray(basis.normals)
-        np.testing.assert_allclose(found, np.broadcast_to(np.reshape(normal, (-1, 1, 1)), found.shape), atol=1e-14)
+        np.testing.assert_allclose(
+            found,
+            np.broadcast_to(np.reshape(normal, (-1, 1, 1)), found.shape),
+            atol=1e-14,
+        )
 
 
 def moments(mesh, region):
     """Size of a region and the integrals of its coordinates."""
-    basis = skfem.CellBasis(mesh, mesh.elem(), elements=mesh.subdomains[region], intorder=4)
-    return [basis.dx.sum(), *(np.sum(basis.dx * c) for c in np.asarray(basis.global_coordinates()))]
+    basis = skfem.CellBasis(
+        mesh, mesh.elem(), elements=mesh.subdomains[region], intorder=4
+    )
+    return [
+        basis.dx.sum(),
+        *(np.sum(basis.dx * c) for c in np.asarray(basis.global_coordinates())),
+    ]
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -112,7 +153,9 @@ def test_refinement_keeps_regions_in_place(case):
     assert fine.regions == ("near", "far")
     assert_partition(fine)
     for name in halves:
-        np.testing.assert_allclose(moments(fine.skfem, name), moments(coarse.skfem, name), rtol=1e-13)
+        np.testing.assert_allclose(
+            moments(fine.skfem, name), moments(coarse.skfem, name), rtol=1e-13
+        )
 
 
 @pytest.mark.parametrize("table", [PLANE, ROUND])
@@ -139,7 +182,9 @@ def test_given_nodes_are_used_instead_of_cells():
     np.testing.assert_array_equal(np.sort(automatic.skfem.p[0]), x)
     assert build(LINE, [x]).skfem.nelements == len(x) - 1
     across = np.array([0.0, 0.05, RADIUS])
-    shaft = build(MeshAxisymmetric(type="axisymmetric", length=LENGTH, radius=RADIUS), [across, x])
+    shaft = build(
+        MeshAxisymmetric(type="axisymmetric", length=LENGTH, radius=RADIUS), [across, x]
+    )
     assert shaft.skfem.nelements == 2 * (len(x) - 1)
     assert_partition(shaft)
 
@@ -150,12 +195,22 @@ def test_refine_of_the_table_is_applied():
 
 
 def test_import_needs_neither_gmsh_nor_meshio():
-    code = "import sys, contbed.mesh.mesh; print([name for name in ('gmsh', 'meshio') if name in sys.modules])"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+    code = (
+        "import sys, contbed.mesh.mesh; print([name for name in ('gmsh', 'meshio') "
+        "if name in sys.modules])"
+    )
+    assert (
+        subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout
+        == "[]\n"
+    )
 
 
 widths = st.floats(-9, 1).map(lambda exponent: 10.0**exponent)
-layer_lists = st.lists(st.tuples(st.sampled_from([0.0, 1.0]) | st.floats(0, 1), widths), max_size=4)
+layer_lists = st.lists(
+    st.tuples(st.sampled_from([0.0, 1.0]) | st.floats(0, 1), widths), max_size=4
+)
 
 
 @given(layer_lists, st.floats(1.05, 2.0), st.floats(0.1, 1.0), st.floats(1e-3, 1e3))
@@ -192,22 +247,31 @@ def test_interior_layer_has_a_node():
 @given(layer_lists, st.integers(20, 80), st.sampled_from([1, 2, 3]))
 def test_equidistributed_gives_each_layer_its_share(layers, cells, degree):
     x = equidistributed(2.0, [(2.0 * p, 2.0 * w) for p, w in layers], cells, degree)
-    assert len(x) == cells + 1 and x[0] == 0.0 and x[-1] == 2.0 and (np.diff(x) > 0).all()
+    assert (
+        len(x) == cells + 1 and x[0] == 0.0 and x[-1] == 2.0 and (np.diff(x) > 0).all()
+    )
     # each layer counts at most 2 (degree + 1), the smooth part 3
     share = (len(layers) * 2 * (degree + 1) + 3.0) / cells
     for position, width in layers:
         touching = (x[:-1] <= 2.0 * position) & (x[1:] >= 2.0 * position)
         # integral of the layer's own density over one side of the cell
         side = -(degree + 1) * np.log1p(-share / (degree + 1)) * 2.0 * width
-        assert np.diff(x)[touching].max() <= (1 if position in (0, 1) else 2) * side * (1 + 1e-6) + 1e-14
+        assert (
+            np.diff(x)[touching].max()
+            <= (1 if position in (0, 1) else 2) * side * (1 + 1e-6) + 1e-14
+        )
 
 
 def test_equidistributed_without_layers_is_uniform():
-    np.testing.assert_allclose(equidistributed(1.0, [], 7), np.linspace(0, 1, 8), rtol=0, atol=1e-15)
+    np.testing.assert_allclose(
+        equidistributed(1.0, [], 7), np.linspace(0, 1, 8), rtol=0, atol=1e-15
+    )
 
 
 def test_too_thin_a_layer_is_an_error():
-    with pytest.raises(SceneError, match=r"layer of width 1e-14 m in a bed of 1 m is too thin"):
+    with pytest.raises(
+        SceneError, match=r"layer of width 1e-14 m in a bed of 1 m is too thin"
+    ):
         graded(1.0, [(0.0, 1e-14)])
 
 
@@ -216,4 +280,6 @@ def test_cells_fall_geometrically_towards_the_layer():
     cells = np.diff(x)
     assert 0.2e-6 < cells[0] <= 0.25e-6
     growing = cells[:-1] < 0.5 / 40
-    np.testing.assert_allclose((cells[1:] / cells[:-1])[growing], cells[1] / cells[0], rtol=1e-6)
+    np.testing.assert_allclose(
+        (cells[1:] / cells[:-1])[growing], cells[1] / cells[0], rtol=1e-6
+    )

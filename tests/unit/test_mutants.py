@@ -1,4 +1,6 @@
-"""The list of mutants fits the package: every old text is found once, and every test exists."""
+"""The list of mutants fits the package: every old text is found once, and every test
+exists.
+"""
 
 import ast
 import sys
@@ -14,9 +16,14 @@ import mutants  # noqa: E402
 MUTANTS = mutants.read()
 
 
-@pytest.mark.parametrize("mutant", MUTANTS, ids=[f"{k}-{Path(m.file).stem}" for k, m in enumerate(MUTANTS)])
+@pytest.mark.parametrize(
+    "mutant", MUTANTS, ids=[f"{k}-{Path(m.file).stem}" for k, m in enumerate(MUTANTS)]
+)
 def test_a_mutant_fits_the_package(mutant):
-    assert mutant.found == 1, f"tests/mutants.toml: {mutant.old!r} is found {mutant.found} times in {mutant.file}"
+    assert mutant.found == 1, (
+        f"tests/mutants.toml: {mutant.old!r} is found {mutant.found} times in "
+        f"{mutant.file}"
+    )
     assert mutant.new != mutant.old
     file, name = mutant.test.split("::")
     functions = [item.name for item in ast.parse((ROOT / file).read_text(encoding="utf-8")).body

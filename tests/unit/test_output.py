@@ -32,7 +32,11 @@ from contbed.output.vtu import at_nodes, write_fields, write_series
 from contbed.result import outside
 from contbed.runner import run
 
-LINE, X, Y = np.array([0.0, 0.3, 0.4, 1.0]), np.array([0.0, 0.4, 1.0, 1.1]), np.array([0.0, 0.5, 0.7])
+LINE, X, Y = (
+    np.array([0.0, 0.3, 0.4, 1.0]),
+    np.array([0.0, 0.4, 1.0, 1.1]),
+    np.array([0.0, 0.5, 0.7]),
+)
 SHEAR = np.array([[1.0, 0.2, 0.1], [0.3, 1.5, 0.0], [0.0, 0.2, 0.8]])
 MESHES = {
     "line3": skfem.MeshLine(LINE),
@@ -41,7 +45,10 @@ MESHES = {
     "tetra10": skfem.MeshTet.init_tensor(X, Y, LINE),
     "hexahedron27": skfem.MeshHex.init_tensor(X, Y, LINE),
 }
-MESHES = {name: replace(m, doflocs=SHEAR[: m.dim(), : m.dim()] @ m.p) for name, m in MESHES.items()}
+MESHES = {
+    name: replace(m, doflocs=SHEAR[: m.dim(), : m.dim()] @ m.p)
+    for name, m in MESHES.items()
+}
 SIZES = {"line3": 1.0, "triangle6": 0.77 * 1.44, "quad9": 0.77 * 1.44}
 SIZES |= dict.fromkeys(("tetra10", "hexahedron27"), 0.77 * np.linalg.det(SHEAR))
 EDGES = {
@@ -49,12 +56,34 @@ EDGES = {
     "triangle6": [(0, 1), (1, 2), (2, 0)],
     "quad9": [(0, 1), (1, 2), (2, 3), (3, 0)],
     "tetra10": [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
-    "hexahedron27": [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)],
+    "hexahedron27": [
+        (0, 1),
+        (1, 2),
+        (2, 3),
+        (3, 0),
+        (4, 5),
+        (5, 6),
+        (6, 7),
+        (7, 4),
+        (0, 4),
+        (1, 5),
+        (2, 6),
+        (3, 7),
+    ],
 }
-# corners around the other nodes: faces x-, x+, y-, y+, z-, z+ of the hexahedron and the centres
+# corners around the other nodes: faces x-, x+, y-, y+, z-, z+ of the hexahedron and the
+# centres
 CENTRES = {
     "quad9": [(0, 1, 2, 3)],
-    "hexahedron27": [(0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3), (4, 5, 6, 7), range(8)],
+    "hexahedron27": [
+        (0, 3, 7, 4),
+        (1, 2, 6, 5),
+        (0, 1, 5, 4),
+        (3, 2, 6, 7),
+        (0, 1, 2, 3),
+        (4, 5, 6, 7),
+        range(8),
+    ],
 }
 
 
@@ -62,7 +91,10 @@ def polynomial(points: np.ndarray, degree: int) -> np.ndarray:
     """A full polynomial of total degree up to 3."""
     direction = np.array([1.0, -2.0, 0.7])[: len(points)] @ points
     other = np.array([0.3, 1.0, -1.1])[: len(points)] @ points
-    return sum((direction + 0.1 * k) ** k - other * direction ** (k - 1) for k in range(1, degree + 1))
+    return sum(
+        (direction + 0.1 * k) ** k - other * direction ** (k - 1)
+        for k in range(1, degree + 1)
+    )
 
 
 @pytest.fixture(params=MESHES)
@@ -75,7 +107,10 @@ def test_fields_have_units_and_bounds():
     assert fields.FIELDS["T_solid"].lower == 0.0
     assert fields.FIELDS["theta_solid"].label == r"$\theta_\mathrm{s}$"
     assert fields.FIELDS["u"].label == "$u$ [m/s]"
-    assert all(fields.name_of(fields.header(name)) == name and name.isascii() for name in fields.FIELDS)
+    assert all(
+        fields.name_of(fields.header(name)) == name and name.isascii()
+        for name in fields.FIELDS
+    )
     assert fields.unit_of("T_fluid_outlet") == "K"
     assert fields.unit_of("T") is None
 
@@ -88,7 +123,13 @@ def test_profiles_can_be_left_out(tmp_path):
         boundary.right.radiation.temperature = 400
     """
     for wanted in ("true", "false"):
-        run(loads(scene + f"output = {{ profiles = {wanted}, plots = false, fields = false }}"), out=tmp_path / wanted)
+        run(
+            loads(
+                scene
+                + f"output = {{ profiles = {wanted}, plots = false, fields = false }}"
+            ),
+            out=tmp_path / wanted,
+        )
     assert "profiles.csv" in {path.name for path in (tmp_path / "true").iterdir()}
     assert "profiles.csv" not in {path.name for path in (tmp_path / "false").iterdir()}
     assert (tmp_path / "false" / "summary.json").is_file()
@@ -102,7 +143,10 @@ def test_vtu_reads_back(cell, tmp_path):
         space = Space(mesh, degree)
         nodal[f"f{degree}"] = space, polynomial(space.points, degree)
     space = Space(mesh, 2)
-    nodal["u"] = space, np.array([polynomial(space.points, 2) + k for k in range(mesh.dim())])
+    nodal["u"] = (
+        space,
+        np.array([polynomial(space.points, 2) + k for k in range(mesh.dim())]),
+    )
     write_fields(tmp_path / "fields.vtu", mesh, nodal)
     back = meshio.read(tmp_path / "fields.vtu")
     points = back.points[:, : mesh.dim()].T
@@ -110,7 +154,12 @@ def test_vtu_reads_back(cell, tmp_path):
     assert len(back.points) == space.size and "region" not in back.cell_data
     for name, (space, _) in nodal.items():
         if name != "u":
-            assert np.allclose(back.point_data[name], polynomial(points, space.degree), rtol=0, atol=1e-12)
+            assert np.allclose(
+                back.point_data[name],
+                polynomial(points, space.degree),
+                rtol=0,
+                atol=1e-12,
+            )
     assert back.point_data["u"].shape == (len(back.points), 3)
     for k in range(3):
         expected = polynomial(points, 2) + k if k < mesh.dim() else 0.0
@@ -129,14 +178,24 @@ def test_vtu_node_order_is_that_of_vtk(cell, tmp_path):
     centres = [*EDGES[cell], *CENTRES.get(cell, [])]
     assert nodes.shape[1] == corners + len(centres)
     for k, around in enumerate(centres):
-        assert np.allclose(nodes[:, corners + k], nodes[:, around].mean(axis=1), rtol=0, atol=1e-14)
+        assert np.allclose(
+            nodes[:, corners + k], nodes[:, around].mean(axis=1), rtol=0, atol=1e-14
+        )
     assert np.all(signed_sizes(cell, nodes) > 0)
     assert signed_sizes(cell, nodes).sum() == pytest.approx(SIZES[cell], rel=1e-12)
 
 
 def signed_sizes(cell: str, nodes: np.ndarray) -> np.ndarray:
-    """Sizes of VTK's cells with parallel sides or straight simplices, negative where turned inside out."""
-    toward = {"line3": [1], "triangle6": [1, 2], "quad9": [1, 3], "tetra10": [1, 2, 3], "hexahedron27": [1, 3, 4]}[cell]
+    """Sizes of VTK's cells with parallel sides or straight simplices, negative where
+    turned inside out.
+    """
+    toward = {
+        "line3": [1],
+        "triangle6": [1, 2],
+        "quad9": [1, 3],
+        "tetra10": [1, 2, 3],
+        "hexahedron27": [1, 3, 4],
+    }[cell]
     spans = np.array([nodes[:, k] - nodes[:, 0] for k in toward])[:, :, : len(toward)]
     share = {"triangle6": 2, "tetra10": 6}.get(cell, 1)
     return np.linalg.det(spans.transpose(1, 0, 2)) / share
@@ -154,32 +213,54 @@ def test_vtu_blocks_that_are_full(tmp_path):
     assert (back.point_data["p"][back.cells[0].data[:, :2]] == ends**2).all()
     assert (ends[:, 1] - ends[:, 0] == 1 / 4096).all()
     for array in ElementTree.parse(tmp_path / "fields.vtu").iter("DataArray"):
-        count, full, last = np.frombuffer(base64.b64decode(array.text.strip()[:16]), np.uint32)
-        wanted = {"p": 8 * 8193, "Points": 24 * 8193, "connectivity": 24 * 4096, "offsets": 8 * 4096, "types": 4096}
-        size = (count - (last > 0)) * full + last  # what VTK allocates; it counts a last block that is full as 0
+        count, full, last = np.frombuffer(
+            base64.b64decode(array.text.strip()[:16]), np.uint32
+        )
+        wanted = {
+            "p": 8 * 8193,
+            "Points": 24 * 8193,
+            "connectivity": 24 * 4096,
+            "offsets": 8 * 4096,
+            "types": 4096,
+        }
+        # what VTK allocates; it counts a last block that is full as 0
+        size = (count - (last > 0)) * full + last
         assert size == wanted[array.get("Name")] and last < full == 32768
 
 
 def test_ticks_are_text_and_powers_of_ten_formulas(tmp_path, monkeypatch):
     seen = []
     plain_ticks = plots.plain_ticks
-    monkeypatch.setattr(plots, "plain_ticks", lambda axes: seen.append(axes) or plain_ticks(axes))
+    monkeypatch.setattr(
+        plots, "plain_ticks", lambda axes: seen.append(axes) or plain_ticks(axes)
+    )
     columns = {"x [m]": np.array([-1.0, 1.0]), "p [Pa]": np.array([0.0, 3e7])}
     plots.profile_plot(tmp_path / "a.png", columns, "x [m]")
     across, up = seen[0].xaxis, seen[0].yaxis
-    assert next(text.get_text() for text in across.get_ticklabels()) == "\N{MINUS SIGN}1.00"
-    assert all(text.get_text().replace("\N{MINUS SIGN}", "").replace(".", "").isdigit() for text in up.get_ticklabels())
+    assert (
+        next(text.get_text() for text in across.get_ticklabels())
+        == "\N{MINUS SIGN}1.00"
+    )
+    assert all(
+        text.get_text().replace("\N{MINUS SIGN}", "").replace(".", "").isdigit()
+        for text in up.get_ticklabels()
+    )
     assert "10^{7}" in up.get_major_formatter().get_offset()
 
 
 def test_vtu_regions(tmp_path):
     meshio = pytest.importorskip("meshio")
-    mesh = MESHES["quad9"].with_subdomains({"core": lambda x: x[0] < 0.5, "wall": lambda x: x[0] >= 0.5})
+    mesh = MESHES["quad9"].with_subdomains(
+        {"core": lambda x: x[0] < 0.5, "wall": lambda x: x[0] >= 0.5}
+    )
     write_fields(tmp_path / "a.vtu", mesh, {})
     back = meshio.read(tmp_path / "a.vtu")
     (region,) = back.cell_data["region"]
     assert region.dtype.kind == "i" and set(region) == {0, 1}
-    assert np.array_equal(np.flatnonzero(region == list(mesh.subdomains).index("wall")), mesh.subdomains["wall"])
+    assert np.array_equal(
+        np.flatnonzero(region == list(mesh.subdomains).index("wall")),
+        mesh.subdomains["wall"],
+    )
     write_fields(tmp_path / "a.vtu", mesh, {}, region=False)
     assert not meshio.read(tmp_path / "a.vtu").cell_data
 
@@ -189,7 +270,9 @@ def test_vtu_refuses_nonsense(tmp_path):
     space = Space(mesh, 1)
     for name in ("T fluid", "\u03b8"):
         with pytest.raises(ValueError, match="plain ASCII"):
-            write_fields(tmp_path / "a.vtu", mesh, {name: (space, np.zeros(space.size))})
+            write_fields(
+                tmp_path / "a.vtu", mesh, {name: (space, np.zeros(space.size))}
+            )
     with pytest.raises(ValueError, match="values on a space"):
         write_fields(tmp_path / "a.vtu", mesh, {"p": (space, np.zeros(3))})
     assert not list(tmp_path.iterdir())
@@ -202,14 +285,23 @@ def test_values_on_the_same_degree_are_not_touched(cell):
 
 
 def test_series(tmp_path):
-    write_series(tmp_path / "fields.pvd", [(0.0, "fields_0000.vtu"), (0.1 + 0.2, 'a&"b.vtu')])
-    sets = ElementTree.parse(tmp_path / "fields.pvd").getroot().findall("Collection/DataSet")
+    write_series(
+        tmp_path / "fields.pvd", [(0.0, "fields_0000.vtu"), (0.1 + 0.2, 'a&"b.vtu')]
+    )
+    sets = (
+        ElementTree.parse(tmp_path / "fields.pvd")
+        .getroot()
+        .findall("Collection/DataSet")
+    )
     assert [item.get("file") for item in sets] == ["fields_0000.vtu", 'a&"b.vtu']
     assert float(sets[1].get("timestep")) == 0.1 + 0.2
 
 
 def test_table_round_trip(tmp_path):
-    columns = {"x [m]": np.array([0.0, 1 / 3, 1e-300]), "T_fluid [K]": np.array([300, math.nan, -math.inf])}
+    columns = {
+        "x [m]": np.array([0.0, 1 / 3, 1e-300]),
+        "T_fluid [K]": np.array([300, math.nan, -math.inf]),
+    }
     write_table(tmp_path / "deep" / "profiles.csv", columns)
     text = (tmp_path / "deep" / "profiles.csv").read_text()
     assert text.splitlines()[:3] == ["x [m],T_fluid [K]", "0,300", "0.333333333333,nan"]
@@ -218,9 +310,10 @@ def test_table_round_trip(tmp_path):
     for header, values in columns.items():
         assert np.allclose(back[header], values, rtol=1e-12, atol=0, equal_nan=True)
     write_table(tmp_path / "empty.csv", {"x [m]": [], "a, b": []})
-    assert {header: len(values) for header, values in read_table(tmp_path / "empty.csv").items()} == dict.fromkeys(
-        ("x [m]", "a, b"), 0
-    )
+    assert {
+        header: len(values)
+        for header, values in read_table(tmp_path / "empty.csv").items()
+    } == dict.fromkeys(("x [m]", "a, b"), 0)
 
 
 def test_table_refuses_what_is_no_table(tmp_path):
@@ -261,25 +354,48 @@ SUMMARY = {
 def test_a_range_that_is_left_is_told_in_few_digits():
     """One number where both ends are the same, and no end that is not there."""
     use = {
-        "eps": {"declared": [0.372583728893804, 0.372583728893804], "used": [0.45, 0.45], "share_outside": 1.0},
+        "eps": {
+            "declared": [0.372583728893804, 0.372583728893804],
+            "used": [0.45, 0.45],
+            "share_outside": 1.0,
+        },
         "Re": {"declared": [15.0, None], "used": [3.0, 20.0], "share_outside": 0.5},
         "Pr": {"declared": [0.0, 1.0], "used": [0.7, 0.7], "share_outside": 0.0},
     }
     text = "eps 0.45, declared 0.3726, Re 3 to 20, declared at least 15"
-    assert outside({"name": "x", "ranges": use}) == f"closure x is out of its range: {text}"
+    assert (
+        outside({"name": "x", "ranges": use})
+        == f"closure x is out of its range: {text}"
+    )
 
 
 def test_json_is_strict_and_ordered(tmp_path):
-    content = SUMMARY | {"extra": [np.nan, np.inf, np.arange(2), (Path("a"), True, None)], 3: np.float64(0.1)}
+    content = SUMMARY | {
+        "extra": [np.nan, np.inf, np.arange(2), (Path("a"), True, None)],
+        3: np.float64(0.1),
+    }
     summary.write_json(tmp_path / "summary.json", content)
 
     def refuse(name):
         raise AssertionError(name)
 
     back = json.loads((tmp_path / "summary.json").read_text(), parse_constant=refuse)
-    assert list(back) == ["status", "dofs", "timings", "balances", "closures", "warnings", "qoi", "extra", "3"]
+    assert list(back) == [
+        "status",
+        "dofs",
+        "timings",
+        "balances",
+        "closures",
+        "warnings",
+        "qoi",
+        "extra",
+        "3",
+    ]
     assert back["extra"] == [None, None, [0, 1], ["a", True, None]] and back["3"] == 0.1
-    assert back["dofs"] == {"flow": 1234567, "heat": 12} and back["qoi"]["power [W]"] == 2.5
+    assert (
+        back["dofs"] == {"flow": 1234567, "heat": 12}
+        and back["qoi"]["power [W]"] == 2.5
+    )
     with pytest.raises(TypeError, match="set"):
         summary.write_json(tmp_path / "summary.json", {"a": {1}})
     assert json.loads((tmp_path / "summary.json").read_text()) == back
@@ -309,9 +425,24 @@ def test_result_table_is_plain_and_complete():
     narrow = summary.table(SUMMARY, width=40)
     assert all(len(line) <= 40 for line in narrow.splitlines())
     assert "412.346" in narrow
-    assert summary.table({"status": "not converged"}).split() == ["status", "not", "converged"]
-    several = summary.table({"qoi": {"short": [265.63457863529555, 322.94544827905776], "long": [1 / 3] * 9}})
-    assert "265.635, 322.945" in several and several.count("0.333333") == 8 and "... (9" in several
+    assert summary.table({"status": "not converged"}).split() == [
+        "status",
+        "not",
+        "converged",
+    ]
+    several = summary.table(
+        {
+            "qoi": {
+                "short": [265.63457863529555, 322.94544827905776],
+                "long": [1 / 3] * 9,
+            }
+        }
+    )
+    assert (
+        "265.635, 322.945" in several
+        and several.count("0.333333") == 8
+        and "... (9" in several
+    )
 
 
 def test_result_table_has_colour_on_a_terminal(monkeypatch):
@@ -336,21 +467,37 @@ def shows_something(path: Path) -> bool:
     """Whether a picture has its width, ink, and nothing cut at the sides."""
     pixels = picture(path)
     inked = np.mean(pixels.min(axis=2) < 0.9)
-    return 1500 < pixels.shape[1] < 1750 and inked > 0.005 and np.all(pixels[:, [0, -1]] == 1.0)
+    return (
+        1500 < pixels.shape[1] < 1750
+        and inked > 0.005
+        and np.all(pixels[:, [0, -1]] == 1.0)
+    )
 
 
 def test_profiles(tmp_path):
     x = np.linspace(0, 1, 50)
-    columns = {"x [m]": x, "T_fluid [K]": 300 + x, "T_solid [K]": 310 + x, "p [Pa]": 1 - x}
+    columns = {
+        "x [m]": x,
+        "T_fluid [K]": 300 + x,
+        "T_solid [K]": 310 + x,
+        "p [Pa]": 1 - x,
+    }
     plots.profile_plot(tmp_path / "a.png", columns, "x [m]", "50 % of $5, \\alpha")
     assert shows_something(tmp_path / "a.png")
-    plots.profile_plot(tmp_path / "a.png", {"z [m]": x, "u [m/s]": 0 * x + 1, "p [Pa]": 1 - x}, "z [m]")
+    plots.profile_plot(
+        tmp_path / "a.png", {"z [m]": x, "u [m/s]": 0 * x + 1, "p [Pa]": 1 - x}, "z [m]"
+    )
     assert shows_something(tmp_path / "a.png")
 
 
 def test_transient_profiles(tmp_path):
     x, t = (a.ravel() for a in np.meshgrid(np.linspace(0, 1, 30), np.arange(20.0)))
-    columns = {"t [s]": t, "x [m]": x, "theta_fluid [1]": np.tanh(x - t / 20), "theta_solid [1]": 0 * x}
+    columns = {
+        "t [s]": t,
+        "x [m]": x,
+        "theta_fluid [1]": np.tanh(x - t / 20),
+        "theta_solid [1]": 0 * x,
+    }
     plots.transient_plot(tmp_path / "a.png", columns, "x [m]", "front")
     assert shows_something(tmp_path / "a.png")
     one = {header: values[t == 3.0] for header, values in columns.items()}
@@ -358,12 +505,18 @@ def test_transient_profiles(tmp_path):
     assert shows_something(tmp_path / "a.png")
 
 
-@pytest.mark.parametrize("shape", [(1.0, 1.0), (0.05, 0.1), (0.05, 0.5), (1.0, 30.0), (4.0, 1.0)])
+@pytest.mark.parametrize(
+    "shape", [(1.0, 1.0), (0.05, 0.1), (0.05, 0.5), (1.0, 30.0), (4.0, 1.0)]
+)
 def test_maps(shape, tmp_path):
     mesh = skfem.MeshQuad.init_tensor(*(np.linspace(0, size, 6) for size in shape))
     cubic, quadratic = Space(mesh, 3), Space(mesh, 2)
     temperature = 300 + 10 * cubic.points[0]
-    nodal = {"T_fluid": (cubic, temperature), "T_solid": (cubic, temperature + 5), "p": (Space(mesh, 1), np.zeros(36))}
+    nodal = {
+        "T_fluid": (cubic, temperature),
+        "T_solid": (cubic, temperature + 5),
+        "p": (Space(mesh, 1), np.zeros(36)),
+    }
     nodal["u"] = quadratic, np.array([0 * quadratic.points[0], quadratic.points[0] + 1])
     plots.field_plot(tmp_path / "a.png", mesh, nodal, axisymmetric=True, title="bed")
     assert shows_something(tmp_path / "a.png")
@@ -371,7 +524,10 @@ def test_maps(shape, tmp_path):
 
 def test_map_of_a_flow_on_triangles(tmp_path):
     mesh = MESHES["triangle6"]
-    nodal = {"p": (Space(mesh, 1), np.ones(mesh.nvertices)), "u": (Space(mesh, 2), np.ones((2, Space(mesh, 2).size)))}
+    nodal = {
+        "p": (Space(mesh, 1), np.ones(mesh.nvertices)),
+        "u": (Space(mesh, 2), np.ones((2, Space(mesh, 2).size))),
+    }
     plots.field_plot(tmp_path / "a.png", mesh, nodal)
     assert shows_something(tmp_path / "a.png")
     with pytest.raises(ValueError, match="2-D"):
@@ -384,7 +540,11 @@ ARRAYS = {
     "empty": np.zeros((0, 2)),
     "number": np.array(2.5),
 }
-IDENTITY = {"values": {"flow": {"velocity": 0.3}, "time": {"end": 1.0}}, "files": {"a.msh": "1"}, "contbed": "1"}
+IDENTITY = {
+    "values": {"flow": {"velocity": 0.3}, "time": {"end": 1.0}},
+    "files": {"a.msh": "1"},
+    "contbed": "1",
+}
 META = {"identity": IDENTITY, "time": 0.1 + 0.2, "tick": 2**60, "level": np.int64(3)}
 
 
@@ -394,7 +554,11 @@ def test_checkpoint_is_bitwise(tmp_path):
     assert meta == META and set(arrays) == set(ARRAYS)
     for name, array in ARRAYS.items():
         same = arrays[name]
-        assert same.dtype == array.dtype and same.shape == array.shape and same.tobytes() == array.tobytes()
+        assert (
+            same.dtype == array.dtype
+            and same.shape == array.shape
+            and same.tobytes() == array.tobytes()
+        )
     assert [path.name for path in (tmp_path / "new").iterdir()] == ["checkpoint.npz"]
     with pytest.raises(TypeError, match="objects"):
         checkpoint.save(tmp_path, {"a": np.array([None])}, {})
@@ -402,8 +566,12 @@ def test_checkpoint_is_bitwise(tmp_path):
 
 @pytest.mark.parametrize(("every", "written"), [(1e-9, [0.0, 1.0, 2.0]), (1e9, [2.0])])
 @pytest.mark.parametrize("error", [None, KeyboardInterrupt, ConvergenceError("no")])
-def test_states_are_kept_at_intervals_and_at_the_end(tmp_path, monkeypatch, every, written, error):
-    """The last state that was offered is written also where the run fails, as it was when it was offered."""
+def test_states_are_kept_at_intervals_and_at_the_end(
+    tmp_path, monkeypatch, every, written, error
+):
+    """The last state that was offered is written also where the run fails, as it was
+    when it was offered.
+    """
     save, found, state = checkpoint.save, [], np.zeros(1)
 
     def watched(folder, arrays, meta):
@@ -420,7 +588,9 @@ def test_states_are_kept_at_intervals_and_at_the_end(tmp_path, monkeypatch, ever
             if error is not None:
                 raise error
 
-    run_to_its_end = pytest.raises((KeyboardInterrupt, ConvergenceError)) if error else nullcontext()
+    run_to_its_end = (
+        pytest.raises((KeyboardInterrupt, ConvergenceError)) if error else nullcontext()
+    )
     with run_to_its_end:
         run(tmp_path)
     assert found == written
@@ -441,7 +611,9 @@ def test_checkpoint_damage_is_noticed(tmp_path):
     good = path.read_bytes()
     damaged = [good[:n] for n in range(0, len(good), 97)]
     for position in range(0, len(good), 61):
-        damaged.append(good[:position] + bytes([good[position] ^ 0x21]) + good[position + 1 :])
+        damaged.append(
+            good[:position] + bytes([good[position] ^ 0x21]) + good[position + 1 :]
+        )
     refused = 0
     for content in damaged:
         path.write_bytes(content)
@@ -452,7 +624,10 @@ def test_checkpoint_damage_is_noticed(tmp_path):
             refused += 1
         else:
             # the change met bytes that carry nothing, such as a date
-            assert meta == META and all(arrays[name].tobytes() == array.tobytes() for name, array in ARRAYS.items())
+            assert meta == META and all(
+                arrays[name].tobytes() == array.tobytes()
+                for name, array in ARRAYS.items()
+            )
     assert refused > 0.7 * len(damaged)
 
 
@@ -461,7 +636,11 @@ def test_checkpoint_checksum_covers_all_values(tmp_path):
     path = tmp_path / "checkpoint.npz"
     with np.load(path) as file:
         entries = dict(file)
-    for change in ({"array.state": np.zeros(6)}, {"meta": np.array("{}")}, {"array.more": np.zeros(1)}):
+    for change in (
+        {"array.state": np.zeros(6)},
+        {"meta": np.array("{}")},
+        {"array.more": np.zeros(1)},
+    ):
         np.savez(path, **(entries | change))
         with pytest.raises(SceneError, match="checksum"):
             checkpoint.load(tmp_path)
@@ -478,11 +657,23 @@ def test_checkpoint_missing_or_of_another_scene(tmp_path):
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        ({"contbed": "2"}, ["the checkpoint was written by contbed 1, this is 2; run without --restart"]),
-        ({"files": {"a.msh": "2"}}, ["a.msh: another file than that of the checkpoint", "another scene"]),
+        (
+            {"contbed": "2"},
+            [
+                "the checkpoint was written by contbed 1, this is 2; run without "
+                "--restart"
+            ],
+        ),
+        (
+            {"files": {"a.msh": "2"}},
+            ["a.msh: another file than that of the checkpoint", "another scene"],
+        ),
         (
             {"values": {"flow": {"velocity": 0.4}, "time": {"end": 2.0}}},
-            ["flow: flow.velocity = 0.4: the checkpoint has 0.3", "only time.end may change"],
+            [
+                "flow: flow.velocity = 0.4: the checkpoint has 0.3",
+                "only time.end may change",
+            ],
         ),
         (
             {"values": {"flow": {"velocity": 0.3, "slip": 1}, "time": {"end": 1.0}}},
@@ -499,7 +690,10 @@ def test_the_checkpoint_of_another_scene_names_what_differs(change, told):
     with pytest.raises(SceneError) as caught:
         checkpoint.require_same(*arguments)
     assert len(caught.value.problems) == len(told)
-    assert all(text in problem for text, problem in zip(told, caught.value.problems, strict=True))
+    assert all(
+        text in problem
+        for text, problem in zip(told, caught.value.problems, strict=True)
+    )
     with pytest.raises(SceneError, match="says not which scene wrote it"):
         checkpoint.require_same({}, IDENTITY)
 
@@ -508,10 +702,17 @@ def test_the_checkpoint_of_another_scene_names_what_differs(change, told):
 def test_full_disk_keeps_the_previous_checkpoint(tmp_path, monkeypatch):
     real = zipfile.ZipFile
     for before in ("no earlier checkpoint", "previous checkpoint is intact"):
-        with monkeypatch.context() as patch, pytest.raises(ContbedError, match=before) as caught:
-            patch.setattr(zipfile, "ZipFile", lambda path, mode: real("/dev/full", mode))
+        with (
+            monkeypatch.context() as patch,
+            pytest.raises(ContbedError, match=before) as caught,
+        ):
+            patch.setattr(
+                zipfile, "ZipFile", lambda path, mode: real("/dev/full", mode)
+            )
             checkpoint.save(tmp_path, {"a": np.zeros(100_000)}, {})
-        assert "No space left" in str(caught.value) and str(tmp_path) in str(caught.value)
+        assert "No space left" in str(caught.value) and str(tmp_path) in str(
+            caught.value
+        )
         assert "\n" not in str(caught.value) and type(caught.value) is ContbedError
         assert not list(tmp_path.glob("*.part"))
         checkpoint.save(tmp_path, {"a": np.ones(3)}, {})
@@ -530,7 +731,9 @@ def test_kill_leaves_a_whole_checkpoint(tmp_path):
         process = subprocess.Popen([sys.executable, "-c", program, str(tmp_path)])
         deadline = time.monotonic() + 20
         (tmp_path / "checkpoint.npz").unlink(missing_ok=True)
-        while not (tmp_path / "checkpoint.npz").exists() and time.monotonic() < deadline:
+        while (
+            not (tmp_path / "checkpoint.npz").exists() and time.monotonic() < deadline
+        ):
             time.sleep(0.005)
         time.sleep(wait)
         process.send_signal(signal.SIGKILL)
@@ -539,7 +742,9 @@ def test_kill_leaves_a_whole_checkpoint(tmp_path):
         assert np.all(arrays["a"] == meta["k"])
 
 
-@pytest.mark.parametrize("broken", ["folder in the way", "file as folder", "full", "interrupted"])
+@pytest.mark.parametrize(
+    "broken", ["folder in the way", "file as folder", "full", "interrupted"]
+)
 def test_atomic_keeps_the_old_file(broken, tmp_path, monkeypatch):
     path = tmp_path / "out" / "a.txt"
     if broken == "folder in the way":
@@ -551,7 +756,11 @@ def test_atomic_keeps_the_old_file(broken, tmp_path, monkeypatch):
     else:
         path.parent.mkdir()
         path.write_text("old")
-        error, text = (ContbedError, "free some space") if broken == "full" else (KeyboardInterrupt, None)
+        error, text = (
+            (ContbedError, "free some space")
+            if broken == "full"
+            else (KeyboardInterrupt, None)
+        )
     with pytest.raises(error, match=text) as caught, atomic(path) as temporary:
         temporary.write_text("new")
         if broken == "full":
@@ -565,7 +774,9 @@ def test_atomic_keeps_the_old_file(broken, tmp_path, monkeypatch):
     assert not list(tmp_path.rglob("*.part"))
 
 
-@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="root may write anywhere")
+@pytest.mark.skipif(
+    os.name == "nt" or os.geteuid() == 0, reason="root may write anywhere"
+)
 def test_no_permission(tmp_path):
     tmp_path.chmod(0o500)
     with pytest.raises(ContbedError, match="check the permissions"):
@@ -596,7 +807,11 @@ def test_the_clock_is_shown_where_a_run_tells_nothing(monkeypatch):
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "120")
     shown = []
-    for seconds, stream in ((0.2, FakeTerminal()), (0.0, FakeTerminal()), (0.2, io.StringIO())):
+    for seconds, stream in (
+        (0.2, FakeTerminal()),
+        (0.0, FakeTerminal()),
+        (0.2, io.StringIO()),
+    ):
         monkeypatch.setattr(sys, "stderr", stream)
         with progress.waiting():
             time.sleep(seconds)
@@ -627,15 +842,20 @@ def test_progress_on_a_terminal(monkeypatch):
 
 def test_imports_are_lazy(tmp_path):
     program = (
-        "import sys, contbed.output.files, contbed.output.vtu, contbed.output.tables, contbed.output.summary\n"
-        "import contbed.output.plots, contbed.output.checkpoint, contbed.output.progress\n"
+        "import sys, contbed.output.files, contbed.output.vtu, contbed.output.tables, "
+        "contbed.output.summary\n"
+        "import contbed.output.plots, contbed.output.checkpoint, "
+        "contbed.output.progress\n"
         "with contbed.output.progress.Progress(1.0) as p: p.advance_to(1.0)\n"
         "print(sorted({'meshio', 'matplotlib', 'rich'} & set(sys.modules)))\n"
-        "contbed.output.plots.profile_plot(sys.argv[1], {'x [m]': [0, 1], 'p [Pa]': [0, 1]}, 'x [m]')\n"
+        "contbed.output.plots.profile_plot(sys.argv[1], {'x [m]': [0, 1], 'p [Pa]': "
+        "[0, 1]}, 'x [m]')\n"
         "print('matplotlib.pyplot' in sys.modules)\n"
     )
     command = [sys.executable, "-c", program, str(tmp_path / "a.png")]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=60, check=True
+    )
     assert done.stdout.split("\n")[:2] == ["[]", "False"]
 
 
@@ -644,7 +864,10 @@ def test_imports_are_lazy(tmp_path):
     [
         ("", "no header"),
         ("a [1],a [1]\n1,2\n", "the same one twice"),
-        ("a [1],b [1]\n1,2\n3\n", r"t\.csv:3: .*1 values under 2 headers; run the command that wrote it again"),
+        (
+            "a [1],b [1]\n1,2\n3\n",
+            r"t\.csv:3: .*1 values under 2 headers; run the command that wrote it again",
+        ),
         (
             "a [1],b [1]\n1,2\n3,4;5\n",
             r"t\.csv:3: .*b \[1\] is '4;5', which is no number; run the command that wrote it again",

@@ -1,4 +1,6 @@
-"""Former names of tables and keys of a scene: each is found, taken out, and answered by its present name."""
+"""Former names of tables and keys of a scene: each is found, taken out, and answered
+by its present name.
+"""
 
 from typing import Any
 
@@ -29,8 +31,12 @@ RENAMED = {
          "initial.layer.solids.NAME.volume_fraction"),
     ],
 )  # fmt: skip
-def test_a_former_key_is_answered_by_its_present_name(values: dict[str, Any], path: Any, now: str) -> None:
-    assert take_former_keys(values, RENAMED) == [(path, f"this key is called '{now}' now")]
+def test_a_former_key_is_answered_by_its_present_name(
+    values: dict[str, Any], path: Any, now: str
+) -> None:
+    assert take_former_keys(values, RENAMED) == [
+        (path, f"this key is called '{now}' now")
+    ]
 
 
 def test_former_keys_are_taken_out_with_tables_that_become_empty() -> None:
@@ -45,12 +51,19 @@ def test_former_keys_are_taken_out_with_tables_that_become_empty() -> None:
     assert values == {"boundary": {"left": {"gas": {"velocity": 1.0}}}}
 
 
-@pytest.mark.parametrize("kind", ["two_fluid", "developed_flow", "bubbling_bed", "single_particle", "reacting_bed"])
+@pytest.mark.parametrize(
+    "kind",
+    ["two_fluid", "developed_flow", "bubbling_bed", "single_particle", "reacting_bed"],
+)
 def test_present_names_are_keys_of_the_scene(kind: str) -> None:
     model = MODELS[kind].scene
     for former, now in model.renamed.items():
         nodes = [schema.of(model)]
         for step in () if " " in now else now.split("."):
             items = [item for node in nodes for item in schema.children(node, 0)]
-            nodes = [below for node in (*nodes, *items) for below in schema.children(node, step)]
+            nodes = [
+                below
+                for node in (*nodes, *items)
+                for below in schema.children(node, step)
+            ]
         assert nodes, (former, now)

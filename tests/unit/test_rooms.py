@@ -1,4 +1,6 @@
-"""Every physics has the same modules, as `contbed.models` and CONTRIBUTING.md list them."""
+"""Every physics has the same modules, as `contbed.models` and CONTRIBUTING.md list
+them.
+"""
 
 import ast
 import re
@@ -50,7 +52,14 @@ def test_a_physics_has_the_modules_of_a_room(kind: str) -> None:
 
 
 def test_both_lists_of_the_modules_are_this_one() -> None:
-    listed = re.findall(r"^    ([\w.]+/?)  +\S", models.__doc__ or "", flags=re.MULTILINE)
+    listed = re.findall(
+        r"^    ([\w.]+/?)  +\S", models.__doc__ or "", flags=re.MULTILINE
+    )
     assert {name for name in listed if not name.endswith("/")} == set(ROOM)
-    section = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").split("## Rooms")[1].split("\n## ")[0]
+    section = (
+        (ROOT / "CONTRIBUTING.md")
+        .read_text(encoding="utf-8")
+        .split("## Rooms")[1]
+        .split("\n## ")[0]
+    )
     assert re.findall(r"^\| `([\w.]+/?)` \|", section, flags=re.MULTILINE) == listed

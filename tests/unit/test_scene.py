@@ -1,4 +1,6 @@
-"""From a TOML text to a scene: values, lines, overrides, hashes and names of closures."""
+"""From a TOML text to a scene: values, lines, overrides, hashes and names of
+closures.
+"""
 
 import json
 import math
@@ -35,7 +37,10 @@ gas.velocity = "10 cm/s"
 """
 HEAT = (
     FLOW.replace("[gas]", "[gas]\nheat_capacity = 1000\nconductivity = 0.03")
-    .replace("[solids.sand]", "[solids.sand]\ndensity = 2500\nheat_capacity = [800, 0.1]\nconductivity = 1")
+    .replace(
+        "[solids.sand]",
+        "[solids.sand]\ndensity = 2500\nheat_capacity = [800, 0.1]\nconductivity = 1",
+    )
     .replace("[packed_bed]", "[packed_bed]\nreynolds = 50")
     + """\
 gas.temperature = "100 degC"
@@ -83,9 +88,9 @@ def test_a_scene_knows_the_folder_of_its_mesh_file_from_anywhere(tmp_path, monke
     (tmp_path / "sub" / "bed.msh").write_text("a mesh")
     file = tmp_path / "sub" / "scene.toml"
     file.write_text(
-        FLOW.replace('type = "line"\nlength = 2', 'type = "file"\nfile = "bed.msh"').replace(
-            '"10 cm/s"', '["10 cm/s", 0]'
-        )
+        FLOW.replace(
+            'type = "line"\nlength = 2', 'type = "file"\nfile = "bed.msh"'
+        ).replace('"10 cm/s"', '["10 cm/s", 0]')
     )
     monkeypatch.chdir(tmp_path)
     scene = load("sub/scene.toml")
@@ -109,7 +114,10 @@ def test_resolved_is_json_and_gives_the_same_scene_back():
     again = from_dict(values)
     assert again == scene
     assert scene_hash(again) == scene_hash(scene)
-    assert pickle.loads(pickle.dumps(scene)).origin.at(("packed_bed", "porosity")) == "scene.toml:11"
+    assert (
+        pickle.loads(pickle.dumps(scene)).origin.at(("packed_bed", "porosity"))
+        == "scene.toml:11"
+    )
 
 
 def test_the_hash_follows_the_values_and_not_their_spelling():
@@ -126,9 +134,18 @@ def test_a_scene_does_not_change():
 
 def test_overrides_replace_and_create():
     scene = loads(
-        FLOW, overrides={"mesh.refine": np.int64(2), "solver.degree": 3, "packed_bed.porosity": np.float64(0.5)}
+        FLOW,
+        overrides={
+            "mesh.refine": np.int64(2),
+            "solver.degree": 3,
+            "packed_bed.porosity": np.float64(0.5),
+        },
     )
-    assert (scene.mesh.refine, scene.solver.degree, scene.packed_bed.porosity) == (2, 3, 0.5)
+    assert (scene.mesh.refine, scene.solver.degree, scene.packed_bed.porosity) == (
+        2,
+        3,
+        0.5,
+    )
 
 
 def test_mistakes_in_overrides_say_so():
@@ -153,7 +170,12 @@ def test_flow_alone_and_transverse_flow_are_scenes():
     assert loads(FLOW).heat is None
     box = 'type = "rectangle"\nheight = 1\nlength = 2'
     outlet = '[boundary.top]\ntype = "outlet"\n[boundary.right]\ntype = "no_slip"\n'
-    assert loads(FLOW.replace('type = "line"\nlength = 2', box) + outlet).boundary["top"].type == "outlet"
+    assert (
+        loads(FLOW.replace('type = "line"\nlength = 2', box) + outlet)
+        .boundary["top"]
+        .type
+        == "outlet"
+    )
     still = FLOW.replace('"10 cm/s"', "0")
     assert loads(still).boundary["left"].gas.velocity == 0.0
 
@@ -194,7 +216,13 @@ def test_every_key_has_its_line():
 
     def paths(value, path=()):
         yield path
-        items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+        items = (
+            value.items()
+            if isinstance(value, dict)
+            else enumerate(value)
+            if isinstance(value, list)
+            else ()
+        )
         for key, inner in items:
             yield from paths(inner, (*path, key))
 
@@ -202,7 +230,11 @@ def test_every_key_has_its_line():
 
 
 def test_dotted_keys():
-    for text, path in [("a.b", ("a", "b")), ('a."b c".d', ("a", "b c", "d")), ("'x.y'", ("x.y",))]:
+    for text, path in [
+        ("a.b", ("a", "b")),
+        ('a."b c".d', ("a", "b c", "d")),
+        ("'x.y'", ("x.y",)),
+    ]:
         assert parse_key(text) == path
         assert parse_key(dotted(path)) == path
     for text in ("", "a.", ".a", "a..b", "a b", "a.[b]", '"a'):
@@ -216,13 +248,22 @@ def test_closures_are_found_with_and_without_their_kind():
         closure = bind(spec, "nusselt", known)
         assert closure.name == "nusselt_gunn"
         assert math.isfinite(closure(**known))
-    axial, transverse = bind_dispersion(Closure(name="vdi", D_bed=0.1), ("Pe", "k_fluid", "d_p"))
-    assert (axial.name, transverse.name) == ("dispersion_vdi_axial", "dispersion_vdi_transverse")
+    axial, transverse = bind_dispersion(
+        Closure(name="vdi", D_bed=0.1), ("Pe", "k_fluid", "d_p")
+    )
+    assert (axial.name, transverse.name) == (
+        "dispersion_vdi_axial",
+        "dispersion_vdi_transverse",
+    )
     assert axial.parameters == {}
     assert transverse.parameters == {"D_bed": 0.1}
     with pytest.raises(SceneError, match="of kind 'wall'"):
         bind("wall_li_finlayson", "nusselt", known)
-    assert is_phase("phase") and is_phase(Closure(name="conductivity_phase")) and not is_phase("hsu")
+    assert (
+        is_phase("phase")
+        and is_phase(Closure(name="conductivity_phase"))
+        and not is_phase("hsu")
+    )
 
 
 def test_the_schema_knows_units():
@@ -258,16 +299,27 @@ def test_text_and_file_give_the_same(tmp_path):
 
 
 def test_former_keys_name_the_present_ones():
-    """One line for each, at the key's own line, and nothing about the key that seems to be missing."""
+    """One line for each, at the key's own line, and nothing about the key that seems
+    to be missing.
+    """
     with pytest.raises(SceneError) as caught:
         loads(FLOW + '[boundary.right]\nflow = "outlet"\n')
     (line,) = caught.value.problems
-    assert line.endswith("boundary.right.flow = \"outlet\": this key is called 'boundary.right.type' now")
-    text = (Path(__file__).parents[2] / "studies/two_fluid_checks/slip.toml").read_text(encoding="utf-8")
+    assert line.endswith(
+        "boundary.right.flow = \"outlet\": this key is called 'boundary.right.type' now"
+    )
+    text = (Path(__file__).parents[2] / "studies/two_fluid_checks/slip.toml").read_text(
+        encoding="utf-8"
+    )
     with pytest.raises(SceneError) as caught:
         loads(
-            text.replace('model = "two_fluid"', "").replace("solids.beads]", "solid]").replace("diam", "particle_diam")
+            text.replace('model = "two_fluid"', "")
+            .replace("solids.beads]", "solid]")
+            .replace("diam", "particle_diam")
         )
     whole, line = caught.value.problems
     assert "solid: this key is called 'solids.NAME' now" in whole
-    assert "solid.particle_diameter" in line and "is called 'solids.NAME.diameter' now" in line
+    assert (
+        "solid.particle_diameter" in line
+        and "is called 'solids.NAME.diameter' now" in line
+    )

@@ -1,4 +1,6 @@
-"""What a scene leaves out costs nothing: no import, no unknown, no block of a matrix, no step."""
+"""What a scene leaves out costs nothing: no import, no unknown, no block of a
+matrix, no step.
+"""
 
 import subprocess
 import sys
@@ -17,8 +19,20 @@ PACKAGE = Path(cb.__file__).parent
 
 BED: dict[str, Any] = {
     "mesh": {"type": "rectangle", "length": 1.0, "height": 0.2},
-    "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
-    "solids": {"particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0, "diameter": 0.01}},
+    "gas": {
+        "density": 1.0,
+        "heat_capacity": 1000.0,
+        "conductivity": 0.05,
+        "viscosity": 2e-5,
+    },
+    "solids": {
+        "particles": {
+            "density": 2000.0,
+            "heat_capacity": 900.0,
+            "conductivity": 1.0,
+            "diameter": 0.01,
+        }
+    },
     "packed_bed": {"porosity": 0.4},
     "closures": {"nusselt": "wakao_kaguei"},
     "heat": {},
@@ -41,43 +55,104 @@ def plan(**tables: Any) -> Any:
 
 
 def problem(made: Any) -> HeatProblem:
-    return HeatProblem(made.solved, made.mesh, made.medium, Motion(made.velocity, made.velocity_solid), made.section)
+    return HeatProblem(
+        made.solved,
+        made.mesh,
+        made.medium,
+        Motion(made.velocity, made.velocity_solid),
+        made.section,
+    )
 
 
 def modules(code: str) -> set[str]:
     """Modules that are loaded after some code, with their parents."""
     program = f"import sys\n{code}\nprint(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
     return set(done.stdout.split())
 
 
 def after_run(scene: dict[str, Any], out: Path | None = None) -> set[str]:
     place = None if out is None else str(out)
-    code = f"import contbed as cb\nfrom contbed.loading import from_dict\ncb.run(from_dict({scene!r}), out={place!r})"
+    code = (
+        "import contbed as cb\nfrom contbed.loading import from_dict\n"
+        f"cb.run(from_dict({scene!r}), out={place!r})"
+    )
     return modules(code)
 
 
 def test_importing_contbed_imports_nothing_heavy():
     found = {name for name in modules("import contbed") if name.startswith("contbed")}
     assert found == {"contbed", "contbed.compiled", "contbed.compiled.cache"}
-    heavy = {"scipy", "skfem", "pydantic", "matplotlib", "meshio", "gmsh", "numba", "pint", "cantera", "CoolProp"}
+    heavy = {
+        "scipy",
+        "skfem",
+        "pydantic",
+        "matplotlib",
+        "meshio",
+        "gmsh",
+        "numba",
+        "pint",
+        "cantera",
+        "CoolProp",
+    }
     assert not (heavy | {"typer", "rich"}) & modules("import contbed")
 
 
 def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
-    unwanted = {"cantera", "CoolProp", "pint", "gmsh", "meshio", "matplotlib", "rich", "numba", "joblib", "typer"}
+    unwanted = {
+        "cantera",
+        "CoolProp",
+        "pint",
+        "gmsh",
+        "meshio",
+        "matplotlib",
+        "rich",
+        "numba",
+        "joblib",
+        "typer",
+    }
     found = after_run(BED)
     assert not unwanted & found
     own = {
-        *("packed_bed.flow", "packed_bed.transient", "packed_bed.equations.porous_flow", "packed_bed.equations.fronts"),
-        *("radiation.problem", "radiation.results", "radiation.ordinates", "radiation.rosseland"),
-        *("radiation.equations.p1", "radiation.equations.ordinates", "solvers.timestep", "solvers.continuation"),
-        *("mesh.gmsh", "scene.units", "output", "sweep", "bubbling_bed", "two_fluid", "dem", "cfd_dem", "cli"),
+        *(
+            "packed_bed.flow",
+            "packed_bed.transient",
+            "packed_bed.equations.porous_flow",
+            "packed_bed.equations.fronts",
+        ),
+        *(
+            "radiation.problem",
+            "radiation.results",
+            "radiation.ordinates",
+            "radiation.rosseland",
+        ),
+        *(
+            "radiation.equations.p1",
+            "radiation.equations.ordinates",
+            "solvers.timestep",
+            "solvers.continuation",
+        ),
+        *(
+            "mesh.gmsh",
+            "scene.units",
+            "output",
+            "sweep",
+            "bubbling_bed",
+            "two_fluid",
+            "dem",
+            "cfd_dem",
+            "cli",
+        ),
     }
     assert not {f"contbed.{name}" for name in own} & found
     written = after_run(BED, tmp_path)
     assert not unwanted & written
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["profiles.csv", "summary.json"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "profiles.csv",
+        "summary.json",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -88,13 +163,19 @@ def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
         ({"solids": RADIATING, "radiation": {}}, "contbed.radiation.problem"),
         (
             {
-                "initial": {"gas": {"temperature": 300.0}, "solids": {"particles": {"temperature": 300.0}}},
+                "initial": {
+                    "gas": {"temperature": 300.0},
+                    "solids": {"particles": {"temperature": 300.0}},
+                },
                 "time": {"end": 1.0, "step": 1.0},
             },
             "contbed.solvers.timestep",
         ),
         (
-            {"boundary": {**BED["boundary"], "top": {"type": "no_slip"}}, "mesh": {**BED["mesh"], "cells": [4, 4]}},
+            {
+                "boundary": {**BED["boundary"], "top": {"type": "no_slip"}},
+                "mesh": {**BED["mesh"], "cells": [4, 4]},
+            },
             "contbed.packed_bed.flow",
         ),
     ],
@@ -128,17 +209,32 @@ def test_plug_flow_has_no_momentum():
     ids=lambda mesh: mesh["type"],
 )
 def test_adiabatic_walls_leave_one_dimension(mesh):
-    low, high = ("bottom", "top") if mesh["type"] == "axisymmetric" else ("left", "right")
+    low, high = (
+        ("bottom", "top") if mesh["type"] == "axisymmetric" else ("left", "right")
+    )
     entering = {"velocity": 1e-4, "temperature": 500.0}
-    boundary = {low: {"gas": {"velocity": 0.3, "temperature": 300.0}}, high: {"solids": {"particles": entering}}}
+    boundary = {
+        low: {"gas": {"velocity": 0.3, "temperature": 300.0}},
+        high: {"solids": {"particles": entering}},
+    }
     made = plan(mesh=mesh, boundary=boundary)
     assert made.mesh.skfem.dim() == 1
     # two temperatures at the ends and in the middle of each cell
-    assert problem(made).system.size == made.unknowns()["heat"] == 2 * (2 * made.mesh.skfem.nelements + 1)
+    assert (
+        problem(made).system.size
+        == made.unknowns()["heat"]
+        == 2 * (2 * made.mesh.skfem.nelements + 1)
+    )
     wall = "wall" if mesh["type"] == "axisymmetric" else "top"
     if mesh["type"] != "box":
         warm = plan(
-            mesh=mesh, boundary={**boundary, wall: {"solids": {"particles": {"coefficient": 10.0, "ambient": 300.0}}}}
+            mesh=mesh,
+            boundary={
+                **boundary,
+                wall: {
+                    "solids": {"particles": {"coefficient": 10.0, "ambient": 300.0}}
+                },
+            },
         )
         assert warm.mesh.skfem.dim() == 2
 
@@ -146,8 +242,22 @@ def test_adiabatic_walls_leave_one_dimension(mesh):
 def test_constant_properties_take_one_linear_solve():
     result = cb.run(from_dict(BED))
     assert result.history == [1.0]
-    assert ("Newton for temperatures", "constant properties: linear") in result.plan.skipped
-    warm = cb.run(from_dict(bed(solids={"particles": {**BED["solids"]["particles"], "heat_capacity": [600.0, 0.5]}})))
+    assert (
+        "Newton for temperatures",
+        "constant properties: linear",
+    ) in result.plan.skipped
+    warm = cb.run(
+        from_dict(
+            bed(
+                solids={
+                    "particles": {
+                        **BED["solids"]["particles"],
+                        "heat_capacity": [600.0, 0.5],
+                    }
+                }
+            )
+        )
+    )
     assert len(warm.history) > 1
 
 
@@ -169,21 +279,36 @@ def test_absent_terms_are_not_evaluated():
     plain = problem(plan(solver={"stabilisation": False})).coefficients
     assert plain.cross is None
     for phase in (plain.fluid, plain.solid):
-        assert phase.tau is None and phase.dispersion is None and phase.divergence is None
+        assert (
+            phase.tau is None and phase.dispersion is None and phase.divergence is None
+        )
         assert isinstance(phase.source, float) and phase.source == 0.0
     full = problem(
         plan(
-            closures={**BED["closures"], "dispersion": {"axial": 1.0}, "tortuosity": -0.01},
+            closures={
+                **BED["closures"],
+                "dispersion": {"axial": 1.0},
+                "tortuosity": -0.01,
+            },
             region={"bed": {"solids": {"heat_source": 1.0}}},
         )
     ).coefficients
-    assert full.cross is not None and full.fluid.tau is not None and full.fluid.dispersion is not None
+    assert (
+        full.cross is not None
+        and full.fluid.tau is not None
+        and full.fluid.dispersion is not None
+    )
     assert np.all(full.solid.source == 1.0)
 
 
 def test_a_phase_at_rest_has_no_stream():
-    posed = problem(plan(boundary={"left": {"gas": {"velocity": 0.3, "temperature": 300.0}}}))
-    assert posed.coefficients.solid.mass_flux is None and posed.coefficients.solid.tau is None
+    posed = problem(
+        plan(boundary={"left": {"gas": {"velocity": 0.3, "temperature": 300.0}}})
+    )
+    assert (
+        posed.coefficients.solid.mass_flux is None
+        and posed.coefficients.solid.tau is None
+    )
     # the fluid enters and leaves, and no wall of the solid carries a term
     assert [wall.name for _, _, wall in posed._boundary] == ["T_fluid", "T_fluid"]
 
@@ -196,37 +321,53 @@ def test_adiabatic_ends_have_no_boundary_term():
 def test_without_radiation_there_is_no_incident_radiation():
     made = plan()
     posed = problem(made)
-    assert ("radiation", "no [radiation] table") in made.skipped and set(made.unknowns()) == {"heat"}
+    assert ("radiation", "no [radiation] table") in made.skipped and set(
+        made.unknowns()
+    ) == {"heat"}
     assert posed.radiation is None and posed.coefficients.radiated is None
     assert set(posed.system.fields) == {"T_fluid", "T_solid"}
     assert posed.begin(made.policy).tobytes() == posed.initial().tobytes()
     result = cb.run(made.scene)
-    assert not {"G [W/m2]", "q_radiation [W/m2]"} & set(result.profiles) and "G" not in result.nodal
+    assert (
+        not {"G [W/m2]", "q_radiation [W/m2]"} & set(result.profiles)
+        and "G" not in result.nodal
+    )
     # the Rosseland limit is a conductivity: no unknown either
     thick = plan(solids=RADIATING, radiation={"level": "rosseland"})
     assert set(thick.unknowns()) == {"heat"} and "G" not in problem(thick).system.fields
 
 
 def test_with_radiation_there_is():
-    boundary = {"left": {"gas": {"velocity": 0.3, "temperature": 300.0}, "radiation": {"temperature": 600.0}}}
+    boundary = {
+        "left": {
+            "gas": {"velocity": 0.3, "temperature": 300.0},
+            "radiation": {"temperature": 600.0},
+        }
+    }
     made = plan(boundary=boundary, solids=RADIATING, radiation={})
     result = cb.run(made.scene)
     assert result.plan.unknowns()["radiation"] == result.nodal["G"][0].size
-    x, G, q = (result.profiles[name] for name in ("x [m]", "G [W/m2]", "q_radiation [W/m2]"))
+    x, G, q = (
+        result.profiles[name] for name in ("x [m]", "G [W/m2]", "q_radiation [W/m2]")
+    )
     assert len(x) == len(G) == len(q) and G.min() > 0
     heat = result.qoi["heat_left_W"]
-    # the fluid enters with the lowest temperature, from which heat counts: what is left comes from the radiating wall
+    # the fluid enters with the lowest temperature, from which heat counts: what is left
+    # comes from the radiating wall
     assert heat == pytest.approx(q[0] * 0.2, rel=1e-3)
 
 
 def test_no_heat_table_has_no_temperatures():
     values = bed(
-        mesh={**BED["mesh"], "cells": [4, 4]}, boundary={"left": {"gas": {"velocity": 0.3}}, "top": {"type": "no_slip"}}
+        mesh={**BED["mesh"], "cells": [4, 4]},
+        boundary={"left": {"gas": {"velocity": 0.3}}, "top": {"type": "no_slip"}},
     )
     del values["heat"], values["closures"]
     result = cb.run(from_dict(values))
     assert set(result.plan.unknowns()) == {"flow"}
-    assert not any("T_" in name for name in [*result.profiles, *result.nodal, *result.qoi])
+    assert not any(
+        "T_" in name for name in [*result.profiles, *result.nodal, *result.qoi]
+    )
 
 
 @pytest.mark.parametrize(
@@ -234,11 +375,13 @@ def test_no_heat_table_has_no_temperatures():
     [
         (
             {"nusselt": "wakao_kaguei"},
-            "no closures.dispersion; wakao_kaguei was taken from data together with dispersion_wakao_kaguei",
+            "no closures.dispersion; wakao_kaguei was taken from data together with "
+            "dispersion_wakao_kaguei",
         ),
         (
             {"nusselt": {"name": "nusselt_wakao_kaguei"}},
-            "no closures.dispersion; nusselt_wakao_kaguei was taken from data together with dispersion_wakao_kaguei",
+            "no closures.dispersion; nusselt_wakao_kaguei was taken from data together "
+            "with dispersion_wakao_kaguei",
         ),
         ({"nusselt": "gunn"}, "no closures.dispersion"),
         ({"nusselt": 10.0}, "no closures.dispersion"),

@@ -1,4 +1,6 @@
-"""Reference cycles and threads of BLAS in the process of one command and in programs of users."""
+"""Reference cycles and threads of BLAS in the process of one command and in programs
+of users.
+"""
 
 import os
 import subprocess
@@ -25,13 +27,16 @@ print(during, gc.isenabled(), "meshio" in sys.modules, os.environ.get("OPENBLAS_
 @pytest.mark.parametrize(
     ("start", "expected"),
     [
-        ("from contbed.__main__ import main; sys.argv[1:] = ['run', 'scene.toml', '--out', 'out', '--quiet']; main()",
+        ("from contbed.__main__ import main; sys.argv[1:] = ['run', 'scene.toml', "
+         "'--out', 'out', '--quiet']; main()",
          "[True] False False 1"),
         ("import contbed as cb; cb.run(cb.load('scene.toml'), out='out')", "[True] True False None"),
     ],
 )  # fmt: skip
 def test_a_command_and_a_program(start, expected, tmp_path):
-    """Cycles are collected while either solves; a command alone starts BLAS with one thread."""
+    """Cycles are collected while either solves; a command alone starts BLAS with one
+    thread.
+    """
     (tmp_path / "scene.toml").write_text(STEADY)
     environment = {**os.environ, "PYTHONPATH": str(Path(contbed.__file__).parents[1])}
     environment.pop("OPENBLAS_NUM_THREADS", None)

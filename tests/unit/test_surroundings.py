@@ -1,4 +1,6 @@
-"""Surroundings that nobody plans: interrupts while modules are imported, odd variables, folders that are read-only."""
+"""Surroundings that nobody plans: interrupts while modules are imported, odd
+variables, folders that are read-only.
+"""
 
 import os
 import subprocess
@@ -22,15 +24,28 @@ HANGS = 120  # [s] after which a program counts as one that does not end
 
 def python(code: str, *arguments, cwd=None, **options) -> subprocess.CompletedProcess:
     # this process has chosen its own folder for compiled code
-    inherited = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
+    inherited = {
+        key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"
+    }
     environment = inherited | {"PYTHONPATH": HOME} | options.pop("environment", {})
     command = [sys.executable, "-c", textwrap.dedent(code), *map(str, arguments)]
     options = {"timeout": HANGS} | options
-    return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, **options)
+    return subprocess.run(
+        command, cwd=cwd, env=environment, capture_output=True, text=True, **options
+    )
 
 
 @pytest.mark.parametrize(
-    "module", ["typer", "contbed.errors", "pydantic", "numpy", "contbed.runner", "skfem", "contbed.packed_bed.run"]
+    "module",
+    [
+        "typer",
+        "contbed.errors",
+        "pydantic",
+        "numpy",
+        "contbed.runner",
+        "skfem",
+        "contbed.packed_bed.run",
+    ],
 )
 def test_an_interrupt_while_modules_are_imported(tmp_path, module):
     (tmp_path / "scene.toml").write_text(STEADY)
@@ -61,11 +76,15 @@ def test_errors_that_come_from_an_interrupt():
     assert interrupt_in(ValueError()) is None
 
 
-@pytest.mark.parametrize("address", ["abc", "tcp://abc", "http://a b:1", "tcp://host:port", ":8786", ""])
+@pytest.mark.parametrize(
+    "address", ["abc", "tcp://abc", "http://a b:1", "tcp://host:port", ":8786", ""]
+)
 def test_an_address_that_is_none(tmp_path, monkeypatch, capsys, address):
     monkeypatch.chdir(tmp_path)
     assert cli.main(["sweep", "study.toml", "--scheduler", address]) == 2
-    assert f"{address!r} is not an address like tcp://HOST:8786" in capsys.readouterr().err
+    assert (
+        f"{address!r} is not an address like tcp://HOST:8786" in capsys.readouterr().err
+    )
 
 
 @pytest.mark.parametrize("backend", ["bogus", "agg"])
@@ -80,7 +99,9 @@ def test_a_backend_of_matplotlib_that_does_not_exist(tmp_path, backend):
     done = python(code, cwd=tmp_path, environment={"MPLBACKEND": backend})
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "out" / "profiles.png").exists()
-    assert done.stdout.split()[0] == backend and (backend != "agg" or done.stdout.split()[1] == "True")
+    assert done.stdout.split()[0] == backend and (
+        backend != "agg" or done.stdout.split()[1] == "True"
+    )
 
 
 def test_a_read_only_installation_without_a_home(tmp_path):
@@ -92,15 +113,29 @@ def test_a_read_only_installation_without_a_home(tmp_path):
         from numba.core import config
         print(config.CACHE_DIR)
     """
-    environment = {"HOME": "/nonexistent", "TMPDIR": str(tmp_path), "XDG_CACHE_HOME": ""}
+    environment = {
+        "HOME": "/nonexistent",
+        "TMPDIR": str(tmp_path),
+        "XDG_CACHE_HOME": "",
+    }
     done = [python(code, environment=environment) for _ in range(2)]
     for one in done:
-        assert (one.returncode, one.stdout) == (0, f"{tmp_path / f'contbed-{os.getuid()}'}\n"), one.stderr
-    assert done[0].stderr.startswith(f"contbed: compiled code is kept in {tmp_path}/contbed-") and done[1].stderr == ""
+        assert (one.returncode, one.stdout) == (
+            0,
+            f"{tmp_path / f'contbed-{os.getuid()}'}\n",
+        ), one.stderr
+    assert (
+        done[0].stderr.startswith(
+            f"contbed: compiled code is kept in {tmp_path}/contbed-"
+        )
+        and done[1].stderr == ""
+    )
 
 
 def test_an_account_without_a_home(tmp_path):
-    """A user id that no account has, as in containers: there is no home folder to find."""
+    """A user id that no account has, as in containers: there is no home folder to
+    find.
+    """
     code = """
         import os, pathlib
         def none(self): raise RuntimeError("Could not determine home directory.")
@@ -110,7 +145,10 @@ def test_an_account_without_a_home(tmp_path):
         print(os.environ["NUMBA_CACHE_DIR"])
     """
     done = python(code, environment={"TMPDIR": str(tmp_path), "XDG_CACHE_HOME": ""})
-    assert (done.returncode, done.stdout) == (0, f"{tmp_path / f'contbed-{os.getuid()}'}\n"), done.stderr
+    assert (done.returncode, done.stdout) == (
+        0,
+        f"{tmp_path / f'contbed-{os.getuid()}'}\n",
+    ), done.stderr
     assert "as a home folder cannot be written" in done.stderr
 
 
@@ -141,7 +179,10 @@ def test_compiling_is_told_once(tmp_path):
     """
     done = python(code, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert done.stderr.count("contbed: compiling for this processor") == 1 and "contbed warm" in done.stderr
+    assert (
+        done.stderr.count("contbed: compiling for this processor") == 1
+        and "contbed warm" in done.stderr
+    )
 
 
 @pytest.mark.slow
@@ -157,7 +198,9 @@ def test_nothing_is_left_to_compile_after_warm(tmp_path):
     """
     environment = {"NUMBA_CACHE_DIR": str(tmp_path)}
     # everything anew takes 144 s of processor here
-    first, second = (python(code, environment=environment, timeout=10 * HANGS) for _ in range(2))
+    first, second = (
+        python(code, environment=environment, timeout=10 * HANGS) for _ in range(2)
+    )
     assert first.returncode == 0 and int(first.stdout) > 100, first.stderr
     assert second.returncode == 0 and int(second.stdout) == 0, second.stderr
 

@@ -1,4 +1,6 @@
-"""Sweeps in this process: designs, tables, what is kept and what is told; their workers are in tests/stress."""
+"""Sweeps in this process: designs, tables, what is kept and what is told; their
+workers are in tests/stress.
+"""
 
 import csv
 import errno
@@ -44,7 +46,9 @@ scene = "scene.toml"
 boundary.left.gas.velocity = [0.1, "20 cm/s"]
 "solids.particles.diameter" = ["1 mm", "2 mm"]
 """
-SPHERES = '[solids.spheres]\ndiameter = "2 mm"\nconductivity = 1.0\n[output]\nplots = false\n'
+SPHERES = (
+    '[solids.spheres]\ndiameter = "2 mm"\nconductivity = 1.0\n[output]\nplots = false\n'
+)
 ALONE = 'scene = "scene.toml"\n[parameters]\n'
 SAMPLE = """\
 scene = "scene.toml"
@@ -68,8 +72,11 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.fixture
 def runner(monkeypatch):
-    """A runner that only records its calls; `runner.error(scene)` may return what it raises."""
-    importlib.import_module("contbed.many.derivatives.gradients")  # keeps the true one, which other tests need
+    """A runner that only records its calls; `runner.error(scene)` may return what it
+    raises.
+    """
+    # keeps the true one, which other tests need
+    importlib.import_module("contbed.many.derivatives.gradients")
     module = types.ModuleType("contbed.runner")
     module.calls, module.error = [], lambda scene: None
 
@@ -78,9 +85,18 @@ def runner(monkeypatch):
         if error := module.error(scene):
             raise error
         out.mkdir(parents=True, exist_ok=True)
-        drop = scene.boundary["left"].gas.velocity / scene.diameter * (2.0 if scene.solid.shape == "rods" else 1.0)
+        drop = (
+            scene.boundary["left"].gas.velocity
+            / scene.diameter
+            * (2.0 if scene.solid.shape == "rods" else 1.0)
+        )
         return types.SimpleNamespace(
-            summary={"qoi": {"pressure_drop_Pa": drop, "u_max": scene.boundary["left"].gas.velocity}}
+            summary={
+                "qoi": {
+                    "pressure_drop_Pa": drop,
+                    "u_max": scene.boundary["left"].gas.velocity,
+                }
+            }
         )
 
     module.run = run
@@ -112,7 +128,9 @@ def never(below, text):
     ],
 )
 def test_ranges_are_even_and_exact_at_both_ends(low, high, count, spacing):
-    found = value_sets.values({"from": low, "to": high, "count": count, "spacing": spacing}, "1", never)
+    found = value_sets.values(
+        {"from": low, "to": high, "count": count, "spacing": spacing}, "1", never
+    )
     assert len(found) == count
     assert (found[0], found[-1]) == (low, high)  # to the last bit
     steps = np.diff(np.log(np.abs(found)) if spacing == "log" else found)
@@ -120,11 +138,19 @@ def test_ranges_are_even_and_exact_at_both_ends(low, high, count, spacing):
 
 
 def test_ranges_carry_units_and_count_in_whole_numbers():
-    assert value_sets.values({"from": "3 mm", "to": "1.2 cm", "count": 4}, "m", never) == [0.003, 0.006, 0.009, 0.012]
-    assert value_sets.values({"from": "0 degC", "to": 373.15, "count": 2}, "K", never) == [273.15, 373.15]
+    assert value_sets.values(
+        {"from": "3 mm", "to": "1.2 cm", "count": 4}, "m", never
+    ) == [0.003, 0.006, 0.009, 0.012]
+    assert value_sets.values(
+        {"from": "0 degC", "to": 373.15, "count": 2}, "K", never
+    ) == [273.15, 373.15]
     whole = value_sets.values({"from": 10, "to": 40, "count": 4}, None, never)
     assert whole == [10, 20, 30, 40] and all(type(value) is int for value in whole)
-    assert value_sets.values({"from": 1, "to": 2, "count": 3}, None, never) == [1.0, 1.5, 2.0]
+    assert value_sets.values({"from": 1, "to": 2, "count": 3}, None, never) == [
+        1.0,
+        1.5,
+        2.0,
+    ]
 
 
 @pytest.mark.parametrize("count", [1, 7, 64, 1000])
@@ -136,7 +162,10 @@ def test_a_latin_hypercube_has_one_point_in_each_slice_of_equal_probability(coun
         {"mean": 5.0, "deviation": 0.1},
         {"from": -1.0, "to": 1.0},
     ]
-    values = [value_sets.distribution(entry, "1", never)(u[:, k]) for k, entry in enumerate(spread)]
+    values = [
+        value_sets.distribution(entry, "1", never)(u[:, k])
+        for k, entry in enumerate(spread)
+    ]
     probabilities = [
         values[0] - 2.0,
         np.log(values[1] / -1e-3) / math.log(1e4),
@@ -144,14 +173,20 @@ def test_a_latin_hypercube_has_one_point_in_each_slice_of_equal_probability(coun
         (values[3] + 1.0) / 2.0,
     ]
     for column in probabilities:
-        # exact: a point would have to lie within round-off of an edge to be counted in the wrong slice
+        # exact: a point would have to lie within round-off of an edge to be counted in
+        # the wrong slice
         assert sorted(np.floor(count * column).astype(int)) == list(range(count))
 
 
 def test_sobol_points_are_those_of_their_seed_and_fill_every_dimension():
     u = value_sets.sample("sobol", 64, seed=1, dimensions=6)
-    np.testing.assert_array_equal(u, value_sets.sample("sobol", 64, seed=1, dimensions=6))
-    np.testing.assert_array_equal(u[:16], value_sets.sample("sobol", 16, seed=1, dimensions=6))  # more points go on
+    np.testing.assert_array_equal(
+        u, value_sets.sample("sobol", 64, seed=1, dimensions=6)
+    )
+    # more points go on
+    np.testing.assert_array_equal(
+        u[:16], value_sets.sample("sobol", 16, seed=1, dimensions=6)
+    )
     assert (u != value_sets.sample("sobol", 64, seed=2, dimensions=6)).all()
     for column in u.T:
         assert sorted(np.floor(64 * column).astype(int)) == list(range(64))
@@ -162,14 +197,19 @@ def test_sobol_points_are_those_of_their_seed_and_fill_every_dimension():
 
 
 def test_a_normal_sample_has_its_mean_and_deviation_also_in_degrees():
-    spread = value_sets.distribution({"mean": "700 degC", "deviation": "10 degC"}, "K", never)
-    np.testing.assert_allclose(spread(ndtr(np.array([-2.0, 0.0, 1.0]))), [953.15, 973.15, 983.15], rtol=1e-12)
+    spread = value_sets.distribution(
+        {"mean": "700 degC", "deviation": "10 degC"}, "K", never
+    )
+    np.testing.assert_allclose(
+        spread(ndtr(np.array([-2.0, 0.0, 1.0]))), [953.15, 973.15, 983.15], rtol=1e-12
+    )
 
 
 def test_parts_are_combined_and_zipped_ones_go_in_step(folder):
     (folder / "study.toml").write_text(
         STUDY
-        + "[[zipped]]\ngas.density = [1.2, 0.6, 0.3]\ngas.viscosity = { from = 1e-5, to = 3e-5, count = 3 }\n"
+        + "[[zipped]]\ngas.density = [1.2, 0.6, 0.3]\ngas.viscosity = { from = 1e-5, "
+        "to = 3e-5, count = 3 }\n"
         + SAMPLE.partition("\n")[2]
         .replace("boundary.left.gas.velocity", "closures.permeability")
         .replace('"1 cm/s"', '"1e-9 m2"')
@@ -177,7 +217,10 @@ def test_parts_are_combined_and_zipped_ones_go_in_step(folder):
     study = read_study("study.toml")
     assert len(study.cases) == 2 * 2 * 3 * 8
     assert len({case.name for case in study.cases}) == len(study.cases)
-    pairs = {(case.parameters["gas.density"], case.parameters["gas.viscosity"]) for case in study.cases}
+    pairs = {
+        (case.parameters["gas.density"], case.parameters["gas.viscosity"])
+        for case in study.cases
+    }
     assert pairs == {(1.2, 1e-5), (0.6, 2e-5), (0.3, 3e-5)}
     assert study.axes == (
         "boundary.left.gas.velocity",
@@ -200,33 +243,54 @@ def test_the_same_scene_twice_is_one_run(folder):
 
 
 def test_scenes_of_every_kind(folder):
-    (folder / "scene.toml").write_text('[particles.lattice]\ntype = "sc"\ncontact_radius = 1e-5\n' + SPHERES)
+    (folder / "scene.toml").write_text(
+        '[particles.lattice]\ntype = "sc"\ncontact_radius = 1e-5\n' + SPHERES
+    )
     (folder / "study.toml").write_text(
-        'scene = "scene.toml"\n[parameters]\nparticles.lattice.type = ["sc", "bcc", "fcc"]\n'
+        'scene = "scene.toml"\n[parameters]\nparticles.lattice.type = ["sc", "bcc", '
+        '"fcc"]\n'
     )
     assert sweep() == 0
     found = [float(row["k_eff [W/m/K]"]) for row in rows(folder)]
     assert found[0] < found[1] < found[2]  # more contacts conduct more
     scene = STUDIES / "bubbling_bed_case1" / "none.toml"
-    (folder / "study.toml").write_text(f'scene = "{scene}"\n[parameters]\nmesh.cells = [30, 40]\n')
-    assert [case.scene.mesh.cells for case in read_study("study.toml").cases] == [30, 40]
+    (folder / "study.toml").write_text(
+        f'scene = "{scene}"\n[parameters]\nmesh.cells = [30, 40]\n'
+    )
+    assert [case.scene.mesh.cells for case in read_study("study.toml").cases] == [
+        30,
+        40,
+    ]
 
 
 def test_a_sweep_runs_everything_once_and_keeps_failures(folder, runner, capsys):
     runner.error = lambda scene: (
-        ConvergenceError("stalled\nat once") if scene.boundary["left"].gas.velocity > 0.15 else None
+        ConvergenceError("stalled\nat once")
+        if scene.boundary["left"].gas.velocity > 0.15
+        else None
     )
     assert sweep() == 3
     out, err = capsys.readouterr()
     assert out == "2 of 4 runs are finished, 0 were before; see out/table.csv\n"
     assert err.splitlines() == [
-        f"failed with 3: boundary.left.gas.velocity = 0.2, solids.particles.diameter = {d}: stalled; at once"
+        "failed with 3: boundary.left.gas.velocity = 0.2, solids.particles.diameter = "
+        f"{d}: stalled; at once"
         for d in (0.001, 0.002)
     ]
     assert [row["exit code"] for row in rows(folder)] == ["0", "0", "3", "3"]
-    assert [row["problem"] for row in rows(folder)] == ["", "", "stalled; at once", "stalled; at once"]
-    kept = json.loads((folder / "out" / "runs" / rows(folder)[2]["run"] / "outcome.json").read_text())
-    assert kept["exit_code"] == 3 and kept["scene"]["boundary"]["left"]["gas"]["velocity"] == 0.2
+    assert [row["problem"] for row in rows(folder)] == [
+        "",
+        "",
+        "stalled; at once",
+        "stalled; at once",
+    ]
+    kept = json.loads(
+        (folder / "out" / "runs" / rows(folder)[2]["run"] / "outcome.json").read_text()
+    )
+    assert (
+        kept["exit_code"] == 3
+        and kept["scene"]["boundary"]["left"]["gas"]["velocity"] == 0.2
+    )
 
     assert sweep() == 3
     assert len(runner.calls) == 4
@@ -245,10 +309,23 @@ def test_a_sweep_runs_everything_once_and_keeps_failures(folder, runner, capsys)
         "exit code",
         "problem",
     ]
-    assert [row["boundary.left.gas.velocity [m/s]"] for row in found] == ["0.1", "0.1", "0.2", "0.2"]
-    assert [float(row["pressure_drop [Pa]"]) for row in found] == [100.0, 50.0, 200.0, 100.0]
+    assert [row["boundary.left.gas.velocity [m/s]"] for row in found] == [
+        "0.1",
+        "0.1",
+        "0.2",
+        "0.2",
+    ]
+    assert [float(row["pressure_drop [Pa]"]) for row in found] == [
+        100.0,
+        50.0,
+        200.0,
+        100.0,
+    ]
     whole = json.loads((folder / "out" / "table.json").read_text())
-    assert whole["qoi"] == {"pressure_drop_Pa": {"unit": "Pa"}, "u_max": {"unit": "m/s"}}
+    assert whole["qoi"] == {
+        "pressure_drop_Pa": {"unit": "Pa"},
+        "u_max": {"unit": "m/s"},
+    }
     assert whole["runs"][3]["qoi"] == {"pressure_drop_Pa": 100.0, "u_max": 0.2}
     assert (folder / "out" / "sweep.png").read_bytes().startswith(b"\x89PNG")
 
@@ -261,7 +338,11 @@ def test_a_sweep_runs_everything_once_and_keeps_failures(folder, runner, capsys)
     (folder / "out" / "runs" / found[0]["run"] / "outcome.json").write_text("{ broken")
     assert sweep() == 0
     assert len(runner.calls) == 9
-    log = (folder / "out" / "runs" / found[0]["run"] / "workers.log").read_text().splitlines()
+    log = (
+        (folder / "out" / "runs" / found[0]["run"] / "workers.log")
+        .read_text()
+        .splitlines()
+    )
     assert [line.split()[-1] for line in log] == ["begun", "finished"] * 2
 
 
@@ -269,7 +350,9 @@ ON_A_FILE = STUDY.replace('[0.1, "20 cm/s"]', "[[0.1, 0.0], [0.2, 0.0]]")
 
 
 def test_a_changed_file_is_a_changed_scene(folder):
-    (folder / "scene.toml").write_text(SCENE.replace('type = "line"\nlength = 2', 'type = "file"\nfile = "bed.msh"'))
+    (folder / "scene.toml").write_text(
+        SCENE.replace('type = "line"\nlength = 2', 'type = "file"\nfile = "bed.msh"')
+    )
     (folder / "study.toml").write_text(ON_A_FILE)
     (folder / "bed.msh").write_bytes(b"one")
     first = {case.name for case in read_study("study.toml").cases}
@@ -278,7 +361,9 @@ def test_a_changed_file_is_a_changed_scene(folder):
 
 
 def test_a_changed_geometry_and_another_version_are_changed_scenes(folder, monkeypatch):
-    (folder / "scene.toml").write_text(SCENE.replace('type = "line"\nlength = 2', 'type = "file"\nfile = "bed.geo"'))
+    (folder / "scene.toml").write_text(
+        SCENE.replace('type = "line"\nlength = 2', 'type = "file"\nfile = "bed.geo"')
+    )
     (folder / "study.toml").write_text(ON_A_FILE)
     (folder / "bed.geo").write_text("x = 1;\n")
     found = [{case.name for case in read_study("study.toml", trust=True).cases}]
@@ -291,7 +376,9 @@ def test_a_changed_geometry_and_another_version_are_changed_scenes(folder, monke
 
 def test_a_changed_mechanism_is_computed_again(folder, runner):
     gas = 'model = "cantera"\ncomposition = "N2:1"\nmechanism = "mine.yaml"'
-    (folder / "scene.toml").write_text(SCENE.replace("density = 1\nviscosity = 2e-5", gas))
+    (folder / "scene.toml").write_text(
+        SCENE.replace("density = 1\nviscosity = 2e-5", gas)
+    )
     (folder / "mine.yaml").write_text("a: 1\n")
     assert sweep() == 0
     (folder / "mine.yaml").write_text("a: 2\n")
@@ -306,8 +393,13 @@ def test_an_outcome_with_a_flipped_digit_is_computed_again(folder, runner, capsy
     outcome.write_text(outcome.read_text().replace("100.0", "100.1"))
     capsys.readouterr()
     assert sweep() == 0
-    assert len(runner.calls) == 5 and float(rows(folder)[0]["pressure_drop [Pa]"]) == 100.0
-    warning = f"warning: runs/{run}: outcome.json is not as it was written; the run is computed again\n"
+    assert (
+        len(runner.calls) == 5 and float(rows(folder)[0]["pressure_drop [Pa]"]) == 100.0
+    )
+    warning = (
+        f"warning: runs/{run}: outcome.json is not as it was written; the run is "
+        "computed again\n"
+    )
     assert capsys.readouterr().err == warning
 
 
@@ -315,31 +407,48 @@ def test_a_log_that_is_a_link_is_not_followed(folder, runner):
     (case, *_) = read_study("study.toml").cases
     (folder / "mine.txt").write_text("mine")
     (folder / "out" / "runs" / case.name).mkdir(parents=True)
-    (folder / "out" / "runs" / case.name / "workers.log").symlink_to(folder / "mine.txt")
+    (folder / "out" / "runs" / case.name / "workers.log").symlink_to(
+        folder / "mine.txt"
+    )
     assert sweep() == 1
     assert (folder / "mine.txt").read_text() == "mine"
 
 
 def test_a_crash_in_one_run_does_not_lose_the_others(folder, runner):
-    runner.error = lambda scene: ZeroDivisionError("a\nb") if scene.boundary["left"].gas.velocity > 0.15 else None
+    runner.error = lambda scene: (
+        ZeroDivisionError("a\nb")
+        if scene.boundary["left"].gas.velocity > 0.15
+        else None
+    )
     assert sweep("--quiet") == 3
-    assert [row["problem"] for row in rows(folder)] == ["", "", *["ZeroDivisionError: a; b"] * 2]
+    assert [row["problem"] for row in rows(folder)] == [
+        "",
+        "",
+        *["ZeroDivisionError: a; b"] * 2,
+    ]
     assert [row["exit code"] for row in rows(folder)] == ["0", "0", "1", "1"]
 
 
-def test_a_full_disk_stops_the_sweep_and_is_no_fault_of_the_scene(folder, runner, capsys):
+def test_a_full_disk_stops_the_sweep_and_is_no_fault_of_the_scene(
+    folder, runner, capsys
+):
     full = OSError(errno.ENOSPC, "No space left on device", "out/runs")
 
     def error(scene):
         if len(runner.calls) < 3:
             return None
-        failure = ContbedError("cannot write profiles.csv: No space left on device; free some space")
+        failure = ContbedError(
+            "cannot write profiles.csv: No space left on device; free some space"
+        )
         failure.__cause__ = full
         return failure
 
     runner.error = error
     assert sweep() == 1
-    assert capsys.readouterr().err == "cannot write profiles.csv: No space left on device; free some space\n"
+    assert (
+        capsys.readouterr().err
+        == "cannot write profiles.csv: No space left on device; free some space\n"
+    )
     assert len(runner.calls) == 3
     assert [row["exit code"] for row in rows(folder)] == ["0", "0"]
     runner.error = lambda scene: full if len(runner.calls) == 4 else None
@@ -359,7 +468,9 @@ def test_an_interrupt_keeps_what_is_there(folder, runner, capsys):
     assert len(rows(folder)) == 4
 
 
-def test_a_folder_that_cannot_be_written_is_told_before_the_first_run(folder, runner, capsys):
+def test_a_folder_that_cannot_be_written_is_told_before_the_first_run(
+    folder, runner, capsys
+):
     (folder / "out").write_text("a file")
     assert sweep() == 1
     assert "cannot write" in capsys.readouterr().err
@@ -377,7 +488,8 @@ def test_a_sobol_count_that_is_no_power_of_two_is_a_warning(folder, runner, caps
     (folder / "study.toml").write_text(SAMPLE.replace("count = 8", "count = 6"))
     assert sweep() == 0
     assert capsys.readouterr().err == (
-        "warning: study.toml:4: sample.count = 6: not a power of two; Sobol points fill the space evenly at 4 or 8\n"
+        "warning: study.toml:4: sample.count = 6: not a power of two; Sobol points "
+        "fill the space evenly at 4 or 8\n"
     )
     assert json.loads((folder / "out" / "table.json").read_text())["warnings"]
 
@@ -386,7 +498,8 @@ def test_a_result_that_no_run_has_is_told_with_those_there_are(folder, runner, c
     (folder / "study.toml").write_text('qoi = ["u_max", "presure_drop_Pa"]\n' + STUDY)
     assert sweep() == 2
     assert capsys.readouterr().err == (
-        'study.toml:1: qoi: no run has the result "presure_drop_Pa"; allowed: pressure_drop_Pa, u_max; '
+        'study.toml:1: qoi: no run has the result "presure_drop_Pa"; allowed: '
+        "pressure_drop_Pa, u_max; "
         "did you mean 'pressure_drop_Pa'?\n"
     )
     assert len(rows(folder)) == 4
@@ -402,38 +515,65 @@ def parameters(text):
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        (parameters("[-9e999, 1]"), "study.toml:3: boundary.left.gas.velocity = -Infinity: not a finite number"),
+        (
+            parameters("[-9e999, 1]"),
+            "study.toml:3: boundary.left.gas.velocity = -Infinity: not a finite number",
+        ),
         (
             STUDY.replace("boundary.left.gas.velocity", "boundary.left.gas.velocty"),
             "did you mean 'velocity'? (and 1 more values)",
         ),
         (
             parameters("0.1"),
-            "study.toml:3: boundary.left.gas.velocity: expected a list of values, or a range { from, to, count }",
+            "study.toml:3: boundary.left.gas.velocity: expected a list of values, or a "
+            "range { from, to, count }",
         ),
         (
             parameters("{ mean = 0.2, deviation = 0.02 }"),
-            "study.toml:3: boundary.left.gas.velocity: is a distribution, which a sample is drawn from; give it under "
+            "study.toml:3: boundary.left.gas.velocity: is a distribution, which a "
+            "sample is drawn from; give it under "
             "[sample.parameters]",
         ),
-        (parameters("[]"), "study.toml:3: boundary.left.gas.velocity: an empty list; give at least one value"),
-        (parameters("{}"), "study.toml:3: boundary.left.gas.velocity: count: missing; allowed: an integer >= 2"),
+        (
+            parameters("[]"),
+            "study.toml:3: boundary.left.gas.velocity: an empty list; give at least "
+            "one value",
+        ),
+        (
+            parameters("{}"),
+            "study.toml:3: boundary.left.gas.velocity: count: missing; allowed: an "
+            "integer >= 2",
+        ),
         (
             parameters("{ from = 1, to = 1, count = 3 }"),
             "boundary.left.gas.velocity: an empty range, from and to are both 1",
         ),
         (
             parameters("{ from = 1, to = 2, count = 0 }"),
-            "boundary.left.gas.velocity: count = 0: out of range; allowed: an integer >= 2 and <=",
+            "boundary.left.gas.velocity: count = 0: out of range; allowed: an integer "
+            ">= 2 and <=",
         ),
         (
             parameters("{ from = 1, to = 2, count = 2.0 }"),
-            "boundary.left.gas.velocity: count = 2.0: wrong kind of value; allowed: an integer",
+            "boundary.left.gas.velocity: count = 2.0: wrong kind of value; allowed: an "
+            "integer",
         ),
-        (parameters("{ from = 1, to = 2 }"), "boundary.left.gas.velocity: count: missing; allowed: an integer >= 2"),
-        (parameters("{ from = -1, to = 2, count = 3, spacing = 'log' }"), "a logarithmic range from -1 to 2; its ends"),
-        (parameters("{ from = 0, to = 2, count = 3, spacing = 'log' }"), "must have the same sign and not be 0"),
-        (parameters("{ from = 1, to = 2, count = 3, spacing = 'lin' }"), "did you mean 'linear'?"),
+        (
+            parameters("{ from = 1, to = 2 }"),
+            "boundary.left.gas.velocity: count: missing; allowed: an integer >= 2",
+        ),
+        (
+            parameters("{ from = -1, to = 2, count = 3, spacing = 'log' }"),
+            "a logarithmic range from -1 to 2; its ends",
+        ),
+        (
+            parameters("{ from = 0, to = 2, count = 3, spacing = 'log' }"),
+            "must have the same sign and not be 0",
+        ),
+        (
+            parameters("{ from = 1, to = 2, count = 3, spacing = 'lin' }"),
+            "did you mean 'linear'?",
+        ),
         (
             parameters("{ from = 1, to = 2, count = 3, sacing = 'log' }"),
             'sacing = "log": unknown key; allowed: from, to, ',
@@ -446,25 +586,41 @@ def parameters(text):
             parameters("{ from = '1 kg', to = inf, count = 3 }"),
             "boundary.left.gas.velocity: to is inf; allowed: a finite number",
         ),
-        (parameters("{ from = -1e308, to = 1e308, count = 3 }"), "the range is too wide for a computer's numbers"),
+        (
+            parameters("{ from = -1e308, to = 1e308, count = 3 }"),
+            "the range is too wide for a computer's numbers",
+        ),
         (
             STUDY.replace("scene =", "scenes ="),
-            'study.toml:1: scenes = "scene.toml": unknown key; allowed: title, scene, qoi,',
+            'study.toml:1: scenes = "scene.toml": unknown key; allowed: title, scene, '
+            "qoi,",
         ),
-        (STUDY.partition("\n")[2], "study.toml:1: scene: missing; give the file of the scene"),
-        (STUDY.replace("scene.toml", "no.toml"), 'study.toml:1: scene: no such file: "no.toml", looked for beside'),
+        (
+            STUDY.partition("\n")[2],
+            "study.toml:1: scene: missing; give the file of the scene",
+        ),
+        (
+            STUDY.replace("scene.toml", "no.toml"),
+            'study.toml:1: scene: no such file: "no.toml", looked for beside',
+        ),
         ('scene = "scene.toml"', "study.toml:1: parameters: missing"),
-        ("title = 1\nqoi = 'u_max'\n" + STUDY, "study.toml:1: title = 1: wrong kind of value; allowed: a text"),
         (
             "title = 1\nqoi = 'u_max'\n" + STUDY,
-            'study.toml:2: qoi = "u_max": wrong kind of value; allowed: a list, each a text',
+            "study.toml:1: title = 1: wrong kind of value; allowed: a text",
+        ),
+        (
+            "title = 1\nqoi = 'u_max'\n" + STUDY,
+            'study.toml:2: qoi = "u_max": wrong kind of value; allowed: a list, each a '
+            "text",
         ),
         (
             STUDY + "packed_bed.porosity = [0.4, 1.4]",
-            "study.toml:5: packed_bed.porosity = 1.4: out of range; allowed: a number > 0",
+            "study.toml:5: packed_bed.porosity = 1.4: out of range; allowed: a number "
+            "> 0",
         ),
         (
-            STUDY + "packed_bed.'porosity' = [0.4]\n[[zipped]]\npacked_bed.porosity = [0.3]",
+            STUDY
+            + "packed_bed.'porosity' = [0.4]\n[[zipped]]\npacked_bed.porosity = [0.3]",
             "stands twice, also at study.toml:5",
         ),
         (
@@ -475,21 +631,32 @@ def parameters(text):
             STUDY + "[zipped]\npacked_bed.porosity = [0.3]",
             "study.toml:5: zipped: wrong kind of value; allowed: a list, each a table",
         ),
-        (STUDY.replace("0.1,", f"{'0.1, ' * 60000}"), "study.toml:2: parameters: 120002 runs; at most 100000"),
+        (
+            STUDY.replace("0.1,", f"{'0.1, ' * 60000}"),
+            "study.toml:2: parameters: 120002 runs; at most 100000",
+        ),
         (
             SAMPLE.replace("sobol", "soboll"),
-            'study.toml:3: sample.method = "soboll": unknown choice; allowed: latin_hypercube, ',
+            'study.toml:3: sample.method = "soboll": unknown choice; allowed: '
+            "latin_hypercube, ",
         ),
         (
             SAMPLE.replace("count = 8", "count = true"),
-            "study.toml:4: sample.count = true: wrong kind of value; allowed: an integer >= 1",
+            "study.toml:4: sample.count = true: wrong kind of value; allowed: an "
+            "integer >= 1",
         ),
-        (SAMPLE.replace("count = 8", "cuont = 8"), "study.toml:4: sample.cuont = 8: unknown key"),
+        (
+            SAMPLE.replace("count = 8", "cuont = 8"),
+            "study.toml:4: sample.cuont = 8: unknown key",
+        ),
         (
             SAMPLE.replace("seed = 3", "seed = -3"),
             "study.toml:5: sample.seed = -3: out of range; allowed: an integer >= 0",
         ),
-        (SAMPLE.partition("[sample.p")[0], "study.toml:2: sample.parameters: missing; give distributions"),
+        (
+            SAMPLE.partition("[sample.p")[0],
+            "study.toml:2: sample.parameters: missing; give distributions",
+        ),
         (
             SAMPLE.replace("log_uniform", "lognormal"),
             "study.toml:7: boundary.left.gas.velocity: distribution is 'lognormal'",
@@ -498,24 +665,36 @@ def parameters(text):
             SAMPLE.replace('"1 cm/s"', "-1"),
             "study.toml:7: boundary.left.gas.velocity: a logarithmic range from -1 to 1",
         ),
-        (SAMPLE.replace("from = 0.3, to", "mean = 0.3, deviation"), "study.toml:8: packed_bed.porosity = "),
+        (
+            SAMPLE.replace("from = 0.3, to", "mean = 0.3, deviation"),
+            "study.toml:8: packed_bed.porosity = ",
+        ),
         (
             SAMPLE.replace("from = 0.3, to = 0.5", "from = 0.46, to = 0.38"),
             "from 0.46 to 0.38; give the lower end first",
         ),
-        (SAMPLE.replace("from = 0.3, to = 0.5", "mean = 0.3, deviation = 0"), "deviation is 0; allowed: a number > 0"),
+        (
+            SAMPLE.replace("from = 0.3, to = 0.5", "mean = 0.3, deviation = 0"),
+            "deviation is 0; allowed: a number > 0",
+        ),
         (
             SAMPLE.replace("{ from = 0.3, to = 0.5 }", "[0.3]"),
             "study.toml:8: packed_bed.porosity: expected a distribution",
         ),
-        (SAMPLE.replace("to = 0.5", "to = '5 mm'"), "packed_bed.porosity: to: expected a plain number, found '5 mm'"),
+        (
+            SAMPLE.replace("to = 0.5", "to = '5 mm'"),
+            "packed_bed.porosity: to: expected a plain number, found '5 mm'",
+        ),
         (
             "sample = 3\n" + STUDY,
-            "study.toml:1: sample = 3: wrong kind of value; allowed: a table with method, count, seed, gradients",
+            "study.toml:1: sample = 3: wrong kind of value; allowed: a table with "
+            "method, count, seed, gradients",
         ),
     ],
 )
-def test_mistakes_in_a_study_are_told_before_the_first_run(folder, runner, capsys, text, line):
+def test_mistakes_in_a_study_are_told_before_the_first_run(
+    folder, runner, capsys, text, line
+):
     (folder / "study.toml").write_text(text)
     assert sweep() == 2
     out, err = capsys.readouterr()
@@ -525,14 +704,27 @@ def test_mistakes_in_a_study_are_told_before_the_first_run(folder, runner, capsy
     assert not (folder / "out").exists()
 
 
-def test_a_contradiction_in_the_scene_names_the_values_that_make_it(folder, runner, capsys):
-    (folder / "study.toml").write_text('scene = "scene.toml"\n[parameters]\nmesh.type = ["line", "file"]\n')
+def test_a_contradiction_in_the_scene_names_the_values_that_make_it(
+    folder, runner, capsys
+):
+    (folder / "study.toml").write_text(
+        'scene = "scene.toml"\n[parameters]\nmesh.type = ["line", "file"]\n'
+    )
     assert sweep() == 2
     assert "(with mesh.type = file)" in capsys.readouterr().err
 
 
 def test_quantities_have_names_units_and_labels():
-    found = [quantities.result(name) for name in ("T_fluid_out_K", "heat_wall_W", "k_eff [W/m/K]", "u_max", "porosity")]
+    found = [
+        quantities.result(name)
+        for name in (
+            "T_fluid_out_K",
+            "heat_wall_W",
+            "k_eff [W/m/K]",
+            "u_max",
+            "porosity",
+        )
+    ]
     assert [q.header for q in found] == [
         "T_fluid_out [K]",
         "heat_wall [W]",
@@ -547,51 +739,95 @@ def test_quantities_have_names_units_and_labels():
         "$u$ max [m/s]",
         "porosity",
     ]
-    assert quantities.parameter("solids.particles.diameter", [0.1]).label == "solids.particles.diameter [m]"
-    assert quantities.parameter("closures.nusselt", [2.0, "nusselt_gunn"]).header == "closures.nusselt"
-    assert quantities.parameter("closures.nusselt", [2.0, 4.0]).header == "closures.nusselt [-]"
+    assert (
+        quantities.parameter("solids.particles.diameter", [0.1]).label
+        == "solids.particles.diameter [m]"
+    )
+    assert (
+        quantities.parameter("closures.nusselt", [2.0, "nusselt_gunn"]).header
+        == "closures.nusselt"
+    )
+    assert (
+        quantities.parameter("closures.nusselt", [2.0, 4.0]).header
+        == "closures.nusselt [-]"
+    )
 
 
 @pytest.mark.parametrize(
     "text",
     [
         ALONE + "boundary.left.gas.velocity = [0.1, 0.2, 0.4]",
-        ALONE + "boundary.left.gas.velocity = { from = -1, to = -0.1, count = 3, spacing = 'log' }",
+        ALONE
+        + "boundary.left.gas.velocity = { from = -1, to = -0.1, count = 3, spacing = "
+        "'log' }",
         ALONE + "solids.particles.shape = ['spheres', 'rods']",
-        ALONE + "solids.particles.shape = ['spheres', 'rods']\nboundary.left.gas.velocity = [0.1, 0.2]",
-        STUDY.replace('["1 mm", "2 mm"]', '{ from = 1e-3, to = 1e-2, count = 3, spacing = "log" }'),
+        ALONE
+        + "solids.particles.shape = ['spheres', 'rods']\nboundary.left.gas.velocity = "
+        "[0.1, 0.2]",
+        STUDY.replace(
+            '["1 mm", "2 mm"]', '{ from = 1e-3, to = 1e-2, count = 3, spacing = "log" }'
+        ),
         STUDY + "solids.particles.shape = ['spheres', 'rods']",
-        STUDY + "mesh.length = [1, 2]\ngas.density = [1, 2]\ngas.viscosity = [1, 2]\npacked_bed.porosity = [0.3, 0.4]",
+        STUDY + "mesh.length = [1, 2]\ngas.density = [1, 2]\ngas.viscosity = [1, 2]\n"
+        "packed_bed.porosity = [0.3, 0.4]",
         SAMPLE.replace("count = 8", "count = 64"),
     ],
-    ids=["line", "negative log", "choice", "line for each choice", "contours", "effects", "six effects", "sample"],
+    ids=[
+        "line",
+        "negative log",
+        "choice",
+        "line for each choice",
+        "contours",
+        "effects",
+        "six effects",
+        "sample",
+    ],
 )
 @pytest.mark.parametrize("failures", [0, 1])
 def test_pictures_also_where_runs_failed(folder, runner, text, failures):
     (folder / "study.toml").write_text(text)
-    runner.error = lambda scene: ConvergenceError("no") if len(runner.calls) <= failures else None
+    runner.error = lambda scene: (
+        ConvergenceError("no") if len(runner.calls) <= failures else None
+    )
     assert sweep() == (3 if failures else 0)
     # the only other shape is left: nothing varies
-    assert (folder / "out" / "sweep.png").exists() == (not (failures and len(runner.calls) == 2))
+    assert (folder / "out" / "sweep.png").exists() == (
+        not (failures and len(runner.calls) == 2)
+    )
 
 
 def test_no_picture_where_nothing_varies(folder, runner):
     (folder / "study.toml").write_text(ALONE + "boundary.left.gas.velocity = [0.1]")
     assert sweep() == 0
-    assert sorted(path.name for path in (folder / "out").iterdir()) == ["runs", "table.csv", "table.json"]
+    assert sorted(path.name for path in (folder / "out").iterdir()) == [
+        "runs",
+        "table.csv",
+        "table.json",
+    ]
 
 
 def test_main_effects_of_a_sum_are_its_terms():
-    """A product design of y = a + b: the mean over b at each a is a + mean(b), to round-off."""
-    a, b = (grid.ravel() for grid in np.meshgrid([1.0, 2.0, 5.0], [0.0, 10.0, 40.0, 50.0]))
-    levels, means = _means(_Axis(quantities.parameter("boundary.left.gas.velocity", a), a), a + b)
+    """A product design of y = a + b: the mean over b at each a is a + mean(b), to
+    round-off.
+    """
+    a, b = (
+        grid.ravel() for grid in np.meshgrid([1.0, 2.0, 5.0], [0.0, 10.0, 40.0, 50.0])
+    )
+    levels, means = _means(
+        _Axis(quantities.parameter("boundary.left.gas.velocity", a), a), a + b
+    )
     np.testing.assert_allclose(levels, [1.0, 2.0, 5.0])
     np.testing.assert_allclose(means, [26.0, 27.0, 30.0], rtol=1e-14)
-    axes = [_Axis(quantities.parameter("boundary.left.gas.velocity", a), values) for values in (a, b, 3.0 * a + 1.0)]
+    axes = [
+        _Axis(quantities.parameter("boundary.left.gas.velocity", a), values)
+        for values in (a, b, 3.0 * a + 1.0)
+    ]
     assert _is_plane([axes[0], axes[1]]) and not _is_plane([axes[0], axes[2]])
 
 
-@pytest.mark.parametrize("path", sorted(STUDIES.glob("*/sweeps/*.toml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", sorted(STUDIES.glob("*/sweeps/*.toml")), ids=lambda path: path.stem
+)
 def test_the_sweeps_of_studies_are_read(path):
     found = read_study(path)
     assert len(found.cases) == {"map": 91, "uncertainty": 64, "indices": 448}[path.stem]

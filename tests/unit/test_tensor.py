@@ -1,4 +1,6 @@
-"""Built-in meshes by the coordinates along their axes: any nodes and cells have the numbers of the whole mesh."""
+"""Built-in meshes by the coordinates along their axes: any nodes and cells have the
+numbers of the whole mesh.
+"""
 
 from dataclasses import replace
 
@@ -19,7 +21,10 @@ MESHES = {
     "rectangles": (MeshRectangle(**PLANE, cells=(5, 8)), 40),
     "triangles": (MeshRectangle(**PLANE, cells=(5, 8), shape="triangle"), 80),
     "around an axis": (MeshAxisymmetric(**ROUND, cells=(4, 3)), 12),
-    "triangles around an axis": (MeshAxisymmetric(**ROUND, cells=(4, 3), shape="triangle"), 24),
+    "triangles around an axis": (
+        MeshAxisymmetric(**ROUND, cells=(4, 3), shape="triangle"),
+        24,
+    ),
     "bricks": (MeshBox(**SPACE), 60),
     "tetrahedra": (MeshBox(**SPACE, shape="tetrahedron"), 360),
 }
@@ -27,7 +32,10 @@ MESHES = {
 
 def uneven(settings):
     """Coordinates graded to a layer at one end of each axis."""
-    return [graded(size, [(0.0, 0.2 * size)], coarse=0.3 * size) for size in settings.extents]
+    return [
+        graded(size, [(0.0, 0.2 * size)], coarse=0.3 * size)
+        for size in settings.extents
+    ]
 
 
 @pytest.mark.parametrize("name", MESHES)
@@ -37,24 +45,36 @@ def test_any_nodes_and_cells_are_those_of_the_mesh(name, monkeypatch):
     for nodes in (None, uneven(settings)):
         mesh = build(settings, nodes).skfem
         found = tensor.tensor_of(mesh)
-        assert found is not None and (found.cells, found.nodes) == (mesh.nelements, mesh.nvertices)
+        assert found is not None and (found.cells, found.nodes) == (
+            mesh.nelements,
+            mesh.nvertices,
+        )
         assert nodes is not None or found.cells == cells
         some = np.arange(found.cells)[::-3]
         np.testing.assert_array_equal(found.corners(some), mesh.t[:, some].T)
         some = np.arange(found.nodes)[::-2]
-        np.testing.assert_array_equal(found.points(some), mesh.p[:, some].T)  # the same bits
+        # the same bits
+        np.testing.assert_array_equal(found.points(some), mesh.p[:, some].T)
 
 
 @pytest.mark.parametrize("name", ["rectangles", "around an axis", "bricks"])
 def test_facets_and_edges_are_those_that_scikit_fem_finds(name):
     settings, _ = MESHES[name]
     few = settings.model_copy(update={"cells": (1, 2, 1)[: settings.dimension]})
-    for mesh in (build(settings, uneven(settings)).skfem, build(settings).skfem, build(few).skfem):
+    for mesh in (
+        build(settings, uneven(settings)).skfem,
+        build(settings).skfem,
+        build(few).skfem,
+    ):
         assert all(hasattr(mesh, name) for name in LISTS[: 3 if mesh.dim() == 2 else 5])
         plain = type(mesh)(mesh.p, mesh.t)
         assert not hasattr(plain, "_facets")
-        for what in ("facets", "t2f", "f2t") + (("edges", "t2e") if mesh.dim() == 3 else ()):
-            np.testing.assert_array_equal(getattr(mesh, what), getattr(plain, what), err_msg=what)
+        for what in ("facets", "t2f", "f2t") + (
+            ("edges", "t2e") if mesh.dim() == 3 else ()
+        ):
+            np.testing.assert_array_equal(
+                getattr(mesh, what), getattr(plain, what), err_msg=what
+            )
 
 
 def test_other_numberings_have_no_such_description():
@@ -64,6 +84,11 @@ def test_other_numberings_have_no_such_description():
     moved[0, 12] += 1e-3
     swapped = whole.t.copy()
     swapped[:, [3, 4]] = swapped[:, [4, 3]]
-    for other in (replace(whole, doflocs=moved), replace(whole, t=swapped), whole.refined(), whole.refined([0])):
+    for other in (
+        replace(whole, doflocs=moved),
+        replace(whole, t=swapped),
+        whole.refined(),
+        whole.refined([0]),
+    ):
         assert tensor.tensor_of(other) is None
     assert tensor.tensor_of(whole) is not None

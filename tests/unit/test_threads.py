@@ -1,4 +1,6 @@
-"""Kernels on several threads: every element once, the same bits for any number, errors and interrupts passed on."""
+"""Kernels on several threads: every element once, the same bits for any number,
+errors and interrupts passed on.
+"""
 
 import multiprocessing
 import os
@@ -62,7 +64,9 @@ def spread(begin, end, place, x, out):
 
 @pytest.mark.parametrize("n", [0, 5, 999, 20_003])
 def test_scattered_sums_do_not_depend_on_the_number_of_threads(n):
-    """Round-off beside NumPy's sum, which has another order; parts of 100 elements are at most SCATTERED."""
+    """Round-off beside NumPy's sum, which has another order; parts of 100 elements
+    are at most SCATTERED.
+    """
     rng = np.random.default_rng(1)
     place, x, found = rng.integers(7, size=n), rng.normal(size=n), []
     for number in (1, 2, 5):
@@ -188,12 +192,18 @@ def test_a_run_is_allowed_its_threads(monkeypatch):
 
 
 def threads_of_blas():
-    return [library["num_threads"] for library in ThreadpoolController().info() if library["user_api"] == "blas"]
+    return [
+        library["num_threads"]
+        for library in ThreadpoolController().info()
+        if library["user_api"] == "blas"
+    ]
 
 
 @pytest.fixture
 def several_for_blas(monkeypatch):
-    """Both libraries compute on two threads, as they do by default on two cores; others that are loaded may on one."""
+    """Both libraries compute on two threads, as they do by default on two cores;
+    others that are loaded may on one.
+    """
     for name in blas.VARIABLES:
         monkeypatch.delenv(name, raising=False)
     with threadpool_limits(2, "blas"):

@@ -1,4 +1,6 @@
-"""Scenes that would run programs: geometries of gmsh, mechanisms of Cantera, programs of a benchmark."""
+"""Scenes that would run programs: geometries of gmsh, mechanisms of Cantera,
+programs of a benchmark.
+"""
 
 import subprocess
 import sys
@@ -57,11 +59,14 @@ def test_a_geometry_is_refused_and_not_run(folder, capsys):
             capsys.readouterr()
             .err.splitlines()[0]
             .endswith(
-                'scene.toml:3: mesh.file = "bed.geo": a geometry of gmsh may run programs and write files; '
+                'scene.toml:3: mesh.file = "bed.geo": a geometry of gmsh may run '
+                "programs and write files; "
                 "refused unless you trust it: --trust, in Python load(..., trust=True)"
             )
         )
-    (folder / "study.toml").write_text('scene = "scene.toml"\n[parameters]\npacked_bed.porosity = [0.4, 0.5]\n')
+    (folder / "study.toml").write_text(
+        'scene = "scene.toml"\n[parameters]\npacked_bed.porosity = [0.4, 0.5]\n'
+    )
     assert cli.main(["sweep", "study.toml", "--jobs", "1"]) == 2
     assert not (folder / "mark").exists()
     load("scene.toml", trust=True)
@@ -90,26 +95,49 @@ def test_extensions_of_a_mechanism(tmp_path, text, runs):
 
 
 def test_a_mechanism_in_another_encoding_or_format(tmp_path):
-    (tmp_path / "mine.yaml").write_bytes("extensions:\n- {type: python, name: evil}\n".encode("utf-16"))
+    (tmp_path / "mine.yaml").write_bytes(
+        "extensions:\n- {type: python, name: evil}\n".encode("utf-16")
+    )
     (tmp_path / "mine.cti").write_text("import os")
-    assert code_in_mechanism(tmp_path / "mine.yaml") and code_in_mechanism(tmp_path / "mine.cti")
+    assert code_in_mechanism(tmp_path / "mine.yaml") and code_in_mechanism(
+        tmp_path / "mine.cti"
+    )
 
 
 def test_a_mechanism_does_not_import_a_module(tmp_path):
     cantera = pytest.importorskip("cantera")
-    shipped = next(Path(f) / "gri30.yaml" for f in cantera.get_data_directories() if (Path(f) / "gri30.yaml").is_file())
-    (tmp_path / "mine.yaml").write_text(shipped.read_text() + "\nextensions:\n- type: python\n  name: evil\n")
+    shipped = next(
+        Path(f) / "gri30.yaml"
+        for f in cantera.get_data_directories()
+        if (Path(f) / "gri30.yaml").is_file()
+    )
+    (tmp_path / "mine.yaml").write_text(
+        shipped.read_text() + "\nextensions:\n- type: python\n  name: evil\n"
+    )
     (tmp_path / "evil.py").write_text("open('mark', 'w').close()\n")
-    text = SCENE.replace('"file"\nfile = "bed.geo"', '"line"\nlength = 1.0').split("[boundary")[0]
+    text = SCENE.replace('"file"\nfile = "bed.geo"', '"line"\nlength = 1.0').split(
+        "[boundary"
+    )[0]
     gas = 'model = "cantera"\ncomposition = "N2:1"\nmechanism = "mine.yaml"'
-    (tmp_path / "scene.toml").write_text(text.replace("density = 1\nviscosity = 2e-5", gas))
+    (tmp_path / "scene.toml").write_text(
+        text.replace("density = 1\nviscosity = 2e-5", gas)
+    )
     for command in ("check", "run"):
         done = subprocess.run(
-            [sys.executable, "-m", "contbed", command, "scene.toml"], cwd=tmp_path, capture_output=True, text=True
+            [sys.executable, "-m", "contbed", command, "scene.toml"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
         )
         assert done.returncode == 2
-        assert "mine.yaml:" in done.stderr and "extensions import Python modules" in done.stderr
+        assert (
+            "mine.yaml:" in done.stderr
+            and "extensions import Python modules" in done.stderr
+        )
     assert not (tmp_path / "mark").exists()
     (tmp_path / "mine.yaml").unlink()
-    with pytest.raises(SceneError, match=r"scene.toml:7: gas.mechanism = .*: no such mechanism; looked in "):
+    with pytest.raises(
+        SceneError,
+        match=r"scene.toml:7: gas.mechanism = .*: no such mechanism; looked in ",
+    ):
         load(tmp_path / "scene.toml")

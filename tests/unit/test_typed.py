@@ -7,13 +7,26 @@ from pathlib import Path
 
 def test_py_typed_is_in_the_package_and_in_the_wheel():
     assert (files("contbed") / "py.typed").is_file()
-    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
+    project = tomllib.loads(
+        (Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8")
+    )
     shipped = project["tool"]["setuptools"]["package-data"]["contbed"]
     assert "py.typed" in shipped and "many/validate/cases/*/*" in shipped
 
 
 def test_the_package_shows_what_users_need():
-    """`dir(contbed)` has the functions and classes of the README, and nothing of how they are found."""
+    """`dir(contbed)` has the functions and classes of the README, and nothing of how
+    they are found.
+    """
     import contbed
 
-    assert set(dir(contbed)) == {"Plan", "Result", "Scene", "gradient", "load", "plan", "run", "__version__"}
+    assert set(dir(contbed)) == {
+        "Plan",
+        "Result",
+        "Scene",
+        "gradient",
+        "load",
+        "plan",
+        "run",
+        "__version__",
+    }

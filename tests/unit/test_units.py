@@ -79,7 +79,10 @@ def test_what_is_no_quantity(text, unit, message):
 
 
 @settings(max_examples=300)
-@given(st.text("0123456789.eE+-*/^() mKPasgWJdC%_,", max_size=20), st.sampled_from(sorted(QUANTITIES)))
+@given(
+    st.text("0123456789.eE+-*/^() mKPasgWJdC%_,", max_size=20),
+    st.sampled_from(sorted(QUANTITIES)),
+)
 def test_any_text_gives_a_number_or_a_value_error(text, unit):
     try:
         assert isinstance(to_si(text, unit), float)
@@ -88,10 +91,19 @@ def test_any_text_gives_a_number_or_a_value_error(text, unit):
 
 
 def test_pint_is_imported_by_the_first_unit_only():
-    code = "import sys, contbed.scene.units as u; print('pint' in sys.modules); u.to_si('1 m', 'm')"
+    code = (
+        "import sys, contbed.scene.units as u; print('pint' in sys.modules); "
+        "u.to_si('1 m', 'm')"
+    )
     code += "; print('pint' in sys.modules)"
     environment = {**os.environ, "PYTHONPATH": str(Path(contbed.__file__).parents[1])}
-    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     assert done.stdout.split() == ["False", "True"]
 
 

@@ -1,4 +1,6 @@
-"""Exact fields, meshes and coefficients that the tests with manufactured solutions share."""
+"""Exact fields, meshes and coefficients that the tests with manufactured solutions
+share.
+"""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,7 +19,9 @@ POROSITY = 0.4
 
 
 def mesh(shape: str, n: int) -> skfem.Mesh:
-    """The unit interval, square or cube with n cells a side and smoothly moved inner nodes."""
+    """The unit interval, square or cube with n cells a side and smoothly moved inner
+    nodes.
+    """
     nodes = np.linspace(0.0, 1.0, n + 1)
     kind = {
         "line": skfem.MeshLine,
@@ -54,7 +58,11 @@ SOLID = {
 VELOCITY = {
     1: lambda x: (1.2 + 0.0 * x,),
     2: lambda x, y: (1.2 + 0.3 * np.sin(2 * y), 0.4 + 0.3 * np.cos(2 * x)),
-    3: lambda x, y, z: (1.2 + 0.3 * np.sin(3 * y), 0.4 + 0.2 * np.cos(3 * z), 0.3 + 0.2 * np.sin(3 * x)),
+    3: lambda x, y, z: (
+        1.2 + 0.3 * np.sin(3 * y),
+        0.4 + 0.2 * np.cos(3 * z),
+        0.3 + 0.2 * np.sin(3 * x),
+    ),
 }
 PRESSURE = {
     2: lambda x, y: np.cos(2 * x) * np.sin(1.3 * y),
@@ -95,7 +103,11 @@ class Heat:
 
     def fields(self, dim: int) -> dict[str, Any]:
         """Exact temperatures."""
-        pair = (ROUND_FLUID, ROUND_SOLID) if self.axisymmetric else (FLUID[dim], SOLID[dim])
+        pair = (
+            (ROUND_FLUID, ROUND_SOLID)
+            if self.axisymmetric
+            else (FLUID[dim], SOLID[dim])
+        )
         return dict(zip(two_energy.FIELDS, pair, strict=True))
 
     def velocity(self, dim: int) -> Any:
@@ -107,33 +119,63 @@ class Heat:
 
     def system(self, m: skfem.Mesh, order: int) -> System:
         """Both temperatures on a mesh."""
-        return System(m, dict.fromkeys(two_energy.FIELDS, (self.degree, 0)), order, axisymmetric=self.axisymmetric)
+        return System(
+            m,
+            dict.fromkeys(two_energy.FIELDS, (self.degree, 0)),
+            order,
+            axisymmetric=self.axisymmetric,
+        )
 
     def manufactured(self, n: int) -> tuple[Manufactured, dict[str, Any]]:
-        """The case on a mesh and the facets with prescribed values; a stream leaves on the right."""
+        """The case on a mesh and the facets with prescribed values; a stream leaves
+        on the right.
+        """
         m = mesh(self.shape, n)
-        system = self.system(m, 2 * self.degree + self.axisymmetric + 2 * self.nonlinear)
-        forms: list[Any] = [(two_energy.residual, system.cells, self.coefficients(system, system.cells))]
+        system = self.system(
+            m, 2 * self.degree + self.axisymmetric + 2 * self.nonlinear
+        )
+        forms: list[Any] = [
+            (two_energy.residual, system.cells, self.coefficients(system, system.cells))
+        ]
         for part in system.boundary("right"):
             c = self.coefficients(system, part)
             for name, phase in (("T_fluid", c.fluid), ("T_solid", c.solid)):
-                wall = two_energy.Wall(name, phase.mass_flux, phase.enthalpy, None, 0.0, lambda unknowns: 0.3, 1.0)
+                wall = two_energy.Wall(
+                    name,
+                    phase.mass_flux,
+                    phase.enthalpy,
+                    None,
+                    0.0,
+                    lambda unknowns: 0.3,
+                    1.0,
+                )
                 forms.append((two_energy.boundary, part, wall))
         rest = np.setdiff1d(m.boundary_facets(), m.boundaries["right"])
-        return Manufactured(system, self.fields(m.dim()), forms), dict.fromkeys(two_energy.FIELDS, rest)
+        return Manufactured(system, self.fields(m.dim()), forms), dict.fromkeys(
+            two_energy.FIELDS, rest
+        )
 
     def coefficients(self, system: System, where: Any) -> two_energy.Coefficients:
-        """Convection, conduction, exchange, dispersion, tortuosity and sources of comparable size."""
+        """Convection, conduction, exchange, dispersion, tortuosity and sources of
+        comparable size.
+        """
         m, o = system.mesh, Ops(where)
         function = self.velocity(m.dim())
         velocity = exact(function, m, where)
         if self.computed:
             nodal = System(m, {"u": (2, m.dim())}, system.order).fields["u"][0]
             velocity = system.known(where, nodal, np.array(function(*nodal.points)))
-        solid = Components([0.3, -0.2, 0.1][: m.dim()]) if not self.axisymmetric else Components([0.0, -0.4])
+        solid = (
+            Components([0.3, -0.2, 0.1][: m.dim()])
+            if not self.axisymmetric
+            else Components([0.0, -0.4])
+        )
         slope = 0.3 if self.nonlinear else 0.0
         phases = {}
-        for name, u, k in (("fluid", velocity, self.conductivity), ("solid", solid, 2 * self.conductivity)):
+        for name, u, k in (
+            ("fluid", velocity, self.conductivity),
+            ("solid", solid, 2 * self.conductivity),
+        ):
             speed = np.sqrt(o.dot(u, u))
             tau = stabilisation.tau(speed, k, 3.0, 1.0, where.h, self.degree)
             phases[name] = two_energy.Phase(
@@ -169,13 +211,15 @@ OPTICS = radiation.Coefficients(
     passive=0.15,
 )
 SURFACES = {"right": radiation.Surface(0.6, 7e4), "rest": radiation.Surface(1.0, 3e4)}
-KELVIN = 300.0  # times the exact fields of order one: temperatures at which a bed radiates
+# times the exact fields of order one: temperatures at which a bed radiates
+KELVIN = 300.0
 
 
 @dataclass(frozen=True)
 class Radiating(Heat):
-    """Two-energy equations, and the incident radiation of the solid and of two species of given temperature. All its
-    boundaries radiate: a gray wall on the right, elsewhere an opening. Conduction and radiation are of comparable size.
+    """Two-energy equations, and the incident radiation of the solid and of two species
+    of given temperature. All its boundaries radiate: a gray wall on the right,
+    elsewhere an opening. Conduction and radiation are of comparable size.
     """
 
     conductivity: float = 30.0
@@ -192,23 +236,35 @@ class Radiating(Heat):
 
     def fields(self, dim: int) -> dict[str, Any]:
         """Exact temperatures and incident radiation."""
-        hot = {name: lambda *x, f=f: KELVIN * f(*x) for name, f in super().fields(dim).items()}
+        hot = {
+            name: lambda *x, f=f: KELVIN * f(*x)
+            for name, f in super().fields(dim).items()
+        }
         return hot | {"G": ROUND_INCIDENT if self.axisymmetric else INCIDENT[dim]}
 
     def system(self, m: skfem.Mesh, order: int) -> System:
         """Temperatures and incident radiation on a mesh."""
-        return System(m, dict.fromkeys(self.expected, (self.degree, 0)), order, axisymmetric=self.axisymmetric)
+        return System(
+            m,
+            dict.fromkeys(self.expected, (self.degree, 0)),
+            order,
+            axisymmetric=self.axisymmetric,
+        )
 
     def coefficients(self, system: System, where: Any) -> two_energy.Coefficients:
         """Those without radiation, and what the solid takes up."""
         absorption = OPTICS.absorption["T_solid"]
         return replace(
             super().coefficients(system, where),
-            radiated=lambda unknowns: radiation.absorbed(unknowns.T_solid, unknowns.G, absorption),
+            radiated=lambda unknowns: radiation.absorbed(
+                unknowns.T_solid, unknowns.G, absorption
+            ),
         )
 
     def manufactured(self, n: int) -> tuple[Manufactured, dict[str, Any]]:
-        """The case on a mesh; temperatures are prescribed as without radiation, G nowhere."""
+        """The case on a mesh; temperatures are prescribed as without radiation, G
+        nowhere.
+        """
         made, fixed = super().manufactured(n)
         return replace(made, forms=[*made.forms, *self.radiation(made.system)]), fixed
 
@@ -216,7 +272,9 @@ class Radiating(Heat):
         """Forms of the incident radiation."""
         forms = [(radiation.residual, system.cells, OPTICS)]
         for name, surface in SURFACES.items():
-            forms += [(radiation.boundary, part, surface) for part in system.boundary(name)]
+            forms += [
+                (radiation.boundary, part, surface) for part in system.boundary(name)
+            ]
         return forms
 
 
@@ -242,15 +300,23 @@ class Flow:
 
     def system(self, m: skfem.Mesh, order: int) -> System:
         """Velocity and pressure on a mesh."""
-        return System(m, {"u": (2, m.dim()), "p": (1, 0)}, order, axisymmetric=self.axisymmetric)
+        return System(
+            m, {"u": (2, m.dim()), "p": (1, 0)}, order, axisymmetric=self.axisymmetric
+        )
 
     def coefficients(self, dim: int) -> porous_flow.Coefficients:
         """Inertia, viscosity and drag of comparable size around a moving bed."""
-        solid = Components([0.0, -0.4]) if self.axisymmetric else Components([0.3, -0.2, 0.1][:dim])
+        solid = (
+            Components([0.0, -0.4])
+            if self.axisymmetric
+            else Components([0.3, -0.2, 0.1][:dim])
+        )
         return porous_flow.Coefficients(1.0, 1.0, POROSITY, 0.5, 0.6, solid, 1.0)
 
     def manufactured(self, n: int) -> tuple[Manufactured, dict[str, Any]]:
-        """The case on a mesh and the facets with prescribed values; the right end is open."""
+        """The case on a mesh and the facets with prescribed values; the right end is
+        open.
+        """
         m = mesh(self.shape, n)
         system = self.system(m, 5)
         rest = np.setdiff1d(m.boundary_facets(), m.boundaries["right"])

@@ -14,8 +14,12 @@ SIDES = {
 }
 
 
-def moving(mesh: dict[str, Any], boundary: dict[str, Any], gas: Any = 0.0, solid: Any = 0.0) -> dict[str, Any]:
-    """Return the boundaries of a scene with superficial velocities [m/s]; a number is along the bed, as x or z."""
+def moving(
+    mesh: dict[str, Any], boundary: dict[str, Any], gas: Any = 0.0, solid: Any = 0.0
+) -> dict[str, Any]:
+    """Return the boundaries of a scene with superficial velocities [m/s]; a number
+    is along the bed, as x or z.
+    """
     found = dict(boundary)
     sides = SIDES[mesh["type"]]
     along = 1 if mesh["type"] == "axisymmetric" else 0
@@ -32,11 +36,24 @@ def moving(mesh: dict[str, Any], boundary: dict[str, Any], gas: Any = 0.0, solid
         if phase == "gas":
             table = {**table, "gas": {**table.get("gas", {}), **moves}}
         else:
-            table = {**table, "solids": {"particles": {**table.get("solids", {}).get("particles", {}), **moves}}}
+            table = {
+                **table,
+                "solids": {
+                    "particles": {
+                        **table.get("solids", {}).get("particles", {}),
+                        **moves,
+                    }
+                },
+            }
         found[side] = table
     return found
 
 
 def started(gas: Any, solid: Any) -> dict[str, Any]:
-    """Return the table [initial] with the temperatures of both phases at the start [K], numbers or profiles."""
-    return {"gas": {"temperature": gas}, "solids": {"particles": {"temperature": solid}}}
+    """Return the table [initial] with the temperatures of both phases at the
+    start [K], numbers or profiles.
+    """
+    return {
+        "gas": {"temperature": gas},
+        "solids": {"particles": {"temperature": solid}},
+    }

@@ -1,4 +1,6 @@
-"""Automatic meshes of planes and round beds with walls that conduct or exchange heat: estimated and true errors."""
+"""Automatic meshes of planes and round beds with walls that conduct or exchange
+heat: estimated and true errors.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +20,10 @@ from contbed.packed_bed import accuracy
 from contbed.packed_bed.corners import unlike_temperatures
 from contbed.packed_bed.plan import plan
 
-# True errors over solver.tolerance where no warning is given. Measured at 1e-4 on all fifty beds: theta at most 0.96;
-# heat at most 0.05, and 10 to 840 in the eight beds with a corner of unlike prescribed temperatures, where it has no
-# limit. The one warned bed, seed 9, has a single given temperature: theta has no span.
+# True errors over solver.tolerance where no warning is given. Measured at 1e-4 on all
+# fifty beds: theta at most 0.96; heat at most 0.05, and 10 to 840 in the eight beds
+# with a corner of unlike prescribed temperatures, where it has no limit. The one warned
+# bed, seed 9, has a single given temperature: theta has no span.
 FACTOR = 1.0
 WALLS = {
     "left": {"gas": {"velocity": 0.05, "temperature": 300.0}},
@@ -32,8 +35,20 @@ def plane(**tables):
     """A bed between a hot plate and an adiabatic one."""
     found = {
         "mesh": {"type": "rectangle", "length": 0.2, "height": 0.1},
-        "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.1, "viscosity": 2e-5},
-        "solids": {"particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 5.0, "diameter": 0.01}},
+        "gas": {
+            "density": 1.0,
+            "heat_capacity": 1000.0,
+            "conductivity": 0.1,
+            "viscosity": 2e-5,
+        },
+        "solids": {
+            "particles": {
+                "density": 2000.0,
+                "heat_capacity": 900.0,
+                "conductivity": 5.0,
+                "diameter": 0.01,
+            }
+        },
         "packed_bed": {"porosity": 0.4},
         "closures": {"nusselt": 1.0},
         "heat": {},
@@ -46,12 +61,17 @@ def plane(**tables):
 @pytest.mark.parametrize("shape", ["triangle", "quadrilateral"])
 @pytest.mark.parametrize("degree", [1, 2, 3])
 def test_estimate_of_interpolation(shape, degree):
-    """A layer at a wall, interpolated on a graded mesh: the estimate is above the largest error between the nodes, and
-    at most 1.6 times that. The derivative may grow within the first cell, which the estimate does not know.
+    """A layer at a wall, interpolated on a graded mesh: the estimate is above the
+    largest error between the nodes, and at most 1.6 times that. The derivative may grow
+    within the first cell, which the estimate does not know.
     """
-    bed = plane(mesh={"type": "rectangle", "length": 0.2, "height": 0.1, "shape": shape})
+    bed = plane(
+        mesh={"type": "rectangle", "length": 0.2, "height": 0.1, "shape": shape}
+    )
     layers = [(0.1, 2e-3)]
-    mesh = build(bed.mesh, [np.linspace(0.0, 0.2, 6), graded(0.1, layers, scale=0.2)]).skfem
+    mesh = build(
+        bed.mesh, [np.linspace(0.0, 0.2, 6), graded(0.1, layers, scale=0.2)]
+    ).skfem
     space = Space(mesh, degree)
     grid = TensorGrid.of(space)
     assert grid is not None
@@ -70,11 +90,15 @@ def test_estimate_of_interpolation(shape, degree):
 
 
 def test_balanced_vertices_have_equal_errors():
-    """A factor on each interval becomes its size; ends stay, and sizes about double at most from cell to cell."""
+    """A factor on each interval becomes its size; ends stay, and sizes about double
+    at most from cell to cell.
+    """
     ends = np.linspace(0.0, 1.0, 11)
     same = balanced(ends, np.ones(10), np.ones(2))
     assert same == pytest.approx(ends)
-    finer = balanced(ends, np.where(np.arange(10) < 3, 0.25, 1.0), np.array([1e-3, 1.0]))
+    finer = balanced(
+        ends, np.where(np.arange(10) < 3, 0.25, 1.0), np.array([1e-3, 1.0])
+    )
     size = np.diff(finer)
     assert finer[[0, -1]] == pytest.approx([0.0, 1.0])
     assert 0.5e-4 < size[0] < 2e-4
@@ -84,7 +108,9 @@ def test_balanced_vertices_have_equal_errors():
 
 
 def test_an_automatic_plane_meets_its_tolerance():
-    """A round bed of one conducting wall at a tolerance of 1e-4: the first mesh has twenty times this error."""
+    """A round bed of one conducting wall at a tolerance of 1e-4: the first mesh has
+    twenty times this error.
+    """
     bed = scene(21, tolerance=1e-4)
     first = plan(bed)
     _, problem, state = solved(first)
@@ -123,7 +149,9 @@ def test_given_cells_have_an_estimate_and_a_remedy():
 
 
 def test_a_jump_of_prescribed_temperatures_has_a_weight():
-    """Where unlike temperatures meet, errors count by the distance; elsewhere in full."""
+    """Where unlike temperatures meet, errors count by the distance; elsewhere in
+    full.
+    """
     walls = {
         "left": {
             "gas": {"velocity": 0.05, "temperature": 300.0},
@@ -132,7 +160,9 @@ def test_a_jump_of_prescribed_temperatures_has_a_weight():
         "bottom": {"solids": {"particles": {"fixed_temperature": 500.0}}},
     }
     made = plan(plane(boundary=walls))
-    corners = accuracy._corners(made, partial(unlike_temperatures, made.solved.boundary, "solid"))
+    corners = accuracy._corners(
+        made, partial(unlike_temperatures, made.solved.boundary, "solid")
+    )
     assert corners == [((0, 0.0), (1, 0.0))]
     grid = TensorGrid.of(Space(made.mesh.skfem, 1))
     weight = accuracy._weight(grid, corners)
@@ -141,9 +171,11 @@ def test_a_jump_of_prescribed_temperatures_has_a_weight():
 
 
 def test_a_corner_of_unlike_temperatures_is_told():
-    """By line, boundaries and values; equal temperatures, opposite sides and a phase that does not conduct are not.
+    """By line, boundaries and values; equal temperatures, opposite sides and a phase
+    that does not conduct are not.
 
-    Heat through such a corner grows by the same amount each time that its cells are a hundred times smaller.
+    Heat through such a corner grows by the same amount each time that its cells are a
+    hundred times smaller.
     """
     solid = {"fixed_temperature": 500.0}
     unlike = {
@@ -154,30 +186,48 @@ def test_a_corner_of_unlike_temperatures_is_told():
         "bottom": {"solids": {"particles": solid}},
     }
     text = "\n".join(plane(boundary=unlike).warnings)
-    assert "boundary.bottom.solid.fixed = 500.0: 500 K meets 300 K of boundary.left in a corner" in text
+    assert (
+        "boundary.bottom.solid.fixed = 500.0: 500 K meets 300 K of boundary.left in a "
+        "corner" in text
+    )
     assert "heat_left_W and heat_bottom_W" in text
-    same = unlike | {"left": {"gas": {"velocity": 0.05, "temperature": 300.0}, "solids": {"particles": solid}}}
+    same = unlike | {
+        "left": {
+            "gas": {"velocity": 0.05, "temperature": 300.0},
+            "solids": {"particles": solid},
+        }
+    }
     across = {
         "left": {"gas": {"velocity": 0.05, "temperature": 300.0}},
         "top": {"solids": {"particles": {"fixed_temperature": 300.0}}},
         "bottom": {"solids": {"particles": solid}},
     }
     insulated = {"nusselt": 1.0, "conductivity_solid": 0.0}
-    for bed in (plane(boundary=same), plane(boundary=across), plane(boundary=unlike, heat=insulated)):
+    for bed in (
+        plane(boundary=same),
+        plane(boundary=across),
+        plane(boundary=unlike, heat=insulated),
+    ):
         assert not bed.warnings
     made = plan(plane(boundary=unlike))
     found = []
     for smallest in (1e-2, 1e-4, 1e-6):
-        lines = [extent * np.append(0.0, np.geomspace(smallest, 1.0, 40)) for extent in (0.2, 0.1)]
+        lines = [
+            extent * np.append(0.0, np.geomspace(smallest, 1.0, 40))
+            for extent in (0.2, 0.1)
+        ]
         _, problem, state = solved(made.on(lines))
         found.append(heats(problem, state)["bottom"])
     growth = np.diff(found)
-    exact = 0.6 * 5.0 * 200.0 / (0.5 * np.pi) * np.log(100.0)  # (1 - eps) k (T_2 - T_1) / (pi/2) ln(r_1/r_2)
+    # (1 - eps) k (T_2 - T_1) / (pi/2) ln(r_1/r_2)
+    exact = 0.6 * 5.0 * 200.0 / (0.5 * np.pi) * np.log(100.0)
     assert growth == pytest.approx([exact, exact], rel=0.05)
 
 
 def test_the_reference_keeps_the_cells_of_a_corner():
-    """Cells of 1e-8 of the bed stay, and finer ones are added at the sides; each vertex once."""
+    """Cells of 1e-8 of the bed stay, and finer ones are added at the sides; each
+    vertex once.
+    """
     ends = np.concatenate(([0.0], 1e-8 * 4.0 ** np.arange(13), [0.5, 1.0]))
     found = _finer(ends, 1)
     assert np.isin(ends, found).all()
@@ -187,7 +237,9 @@ def test_the_reference_keeps_the_cells_of_a_corner():
 
 
 def test_fluxes_alone_have_a_span():
-    """Errors of a bed with one given temperature and fluxes count from the span of its solution."""
+    """Errors of a bed with one given temperature and fluxes count from the span of
+    its solution.
+    """
     result = cb.run(scene(9, tolerance=1e-4))
     assert not any("wrong by" in text for text in result.warnings)
     assert result.plan.mesh.skfem.nelements < 20_000
@@ -200,7 +252,9 @@ def test_random_walls(seed):
     bed = scene(seed, tolerance=1e-4)
     result = cb.run(bed)
     made = result.plan
-    if made.mesh.skfem.dim() == 1 or any("wrong by" in text for text in result.warnings):
+    if made.mesh.skfem.dim() == 1 or any(
+        "wrong by" in text for text in result.warnings
+    ):
         return
     _, problem, state = solved(made)
     _, *exact = solved(reference(made, 2 if made.mesh.skfem.nelements < 4000 else 1))

@@ -1,4 +1,6 @@
-"""Benchmarks of a study: tables and plot of a tiny one, missing modules, failing programs, interpolation of curves."""
+"""Benchmarks of a study: tables and plot of a tiny one, missing modules, failing
+programs, interpolation of curves.
+"""
 
 from pathlib import Path
 
@@ -42,17 +44,27 @@ def study(folder: Path, plan: str = PLAN) -> Path:
 def test_tables_and_plot(tmp_path: Path) -> None:
     out = tmp_path / "out"
     found = bench(study(tmp_path), out, trust=True)
-    assert [row[:4] for row in found.rows[:3]] == [("curves", "first", n, 1 / n**2) for n in (1, 2, 4)]
+    assert [row[:4] for row in found.rows[:3]] == [
+        ("curves", "first", n, 1 / n**2) for n in (1, 2, 4)
+    ]
     assert found.rows[3][:2] == ("at an error of 0.25", "first")
     assert found.rows[3][4:] == (pytest.approx(0.2), 1.0)
     assert found.rows[4][:2] == ("race", "only")
     assert found.skipped == ("skipped: absent: no_such_module is not installed",)
-    assert {file.name for file in out.iterdir()} == {"bench.txt", "bench.csv", "bench.png", "mark"}
+    assert {file.name for file in out.iterdir()} == {
+        "bench.txt",
+        "bench.csv",
+        "bench.png",
+        "mark",
+    }
     assert "first" in str(found)
 
 
 def test_a_failing_program_is_named(tmp_path: Path) -> None:
-    broken = study(tmp_path, PLAN.replace('["points.py"]', '["-c", "raise SystemExit(\'out of order\')"]'))
+    broken = study(
+        tmp_path,
+        PLAN.replace('["points.py"]', '["-c", "raise SystemExit(\'out of order\')"]'),
+    )
     with pytest.raises(ContbedError, match="failed: out of order"):
         bench(broken, tmp_path / "out", trust=True)
 
@@ -62,17 +74,26 @@ def test_a_failing_program_is_named(tmp_path: Path) -> None:
     [
         ("repeats = 1", "repeats = 0", "bench.toml:2: repeats = 0: "),
         ("error = 0.25\n", "", "curves.error: missing"),
-        ('name = "first"\ncommand = ["points.py"]', 'name = "first"\ncommand = "points.py"', "bench.toml:8: .*command"),
+        (
+            'name = "first"\ncommand = ["points.py"]',
+            'name = "first"\ncommand = "points.py"',
+            "bench.toml:8: .*command",
+        ),
         ("needs =", "need =", "unknown key"),
     ],
 )
-def test_mistakes_in_the_list_of_programs_are_told(tmp_path: Path, old: str, new: str, told: str) -> None:
+def test_mistakes_in_the_list_of_programs_are_told(
+    tmp_path: Path, old: str, new: str, told: str
+) -> None:
     with pytest.raises(SceneError, match=told):
         bench(study(tmp_path, PLAN.replace(old, new)), tmp_path / "out", trust=True)
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("printed", ["hello", "[1]", '{"unknowns": 1}', '{"unknowns": 1, "error": "a", "seconds": 1}'])
+@pytest.mark.parametrize(
+    "printed",
+    ["hello", "[1]", '{"unknowns": 1}', '{"unknowns": 1, "error": "a", "seconds": 1}'],
+)
 def test_what_is_no_point_of_a_curve_is_told(tmp_path: Path, printed: str) -> None:
     folder = study(tmp_path)
     (folder / "points.py").write_text(f"print({printed!r})", encoding="utf-8")
@@ -80,12 +101,16 @@ def test_what_is_no_point_of_a_curve_is_told(tmp_path: Path, printed: str) -> No
         bench(folder, tmp_path / "out", trust=True)
 
 
-def test_a_program_without_points_and_a_list_without_programs_are_told(tmp_path: Path) -> None:
+def test_a_program_without_points_and_a_list_without_programs_are_told(
+    tmp_path: Path,
+) -> None:
     folder = study(tmp_path)
     (folder / "points.py").write_text("", encoding="utf-8")
     with pytest.raises(ContbedError, match="printed no point of its curve"):
         bench(folder, tmp_path / "out", trust=True)
-    (folder / "bench" / "bench.toml").write_text('title = "nothing"\n', encoding="utf-8")
+    (folder / "bench" / "bench.toml").write_text(
+        'title = "nothing"\n', encoding="utf-8"
+    )
     with pytest.raises(SceneError, match="nothing to measure"):
         bench(folder, tmp_path / "out", trust=True)
 
@@ -96,7 +121,9 @@ def test_a_study_without_programs(tmp_path: Path) -> None:
 
 
 def test_programs_run_only_where_the_study_is_trusted(tmp_path: Path) -> None:
-    with pytest.raises(SceneError, match=r"bench.toml: runs programs: points.py, .*add --trust"):
+    with pytest.raises(
+        SceneError, match=r"bench.toml: runs programs: points.py, .*add --trust"
+    ):
         bench(study(tmp_path), tmp_path / "out")
     assert not (tmp_path / "out").exists()
 

@@ -1,4 +1,6 @@
-"""Flow beside no-slip walls on automatic meshes and on given cells: the layer of Brinkman and its estimated error."""
+"""Flow beside no-slip walls on automatic meshes and on given cells: the layer of
+Brinkman and its estimated error.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +14,20 @@ H, U, K, EPS = 0.02, 0.5, 1e-6, 0.4
 
 
 def channel(**mesh):
-    """Darcy-Brinkman flow between two plates that are twelve layers apart; no inertia."""
+    """Darcy-Brinkman flow between two plates that are twelve layers apart; no
+    inertia.
+    """
     return from_dict(
         {
             "mesh": {"type": "rectangle", "length": 0.1, "height": H} | mesh,
             "gas": {"density": 1e-6, "viscosity": 1.8e-5},
             "solids": {"particles": {"diameter": 0.005}},
             "packed_bed": {"porosity": EPS},
-            "boundary": {"bottom": {"type": "no_slip"}, "top": {"type": "no_slip"}, "left": {"gas": {"velocity": U}}},
+            "boundary": {
+                "bottom": {"type": "no_slip"},
+                "top": {"type": "no_slip"},
+                "left": {"gas": {"velocity": U}},
+            },
             "output": {"plots": False, "fields": False},
             "closures": {"permeability": K, "forchheimer": 0.0},
         }
@@ -27,24 +35,30 @@ def channel(**mesh):
 
 
 def test_an_automatic_mesh_resolves_the_layer():
-    """u/u_c = 1 - cosh(y/d)/cosh(H/2d) with d = sqrt(K/eps), at the outlet: within the estimate, which is below 1e-3 of
-    the velocity at the inlet.
+    """u/u_c = 1 - cosh(y/d)/cosh(H/2d) with d = sqrt(K/eps), at the outlet: within the
+    estimate, which is below 1e-3 of the velocity at the inlet.
     """
     result = cb.run(channel())
     layer = np.sqrt(K / EPS)
     centre = U / (1.0 - 2.0 * layer / H * np.tanh(H / (2.0 * layer)))
     assert result.qoi["estimated_error_velocity"] <= 1e-3
-    assert result.qoi["u_max_outlet"] == pytest.approx(centre * (1.0 - 1.0 / np.cosh(H / (2.0 * layer))), rel=1e-3)
+    assert result.qoi["u_max_outlet"] == pytest.approx(
+        centre * (1.0 - 1.0 / np.cosh(H / (2.0 * layer))), rel=1e-3
+    )
     space, u = result.nodal["u"]
     x, y = space.points
     out = np.flatnonzero(x == x.max())
-    exact = centre * (1.0 - np.cosh((y[out] - H / 2) / layer) / np.cosh(H / (2.0 * layer)))
+    exact = centre * (
+        1.0 - np.cosh((y[out] - H / 2) / layer) / np.cosh(H / (2.0 * layer))
+    )
     assert np.abs(u[0, out] - exact).max() <= 1e-3 * U
     assert not [text for text in result.warnings if "velocity" in text]
 
 
 def test_given_cells_that_miss_the_layer_are_told():
-    """4 x 4 cells, three layers wide each: the warning says so and names the cells needed."""
+    """4 x 4 cells, three layers wide each: the warning says so and names the cells
+    needed.
+    """
     result = cb.run(channel(cells=(4, 4)))
     assert result.qoi["estimated_error_velocity"] > 0.1
     text = next(text for text in result.warnings if "velocity" in text)

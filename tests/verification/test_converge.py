@@ -1,4 +1,6 @@
-"""Mesh convergence of scenes: orders against the closed form and of successive differences, table, files."""
+"""Mesh convergence of scenes: orders against the closed form and of successive
+differences, table, files.
+"""
 
 import subprocess
 import sys
@@ -68,7 +70,9 @@ def scene(path: Path, *changes: tuple[str, str]) -> Path:
 def test_paper_case(tmp_path: Path) -> None:
     found = converge(STUDY, 5, tmp_path)
     assert found.exact
-    assert [level.order for level in found.levels[1:]] == pytest.approx([3.0] * 4, abs=0.3)
+    assert [level.order for level in found.levels[1:]] == pytest.approx(
+        [3.0] * 4, abs=0.3
+    )
     assert found.levels[-1].error < 1e-7
     table = read_table_with_gaps(tmp_path / "convergence.csv")
     assert table["error [1]"] == pytest.approx([level.error for level in found.levels])
@@ -77,12 +81,18 @@ def test_paper_case(tmp_path: Path) -> None:
 
 
 def read_table_with_gaps(file: Path) -> dict[str, Any]:
-    return {name: column for name, column in read_table(file).items() if not np.isnan(column).all()}
+    return {
+        name: column
+        for name, column in read_table(file).items()
+        if not np.isnan(column).all()
+    }
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
 def test_order_on_prescribed_cells(tmp_path: Path, degree: int) -> None:
-    file = scene(tmp_path, ("stabilisation = false", f"stabilisation = false\ndegree = {degree}"))
+    file = scene(
+        tmp_path, ("stabilisation = false", f"stabilisation = false\ndegree = {degree}")
+    )
     found = converge(file, 3)
     assert found.exact
     assert found.levels[-1].order == pytest.approx(degree + 1, abs=0.3)
@@ -132,25 +142,35 @@ degree = 1
 
 
 def test_fractions_of_an_isothermal_reacting_bed(tmp_path: Path) -> None:
-    """Temperatures are the same on all meshes, what reacts is not; degree 1 inside of cells is of second order."""
+    """Temperatures are the same on all meshes, what reacts is not; degree 1 inside
+    of cells is of second order.
+    """
     file = tmp_path / "scene.toml"
     file.write_text(REACTING, encoding="utf-8")
     found = converge(file, 4)
     assert found.measure.endswith(": T_fluid, T_solid, x_O2, x_O3")
     assert found.levels[-1].error > 1e-5
     assert found.levels[-1].order == pytest.approx(2.0, abs=0.2)
-    assert [level.h for level in found.levels] == pytest.approx([0.25, 0.125, 0.0625, 0.03125])
+    assert [level.h for level in found.levels] == pytest.approx(
+        [0.25, 0.125, 0.0625, 0.03125]
+    )
 
 
 def test_a_reacting_bed_in_time(tmp_path: Path) -> None:
     file = tmp_path / "scene.toml"
-    in_time = REACTING.replace("porosity = 0.4", 'porosity = 0.4\ngas_storage = "quasi_steady"')
+    in_time = REACTING.replace(
+        "porosity = 0.4", 'porosity = 0.4\ngas_storage = "quasi_steady"'
+    )
     file.write_text(in_time + "[time]\nend = 10.0\n", encoding="utf-8")
     assert converge(file, 3).levels[-1].error > 0.0
 
 
 @pytest.mark.parametrize(
-    ("kind", "said"), [("reacting_bed", "give mesh.cells"), ("two_fluid", "no profiles at given positions")]
+    ("kind", "said"),
+    [
+        ("reacting_bed", "give mesh.cells"),
+        ("two_fluid", "no profiles at given positions"),
+    ],
 )
 def test_kinds_without_meshes_to_compare(tmp_path: Path, kind: str, said: str) -> None:
     with pytest.raises(SceneError, match=said):
@@ -160,7 +180,17 @@ def test_kinds_without_meshes_to_compare(tmp_path: Path, kind: str, said: str) -
 def test_the_command_draws_its_picture(tmp_path: Path) -> None:
     """In a process of its own, in which parts of matplotlib are left out."""
     file = scene(tmp_path, ("gas.fixed_temperature", "gas.temperature"))
-    command = [sys.executable, "-m", "contbed", "converge", str(file), "--levels", "2", "--out", str(tmp_path)]
+    command = [
+        sys.executable,
+        "-m",
+        "contbed",
+        "converge",
+        str(file),
+        "--levels",
+        "2",
+        "--out",
+        str(tmp_path),
+    ]
     done = subprocess.run(command, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
     assert (tmp_path / "convergence.png").stat().st_size > 1000
@@ -213,18 +243,29 @@ gas.fixed_temperature = 300
 solids.particles.fixed_temperature = 500
 """
 GAS_ALONE = "gas.velocity = 0.2\ngas.fixed_temperature = 300\n"
-SOLIDS_ALONE = "solids.particles.velocity = 0.1\nsolids.particles.fixed_temperature = 500\n"
+SOLIDS_ALONE = (
+    "solids.particles.velocity = 0.1\nsolids.particles.fixed_temperature = 500\n"
+)
 
 
 @pytest.mark.parametrize(
     "changes",
     [
         [],
-        [("fixed_temperature = 300", "fixed_temperature = 4"), ("= 500", "= 300"), ("= 4\n", "= 500\n")],
+        [
+            ("fixed_temperature = 300", "fixed_temperature = 4"),
+            ("= 500", "= 300"),
+            ("= 4\n", "= 500\n"),
+        ],
         [("[boundary.left]", "[boundary.right]")],
         [(ENDS, f"{GAS_ALONE}[boundary.right]\n{SOLIDS_ALONE}")],
         [("solids.particles.velocity = 0.1\n", "")],
-        [("nusselt = 3", "nusselt = 3\ntortuosity = -0.0005\ndispersion = {axial = 0.02}")],
+        [
+            (
+                "nusselt = 3",
+                "nusselt = 3\ntortuosity = -0.0005\ndispersion = {axial = 0.02}",
+            )
+        ],
     ],
     ids=["parallel", "hot fluid", "backwards", "counter", "resting", "tortuosity"],
 )
@@ -249,7 +290,12 @@ def test_closed_form_fits_the_run(changes: list[tuple[str, str]]) -> None:
         [("gas.fixed_temperature", "gas.temperature")],
         [("[solver]", "[boundary.right]\ngas.heat_flux = 10.0\n[solver]")],
         [("[solver]", "[region.bed]\nsolids.heat_source = 10.0\n[solver]")],
-        [("heat_capacity = 2000\nconductivity = 0.9", "heat_capacity = [2000, 0.1]\nconductivity = 0.9")],
+        [
+            (
+                "heat_capacity = 2000\nconductivity = 0.9",
+                "heat_capacity = [2000, 0.1]\nconductivity = 0.9",
+            )
+        ],
         [("[solver]", "[initial]\ntemperature = 300\n[time]\nend = 1\n[solver]")],
     ],
 )

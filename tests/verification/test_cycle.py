@@ -1,4 +1,6 @@
-"""Cyclic steady states against regenerators, and losses of a bed at rest against their series."""
+"""Cyclic steady states against regenerators, and losses of a bed at rest against
+their series.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,9 @@ HOLD_UP = 1e-6  # heat held by the gas over that of the solid; the tables have n
 
 
 def regenerator(path, hot, cold, tolerance=1e-4, cells=60, cycle="{}"):
-    """Bed of 1 m with one blow from either end; `hot` and `cold` are (reduced length, reduced period)."""
+    """Bed of 1 m with one blow from either end; `hot` and `cold` are (reduced
+    length, reduced period).
+    """
     rho = HOLD_UP * CONTENT / EPS
     speeds = [FILM * AREA / length / rho for length, _ in (hot, cold)]
     times = [period * CONTENT / (FILM * AREA) for _, period in (hot, cold)]
@@ -51,13 +55,22 @@ FAST = {(30, 20, 30, 25)}
 
 @pytest.mark.parametrize(
     ("numbers", "row"),
-    [pytest.param(*case, marks=() if case[0] in FAST else pytest.mark.slow, id=str(case[0])) for case in CASES],
+    [
+        pytest.param(
+            *case, marks=() if case[0] in FAST else pytest.mark.slow, id=str(case[0])
+        )
+        for case in CASES
+    ],
 )
 def test_regenerator(tmp_path, numbers, row):
     found = run(load(regenerator(tmp_path / "s.toml", numbers[:2], numbers[2:])))
     # of time steps with a local error of 1e-4
-    assert found.qoi["effectiveness_charge"] == pytest.approx(row["effectiveness_hot"], abs=2e-4)
-    assert found.qoi["effectiveness_discharge"] == pytest.approx(row["effectiveness_cold"], abs=2e-4)
+    assert found.qoi["effectiveness_charge"] == pytest.approx(
+        row["effectiveness_hot"], abs=2e-4
+    )
+    assert found.qoi["effectiveness_discharge"] == pytest.approx(
+        row["effectiveness_cold"], abs=2e-4
+    )
     # 1e-8 of 100 K over the period, and so for the heat
     assert found.qoi["cycle_change_K"] <= 1e-6
     assert found.qoi["storage_efficiency"] == pytest.approx(1.0, abs=1e-6)
@@ -71,14 +84,22 @@ def test_the_end_of_the_period_is_its_start(tmp_path):
     path = regenerator(tmp_path / "s.toml", (10, 3), (10, 3), 1e-3, cells=20)
     path.write_text(path.read_text() + "\nsolids.particles.inside.heat = 'interior'\n")
     found = run(load(path))
-    assert found.qoi["cycle_change_K"] <= 1e-6 and found.qoi["storage_efficiency"] == pytest.approx(1.0, abs=1e-6)
+    assert found.qoi["cycle_change_K"] <= 1e-6 and found.qoi[
+        "storage_efficiency"
+    ] == pytest.approx(1.0, abs=1e-6)
 
 
 def test_an_interrupted_cycle_goes_on(tmp_path, monkeypatch):
-    """Ctrl-C in the fifth of some ten periods; those that are left begin with the state that was extrapolated."""
+    """Ctrl-C in the fifth of some ten periods; those that are left begin with the
+    state that was extrapolated.
+    """
     from contbed.packed_bed import cycle
 
-    path, before, count = regenerator(tmp_path / "s.toml", (10, 3), (10, 3), 1e-3, cells=20), cycle._period, []
+    path, before, count = (
+        regenerator(tmp_path / "s.toml", (10, 3), (10, 3), 1e-3, cells=20),
+        cycle._period,
+        [],
+    )
 
     def counted(*given, **more):
         count.append(1)
@@ -92,14 +113,25 @@ def test_an_interrupted_cycle_goes_on(tmp_path, monkeypatch):
             run(load(path), out=tmp_path / "a")
     whole = run(load(path))
     again = run(load(path), out=tmp_path / "b", restart=tmp_path / "a")
-    assert again.qoi["cycle_change_K"] <= 1e-6 and again.qoi["cycle_periods"] < whole.qoi["cycle_periods"]
-    assert again.qoi["effectiveness_charge"] == pytest.approx(whole.qoi["effectiveness_charge"], abs=1e-3)  # of steps
+    assert (
+        again.qoi["cycle_change_K"] <= 1e-6
+        and again.qoi["cycle_periods"] < whole.qoi["cycle_periods"]
+    )
+    # of steps
+    assert again.qoi["effectiveness_charge"] == pytest.approx(
+        whole.qoi["effectiveness_charge"], abs=1e-3
+    )
     # the cycle that was found, at another time as well
     half = load(path).time.end / 2.0
-    path.write_text(f"time.times = [{half!r}]\noutput.positions = [0.5]\n{path.read_text()}")
+    path.write_text(
+        f"time.times = [{half!r}]\noutput.positions = [0.5]\n{path.read_text()}"
+    )
     both = run(load(path), out=tmp_path / "c", restart=tmp_path / "b")
     assert both.qoi["cycle_periods"] <= 3 and len(both.profiles["x [m]"]) == 2
-    assert both.profiles["T_solid [K]"] == pytest.approx(run(load(path)).profiles["T_solid [K]"], abs=0.1)  # of steps
+    # of steps
+    assert both.profiles["T_solid [K]"] == pytest.approx(
+        run(load(path)).profiles["T_solid [K]"], abs=0.1
+    )
 
 
 def test_anderson_solves_a_linear_problem_in_as_many_steps_as_it_has_unknowns():
@@ -114,7 +146,9 @@ def test_anderson_solves_a_linear_problem_in_as_many_steps_as_it_has_unknowns():
 def test_quantities_of_a_cycle():
     found = exchanged([10.0, -1.0, -8.0, 0.0], [20.0, 2.0, 16.0, 5.0])
     assert found["storage_efficiency"] == pytest.approx(0.9)
-    assert found["effectiveness_charge"] == 0.5 and found["effectiveness_discharge"] == 0.5
+    assert (
+        found["effectiveness_charge"] == 0.5 and found["effectiveness_discharge"] == 0.5
+    )
     assert exchanged([5.0], [10.0]) == {"heat_charged_J": 5.0, "heat_discharged_J": 0}
 
 
@@ -122,8 +156,12 @@ def test_a_cycle_without_series_is_refused(tmp_path):
     path = regenerator(tmp_path / "s.toml", (5, 1), (5, 1))
     lines = path.read_text().splitlines()
     key = "boundary.left.gas.velocity"
-    path.write_text("\n".join(f"{key} = 1.0" if line.startswith(key) else line for line in lines))
-    with pytest.raises(SceneError, match="a cycle needs a velocity or a temperature that changes"):
+    path.write_text(
+        "\n".join(f"{key} = 1.0" if line.startswith(key) else line for line in lines)
+    )
+    with pytest.raises(
+        SceneError, match="a cycle needs a velocity or a temperature that changes"
+    ):
         load(path)
 
 
@@ -134,7 +172,8 @@ def test_losses_of_a_bed_at_rest(tmp_path, case):
     content, T_amb, T_0 = (1 - EPS) * SOLID, 300.0, 400.0
     times = [row["Fo"] * content / k for row in group]
     path = tmp_path / "s.toml"
-    # a thin bed: across it the temperature varies by beta (height/length)^2 = 1e-4 of the difference to outside
+    # a thin bed: across it the temperature varies by beta (height/length)^2 = 1e-4 of
+    # the difference to outside
     path.write_text(f"""
 mesh = {{ type = "rectangle", length = 1.0, height = {height}, cells = [60, 1] }}
 boundary.left.solids.particles = {{ coefficient = {first["B0"] * k!r}, ambient = {T_amb} }}
@@ -152,6 +191,8 @@ closures = {{ nusselt = 1.0, conductivity_gas = 0.0, conductivity_solids = {k!r}
 heat = {{}}
 """)
     found = run(load(path))
-    theta = (found.profiles["T_solid [K]"].reshape(len(group), 3) - T_amb) / (T_0 - T_amb)
+    theta = (found.profiles["T_solid [K]"].reshape(len(group), 3) - T_amb) / (
+        T_0 - T_amb
+    )
     wanted = [[row[f"theta_{where}"] for where in ("0", "half", "1")] for row in group]
     assert theta == pytest.approx(np.array(wanted), abs=1e-4)

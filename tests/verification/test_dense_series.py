@@ -1,6 +1,8 @@
-"""Packed beds whose series have many points: steps pass kinks that are small beside their errors, and no others.
+"""Packed beds whose series have many points: steps pass kinks that are small beside
+their errors, and no others.
 
-A run that is cut at every kink is the reference; its steps are so short that their errors do not count.
+A run that is cut at every kink is the reference; its steps are so short that their
+errors do not count.
 """
 
 import numpy as np
@@ -15,7 +17,12 @@ from contbed.packed_bed.schedule import Schedule
 END, POINTS = 6000.0, 151
 TIMES = np.linspace(0.0, END, POINTS)
 TOLERANCE = 1e-3
-PARTICLES = {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 2.0, "diameter": 0.005}
+PARTICLES = {
+    "density": 2000.0,
+    "heat_capacity": 900.0,
+    "conductivity": 2.0,
+    "diameter": 0.005,
+}
 
 
 def series(values, **more):
@@ -24,24 +31,41 @@ def series(values, **more):
 
 def swing(low, high, periods=1.0):
     """Values that swing from the lower one as a cosine does."""
-    return low + 0.5 * (high - low) * (1.0 - np.cos(2.0 * np.pi * periods * TIMES / END))
+    return low + 0.5 * (high - low) * (
+        1.0 - np.cos(2.0 * np.pi * periods * TIMES / END)
+    )
 
 
 def bed(**tables):
     scene = {
         "mesh": {"type": "line", "length": 0.5, "cells": 30},
-        "gas": {"density": 1.2, "heat_capacity": 1000.0, "conductivity": 0.03, "viscosity": 2e-5},
+        "gas": {
+            "density": 1.2,
+            "heat_capacity": 1000.0,
+            "conductivity": 0.03,
+            "viscosity": 2e-5,
+        },
         "solids": {"particles": PARTICLES},
         "packed_bed": {"porosity": 0.4},
         "closures": {"nusselt": 10.0},
         "heat": {},
-        "boundary": {"left": {"gas": {"velocity": 0.3, "temperature": series(swing(300.0, 400.0))}}},
-        "initial": {"gas": {"temperature": 300.0}, "solids": {"particles": {"temperature": 300.0}}},
+        "boundary": {
+            "left": {
+                "gas": {"velocity": 0.3, "temperature": series(swing(300.0, 400.0))}
+            }
+        },
+        "initial": {
+            "gas": {"temperature": 300.0},
+            "solids": {"particles": {"temperature": 300.0}},
+        },
         "time": {"end": END, "tolerance": TOLERANCE},
         "output": {"positions": [0.1, 0.5], "plots": False},
     }
     scene["time"]["times"] = np.linspace(600.0, END, 10).tolist()
-    return {key: {**scene.get(key, {}), **tables.get(key, {})} for key in {**scene, **tables}}
+    return {
+        key: {**scene.get(key, {}), **tables.get(key, {})}
+        for key in {**scene, **tables}
+    }
 
 
 FIXED = {"fixed_temperature": series(swing(300.0, 340.0, 1.5))}
@@ -49,8 +73,17 @@ SCENES = {
     "temperature": bed(),
     "several": bed(
         boundary={
-            "left": {"gas": {"velocity": 0.3, "temperature": series(swing(300.0, 400.0))}},
-            "right": {"solids": {"particles": {"coefficient": 50.0, "ambient": series(swing(300.0, 340.0, 1.5))}}},
+            "left": {
+                "gas": {"velocity": 0.3, "temperature": series(swing(300.0, 400.0))}
+            },
+            "right": {
+                "solids": {
+                    "particles": {
+                        "coefficient": 50.0,
+                        "ambient": series(swing(300.0, 340.0, 1.5)),
+                    }
+                }
+            },
         }
     ),
     "fixed_temperature": bed(
@@ -59,7 +92,9 @@ SCENES = {
                 "gas": {"velocity": 0.3, "temperature": series(swing(300.0, 400.0))},
                 "solids": {"particles": FIXED},
             },
-            "right": {"solids": {"particles": {"heat_flux": series(swing(0.0, 500.0))}}},
+            "right": {
+                "solids": {"particles": {"heat_flux": series(swing(0.0, 500.0))}}
+            },
         }
     ),
     "inside": bed(solids={"particles": {**PARTICLES, "inside": {"heat": "interior"}}}),
@@ -74,10 +109,14 @@ def found(scene):
 
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_kinks_that_are_small_are_passed(monkeypatch, scene):
-    """Errors of some steps' tolerance over the span of 100 K, for a tenth of the steps."""
+    """Errors of some steps' tolerance over the span of 100 K, for a tenth of the
+    steps.
+    """
     passed = found(scene)
     pieces = plan(from_dict(scene)).pieces()
-    assert len(pieces) == 1 and len(pieces[0].ways) == str(scene["boundary"]).count("times")
+    assert len(pieces) == 1 and len(pieces[0].ways) == str(scene["boundary"]).count(
+        "times"
+    )
     monkeypatch.setattr(Schedule, "small", lambda *_: None)
     cut = found(scene)
     assert passed.qoi["time_steps"] < 0.2 * cut.qoi["time_steps"]
@@ -99,25 +138,35 @@ def test_errors_follow_the_tolerance(monkeypatch):
 
 
 def test_a_step_does_not_jump_over_what_it_does_not_see(monkeypatch):
-    """A rise of 40 K for some minutes, long after the bed is hot, when steps are longer than that."""
+    """A rise of 40 K for some minutes, long after the bed is hot, when steps are
+    longer than that.
+    """
     times = np.linspace(0.0, 30000.0, 601)
     apart = np.clip((times - 20000.0) / 2000.0, 0.0, 1.0)
     values = 400.0 + 20.0 * (1.0 - np.cos(2.0 * np.pi * apart))
     inflow = {"times": times.tolist(), "values": values.tolist()}
     scene = bed(
         boundary={"left": {"gas": {"velocity": 0.3, "temperature": inflow}}},
-        time={"end": 30000.0, "tolerance": 1e-2, "times": [20800.0, 21200.0, 22000.0, 30000.0]},
+        time={
+            "end": 30000.0,
+            "tolerance": 1e-2,
+            "times": [20800.0, 21200.0, 22000.0, 30000.0],
+        },
     )
     assert len(plan(from_dict(scene)).pieces()) == 1
     passed = found(scene)
     monkeypatch.setattr(Schedule, "small", lambda *_: None)
     cut = found(scene)
     assert np.ptp(cut.profiles["T_fluid [K]"]) > 10.0
-    np.testing.assert_allclose(passed.profiles["T_fluid [K]"], cut.profiles["T_fluid [K]"], rtol=0.0, atol=2.0)
+    np.testing.assert_allclose(
+        passed.profiles["T_fluid [K]"], cut.profiles["T_fluid [K]"], rtol=0.0, atol=2.0
+    )
 
 
 def test_no_step_crosses_a_jump_or_a_kink_that_matters():
-    """Steps end where the velocity jumps, and where the temperature stops to rise at once."""
+    """Steps end where the velocity jumps, and where the temperature stops to rise at
+    once.
+    """
     rises = np.minimum(300.0 + 100.0 * TIMES / 2000.0, 400.0)
     scene = bed(
         boundary={
@@ -147,7 +196,9 @@ def test_steps_of_one_length_and_cycles_meet_every_kink(time):
 
 
 def test_a_run_goes_on_between_kinks(tmp_path, monkeypatch):
-    """A restart repeats the numbers of a run that is not interrupted, to the last bit."""
+    """A restart repeats the numbers of a run that is not interrupted, to the last
+    bit.
+    """
     scene, marched = from_dict(SCENES["several"]), transient.march
     whole = cb.run(scene, quiet=True)
 

@@ -1,4 +1,6 @@
-"""Exact solutions against published values, their own equations, and independent high-precision solves."""
+"""Exact solutions against published values, their own equations, and independent
+high-precision solves.
+"""
 
 import numpy as np
 import pytest
@@ -9,8 +11,9 @@ import contbed as cb
 from contbed.loading import from_dict
 from studies import _exact as exact
 
-# Pivem and de Lemos (2012): Table 2 properties; Table 3 rows as
-# name: (u_D, u_s/u_D, D, porosity, Re_D, C_s/C_f, k_s/k_f), then theta_eq and L_1% computed for contbed with 50 digits.
+# Pivem and de Lemos (2012): Table 2 properties; Table 3 rows as name: (u_D, u_s/u_D, D,
+# porosity, Re_D, C_s/C_f, k_s/k_f), then theta_eq and L_1% computed for contbed with 50
+# digits.
 K_FLUID, RHO_FLUID, CP_FLUID, MU_FLUID = 0.0345, 0.4345, 1986.8, 173.1e-7
 PIVEM = {
     "reynolds_10": ((0.05666, 0.5, 0.006, 0.9, 10.0, 1.5, 25.0), 0.448666, 0.090016),
@@ -30,21 +33,70 @@ PIVEM = {
     "capacity_0.5": ((0.2125, 0.5, 0.004, 0.9, 25.0, 0.5, 25.0), 0.228286, 0.042225),
     "capacity_1": ((0.2125, 0.5, 0.004, 0.9, 25.0, 1.0, 25.0), 0.345388, 0.063497),
     "capacity_10": ((0.2125, 0.5, 0.004, 0.9, 25.0, 10.0, 25.0), 0.833018, 0.152063),
-    "conductivity_1_slip_0": ((0.2125, 0.0, 0.01, 0.6, 125.0, 1.5, 1.0), 0.082007, None),
-    "conductivity_10_slip_0": ((0.2125, 0.0, 0.01, 0.6, 125.0, 1.5, 10.0), 0.255738, None),
-    "conductivity_100_slip_0": ((0.2125, 0.0, 0.01, 0.6, 125.0, 1.5, 100.0), 0.606041, None),
-    "conductivity_1000_slip_0": ((0.2125, 0.0, 0.01, 0.6, 125.0, 1.5, 1000.0), 0.912118, None),
-    "conductivity_1_slip_0.1": ((0.2125, 0.1, 0.01, 0.6, 112.5, 1.5, 1.0), 0.157877, None),
-    "conductivity_10_slip_0.1": ((0.2125, 0.1, 0.01, 0.6, 112.5, 1.5, 10.0), 0.295613, None),
-    "conductivity_100_slip_0.1": ((0.2125, 0.1, 0.01, 0.6, 112.5, 1.5, 100.0), 0.607410, None),
-    "conductivity_1000_slip_0.1": ((0.2125, 0.1, 0.01, 0.6, 112.5, 1.5, 1000.0), 0.906221, None),
-    "conductivity_1_slip_0.4": ((0.2125, 0.4, 0.01, 0.6, 75.0, 1.5, 1.0), 0.375613, None),
-    "conductivity_10_slip_0.4": ((0.2125, 0.4, 0.01, 0.6, 75.0, 1.5, 10.0), 0.421351, None),
-    "conductivity_100_slip_0.4": ((0.2125, 0.4, 0.01, 0.6, 75.0, 1.5, 100.0), 0.611534, None),
-    "conductivity_1000_slip_0.4": ((0.2125, 0.4, 0.01, 0.6, 75.0, 1.5, 1000.0), 0.881960, None),
+    "conductivity_1_slip_0": (
+        (0.2125, 0.0, 0.01, 0.6, 125.0, 1.5, 1.0),
+        0.082007,
+        None,
+    ),
+    "conductivity_10_slip_0": (
+        (0.2125, 0.0, 0.01, 0.6, 125.0, 1.5, 10.0),
+        0.255738,
+        None,
+    ),
+    "conductivity_100_slip_0": (
+        (0.2125, 0.0, 0.01, 0.6, 125.0, 1.5, 100.0),
+        0.606041,
+        None,
+    ),
+    "conductivity_1000_slip_0": (
+        (0.2125, 0.0, 0.01, 0.6, 125.0, 1.5, 1000.0),
+        0.912118,
+        None,
+    ),
+    "conductivity_1_slip_0.1": (
+        (0.2125, 0.1, 0.01, 0.6, 112.5, 1.5, 1.0),
+        0.157877,
+        None,
+    ),
+    "conductivity_10_slip_0.1": (
+        (0.2125, 0.1, 0.01, 0.6, 112.5, 1.5, 10.0),
+        0.295613,
+        None,
+    ),
+    "conductivity_100_slip_0.1": (
+        (0.2125, 0.1, 0.01, 0.6, 112.5, 1.5, 100.0),
+        0.607410,
+        None,
+    ),
+    "conductivity_1000_slip_0.1": (
+        (0.2125, 0.1, 0.01, 0.6, 112.5, 1.5, 1000.0),
+        0.906221,
+        None,
+    ),
+    "conductivity_1_slip_0.4": (
+        (0.2125, 0.4, 0.01, 0.6, 75.0, 1.5, 1.0),
+        0.375613,
+        None,
+    ),
+    "conductivity_10_slip_0.4": (
+        (0.2125, 0.4, 0.01, 0.6, 75.0, 1.5, 10.0),
+        0.421351,
+        None,
+    ),
+    "conductivity_100_slip_0.4": (
+        (0.2125, 0.4, 0.01, 0.6, 75.0, 1.5, 100.0),
+        0.611534,
+        None,
+    ),
+    "conductivity_1000_slip_0.4": (
+        (0.2125, 0.4, 0.01, 0.6, 75.0, 1.5, 1000.0),
+        0.881960,
+        None,
+    ),
 }
 
-# L, flux_fluid, flux_solid, d_fluid, d_solid, ha, d_cross. At unit flux and length ha is NTU and 1/d the Peclet number.
+# L, flux_fluid, flux_solid, d_fluid, d_solid, ha, d_cross. At unit flux and length ha
+# is NTU and 1/d the Peclet number.
 EXTREME = {
     "ntu_1e-2_pe_1e-3": (1.0, 1.0, 0.3, 1e3, 1e7, 1e-2, 0.0),
     "ntu_1e6_pe_1e6": (1.0, 1.0, 0.3, 1e-6, 1e-2, 1e6, 0.0),
@@ -66,31 +118,62 @@ EXTREME = {
     "cross_conduction_counter": (0.5, 700.0, -700.0, 5.0, 8.0, 2e4, 3.0),
     "si_magnitudes": (0.25, 244.6, 183.4, 0.03105, 0.08625, 8e4, 0.0),
 }
-STATIONS = np.concatenate([[0.0, 1e-6, 1e-4, 1e-2], np.linspace(0.05, 0.95, 19), [0.99, 1.0 - 1e-4, 1.0 - 1e-6, 1.0]])
+STATIONS = np.concatenate(
+    [
+        [0.0, 1e-6, 1e-4, 1e-2],
+        np.linspace(0.05, 0.95, 19),
+        [0.99, 1.0 - 1e-4, 1.0 - 1e-6, 1.0],
+    ]
+)
 
 
 def bed(u_d, slip, diameter, porosity, reynolds, capacity, conductivity):
-    """Coefficients of Eqs. 11, 12 with a_i = 4 (1 - phi)/D, Eq. 20 and Table 2 as printed."""
+    """Coefficients of Eqs. 11, 12 with a_i = 4 (1 - phi)/D, Eq. 20 and Table 2 as
+    printed.
+    """
     c_fluid = RHO_FLUID * CP_FLUID
     prandtl = MU_FLUID * CP_FLUID / K_FLUID
-    nusselt = 1.0 + 4.0 * (1.0 - porosity) / porosity + 0.5 * np.sqrt(1.0 - porosity) * reynolds * prandtl ** (1 / 3)
+    nusselt = (
+        1.0
+        + 4.0 * (1.0 - porosity) / porosity
+        + 0.5 * np.sqrt(1.0 - porosity) * reynolds * prandtl ** (1 / 3)
+    )
     ha = nusselt * K_FLUID / diameter * 4.0 * (1.0 - porosity) / diameter
     d_solid = (1.0 - porosity) * conductivity * K_FLUID
-    return c_fluid * u_d, capacity * c_fluid * slip * u_d, porosity * K_FLUID, d_solid, ha
+    return (
+        c_fluid * u_d,
+        capacity * c_fluid * slip * u_d,
+        porosity * K_FLUID,
+        d_solid,
+        ha,
+    )
 
 
 def multiprecision(length, *coefficients, digits=50):
-    """Temperatures at STATIONS * length by plain modes and one linear solve with mpmath."""
+    """Temperatures at STATIONS * length by plain modes and one linear solve with
+    mpmath.
+    """
     mp = pytest.importorskip("mpmath", minversion="1.4")
     with mp.workdps(digits):
-        length, c_f, c_s, d_f, d_s, ha, d_x = (mp.mpf(v) for v in (length, *coefficients))
-        cubic = [d_f * d_s - d_x**2, -(d_f * c_s + c_f * d_s), c_f * c_s - ha * (d_f + d_s + 2 * d_x), ha * (c_f + c_s)]
+        length, c_f, c_s, d_f, d_s, ha, d_x = (
+            mp.mpf(v) for v in (length, *coefficients)
+        )
+        cubic = [
+            d_f * d_s - d_x**2,
+            -(d_f * c_s + c_f * d_s),
+            c_f * c_s - ha * (d_f + d_s + 2 * d_x),
+            ha * (c_f + c_s),
+        ]
         while cubic and cubic[0] == 0:
             cubic.pop(0)
         balanced = c_f + c_s == 0
         if balanced:
             cubic.pop()
-        roots = mp.polyroots(cubic[::-1], asc=True, maxsteps=5000, extraprec=1500) if len(cubic) > 1 else []
+        roots = (
+            mp.polyroots(cubic[::-1], asc=True, maxsteps=5000, extraprec=1500)
+            if len(cubic) > 1
+            else []
+        )
         rates = [mp.re(root) for root in roots]
 
         def temperatures(x, order=0):
@@ -99,7 +182,12 @@ def multiprecision(length, *coefficients, digits=50):
                 modes.append((mp.mpf(1), mp.mpf(1)) if order else (x, x + c_f / ha))
             for rate in rates:
                 wave = rate**order * mp.exp(rate * (x - (length if rate > 0 else 0)))
-                modes.append(((ha + d_x * rate**2) * wave, (ha + c_f * rate - d_f * rate**2) * wave))
+                modes.append(
+                    (
+                        (ha + d_x * rate**2) * wave,
+                        (ha + c_f * rate - d_f * rate**2) * wave,
+                    )
+                )
             return modes
 
         inlet, outlet = (mp.mpf(0), length) if c_s >= 0 else (length, mp.mpf(0))
@@ -115,24 +203,40 @@ def multiprecision(length, *coefficients, digits=50):
             right_side.append(0)
         weights = mp.lu_solve(mp.matrix(rows), mp.matrix(right_side))
         fields = [temperatures(mp.mpf(float(x)) * length) for x in STATIONS]
-        return np.array([[float(mp.fdot(weights, [m[phase] for m in modes])) for modes in fields] for phase in (0, 1)])
+        return np.array(
+            [
+                [float(mp.fdot(weights, [m[phase] for m in modes])) for modes in fields]
+                for phase in (0, 1)
+            ]
+        )
 
 
 def relative_residuals(x, length, c_f, c_s, d_f, d_s, ha, d_x):
-    """Residuals of both equations over the largest term in the bed or, if larger, what a unit temperature makes."""
+    """Residuals of both equations over the largest term in the bed or, if larger,
+    what a unit temperature makes.
+    """
     (f, s), (df, ds), (ddf, dds) = (
-        exact.finite_length(x, length, c_f, c_s, d_f, d_s, ha, d_x, derivative=order) for order in range(3)
+        exact.finite_length(x, length, c_f, c_s, d_f, d_s, ha, d_x, derivative=order)
+        for order in range(3)
     )
     fluid = [c_f * df, -d_f * ddf, -d_x * dds, -ha * s, ha * f]
     solid = [c_s * ds, -d_x * ddf, -d_s * dds, ha * s, -ha * f]
-    units = [ha + abs(c) / length + (d + d_x) / length**2 for c, d in ((c_f, d_f), (c_s, d_s))]
+    units = [
+        ha + abs(c) / length + (d + d_x) / length**2
+        for c, d in ((c_f, d_f), (c_s, d_s))
+    ]
     pairs = zip((fluid, solid), units, strict=True)
-    return [np.abs(sum(terms)).max() / max(np.abs(terms).max(), unit) for terms, unit in pairs]
+    return [
+        np.abs(sum(terms)).max() / max(np.abs(terms).max(), unit)
+        for terms, unit in pairs
+    ]
 
 
 @pytest.mark.parametrize("name", PIVEM)
 def test_pivem_equilibrium_and_length(name):
-    """All six printed digits; the reference lengths of the conductivity rows were not recorded."""
+    """All six printed digits; the reference lengths of the conductivity rows were
+    not recorded.
+    """
     row, equilibrium, length = PIVEM[name]
     lam, r = exact.decay_rate(*bed(*row))
     assert 1.0 / (1.0 - r) == pytest.approx(equilibrium, abs=5.1e-7)
@@ -141,7 +245,9 @@ def test_pivem_equilibrium_and_length(name):
 
 
 def test_mixing_value_differs_from_equilibrium():
-    """Prescribed inlet temperatures let heat conduct in: equilibrium lies above the ratio of the convective fluxes."""
+    """Prescribed inlet temperatures let heat conduct in: equilibrium lies above the
+    ratio of the convective fluxes.
+    """
     _, r = exact.decay_rate(*bed(*PIVEM["reynolds_10"][0]))
     assert 1.0 / (1.0 - r) - 0.75 / 1.75 == pytest.approx(0.448666 - 0.428571, abs=1e-6)
 
@@ -156,8 +262,9 @@ def test_finite_length_against_multiprecision(name):
 
 @pytest.mark.parametrize("name", EXTREME)
 def test_finite_length_solves_its_equations(name):
-    """2e-15: round-off, the derivatives being analytic. Weakly coupled equal phases have two rates that agree to 1e-8,
-    and half an ulp in a rate is 1e-10 of the exchange term there."""
+    """2e-15: round-off, the derivatives being analytic. Weakly coupled equal phases
+    have two rates that agree to 1e-8, and half an ulp in a rate is 1e-10 of the
+    exchange term there."""
     length, *coefficients = EXTREME[name]
     tolerance = 1e-10 if name == "ntu_1e-2_pe_1e6_equal_phases" else 2e-15
     assert max(relative_residuals(STATIONS * length, length, *coefficients)) < tolerance
@@ -165,7 +272,9 @@ def test_finite_length_solves_its_equations(name):
 
 @pytest.mark.parametrize("name", EXTREME)
 def test_finite_length_boundary_conditions(name):
-    """Inlet values to 4e-15. Outlet slopes to 1e-13 of the largest slope or of a unit temperature over L."""
+    """Inlet values to 4e-15. Outlet slopes to 1e-13 of the largest slope or of a
+    unit temperature over L.
+    """
     length, c_f, c_s, d_f, d_s, *rest = EXTREME[name]
     x = STATIONS * length
     f, s = exact.finite_length(x, length, c_f, c_s, d_f, d_s, *rest)
@@ -181,7 +290,9 @@ def test_finite_length_boundary_conditions(name):
 
 
 def test_balanced_without_conduction_is_linear():
-    """Equal and opposite fluxes: f = NTU x/L/(1 + NTU), s - f constant. 1e-15 is round-off."""
+    """Equal and opposite fluxes: f = NTU x/L/(1 + NTU), s - f constant. 1e-15 is
+    round-off.
+    """
     x = np.linspace(0.0, 2.0, 11)
     ntu = 3.0 * 2.0 / 7.0
     f, s = exact.finite_length(x, 2.0, 7.0, -7.0, 0.0, 0.0, 3.0)
@@ -190,17 +301,23 @@ def test_balanced_without_conduction_is_linear():
 
 
 def test_long_bed_approaches_semi_infinite():
-    """A bed of 40 decay lengths: exp(-40) = 4e-18 is left at the outlet, so only round-off (1e-14) differs upstream."""
+    """A bed of 40 decay lengths: exp(-40) = 4e-18 is left at the outlet, so only
+    round-off (1e-14) differs upstream.
+    """
     coefficients = bed(*PIVEM["reynolds_50"][0])
     lam, _ = exact.decay_rate(*coefficients)
     x = np.linspace(0.0, 20.0 / lam, 50)
     np.testing.assert_allclose(
-        exact.finite_length(x, 40.0 / lam, *coefficients), exact.semi_infinite(x, *coefficients), atol=1e-14
+        exact.finite_length(x, 40.0 / lam, *coefficients),
+        exact.semi_infinite(x, *coefficients),
+        atol=1e-14,
     )
 
 
 def test_semi_infinite_at_huge_distance_and_without_solid_inlet():
-    """No overflow at lam x = 1e6; a solid that neither moves nor conducts takes the fluid's temperature at once."""
+    """No overflow at lam x = 1e6; a solid that neither moves nor conducts takes the
+    fluid's temperature at once.
+    """
     f, s = exact.semi_infinite(np.array([0.0, 1e6]), 1.0, 1.0, 0.0, 0.0, 0.5)
     np.testing.assert_array_equal([f, s], [[0.0, 0.5], [1.0, 0.5]])
     f, s = exact.semi_infinite([0.0, 1e-9, 1.0], 1.0, 0.0, 0.1, 0.0, 10.0)
@@ -214,16 +331,32 @@ def test_rates_are_the_roots_of_the_cubic(name):
     _, *coefficients = EXTREME[name]
     with mp.workdps(50):
         c_f, c_s, d_f, d_s, ha, d_x = (mp.mpf(v) for v in coefficients)
-        cubic = [d_f * d_s - d_x**2, -(d_f * c_s + c_f * d_s), c_f * c_s - ha * (d_f + d_s + 2 * d_x), ha * (c_f + c_s)]
+        cubic = [
+            d_f * d_s - d_x**2,
+            -(d_f * c_s + c_f * d_s),
+            c_f * c_s - ha * (d_f + d_s + 2 * d_x),
+            ha * (c_f + c_s),
+        ]
         while cubic and cubic[0] == 0:
             cubic.pop(0)
-        roots = mp.polyroots(cubic[::-1], asc=True, maxsteps=5000, extraprec=1500) if len(cubic) > 1 else []
-        expected = sorted(float(mp.re(root)) if abs(root) > mp.mpf(10) ** -30 else 0.0 for root in roots)
+        roots = (
+            mp.polyroots(cubic[::-1], asc=True, maxsteps=5000, extraprec=1500)
+            if len(cubic) > 1
+            else []
+        )
+        expected = sorted(
+            float(mp.re(root)) if abs(root) > mp.mpf(10) ** -30 else 0.0
+            for root in roots
+        )
     np.testing.assert_allclose(exact.rates(*coefficients), expected, rtol=4.5e-16)
 
 
 def test_impossible_coefficients_are_refused():
-    for bad in ((-1.0, 1.0, 0.1, 0.1, 1.0), (1.0, 1.0, -0.1, 0.1, 1.0), (1.0, 1.0, 0.1, 0.1, 0.0)):
+    for bad in (
+        (-1.0, 1.0, 0.1, 0.1, 1.0),
+        (1.0, 1.0, -0.1, 0.1, 1.0),
+        (1.0, 1.0, 0.1, 0.1, 0.0),
+    ):
         with pytest.raises(ValueError, match="two-energy solution"):
             exact.rates(*bad)
     with pytest.raises(ValueError, match="d_cross"):
@@ -233,7 +366,9 @@ def test_impossible_coefficients_are_refused():
 
 
 def test_nakayama():
-    """Pivem's Table 1 (k_s/k_f = 40, porosity 0.4, K_xx/k_f = 50) with Pr of Table 2: all recorded digits, 1e-8."""
+    """Pivem's Table 1 (k_s/k_f = 40, porosity 0.4, K_xx/k_f = 50) with Pr of Table
+    2: all recorded digits, 1e-8.
+    """
     tortuosity = exact.tortuosity_parameter(0.4, 40.0)
     peclet = exact.nakayama_peclet(100.0, MU_FLUID * CP_FLUID / K_FLUID, 0.4)
     coefficients = exact.nakayama_coefficients(peclet, 0.4, 40.0, 50.0, tortuosity)
@@ -244,20 +379,30 @@ def test_nakayama():
     assert lam == pytest.approx(0.60922966, abs=5e-9)
     assert 1.0 / (1.0 - r) == pytest.approx(0.04569593, abs=5e-9)
     f, s = exact.semi_infinite([0.0, 1e3], **coefficients)
-    np.testing.assert_allclose([1.0 - f, 1.0 - s], [[1.0, 0.95430407], [0.0, 0.95430407]], atol=5e-9)
+    np.testing.assert_allclose(
+        [1.0 - f, 1.0 - s], [[1.0, 0.95430407], [0.0, 0.95430407]], atol=5e-9
+    )
 
 
 def test_nakayama_prefactor_of_the_paper():
-    """Eqs. 28, 29 write 1 - theta_eq through alpha; 1e-13 because both sides come from the same root."""
+    """Eqs. 28, 29 write 1 - theta_eq through alpha; 1e-13 because both sides come
+    from the same root.
+    """
     tortuosity = exact.tortuosity_parameter(0.4, 40.0)
     coefficients = exact.nakayama_coefficients(11.951048, 0.4, 40.0, 50.0, tortuosity)
     alpha, r = exact.decay_rate(**coefficients)
     stagnant = tortuosity * 39.0**2 + 0.4 + 0.6 * 40.0
-    paper = alpha * 40.0 * (0.6 + 39.0 * tortuosity) / (11.951048 + alpha * (stagnant + 50.0))
+    paper = (
+        alpha
+        * 40.0
+        * (0.6 + 39.0 * tortuosity)
+        / (11.951048 + alpha * (stagnant + 50.0))
+    )
     assert 1.0 / (1.0 - r) == pytest.approx(paper, rel=1e-13)
 
 
-# Patil et al., test of a heated bed of copper spheres in water: u [m/s], A [1/s], B [1/s].
+# Patil et al., test of a heated bed of copper spheres in water: u [m/s], A [1/s], B
+# [1/s].
 SCHUMANN_A = (0.20169758196457, 3.5576862041633, 4.5291839336383)
 SCHUMANN_B = (0.13370845112591, 0.62634257988163, 2.4056701787414)
 
@@ -265,8 +410,12 @@ SCHUMANN_B = (0.13370845112591, 0.62634257988163, 2.4056701787414)
 def test_schumann_published():
     """Bed A at t = 2.25 s, z = 0.1, 0.2, 0.25, 0.3 m: all eight recorded digits."""
     f, s = exact.schumann([0.1, 0.2, 0.25, 0.3], 2.25, *SCHUMANN_A)
-    np.testing.assert_allclose(f, [0.98902260, 0.81327151, 0.58935161, 0.32609428], atol=5e-9)
-    np.testing.assert_allclose(s, [0.97293030, 0.70894060, 0.45448543, 0.21209334], atol=5e-9)
+    np.testing.assert_allclose(
+        f, [0.98902260, 0.81327151, 0.58935161, 0.32609428], atol=5e-9
+    )
+    np.testing.assert_allclose(
+        s, [0.97293030, 0.70894060, 0.45448543, 0.21209334], atol=5e-9
+    )
 
 
 def test_schumann_against_quadrature_of_many_digits():
@@ -277,30 +426,53 @@ def test_schumann_against_quadrature_of_many_digits():
         return lambda s: mp.exp(-s - a) * mp.besseli(0, 2 * mp.sqrt(s * a))
 
     with mp.workdps(30):
-        for xi, tau in [(1e-3, 1e-3), (0.1, 3.0), (3.0, 0.1), (10.0, 10.0), (100.0, 140.0), (200.0, 100.0), (1e3, 1e3)]:
+        for xi, tau in [
+            (1e-3, 1e-3),
+            (0.1, 3.0),
+            (3.0, 0.1),
+            (10.0, 10.0),
+            (100.0, 140.0),
+            (200.0, 100.0),
+            (1e3, 1e3),
+        ]:
             width = 12 * mp.sqrt(max(xi, tau)) + 100
-            fluid = mp.quad(bell(mp.mpf(tau)), [xi, max(xi, tau), xi + width / 2, max(xi, tau) + width])
-            solid = mp.quad(bell(mp.mpf(xi)), sorted({mp.mpf(0), mp.mpf(tau) / 2, min(xi, tau), mp.mpf(tau)}))
+            fluid = mp.quad(
+                bell(mp.mpf(tau)),
+                [xi, max(xi, tau), xi + width / 2, max(xi, tau) + width],
+            )
+            solid = mp.quad(
+                bell(mp.mpf(xi)),
+                sorted({mp.mpf(0), mp.mpf(tau) / 2, min(xi, tau), mp.mpf(tau)}),
+            )
             computed = exact.schumann(xi, xi + tau, 1.0, 1.0, 1.0)
-            np.testing.assert_allclose(computed, [float(fluid), float(solid)], rtol=1e-14)
+            np.testing.assert_allclose(
+                computed, [float(fluid), float(solid)], rtol=1e-14
+            )
 
 
 @pytest.mark.parametrize("bed_parameters", [SCHUMANN_A, SCHUMANN_B])
 def test_schumann_solves_its_equations(bed_parameters):
-    """Fourth-order central differences with step 1e-3 s and velocity * 1e-3 s: 1e-10 of truncation and round-off."""
+    """Fourth-order central differences with step 1e-3 s and velocity * 1e-3 s: 1e-10
+    of truncation and round-off.
+    """
     u, a, b = bed_parameters
     z, t = np.linspace(0.02, 0.45, 9), 6.0
     step, stencil = 1e-3, np.array([1.0, -8.0, 8.0, -1.0]) / 12.0
     offsets = step * np.array([-2.0, -1.0, 1.0, 2.0])[:, None]
     f, s = exact.schumann(z, t, *bed_parameters)
-    f_t, s_t = (stencil @ values / step for values in exact.schumann(z, t + offsets, *bed_parameters))
+    f_t, s_t = (
+        stencil @ values / step
+        for values in exact.schumann(z, t + offsets, *bed_parameters)
+    )
     f_z = stencil @ exact.schumann(z + u * offsets, t, *bed_parameters)[0] / (u * step)
     np.testing.assert_allclose(f_t + u * f_z, a * (s - f), atol=1e-10)
     np.testing.assert_allclose(s_t, b * (f - s), atol=1e-10)
 
 
 def test_schumann_limits():
-    """Nothing ahead of the front, exp(-A z/u) just behind it, the inlet's own solid 1 - exp(-B t), all hot at last."""
+    """Nothing ahead of the front, exp(-A z/u) just behind it, the inlet's own solid
+    1 - exp(-B t), all hot at last.
+    """
     u, a, b = SCHUMANN_A
     z = np.array([[0.1], [0.3]])
     f, s = exact.schumann(z, np.array([0.0, 0.4, 1e3]), u, a, b)
@@ -308,45 +480,83 @@ def test_schumann_limits():
     np.testing.assert_array_equal(f[:, 0], 0.0)
     np.testing.assert_array_equal(s[:, 0], 0.0)
     np.testing.assert_allclose([f[:, 2], s[:, 2]], 1.0, atol=1e-14)
-    np.testing.assert_allclose(exact.schumann(0.5, 0.5, 1.0, 7.0, 2.0), [np.exp(-3.5), 0.0], atol=1e-15)
-    np.testing.assert_allclose(exact.schumann(0.0, 0.25, u, a, b), [1.0, -np.expm1(-b / 4.0)], atol=1e-15)
+    np.testing.assert_allclose(
+        exact.schumann(0.5, 0.5, 1.0, 7.0, 2.0), [np.exp(-3.5), 0.0], atol=1e-15
+    )
+    np.testing.assert_allclose(
+        exact.schumann(0.0, 0.25, u, a, b), [1.0, -np.expm1(-b / 4.0)], atol=1e-15
+    )
 
 
 @pytest.mark.parametrize("losses", [(0.0, 0.0), (300.0, 0.0), (0.0, 50.0), (2e3, 1e3)])
 def test_relaxation_is_the_matrix_exponential(losses):
     """1e-12 of the temperature scale, the accuracy of expm."""
-    capacity, ha, start, ambient = np.array([900.0, 2.1e3]), 1.7e3, np.array([300.0, 450.0]), 280.0
-    matrix = (np.diag([ha + losses[0], ha + losses[1]]) - ha * np.eye(2)[::-1]) / capacity[:, None]
+    capacity, ha, start, ambient = (
+        np.array([900.0, 2.1e3]),
+        1.7e3,
+        np.array([300.0, 450.0]),
+        280.0,
+    )
+    matrix = (
+        np.diag([ha + losses[0], ha + losses[1]]) - ha * np.eye(2)[::-1]
+    ) / capacity[:, None]
     for t in (0.0, 0.1, 3.0, 50.0):
         expected = ambient + expm(-matrix * t) @ (start - ambient)
-        computed = exact.two_temperature_relaxation(t, *capacity, ha, *start, *losses, ambient)
+        computed = exact.two_temperature_relaxation(
+            t, *capacity, ha, *start, *losses, ambient
+        )
         np.testing.assert_allclose(computed, expected, rtol=1e-12)
 
 
 def test_relaxation_conserves_heat():
-    """Without losses: heat content to round-off and one rate, from 1e-6 to 1e9 of its time constant."""
+    """Without losses: heat content to round-off and one rate, from 1e-6 to 1e9 of
+    its time constant.
+    """
     t = np.logspace(-6, 9, 31)
     f, s = exact.two_temperature_relaxation(t, 2.0, 5.0, 3.0, 10.0, 80.0)
     np.testing.assert_allclose(2.0 * f + 5.0 * s, 420.0, rtol=1e-14)
-    np.testing.assert_allclose(s - f, 70.0 * np.exp(-3.0 * (1 / 2.0 + 1 / 5.0) * t), atol=1e-13)
+    np.testing.assert_allclose(
+        s - f, 70.0 * np.exp(-3.0 * (1 / 2.0 + 1 / 5.0) * t), atol=1e-13
+    )
 
 
 def test_fin_is_the_limit_of_infinite_fluid_flux():
-    """flux = 1e12: the fluid stays at zero to 1e-9. Ends: s(0) = 1, s(L) = 1/cosh(m L)."""
+    """flux = 1e12: the fluid stays at zero to 1e-9. Ends: s(0) = 1, s(L) = 1/cosh(m
+    L).
+    """
     x = np.linspace(0.0, 0.3, 13)
     s = exact.fin(x, 0.3, 2.0, 500.0)
-    np.testing.assert_allclose(s, exact.finite_length(x, 0.3, 1e12, 0.0, 0.1, 2.0, 500.0)[1], atol=1e-9)
-    np.testing.assert_allclose(s[[0, -1]], [1.0, 1.0 / np.cosh(0.3 * np.sqrt(250.0))], rtol=1e-15)
+    np.testing.assert_allclose(
+        s, exact.finite_length(x, 0.3, 1e12, 0.0, 0.1, 2.0, 500.0)[1], atol=1e-9
+    )
+    np.testing.assert_allclose(
+        s[[0, -1]], [1.0, 1.0 / np.cosh(0.3 * np.sqrt(250.0))], rtol=1e-15
+    )
 
 
-# Pivem slip row: H, u_D, mu, rho, K = Da H^2 with the printed Da, porosity; c_F (Ward) is not in the paper.
-HEIGHT, U_MEAN, PERMEABILITY, POROSITY, WARD = 0.0775, 0.2833, 0.003371 * 0.0775**2, 0.9, 0.55
+# Pivem slip row: H, u_D, mu, rho, K = Da H^2 with the printed Da, porosity; c_F (Ward)
+# is not in the paper.
+HEIGHT, U_MEAN, PERMEABILITY, POROSITY, WARD = (
+    0.0775,
+    0.2833,
+    0.003371 * 0.0775**2,
+    0.9,
+    0.55,
+)
 
 
 def channel(y, slip, forchheimer, height=HEIGHT, permeability=PERMEABILITY):
     bed_velocity = slip * U_MEAN
     return exact.brinkman_forchheimer_channel(
-        y, height, U_MEAN, bed_velocity, MU_FLUID, RHO_FLUID, permeability, forchheimer, POROSITY
+        y,
+        height,
+        U_MEAN,
+        bed_velocity,
+        MU_FLUID,
+        RHO_FLUID,
+        permeability,
+        forchheimer,
+        POROSITY,
     )
 
 
@@ -361,18 +571,24 @@ def channel(y, slip, forchheimer, height=HEIGHT, permeability=PERMEABILITY):
     ],
 )
 def test_channel_published(slip, forchheimer, peak, gradient):
-    """All recorded digits: 6e-12 of u_max/u_D and 1e-9 of d(phi <p>)/dx H^2/(mu u_D)."""
+    """All recorded digits: 6e-12 of u_max/u_D and 1e-9 of d(phi <p>)/dx H^2/(mu
+    u_D).
+    """
     result = channel(0.0, slip, forchheimer)
     assert result.u_max / U_MEAN == pytest.approx(peak, abs=6e-12)
-    assert result.pressure_gradient * HEIGHT**2 / (MU_FLUID * U_MEAN) == pytest.approx(gradient, rel=1e-9)
+    assert result.pressure_gradient * HEIGHT**2 / (MU_FLUID * U_MEAN) == pytest.approx(
+        gradient, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("slip", [-0.25, 0.0, 0.5, 0.95, 1.02, 1.3])
 @pytest.mark.parametrize("darcy", [0.3, 1.0, 30.0])
 def test_channel_first_integral(slip, darcy):
-    """Width and mean from the first integral u'^2/2 = Psi(u) - Psi(u_max) by quadrature over u = u_max - s^2.
+    """Width and mean from the first integral u'^2/2 = Psi(u) - Psi(u_max) by quadrature
+    over u = u_max - s^2.
 
-    1e-8: the width is a logarithm of the distance of u_max from its plug value; exp(H/layer) magnifies round-off.
+    1e-8: the width is a logarithm of the distance of u_max from its plug value;
+    exp(H/layer) magnifies round-off.
     """
     result = channel(0.0, slip, WARD, permeability=darcy * HEIGHT**2)
     peak, bed_speed = result.u_max, slip * U_MEAN
@@ -381,15 +597,23 @@ def test_channel_first_integral(slip, darcy):
     pressure = result.pressure_gradient / MU_FLUID
 
     def curvature(u):
-        return pressure + linear * (u - bed_speed) + quadratic * abs(u - bed_speed) * (u - bed_speed)
+        return (
+            pressure
+            + linear * (u - bed_speed)
+            + quadratic * abs(u - bed_speed) * (u - bed_speed)
+        )
 
     nodes, weights = np.polynomial.legendre.leggauss(40)
 
     def spacing(s):
-        """dy/ds = 2 s/u' with u'^2/2 = -s^2 int_0^1 curvature(u_max - s^2 q) dq, the integral split at the kink."""
+        """dy/ds = 2 s/u' with u'^2/2 = -s^2 int_0^1 curvature(u_max - s^2 q) dq, the
+        integral split at the kink.
+        """
         cut = min(max((peak - bed_speed) / (s * s), 0.0), 1.0)
         mean = sum(
-            0.5 * (b - a) * (weights @ curvature(peak - s * s * (a + 0.5 * (b - a) * (1.0 + nodes))))
+            0.5
+            * (b - a)
+            * (weights @ curvature(peak - s * s * (a + 0.5 * (b - a) * (1.0 + nodes))))
             for a, b in ((0.0, cut), (cut, 1.0))
         )
         return 2.0 / np.sqrt(-2.0 * mean)
@@ -405,46 +629,94 @@ def test_channel_first_integral(slip, darcy):
 
 @pytest.mark.parametrize("slip", [-0.25, 0.0, 0.5, 0.95])
 def test_channel_profile_against_solve_bvp(slip):
-    """Profile by scipy's collocation with tolerance 1e-9: 1e-7 of the mean velocity (the kink costs it an order)."""
+    """Profile by scipy's collocation with tolerance 1e-9: 1e-7 of the mean velocity
+    (the kink costs it an order).
+    """
     result = channel(np.linspace(0.0, HEIGHT, 41), slip, WARD)
     darcy = POROSITY * HEIGHT**2 / PERMEABILITY
-    inertia = WARD * POROSITY * RHO_FLUID * U_MEAN * HEIGHT**2 / (MU_FLUID * np.sqrt(PERMEABILITY))
+    inertia = (
+        WARD
+        * POROSITY
+        * RHO_FLUID
+        * U_MEAN
+        * HEIGHT**2
+        / (MU_FLUID * np.sqrt(PERMEABILITY))
+    )
     pressure = result.pressure_gradient * HEIGHT**2 / (MU_FLUID * U_MEAN)
 
     def equations(_, w):
-        return np.array([w[1], pressure + darcy * (w[0] - slip) + inertia * abs(w[0] - slip) * (w[0] - slip)])
+        return np.array(
+            [
+                w[1],
+                pressure
+                + darcy * (w[0] - slip)
+                + inertia * abs(w[0] - slip) * (w[0] - slip),
+            ]
+        )
 
     eta = 0.25 * (1.0 - np.cos(np.linspace(0.0, np.pi, 401)))
     guess = np.array([1.0 - np.exp(-eta * 60.0), 60.0 * np.exp(-eta * 60.0)])
-    solution = solve_bvp(equations, lambda a, b: np.array([a[0], b[1]]), eta, guess, tol=1e-9, max_nodes=40000)
+    solution = solve_bvp(
+        equations,
+        lambda a, b: np.array([a[0], b[1]]),
+        eta,
+        guess,
+        tol=1e-9,
+        max_nodes=40000,
+    )
     assert solution.success
-    np.testing.assert_allclose(result.u[:21] / U_MEAN, solution.sol(np.linspace(0.0, 0.5, 21))[0], atol=1e-7)
+    np.testing.assert_allclose(
+        result.u[:21] / U_MEAN, solution.sol(np.linspace(0.0, 0.5, 21))[0], atol=1e-7
+    )
 
 
 @pytest.mark.parametrize("darcy", [1e-8, 1e-5, 1e-3, 10.0])
 @pytest.mark.parametrize("slip", [-5.0, 0.0, 0.5, 0.95, 1.0, 1.05, 3.0])
 def test_channel_extremes(slip, darcy):
-    """No slip and the mean velocity from beds of pure plug to an open channel; 1e-9, Gauss's rule in graded panels."""
+    """No slip and the mean velocity from beds of pure plug to an open channel; 1e-9,
+    Gauss's rule in graded panels.
+    """
     edges = HEIGHT / 2.0 * np.concatenate([[0.0], 2.0 ** np.arange(-40.0, 1.0)])
     nodes, weights = np.polynomial.legendre.leggauss(20)
     half = 0.5 * np.diff(edges)[:, None]
-    result = channel(edges[:-1, None] + half * (1.0 + nodes), slip, WARD, permeability=darcy * HEIGHT**2)
-    assert np.sum(half * weights * result.u) == pytest.approx(U_MEAN * HEIGHT / 2.0, rel=1e-9)
-    walls = channel(np.array([0.0, HEIGHT]), slip, WARD, permeability=darcy * HEIGHT**2).u
+    result = channel(
+        edges[:-1, None] + half * (1.0 + nodes),
+        slip,
+        WARD,
+        permeability=darcy * HEIGHT**2,
+    )
+    assert np.sum(half * weights * result.u) == pytest.approx(
+        U_MEAN * HEIGHT / 2.0, rel=1e-9
+    )
+    walls = channel(
+        np.array([0.0, HEIGHT]), slip, WARD, permeability=darcy * HEIGHT**2
+    ).u
     np.testing.assert_allclose(walls, 0.0, atol=1e-14)
 
 
 def test_channel_without_inertia_is_the_limit():
-    """c_F = 1e-13 goes through the spectral solver, c_F = 0 through cosh: 1e-11 of the mean velocity."""
+    """c_F = 1e-13 goes through the spectral solver, c_F = 0 through cosh: 1e-11 of
+    the mean velocity.
+    """
     y = np.linspace(0.0, HEIGHT, 31)
-    np.testing.assert_allclose(channel(y, 0.5, 1e-13).u, channel(y, 0.5, 0.0).u, atol=1e-11 * U_MEAN)
+    np.testing.assert_allclose(
+        channel(y, 0.5, 1e-13).u, channel(y, 0.5, 0.0).u, atol=1e-11 * U_MEAN
+    )
 
 
 def test_wide_channel_is_plug_flow():
-    """H = 1e4 sqrt(K): the walls take 2/1e4 of the width, so core and gradient differ from plug flow by some 1e-3."""
+    """H = 1e4 sqrt(K): the walls take 2/1e4 of the width, so core and gradient
+    differ from plug flow by some 1e-3.
+    """
     result = channel(HEIGHT / 2.0, 0.5, WARD, permeability=1e-8 * HEIGHT**2)
     plug = exact.plug_pressure_gradient(
-        float(result.u), 0.5 * U_MEAN, MU_FLUID, RHO_FLUID, 1e-8 * HEIGHT**2, WARD, POROSITY
+        float(result.u),
+        0.5 * U_MEAN,
+        MU_FLUID,
+        RHO_FLUID,
+        1e-8 * HEIGHT**2,
+        WARD,
+        POROSITY,
     )
     assert result.pressure_gradient == pytest.approx(plug, rel=1e-11)
     assert float(result.u) == pytest.approx(U_MEAN, rel=1e-3)
@@ -452,12 +724,15 @@ def test_wide_channel_is_plug_flow():
 
 def test_channel_refuses_impossible_data():
     with pytest.raises(ValueError, match="channel flow"):
-        exact.brinkman_forchheimer_channel(0.0, 1.0, -1.0, 0.0, 1e-5, 1.0, 1e-6, 0.5, 0.4)
+        exact.brinkman_forchheimer_channel(
+            0.0, 1.0, -1.0, 0.0, 1e-5, 1.0, 1e-6, 0.5, 0.4
+        )
 
 
 def test_third_order_where_the_conductivity_depends_on_temperature():
-    """Conduction and radiation in a counter-current bed (Zehner, Bauer, Schluender) with quadratic elements: the
-    difference from 320 cells falls with an order above 2.6 from 40 to 80 cells, and is below 3e-5 of the span on 80.
+    """Conduction and radiation in a counter-current bed (Zehner, Bauer, Schluender)
+    with quadratic elements: the difference from 320 cells falls with an order above 2.6
+    from 40 to 80 cells, and is below 3e-5 of the span on 80.
     """
     places = np.linspace(0.0, 1.0, 41)
 
@@ -465,26 +740,45 @@ def test_third_order_where_the_conductivity_depends_on_temperature():
         scene = from_dict(
             {
                 "mesh": {"type": "line", "length": 1.0, "cells": cells},
-                "gas": {"density": 1.2, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 1.8e-5},
+                "gas": {
+                    "density": 1.2,
+                    "heat_capacity": 1000.0,
+                    "conductivity": 0.05,
+                    "viscosity": 1.8e-5,
+                },
                 "solids": {
-                    "particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0, "diameter": 0.02}
+                    "particles": {
+                        "density": 2000.0,
+                        "heat_capacity": 900.0,
+                        "conductivity": 1.0,
+                        "diameter": 0.02,
+                    }
                 },
                 "packed_bed": {"porosity": 0.4},
                 "closures": {
                     "nusselt": 2.0,
                     "conductivity_gas": 0.05,
-                    "conductivity_solids": {"name": "zehner_bauer_schluender", "emissivity": 0.8},
+                    "conductivity_solids": {
+                        "name": "zehner_bauer_schluender",
+                        "emissivity": 0.8,
+                    },
                 },
                 "heat": {},
                 "boundary": {
                     "left": {"gas": {"velocity": 0.05, "temperature": 300.0}},
-                    "right": {"solids": {"particles": {"velocity": 1e-4, "temperature": 1300.0}}},
+                    "right": {
+                        "solids": {
+                            "particles": {"velocity": 1e-4, "temperature": 1300.0}
+                        }
+                    },
                 },
                 "output": {"positions": list(places)},
             }
         )
         profiles = cb.run(scene).profiles
-        return np.concatenate([profiles["theta_fluid [1]"], profiles["theta_solid [1]"]])
+        return np.concatenate(
+            [profiles["theta_fluid [1]"], profiles["theta_solid [1]"]]
+        )
 
     finest = theta(320)
     coarse, fine = (np.abs(theta(cells) - finest).max() for cells in (40, 80))

@@ -1,7 +1,8 @@
 """Radiation references against tables, each other, limits and identities.
 
-Tables carry as many digits as they agree between two independent methods; a tolerance of half a unit of the last digit
-then holds, `UNIT` below. Identities hold to the stated accuracy of the solvers, about 1e-12.
+Tables carry as many digits as they agree between two independent methods; a tolerance
+of half a unit of the last digit then holds, `UNIT` below. Identities hold to the stated
+accuracy of the solvers, about 1e-12.
 """
 
 import numpy as np
@@ -9,7 +10,10 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import expn
 
-from studies._exact.conduction_radiation import conduction_diffusion, conduction_radiation
+from studies._exact.conduction_radiation import (
+    conduction_diffusion,
+    conduction_radiation,
+)
 from studies._exact.radiation import (
     P1,
     TWO_FLUX,
@@ -23,11 +27,17 @@ from studies._exact.radiation import (
     square_p1,
     square_transport,
 )
-from studies._exact.transport import Equilibrium, half_space_emittance, slab, slab_emittance
+from studies._exact.transport import (
+    Equilibrium,
+    half_space_emittance,
+    slab,
+    slab_emittance,
+)
 
 UNIT = 0.51
 
-# optical thickness: Psi, slip 1 - Phi(0), error of two-flux and of P1 in percent; black plates in radiative equilibrium
+# optical thickness: Psi, slip 1 - Phi(0), error of two-flux and of P1 in percent; black
+# plates in radiative equilibrium
 HEASLET_WARMING = {
     0.01: (0.99027458292, 0.48738707724, -0.02, 0.23),
     0.1: (0.91570287383, 0.42898896903, -0.72, 1.59),
@@ -36,7 +46,8 @@ HEASLET_WARMING = {
     100.0: (0.01314653524, 0.00569261675, -24.69, 0.09),
 }
 
-# albedo, optical thickness: emittance of an isothermal slab, error of two-flux and of P1 in percent
+# albedo, optical thickness: emittance of an isothermal slab, error of two-flux and of
+# P1 in percent
 EMITTANCE = {
     (0.0, 0.5): (0.55679127145, 13.5, 15.0),
     (0.5, 1.0): (0.55912600976, 7.65, 10.3),
@@ -44,7 +55,8 @@ EMITTANCE = {
     (0.99, 100.0): (0.20543633532, -11.5, 0.78),
 }
 
-# tau: q/(sigma T1^4) at N = 0.01, 0.1, 1, 10, then two-flux and P1 at N = 0.01; theta_L = 0.5, black, no scattering
+# tau: q/(sigma T1^4) at N = 0.01, 0.1, 1, 10, then two-flux and P1 at N = 0.01; theta_L
+# = 0.5, black, no scattering
 CONDUCTION = {
     0.1: ((1.07986746, 2.87994301, 20.87994285, 200.87994275), 1.07676840, 1.09777374),
     1.0: ((0.56749324, 0.76938052, 2.57243599, 20.57233885), 0.51877841, 0.59479876),
@@ -54,7 +66,10 @@ CONDUCTION = {
 # kappa L: q/(sigma T^4) at x/L = 0.1, 0.3, 0.5 on the wall of a square: transport, P1
 SQUARE = {
     0.1: ((0.08438505, 0.09902948, 0.10304383), None),
-    1.0: ((0.51249157, 0.61114783, 0.63593527), (0.5695323283, 0.6483492966, 0.6727074122)),
+    1.0: (
+        (0.51249157, 0.61114783, 0.63593527),
+        (0.5695323283, 0.6483492966, 0.6727074122),
+    ),
     10.0: ((0.94241626, 0.99665757, 0.99945553), (1.00776875, 1.07023921, 1.07171394)),
 }
 
@@ -65,8 +80,12 @@ def test_black_plates(tau):
     exact = Equilibrium(tau)
     assert abs(exact.flux - psi) < UNIT * 1e-11
     assert abs(exact.slip - slip) < UNIT * 1e-11
-    assert 100.0 * (equilibrium_flux(tau, TWO_FLUX) / psi - 1.0) == pytest.approx(two_flux, abs=0.0051)
-    assert 100.0 * (equilibrium_flux(tau, P1) / psi - 1.0) == pytest.approx(p1, abs=0.0051)
+    assert 100.0 * (equilibrium_flux(tau, TWO_FLUX) / psi - 1.0) == pytest.approx(
+        two_flux, abs=0.0051
+    )
+    assert 100.0 * (equilibrium_flux(tau, P1) / psi - 1.0) == pytest.approx(
+        p1, abs=0.0051
+    )
 
 
 @pytest.mark.parametrize("tau", [0.1, 10.0])
@@ -74,7 +93,9 @@ def test_equilibrium_flux_is_uniform_and_the_profile_antisymmetric(tau):
     exact = Equilibrium(tau)
     first, second = exact.radiosity
     walls = first * expn(3, exact.slab.depth) - second * expn(3, tau - exact.slab.depth)
-    assert 2.0 * (exact.slab.flux @ exact.source + walls) == pytest.approx(exact.flux, abs=2e-11)
+    assert 2.0 * (exact.slab.flux @ exact.source + walls) == pytest.approx(
+        exact.flux, abs=2e-11
+    )
     t = tau * np.array([0.0, 0.01, 0.2, 0.5])
     assert exact.profile(t) + exact.profile(tau - t) == pytest.approx(1.0, abs=1e-12)
 
@@ -83,24 +104,36 @@ def test_equilibrium_limits():
     thin, thick = 1e-4, 100.0
     # the next term is tau^2 ln(tau)/2
     assert Equilibrium(thin).flux == pytest.approx(1.0 - thin, abs=1e-7)
-    # Hopf's constant: the profile extrapolates to the wall powers at 0.710446 mean free paths behind the walls
-    assert Equilibrium(thick).flux == pytest.approx(4.0 / 3.0 / (thick + 2.0 * 0.7104460896), abs=1e-12)
+    # Hopf's constant: the profile extrapolates to the wall powers at 0.710446 mean free
+    # paths behind the walls
+    assert Equilibrium(thick).flux == pytest.approx(
+        4.0 / 3.0 / (thick + 2.0 * 0.7104460896), abs=1e-12
+    )
 
 
 @pytest.mark.parametrize("emissivity", [(0.3, 0.8), (1.0, 0.01), (1e-6, 1e-3)])
 @pytest.mark.parametrize("D", [None, TWO_FLUX, P1])
 def test_gray_plates_follow_from_black_ones(D, emissivity):
     tau = 1.0
-    solve = (lambda e: Equilibrium(tau, e).flux) if D is None else (lambda e: equilibrium_flux(tau, D, e))
+    solve = (
+        (lambda e: Equilibrium(tau, e).flux)
+        if D is None
+        else (lambda e: equilibrium_flux(tau, D, e))
+    )
     black, gray = solve((1.0, 1.0)), solve(emissivity)
     # the walls' own balance has lost 1/e of the 16 digits
-    assert gray == pytest.approx(gray_plates(black, emissivity), rel=1e-14 / min(emissivity))
+    assert gray == pytest.approx(
+        gray_plates(black, emissivity), rel=1e-14 / min(emissivity)
+    )
 
 
 @pytest.mark.parametrize("D", [TWO_FLUX, P1])
 def test_equilibrium_profile_of_the_diffusion_models(D):
     tau, e = 2.0, (0.4, 0.7)
-    phi, psi = equilibrium_profile(np.array([0.0, tau]), tau, D, e), equilibrium_flux(tau, D, e)
+    phi, psi = (
+        equilibrium_profile(np.array([0.0, tau]), tau, D, e),
+        equilibrium_flux(tau, D, e),
+    )
     assert 4.0 * D * (phi[0] - phi[1]) / tau == pytest.approx(psi, rel=1e-14)
     assert 2.0 * e[0] / (2.0 - e[0]) * (1.0 - phi[0]) == pytest.approx(psi, rel=1e-14)
     assert 2.0 * e[1] / (2.0 - e[1]) * phi[1] == pytest.approx(psi, rel=1e-14)
@@ -118,17 +151,25 @@ def test_isothermal_slab(case):
 
 
 def test_two_flux_slab_values():
-    assert isothermal_body("slab", 1.0, TWO_FLUX, 0.5) == pytest.approx(0.6019153900, abs=UNIT * 1e-10)
-    assert isothermal_body("slab", 100.0, TWO_FLUX, 0.99) == pytest.approx(0.1818181811, abs=UNIT * 1e-10)
+    assert isothermal_body("slab", 1.0, TWO_FLUX, 0.5) == pytest.approx(
+        0.6019153900, abs=UNIT * 1e-10
+    )
+    assert isothermal_body("slab", 100.0, TWO_FLUX, 0.99) == pytest.approx(
+        0.1818181811, abs=UNIT * 1e-10
+    )
 
 
 def test_slab_without_scattering():
     for tau in (1e-3, 0.5, 20.0):
-        assert slab_emittance(tau, 0.0) == pytest.approx(1.0 - 2.0 * expn(3, tau), abs=1e-13)
+        assert slab_emittance(tau, 0.0) == pytest.approx(
+            1.0 - 2.0 * expn(3, tau), abs=1e-13
+        )
 
 
 def test_kirchhoff():
-    """What an isothermal slab emits, it absorbs of black diffuse walls: 1 - reflected - transmitted."""
+    """What an isothermal slab emits, it absorbs of black diffuse walls:
+    1 - reflected - transmitted.
+    """
     tau, albedo = 0.7, 0.6
     medium = slab(tau)
     powers = np.zeros(len(medium.depth) + 2)
@@ -145,14 +186,21 @@ def test_half_space():
     assert exact[1] == pytest.approx(0.8832, abs=UNIT * 1e-4)
     assert exact[2] == pytest.approx(slab_emittance(60.0, 0.9), abs=1e-12)
     root = np.sqrt(1.0 - albedo)
-    assert half_space_emissivity(albedo, TWO_FLUX) == pytest.approx(2.0 * root / (1.0 + root), rel=1e-14)
+    assert half_space_emissivity(albedo, TWO_FLUX) == pytest.approx(
+        2.0 * root / (1.0 + root), rel=1e-14
+    )
     for D in (TWO_FLUX, P1):
         thick = isothermal_body("slab", 1e4, D, albedo)
         assert half_space_emissivity(albedo, D) == pytest.approx(thick, rel=1e-14)
-    # the leading term at high albedo, 4 sqrt(1 - omega)/sqrt(3), is common to transport and P1
+    # the leading term at high albedo, 4 sqrt(1 - omega)/sqrt(3), is common to transport
+    # and P1
     near = 1.0 - 1e-8
-    assert half_space_emittance(near) == pytest.approx(4.0 / np.sqrt(3.0) * 1e-4, rel=3e-4)
-    assert half_space_emissivity(near, P1) == pytest.approx(4.0 / np.sqrt(3.0) * 1e-4, rel=3e-4)
+    assert half_space_emittance(near) == pytest.approx(
+        4.0 / np.sqrt(3.0) * 1e-4, rel=3e-4
+    )
+    assert half_space_emissivity(near, P1) == pytest.approx(
+        4.0 / np.sqrt(3.0) * 1e-4, rel=3e-4
+    )
     with pytest.raises(ValueError, match="albedo"):
         half_space_emittance(1.0)
 
@@ -162,18 +210,29 @@ def test_conduction_and_radiation(tau):
     exact, two_flux, p1 = CONDUCTION[tau]
     for N, total in zip((0.01, 0.1, 1.0, 10.0), exact, strict=True):
         assert abs(conduction_radiation(tau, N, 0.5).total - total) < UNIT * 1e-8
-    assert abs(conduction_diffusion(tau, 0.01, 0.5, TWO_FLUX).total - two_flux) < UNIT * 1e-8
+    assert (
+        abs(conduction_diffusion(tau, 0.01, 0.5, TWO_FLUX).total - two_flux)
+        < UNIT * 1e-8
+    )
     assert abs(conduction_diffusion(tau, 0.01, 0.5, P1).total - p1) < UNIT * 1e-8
 
 
 def test_conduction_models_share_their_limits():
-    """The thick limits: Rosseland, k_R = 16 sigma T^3/(3 beta) for transport and P1, 3/4 of it for two-flux."""
+    """The thick limits: Rosseland, k_R = 16 sigma T^3/(3 beta) for transport and P1,
+    3/4 of it for two-flux.
+    """
     tau, N, cold = 300.0, 0.05, 0.1
     for D in (TWO_FLUX, P1):
         rosseland = (4.0 * N * (1.0 - cold) + 4.0 * D * (1.0 - cold**4)) / tau
-        assert conduction_diffusion(tau, N, cold, D).total == pytest.approx(rosseland, rel=4e-3)
-    # P1 has walls 2/3 of a mean free path behind the bed's ends, transport 0.7104: a difference of 0.29 % at 30
-    exact, p1 = conduction_radiation(30.0, N, cold).total, conduction_diffusion(30.0, N, cold, P1).total
+        assert conduction_diffusion(tau, N, cold, D).total == pytest.approx(
+            rosseland, rel=4e-3
+        )
+    # P1 has walls 2/3 of a mean free path behind the bed's ends, transport 0.7104: a
+    # difference of 0.29 % at 30
+    exact, p1 = (
+        conduction_radiation(30.0, N, cold).total,
+        conduction_diffusion(30.0, N, cold, P1).total,
+    )
     assert exact == pytest.approx(p1, rel=4e-3)
 
 
@@ -183,25 +242,42 @@ def test_conduction_without_coupling(albedo):
     tau, e, cold = 1.5, (0.5, 0.9), 0.4
     N = 1e6 if albedo < 1.0 else 0.02
     for solve, psi in (
-        (lambda: conduction_diffusion(tau, N, cold, P1, albedo, e), equilibrium_flux(tau, P1, e)),
-        (lambda: conduction_radiation(tau, N, cold, albedo, e), Equilibrium(tau, e).flux),
+        (
+            lambda: conduction_diffusion(tau, N, cold, P1, albedo, e),
+            equilibrium_flux(tau, P1, e),
+        ),
+        (
+            lambda: conduction_radiation(tau, N, cold, albedo, e),
+            Equilibrium(tau, e).flux,
+        ),
     ):
         result = solve()
         conducted = 4.0 * N * (1.0 - cold) / tau
         straight = 1.0 - (1.0 - cold) * result.depth / tau
-        assert result.theta == pytest.approx(straight, abs=1e-6 if albedo < 1.0 else 1e-13)
+        assert result.theta == pytest.approx(
+            straight, abs=1e-6 if albedo < 1.0 else 1e-13
+        )
         if albedo == 1.0:
-            assert result.total == pytest.approx(conducted + psi * (1.0 - cold**4), rel=1e-12)
-            assert result.radiative == pytest.approx([psi * (1.0 - cold**4)] * 2, rel=1e-11)
+            assert result.total == pytest.approx(
+                conducted + psi * (1.0 - cold**4), rel=1e-12
+            )
+            assert result.radiative == pytest.approx(
+                [psi * (1.0 - cold**4)] * 2, rel=1e-11
+            )
 
 
 def test_conduction_with_gray_walls_and_scattering():
-    """Exchanging the walls turns the flux round; the degree of the collocation no longer matters."""
+    """Exchanging the walls turns the flux round; the degree of the collocation no
+    longer matters.
+    """
     tau, N, cold, albedo = 2.0, 0.02, 0.3, 0.6
     forward = conduction_radiation(tau, N, cold, albedo, (0.3, 0.8))
     backward = conduction_radiation(tau, N / cold**3, 1.0 / cold, albedo, (0.8, 0.3))
     assert backward.total * cold**4 == pytest.approx(-forward.total, rel=1e-11)
-    coarse, fine = (conduction_diffusion(tau, N, cold, P1, albedo, (0.3, 0.8), degree) for degree in (0, 140))
+    coarse, fine = (
+        conduction_diffusion(tau, N, cold, P1, albedo, (0.3, 0.8), degree)
+        for degree in (0, 140)
+    )
     assert coarse.total == pytest.approx(fine.total, rel=1e-11)
     assert coarse.radiative == pytest.approx(fine.radiative, rel=1e-10)
 
@@ -215,12 +291,18 @@ def test_square(tau):
     if p1 is not None:
         digits = 1e-10 if tau == 1.0 else 1e-8
         assert square_p1(x, tau) == pytest.approx(p1, abs=UNIT * digits)
-        assert square_p1(x, tau, degree=110) == pytest.approx(square_p1(x, tau), abs=1e-10)
+        assert square_p1(x, tau, degree=110) == pytest.approx(
+            square_p1(x, tau), abs=1e-10
+        )
 
 
 def test_square_limits():
-    """A thick square has the walls of a slab; a thin one loses 4 kappa sigma T^4 L^2 in all."""
-    assert square_p1(0.5, 60.0) == pytest.approx(isothermal_body("slab", 60.0, P1), abs=1e-9)
+    """A thick square has the walls of a slab; a thin one loses 4 kappa sigma T^4 L^2
+    in all.
+    """
+    assert square_p1(0.5, 60.0) == pytest.approx(
+        isothermal_body("slab", 60.0, P1), abs=1e-9
+    )
     nodes, weights = np.polynomial.legendre.leggauss(40)
     x = 0.5 * (nodes + 1.0)
     for solve in (square_p1, square_transport):
@@ -230,11 +312,17 @@ def test_square_limits():
 @pytest.mark.parametrize("shape", ["slab", "cylinder", "sphere"])
 @pytest.mark.parametrize("D", [TWO_FLUX, P1])
 def test_isothermal_bodies(shape, D):
-    """Volume times emission in the thin limit, the half space in the thick one; the equation by quadrature between."""
+    """Volume times emission in the thin limit, the half space in the thick one; the
+    equation by quadrature between.
+    """
     volume = {"slab": 0.5, "cylinder": 0.5, "sphere": 1.0 / 3.0}[shape]
     thin = 1e-5
-    assert isothermal_body(shape, thin, D, 0.3, 0.9) == pytest.approx(4.0 * 0.7 * volume * thin, rel=2e-4)
-    assert isothermal_body(shape, 1e6, D, 0.3) == pytest.approx(half_space_emissivity(0.3, D), rel=3e-6)
+    assert isothermal_body(shape, thin, D, 0.3, 0.9) == pytest.approx(
+        4.0 * 0.7 * volume * thin, rel=2e-4
+    )
+    assert isothermal_body(shape, 1e6, D, 0.3) == pytest.approx(
+        half_space_emissivity(0.3, D), rel=3e-6
+    )
     power = {"slab": 0, "cylinder": 1, "sphere": 2}[shape]
     tau, albedo, emissivity = 1.3, 0.4, 0.6
     radius = 0.5 * tau if shape == "slab" else tau
@@ -248,12 +336,16 @@ def test_isothermal_bodies(shape, D):
     q = isothermal_body(shape, tau, D, albedo, emissivity)
     wall = q / (0.5 * emissivity / (2.0 - emissivity))
     deficit = (4.0 - wall) / field(radius)
-    lost = quad(lambda r: (1.0 - albedo) * deficit * field(r) * r**power, 0.0, radius)[0]
+    lost = quad(lambda r: (1.0 - albedo) * deficit * field(r) * r**power, 0.0, radius)[
+        0
+    ]
     assert lost == pytest.approx(q * radius**power, rel=1e-10)
 
 
 def test_sphere():
-    """Limits and direct integration over the chords; P1 is right in the thin limit and high by 7.2 % in the thick."""
+    """Limits and direct integration over the chords; P1 is right in the thin limit
+    and high by 7.2 % in the thick.
+    """
     assert sphere_transport(1e-3) == pytest.approx(4e-3 / 3.0, rel=1e-3)
     assert sphere_transport(1e3) == pytest.approx(1.0, abs=1e-6)
     mean_chord = quad(lambda mu: 2.0 * mu * -np.expm1(-2.0 * 0.8 * mu), 0.0, 1.0)[0]
@@ -262,7 +354,9 @@ def test_sphere():
     below, above = isothermal_body("sphere", joint, P1)
     assert above == pytest.approx(below, rel=1e-8)
     tau = np.array([1e-3, 1e3])
-    assert isothermal_body("sphere", tau, P1) / sphere_transport(tau) == pytest.approx([1.0, 1.0718], abs=2e-3)
+    assert isothermal_body("sphere", tau, P1) / sphere_transport(tau) == pytest.approx(
+        [1.0, 1.0718], abs=2e-3
+    )
 
 
 @pytest.mark.parametrize("D", [TWO_FLUX, P1])
@@ -276,7 +370,13 @@ def test_linear_slab(D):
     # central differences of step 1e-3: 1e-6 of third derivatives of order 10
     assert np.gradient(q, t)[middle] == pytest.approx(gain[middle], abs=2e-5)
     assert -D * np.gradient(G, t)[middle] == pytest.approx(q[middle], abs=2e-5)
-    assert q[0] == pytest.approx(e[0] / (2.0 * (2.0 - e[0])) * (4.0 * walls[0] - G[0]), rel=1e-13)
-    assert q[-1] == pytest.approx(e[1] / (2.0 * (2.0 - e[1])) * (G[-1] - 4.0 * walls[1]), rel=1e-13)
+    assert q[0] == pytest.approx(
+        e[0] / (2.0 * (2.0 - e[0])) * (4.0 * walls[0] - G[0]), rel=1e-13
+    )
+    assert q[-1] == pytest.approx(
+        e[1] / (2.0 * (2.0 - e[1])) * (G[-1] - 4.0 * walls[1]), rel=1e-13
+    )
     flat = linear_slab(np.array([0.0, tau]), tau, D, (1.0, 1.0), (0.0, 0.0), albedo)[1]
-    assert flat == pytest.approx(isothermal_body("slab", tau, D, albedo) * np.array([-1.0, 1.0]), rel=1e-13)
+    assert flat == pytest.approx(
+        isothermal_body("slab", tau, D, albedo) * np.array([-1.0, 1.0]), rel=1e-13
+    )

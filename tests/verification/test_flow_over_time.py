@@ -1,4 +1,6 @@
-"""Flow beside no-slip walls with the properties of the local temperature, while a bed cools or warms up."""
+"""Flow beside no-slip walls with the properties of the local temperature, while a
+bed cools or warms up.
+"""
 
 from __future__ import annotations
 
@@ -14,19 +16,40 @@ from contbed.packed_bed import local_flow
 
 
 def cooling(end, **more):
-    """A hot bed of light particles between two walls, cooled by nitrogen within some seconds."""
+    """A hot bed of light particles between two walls, cooled by nitrogen within some
+    seconds.
+    """
     return from_dict(
         {
-            "mesh": {"type": "rectangle", "length": 0.3, "height": 0.06, "cells": [6, 2]},
-            "gas": {"model": "cantera", "composition": "N2:1", "mechanism": "gri30.yaml"},
-            "solids": {"particles": {"density": 10.0, "heat_capacity": 900.0, "conductivity": 1.0, "diameter": 5e-3}},
+            "mesh": {
+                "type": "rectangle",
+                "length": 0.3,
+                "height": 0.06,
+                "cells": [6, 2],
+            },
+            "gas": {
+                "model": "cantera",
+                "composition": "N2:1",
+                "mechanism": "gri30.yaml",
+            },
+            "solids": {
+                "particles": {
+                    "density": 10.0,
+                    "heat_capacity": 900.0,
+                    "conductivity": 1.0,
+                    "diameter": 5e-3,
+                }
+            },
             "packed_bed": {"porosity": 0.4},
             "closures": {"nusselt": 10.0},
             "heat": {},
             "boundary": {
                 "left": {"gas": {"velocity": 0.5, "temperature": 300.0}},
                 "bottom": {"type": "no_slip"},
-                "top": {"type": "no_slip", "solids": {"particles": {"coefficient": 100.0, "ambient": 900.0}}},
+                "top": {
+                    "type": "no_slip",
+                    "solids": {"particles": {"coefficient": 100.0, "ambient": 900.0}},
+                },
             },
             "time": {"end": end} | more.pop("time", {}),
             "initial": started(900.0, 900.0),
@@ -37,8 +60,9 @@ def cooling(end, **more):
 
 
 def test_the_flow_ends_as_that_of_the_steady_state():
-    """Largest velocity and pressure drop of the steady bed on these cells, whose flow has the local properties as well:
-    5e-3, a quarter of the change of properties that the last flow does not know of. Mass is conserved at any time.
+    """Largest velocity and pressure drop of the steady bed on these cells, whose flow
+    has the local properties as well: 5e-3, a quarter of the change of properties that
+    the last flow does not know of. Mass is conserved at any time.
     """
     result = cb.run(cooling(60.0, time={"tolerance": 1e-1}))
     steady = cooling(60.0).model_copy(update={"time": None})
@@ -54,16 +78,21 @@ def test_the_flow_ends_as_that_of_the_steady_state():
 
 @pytest.mark.slow
 def test_the_flow_starts_with_the_initial_temperatures():
-    """Until the bed has cooled, nitrogen of 900 K has three times the velocity and more of the pressure drop."""
+    """Until the bed has cooled, nitrogen of 900 K has three times the velocity and
+    more of the pressure drop.
+    """
     start = cb.run(cooling(1e-4, time={"tolerance": 0.5})).qoi
-    cold = cb.run(cooling(1e-4, time={"tolerance": 0.5}, initial=started(300.0, 300.0))).qoi
+    cold = cb.run(
+        cooling(1e-4, time={"tolerance": 0.5}, initial=started(300.0, 300.0))
+    ).qoi
     assert start["u_max"] == pytest.approx(3.0 * cold["u_max"], rel=0.05)
     assert start["pressure_drop_Pa"] > 2.5 * cold["pressure_drop_Pa"]
 
 
 @pytest.mark.slow
 def test_the_flow_has_a_first_order_error(monkeypatch):
-    """Temperatures with the flow solved after every step against `CHANGE`: below 3e-3 of theta.
+    """Temperatures with the flow solved after every step against `CHANGE`: below 3e-3
+    of theta.
 
     Both take steps of their own, which differ by less than that at this tolerance.
     """
@@ -98,15 +127,21 @@ def test_a_restarted_run_keeps_its_flow(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_jumps_that_are_too_large_are_told(monkeypatch):
-    """A bed that changes before the flow is solved again: the lag of the flow has a number and a remedy."""
+    """A bed that changes before the flow is solved again: the lag of the flow has a
+    number and a remedy.
+    """
     monkeypatch.setattr(local_flow, "CHANGE", 0.5)
     result = cb.run(cooling(10.0, time={"tolerance": 0.5}))
-    (text,) = (text for text in result.warnings if "with the flow from before it" in text)
+    (text,) = (
+        text for text in result.warnings if "with the flow from before it" in text
+    )
     assert "lower time.tolerance or time.step" in text
 
 
 def test_a_step_in_which_newton_fails_is_halved(monkeypatch):
-    """The run goes on with a shorter step; at the shortest, or with given steps, it ends."""
+    """The run goes on with a shorter step; at the shortest, or with given steps, it
+    ends.
+    """
     from contbed.solvers import timestep
 
     take, failed = timestep._Stages.take, []

@@ -1,7 +1,8 @@
-"""Single terms of the two energy equations: weighting of storage, dispersion, heat content, scale of the balance.
+"""Single terms of the two energy equations: weighting of storage, dispersion, heat
+content, scale of the balance.
 
-Each is compared with an equivalent that the code computes by another term, or with its closed form; both agree to
-rounding, unless a test says otherwise.
+Each is compared with an equivalent that the code computes by another term, or with its
+closed form; both agree to rounding, unless a test says otherwise.
 """
 
 from dataclasses import replace
@@ -21,18 +22,38 @@ from contbed.packed_bed.heat_coefficients import Motion
 from contbed.packed_bed.plan import plan
 from contbed.packed_bed.shared import heat_balance
 
-AIR = {"density": 1.2, "heat_capacity": 1005.0, "conductivity": 0.03, "viscosity": 1.8e-5}
+AIR = {
+    "density": 1.2,
+    "heat_capacity": 1005.0,
+    "conductivity": 0.03,
+    "viscosity": 1.8e-5,
+}
 
 
-def bed(conductivity: float, dispersion: dict[str, float] | None = None, **tables: Any) -> Any:
-    """Cold air into a conducting bed of a hot end, on cells so large that the stabilisation shows."""
-    closures: dict[str, Any] = {"nusselt": 5.0, "conductivity_gas": conductivity, "conductivity_solids": 2.0}
+def bed(
+    conductivity: float, dispersion: dict[str, float] | None = None, **tables: Any
+) -> Any:
+    """Cold air into a conducting bed of a hot end, on cells so large that the
+    stabilisation shows.
+    """
+    closures: dict[str, Any] = {
+        "nusselt": 5.0,
+        "conductivity_gas": conductivity,
+        "conductivity_solids": 2.0,
+    }
     if dispersion is not None:
         closures["dispersion"] = dispersion
     found = {
         "mesh": {"type": "line", "length": 0.2, "cells": 6},
         "gas": AIR,
-        "solids": {"particles": {"density": 2500.0, "heat_capacity": 900.0, "conductivity": 2.0, "diameter": 0.01}},
+        "solids": {
+            "particles": {
+                "density": 2500.0,
+                "heat_capacity": 900.0,
+                "conductivity": 2.0,
+                "diameter": 0.01,
+            }
+        },
         "packed_bed": {"porosity": 0.4},
         "closures": closures,
         "heat": {},
@@ -49,30 +70,50 @@ def bed(conductivity: float, dispersion: dict[str, float] | None = None, **table
 def posed(scene: Any) -> HeatProblem:
     """The problem of a scene on its mesh."""
     made = plan(scene)
-    return HeatProblem(made.solved, made.mesh, made.medium, Motion(made.velocity, made.velocity_solid), made.section)
+    return HeatProblem(
+        made.solved,
+        made.mesh,
+        made.medium,
+        Motion(made.velocity, made.velocity_solid),
+        made.section,
+    )
 
 
 @pytest.mark.parametrize("shape", ["line", "triangle"])
 def test_storage_is_weighted_as_a_source(shape: str) -> None:
-    """A heat content of 0.7 J/m3 in each phase is tested as a sink of 0.7 W/m3 is, stabilisation included."""
+    """A heat content of 0.7 J/m3 in each phase is tested as a sink of 0.7 W/m3 is,
+    stabilisation included.
+    """
     case = Heat(shape, (3,), 2, nonlinear=True)
     manufactured, _ = case.manufactured(3)
     system, state = manufactured.system, manufactured.interpolant()
     c = case.coefficients(system, system.cells)
 
     def steady(source: float) -> Any:
-        phases = {name: replace(getattr(c, name), source=source) for name in ("fluid", "solid")}
-        return system.assemble([(two_energy.residual, system.cells, replace(c, **phases))], state, False)[0]
+        phases = {
+            name: replace(getattr(c, name), source=source)
+            for name in ("fluid", "solid")
+        }
+        return system.assemble(
+            [(two_energy.residual, system.cells, replace(c, **phases))], state, False
+        )[0]
 
-    held = {name: replace(getattr(c, name), content=lambda T: 0.7 + 0.0 * T) for name in ("fluid", "solid")}
-    stored = system.assemble([(two_energy.storage, system.cells, replace(c, **held))], state, False)[0]
+    held = {
+        name: replace(getattr(c, name), content=lambda T: 0.7 + 0.0 * T)
+        for name in ("fluid", "solid")
+    }
+    stored = system.assemble(
+        [(two_energy.storage, system.cells, replace(c, **held))], state, False
+    )[0]
     sunk = steady(0.0) - steady(0.7)
     assert np.abs(sunk).max() > 1e-3
     assert stored == pytest.approx(sunk, abs=1e-12)
 
 
 def test_dispersion_along_a_line_is_conductivity() -> None:
-    """On a line only dispersion along the flow acts, in conduction and in the stabilisation."""
+    """On a line only dispersion along the flow acts, in conduction and in the
+    stabilisation.
+    """
     dispersed = cb.run(bed(0.3, {"axial": 0.8, "transverse": 0.5}))
     conducting = cb.run(bed(1.1))
     for name, values in conducting.profiles.items():
@@ -83,8 +124,12 @@ def test_dispersion_along_a_line_is_conductivity() -> None:
 def test_heat_content_of_a_constant_fluid() -> None:
     """eps rho c_p times the change of temperature."""
     medium = plan(bed(0.3)).medium
-    assert medium.content_fluid(700.0) - medium.content_fluid(400.0) == pytest.approx(0.4 * 1.2 * 1005.0 * 300.0)
-    assert medium.content_solid(700.0) - medium.content_solid(400.0) == pytest.approx(0.6 * 2500.0 * 900.0 * 300.0)
+    assert medium.content_fluid(700.0) - medium.content_fluid(400.0) == pytest.approx(
+        0.4 * 1.2 * 1005.0 * 300.0
+    )
+    assert medium.content_solid(700.0) - medium.content_solid(400.0) == pytest.approx(
+        0.6 * 2500.0 * 900.0 * 300.0
+    )
 
 
 def test_heat_content_of_a_gas() -> None:
@@ -94,12 +139,23 @@ def test_heat_content_of_a_gas() -> None:
     """
     medium = plan(bed(0.3, gas={"model": "cantera", "composition": "N2:1"})).medium
     gas = medium.fluid
-    expected = 0.4 * quad(lambda T: float(gas.density(T) * gas.heat_capacity(T)), 400.0, 700.0, epsabs=0.0)[0]
-    assert medium.content_fluid(700.0) - medium.content_fluid(400.0) == pytest.approx(expected, rel=1e-7)
+    expected = (
+        0.4
+        * quad(
+            lambda T: float(gas.density(T) * gas.heat_capacity(T)),
+            400.0,
+            700.0,
+            epsabs=0.0,
+        )[0]
+    )
+    assert medium.content_fluid(700.0) - medium.content_fluid(400.0) == pytest.approx(
+        expected, rel=1e-7
+    )
 
 
 def test_scale_of_the_balance() -> None:
-    """What streams carry out above 0 K at the highest temperature of the scene: rho u c_p T for each m2.
+    """What streams carry out above 0 K at the highest temperature of the scene: rho u
+    c_p T for each m2.
 
     A larger scale would let an open balance pass.
     """
@@ -109,10 +165,17 @@ def test_scale_of_the_balance() -> None:
 
 
 def test_a_balance_is_measured_against_what_crosses() -> None:
-    """A millionth of what crosses is missing and seen as that, also where streams hold 300 times as much above 0 K; a
-    larger floor would hide it.
+    """A millionth of what crosses is missing and seen as that, also where streams hold
+    300 times as much above 0 K; a larger floor would hide it.
     """
-    balance = heat_balance({"left": {"T_fluid": 1.0}, "right": {"T_fluid": 1e-6 - 1.0}}, {}, 0.0, 0.0, "W", 300.0)
+    balance = heat_balance(
+        {"left": {"T_fluid": 1.0}, "right": {"T_fluid": 1e-6 - 1.0}},
+        {},
+        0.0,
+        0.0,
+        "W",
+        300.0,
+    )
     assert balance["relative_residual"] == pytest.approx(1e-6)
 
 
@@ -120,21 +183,29 @@ def test_a_closure_of_the_whole_bed_beside_the_fluid_is_told() -> None:
     """By name both conduct the fluid; a number is what is meant."""
     whole = {"nusselt": 10.0, "conductivity_solids": "zehner_schluender"}
     (text,) = bed(0.3, closures=whole).warnings
-    assert "closures.conductivity_solids" in text and text.endswith("twice; give closures.conductivity_gas = 0")
+    assert "closures.conductivity_solids" in text and text.endswith(
+        "twice; give closures.conductivity_gas = 0"
+    )
     assert not bed(0.3, closures={**whole, "conductivity_gas": 0.0}).warnings
     assert not bed(0.3, closures={"nusselt": 10.0, "conductivity_solids": 1.0}).warnings
 
 
 def test_tolerances_and_cells_that_hide_everything_are_told() -> None:
     """A balance that may be open by 1 %, and a bed of one cell."""
-    told = bed(0.3, solver={"balance_tolerance": 0.01}, mesh={"type": "line", "length": 0.2, "cells": 1}).warnings
+    told = bed(
+        0.3,
+        solver={"balance_tolerance": 0.01},
+        mesh={"type": "line", "length": 0.2, "cells": 1},
+    ).warnings
     assert any("balance_tolerance" in text and "mean little" in text for text in told)
     assert any("mesh.cells" in text and "one cell cannot show" in text for text in told)
     assert not bed(0.3).warnings
 
 
 def test_limits_of_the_stabilisation() -> None:
-    """tau is C h/(2 C u), C h^2/(12 k) and C/a where convection, conduction or exchange is all there is."""
+    """tau is C h/(2 C u), C h^2/(12 k) and C/a where convection, conduction or
+    exchange is all there is.
+    """
     assert tau(2.0, 0.0, 0.0, 3.0, 0.1, 1) == pytest.approx(3.0 * 0.1 / (2.0 * 2.0))
     assert tau(2.0, 0.0, 0.0, 3.0, 0.1, 2) == pytest.approx(3.0 * 0.05 / (2.0 * 2.0))
     assert tau(0.0, 2.0, 0.0, 3.0, 0.1, 1) == pytest.approx(3.0 * 0.1**2 / (12.0 * 2.0))

@@ -1,4 +1,6 @@
-"""Predicted errors of the levels inside of particles against runs of random beds, and the choice among levels."""
+"""Predicted errors of the levels inside of particles against runs of random beds,
+and the choice among levels.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,8 @@ from contbed.plan_text import percent
 from studies.levels_by_error import study
 
 STEPS = 1e-4  # difference of two runs with time steps of a local error of 1e-5
-FACTOR = 2.5  # by which conduction along a steady bed that moves raises an error; the study has 2.38
+# by which conduction along a steady bed that moves raises an error; the study has 2.38
+FACTOR = 2.5
 
 
 def errors(scene, level, exact):
@@ -71,7 +74,8 @@ def test_the_cheapest_within_the_accuracy_is_taken():
     lumped, effective = Candidate("lumped", 0, 1e-3), Candidate("effective", 0, 4e-3)
     two, four = Candidate("interior", 2, 5e-4), Candidate("interior", 4, 1e-6)
     every = (lumped, effective, two, four)
-    assert cheapest(every, 1e-2) is lumped  # of equal cost, and less error than the corrected film
+    # of equal cost, and less error than the corrected film
+    assert cheapest(every, 1e-2) is lumped
     assert cheapest(every, 6e-4) is two
     assert cheapest(every, 1e-4) is four
     assert cheapest(every, 1e-9) is four  # none is within: the best
@@ -81,8 +85,12 @@ def test_choices_of_random_beds_are_the_cheapest_of_their_candidates():
     random = np.random.default_rng(2)
     for number in range(40):
         scene = study.bed(study.KINDS[number % 4], random)
-        inside = plan(cb.load(scene | {"solver": {"accuracy": 10.0 ** random.uniform(-5, -1.5)}})).inside
-        cheaper = [each for each in inside.candidates if each.unknowns < inside.chosen.unknowns]
+        inside = plan(
+            cb.load(scene | {"solver": {"accuracy": 10.0 ** random.uniform(-5, -1.5)}})
+        ).inside
+        cheaper = [
+            each for each in inside.candidates if each.unknowns < inside.chosen.unknowns
+        ]
         if inside.chosen.error <= inside.accuracy:
             assert all(each.error > inside.accuracy for each in cheaper)
         text = str(inside)

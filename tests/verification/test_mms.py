@@ -1,8 +1,8 @@
 """Orders of convergence on manufactured solutions: one line a case.
 
-Temperatures and incident radiation of degree k converge at k + 1 in L2, Taylor-Hood velocity at 3 and pressure at 2,
-with and without SUPG.
-The observed order between the two meshes may miss its value by 0.1, the share of higher-order terms on these meshes.
+Temperatures and incident radiation of degree k converge at k + 1 in L2, Taylor-Hood
+velocity at 3 and pressure at 2, with and without SUPG. The observed order between the
+two meshes may miss its value by 0.1, the share of higher-order terms on these meshes.
 """
 
 from functools import partial
@@ -31,10 +31,16 @@ CASES: dict[str, Any] = {
     "quadrilateral_1": Heat("quadrilateral", (16, 32), 1),
     "quadrilateral_2": Heat("quadrilateral", (16, 32), 2),
     "quadrilateral_3": Heat("quadrilateral", (8, 16), 3),
-    "quadrilateral_2_without_supg": Heat("quadrilateral", (16, 32), 2, stabilised=False),
-    "quadrilateral_2_computed_velocity": Heat("quadrilateral", (16, 32), 2, computed=True),
+    "quadrilateral_2_without_supg": Heat(
+        "quadrilateral", (16, 32), 2, stabilised=False
+    ),
+    "quadrilateral_2_computed_velocity": Heat(
+        "quadrilateral", (16, 32), 2, computed=True
+    ),
     "quadrilateral_2_nonlinear": Heat("quadrilateral", (16, 32), 2, nonlinear=True),
-    "quadrilateral_2_axisymmetric": Heat("quadrilateral", (16, 32), 2, axisymmetric=True),
+    "quadrilateral_2_axisymmetric": Heat(
+        "quadrilateral", (16, 32), 2, axisymmetric=True
+    ),
     "tetrahedron_1": Heat("tetrahedron", (6, 12), 1),
     "tetrahedron_2": Heat("tetrahedron", (3, 6), 2),
     "tetrahedron_3": Heat("tetrahedron", (2, 4), 3),
@@ -43,16 +49,24 @@ CASES: dict[str, Any] = {
     "hexahedron_2": Heat("hexahedron", (4, 8), 2),
     "radiating_triangle_1": Radiating("triangle", (16, 32), 1),
     "radiating_triangle_2": Radiating("triangle", (8, 16), 2),
-    "radiating_triangle_2_without_supg": Radiating("triangle", (8, 16), 2, stabilised=False),
-    "radiating_triangle_2_axisymmetric": Radiating("triangle", (8, 16), 2, axisymmetric=True),
+    "radiating_triangle_2_without_supg": Radiating(
+        "triangle", (8, 16), 2, stabilised=False
+    ),
+    "radiating_triangle_2_axisymmetric": Radiating(
+        "triangle", (8, 16), 2, axisymmetric=True
+    ),
     "radiating_quadrilateral_1": Radiating("quadrilateral", (16, 32), 1),
     "radiating_quadrilateral_2": Radiating("quadrilateral", (8, 16), 2),
-    "radiating_quadrilateral_2_axisymmetric": Radiating("quadrilateral", (8, 16), 2, axisymmetric=True),
+    "radiating_quadrilateral_2_axisymmetric": Radiating(
+        "quadrilateral", (8, 16), 2, axisymmetric=True
+    ),
     "radiating_tetrahedron_1": Radiating("tetrahedron", (7, 13), 1),
     "flow_triangle": Flow("triangle", (8, 16)),
     "flow_quadrilateral": Flow("quadrilateral", (8, 16)),
     "flow_triangle_axisymmetric": Flow("triangle", (8, 16), axisymmetric=True),
-    "flow_quadrilateral_axisymmetric": Flow("quadrilateral", (8, 16), axisymmetric=True),
+    "flow_quadrilateral_axisymmetric": Flow(
+        "quadrilateral", (8, 16), axisymmetric=True
+    ),
     "flow_tetrahedron": Flow("tetrahedron", (3, 6)),
     "flow_hexahedron": Flow("hexahedron", (3, 6)),
 }
@@ -73,16 +87,23 @@ def test_order(name: str) -> None:
     case, errors = (CASES | SLOW)[name], []
     for n in case.sizes:
         manufactured, fixed = case.manufactured(n)
-        state = manufactured.solve(fixed, Policy(manufactured.system.mesh.dim()), linear=case.linear)
+        state = manufactured.solve(
+            fixed, Policy(manufactured.system.mesh.dim()), linear=case.linear
+        )
         errors.append(manufactured.errors(state))
     for field, expected in case.expected.items():
-        order = observed_order([e[field] for e in errors], 1.0 / np.array(case.sizes))[-1]
+        order = observed_order([e[field] for e in errors], 1.0 / np.array(case.sizes))[
+            -1
+        ]
         assert order == pytest.approx(expected, abs=TOLERANCE), field
 
 
 def test_observed_order_of_a_power() -> None:
     sizes = np.array([0.5, 0.2, 0.05])
-    assert observed_order(3.0 * sizes**2.5, sizes) == pytest.approx([2.5, 2.5], rel=1e-12)  # round-off
+    # round-off
+    assert observed_order(3.0 * sizes**2.5, sizes) == pytest.approx(
+        [2.5, 2.5], rel=1e-12
+    )
 
 
 def test_jet_of_a_polynomial() -> None:
@@ -93,4 +114,7 @@ def test_jet_of_a_polynomial() -> None:
     close(along_x.value, 3 * x**2 * y)
     close(along_y.value, x**3 + 2 * y)
     close([along_x.tangents[0], along_x.tangents[1]], [6 * x * y, 3 * x**2])
-    close([along_y.tangents[0], along_y.tangents[1] * np.ones(2)], [3 * x**2, np.full(2, 2.0)])
+    close(
+        [along_y.tangents[0], along_y.tangents[1] * np.ones(2)],
+        [3 * x**2, np.full(2, 2.0)],
+    )

@@ -1,4 +1,6 @@
-"""One file of a fixed bed, run by the packed bed and by two fluids whose particles are at rest."""
+"""One file of a fixed bed, run by the packed bed and by two fluids whose particles
+are at rest.
+"""
 
 import numpy as np
 import pytest
@@ -56,13 +58,17 @@ SPAN = 100.0  # [K] between the gas that enters and the bed at the start
 
 def run(model, **changes):
     """Result of the bed by a model."""
-    keys = {"model": model} | {name.replace("__", "."): value for name, value in changes.items()}
+    keys = {"model": model} | {
+        name.replace("__", "."): value for name, value in changes.items()
+    }
     return cb.run(loads(BED, overrides=keys))
 
 
 @pytest.fixture(scope="module")
 def packed():
-    """Positions and temperatures of gas and particles at the end, by the packed bed on its own mesh."""
+    """Positions and temperatures of gas and particles at the end, by the packed bed
+    on its own mesh.
+    """
     found = run("packed_bed").profiles
     last = found["t [s]"] == found["t [s]"].max()
     return [found[name][last] for name in ("x [m]", "T_fluid [K]", "T_solid [K]")]
@@ -71,7 +77,8 @@ def packed():
 def difference(cells, packed):
     """Largest difference of both temperatures between the models, over the span."""
     result = run("two_fluid", mesh__cells=cells, time__longest=0.05)
-    assert result.qoi["max_velocity"] < 1e-4  # the weight of a packing that settles by a thousandth of a diameter
+    # the weight of a packing that settles by a thousandth of a diameter
+    assert result.qoi["max_velocity"] < 1e-4
     found = result.tables["axial"]
     x, T_gas, T_solid = packed
     gas = found["T_gas [K]"] - np.interp(found["height [m]"], x, T_gas)
@@ -80,7 +87,9 @@ def difference(cells, packed):
 
 
 def test_a_fixed_bed_has_the_same_temperatures_by_both_models(packed):
-    """The difference is the error of the cells of the two fluids, which falls with their size."""
+    """The difference is the error of the cells of the two fluids, which falls with
+    their size.
+    """
     coarse, fine = difference(20, packed), difference(50, packed)
     assert fine < 4e-3
     assert coarse / fine > 1.5

@@ -1,7 +1,9 @@
-"""Discrete ordinates against exact transport, closed forms, limits and identities of the discrete equations.
+"""Discrete ordinates against exact transport, closed forms, limits and identities of
+the discrete equations.
 
-Meshes grow from `first` optical depths at the walls, so that the error of the directions is what remains. Identities of
-the discrete system (balances, reciprocity, symmetry) hold to round-off, taken as 1e-12 of the largest term.
+Meshes grow from `first` optical depths at the walls, so that the error of the
+directions is what remains. Identities of the discrete system (balances, reciprocity,
+symmetry) hold to round-off, taken as 1e-12 of the largest term.
 """
 
 import numpy as np
@@ -14,7 +16,14 @@ from contbed.errors import ConvergenceError
 from contbed.loading import from_dict
 from contbed.radiation.equations.ordinates import Ordinates, Wall, solve_ordinates
 from studies._exact.conduction_radiation import conduction_radiation
-from studies._exact.radiation import P1, TWO_FLUX, equilibrium_flux, gray_plates, isothermal_body, linear_slab
+from studies._exact.radiation import (
+    P1,
+    TWO_FLUX,
+    equilibrium_flux,
+    gray_plates,
+    isothermal_body,
+    linear_slab,
+)
 from studies._exact.transport import Equilibrium, half_space_emittance, slab_emittance
 
 HOT, COLD = Wall(1.0), Wall(0.0)
@@ -29,12 +38,18 @@ def graded(tau: float, first: float = 0.02, growth: float = 1.2) -> np.ndarray:
     return np.concatenate([half, tau - half[-2::-1]])
 
 
-@pytest.mark.parametrize(("order", "percent"), [(2, 0.78), (4, 0.06), (8, 0.004), (24, 1e-4)])
+@pytest.mark.parametrize(
+    ("order", "percent"), [(2, 0.78), (4, 0.06), (8, 0.004), (24, 1e-4)]
+)
 def test_heaslet_warming(order, percent):
-    """Psi of black plates over four decades of thickness, in per cent of exact transport; 2 + 2 is worst at 0.4."""
+    """Psi of black plates over four decades of thickness, in per cent of exact
+    transport; 2 + 2 is worst at 0.4.
+    """
     errors = []
     for tau in (0.01, 0.1, 0.4, 1.0, 10.0, 100.0):
-        solution = solve_ordinates(graded(tau), 0.4, 0.6, None, HOT, COLD, order, degree=3)
+        solution = solve_ordinates(
+            graded(tau), 0.4, 0.6, None, HOT, COLD, order, degree=3
+        )
         assert np.ptp(solution.q) < 1e-12
         errors.append(100.0 * abs(solution.q[0] / Equilibrium(tau).flux - 1.0))
     assert max(errors) < percent
@@ -42,24 +57,34 @@ def test_heaslet_warming(order, percent):
 
 def test_profile_of_black_plates():
     tau = 1.0
-    solution = solve_ordinates(graded(tau, 1e-3), 1.0, 0.0, None, HOT, COLD, order=16, degree=3)
+    solution = solve_ordinates(
+        graded(tau, 1e-3), 1.0, 0.0, None, HOT, COLD, order=16, degree=3
+    )
     inside = (solution.points > 0.02) & (solution.points < 0.98)
-    # next to the walls the slope is infinite; 16 directions see it from 0.02 mean free paths
-    assert 0.25 * solution.G[inside] == pytest.approx(Equilibrium(tau).profile(solution.points[inside]), abs=3e-5)
+    # next to the walls the slope is infinite; 16 directions see it from 0.02 mean free
+    # paths
+    assert 0.25 * solution.G[inside] == pytest.approx(
+        Equilibrium(tau).profile(solution.points[inside]), abs=3e-5
+    )
     assert 1.0 - 0.25 * solution.G[0] == pytest.approx(Equilibrium(tau).slip, abs=1e-3)
 
 
 @pytest.mark.parametrize(
-    ("albedo", "tau"), [(0.0, 0.5), (0.5, 1.0), (0.9, 10.0), (0.99, 100.0)], ids=lambda value: f"{value:g}"
+    ("albedo", "tau"),
+    [(0.0, 0.5), (0.5, 1.0), (0.9, 10.0), (0.99, 100.0)],
+    ids=lambda value: f"{value:g}",
 )
 def test_isothermal_slab_converges_to_transport(albedo, tau):
     exact = slab_emittance(tau, albedo)
     z = graded(tau, 1e-3, 1.3)
     errors = []
     for order in (2, 4, 8, 16):
-        solution = solve_ordinates(z, 1.0 - albedo, albedo, 1.0 - albedo, COLD, COLD, order, degree=4)
+        solution = solve_ordinates(
+            z, 1.0 - albedo, albedo, 1.0 - albedo, COLD, COLD, order, degree=4
+        )
         errors.append(abs(solution.q[-1] / exact - 1.0))
-    # each doubling gains a factor of 12 to 210, here: the integrand exp(-tau/mu) is smooth, but not analytic, at mu = 0
+    # each doubling gains a factor of 12 to 210, here: the integrand exp(-tau/mu) is
+    # smooth, but not analytic, at mu = 0
     assert errors[1] < 1e-3 and errors[3] < 1e-7
     assert np.all(np.log2(np.array(errors[:-1]) / errors[1:]) > 3.0)
 
@@ -70,7 +95,16 @@ def test_observed_order_in_cells():
 
     def solve(cells: int, degree: int):
         z = np.linspace(0.0, tau, cells + 1)
-        return solve_ordinates(z, lambda z: 0.3 + 0.1 * z, 0.5, lambda z: 1.0 + np.sin(z), HOT, COLD, order, degree)
+        return solve_ordinates(
+            z,
+            lambda z: 0.3 + 0.1 * z,
+            0.5,
+            lambda z: 1.0 + np.sin(z),
+            HOT,
+            COLD,
+            order,
+            degree,
+        )
 
     reference = solve(64, 6)
     for degree, cells in ((1, (16, 32, 64)), (2, (8, 16, 32)), (3, (8, 16, 32))):
@@ -79,7 +113,11 @@ def test_observed_order_in_cells():
             solution = solve(count, degree)
             flux.append(abs(solution.q[0] - reference.q[0]))
             at = solution.z
-            field.append(np.abs(solution.G[::degree] - np.interp(at, reference.z, reference.G[::6])).max())
+            field.append(
+                np.abs(
+                    solution.G[::degree] - np.interp(at, reference.z, reference.G[::6])
+                ).max()
+            )
         assert np.log2(flux[-2] / flux[-1]) == pytest.approx(2 * degree, abs=0.35)
         assert np.log2(field[-2] / field[-1]) > 2 * degree - 0.35
 
@@ -91,9 +129,20 @@ def test_one_ordinate_is_the_two_flux_model(tau, emissivity):
     z = np.linspace(0.0, tau, 60)
     plates = solve_ordinates(z, 0.3, 0.7, None, left, right, order=1)
     # G is linear and the elements hold it exactly
-    assert plates.q == pytest.approx(1.5 * equilibrium_flux(tau, TWO_FLUX, emissivity), rel=1e-12)
+    assert plates.q == pytest.approx(
+        1.5 * equilibrium_flux(tau, TWO_FLUX, emissivity), rel=1e-12
+    )
     graded_z = graded(tau, 0.01)
-    medium = solve_ordinates(graded_z, 0.8, 0.2, lambda z: 0.8 * (1.0 + z / tau), left, right, order=1, degree=5)
+    medium = solve_ordinates(
+        graded_z,
+        0.8,
+        0.2,
+        lambda z: 0.8 * (1.0 + z / tau),
+        left,
+        right,
+        order=1,
+        degree=5,
+    )
     G, q = linear_slab(graded_z, tau, TWO_FLUX, (1.0, 2.0), (2.0, 0.5), 0.2, emissivity)
     assert medium.G[::5] == pytest.approx(G, abs=1e-9)
     assert medium.q == pytest.approx(q, abs=1e-9)
@@ -102,17 +151,26 @@ def test_one_ordinate_is_the_two_flux_model(tau, emissivity):
 @pytest.mark.parametrize("emissivity", [(0.3, 0.8), (0.01, 1.0), (1e-6, 1e-6)])
 @pytest.mark.parametrize("order", [1, 4])
 def test_gray_plates_are_exact_at_any_order(order, emissivity):
-    """Psi/(1 + Psi (1/e1 + 1/e2 - 2)): the half range integrates mu exactly, so walls add resistance as they should."""
+    """Psi/(1 + Psi (1/e1 + 1/e2 - 2)): the half range integrates mu exactly, so
+    walls add resistance as they should.
+    """
     z = graded(1.0)
     black = solve_ordinates(z, 1.0, 0.0, None, HOT, COLD, order).q[0]
-    gray = solve_ordinates(z, 1.0, 0.0, None, Wall(1.0, emissivity[0]), Wall(0.0, emissivity[1]), order).q[0]
+    gray = solve_ordinates(
+        z, 1.0, 0.0, None, Wall(1.0, emissivity[0]), Wall(0.0, emissivity[1]), order
+    ).q[0]
     # the walls' own balance has lost 1/e of the 16 digits
-    assert gray == pytest.approx(gray_plates(black, emissivity), rel=1e-12 + 1e-14 / min(emissivity))
+    assert gray == pytest.approx(
+        gray_plates(black, emissivity), rel=1e-12 + 1e-14 / min(emissivity)
+    )
 
 
 def test_equilibrium_does_not_depend_on_the_albedo():
     z = graded(5.0)
-    fields = [solve_ordinates(z, 1.0 - albedo, albedo, None, HOT, COLD) for albedo in (0.0, 0.3, 0.999999)]
+    fields = [
+        solve_ordinates(z, 1.0 - albedo, albedo, None, HOT, COLD)
+        for albedo in (0.0, 0.3, 0.999999)
+    ]
     scattering = solve_ordinates(z, 0.0, 1.0, 0.0, HOT, COLD)
     for field in fields:
         np.testing.assert_allclose(field.G, scattering.G, rtol=0.0, atol=1e-13)
@@ -120,7 +178,9 @@ def test_equilibrium_does_not_depend_on_the_albedo():
 
 
 def test_albedo_towards_one():
-    """Absorption 1 - omega of a bed of thickness 1000 moves its flux by about (1 - omega) tau^2, 1e-9 to 1e-3 here."""
+    """Absorption 1 - omega of a bed of thickness 1000 moves its flux by about
+    (1 - omega) tau^2, 1e-9 to 1e-3 here.
+    """
     z = graded(1e3)
     limit = solve_ordinates(z, 0.0, 1.0, 0.0, HOT, COLD).q[0]
     for albedo in (1.0 - 1e-9, 1.0 - 1e-12, 1.0 - 1e-15):
@@ -129,7 +189,9 @@ def test_albedo_towards_one():
 
 
 def test_thick_limit():
-    """Rosseland: q = -4/3 d(sigma T^4)/dt; black plates differ by their slips, 2 x 0.7104 mean free paths in all."""
+    """Rosseland: q = -4/3 d(sigma T^4)/dt; black plates differ by their slips, 2 x
+    0.7104 mean free paths in all.
+    """
     for tau in (1e2, 1e3, 1e5):
         q = solve_ordinates(graded(tau), 0.5, 0.5, None, HOT, COLD).q[0]
         assert q == pytest.approx(4.0 / 3.0 / (tau + 1.420892), rel=2e-5)
@@ -144,13 +206,17 @@ def test_thin_limit():
         emitting = solve_ordinates(z, tau, 0.0, tau, COLD, COLD)
         assert emitting.q[-1] == pytest.approx(2.0 * tau, rel=6.0 * tau + 1e-7)
         assert emitting.q[0] == pytest.approx(-emitting.q[-1], rel=1e-10)
-        assert solve_ordinates(z, tau, 0.0, None, HOT, COLD).q == pytest.approx(1.0 - tau, abs=4.0 * tau**2 + 1e-13)
+        assert solve_ordinates(z, tau, 0.0, None, HOT, COLD).q == pytest.approx(
+            1.0 - tau, abs=4.0 * tau**2 + 1e-13
+        )
     with pytest.raises(ConvergenceError, match="optical depth above 1e-12"):
         solve_ordinates(z, 1e-15, 0.0, 1e-15, COLD, COLD)
 
 
 def test_balance_of_each_cell():
-    """q[i+1] - q[i] = int (4 e - Ka G), by an independent quadrature, with steps of four decades in Ka and Ks."""
+    """q[i+1] - q[i] = int (4 e - Ka G), by an independent quadrature, with steps of
+    four decades in Ka and Ks.
+    """
     rng = np.random.default_rng(3)
     z = np.cumsum(rng.uniform(0.01, 1.0, 40))
     Ka, Ks = 10.0 ** rng.uniform(-2.0, 2.0, (2, 39))
@@ -159,9 +225,14 @@ def test_balance_of_each_cell():
     dz = np.diff(z)
     G = (solution.G[:-1:2] + 4.0 * solution.G[1::2] + solution.G[2::2]) / 6.0
     gain = dz * (2.0 * (e[:-1] + e[1:]) - Ka * G)
-    assert np.diff(solution.q) == pytest.approx(gain, abs=1e-12 * np.abs(dz * Ka * G).max())
-    assert solution.q[-1] - solution.q[0] == pytest.approx(gain.sum(), rel=1e-12, abs=1e-12)
-    # walls: J = e E + (1 - e) (incoming), with the incoming flux from the intensities themselves
+    assert np.diff(solution.q) == pytest.approx(
+        gain, abs=1e-12 * np.abs(dz * Ka * G).max()
+    )
+    assert solution.q[-1] - solution.q[0] == pytest.approx(
+        gain.sum(), rel=1e-12, abs=1e-12
+    )
+    # walls: J = e E + (1 - e) (incoming), with the incoming flux from the intensities
+    # themselves
     for wall, leaving, incoming in (
         (Wall(2.0, 0.3), solution.I_plus[:, 0], solution.I_minus[:, 0]),
         (Wall(1.0, 0.6), solution.I_minus[:, -1], solution.I_plus[:, -1]),
@@ -174,26 +245,44 @@ def test_balance_of_each_cell():
 def test_intensities_and_moments():
     solution = solve_ordinates(graded(2.0), 0.4, 0.6, 0.4 * 3.0, Wall(2.0), COLD)
     both, net = solution.I_plus + solution.I_minus, solution.I_plus - solution.I_minus
-    assert solution.G[::2] == pytest.approx(2.0 * np.pi * solution.weight @ both, rel=1e-13)
-    assert solution.q == pytest.approx(2.0 * np.pi * (solution.weight * solution.mu) @ net, abs=1e-13)
+    assert solution.G[::2] == pytest.approx(
+        2.0 * np.pi * solution.weight @ both, rel=1e-13
+    )
+    assert solution.q == pytest.approx(
+        2.0 * np.pi * (solution.weight * solution.mu) @ net, abs=1e-13
+    )
     pure = solve_ordinates(graded(2.0, 0.001), 1.0, 0.0, 3.0, Wall(2.0), COLD, degree=4)
     beam = 3.0 - np.exp(-pure.z / pure.mu[:, None])
     assert np.pi * pure.I_plus == pytest.approx(beam, abs=1e-9)
 
 
 def test_isothermal_enclosure():
-    """Everything at one temperature: no flux, G = 4 sigma T^4, at any emissivity and in any layers."""
+    """Everything at one temperature: no flux, G = 4 sigma T^4, at any emissivity and
+    in any layers.
+    """
     Ka, Ks = np.array([0.1, 20.0, 3.0]), np.array([5.0, 0.0, 300.0])
-    solution = solve_ordinates([0.0, 0.5, 0.6, 2.0], Ka, Ks, 7.0 * Ka, Wall(7.0, 0.2), Wall(7.0))
+    solution = solve_ordinates(
+        [0.0, 0.5, 0.6, 2.0], Ka, Ks, 7.0 * Ka, Wall(7.0, 0.2), Wall(7.0)
+    )
     np.testing.assert_allclose(solution.G, 28.0, rtol=1e-13)
     assert solution.q == pytest.approx(0.0, abs=1e-12)
 
 
 def test_symmetry():
-    """A mirrored bed gives the mirrored field; half a symmetric bed with a plane of symmetry gives the whole."""
-    z, bed = graded(4.0), (lambda z: 0.2 + 0.1 * z, lambda z: 1.0 + z, lambda z: 0.5 * z)
+    """A mirrored bed gives the mirrored field; half a symmetric bed with a plane of
+    symmetry gives the whole.
+    """
+    z, bed = (
+        graded(4.0),
+        (lambda z: 0.2 + 0.1 * z, lambda z: 1.0 + z, lambda z: 0.5 * z),
+    )
     there = solve_ordinates(z, *bed, Wall(2.0, 0.4), Wall(1.0, 0.9))
-    back = solve_ordinates(4.0 - z[::-1], *(lambda z, c=c: c(4.0 - z) for c in bed), Wall(1.0, 0.9), Wall(2.0, 0.4))
+    back = solve_ordinates(
+        4.0 - z[::-1],
+        *(lambda z, c=c: c(4.0 - z) for c in bed),
+        Wall(1.0, 0.9),
+        Wall(2.0, 0.4),
+    )
     assert back.G[::-1] == pytest.approx(there.G, rel=1e-12)
     assert -back.q[::-1] == pytest.approx(there.q, abs=1e-12)
     assert back.I_minus[:, ::-1] == pytest.approx(there.I_plus, rel=1e-11)
@@ -204,7 +293,9 @@ def test_symmetry():
 
 
 def test_response():
-    """The affine map equals the solve; its load form is symmetric, so that i heats k as k heats i."""
+    """The affine map equals the solve; its load form is symmetric, so that i heats k
+    as k heats i.
+    """
     z = graded(3.0)
     bed = Ordinates(z, lambda z: 0.5 + 0.2 * z, 0.8, Wall(1.5, 0.7), COLD)
     R, G0 = bed.response()
@@ -215,12 +306,20 @@ def test_response():
     solution = bed.solve(e)
     absorbed = bed.mass_matrix(lambda z: 0.5 + 0.2 * z) @ solution.G
     emitted = 4.0 * (bed.mass_matrix() @ e)
-    assert (emitted - absorbed).sum() == pytest.approx(solution.q[-1] - solution.q[0], rel=1e-12)
+    assert (emitted - absorbed).sum() == pytest.approx(
+        solution.q[-1] - solution.q[0], rel=1e-12
+    )
 
 
 def test_walls_exchange_alike():
-    """Heat from left to right wall equals that from right to left, through layers and past gray surfaces."""
-    Ka, Ks, z = np.array([0.2, 3.0, 0.7]), np.array([1.0, 0.1, 4.0]), [0.0, 0.4, 0.9, 2.0]
+    """Heat from left to right wall equals that from right to left, through layers
+    and past gray surfaces.
+    """
+    Ka, Ks, z = (
+        np.array([0.2, 3.0, 0.7]),
+        np.array([1.0, 0.1, 4.0]),
+        [0.0, 0.4, 0.9, 2.0],
+    )
     one = solve_ordinates(z, Ka, Ks, 0.0, Wall(1.0, 0.3), Wall(0.0, 0.8)).q[-1]
     other = solve_ordinates(z, Ka, Ks, 0.0, Wall(0.0, 0.3), Wall(1.0, 0.8)).q[0]
     assert one == pytest.approx(-other, rel=1e-12)
@@ -229,14 +328,20 @@ def test_walls_exchange_alike():
 @pytest.mark.parametrize("cold", [0.5, 0.1])
 @pytest.mark.parametrize("tau", [0.1, 1.0, 10.0])
 def test_conduction_by_newton_with_the_response(tau, cold):
-    """4 N theta'' = (4 theta^4 - G) (units sigma T1^4), with the response matrix in Newton's Jacobian."""
+    """4 N theta'' = (4 theta^4 - G) (units sigma T1^4), with the response matrix in
+    Newton's Jacobian.
+    """
     N = 0.01
-    bed = Ordinates(graded(tau, 0.01, 1.3), 1.0, 0.0, HOT, Wall(cold**4), order=8, degree=3)
+    bed = Ordinates(
+        graded(tau, 0.01, 1.3), 1.0, 0.0, HOT, Wall(cold**4), order=8, degree=3
+    )
     R, G0 = bed.response()
     mass = bed.mass_matrix().toarray()
     width = np.diff(bed.z)
     conduction = np.zeros_like(mass)
-    for cell, block in zip(bed.index, bed.element.stiffness(width, np.ones((len(width), 5))), strict=True):
+    for cell, block in zip(
+        bed.index, bed.element.stiffness(width, np.ones((len(width), 5))), strict=True
+    ):
         conduction[np.ix_(cell, cell)] += 4.0 * N * block
     theta = 1.0 + (cold - 1.0) * bed.points / tau
     inner = slice(1, -1)
@@ -253,9 +358,13 @@ def test_conduction_by_newton_with_the_response(tau, cold):
 
 
 def test_p1_is_not_an_ordinate_set():
-    """The levels stay apart where they should: at tau 1 P1 is 3.3 % high and two-flux 9.7 % low."""
+    """The levels stay apart where they should: at tau 1 P1 is 3.3 % high and
+    two-flux 9.7 % low.
+    """
     z, exact = graded(1.0), Equilibrium(1.0).flux
-    two_flux, four = (solve_ordinates(z, 1.0, 0.0, None, HOT, COLD, order).q[0] for order in (1, 4))
+    two_flux, four = (
+        solve_ordinates(z, 1.0, 0.0, None, HOT, COLD, order).q[0] for order in (1, 4)
+    )
     assert two_flux / exact == pytest.approx(0.9035, abs=1e-4)
     assert four / exact == pytest.approx(1.0, abs=1e-4)
     assert equilibrium_flux(1.0, P1) / exact == pytest.approx(1.0326, abs=1e-4)
@@ -266,13 +375,21 @@ def test_p1_is_not_an_ordinate_set():
 
 def test_ways_to_give_coefficients():
     z = np.array([0.0, 0.3, 1.0, 1.2])
-    ways = [0.5, lambda z: 0.5 + 0.0 * z, np.full(4, 0.5), np.full(3, 0.5), np.full(7, 0.5)]
+    ways = [
+        0.5,
+        lambda z: 0.5 + 0.0 * z,
+        np.full(4, 0.5),
+        np.full(3, 0.5),
+        np.full(7, 0.5),
+    ]
     fields = [solve_ordinates(z, way, 1.0, way, HOT, COLD) for way in ways]
     for field in fields[1:]:
         np.testing.assert_allclose(field.G, fields[0].G, rtol=1e-13)
     linear, function = 0.1 + z, lambda z: 0.1 + z
     first = solve_ordinates(z, linear, 1.0, linear, HOT, COLD)
-    np.testing.assert_allclose(solve_ordinates(z, function, 1.0, function, HOT, COLD).G, first.G, rtol=1e-13)
+    np.testing.assert_allclose(
+        solve_ordinates(z, function, 1.0, function, HOT, COLD).G, first.G, rtol=1e-13
+    )
 
 
 @pytest.mark.parametrize(
@@ -288,7 +405,14 @@ def test_ways_to_give_coefficients():
     ],
 )
 def test_errors(change, message):
-    given = {"z": [0.0, 1.0, 2.0], "Ka": 1.0, "Ks": 1.0, "emission": 1.0, "left": HOT, "right": COLD}
+    given = {
+        "z": [0.0, 1.0, 2.0],
+        "Ka": 1.0,
+        "Ks": 1.0,
+        "emission": 1.0,
+        "left": HOT,
+        "right": COLD,
+    }
     with pytest.raises(ValueError, match=message):
         solve_ordinates(**(given | change))
 
@@ -304,15 +428,25 @@ def test_errors_of_walls_and_modes():
 
 @pytest.mark.parametrize("tau", [0.02, 0.5, 3.0])
 def test_the_number_of_ordinates_follows_the_error(tau):
-    """An emitting slab: G = 2 sigma T^4 (2 - E2(t) - E2(tau - t)) and q = 2 sigma T^4 (1/2 - E3(tau)) at its ends.
+    """An emitting slab: G = 2 sigma T^4 (2 - E2(t) - E2(tau - t)) and q = 2 sigma T^4
+    (1/2 - E3(tau)) at its ends.
 
-    The true errors stay below 1.2 times the estimate, whose rule is that of many ordinates, and the estimate below the
-    tolerance unless a warning says that no more were tried.
+    The true errors stay below 1.2 times the estimate, whose rule is that of many
+    ordinates, and the estimate below the tolerance unless a warning says that no more
+    were tried.
     """
     scene = {
         "mesh": {"type": "line", "length": 0.1},
-        "radiation": {"level": "ordinates", "absorption": tau / 0.1, "scattering": 0.0, "temperature": 1000.0},
-        "boundary": {"left": {"radiation": {"radiosity": 0.0}}, "right": {"radiation": {"radiosity": 0.0}}},
+        "radiation": {
+            "level": "ordinates",
+            "absorption": tau / 0.1,
+            "scattering": 0.0,
+            "temperature": 1000.0,
+        },
+        "boundary": {
+            "left": {"radiation": {"radiosity": 0.0}},
+            "right": {"radiation": {"radiosity": 0.0}},
+        },
         "solver": {"tolerance": 1e-4},
         "output": {"plots": False, "fields": False, "positions": [0.0, 0.02, 0.05]},
     }
@@ -326,6 +460,10 @@ def test_the_number_of_ordinates_follows_the_error(tau):
     assert -result.qoi["heat_left_W"] == pytest.approx(flux, rel=1.2 * estimate)
     assert (estimate <= 1e-4) == (not result.warnings)
     assert result.qoi["ordinates"] in (8, 16, 32, 64)
-    given = cb.run(from_dict(scene | {"radiation": scene["radiation"] | {"ordinates": 4}}))
+    given = cb.run(
+        from_dict(scene | {"radiation": scene["radiation"] | {"ordinates": 4}})
+    )
     assert "ordinates" not in given.qoi
-    assert abs(given.qoi["heat_left_W"] + flux) > 10.0 * abs(result.qoi["heat_left_W"] + flux)
+    assert abs(given.qoi["heat_left_W"] + flux) > 10.0 * abs(
+        result.qoi["heat_left_W"] + flux
+    )

@@ -1,4 +1,6 @@
-"""Pressure, velocity and density along a packed bed: Ergun's drop, mass that is conserved, properties along the bed."""
+"""Pressure, velocity and density along a packed bed: Ergun's drop, mass that is
+conserved, properties along the bed.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,12 @@ from contbed.packed_bed.pressure import lifted
 from contbed.solvers.linear import Policy
 
 U, EPS, D = 0.5, 0.4, 5e-3
-CONSTANT = {"density": 1.2, "heat_capacity": 1000.0, "conductivity": 0.03, "viscosity": 1.8e-5}
+CONSTANT = {
+    "density": 1.2,
+    "heat_capacity": 1000.0,
+    "conductivity": 0.03,
+    "viscosity": 1.8e-5,
+}
 STEAM = {"model": "cantera", "composition": "H2O:1", "mechanism": "gri30.yaml"}
 
 
@@ -32,7 +39,14 @@ def bed(fluid, velocity=U, **more):
     return {
         "mesh": {"type": "line", "length": 1.0},
         "gas": dict(fluid),
-        "solids": {"particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0, "diameter": D}},
+        "solids": {
+            "particles": {
+                "density": 2000.0,
+                "heat_capacity": 900.0,
+                "conductivity": 1.0,
+                "diameter": D,
+            }
+        },
         "packed_bed": {"porosity": EPS},
         "closures": {"nusselt": "wakao_kaguei"},
         "heat": {},
@@ -57,30 +71,53 @@ def test_constant_properties_give_ergun(velocity):
 
 @pytest.mark.parametrize("solid", [0.0, [0.0, -0.1]])
 def test_the_speed_across_the_bed_counts(solid):
-    """A stream that crosses the bed at an angle has the drag of its whole speed: Ergun along that, to 1e-12."""
-    values = bed(CONSTANT, mesh={"type": "rectangle", "length": 1.0, "height": 0.2, "cells": [8, 4]})
-    inlets: dict[str, Any] = {side: {"gas": {"temperature": 433.0}} for side in ("left", "bottom")}
+    """A stream that crosses the bed at an angle has the drag of its whole speed:
+    Ergun along that, to 1e-12.
+    """
+    values = bed(
+        CONSTANT,
+        mesh={"type": "rectangle", "length": 1.0, "height": 0.2, "cells": [8, 4]},
+    )
+    inlets: dict[str, Any] = {
+        side: {"gas": {"temperature": 433.0}} for side in ("left", "bottom")
+    }
     inlets["top"] = {"solids": {"particles": {"temperature": 433.0}}} if solid else {}
     values["boundary"] = moving(values["mesh"], inlets, [0.1, 0.4], solid)
     slip = np.array([0.1, 0.4 if not solid else 0.5])
     speed = np.hypot(*slip)
-    wanted = pressure_gradient_ergun(u=speed, d_p=D, eps=EPS, mu=1.8e-5, rho=1.2) * slip[0] / speed
+    wanted = (
+        pressure_gradient_ergun(u=speed, d_p=D, eps=EPS, mu=1.8e-5, rho=1.2)
+        * slip[0]
+        / speed
+    )
     result = cb.run(from_dict(values))
     assert result.qoi["pressure_drop_Pa"] == pytest.approx(wanted, rel=1e-12)
-    # what the pores hold over what enters through both sides: 0.2 m of 0.1 m/s and 1 m of 0.4 m/s
-    assert result.qoi["residence_time_s"] == pytest.approx(EPS * 0.2 / (0.2 * 0.1 + 1.0 * 0.4), rel=1e-12)
+    # what the pores hold over what enters through both sides: 0.2 m of 0.1 m/s and 1 m
+    # of 0.4 m/s
+    assert result.qoi["residence_time_s"] == pytest.approx(
+        EPS * 0.2 / (0.2 * 0.1 + 1.0 * 0.4), rel=1e-12
+    )
 
 
 def test_a_resting_fluid_in_a_moving_bed_has_no_pressure_of_its_own_drag():
     """The bed moves as fast as the fluid: no relative velocity, no resistance."""
-    streams = {"velocity": U, "temperature": 433.0}, {"velocity": U, "temperature": 967.0}
-    values = bed(CONSTANT, boundary={"left": {"gas": streams[0], "solids": {"particles": streams[1]}}})
-    assert cb.run(from_dict(values)).qoi["pressure_drop_Pa"] == pytest.approx(0.0, abs=1e-12)
+    streams = (
+        {"velocity": U, "temperature": 433.0},
+        {"velocity": U, "temperature": 967.0},
+    )
+    values = bed(
+        CONSTANT,
+        boundary={"left": {"gas": streams[0], "solids": {"particles": streams[1]}}},
+    )
+    assert cb.run(from_dict(values)).qoi["pressure_drop_Pa"] == pytest.approx(
+        0.0, abs=1e-12
+    )
 
 
 def test_steam_that_is_heated_speeds_up():
-    """Mass flux to rounding; the pressure drop against adaptive quadrature of the formula at the local temperature:
-    1e-4 by the trapezoidal rule on the points of the profile, and well above that of inlet properties.
+    """Mass flux to rounding; the pressure drop against adaptive quadrature of the
+    formula at the local temperature: 1e-4 by the trapezoidal rule on the points of the
+    profile, and well above that of inlet properties.
     """
     hot = {
         "left": {"gas": {"velocity": U, "temperature": 433.0}},
@@ -92,18 +129,32 @@ def test_steam_that_is_heated_speeds_up():
     flux = U * float(fluid.density(433.0))
     rho_u = result.profiles["u [m/s]"] * result.profiles["rho_fluid [kg/m3]"]
     np.testing.assert_allclose(rho_u, flux, rtol=1e-13)
-    np.testing.assert_allclose(result.profiles["rho_fluid [kg/m3]"], fluid.density(T), rtol=1e-13)
+    np.testing.assert_allclose(
+        result.profiles["rho_fluid [kg/m3]"], fluid.density(T), rtol=1e-13
+    )
 
     def gradient(place):
         at = float(np.interp(place, x, T))
         rho, mu = float(fluid.density(at)), float(fluid.viscosity(at))
-        return pressure_gradient_ergun(u=flux / rho + 1e-3, d_p=D, eps=EPS, mu=mu, rho=rho)
+        return pressure_gradient_ergun(
+            u=flux / rho + 1e-3, d_p=D, eps=EPS, mu=mu, rho=rho
+        )
 
-    drag, _ = quad(gradient, 0.0, 1.0, points=list(np.linspace(0.02, 0.98, 49)), limit=400)
-    expansion = flux**2 / EPS**2 * (1.0 / float(fluid.density(T[-1])) - 1.0 / float(fluid.density(T[0])))
+    drag, _ = quad(
+        gradient, 0.0, 1.0, points=list(np.linspace(0.02, 0.98, 49)), limit=400
+    )
+    expansion = (
+        flux**2
+        / EPS**2
+        * (1.0 / float(fluid.density(T[-1])) - 1.0 / float(fluid.density(T[0])))
+    )
     assert result.qoi["pressure_drop_Pa"] == pytest.approx(drag + expansion, rel=1e-4)
     at_inlet = pressure_gradient_ergun(
-        u=U, d_p=D, eps=EPS, mu=float(fluid.viscosity(433.0)), rho=float(fluid.density(433.0))
+        u=U,
+        d_p=D,
+        eps=EPS,
+        mu=float(fluid.viscosity(433.0)),
+        rho=float(fluid.density(433.0)),
     )
     assert result.qoi["pressure_drop_Pa"] > 1.5 * at_inlet
 
@@ -116,8 +167,16 @@ def test_few_positions_do_not_change_the_drop():
 
 
 def test_walls_report_the_pressure_of_the_fluid():
-    """A wide channel with no-slip walls has the gradient of plug flow but for its wall layers, some 2 %."""
-    mesh = {"type": "rectangle", "length": 1.0, "height": 0.2, "cells": [10, 20], "graded": True}
+    """A wide channel with no-slip walls has the gradient of plug flow but for its
+    wall layers, some 2 %.
+    """
+    mesh = {
+        "type": "rectangle",
+        "length": 1.0,
+        "height": 0.2,
+        "cells": [10, 20],
+        "graded": True,
+    }
     sides = {"top": {"type": "no_slip"}, "bottom": {"type": "no_slip"}}
     values = bed(CONSTANT, mesh=mesh)
     values["boundary"] |= sides
@@ -127,19 +186,34 @@ def test_walls_report_the_pressure_of_the_fluid():
 
 
 def test_pressure_between_walls_follows_the_temperature():
-    """A wide heated channel with no-slip walls has the drop of plug flow but for its wall layers, some 2 %; with the
-    properties of the inlet it would be less than half. Mass is conserved to the tolerance of the flow.
+    """A wide heated channel with no-slip walls has the drop of plug flow but for its
+    wall layers, some 2 %; with the properties of the inlet it would be less than half.
+    Mass is conserved to the tolerance of the flow.
     """
-    mesh = {"type": "rectangle", "length": 1.0, "height": 0.2, "cells": [30, 12], "graded": True}
+    mesh = {
+        "type": "rectangle",
+        "length": 1.0,
+        "height": 0.2,
+        "cells": [30, 12],
+        "graded": True,
+    }
     values = bed(STEAM, mesh=mesh)
-    values["boundary"]["right"] = {"solids": {"particles": {"fixed_temperature": 967.0}}}
+    values["boundary"]["right"] = {
+        "solids": {"particles": {"fixed_temperature": 967.0}}
+    }
     values["solids"]["particles"]["conductivity"] = 400.0  # the whole bed is hot
     plug = cb.run(from_dict(values))
     values["boundary"] |= {"top": {"type": "no_slip"}, "bottom": {"type": "no_slip"}}
     walls = cb.run(from_dict(values))
-    assert walls.qoi["pressure_drop_Pa"] == pytest.approx(plug.qoi["pressure_drop_Pa"], rel=0.03)
+    assert walls.qoi["pressure_drop_Pa"] == pytest.approx(
+        plug.qoi["pressure_drop_Pa"], rel=0.03
+    )
     at_inlet = pressure_gradient_ergun(
-        u=U, d_p=D, eps=EPS, mu=float(walls.plan.medium.fluid.viscosity(433.0)), rho=walls.plan.medium.mass_flux_scale()
+        u=U,
+        d_p=D,
+        eps=EPS,
+        mu=float(walls.plan.medium.fluid.viscosity(433.0)),
+        rho=walls.plan.medium.mass_flux_scale(),
     )
     assert walls.qoi["pressure_drop_Pa"] > 1.5 * at_inlet
     assert abs(walls.balances["fluid volume"]["relative_residual"]) < 1e-10
@@ -147,15 +221,26 @@ def test_pressure_between_walls_follows_the_temperature():
 
 
 def channel(cells, conditions, c, inlet, local=None):
-    """Flow through a channel of 1 m by 0.3 m with fields of local properties (expansion, viscosity) of x."""
-    scene = bed(CONSTANT, mesh={"type": "rectangle", "length": 1.0, "height": 0.3, "cells": cells})
+    """Flow through a channel of 1 m by 0.3 m with fields of local properties
+    (expansion, viscosity) of x.
+    """
+    scene = bed(
+        CONSTANT,
+        mesh={"type": "rectangle", "length": 1.0, "height": 0.3, "cells": cells},
+    )
     scene["boundary"] |= {"top": {"type": "no_slip"}}
     mesh = cb.plan(from_dict(scene)).mesh
     space = Space(mesh.skfem, 2)
     x = space.points[0]
-    fields = None if local is None else LocalProperties(space, *(f(x) * np.ones_like(x) for f in local))
+    fields = (
+        None
+        if local is None
+        else LocalProperties(space, *(f(x) * np.ones_like(x) for f in local))
+    )
     roles = {"left": "inlet", "right": "outlet"} | conditions
-    return solve_flow(mesh, c, inlet, roles, Policy(2), tolerance=1e-12, iterations=30, local=fields)
+    return solve_flow(
+        mesh, c, inlet, roles, Policy(2), tolerance=1e-12, iterations=30, local=fields
+    )
 
 
 def constants(density, viscosity):
@@ -163,17 +248,26 @@ def constants(density, viscosity):
 
 
 def test_uniform_local_properties_are_those_of_another_fluid():
-    """Half the density and twice the velocity: the same mass flux, so the flow of that fluid to rounding, 1e-9."""
+    """Half the density and twice the velocity: the same mass flux, so the flow of
+    that fluid to rounding, 1e-9.
+    """
     walls = {"top": "no_slip", "bottom": "slip"}
-    local = channel([12, 8], walls, constants(2.0, 1.0), (0.3, 0.0), (lambda x: 2.0, lambda x: 3e-3))
+    local = channel(
+        [12, 8], walls, constants(2.0, 1.0), (0.3, 0.0), (lambda x: 2.0, lambda x: 3e-3)
+    )
     other = channel([12, 8], walls, constants(1.0, 3e-3), (0.6, 0.0))
     np.testing.assert_allclose(local.expanded, other.velocity, atol=1e-9)
-    np.testing.assert_allclose(local.pressure, other.pressure, rtol=1e-9, atol=1e-9 * np.abs(other.pressure).max())
+    np.testing.assert_allclose(
+        local.pressure,
+        other.pressure,
+        rtol=1e-9,
+        atol=1e-9 * np.abs(other.pressure).max(),
+    )
 
 
 def test_a_fluid_that_expands_along_a_channel_without_walls():
-    """u = U s(x) between slip walls; p is the integral of -G u'/eps^2 + (mu u')'/eps - drag: order 2 or more,
-    as the pressure is linear in a cell.
+    """u = U s(x) between slip walls; p is the integral of -G u'/eps^2 + (mu
+    u')'/eps - drag: order 2 or more, as the pressure is linear in a cell.
     """
     U, rho, c = 0.3, 2.0, constants(2.0, 1.0)
     s, slope, bend = lambda x: 1.0 + x + 0.5 * x**2, lambda x: 1.0 + x, 1.0
@@ -188,35 +282,57 @@ def test_a_fluid_that_expands_along_a_channel_without_walls():
     wanted = -quad(gradient, 0.0, 1.0)[0]
     errors = []
     for cells in (8, 16, 32):
-        flow = channel([cells, 2], {"top": "slip", "bottom": "slip"}, c, (U, 0.0), (s, mu))
+        flow = channel(
+            [cells, 2], {"top": "slip", "bottom": "slip"}, c, (U, 0.0), (s, mu)
+        )
         x = flow.system.fields["p"][0].points[0]
         drop = flow.pressure[x == 0.0].mean() - flow.pressure[x == 1.0].mean()
         errors.append(abs(drop / wanted - 1.0))
-    assert errors[1] < errors[0] / 3.5 and errors[2] < errors[1] / 3.5 and errors[2] < 1e-3
+    assert (
+        errors[1] < errors[0] / 3.5 and errors[2] < errors[1] / 3.5 and errors[2] < 1e-3
+    )
 
 
 def lifting(velocity, **more):
     """Return the warnings of a run about a bed that is lifted, and the plan's text."""
     scene = from_dict(bed(CONSTANT, velocity) | more)
-    return [text for text in cb.run(scene).warnings if "weight of the particles" in text], str(plan(scene))
+    return [
+        text for text in cb.run(scene).warnings if "weight of the particles" in text
+    ], str(plan(scene))
 
 
 def test_a_fluid_that_lifts_the_bed_is_told():
-    """With key and numbers, in plan and run: Ergun's gradient reaches (1 - eps) (rho_s - rho) g at 1.9 m/s."""
+    """With key and numbers, in plan and run: Ergun's gradient reaches (1 - eps)
+    (rho_s - rho) g at 1.9 m/s.
+    """
     weight = (1.0 - EPS) * (2000.0 - 1.2) * 9.81
-    limit = brentq(lambda u: pressure_gradient_ergun(u=u, d_p=D, eps=EPS, mu=1.8e-5, rho=1.2) - weight, 0.1, 10.0)
+    limit = brentq(
+        lambda u: (
+            pressure_gradient_ergun(u=u, d_p=D, eps=EPS, mu=1.8e-5, rho=1.2) - weight
+        ),
+        0.1,
+        10.0,
+    )
     assert lifting(0.99 * limit)[0] == []
     (text,), planned = lifting(1.01 * limit)
     found = pressure_gradient_ergun(u=1.01 * limit, d_p=D, eps=EPS, mu=1.8e-5, rho=1.2)
-    assert f"boundary.left.gas.velocity: the pressure gradient at 433 K, {found:.4g} Pa/m, exceeds the weight" in text
-    assert f"{weight:.4g} Pa/m: if the fluid flows upwards, it fluidizes the bed" in text
+    assert (
+        f"boundary.left.gas.velocity: the pressure gradient at 433 K, {found:.4g} "
+        "Pa/m, exceeds the weight" in text
+    )
+    assert (
+        f"{weight:.4g} Pa/m: if the fluid flows upwards, it fluidizes the bed" in text
+    )
     assert "WARNING" in planned
     assert "if the fluid flows upwards" in planned
 
 
 def test_only_an_upward_flow_lifts_the_bed():
     """A bed that moves descends, and the axis of a round bed points upwards."""
-    gas, solids = {"velocity": 4.0, "temperature": 433.0}, {"particles": {"velocity": 1e-3, "temperature": 967.0}}
+    gas, solids = (
+        {"velocity": 4.0, "temperature": 433.0},
+        {"particles": {"velocity": 1e-3, "temperature": 967.0}},
+    )
     against = {"boundary": {"left": {"gas": gas}, "right": {"solids": solids}}}
     (text,), _ = lifting(4.0, **against)
     assert "the fluid fluidizes the bed" in text
@@ -238,11 +354,22 @@ def test_only_an_upward_flow_lifts_the_bed():
 
 
 def test_particles_as_dense_as_the_fluid_are_held_by_something_else():
-    assert lifting(4.0, solids={"particles": bed(CONSTANT, 4.0)["solids"]["particles"] | {"density": 1.2}})[0] == []
+    assert (
+        lifting(
+            4.0,
+            solids={
+                "particles": bed(CONSTANT, 4.0)["solids"]["particles"]
+                | {"density": 1.2}
+            },
+        )[0]
+        == []
+    )
 
 
 def test_the_hottest_fluid_lifts_first():
-    """At the same mass flux viscosity grows and density falls with temperature; the weight hardly changes."""
+    """At the same mass flux viscosity grows and density falls with temperature; the
+    weight hardly changes.
+    """
     scene = from_dict(bed(STEAM, 2.0))
     made = plan(scene)
     cold, hot = (lifted(made, np.array([T])) for T in (433.0, 967.0))

@@ -1,4 +1,6 @@
-"""A boundary whose surface radiates to surroundings: `emissivity` and `ambient` of a phase."""
+"""A boundary whose surface radiates to surroundings: `emissivity` and `ambient` of a
+phase.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +15,24 @@ from contbed.loading import from_dict
 LENGTH, K_SOLID, EPS, EMISSIVITY, HOT, COLD = 0.1, 2.0, 0.4, 0.7, 1200.0, 300.0
 MESHES = {
     "line": ({"type": "line", "length": LENGTH}, ("left", "right"), 1.0),
-    "plane": ({"type": "rectangle", "length": LENGTH, "height": 0.02, "cells": [8, 2]}, ("left", "right"), 0.02),
+    "plane": (
+        {"type": "rectangle", "length": LENGTH, "height": 0.02, "cells": [8, 2]},
+        ("left", "right"),
+        0.02,
+    ),
     "round": (
         {"type": "axisymmetric", "length": LENGTH, "radius": 0.1, "cells": [2, 8]},
         ("bottom", "top"),
         3.141592653589793 * 0.01,
     ),
     "box": (
-        {"type": "box", "length": LENGTH, "width": 0.02, "height": 0.03, "cells": [6, 1, 1]},
+        {
+            "type": "box",
+            "length": LENGTH,
+            "width": 0.02,
+            "height": 0.03,
+            "cells": [6, 1, 1],
+        },
         ("left", "right"),
         6e-4,
     ),
@@ -28,19 +40,35 @@ MESHES = {
 
 
 def scene(mesh, sides, emissivity=EMISSIVITY, **more):
-    """A bed that conducts from a hot end to one that radiates; the phases do not exchange heat."""
+    """A bed that conducts from a hot end to one that radiates; the phases do not
+    exchange heat.
+    """
     low, high = sides
     fluid = {"fixed_temperature": 500.0}
     return {
         "mesh": mesh,
-        "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
-        "solids": {"particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": K_SOLID, "diameter": 2e-3}},
+        "gas": {
+            "density": 1.0,
+            "heat_capacity": 1000.0,
+            "conductivity": 0.05,
+            "viscosity": 2e-5,
+        },
+        "solids": {
+            "particles": {
+                "density": 2000.0,
+                "heat_capacity": 900.0,
+                "conductivity": K_SOLID,
+                "diameter": 2e-3,
+            }
+        },
         "packed_bed": {"porosity": EPS},
         "closures": {"nusselt": 0.0},
         "heat": {},
         "boundary": {
             low: {"gas": fluid, "solids": {"particles": {"fixed_temperature": HOT}}},
-            high: {"solids": {"particles": {"emissivity": emissivity, "ambient": COLD}}},
+            high: {
+                "solids": {"particles": {"emissivity": emissivity, "ambient": COLD}}
+            },
         },
         **more,
     }
@@ -48,17 +76,27 @@ def scene(mesh, sides, emissivity=EMISSIVITY, **more):
 
 @pytest.mark.parametrize("name", MESHES)
 def test_conduction_to_a_radiating_end_is_exact(name):
-    """k (T0 - T)/L = e sigma (T^4 - Ta^4) at the end, linear between: 1e-9 by Newton; the balance to 1e-10."""
+    """k (T0 - T)/L = e sigma (T^4 - Ta^4) at the end, linear between: 1e-9 by
+    Newton; the balance to 1e-10.
+    """
     mesh, sides, section = MESHES[name]
     k = (1.0 - EPS) * K_SOLID
-    end = brentq(lambda T: k * (HOT - T) / LENGTH - EMISSIVITY * SIGMA * (T**4 - COLD**4), COLD, HOT, xtol=1e-12)
+    end = brentq(
+        lambda T: k * (HOT - T) / LENGTH - EMISSIVITY * SIGMA * (T**4 - COLD**4),
+        COLD,
+        HOT,
+        xtol=1e-12,
+    )
     result = cb.run(from_dict(scene(mesh, sides)))
     T = result.profiles["T_solid [K]"]
     assert T[-1] == pytest.approx(end, rel=1e-9)
     assert T[len(T) // 2] == pytest.approx(
-        HOT + (end - HOT) * next(iter(result.profiles.values()))[len(T) // 2] / LENGTH, rel=1e-9
+        HOT + (end - HOT) * next(iter(result.profiles.values()))[len(T) // 2] / LENGTH,
+        rel=1e-9,
     )
-    assert result.qoi[f"heat_{sides[1]}_W"] == pytest.approx(-section * k * (HOT - end) / LENGTH, rel=1e-8)
+    assert result.qoi[f"heat_{sides[1]}_W"] == pytest.approx(
+        -section * k * (HOT - end) / LENGTH, rel=1e-8
+    )
     assert abs(result.balances["energy"]["relative_residual"]) < 1e-10
 
 

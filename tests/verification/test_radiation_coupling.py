@@ -1,6 +1,8 @@
-"""Radiation beside the two-energy equations: limits, balances, symmetry, temperatures far apart, steps in time.
+"""Radiation beside the two-energy equations: limits, balances, symmetry, temperatures
+far apart, steps in time.
 
-Balances and identities close to 1e-10 of their largest part, as everywhere; other tolerances are stated in each test.
+Balances and identities close to 1e-10 of their largest part, as everywhere; other
+tolerances are stated in each test.
 """
 
 from typing import Any
@@ -33,11 +35,19 @@ def wall(T: float, emissivity: float = 0.8) -> dict[str, float]:
     return {"temperature": T, "emissivity": emissivity}
 
 
-def radiating(mesh: str = "line", *, level: str = "p1", sides: bool = True, **tables: Any) -> dict[str, Any]:
-    """The bed of the balances with solid entering hot, radiating ends, and cold radiating walls along it."""
+def radiating(
+    mesh: str = "line", *, level: str = "p1", sides: bool = True, **tables: Any
+) -> dict[str, Any]:
+    """The bed of the balances with solid entering hot, radiating ends, and cold
+    radiating walls along it.
+    """
     low, high = ends(mesh)
     boundary = {
-        low: {"gas": {"temperature": COLD}, "solids": {"particles": {"temperature": HOT}}, "radiation": wall(HOT)},
+        low: {
+            "gas": {"temperature": COLD},
+            "solids": {"particles": {"temperature": HOT}},
+            "radiation": wall(HOT),
+        },
         high: {"radiation": wall(900.0, 0.5)},
     }
     if sides:
@@ -48,17 +58,29 @@ def radiating(mesh: str = "line", *, level: str = "p1", sides: bool = True, **ta
 
 def posed(values: dict[str, Any]) -> HeatProblem:
     made = plan(from_dict(values))
-    return HeatProblem(made.solved, made.mesh, made.medium, Motion(made.velocity, made.velocity_solid), made.section)
+    return HeatProblem(
+        made.solved,
+        made.mesh,
+        made.medium,
+        Motion(made.velocity, made.velocity_solid),
+        made.section,
+    )
 
 
-def values_at(result: Any, points: np.ndarray, names: tuple[str, ...] = ("T_fluid", "T_solid")) -> np.ndarray:
+def values_at(
+    result: Any, points: np.ndarray, names: tuple[str, ...] = ("T_fluid", "T_solid")
+) -> np.ndarray:
     """Fields at points (dim, n)."""
     probe = Probe(result.plan.mesh, points)
     return np.array([probe(*result.nodal[name]) for name in names])
 
 
-def standing(tau: float, N: float, cells: int = 100, level: str = "p1", **optics: float) -> dict[str, Any]:
-    """A bed at rest between walls at 1000 and 500 K, without exchange: a medium that conducts and radiates."""
+def standing(
+    tau: float, N: float, cells: int = 100, level: str = "p1", **optics: float
+) -> dict[str, Any]:
+    """A bed at rest between walls at 1000 and 500 K, without exchange: a medium that
+    conducts and radiates.
+    """
     k = N * 4.0 * SIGMA * 1000.0**3 / tau
     boundary = {
         side: {
@@ -71,7 +93,10 @@ def standing(tau: float, N: float, cells: int = 100, level: str = "p1", **optics
     values = bed(velocity=0.0, velocity_solid=0.0, boundary=boundary)
     values["closures"] = {"nusselt": 0.0, "conductivity_solids": k}
     values["mesh"] = {"type": "line", "length": 1.0, "cells": cells, "graded": True}
-    return {**values, "radiation": {"level": level, "absorption": tau, "scattering": 0.0, **optics}}
+    return {
+        **values,
+        "radiation": {"level": level, "absorption": tau, "scattering": 0.0, **optics},
+    }
 
 
 # limits
@@ -81,26 +106,45 @@ def standing(tau: float, N: float, cells: int = 100, level: str = "p1", **optics
 @pytest.mark.parametrize("tau", [0.1, 1.0, 10.0])
 @pytest.mark.parametrize("N", [0.01, 1.0])
 def test_without_exchange_it_is_the_medium_alone(level, tau, N):
-    """Heat fluxes as by collocation to 1e-7, what 100 quadratic cells give, and as those of [radiation] alone."""
+    """Heat fluxes as by collocation to 1e-7, what 100 quadratic cells give, and as
+    those of [radiation] alone.
+    """
     values = standing(tau, N, level=level)
     result = closed(run(values))
-    flux = conduction_diffusion(tau, N, 0.5, 0.25 if level == "two_flux" else 1 / 3).total
-    assert result.qoi["heat_left_W"] / (SIGMA * 1000.0**4) == pytest.approx(flux, rel=1e-7)
+    flux = conduction_diffusion(
+        tau, N, 0.5, 0.25 if level == "two_flux" else 1 / 3
+    ).total
+    assert result.qoi["heat_left_W"] / (SIGMA * 1000.0**4) == pytest.approx(
+        flux, rel=1e-7
+    )
     alone = {
         "mesh": values["mesh"],
-        "boundary": {side: {"radiation": table["radiation"]} for side, table in values["boundary"].items()},
-        "radiation": {**values["radiation"], "conductivity": values["closures"]["conductivity_solids"]},
+        "boundary": {
+            side: {"radiation": table["radiation"]}
+            for side, table in values["boundary"].items()
+        },
+        "radiation": {
+            **values["radiation"],
+            "conductivity": values["closures"]["conductivity_solids"],
+        },
     }
     reference = run(alone)
-    assert result.qoi["heat_left_W"] == pytest.approx(reference.qoi["heat_left_W"], rel=1e-7)
+    assert result.qoi["heat_left_W"] == pytest.approx(
+        reference.qoi["heat_left_W"], rel=1e-7
+    )
     x = np.linspace(0.0, 1.0, 23)[None]
     both = ("T_solid", "G")
-    # the quadrature of T^4 differs, [radiation] alone takes two orders more: a few times the error of the cells
-    np.testing.assert_allclose(values_at(result, x, both), values_at(reference, x, both), rtol=1e-7)
+    # the quadrature of T^4 differs, [radiation] alone takes two orders more: a few
+    # times the error of the cells
+    np.testing.assert_allclose(
+        values_at(result, x, both), values_at(reference, x, both), rtol=1e-7
+    )
 
 
 def test_thick_beds_tend_to_the_rosseland_conductivity():
-    """The jump at walls is a mean free path thin: the difference of heat fluxes falls as 1/tau, order 1 to 0.1."""
+    """The jump at walls is a mean free path thin: the difference of heat fluxes
+    falls as 1/tau, order 1 to 0.1.
+    """
     sizes, errors = [1e-2, 5e-3, 2.5e-3], []
     for size in sizes:
         tau = 1.0 / size
@@ -117,11 +161,18 @@ def test_thick_beds_tend_to_the_rosseland_conductivity():
 @pytest.mark.parametrize("mesh", ["line", "triangles", "axisymmetric", "box"])
 @pytest.mark.parametrize("time", [None, {"end": 5e3}], ids=["steady", "time"])
 def test_a_closed_hot_bed_stays_uniform(mesh, time):
-    """Walls are mirrors or as hot as the bed; to the accuracy of the linear solves, 1e-9 K and as much in G."""
+    """Walls are mirrors or as hot as the bed; to the accuracy of the linear solves,
+    1e-9 K and as much in G.
+    """
     values = radiating(mesh)
     low, high = ends(mesh)
-    streams = {"gas": {"temperature": HOT}, "solids": {"particles": {"temperature": HOT}}}
-    values["boundary"] = moving(MESHES[mesh], {low: streams, high: {"radiation": wall(HOT)}}, 0.2, 1e-4)
+    streams = {
+        "gas": {"temperature": HOT},
+        "solids": {"particles": {"temperature": HOT}},
+    }
+    values["boundary"] = moving(
+        MESHES[mesh], {low: streams, high: {"radiation": wall(HOT)}}, 0.2, 1e-4
+    )
     if time is not None:
         values |= {"time": time, "initial": started(HOT, HOT)}
     result = run(values)
@@ -143,7 +194,9 @@ def test_balances_on_a_line(level, velocity_solid):
 
 
 @pytest.mark.parametrize("mesh", [name for name in MESHES if name != "line"])
-@pytest.mark.parametrize("time", [None, {"end": 2e3, "step": 4e2}], ids=["steady", "time"])
+@pytest.mark.parametrize(
+    "time", [None, {"end": 2e3, "step": 4e2}], ids=["steady", "time"]
+)
 def test_balances_on_every_mesh(mesh, time):
     values = radiating(mesh)
     if time is not None:
@@ -172,47 +225,93 @@ def test_balances_with_computed_flow(mesh):
 
 
 SPECIES: dict[str, dict[str, Any]] = {
-    "char": {"volume_share": 1 / 6, "diameter": 0.02, "emissivity": 0.9, "temperature": 1400.0},
-    "limestone": {"volume_share": 1 / 3, "diameter": 0.03, "emissivity": 0.6, "temperature": 1100.0},
+    "char": {
+        "volume_share": 1 / 6,
+        "diameter": 0.02,
+        "emissivity": 0.9,
+        "temperature": 1400.0,
+    },
+    "limestone": {
+        "volume_share": 1 / 3,
+        "diameter": 0.03,
+        "emissivity": 0.6,
+        "temperature": 1100.0,
+    },
     "particles": {"volume_share": 0.5, "diameter": 0.05, "emissivity": 0.8, **SOLID},
 }
 
 
-@pytest.mark.parametrize("time", [None, {"end": 2e3, "step": 4e2}], ids=["steady", "time"])
+@pytest.mark.parametrize(
+    "time", [None, {"end": 2e3, "step": 4e2}], ids=["steady", "time"]
+)
 def test_species_of_given_temperature(time):
-    """What they give off is part of the balance; all species together radiate what leaves through the walls."""
+    """What they give off is part of the balance; all species together radiate what
+    leaves through the walls.
+    """
     values = radiating(radiation={}, solids=SPECIES)
     if time is not None:
         values |= {"time": time, "initial": started(500.0, 1200.0)}
     result = closed(run(values))
     problem = posed(values)
     state = np.concatenate([result.nodal[name][1] for name in problem.system.fields])
-    optics = [1.5 * 0.6 * s["volume_share"] / s["diameter"] / 0.4 * s["emissivity"] for s in SPECIES.values()]
+    optics = [
+        1.5 * 0.6 * s["volume_share"] / s["diameter"] / 0.4 * s["emissivity"]
+        for s in SPECIES.values()
+    ]
     T = [1400.0, 1100.0, None]
 
     def radiated(unknowns: Any, o: Any) -> Any:
         return sum(
-            K * (4.0 * SIGMA * (unknowns.T_solid if given is None else given) ** 4 - unknowns.G)
+            K
+            * (
+                4.0 * SIGMA * (unknowns.T_solid if given is None else given) ** 4
+                - unknowns.G
+            )
             for K, given in zip(optics, T, strict=True)
         )
 
     total = problem.system.integrate(radiated, [problem.system.cells], state)
-    leaving = -sum(flux["radiation"] for name, flux in problem.fluxes(state).items() if name in ("left", "right"))
-    scale = problem.system.integrate(lambda u, o: optics[2] * 4.0 * SIGMA * u.T_solid**4, [problem.system.cells], state)
-    assert abs(total - leaving) <= 1e-10 * scale  # the share of the walls in emission, to the convergence of Newton
+    leaving = -sum(
+        flux["radiation"]
+        for name, flux in problem.fluxes(state).items()
+        if name in ("left", "right")
+    )
+    scale = problem.system.integrate(
+        lambda u, o: optics[2] * 4.0 * SIGMA * u.T_solid**4,
+        [problem.system.cells],
+        state,
+    )
+    # the share of the walls in emission, to the convergence of Newton
+    assert abs(total - leaving) <= 1e-10 * scale
 
 
 def test_species_of_one_temperature_are_one_species():
-    """Three that share the solved temperature, and their optics given directly: the same matrix, 1e-9 K."""
-    free = {name: {k: v for k, v in item.items() if k != "temperature"} for name, item in SPECIES.items()}
-    kappa = {name: 1.5 * 0.6 * item["volume_share"] / item["diameter"] / 0.4 for name, item in free.items()}
+    """Three that share the solved temperature, and their optics given directly: the
+    same matrix, 1e-9 K.
+    """
+    free = {
+        name: {k: v for k, v in item.items() if k != "temperature"}
+        for name, item in SPECIES.items()
+    }
+    kappa = {
+        name: 1.5 * 0.6 * item["volume_share"] / item["diameter"] / 0.4
+        for name, item in free.items()
+    }
     absorption = sum(kappa[name] * item["emissivity"] for name, item in free.items())
     direct = {"absorption": absorption, "scattering": sum(kappa.values()) - absorption}
-    bare = {"particles": {key: value for key, value in free["particles"].items() if key != "emissivity"}}
+    bare = {
+        "particles": {
+            key: value
+            for key, value in free["particles"].items()
+            if key != "emissivity"
+        }
+    }
     one = run(radiating(radiation={}, solids=free))
     other = run(radiating(radiation=direct, solids=bare))
     x = np.linspace(0.0, 1.0, 23)[None]
-    np.testing.assert_allclose(values_at(one, x), values_at(other, x), rtol=0, atol=EQUAL)
+    np.testing.assert_allclose(
+        values_at(one, x), values_at(other, x), rtol=0, atol=EQUAL
+    )
 
 
 # symmetry
@@ -224,7 +323,9 @@ def test_mirrored_bed():
     there = run(values)
     swapped = {"left": values["boundary"]["right"], "right": values["boundary"]["left"]}
     back = run({**values, "boundary": swapped})
-    np.testing.assert_allclose(values_at(there, x), values_at(back, 1.0 - x), rtol=0, atol=EQUAL)
+    np.testing.assert_allclose(
+        values_at(there, x), values_at(back, 1.0 - x), rtol=0, atol=EQUAL
+    )
     G = [values_at(result, at, ("G",)) for result, at in ((there, x), (back, 1.0 - x))]
     np.testing.assert_allclose(*G, rtol=1e-11)
 
@@ -236,12 +337,24 @@ def test_the_axes_of_a_box_are_alike():
         vector = [float(k == axis) for k in range(3)]
         low, high = SIDES[axis]
         boundary = {
-            low: {"gas": {"temperature": COLD}, "solids": {"particles": {"temperature": HOT}}, "radiation": wall(HOT)},
+            low: {
+                "gas": {"temperature": COLD},
+                "solids": {"particles": {"temperature": HOT}},
+                "radiation": wall(HOT),
+            },
             high: {"radiation": wall(900.0)},
             SIDES[(axis + 1) % 3][0]: {"radiation": wall(500.0, 0.4)},
         }
-        mesh = {"type": "box", "length": 0.5, "width": 0.5, "height": 0.5, "cells": [3, 3, 3]}
-        boundary = moving(mesh, boundary, [0.2 * v for v in vector], [1e-4 * v for v in vector])
+        mesh = {
+            "type": "box",
+            "length": 0.5,
+            "width": 0.5,
+            "height": 0.5,
+            "cells": [3, 3, 3],
+        }
+        boundary = moving(
+            mesh, boundary, [0.2 * v for v in vector], [1e-4 * v for v in vector]
+        )
         result = closed(run({**radiating(), "mesh": mesh, "boundary": boundary}))
         found.append(values_at(result, np.roll(points, axis, axis=0)))
     for other in found[1:]:
@@ -253,8 +366,14 @@ def test_one_dimension_stands_for_two_and_three():
     plain = {"solver": {"stabilisation": False}}
     reference = values_at(run(radiating(**plain)), x[None])
     for mesh in ("rectangle", "axisymmetric", "box"):
-        cells = [2, 12] if mesh == "axisymmetric" else [12, *[2] * (len(MESHES[mesh]["cells"]) - 1)]
-        values = radiating(mesh, sides=False, solver={"stabilisation": False, "reduce": False})
+        cells = (
+            [2, 12]
+            if mesh == "axisymmetric"
+            else [12, *[2] * (len(MESHES[mesh]["cells"]) - 1)]
+        )
+        values = radiating(
+            mesh, sides=False, solver={"stabilisation": False, "reduce": False}
+        )
         result = closed(run({**values, "mesh": {**MESHES[mesh], "cells": cells}}))
         across = [np.full_like(x, 0.1)] * (len(cells) - 1)
         at = np.array([*across, x] if mesh == "axisymmetric" else [x, *across])
@@ -262,14 +381,24 @@ def test_one_dimension_stands_for_two_and_three():
 
 
 def test_reciprocity_of_two_walls():
-    """A bed held at a temperature, and walls that differ: what wall 2 absorbs of the power of wall 1 is what wall 1
-    absorbs of the same power of wall 2. The equation for G is linear then; 1e-10 leaves four digits for round-off.
+    """A bed held at a temperature, and walls that differ: what wall 2 absorbs of the
+    power of wall 1 is what wall 1 absorbs of the same power of wall 2. The equation for
+    G is linear then; 1e-10 leaves four digits for round-off.
     """
 
     def absorbed(hot: str, other: str) -> float:
-        boundary = {name: {"radiation": wall(COLD, e)} for name, e in (("left", 0.3), ("top", 0.9), ("right", 0.6))}
+        boundary = {
+            name: {"radiation": wall(COLD, e)}
+            for name, e in (("left", 0.3), ("top", 0.9), ("right", 0.6))
+        }
         values = {
-            "mesh": {"type": "rectangle", "length": 1.0, "height": 0.4, "cells": [8, 4], "shape": "triangle"},
+            "mesh": {
+                "type": "rectangle",
+                "length": 1.0,
+                "height": 0.4,
+                "cells": [8, 4],
+                "shape": "triangle",
+            },
             "radiation": {"absorption": 0.5, "scattering": 2.0, "temperature": COLD},
             "boundary": boundary,
         }
@@ -285,8 +414,17 @@ def test_reciprocity_of_two_walls():
 
 
 GAS = {"model": "cantera", "composition": "N2:0.79, O2:0.21"}
-POLYNOMIAL = {"density": 2000.0, "heat_capacity": [600.0, 0.4], "conductivity": [0.5, 1e-3]}
-MOTIONS = {"at rest": (0.0, 0.0), "gas": (0.5, 0.0), "co-current": (0.5, 1e-3), "counter-current": (0.5, -1e-3)}
+POLYNOMIAL = {
+    "density": 2000.0,
+    "heat_capacity": [600.0, 0.4],
+    "conductivity": [0.5, 1e-3],
+}
+MOTIONS = {
+    "at rest": (0.0, 0.0),
+    "gas": (0.5, 0.0),
+    "co-current": (0.5, 1e-3),
+    "counter-current": (0.5, -1e-3),
+}
 STEPS = 12  # of Newton at most, without continuation, on each mesh
 
 
@@ -300,7 +438,9 @@ def furnace(
     N: float | None = None,
     **tables: Any,
 ) -> dict[str, Any]:
-    """One metre of bed between walls of one temperature, with gas of another; N = k beta/(4 sigma T^3)."""
+    """One metre of bed between walls of one temperature, with gas of another; N = k
+    beta/(4 sigma T^3).
+    """
     velocity, velocity_solid = MOTIONS[motion]
     left: dict[str, Any] = {
         "radiation": wall(walls, emissivity),
@@ -310,18 +450,29 @@ def furnace(
     if velocity_solid:
         end = left if velocity_solid > 0 else right
         end["solids"] = {"particles": {"temperature": gas}}
-    values = bed(velocity=velocity, velocity_solid=velocity_solid, boundary={"left": left, "right": right}, **tables)
+    values = bed(
+        velocity=velocity,
+        velocity_solid=velocity_solid,
+        boundary={"left": left, "right": right},
+        **tables,
+    )
     values |= {
         "mesh": {"type": "line", "length": 1.0},
         "radiation": {"absorption": tau * (1.0 - albedo), "scattering": tau * albedo},
     }
     if N is not None:
-        values["closures"]["conductivity_solids"] = N * 4.0 * SIGMA * max(walls, gas) ** 3 / tau
+        values["closures"]["conductivity_solids"] = (
+            N * 4.0 * SIGMA * max(walls, gas) ** 3 / tau
+        )
     return values
 
 
-def at_once(values: dict[str, Any], monkeypatch: pytest.MonkeyPatch, overshoot: float = 1e-6) -> Any:
-    """Run where continuation is not allowed; bounds of theta hold and no mesh takes more than STEPS of Newton."""
+def at_once(
+    values: dict[str, Any], monkeypatch: pytest.MonkeyPatch, overshoot: float = 1e-6
+) -> Any:
+    """Run where continuation is not allowed; bounds of theta hold and no mesh takes
+    more than STEPS of Newton.
+    """
 
     def refuse(*arguments: Any, **options: Any) -> None:
         raise ConvergenceError("continuation was needed")
@@ -335,7 +486,9 @@ def at_once(values: dict[str, Any], monkeypatch: pytest.MonkeyPatch, overshoot: 
 
 @pytest.mark.parametrize("tau", [0.1, 1.0, 10.0, 400.0])
 @pytest.mark.parametrize("motion", MOTIONS)
-@pytest.mark.parametrize(("walls", "gas"), [(2500.0, 300.0), (300.0, 2500.0), (1000.0, 300.0)])
+@pytest.mark.parametrize(
+    ("walls", "gas"), [(2500.0, 300.0), (300.0, 2500.0), (1000.0, 300.0)]
+)
 def test_cold_starts(tau, motion, walls, gas, monkeypatch):
     for albedo in (0.0, 0.9):
         at_once(furnace(tau, albedo, motion, walls, gas), monkeypatch)
@@ -351,7 +504,9 @@ def test_weak_and_strong_conduction(N, tau, motion, monkeypatch):
 @pytest.mark.parametrize("emissivity", [1e-6, 0.1, 1.0])
 @pytest.mark.parametrize("albedo", [0.0, 1.0 - 1e-9])
 def test_mirrors_and_scattering(emissivity, albedo, monkeypatch):
-    at_once(furnace(10.0, albedo, "gas", 2000.0, 300.0, emissivity=emissivity), monkeypatch)
+    at_once(
+        furnace(10.0, albedo, "gas", 2000.0, 300.0, emissivity=emissivity), monkeypatch
+    )
 
 
 @pytest.mark.parametrize("tau", [1.0, 400.0])
@@ -364,11 +519,31 @@ def test_real_gas_and_solid(tau, motion, walls, gas, monkeypatch):
 
 @pytest.mark.parametrize("degree", [2, 3])
 def test_incident_radiation_may_undershoot(degree, monkeypatch):
-    """Few cells at a hot corner: G falls below 0 on the way and in a few nodes, and temperatures still converge."""
-    values = furnace(160.0, 0.2, "counter-current", 350.0, 300.0, 1.0, solid=POLYNOMIAL, solver={"degree": degree})
-    values["mesh"] = {"type": "rectangle", "length": 1.0, "height": 0.4, "cells": [16, 10], "graded": True}
+    """Few cells at a hot corner: G falls below 0 on the way and in a few nodes, and
+    temperatures still converge.
+    """
+    values = furnace(
+        160.0,
+        0.2,
+        "counter-current",
+        350.0,
+        300.0,
+        1.0,
+        solid=POLYNOMIAL,
+        solver={"degree": degree},
+    )
+    values["mesh"] = {
+        "type": "rectangle",
+        "length": 1.0,
+        "height": 0.4,
+        "cells": [16, 10],
+        "graded": True,
+    }
     values["boundary"]["top"] = {"radiation": wall(2330.0)}
-    assert at_once(values, monkeypatch, overshoot=1e-2).nodal["G"][1].max() <= 4.0 * SIGMA * 2330.0**4
+    assert (
+        at_once(values, monkeypatch, overshoot=1e-2).nodal["G"][1].max()
+        <= 4.0 * SIGMA * 2330.0**4
+    )
 
 
 def test_real_gas_at_rest_with_a_closure_of_the_flow(monkeypatch):
@@ -384,7 +559,13 @@ def radiative_heat(values: dict[str, Any]) -> np.ndarray:
     motion = Motion(made.velocity, made.velocity_solid)
     problem = HeatProblem(made.solved, made.mesh, made.medium, motion, made.section)
     state = np.concatenate([result.nodal[name][1] for name in problem.system.fields])
-    return np.array([flux["radiation"] for flux in problem.fluxes(state).values() if "radiation" in flux])
+    return np.array(
+        [
+            flux["radiation"]
+            for flux in problem.fluxes(state).values()
+            if "radiation" in flux
+        ]
+    )
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
@@ -399,14 +580,17 @@ def test_wall_fluxes_of_a_thick_bed(motion, albedo):
 @pytest.mark.slow
 @pytest.mark.parametrize("motion", ["at rest", "gas"])
 def test_wall_fluxes_of_a_thick_bed_in_the_plane(motion):
-    """Given cells, graded, and a third wall: corners between walls of unlike temperature take more cells than a line.
-    60 x 42 quadratic cells reach 1e-5 of the largest flux.
+    """Given cells, graded, and a third wall: corners between walls of unlike
+    temperature take more cells than a line. 60 x 42 quadratic cells reach 1e-5 of the
+    largest flux.
     """
     values = furnace(400.0, 0.0, motion, 1500.0, 300.0)
     values["boundary"]["top"] = {"radiation": wall(900.0, 0.5)}
     mesh = {"type": "rectangle", "length": 1.0, "height": 0.5, "graded": True}
     found = radiative_heat({**values, "mesh": {**mesh, "cells": [60, 42]}})
-    fine = radiative_heat({**values, "mesh": {**mesh, "cells": [72, 52]}, "solver": {"degree": 3}})
+    fine = radiative_heat(
+        {**values, "mesh": {**mesh, "cells": [72, 52]}, "solver": {"degree": 3}}
+    )
     np.testing.assert_allclose(found, fine, rtol=0, atol=1e-5 * np.abs(fine).max())
 
 
@@ -414,14 +598,25 @@ def test_wall_fluxes_of_a_thick_bed_in_the_plane(motion):
 
 
 def heating(**time: Any) -> dict[str, Any]:
-    """A thin bed at rest that radiating walls heat; starts smoothly, as orders in time ask for."""
-    boundary = {"left": {"radiation": wall(HOT)}, "right": {"radiation": wall(900.0, 0.5)}}
+    """A thin bed at rest that radiating walls heat; starts smoothly, as orders in
+    time ask for.
+    """
+    boundary = {
+        "left": {"radiation": wall(HOT)},
+        "right": {"radiation": wall(900.0, 0.5)},
+    }
     boundary["left"]["gas"] = {"coefficient": 5.0, "ambient": COLD}
     values = bed(velocity=0.0, velocity_solid=0.0, boundary=boundary)
-    values |= {"radiation": {"absorption": 1.5, "scattering": 0.5}, "mesh": {**MESHES["line"], "cells": 8}}
+    values |= {
+        "radiation": {"absorption": 1.5, "scattering": 0.5},
+        "mesh": {**MESHES["line"], "cells": 8},
+    }
     return {
         **values,
-        "initial": {"gas": {"temperature": 500.0}, "solids": {"particles": {"temperature": 500.0}}},
+        "initial": {
+            "gas": {"temperature": 500.0},
+            "solids": {"particles": {"temperature": 500.0}},
+        },
         "time": {"end": 4e3, **time},
     }
 
@@ -441,7 +636,10 @@ def last(values: dict[str, Any], steps: int | None = None) -> np.ndarray:
     low, high = problem.T_span
     step = None if steps is None else time["end"] / steps
     tolerance = time.get("tolerance", 1e-4)
-    start, options = problem.begin(policy), {"tolerance": tolerance, "span": high - low, "step": step}
+    start, options = (
+        problem.begin(policy),
+        {"tolerance": tolerance, "span": high - low, "step": step},
+    )
     *_, final = march(problem, start, time["end"], policy, **options)
     return final.states[-1] * problem.weights
 
@@ -456,12 +654,16 @@ def test_steps_are_of_second_order():
 
 @pytest.mark.slow
 def test_the_error_of_a_step_is_controlled():
-    """The tolerance bounds the error of one step; over the run it adds up to less than ten times as much."""
+    """The tolerance bounds the error of one step; over the run it adds up to less
+    than ten times as much.
+    """
     reference = last(heating(tolerance=1e-7))
     problem = posed(heating())
     low, high = problem.T_span
     for tolerance in (1e-3, 1e-4):
-        error = np.abs(last(heating(tolerance=tolerance)) - reference).max() / (high - low)
+        error = np.abs(last(heating(tolerance=tolerance)) - reference).max() / (
+            high - low
+        )
         assert error <= 10 * tolerance
 
 
@@ -469,7 +671,9 @@ def test_the_end_of_a_long_run_is_the_steady_state():
     slow = run(heating(end=1e8, tolerance=1e-3))
     steady = run({key: table for key, table in heating().items() if key != "time"})
     for name, rtol in (("T_fluid", 1e-8), ("T_solid", 1e-8), ("G", 1e-7)):
-        np.testing.assert_allclose(slow.nodal[name][1], steady.nodal[name][1], rtol=rtol)
+        np.testing.assert_allclose(
+            slow.nodal[name][1], steady.nodal[name][1], rtol=rtol
+        )
 
 
 def test_a_restart_repeats_the_same_numbers(tmp_path):
@@ -493,12 +697,19 @@ def test_a_restart_repeats_the_same_numbers(tmp_path):
 
 
 def species_bed(level="p1", **radiation):
-    """Gas through ore at the temperature of the bed beside coke at 1173.15 K; the wall at the outlet is 1300 K hot."""
+    """Gas through ore at the temperature of the bed beside coke at 1173.15 K; the
+    wall at the outlet is 1300 K hot.
+    """
     kind = {"volume_share": 0.5, "diameter": "8 mm", "emissivity": 0.8}
     ore = kind | {"density": 2000.0, "heat_capacity": 800.0, "conductivity": 1.0}
     return {
         "mesh": {"type": "line", "length": 0.5},
-        "gas": {"density": 1.0, "viscosity": 2e-5, "heat_capacity": 1000.0, "conductivity": 0.05},
+        "gas": {
+            "density": 1.0,
+            "viscosity": 2e-5,
+            "heat_capacity": 1000.0,
+            "conductivity": 0.05,
+        },
         "solids": {"ore": ore, "coke": kind | {"temperature": "900 degC"}},
         "packed_bed": {"porosity": 0.4},
         "closures": {"nusselt": "wakao_kaguei"},
@@ -506,13 +717,18 @@ def species_bed(level="p1", **radiation):
         "radiation": {"level": level, **radiation},
         "boundary": {
             "left": {"gas": {"velocity": 0.5, "temperature": 573.15}},
-            "right": {"radiation": {"temperature": 1300.0}, "solids": {"ore": {"fixed_temperature": 1300.0}}},
+            "right": {
+                "radiation": {"temperature": 1300.0},
+                "solids": {"ore": {"fixed_temperature": 1300.0}},
+            },
         },
     }
 
 
 def test_heat_of_species_is_a_result():
-    """What the boundaries and the coke supply adds up to nothing, to the balance of 1e-10."""
+    """What the boundaries and the coke supply adds up to nothing, to the balance of
+    1e-10.
+    """
     heats = cb.run(from_dict(species_bed())).qoi
     found = [heats[f"heat_{name}_W"] for name in ("left", "right", "species")]
     assert abs(sum(found)) < 1e-9 * max(map(abs, found))
@@ -520,11 +736,18 @@ def test_heat_of_species_is_a_result():
 
 
 def test_rosseland_has_no_species_of_its_own_temperature():
-    """It would leave their heat out: a mistake where it is asked for, and never chosen in place of P1."""
-    with pytest.raises(SceneError, match=r"solids\.coke\.temperature.*the temperature of the solid"):
+    """It would leave their heat out: a mistake where it is asked for, and never
+    chosen in place of P1.
+    """
+    with pytest.raises(
+        SceneError, match=r"solids\.coke\.temperature.*the temperature of the solid"
+    ):
         from_dict(species_bed("rosseland"))
     values = species_bed(allow_rosseland=True)
     values["solids"]["ore"]["diameter"] = values["solids"]["coke"]["diameter"] = 1e-4
     result = cb.run(from_dict(values))
     assert result.plan.solved.radiation.level == "p1"
-    assert any("Rosseland has no solids of given temperature" in text for _, text in result.plan.built)
+    assert any(
+        "Rosseland has no solids of given temperature" in text
+        for _, text in result.plan.built
+    )

@@ -1,6 +1,8 @@
-"""Radiation alone at every level: wall layers of thick beds, limits, symmetry, reciprocity, and Rosseland by plan.
+"""Radiation alone at every level: wall layers of thick beds, limits, symmetry,
+reciprocity, and Rosseland by plan.
 
-References come from studies._exact or from solutions on finer meshes; balances close to 1e-10 of their largest part.
+References come from studies._exact or from solutions on finer meshes; balances close to
+1e-10 of their largest part.
 """
 
 from typing import Any
@@ -27,20 +29,36 @@ def wall(T: float, emissivity: float = 1.0) -> dict[str, float]:
     return {"temperature": T, "emissivity": emissivity}
 
 
-def slab(level: str, tau: float, left: Any, right: Any, albedo: float = 0.0, **radiation: Any) -> dict[str, Any]:
-    """A medium of thickness 1 m between two boundaries, None is a mirror; 4 + 4 ordinates unless others are given."""
+def slab(
+    level: str, tau: float, left: Any, right: Any, albedo: float = 0.0, **radiation: Any
+) -> dict[str, Any]:
+    """A medium of thickness 1 m between two boundaries, None is a mirror; 4 + 4
+    ordinates unless others are given.
+    """
     radiation = ({"ordinates": 4} if level == "ordinates" else {}) | radiation
     ends = {"left": left, "right": right}
     return {
         "mesh": {"type": "line", "length": 1.0},
-        "radiation": {"level": level, "absorption": tau * (1 - albedo), "scattering": tau * albedo, **radiation},
-        "boundary": {name: {"radiation": table} for name, table in ends.items() if table is not None},
+        "radiation": {
+            "level": level,
+            "absorption": tau * (1 - albedo),
+            "scattering": tau * albedo,
+            **radiation,
+        },
+        "boundary": {
+            name: {"radiation": table}
+            for name, table in ends.items()
+            if table is not None
+        },
     }
 
 
 def run(values: dict[str, Any]) -> cb.Result:
     result = cb.run(from_dict(values))
-    assert all(abs(balance["relative_residual"]) < 1e-10 for balance in result.balances.values())
+    assert all(
+        abs(balance["relative_residual"]) < 1e-10
+        for balance in result.balances.values()
+    )
     return result
 
 
@@ -63,27 +81,47 @@ def test_wall_flux_of_thick_and_thin_beds(tau, albedo):
         result = run(slab(level, tau, COLD, COLD, albedo, temperature=1000.0))
         assert result.plan.mesh.skfem.nelements < 300
         if level == "ordinates":
-            expected = solve_ordinates(fine, 1 - albedo, albedo, 1 - albedo, Wall(0.0), Wall(0.0), degree=4).q[-1]
+            expected = solve_ordinates(
+                fine, 1 - albedo, albedo, 1 - albedo, Wall(0.0), Wall(0.0), degree=4
+            ).q[-1]
         else:
             expected = isothermal_body("slab", tau, DIFFUSION[level], albedo)
-        assert -result.qoi["heat_right_W"] == pytest.approx(expected * SIGMA * 1e12, rel=1e-6)
+        assert -result.qoi["heat_right_W"] == pytest.approx(
+            expected * SIGMA * 1e12, rel=1e-6
+        )
 
 
 @pytest.mark.parametrize("level", ["two_flux", "p1"])
-@pytest.mark.parametrize(("tau", "N"), [(400.0, 0.001), (400.0, 1.0), (100.0, 0.01), (0.01, 0.01)])
+@pytest.mark.parametrize(
+    ("tau", "N"), [(400.0, 0.001), (400.0, 1.0), (100.0, 0.01), (0.01, 0.01)]
+)
 def test_conducting_beds(level, tau, N):
-    result = run(slab(level, tau, wall(1000.0), wall(500.0), conductivity=conductivity(N, tau)))
+    result = run(
+        slab(level, tau, wall(1000.0), wall(500.0), conductivity=conductivity(N, tau))
+    )
     expected = conduction_diffusion(tau, N, 0.5, DIFFUSION[level]).total
     assert result.qoi["flux_over_emissive_power"] == pytest.approx(expected, rel=1e-8)
 
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_temperatures_a_factor_of_ten_apart(level):
-    """From one uniform temperature, thin to thick, with little conduction; the hot wall at 2500 K."""
+    """From one uniform temperature, thin to thick, with little conduction; the hot
+    wall at 2500 K.
+    """
     for tau in (0.1, 10.0, 400.0):
-        result = run(slab(level, tau, wall(2500.0), wall(250.0), conductivity=conductivity(0.01, tau)))
+        result = run(
+            slab(
+                level,
+                tau,
+                wall(2500.0),
+                wall(250.0),
+                conductivity=conductivity(0.01, tau),
+            )
+        )
         T = result.profiles["T_solid [K]"]
-        assert T[0] == 2500.0 and T[-1] == pytest.approx(250.0) and np.all(np.diff(T) < 0)
+        assert (
+            T[0] == 2500.0 and T[-1] == pytest.approx(250.0) and np.all(np.diff(T) < 0)
+        )
 
 
 # limits
@@ -92,7 +130,9 @@ def test_temperatures_a_factor_of_ten_apart(level):
 @pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("emissivity", [(1.0, 1.0), (0.5, 0.01), (1e-6, 1.0)])
 def test_transparent_medium(level, emissivity):
-    result = run(slab(level, 1e-5, wall(1000.0, emissivity[0]), wall(500.0, emissivity[1])))
+    result = run(
+        slab(level, 1e-5, wall(1000.0, emissivity[0]), wall(500.0, emissivity[1]))
+    )
     expected = 1.0 / (1.0 / emissivity[0] + 1.0 / emissivity[1] - 1.0)
     assert result.qoi["flux_dimensionless"] == pytest.approx(expected, rel=2e-5)
 
@@ -101,7 +141,11 @@ def test_one_ordinate_is_two_flux():
     for right in (wall(500.0, 0.4), COLD):
         for extra in ({}, {"temperature": 800.0}, {"conductivity": 5.0}):
             fluxes = [
-                run(slab(level, 3.0, wall(1000.0, 0.7), right, 0.3, ordinates=1, **extra)).qoi["heat_left_W"]
+                run(
+                    slab(
+                        level, 3.0, wall(1000.0, 0.7), right, 0.3, ordinates=1, **extra
+                    )
+                ).qoi["heat_left_W"]
                 for level in ("two_flux", "ordinates")
             ]
             assert fluxes[1] == pytest.approx(fluxes[0], rel=1e-6)
@@ -113,7 +157,9 @@ def test_degrees(level, degree):
     values = slab(level, 2.0, wall(1000.0), wall(600.0), 0.2, conductivity=3.0)
     expected = run(values | {"solver": {"degree": 3, "tolerance": 1e-7}})
     found = run(values | {"solver": {"degree": degree}})
-    assert found.qoi["heat_left_W"] == pytest.approx(expected.qoi["heat_left_W"], rel=1e-5 if degree == 1 else 1e-6)
+    assert found.qoi["heat_left_W"] == pytest.approx(
+        expected.qoi["heat_left_W"], rel=1e-5 if degree == 1 else 1e-6
+    )
     at = expected.profiles["x [m]"]
     for name in ("T_solid [K]", "G [W/m2]"):
         got = np.interp(at, found.profiles["x [m]"], found.profiles[name])
@@ -121,31 +167,54 @@ def test_degrees(level, degree):
 
 
 def test_species_of_given_temperature_among_others():
-    """What neither conducts nor has a temperature emits what it absorbs: scattering to the rest."""
+    """What neither conducts nor has a temperature emits what it absorbs: scattering
+    to the rest.
+    """
     values = slab("p1", 5.0, COLD, COLD)
-    hot = {"volume_share": 1 / 3, "diameter": 0.1, "emissivity": 1.0, "temperature": 1200.0}
+    hot = {
+        "volume_share": 1 / 3,
+        "diameter": 0.1,
+        "emissivity": 1.0,
+        "temperature": 1200.0,
+    }
     passive = {"volume_share": 2 / 3, "diameter": 0.2, "emissivity": 0.7}
     for level in LEVELS:
         values["radiation"] = {"level": level, "correction": "independent"}
-        values |= {"solids": {"hot": hot, "other": passive}, "packed_bed": {"porosity": 0.7}}
+        values |= {
+            "solids": {"hot": hot, "other": passive},
+            "packed_bed": {"porosity": 0.7},
+        }
         values["radiation"] |= {"ordinates": 4} if level == "ordinates" else {}
         mixed = run(values).qoi["heat_left_W"]
-        direct = slab(level, 1.0, COLD, COLD, temperature=1200.0) | {"mesh": values["mesh"]}
+        direct = slab(level, 1.0, COLD, COLD, temperature=1200.0) | {
+            "mesh": values["mesh"]
+        }
         direct["radiation"] |= {"absorption": 1.5, "scattering": 1.5}
         assert mixed == pytest.approx(run(direct).qoi["heat_left_W"], rel=1e-6)
 
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_species_have_the_temperature_of_the_medium_unless_they_have_their_own(level):
-    """Two species are the particles of the bed, cut in two; between mirrors all is as hot as the only one given."""
+    """Two species are the particles of the bed, cut in two; between mirrors all is
+    as hot as the only one given.
+    """
     sand = {"diameter": 0.1, "emissivity": 0.8}
     parts = {"a": sand | {"volume_share": 1 / 3}, "b": sand | {"volume_share": 2 / 3}}
-    bed = {"packed_bed": {"porosity": 0.7}, "radiation": {"level": level, "temperature": 1200.0}}
+    bed = {
+        "packed_bed": {"porosity": 0.7},
+        "radiation": {"level": level, "temperature": 1200.0},
+    }
     one = slab(level, 1.0, COLD, wall(900.0)) | bed | {"solids": {"sand": sand}}
     two = slab(level, 1.0, COLD, wall(900.0)) | bed | {"solids": parts}
-    assert run(two).qoi["heat_left_W"] == pytest.approx(run(one).qoi["heat_left_W"], rel=1e-12)
+    assert run(two).qoi["heat_left_W"] == pytest.approx(
+        run(one).qoi["heat_left_W"], rel=1e-12
+    )
     parts["a"]["temperature"] = 1300.0
-    closed = slab(level, 1.0, None, None) | bed | {"solids": parts, "radiation": {"level": level}}
+    closed = (
+        slab(level, 1.0, None, None)
+        | bed
+        | {"solids": parts, "radiation": {"level": level}}
+    )
     found = run(closed).profiles
     assert found["T_solid [K]"] == pytest.approx(1300.0, rel=1e-9)
     assert found["G [W/m2]"] == pytest.approx(4.0 * SIGMA * 1300.0**4, rel=1e-9)
@@ -163,34 +232,56 @@ def test_anisotropy_is_the_transport_coefficient(level):
 # symmetry and reciprocity
 
 
-MEDIA = {"equilibrium": {}, "given": {"temperature": 700.0}, "conducts": {"conductivity": 4.0}}
+MEDIA = {
+    "equilibrium": {},
+    "given": {"temperature": 700.0},
+    "conducts": {"conductivity": 4.0},
+}
 
 
 @pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("medium", MEDIA.values(), ids=MEDIA)
 def test_mirrored(level, medium):
-    """Exchanging the walls exchanges the heat; a mirror in the middle of a symmetric bed changes nothing."""
+    """Exchanging the walls exchanges the heat; a mirror in the middle of a symmetric
+    bed changes nothing.
+    """
     ends = wall(1200.0, 0.4), wall(600.0, 0.9)
-    there, back = (run(slab(level, 3.0, *pair, 0.3, **medium)).qoi for pair in (ends, ends[::-1]))
+    there, back = (
+        run(slab(level, 3.0, *pair, 0.3, **medium)).qoi for pair in (ends, ends[::-1])
+    )
     assert back["heat_left_W"] == pytest.approx(there["heat_right_W"], rel=1e-9)
     assert back["heat_right_W"] == pytest.approx(there["heat_left_W"], rel=1e-9)
     if "temperature" in medium:
         whole = run(slab(level, 3.0, ends[0], ends[0], 0.3, **medium)).qoi
         half = slab(level, 3.0, ends[0], None, 0.3, **medium)
         half["mesh"] = {"type": "line", "length": 0.5}
-        assert run(half).qoi["heat_left_W"] == pytest.approx(whole["heat_left_W"], rel=1e-7)
+        assert run(half).qoi["heat_left_W"] == pytest.approx(
+            whole["heat_left_W"], rel=1e-7
+        )
 
 
 def test_walls_of_a_rectangle_exchange_alike():
-    """What one side sends to another through a cold medium the other sends back, of different length and emissivity."""
+    """What one side sends to another through a cold medium the other sends back, of
+    different length and emissivity.
+    """
     mesh = {"type": "rectangle", "length": 1.0, "height": 0.4, "cells": [24, 16]}
 
     def through(hot: str, cold: str) -> float:
         emissivity = {"left": 0.3, "top": 0.8, "right": 1.0, "bottom": 0.6}
-        tables = {side: wall(1000.0 if side == hot else 1e-3, e) for side, e in emissivity.items()}
-        radiation = {"level": "p1", "absorption": 0.7, "scattering": 2.0, "temperature": 1e-3}
+        tables = {
+            side: wall(1000.0 if side == hot else 1e-3, e)
+            for side, e in emissivity.items()
+        }
+        radiation = {
+            "level": "p1",
+            "absorption": 0.7,
+            "scattering": 2.0,
+            "temperature": 1e-3,
+        }
         boundary = {side: {"radiation": table} for side, table in tables.items()}
-        return -run({"mesh": mesh, "radiation": radiation, "boundary": boundary}).qoi[f"heat_{cold}_W"]
+        return -run({"mesh": mesh, "radiation": radiation, "boundary": boundary}).qoi[
+            f"heat_{cold}_W"
+        ]
 
     assert through("left", "top") == pytest.approx(through("top", "left"), rel=1e-11)
 
@@ -199,7 +290,9 @@ def test_walls_of_a_rectangle_exchange_alike():
 def test_isothermal_enclosure(level):
     """Everything at one temperature: no heat, G = 4 sigma T^4."""
     values = slab(level, 7.0, wall(900.0, 0.3), wall(900.0, 0.8), 0.5, conductivity=2.0)
-    profiles = cb.run(from_dict(values | {"solver": {"balance_tolerance": 2.0}})).profiles
+    profiles = cb.run(
+        from_dict(values | {"solver": {"balance_tolerance": 2.0}})
+    ).profiles
     assert profiles["T_solid [K]"] == pytest.approx(900.0, rel=1e-12)
     assert profiles["G [W/m2]"] == pytest.approx(4.0 * SIGMA * 900.0**4, rel=1e-11)
     assert profiles["q_radiation [W/m2]"] == pytest.approx(0.0, abs=1e-5)
@@ -211,9 +304,19 @@ def test_isothermal_enclosure(level):
 def test_a_conducting_medium_by_rosseland():
     """Exact for its equation: q tau = 4 N (1 - theta) + 4/3 (1 - theta^4)."""
     for tau, N in ((400.0, 0.01), (1.0, 1.0)):
-        result = run(slab("rosseland", tau, wall(1000.0), wall(500.0), conductivity=conductivity(N, tau)))
+        result = run(
+            slab(
+                "rosseland",
+                tau,
+                wall(1000.0),
+                wall(500.0),
+                conductivity=conductivity(N, tau),
+            )
+        )
         expected = (4.0 * N * 0.5 + 4.0 / 3.0 * (1.0 - 0.5**4)) / tau
-        assert result.qoi["flux_over_emissive_power"] == pytest.approx(expected, rel=1e-9)
+        assert result.qoi["flux_over_emissive_power"] == pytest.approx(
+            expected, rel=1e-9
+        )
 
 
 def test_every_level_tends_to_rosseland():
@@ -221,7 +324,9 @@ def test_every_level_tends_to_rosseland():
     for tau in (50.0, 200.0, 800.0):
         k = conductivity(0.1, tau)
         fluxes = [
-            run(slab(level, tau, wall(1000.0), wall(500.0), conductivity=k)).qoi["heat_left_W"]
+            run(slab(level, tau, wall(1000.0), wall(500.0), conductivity=k)).qoi[
+                "heat_left_W"
+            ]
             for level in ("rosseland", "p1", "ordinates")
         ]
         errors.append(np.abs(np.array(fluxes[1:]) / fluxes[0] - 1.0))
@@ -232,27 +337,41 @@ def test_every_level_tends_to_rosseland():
 
 @pytest.mark.parametrize("heated", [False, True], ids=["alone", "with heat"])
 def test_thin_beds_by_rosseland_are_told(heated):
-    """The warning gives the error against P1 in a medium that hardly conducts, to 5 % of it for what conducts."""
+    """The warning gives the error against P1 in a medium that hardly conducts, to 5
+    % of it for what conducts.
+    """
     for tau, told in ((3.0, True), (300.0, False)):
         values = {level: bed(tau, level, heated) for level in ("rosseland", "p1")}
         if not heated:
             for each in values.values():
                 each["radiation"]["conductivity"] = conductivity(1e-4, tau)
         found = {level: run(each) for level, each in values.items()}
-        warnings = [text for text in found["rosseland"].warnings if "too thin; use p1" in text]
-        assert len(warnings) == told and not any("thin" in text for text in found["p1"].warnings)
+        warnings = [
+            text for text in found["rosseland"].warnings if "too thin; use p1" in text
+        ]
+        assert len(warnings) == told and not any(
+            "thin" in text for text in found["p1"].warnings
+        )
         if told and not heated:
             stated = 0.01 * float(warnings[0].split("about ")[1].split(" %")[0])
-            error = found["rosseland"].qoi["heat_left_W"] / found["p1"].qoi["heat_left_W"] - 1.0
+            error = (
+                found["rosseland"].qoi["heat_left_W"] / found["p1"].qoi["heat_left_W"]
+                - 1.0
+            )
             assert stated == pytest.approx(error, rel=0.05)
 
 
 @pytest.mark.parametrize("level", ["p1", "two_flux"])
 @pytest.mark.parametrize("heated", [False, True], ids=["alone", "with heat"])
 def test_plan_chooses_rosseland(level, heated):
-    """Where it is allowed and thick; the error that plan states bounds the difference from P1."""
+    """Where it is allowed and thick; the error that plan states bounds the
+    difference from P1.
+    """
     for tau, chosen in ((20.0, False), (300.0, True)):
-        results = {allowed: run(bed(tau, level, heated, allow_rosseland=allowed)) for allowed in (False, True)}
+        results = {
+            allowed: run(bed(tau, level, heated, allow_rosseland=allowed))
+            for allowed in (False, True)
+        }
         why = dict(results[True].plan.built)["radiation"]
         assert ("Rosseland limit" in why) == chosen and "allowed 1 %" in why
         assert why in str([item["why"] for item in results[True].summary["built"]])
@@ -260,24 +379,44 @@ def test_plan_chooses_rosseland(level, heated):
         assert results[True].plan.scene.radiation.level == level
         if level == "p1":
             stated = 0.01 * float(why.split("error of Rosseland ")[1].split(" %")[0])
-            difference = results[True].qoi["heat_left_W"] / results[False].qoi["heat_left_W"] - 1.0
+            difference = (
+                results[True].qoi["heat_left_W"] / results[False].qoi["heat_left_W"]
+                - 1.0
+            )
             assert abs(difference) < 1.05 * stated if chosen else difference == 0.0
         if chosen and heated:
             assert results[True].plan.unknowns().get("radiation") is None
 
 
 def bed(tau: float, level: str, heated: bool, **radiation: Any) -> dict[str, Any]:
-    """A slab that conducts, or a packed bed with gas at rest, between walls at 1400 K and 700 K."""
+    """A slab that conducts, or a packed bed with gas at rest, between walls at 1400
+    K and 700 K.
+    """
     values = slab(level, tau, wall(1400.0), wall(700.0), 0.2, **radiation)
     if not heated:
         values["radiation"]["conductivity"] = 1.0
         return values
     for name, T in (("left", 1400.0), ("right", 700.0)):
-        values["boundary"][name] |= {"gas": {"fixed_temperature": T}, "solids": {"particles": {"fixed_temperature": T}}}
-    gas = {"density": 1.0, "viscosity": 3e-5, "heat_capacity": 1100.0, "conductivity": 0.06}
+        values["boundary"][name] |= {
+            "gas": {"fixed_temperature": T},
+            "solids": {"particles": {"fixed_temperature": T}},
+        }
+    gas = {
+        "density": 1.0,
+        "viscosity": 3e-5,
+        "heat_capacity": 1100.0,
+        "conductivity": 0.06,
+    }
     return values | {
         "gas": {"model": "constant", **gas},
-        "solids": {"particles": {"density": 2500.0, "heat_capacity": 900.0, "conductivity": 1.5, "diameter": 0.005}},
+        "solids": {
+            "particles": {
+                "density": 2500.0,
+                "heat_capacity": 900.0,
+                "conductivity": 1.5,
+                "diameter": 0.005,
+            }
+        },
         "packed_bed": {"porosity": 0.4},
         "closures": {"nusselt": 5.0},
         "heat": {},
@@ -287,8 +426,16 @@ def bed(tau: float, level: str, heated: bool, **radiation: Any) -> dict[str, Any
 @pytest.mark.parametrize(
     ("sides", "walls", "tau"),
     [
-        ({"type": "rectangle", "length": 2.0, "height": 0.5}, {"top": 0.5, "bottom": 0.5}, 50.0),
-        ({"type": "rectangle", "length": 2.0, "height": 0.5}, {"left": 0.5, "right": 0.5}, 200.0),
+        (
+            {"type": "rectangle", "length": 2.0, "height": 0.5},
+            {"top": 0.5, "bottom": 0.5},
+            50.0,
+        ),
+        (
+            {"type": "rectangle", "length": 2.0, "height": 0.5},
+            {"left": 0.5, "right": 0.5},
+            200.0,
+        ),
         ({"type": "axisymmetric", "length": 2.0, "radius": 0.25}, {"wall": 0.5}, 50.0),
     ],
 )
@@ -304,16 +451,33 @@ def test_accuracy_decides_on_rosseland(factor, level):
     values = bed(300.0, "p1", heated=True, allow_rosseland=True)
     scene = from_dict(values)
     error = estimate(scene, scene.mesh)
-    found = cb.plan(from_dict({**values, "solver": {**values.get("solver", {}), "accuracy": factor * error}}))
+    found = cb.plan(
+        from_dict(
+            {
+                **values,
+                "solver": {**values.get("solver", {}), "accuracy": factor * error},
+            }
+        )
+    )
     assert found.solved.radiation.level == level
-    assert f"predicted error of Rosseland {100 * error:.2g} %, allowed {100 * factor * error:g} %" in str(found)
+    assert (
+        f"predicted error of Rosseland {100 * error:.2g} %, allowed "
+        f"{100 * factor * error:g} %" in str(found)
+    )
     # a level is left to the plan only where the scene allows it
     del values["radiation"]["allow_rosseland"]
-    assert cb.plan(from_dict({**values, "solver": {"accuracy": 0.5}})).solved.radiation.level == "p1"
+    assert (
+        cb.plan(
+            from_dict({**values, "solver": {"accuracy": 0.5}})
+        ).solved.radiation.level
+        == "p1"
+    )
 
 
 def test_rosseland_is_not_chosen_where_walls_stand_apart():
-    """A wall that radiates to a solid of another temperature needs an equation for G."""
+    """A wall that radiates to a solid of another temperature needs an equation for
+    G.
+    """
     values = bed(300.0, "p1", heated=True, allow_rosseland=True)
     values["boundary"]["left"]["solids"] = {"particles": {"fixed_temperature": 1300.0}}
     assert "needs conduction and the solid at the temperature" in str(run(values).plan)
@@ -321,23 +485,33 @@ def test_rosseland_is_not_chosen_where_walls_stand_apart():
 
 @pytest.mark.parametrize("velocity", [1e-4, -1e-3])
 def test_rosseland_is_not_chosen_where_solids_move(velocity):
-    """What walls give to a moving bed is off by 1.6 % at 0.1 mm/s and 5.6 % at 1 mm/s, where a bed at rest errs by less
-    than 1 %: the equation for G stays, and the plan says why.
+    """What walls give to a moving bed is off by 1.6 % at 0.1 mm/s and 5.6 % at 1 mm/s,
+    where a bed at rest errs by less than 1 %: the equation for G stays, and the plan
+    says why.
     """
     values = bed(300.0, "p1", heated=True, allow_rosseland=True)
     assert "predicted error of Rosseland" in str(cb.plan(from_dict(values)))
     entry = "left" if velocity > 0 else "right"
-    solids = values["boundary"][entry].get("solids", {"particles": {"fixed_temperature": 900.0}})
-    values["boundary"][entry]["solids"] = {"particles": solids["particles"] | {"velocity": abs(velocity)}}
+    solids = values["boundary"][entry].get(
+        "solids", {"particles": {"fixed_temperature": 900.0}}
+    )
+    values["boundary"][entry]["solids"] = {
+        "particles": solids["particles"] | {"velocity": abs(velocity)}
+    }
     plan = cb.plan(from_dict(values))
     assert plan.solved.radiation.level == "p1"
     assert "not estimated where the solids move" in str(plan)
     values["radiation"]["level"] = "rosseland"
     for name in values["boundary"]:
-        fixed = {"fixed_temperature": values["boundary"][name]["radiation"]["temperature"]}
+        fixed = {
+            "fixed_temperature": values["boundary"][name]["radiation"]["temperature"]
+        }
         moves = {"velocity": abs(velocity)} if name == entry else {}
         values["boundary"][name]["solids"] = {"particles": fixed | moves}
-    assert any("its error is not estimated where the solids move" in text for text in from_dict(values).warnings)
+    assert any(
+        "its error is not estimated where the solids move" in text
+        for text in from_dict(values).warnings
+    )
 
 
 @pytest.mark.parametrize(
@@ -371,13 +545,17 @@ def test_equilibrium_by_every_level_at_any_albedo():
         for albedo in (0.0, 1.0 - 1e-9, 1.0):
             result = run(slab(level, 50.0, wall(1000.0, 0.7), wall(300.0, 0.2), albedo))
             expected = equilibrium_flux(50.0, D, (0.7, 0.2))
-            assert result.qoi["flux_dimensionless"] == pytest.approx(expected, rel=1e-10)
+            assert result.qoi["flux_dimensionless"] == pytest.approx(
+                expected, rel=1e-10
+            )
 
 
 @pytest.mark.parametrize(("shape", "unit"), [("line", "W/m2"), ("rectangle", "W/m")])
 def test_heat_flows_are_per_area_or_per_depth(shape, unit):
     values = slab("p1", 1.0, wall(1000.0), wall(300.0), conductivity=1.0)
-    values["mesh"] = {"type": shape, "length": 1.0} | ({"height": 0.5, "cells": [8, 2]} if shape == "rectangle" else {})
+    values["mesh"] = {"type": shape, "length": 1.0} | (
+        {"height": 0.5, "cells": [8, 2]} if shape == "rectangle" else {}
+    )
     assert cb.run(from_dict(values)).summary["units"]["heat_left_W"] == unit
 
 
@@ -390,10 +568,16 @@ def test_solids_without_optics_are_told():
         "solids": {"sand": sand, "ore": ore},
         "packed_bed": {"porosity": 0.4},
         "radiation": {"level": "p1"},
-        "boundary": {name: {"radiation": wall(T)} for name, T in (("left", 1000.0), ("right", 300.0))},
+        "boundary": {
+            name: {"radiation": wall(T)}
+            for name, T in (("left", 1000.0), ("right", 300.0))
+        },
     }
     result = cb.run(from_dict(values))
-    assert any("the volume shares sum to 0.5: the other solids" in text for text in result.warnings)
+    assert any(
+        "the volume shares sum to 0.5: the other solids" in text
+        for text in result.warnings
+    )
     sand["volume_share"] = 0.75
     assert from_dict(values).warnings == ()
 
@@ -402,32 +586,56 @@ def test_solids_without_optics_are_told():
 @pytest.mark.parametrize("N", [1e-5, 1e-2, 1.0])
 @pytest.mark.parametrize("tau", [1e3, 1e5])
 def test_very_thick_conducting_beds_tend_to_rosseland(level, tau, N):
-    """Newton's method starts from the diffusion limit; the jumps at the walls are of the order of 1/tau."""
+    """Newton's method starts from the diffusion limit; the jumps at the walls are of
+    the order of 1/tau.
+    """
     k = conductivity(N, tau)
     result = run(slab(level, tau, wall(1000.0), wall(500.0), conductivity=k))
-    radiated = 4.0 * SIGMA * (1000.0**4 - 500.0**4) * {"p1": 1 / 3, "two_flux": 1 / 4}[level] / tau
-    assert result.qoi["heat_left_W"] == pytest.approx(500.0 * k + radiated, rel=5.0 / tau)
+    radiated = (
+        4.0
+        * SIGMA
+        * (1000.0**4 - 500.0**4)
+        * {"p1": 1 / 3, "two_flux": 1 / 4}[level]
+        / tau
+    )
+    assert result.qoi["heat_left_W"] == pytest.approx(
+        500.0 * k + radiated, rel=5.0 / tau
+    )
     assert len(result.history) < 10
 
 
-@pytest.mark.parametrize(("tau", "N", "tolerance"), [(0.1, 10.0, 1e-7), (1e5, 1.0, 1e-5)])
-def test_conducting_ordinates_close_as_far_as_temperatures_have_digits(tau, N, tolerance):
-    values = slab("ordinates", tau, wall(1000.0), wall(500.0), conductivity=conductivity(N, tau))
+@pytest.mark.parametrize(
+    ("tau", "N", "tolerance"), [(0.1, 10.0, 1e-7), (1e5, 1.0, 1e-5)]
+)
+def test_conducting_ordinates_close_as_far_as_temperatures_have_digits(
+    tau, N, tolerance
+):
+    values = slab(
+        "ordinates", tau, wall(1000.0), wall(500.0), conductivity=conductivity(N, tau)
+    )
     result = run(values | {"solver": {"tolerance": tolerance}})
     balance = result.balances["energy"]
     # at tau 1e5 emission, 1e5 times the flux, cancels between neighbours
-    assert abs(balance["in"] - balance["out"]) < (1e-6 if tau > 1.0 else 1e-9) * balance["in"]
+    assert (
+        abs(balance["in"] - balance["out"])
+        < (1e-6 if tau > 1.0 else 1e-9) * balance["in"]
+    )
     # a part in 100 000 of what is conducted, left out, opens the balance
     problem = OrdinatesProblem(result.plan.solved, result.plan.mesh)
-    assert problem.rounding(np.full(len(problem.bed.points), 1000.0)) < 1e-5 * balance["in"]
+    assert (
+        problem.rounding(np.full(len(problem.bed.points), 1000.0))
+        < 1e-5 * balance["in"]
+    )
 
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_a_species_in_equilibrium_has_its_own_temperature(level):
-    """Where one species of two is held at a temperature, the profile is that of the other, which emits what it absorbs.
+    """Where one species of two is held at a temperature, the profile is that of the
+    other, which emits what it absorbs.
 
-    In a thin layer between black walls at T1 and T2, G = 2 sigma (T1^4 + T2^4) at a symmetric place, whatever the held
-    species has, to the share of 1e-4 of the light that it absorbs.
+    In a thin layer between black walls at T1 and T2, G = 2 sigma (T1^4 + T2^4) at a
+    symmetric place, whatever the held species has, to the share of 1e-4 of the light
+    that it absorbs.
     """
     dust = {"volume_share": 0.5, "diameter": 1.0, "emissivity": 0.5}
     scene = slab(level, 1.0, wall(1500.0), wall(1000.0))
@@ -436,19 +644,34 @@ def test_a_species_in_equilibrium_has_its_own_temperature(level):
     scene["solids"] = {"cold": dust | {"temperature": 300.0}, "free": dict(dust)}
     result = run(scene)
     T = result.profiles["T_solid [K]"]
-    assert T[len(T) // 2] == pytest.approx(((1500.0**4 + 1000.0**4) / 2.0) ** 0.25, rel=1e-3)
-    np.testing.assert_allclose(4.0 * SIGMA * T**4, result.profiles["G [W/m2]"], rtol=1e-12)
+    assert T[len(T) // 2] == pytest.approx(
+        ((1500.0**4 + 1000.0**4) / 2.0) ** 0.25, rel=1e-3
+    )
+    np.testing.assert_allclose(
+        4.0 * SIGMA * T**4, result.profiles["G [W/m2]"], rtol=1e-12
+    )
 
 
 def test_two_flux_tells_that_it_scatters_evenly():
-    """The two-flux method has no mean cosine of scattering: a scene that gives one is told so, with file and line."""
+    """The two-flux method has no mean cosine of scattering: a scene that gives one
+    is told so, with file and line.
+    """
     scene = slab("two_flux", 4.0, wall(1000.0), wall(500.0), 0.5, anisotropy=-0.4)
-    assert any("radiation.anisotropy" in text and "two-flux" in text for text in run(scene).warnings)
+    assert any(
+        "radiation.anisotropy" in text and "two-flux" in text
+        for text in run(scene).warnings
+    )
     for level, given in (("two_flux", 0.0), ("p1", -0.4)):
-        assert not run(slab(level, 4.0, wall(1000.0), wall(500.0), 0.5, anisotropy=given)).warnings
+        assert not run(
+            slab(level, 4.0, wall(1000.0), wall(500.0), 0.5, anisotropy=given)
+        ).warnings
 
 
 def test_an_opening_has_no_emissivity():
-    """What enters through an opening is its radiosity, all of it: an emissivity beside it would be ignored."""
-    with pytest.raises(SceneError, match="emissivity is that of a wall at a temperature"):
+    """What enters through an opening is its radiosity, all of it: an emissivity
+    beside it would be ignored.
+    """
+    with pytest.raises(
+        SceneError, match="emissivity is that of a wall at a temperature"
+    ):
         from_dict(slab("p1", 4.0, {"radiosity": 1e4, "emissivity": 0.3}, wall(500.0)))

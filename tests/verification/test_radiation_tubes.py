@@ -1,4 +1,6 @@
-"""Tubes immersed in a radiating bed: a uniform field is a formula, and what they take is in the balance."""
+"""Tubes immersed in a radiating bed: a uniform field is a formula, and what they
+take is in the balance.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +8,11 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.closures.optics import SIGMA, emissivity_immersed, radiation_emissivity_half_space
+from contbed.closures.optics import (
+    SIGMA,
+    emissivity_immersed,
+    radiation_emissivity_half_space,
+)
 from contbed.errors import SceneError
 from contbed.loading import loads
 
@@ -43,28 +49,45 @@ LINE = {"mesh": "line", "extent": "", "inlet": "left"}
 
 
 def test_a_black_bed_of_given_temperature_heats_tubes_as_the_closure_says():
-    """Particles of given temperature only: G is uniform, K G = 4 K E - p eps_eff (G/4 - E_t). Round-off: 1e-12."""
-    result = cb.run(loads(SCENE.format(**LINE, nusselt=10, optics="temperature = 1150", tube=550)))
+    """Particles of given temperature only: G is uniform, K G = 4 K E - p eps_eff
+    (G/4 - E_t). Round-off: 1e-12.
+    """
+    result = cb.run(
+        loads(SCENE.format(**LINE, nusselt=10, optics="temperature = 1150", tube=550))
+    )
     K = 0.7 * 1.5 * 0.55 / 0.002 / 0.45
     sink = 8 * emissivity_immersed(radiation_emissivity_half_space(0.3), 0.8)
     hot, cold = SIGMA * 1150.0**4, SIGMA * 550.0**4
     G = (4 * K * hot + sink * cold) / (K + sink / 4)
     np.testing.assert_allclose(result.profiles["G [W/m2]"], G, rtol=1e-12)
-    assert result.qoi["heat_tubes_W"] == pytest.approx(-0.4 * sink * (G / 4 - cold), rel=1e-10)
+    assert result.qoi["heat_tubes_W"] == pytest.approx(
+        -0.4 * sink * (G / 4 - cold), rel=1e-10
+    )
 
 
-@pytest.mark.parametrize("case", [LINE, {"mesh": "axisymmetric", "extent": "radius = 0.1", "inlet": "bottom"}])
+@pytest.mark.parametrize(
+    "case",
+    [LINE, {"mesh": "axisymmetric", "extent": "radius = 0.1", "inlet": "bottom"}],
+)
 def test_tubes_cool_the_bed_and_the_balance_closes(case):
-    """A run ends with an error if its balance is open by more than 1e-10; tubes as hot as the bed do nothing."""
+    """A run ends with an error if its balance is open by more than 1e-10; tubes as
+    hot as the bed do nothing.
+    """
     cooled = cb.run(loads(SCENE.format(**case, nusselt='"gunn"', optics="", tube=500)))
     level = cb.run(loads(SCENE.format(**case, nusselt='"gunn"', optics="", tube=1150)))
     assert cooled.qoi["T_solid_out_K"] < 1100
     assert cooled.qoi["heat_tubes_W"] < 0
     assert level.qoi["T_solid_out_K"] == pytest.approx(1150, abs=1e-6)
-    assert level.qoi["heat_tubes_W"] == pytest.approx(0, abs=1e-6 * abs(cooled.qoi["heat_tubes_W"]))
+    assert level.qoi["heat_tubes_W"] == pytest.approx(
+        0, abs=1e-6 * abs(cooled.qoi["heat_tubes_W"])
+    )
 
 
 def test_tubes_need_radiation():
-    text = SCENE.format(**LINE, nusselt=10, optics="", tube=500).replace("[radiation]\n", "")
-    with pytest.raises(SceneError, match=r"region.bed.tubes.*need \[heat\] and \[radiation\]"):
+    text = SCENE.format(**LINE, nusselt=10, optics="", tube=500).replace(
+        "[radiation]\n", ""
+    )
+    with pytest.raises(
+        SceneError, match=r"region.bed.tubes.*need \[heat\] and \[radiation\]"
+    ):
         loads(text)

@@ -1,4 +1,6 @@
-"""Values that change with time, and states that begin with a profile, against closed forms and symmetries."""
+"""Values that change with time, and states that begin with a profile, against closed
+forms and symmetries.
+"""
 
 import copy
 from pathlib import Path
@@ -17,31 +19,67 @@ from contbed.scene.series import Samples
 
 SLAB = {
     "mesh": {"type": "line", "length": 0.1, "cells": 20},
-    "gas": {"density": 1.2, "heat_capacity": 1000.0, "conductivity": 0.5, "viscosity": 2e-5},
-    "solids": {"particles": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 2.0, "diameter": 0.005}},
+    "gas": {
+        "density": 1.2,
+        "heat_capacity": 1000.0,
+        "conductivity": 0.5,
+        "viscosity": 2e-5,
+    },
+    "solids": {
+        "particles": {
+            "density": 2000.0,
+            "heat_capacity": 900.0,
+            "conductivity": 2.0,
+            "diameter": 0.005,
+        }
+    },
     "packed_bed": {"porosity": 0.4},
     "closures": {"nusselt": 0.0},
     "heat": {},
     "boundary": {},
-    "initial": {"gas": {"temperature": 300.0}, "solids": {"particles": {"temperature": 300.0}}},
+    "initial": {
+        "gas": {"temperature": 300.0},
+        "solids": {"particles": {"temperature": 300.0}},
+    },
     "time": {"end": 1000.0},
     "output": {"positions": [0.0, 0.02, 0.05, 0.07, 0.1]},
 }
 
 STORE = {
     "mesh": {"type": "line", "length": 1.0, "cells": 60},
-    "gas": {"density": 800.0, "heat_capacity": 2000.0, "conductivity": 0.1, "viscosity": 1e-3},
-    "solids": {"particles": {"density": 2500.0, "heat_capacity": 900.0, "conductivity": 2.0, "diameter": 0.01}},
+    "gas": {
+        "density": 800.0,
+        "heat_capacity": 2000.0,
+        "conductivity": 0.1,
+        "viscosity": 1e-3,
+    },
+    "solids": {
+        "particles": {
+            "density": 2500.0,
+            "heat_capacity": 900.0,
+            "conductivity": 2.0,
+            "diameter": 0.01,
+        }
+    },
     "packed_bed": {"porosity": 0.4},
     "closures": {"nusselt": 10.0},
     "heat": {},
     "boundary": {
         "left": {
-            "gas": {"velocity": {"times": [0.0, 600.0, 900.0], "values": [1e-3, 0.0, -1e-3]}, "temperature": 400.0}
+            "gas": {
+                "velocity": {
+                    "times": [0.0, 600.0, 900.0],
+                    "values": [1e-3, 0.0, -1e-3],
+                },
+                "temperature": 400.0,
+            }
         },
         "right": {"gas": {"temperature": 300.0}},
     },
-    "initial": {"gas": {"temperature": 300.0}, "solids": {"particles": {"temperature": 300.0}}},
+    "initial": {
+        "gas": {"temperature": 300.0},
+        "solids": {"particles": {"temperature": 300.0}},
+    },
     "time": {"end": 1500.0, "times": [600.0, 900.0]},
 }
 
@@ -67,19 +105,26 @@ def last(result: cb.Result, name: str) -> np.ndarray:
 
 
 def test_ramp_of_prescribed_walls_is_exact(tmp_path):
-    """T = T0 + b t + b x (x - L)/(2 a) solves the heat equation, is quadratic in x and linear in t.
+    """T = T0 + b t + b x (x - L)/(2 a) solves the heat equation, is quadratic in x and
+    linear in t.
 
-    Elements of degree 2 and the time steps hold it exactly, so that only rounding remains: 1e-9 K of 300.
+    Elements of degree 2 and the time steps hold it exactly, so that only rounding
+    remains: 1e-9 K of 300.
     """
     slope, length = 0.01, 0.1
     x = np.linspace(0.0, length, 41)  # the nodes of 20 quadratic cells
-    diffusivity = {"fluid": 0.4 * 0.5 / (0.4 * 1.2 * 1000.0), "solid": 0.6 * 2.0 / (0.6 * 2000.0 * 900.0)}
+    diffusivity = {
+        "fluid": 0.4 * 0.5 / (0.4 * 1.2 * 1000.0),
+        "solid": 0.6 * 2.0 / (0.6 * 2000.0 * 900.0),
+    }
 
     def exact(phase, x, t):
         return 300.0 + slope * t + slope * x * (x - length) / (2.0 * diffusivity[phase])
 
     rows = np.column_stack([x, exact("fluid", x, 0.0), exact("solid", x, 0.0)])
-    text = "x [m],T_fluid [K],T_solid [K]\n" + "\n".join(",".join(f"{v:.17g}" for v in row) for row in rows)
+    text = "x [m],T_fluid [K],T_solid [K]\n" + "\n".join(
+        ",".join(f"{v:.17g}" for v in row) for row in rows
+    )
     (tmp_path / "start.csv").write_text(text)
     rise = {"fixed_temperature": ramp(300.0, slope, 1000.0)}
     wall = {"gas": rise, "solids": {"particles": rise}}
@@ -88,59 +133,106 @@ def test_ramp_of_prescribed_walls_is_exact(tmp_path):
     result = run(scene, tmp_path)
     for phase in ("fluid", "solid"):
         found = last(result, f"T_{phase} [K]")
-        np.testing.assert_allclose(found, exact(phase, last(result, "x [m]"), 1000.0), rtol=0, atol=1e-9)
+        np.testing.assert_allclose(
+            found, exact(phase, last(result, "x [m]"), 1000.0), rtol=0, atol=1e-9
+        )
     assert abs(result.balances["energy"]["relative_residual"]) < 1e-12
 
 
 @pytest.mark.parametrize("kind", ["ambient", "flux"])
 def test_thin_bed_follows_what_its_wall_gives(kind):
-    """A bed that conducts well is one tank: C dT/dt = h (T_a(t) - T), or C dT/dt = q(t), both solved in closed form.
+    """A bed that conducts well is one tank: C dT/dt = h (T_a(t) - T), or C
+    dT/dt = q(t), both solved in closed form.
 
-    The local error of the steps is 1e-7 of the span; the bed is not quite one tank: h L/(3 k) = 3e-5 of some 60 K.
+    The local error of the steps is 1e-7 of the span; the bed is not quite one tank: h
+    L/(3 k) = 3e-5 of some 60 K.
     """
     h, length, end = 10.0, 0.01, 2000.0
-    scene = changed(SLAB, mesh={"type": "line", "length": length, "cells": 4}, output={"positions": [0.5 * length]})
+    scene = changed(
+        SLAB,
+        mesh={"type": "line", "length": length, "cells": 4},
+        output={"positions": [0.5 * length]},
+    )
     scene["solids"]["particles"] |= {"conductivity": 1e3}
     content = 0.6 * 2000.0 * 900.0 * length
     if kind == "ambient":
-        scene["boundary"] = {"left": {"solids": {"particles": {"coefficient": h, "ambient": ramp(300.0, 0.05, end)}}}}
+        scene["boundary"] = {
+            "left": {
+                "solids": {
+                    "particles": {"coefficient": h, "ambient": ramp(300.0, 0.05, end)}
+                }
+            }
+        }
         rate = h / content
         expected = 300.0 + 0.05 * (end - (1.0 - np.exp(-rate * end)) / rate)
     else:
         times, values = [0.0, 500.0, 1000.0], [0.0, 400.0, 100.0]
         scene["boundary"] = {
-            "left": {"solids": {"particles": {"heat_flux": {"times": times, "values": values, "form": "step"}}}}
+            "left": {
+                "solids": {
+                    "particles": {
+                        "heat_flux": {"times": times, "values": values, "form": "step"}
+                    }
+                }
+            }
         }
         expected = 300.0 + (500.0 * 400.0 + 1000.0 * 100.0) / content
     scene["time"] |= {"end": end, "tolerance": 1e-7}
-    assert last(run(scene), "T_solid [K]")[0] == pytest.approx(expected, rel=0, abs=5e-3)
+    assert last(run(scene), "T_solid [K]")[0] == pytest.approx(
+        expected, rel=0, abs=5e-3
+    )
 
 
 def test_series_with_equal_values_change_nothing():
-    """Series that hold the same number at all times give what the number gives, to the tolerance of the steps."""
-    scene = changed(STORE, boundary={"left": {"gas": {"velocity": 1e-3, "temperature": 400.0}}})
+    """Series that hold the same number at all times give what the number gives, to
+    the tolerance of the steps.
+    """
+    scene = changed(
+        STORE, boundary={"left": {"gas": {"velocity": 1e-3, "temperature": 400.0}}}
+    )
     constant = run(scene)
     velocity = {"times": [0.0, 700.0], "values": [1e-3, 1e-3]}
     temperature = {"times": [0.0, 500.0, 1500.0], "values": [400.0] * 3}
-    scene["boundary"]["left"] = {"gas": {"velocity": velocity, "temperature": temperature}}
+    scene["boundary"]["left"] = {
+        "gas": {"velocity": velocity, "temperature": temperature}
+    }
     series = run(scene)
-    np.testing.assert_allclose(last(series, "T_fluid [K]"), last(constant, "T_fluid [K]"), rtol=0, atol=3e-4 * 100.0)
-    assert series.balances["energy"]["in"] == pytest.approx(constant.balances["energy"]["in"], rel=1e-5)
+    np.testing.assert_allclose(
+        last(series, "T_fluid [K]"),
+        last(constant, "T_fluid [K]"),
+        rtol=0,
+        atol=3e-4 * 100.0,
+    )
+    assert series.balances["energy"]["in"] == pytest.approx(
+        constant.balances["energy"]["in"], rel=1e-5
+    )
 
 
 def test_reversal_is_symmetric():
-    """The bed mirrored, with mirrored velocities and inlets, has mirrored temperatures, to rounding."""
+    """The bed mirrored, with mirrored velocities and inlets, has mirrored
+    temperatures, to rounding.
+    """
     result = run(STORE)
-    other = run(changed(STORE, boundary={"left": STORE["boundary"]["right"], "right": STORE["boundary"]["left"]}))
+    other = run(
+        changed(
+            STORE,
+            boundary={
+                "left": STORE["boundary"]["right"],
+                "right": STORE["boundary"]["left"],
+            },
+        )
+    )
     for name in ("T_fluid [K]", "T_solid [K]"):
         a, b = (r.profiles[name].reshape(3, -1) for r in (result, other))
         np.testing.assert_allclose(a, b[:, ::-1], rtol=0, atol=1e-8)
 
 
 def test_charge_rest_and_discharge_against_method_of_lines():
-    """An independent solution by upwind finite volumes on 4000 cells and LSODA; the heat balance closes to 1e-10.
+    """An independent solution by upwind finite volumes on 4000 cells and LSODA; the
+    heat balance closes to 1e-10.
 
-    Finite volumes of order 1 leave an error of some u dx/2 in conductivity, 0.2 % of that in the scene: 0.3 K.
+    Finite volumes of order 1 leave an error of some u dx/2 in conductivity, 0.2 % of
+    that in the scene: 0.3 K.
     """
     result = run(STORE)
     balance = result.balances["energy"]
@@ -154,33 +246,65 @@ def test_charge_rest_and_discharge_against_method_of_lines():
     def rates(u, inlet):
         def of(t, y):
             T_f, T_s = y[::2], y[1::2]
-            upwind = np.concatenate(([inlet], T_f[:-1])) if u > 0 else np.concatenate((T_f[1:], [inlet]))
+            upwind = (
+                np.concatenate(([inlet], T_f[:-1]))
+                if u > 0
+                else np.concatenate((T_f[1:], [inlet]))
+            )
             carried = abs(u) * 800.0 * 2000.0 * (upwind - T_f) / dx if u else 0.0
             out = np.empty_like(y)
             for T, key, into in ((T_f, "fluid", carried), (T_s, "solid", 0.0)):
                 flux = np.zeros(n + 1)
                 flux[1:-1] = k[key] * np.diff(T) / dx
                 gain = exchange * ((T_s - T_f) if key == "fluid" else (T_f - T_s))
-                out[(0 if key == "fluid" else 1) :: 2] = (np.diff(flux) / dx + into + gain) / capacity[key]
+                out[(0 if key == "fluid" else 1) :: 2] = (
+                    np.diff(flux) / dx + into + gain
+                ) / capacity[key]
             return out
 
         return of
 
     y = np.full(2 * n, 300.0)
-    for begin, end, u, inlet in ((0, 600, 1e-3, 400.0), (600, 900, 0.0, 0.0), (900, 1500, -1e-3, 300.0)):
-        y = solve_ivp(rates(u, inlet), (begin, end), y, "LSODA", rtol=1e-6, atol=1e-4, lband=2, uband=2).y[:, -1]
-        found = result.profiles["T_fluid [K]"][np.isclose(result.profiles["t [s]"], end)]
+    for begin, end, u, inlet in (
+        (0, 600, 1e-3, 400.0),
+        (600, 900, 0.0, 0.0),
+        (900, 1500, -1e-3, 300.0),
+    ):
+        y = solve_ivp(
+            rates(u, inlet),
+            (begin, end),
+            y,
+            "LSODA",
+            rtol=1e-6,
+            atol=1e-4,
+            lband=2,
+            uband=2,
+        ).y[:, -1]
+        found = result.profiles["T_fluid [K]"][
+            np.isclose(result.profiles["t [s]"], end)
+        ]
         x = result.profiles["x [m]"][np.isclose(result.profiles["t [s]"], end)]
         expected = np.interp(x, (np.arange(n) + 0.5) * dx, y[::2])
         np.testing.assert_allclose(found[1:-1], expected[1:-1], rtol=0, atol=0.3)
 
 
 def test_jump_of_a_prescribed_wall_is_in_the_balance():
-    """The heat that prescribed nodes take when they jump is supplied by their wall: the balance closes to 1e-12."""
-    step = {"times": [0.0, 300.0, 600.0], "values": [350.0, 320.0, 360.0], "form": "step"}
+    """The heat that prescribed nodes take when they jump is supplied by their wall:
+    the balance closes to 1e-12.
+    """
+    step = {
+        "times": [0.0, 300.0, 600.0],
+        "values": [350.0, 320.0, 360.0],
+        "form": "step",
+    }
     scene = changed(
         SLAB,
-        boundary={"left": {"solids": {"particles": {"fixed_temperature": step}}, "gas": {"fixed_temperature": 300.0}}},
+        boundary={
+            "left": {
+                "solids": {"particles": {"fixed_temperature": step}},
+                "gas": {"fixed_temperature": 300.0},
+            }
+        },
     )
     balance = run(scene).balances["energy"]
     assert abs(balance["relative_residual"]) < 1e-12
@@ -188,7 +312,9 @@ def test_jump_of_a_prescribed_wall_is_in_the_balance():
 
 
 def test_cycles_repeat():
-    """A period of the series is cut at the same places in each turn, and values jump where the next turn begins."""
+    """A period of the series is cut at the same places in each turn, and values jump
+    where the next turn begins.
+    """
     samples = Samples(np.array([0.0, 4.0]), np.array([1.0, 2.0]), "step", 10.0)
     assert list(samples.breaks(25.0)) == [4.0, 10.0, 14.0, 20.0, 24.0]
     assert samples.at(10.0) == 1.0 and samples.at(10.0, before=True) == 2.0
@@ -199,29 +325,47 @@ def test_cycles_repeat():
 
 @pytest.mark.parametrize("period", [None, 20.0])
 def test_what_a_step_does_not_see_of_a_series(period):
-    """Kinks against the line between neighbours, and values against the polynomial through the stages: by hand."""
+    """Kinks against the line between neighbours, and values against the polynomial
+    through the stages: by hand.
+    """
     times = np.linspace(0.0, 10.0, 11)
     curved = Samples(times, np.column_stack([times**2, 2.0 * times]), "linear", period)
-    assert curved.kink(4.0) == pytest.approx([1.0, 0.0]) and np.all(curved.kink(0.0) == np.inf)
+    assert curved.kink(4.0) == pytest.approx([1.0, 0.0]) and np.all(
+        curved.kink(0.0) == np.inf
+    )
     # a parabola is seen by three stages at kinks, by two within (t - a)(b - t)
-    assert curved.unseen(1.0, 9.0, (0.0, 0.25, 1.0)) == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert curved.unseen(1.0, 9.0, (0.0, 0.25, 1.0)) == pytest.approx(
+        [0.0, 0.0], abs=1e-12
+    )
     assert curved.unseen(1.0, 9.0, (0.0, 1.0)) == pytest.approx([16.0, 0.0])
-    assert curved.unseen(1.0, 2.0, (0.0, 1.0)) == pytest.approx([0.0, 0.0])  # no kink between
+    # no kink between
+    assert curved.unseen(1.0, 2.0, (0.0, 1.0)) == pytest.approx([0.0, 0.0])
     if period is not None:
         assert curved.kink(24.0) == pytest.approx([1.0, 0.0])
         assert curved.unseen(21.0, 29.0, (0.0, 1.0)) == pytest.approx([16.0, 0.0])
-    spike = SeriesByKey({("a",): curved, ("b",): Samples(np.array([0.0, 3.0]), np.array([1.0, 2.0]), "step", period)})
+    spike = SeriesByKey(
+        {
+            ("a",): curved,
+            ("b",): Samples(np.array([0.0, 3.0]), np.array([1.0, 2.0]), "step", period),
+        }
+    )
     small = {("a",): np.array([1.5, 1.5]), ("b",): 1e9}
     assert spike.cuts(6.0, small) == [0.0, 3.0, 6.0]  # jumps stay, whatever their size
-    assert not spike.sees(3.0, 6.0, (0.0, 1.0), small) and spike.sees(3.0, 5.0, (0.0, 1.0), small)
+    assert not spike.sees(3.0, 6.0, (0.0, 1.0), small) and spike.sees(
+        3.0, 5.0, (0.0, 1.0), small
+    )
 
 
 def test_initial_profile_of_an_earlier_run(tmp_path):
-    """Two runs after each other, the second from the profiles of the first, are the one long run.
+    """Two runs after each other, the second from the profiles of the first, are the one
+    long run.
 
-    profiles.csv has the temperatures at 1001 positions; interpolation between them is below 1e-3 K here.
+    profiles.csv has the temperatures at 1001 positions; interpolation between them is
+    below 1e-3 K here.
     """
-    first = changed(STORE, boundary={"left": {"gas": {"velocity": 1e-3, "temperature": 400.0}}})
+    first = changed(
+        STORE, boundary={"left": {"gas": {"velocity": 1e-3, "temperature": 400.0}}}
+    )
     first["time"] |= {"end": 600.0, "times": []}
     cb.run(from_dict(first), tmp_path / "first", quiet=True)
     start = {"file": "first/profiles.csv"}
@@ -230,39 +374,93 @@ def test_initial_profile_of_an_earlier_run(tmp_path):
     long = changed(first)
     long["time"] |= {"end": 1200.0}
     a, b = run(second, tmp_path), run(long)
-    np.testing.assert_allclose(last(a, "T_solid [K]"), last(b, "T_solid [K]"), rtol=0, atol=2e-2)
+    np.testing.assert_allclose(
+        last(a, "T_solid [K]"), last(b, "T_solid [K]"), rtol=0, atol=2e-2
+    )
 
 
 @pytest.mark.parametrize(
     ("table", "value", "words"),
     [
-        ("temperature", {"times": [0.0, 5.0, 5.0], "values": [1.0, 2.0, 3.0]}, "times must increase"),
-        ("temperature", {"times": [1.0, 5.0], "values": [300.0, 310.0]}, "a series begins at 0 s"),
+        (
+            "temperature",
+            {"times": [0.0, 5.0, 5.0], "values": [1.0, 2.0, 3.0]},
+            "times must increase",
+        ),
+        (
+            "temperature",
+            {"times": [1.0, 5.0], "values": [300.0, 310.0]},
+            "a series begins at 0 s",
+        ),
         (
             "temperature",
             {"times": [0.0, 5.0], "values": [300.0, 310.0]},
             "before the run; give a later value, or a period",
         ),
-        ("temperature", {"times": [0.0, 5.0], "values": [300.0]}, "2 times and 1 values"),
-        ("temperature", {"times": [0.0, 5.0], "values": ["3 m", 300.0]}, "expected a temperature"),
-        ("temperature", {"times": [0.0], "values": [300.0], "form": "spline"}, "unknown choice"),
-        ("temperature", {"times": [0.0, 8.0], "values": [300.0, 310.0], "period": 4.0}, "beyond the period"),
-        ("temperature", {"times": [0.0], "values": [300.0], "period": 1e-9}, "repeats more than"),
+        (
+            "temperature",
+            {"times": [0.0, 5.0], "values": [300.0]},
+            "2 times and 1 values",
+        ),
+        (
+            "temperature",
+            {"times": [0.0, 5.0], "values": ["3 m", 300.0]},
+            "expected a temperature",
+        ),
+        (
+            "temperature",
+            {"times": [0.0], "values": [300.0], "form": "spline"},
+            "unknown choice",
+        ),
+        (
+            "temperature",
+            {"times": [0.0, 8.0], "values": [300.0, 310.0], "period": 4.0},
+            "beyond the period",
+        ),
+        (
+            "temperature",
+            {"times": [0.0], "values": [300.0], "period": 1e-9},
+            "repeats more than",
+        ),
         ("temperature", {"file": "missing.csv"}, "no such file"),
-        ("temperature", {"file": "text.csv"}, "text.csv:3: column 'T': expected a number, found 'warm'"),
+        (
+            "temperature",
+            {"file": "text.csv"},
+            "text.csv:3: column 'T': expected a number, found 'warm'",
+        ),
         ("temperature", {"file": "unit.csv"}, "no column with a temperature"),
-        ("temperature", {"file": "short.csv"}, "short.csv:3: 1 cells, the header in line 1 has 2"),
+        (
+            "temperature",
+            {"file": "short.csv"},
+            "short.csv:3: 1 cells, the header in line 1 has 2",
+        ),
         (
             "temperature",
             {"file": "sheet.csv"},
             "sheet.csv:1: columns are separated by semicolons; commas between columns",
         ),
-        ("temperature", {"file": "tabs.csv"}, "tabs.csv:2: columns are separated by tabs"),
-        ("temperature", {"file": "long.csv"}, "long.csv:2: no line of a table: field larger than field limit"),
+        (
+            "temperature",
+            {"file": "tabs.csv"},
+            "tabs.csv:2: columns are separated by tabs",
+        ),
+        (
+            "temperature",
+            {"file": "long.csv"},
+            "long.csv:2: no line of a table: field larger than field limit",
+        ),
         ("temperature", {"file": "good.csv", "column": "T_in"}, "no column 'T_in'"),
         ("temperature", {}, "give times and values, or a file"),
-        ("velocity", {"times": [0.0, 5.0], "values": [1e-3, -1e-3], "form": "linear"}, "unknown choice"),
-        ("velocity", {"times": [0.0, 5.0], "values": [1e-3, -1e-3]}, "the gas enters here without a temperature"),
+        (
+            "velocity",
+            {"times": [0.0, 5.0], "values": [1e-3, -1e-3], "form": "linear"},
+            "unknown choice",
+        ),
+        (
+            "velocity",
+            {"times": [0.0, 5.0], "values": [1e-3, -1e-3]},
+            "the gas enters here without a temperature",
+        ),
     ],
 )
 def test_bad_series(tmp_path, table, value, words):
@@ -274,7 +472,9 @@ def test_bad_series(tmp_path, table, value, words):
     (tmp_path / "tabs.csv").write_text("# measured\nt [s]\tT [K]\n0\t300\n")
     (tmp_path / "long.csv").write_text("t [s],T [K]\n0," + 200_000 * "3" + "\n")
     (tmp_path / "good.csv").write_text("t [h],T [degC]\n0,20\n1,30\n")
-    scene = changed(STORE, boundary={"left": {"gas": {"velocity": 1e-3, "temperature": 400.0}}})
+    scene = changed(
+        STORE, boundary={"left": {"gas": {"velocity": 1e-3, "temperature": 400.0}}}
+    )
     scene["boundary"]["left"]["gas"][table] = value
     with pytest.raises(SceneError, match="scene") as caught:
         from_dict(scene, base=tmp_path)
@@ -282,7 +482,9 @@ def test_bad_series(tmp_path, table, value, words):
 
 
 def test_bad_profiles(tmp_path):
-    """A profile that does not lie in the bed, or whose file lacks a position, is told before anything runs."""
+    """A profile that does not lie in the bed, or whose file lacks a position, is
+    told before anything runs.
+    """
     (tmp_path / "long.csv").write_text("z [m],T [K]\n0,300\n1.5,310\n")
     (tmp_path / "twice.csv").write_text("z [m],T [K]\n0.5,300\n0.5,310\n")
     (tmp_path / "none.csv").write_text("T [K]\n300\n")
@@ -299,25 +501,42 @@ def test_bad_profiles(tmp_path):
 
 
 def test_a_profile_of_a_shorter_bed_is_told(tmp_path):
-    """Beyond the ends of its file a bed begins with the nearest temperature: told above 5 % of the length."""
-    for rows, told in (("0,300\n0.5,310\n", True), ("0.3,300\n1,310\n", True), ("0.04,300\n0.96,310\n", False)):
+    """Beyond the ends of its file a bed begins with the nearest temperature: told
+    above 5 % of the length.
+    """
+    for rows, told in (
+        ("0,300\n0.5,310\n", True),
+        ("0.3,300\n1,310\n", True),
+        ("0.04,300\n0.96,310\n", False),
+    ):
         (tmp_path / "start.csv").write_text("z [m],T [K]\n" + rows)
         scene = changed(STORE)
         scene["initial"]["solids"]["particles"]["temperature"] = {"file": "start.csv"}
         warned = run(scene, tmp_path).warnings
-        assert any("initial.solids.particles.temperature: positions from" in text for text in warned) == told, warned
+        assert (
+            any(
+                "initial.solids.particles.temperature: positions from" in text
+                for text in warned
+            )
+            == told
+        ), warned
 
 
 def test_a_steady_scene_has_no_series():
     """A series without a [time] table is a mistake, told at its key."""
     scene = changed(STORE)
     del scene["time"]
-    with pytest.raises(SceneError, match=r"boundary\.left\.gas\.velocity.*changes with time, and the scene is steady"):
+    with pytest.raises(
+        SceneError,
+        match=r"boundary\.left\.gas\.velocity.*changes with time, and the scene is steady",
+    ):
         from_dict(scene)
 
 
 def test_restart_across_a_jump_is_bit_for_bit(tmp_path, monkeypatch):
-    """A run that is stopped before a jump and restarted gives the bytes of the run that was not."""
+    """A run that is stopped before a jump and restarted gives the bytes of the run
+    that was not.
+    """
     scene = from_dict(STORE)
     whole = cb.run(scene, tmp_path / "whole", quiet=True)
     from contbed.packed_bed import transient
@@ -334,7 +553,12 @@ def test_restart_across_a_jump_is_bit_for_bit(tmp_path, monkeypatch):
     for moment in (450.0, 899.0):
         stop["at"] = moment
         with pytest.raises(KeyboardInterrupt):
-            cb.run(scene, tmp_path / "parts", quiet=True, restart=tmp_path / "parts" if moment > 450.0 else None)
+            cb.run(
+                scene,
+                tmp_path / "parts",
+                quiet=True,
+                restart=tmp_path / "parts" if moment > 450.0 else None,
+            )
     monkeypatch.undo()
     part = cb.run(scene, tmp_path / "parts", quiet=True, restart=tmp_path / "parts")
     for name in whole.profiles:
@@ -343,17 +567,21 @@ def test_restart_across_a_jump_is_bit_for_bit(tmp_path, monkeypatch):
 
 
 def test_a_key_that_takes_a_number_or_a_series_explains_both():
-    """The data sheet of such a key has the unit of the number and the keys of the series."""
+    """The data sheet of such a key has the unit of the number and the keys of the
+    series.
+    """
     text = explain("boundary.NAME.gas.temperature")
     assert "allowed: a number > 0 K, or a table with times, values" in text
     assert "period: a number > 0 s" in text
 
 
 def test_profiles_have_the_flow_of_their_time(tmp_path):
-    """Velocity and pressure of a profile are those of its time, not of the last part of the run.
+    """Velocity and pressure of a profile are those of its time, not of the last part of
+    the run.
 
-    Constant properties: the pressure falls by (mu/K + rho c_F/sqrt(K) |u|) u L, to 1e-9 of it; where the flow stops
-    both are zero. At a jump they are those before it, as at the end of a run. So it is after a restart.
+    Constant properties: the pressure falls by (mu/K + rho c_F/sqrt(K) |u|) u L, to 1e-9
+    of it; where the flow stops both are zero. At a jump they are those before it, as at
+    the end of a run. So it is after a restart.
     """
     result = cb.run(from_dict(STORE), tmp_path, quiet=True)
     again = cb.run(from_dict(STORE), tmp_path, quiet=True, restart=tmp_path)
@@ -361,8 +589,16 @@ def test_profiles_have_the_flow_of_their_time(tmp_path):
     K, c_F = d**2 * eps**3 / (150.0 * (1.0 - eps) ** 2), 1.75 / (150.0 * eps**3) ** 0.5
     drop = (1e-3 / K + 800.0 * c_F / K**0.5 * 1e-3) * 1e-3
     t = result.profiles["t [s]"]
-    for time, velocity, first, end in ((600.0, 1e-3, drop, 0.0), (900.0, 0.0, 0.0, 0.0), (1500.0, -1e-3, 0.0, drop)):
+    for time, velocity, first, end in (
+        (600.0, 1e-3, drop, 0.0),
+        (900.0, 0.0, 0.0, 0.0),
+        (1500.0, -1e-3, 0.0, drop),
+    ):
         for found in (result, again):
-            np.testing.assert_allclose(found.profiles["u [m/s]"][t == time], velocity, rtol=1e-12)
+            np.testing.assert_allclose(
+                found.profiles["u [m/s]"][t == time], velocity, rtol=1e-12
+            )
             p = found.profiles["p [Pa]"][t == time]
-            np.testing.assert_allclose(p[[0, -1]], [first, end], rtol=0, atol=1e-9 * drop)
+            np.testing.assert_allclose(
+                p[[0, -1]], [first, end], rtol=0, atol=1e-9 * drop
+            )

@@ -1,4 +1,6 @@
-"""Order of the time steps: exact decay, the exact semi-discrete solution, and successive differences."""
+"""Order of the time steps: exact decay, the exact semi-discrete solution, and
+successive differences.
+"""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,7 +18,8 @@ from studies._exact import two_temperature_relaxation
 from studies._exact.manufactured import observed_order
 
 END = 1.0
-# TR-BDF2 has order 2; between 16 and 32 steps of these smooth solutions the next term changes it by less than 0.1
+# TR-BDF2 has order 2; between 16 and 32 steps of these smooth solutions the next term
+# changes it by less than 0.1
 TOLERANCE = 0.1
 
 
@@ -48,15 +51,27 @@ class Problem:
     def last(self, state: Any, steps: int | None, tolerance: float = 1.0) -> Any:
         """State at the end after equal steps, or after steps of controlled error."""
         step = None if steps is None else END / steps
-        *_, last = march(self, state, END, Policy(self.system.mesh.dim()), tolerance=tolerance, span=1.0, step=step)
+        *_, last = march(
+            self,
+            state,
+            END,
+            Policy(self.system.mesh.dim()),
+            tolerance=tolerance,
+            span=1.0,
+            step=step,
+        )
         return last.states[-1]
 
 
 def problem(case: Heat, n: int) -> tuple[Problem, Any]:
-    """A case with its exact steady values as start and as prescribed values: sources drive it away from there."""
+    """A case with its exact steady values as start and as prescribed values: sources
+    drive it away from there.
+    """
     manufactured, fixed = case.manufactured(n)
     system = manufactured.system
-    nodes = np.unique(np.concatenate([system.nodes(name, facets) for name, facets in fixed.items()]))
+    nodes = np.unique(
+        np.concatenate([system.nodes(name, facets) for name, facets in fixed.items()])
+    )
     made = Problem(system, list(manufactured.forms), not case.nonlinear, nodes)
     return made, manufactured.interpolant()
 
@@ -71,7 +86,9 @@ def test_linear_against_matrix_exponential() -> None:
     free = np.setdiff1d(np.arange(made.system.size), made.fixed)
     residual, stiffness = made.steady(start, True)
     mass = made.content(start, True)[1]
-    rates = np.linalg.solve(mass.toarray()[np.ix_(free, free)], stiffness.toarray()[np.ix_(free, free)])
+    rates = np.linalg.solve(
+        mass.toarray()[np.ix_(free, free)], stiffness.toarray()[np.ix_(free, free)]
+    )
     limit = -np.linalg.solve(stiffness.toarray()[np.ix_(free, free)], residual[free])
     expected = start.copy()
     expected[free] += limit - expm(-rates * END) @ limit
@@ -82,12 +99,16 @@ def test_nonlinear_by_successive_differences() -> None:
     made, start = problem(Heat("line", (), 2, nonlinear=True), 4)
     coarse, middle, fine = (made.last(start, steps) for steps in (8, 16, 32))
     differences = [np.abs(coarse - middle).max(), np.abs(middle - fine).max()]
-    assert observed_order(differences, [1 / 8, 1 / 16])[0] == pytest.approx(2.0, abs=TOLERANCE)
+    assert observed_order(differences, [1 / 8, 1 / 16])[0] == pytest.approx(
+        2.0, abs=TOLERANCE
+    )
 
 
 @pytest.fixture
 def relaxing() -> tuple[Problem, Any, Any]:
-    """Two uniform temperatures that approach each other, and where they are at the end."""
+    """Two uniform temperatures that approach each other, and where they are at the
+    end.
+    """
     capacity_fluid, capacity_solid, exchange = 0.7, 1.9, 1.3
 
     def phase(capacity: float) -> two_energy.Phase:
@@ -106,13 +127,24 @@ def relaxing() -> tuple[Problem, Any, Any]:
         )
 
     system = Heat("quadrilateral", (), 2).manufactured(2)[0].system
-    c = two_energy.Coefficients(phase(capacity_fluid), phase(capacity_solid), lambda fluid, solid: exchange, None)
+    c = two_energy.Coefficients(
+        phase(capacity_fluid),
+        phase(capacity_solid),
+        lambda fluid, solid: exchange,
+        None,
+    )
     state = np.empty(system.size)
     system.part(state, "T_fluid")[:], system.part(state, "T_solid")[:] = 1.0, 0.2
     expected = np.empty(system.size)
-    ends = two_temperature_relaxation(END, capacity_fluid, capacity_solid, exchange, 1.0, 0.2)
+    ends = two_temperature_relaxation(
+        END, capacity_fluid, capacity_solid, exchange, 1.0, 0.2
+    )
     system.part(expected, "T_fluid")[:], system.part(expected, "T_solid")[:] = ends
-    return Problem(system, [(two_energy.residual, system.cells, c)], True), state, expected
+    return (
+        Problem(system, [(two_energy.residual, system.cells, c)], True),
+        state,
+        expected,
+    )
 
 
 def test_exact_relaxation(relaxing: tuple[Problem, Any, Any]) -> None:
@@ -121,5 +153,6 @@ def test_exact_relaxation(relaxing: tuple[Problem, Any, Any]) -> None:
 
 def test_controlled_error_of_relaxation(relaxing: tuple[Problem, Any, Any]) -> None:
     made, start, expected = relaxing
-    # the tolerance bounds the error of one step; over the time of decay, some forty steps, it adds up in part
+    # the tolerance bounds the error of one step; over the time of decay, some forty
+    # steps, it adds up in part
     assert np.abs(made.last(start, None, 1e-6) - expected).max() <= 10e-6

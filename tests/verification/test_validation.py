@@ -1,4 +1,6 @@
-"""The score of measured beds: known offsets give known numbers, and mistakes in a case are told with file and line."""
+"""The score of measured beds: known offsets give known numbers, and mistakes in a
+case are told with file and line.
+"""
 
 import json
 import shutil
@@ -72,7 +74,9 @@ solids.particles.heat_capacity = "1 %"
 
 @pytest.fixture
 def tank(tmp_path):
-    """Folder of a case whose points are the closed form plus 2 K at 100 s and minus 1 K at 200 s."""
+    """Folder of a case whose points are the closed form plus 2 K at 100 s and minus
+    1 K at 200 s.
+    """
     folder = tmp_path / "tank"
     folder.mkdir()
     (folder / "scene.toml").write_text(SCENE)
@@ -82,12 +86,16 @@ def tank(tmp_path):
         for t, shift in ((0.0, 50.0), (100.0, 2.0), (200.0, -1.0))
         for x in (2.0, 5.0, 8.0)
     ]
-    (folder / "measured.csv").write_text("t [min],x [mm],T [K]\n" + "\n".join(rows) + "\n")
+    (folder / "measured.csv").write_text(
+        "t [min],x [mm],T [K]\n" + "\n".join(rows) + "\n"
+    )
     return folder
 
 
 def test_known_offset_gives_known_rms_and_bias(tank):
-    """Predicted minus measured is -2 K and +1 K; conduction leaves 1e-3 K. Points at 0 s do not count."""
+    """Predicted minus measured is -2 K and +1 K; conduction leaves 1e-3 K. Points at
+    0 s do not count.
+    """
     done = validate(read_case(str(tank)))
     first, second, everything = done.compared.scores
     assert [score.points for score in done.compared.scores] == [3, 3, 6]
@@ -96,36 +104,51 @@ def test_known_offset_gives_known_rms_and_bias(tank):
         pytest.approx(2.0, abs=5e-3),
         pytest.approx(-2.0, abs=5e-3),
     )
-    assert (second.rms, second.bias) == (pytest.approx(1.0, abs=5e-3), pytest.approx(1.0, abs=5e-3))
+    assert (second.rms, second.bias) == (
+        pytest.approx(1.0, abs=5e-3),
+        pytest.approx(1.0, abs=5e-3),
+    )
     assert everything.rms == pytest.approx(np.sqrt(2.5), abs=5e-3)
     assert everything.bias == pytest.approx(-0.5, abs=5e-3)
-    assert done.compared.reported["T_0.004m_300s_K"] == pytest.approx(300.0 + RATE * 300.0, abs=5e-3)
-
-
-def test_band_is_the_propagated_uncertainty(tank):
-    """T - 300 K is proportional to the flux and to 1/c_p: 10 % and 1 % of it as squares; conduction 3e-4."""
-    done = validate(read_case(str(tank)))
-    rise = RATE * done.case.points.t
-    np.testing.assert_allclose(done.compared.band, rise * np.hypot(0.1, 0.01), rtol=5e-4)
-    assert done.compared.influence["boundary.left.solids.particles.heat_flux"] == pytest.approx(
-        0.1 * np.sqrt(np.mean(rise**2)), rel=5e-4
+    assert done.compared.reported["T_0.004m_300s_K"] == pytest.approx(
+        300.0 + RATE * 300.0, abs=5e-3
     )
 
 
+def test_band_is_the_propagated_uncertainty(tank):
+    """T - 300 K is proportional to the flux and to 1/c_p: 10 % and 1 % of it as
+    squares; conduction 3e-4.
+    """
+    done = validate(read_case(str(tank)))
+    rise = RATE * done.case.points.t
+    np.testing.assert_allclose(
+        done.compared.band, rise * np.hypot(0.1, 0.01), rtol=5e-4
+    )
+    assert done.compared.influence[
+        "boundary.left.solids.particles.heat_flux"
+    ] == pytest.approx(0.1 * np.sqrt(np.mean(rise**2)), rel=5e-4)
+
+
 def test_verdict_needs_both_uncertainties():
-    """2.1 K is beyond twice the data's 1 K, and within twice the hypotenuse of 1 K and 1 K."""
+    """2.1 K is beyond twice the data's 1 K, and within twice the hypotenuse of 1 K
+    and 1 K.
+    """
     alone, both = (Score("all", 1, 2.1, 0.0, 1.0, band, "K") for band in (0.0, 1.0))
     assert COVERAGE == 2.0 and not alone.within and both.within
 
 
 def test_command_writes_table_picture_and_summary(tank, tmp_path, capsys):
-    """The command prints the table or JSON and writes both files; the run's own files lie in a folder of the case."""
+    """The command prints the table or JSON and writes both files; the run's own
+    files lie in a folder of the case.
+    """
     out = tmp_path / "out"
     assert cli.main(["validate", str(tank), "--out", str(out)]) == 0
     text = capsys.readouterr().out
     assert "within uncertainty" in text and "tank" in text
     found = json.loads((out / "summary.json").read_text())["cases"]["tank"]
-    assert found["qoi"]["T_0.004m_300s_K"] == pytest.approx(300.0 + RATE * 300.0, abs=5e-3)
+    assert found["qoi"]["T_0.004m_300s_K"] == pytest.approx(
+        300.0 + RATE * 300.0, abs=5e-3
+    )
     assert (out / "validation.png").stat().st_size > 10_000
     assert (out / "tank" / "profiles.csv").is_file()
     assert cli.main(["validate", str(tank), "--out", str(out), "--json"]) == 0
@@ -136,14 +159,35 @@ def test_command_writes_table_picture_and_summary(tank, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('quantity = "T_solid"', 'quantity = "T_soild"', "case.toml:5: quantity: no such quantity"),
-        ('uncertainty = "1 K"', 'uncertainty = "1 m"', "case.toml:6: uncertainty: expected a temperature"),
+        (
+            'quantity = "T_solid"',
+            'quantity = "T_soild"',
+            "case.toml:5: quantity: no such quantity",
+        ),
+        (
+            'uncertainty = "1 K"',
+            'uncertainty = "1 m"',
+            "case.toml:6: uncertainty: expected a temperature",
+        ),
         ('column = "T"', 'column = "Temp"', "measured.csv:1: no column 'Temp'"),
-        ("[report]", 'where = { kind = "exp" }\n[report]', "measured.csv:1: no column 'kind'"),
+        (
+            "[report]",
+            'where = { kind = "exp" }\n[report]',
+            "measured.csv:1: no column 'kind'",
+        ),
         ('each = "time"', 'each = "depth"', "case.toml:7: each"),
         ('title = "a tank"', "", "title"),
-        ("particles.heat_capacity = ", "particles.heat = ", "uncertain.solids.particles.heat: the scene has no number"),
-        ('"1 %"', '"1 K"', "uncertain.solids.particles.heat_capacity: expected a number > 0 in SI, or a share"),
+        (
+            "particles.heat_capacity = ",
+            "particles.heat = ",
+            "uncertain.solids.particles.heat: the scene has no number",
+        ),
+        (
+            '"1 %"',
+            '"1 K"',
+            "uncertain.solids.particles.heat_capacity: expected a number > 0 in SI, or "
+            "a share",
+        ),
         ('file = "measured.csv"', 'file = "none.csv"', "no such file"),
     ],
 )
@@ -165,18 +209,23 @@ def test_unknown_case_names_the_nearest():
 
 @pytest.mark.parametrize("name", names())
 def test_shipped_cases_are_complete(name):
-    """Scene, data and uncertain inputs of every case that is part of contbed can be read."""
+    """Scene, data and uncertain inputs of every case that is part of contbed can be
+    read.
+    """
     case = read_case(name)
     assert case.folder.parent == SHIPPED
     assert len(case.points.value) > 3
-    assert case.settings.long or list(case.uncertain())  # a long run is not repeated for every input
+    # a long run is not repeated for every input
+    assert case.settings.long or list(case.uncertain())
     assert case.settings.source and case.settings.licence
 
 
 def test_salt_thermocline_against_its_measured_front(tmp_path):
-    """Pacheco et al.: after 1 h the deviation is 4.2 K RMS for data with 3 K of scatter; the front is where it was.
+    """Pacheco et al.: after 1 h the deviation is 4.2 K RMS for data with 3 K of
+    scatter; the front is where it was.
 
-    The first half hour is off by 7 K: the measured profile steepens, which no transport of the measured start does.
+    The first half hour is off by 7 K: the measured profile steepens, which no transport
+    of the measured start does.
     """
     shutil.copytree(SHIPPED / "pacheco_2002", tmp_path / "salt")
     case = tmp_path / "salt" / "case.toml"
@@ -189,7 +238,9 @@ def test_salt_thermocline_against_its_measured_front(tmp_path):
 
 
 def test_wood_sphere_against_its_measured_mass(tmp_path):
-    """Park et al.: one value of the whole particle over the time, compared without positions."""
+    """Park et al.: one value of the whole particle over the time, compared without
+    positions.
+    """
     shutil.copytree(SHIPPED / "park_2010", tmp_path / "wood")
     case = tmp_path / "wood" / "case.toml"
     case.write_text(case.read_text().partition("[uncertain]")[0])
@@ -197,6 +248,8 @@ def test_wood_sphere_against_its_measured_mass(tmp_path):
     (whole,) = done.compared.scores
     # repeated measurements differ by 0.006 to 0.015
     assert whole.group == "all" and whole.rms < 0.015 and whole.within
-    assert set(done.compared.reported) == {f"mass_{t}s" for t in (100, 200, 300, 400, 500)}
+    assert set(done.compared.reported) == {
+        f"mass_{t}s" for t in (100, 200, 300, 400, 500)
+    }
     write([done], tmp_path)
     assert (tmp_path / "validation.png").stat().st_size > 10_000

@@ -1,4 +1,6 @@
-"""Scatter of closures in the band of a prediction: a larger closure is a bed that conducts better."""
+"""Scatter of closures in the band of a prediction: a larger closure is a bed that
+conducts better.
+"""
 
 import numpy as np
 import pytest
@@ -65,18 +67,29 @@ conductivity = "10 %"
 def slab(tmp_path):
     (tmp_path / "scene.toml").write_text(SCENE)
     (tmp_path / "case.toml").write_text(CASE)
-    (tmp_path / "measured.csv").write_text("t [s],x [mm],T [K]\n50,10,320\n50,20,310\n100,10,330\n100,30,310\n")
+    (tmp_path / "measured.csv").write_text(
+        "t [s],x [mm],T [K]\n50,10,320\n50,20,310\n100,10,330\n100,30,310\n"
+    )
     return tmp_path
 
 
 def test_band_is_that_of_both_conductivities(slab):
-    """The law is linear in both conductivities: 10 % of it are 10 % of each; nothing else depends on them here."""
+    """The law is linear in both conductivities: 10 % of it are 10 % of each; nothing
+    else depends on them here.
+    """
     case = read_case(str(slab))
     found = validate(case).compared
     low, high = (
         at(
             case,
-            run(case.scene(**{"solids.particles.conductivity": 5.0 * factor, "gas.conductivity": 0.03 * factor})),
+            run(
+                case.scene(
+                    **{
+                        "solids.particles.conductivity": 5.0 * factor,
+                        "gas.conductivity": 0.03 * factor,
+                    }
+                )
+            ),
             case.points.t,
             case.points.x,
         )
@@ -84,7 +97,9 @@ def test_band_is_that_of_both_conductivities(slab):
     )
     assert (high - low > 0.5).all()
     assert found.band == pytest.approx(0.5 * (high - low), rel=1e-6)
-    assert found.influence["closure of kind conductivity"] == pytest.approx(np.sqrt(np.mean(found.band**2)), rel=1e-12)
+    assert found.influence["closure of kind conductivity"] == pytest.approx(
+        np.sqrt(np.mean(found.band**2)), rel=1e-12
+    )
 
 
 def test_the_factor_ends_with_its_context():
@@ -99,11 +114,16 @@ def test_the_factor_ends_with_its_context():
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("conductivity =", "conductivty =", "case.toml:13: uncertain_closures.conductivty: no such kind of closure"),
+        (
+            "conductivity =",
+            "conductivty =",
+            "case.toml:13: uncertain_closures.conductivty: no such kind of closure",
+        ),
         (
             '"10 %"',
             '"10 K"',
-            'case.toml:13: uncertain_closures.conductivity: expected a share like "9 %", found "10 K"',
+            'case.toml:13: uncertain_closures.conductivity: expected a share like "9 '
+            '%", found "10 K"',
         ),
     ],
 )

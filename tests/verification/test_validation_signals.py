@@ -1,4 +1,6 @@
-"""Signals over time and profiles at levels: known signals give known statistics, mistakes are told with their line."""
+"""Signals over time and profiles at levels: known signals give known statistics,
+mistakes are told with their line.
+"""
 
 import json
 
@@ -49,7 +51,11 @@ FREQUENCY, AMPLITUDE = 2.0, 100.0  # Hz, Pa
 
 
 def folder_of(tmp_path, case, measured):
-    for name, text in (("scene.toml", ""), ("case.toml", case), ("measured.csv", measured)):
+    for name, text in (
+        ("scene.toml", ""),
+        ("case.toml", case),
+        ("measured.csv", measured),
+    ):
         (tmp_path / name).write_text(text)
     return read_case(str(tmp_path))
 
@@ -71,20 +77,25 @@ def levels(tmp_path):
     """A case with points at two heights."""
     tmp_path = tmp_path / "levels"
     tmp_path.mkdir()
-    rows = "\n".join(f"{z},{x},{1.0 + z / 100.0}" for z in (30, 90) for x in (10, 20, 40))
+    rows = "\n".join(
+        f"{z},{x},{1.0 + z / 100.0}" for z in (30, 90) for x in (10, 20, 40)
+    )
     return folder_of(tmp_path, LEVELS, f"z [mm],x [mm],v [m/s]\n{rows}\n")
 
 
 def run_with(t, **columns):
     result = Result(None)
-    result.profiles = {"t [s]": t} | {name: np.asarray(column) for name, column in columns.items()}
+    result.profiles = {"t [s]": t} | {
+        name: np.asarray(column) for name, column in columns.items()
+    }
     return result
 
 
 def test_a_sine_has_its_deviation_its_crossings_and_its_peak():
     t = np.linspace(0.0, 3.0, 301)
     found = statistics(*resampled(t, 7.0 + wave(t)), 3.0)
-    # 6 whole periods: the deviation is that of a sine, the peak is on a line of the spectrum
+    # 6 whole periods: the deviation is that of a sine, the peak is on a line of the
+    # spectrum
     assert found.value[0] == pytest.approx(AMPLITUDE / np.sqrt(2.0), rel=5e-3)
     assert found.value[1] == pytest.approx(FREQUENCY, rel=1e-6)
     assert found.value[2] == pytest.approx(FREQUENCY, rel=5e-3)
@@ -93,7 +104,9 @@ def test_a_sine_has_its_deviation_its_crossings_and_its_peak():
 
 
 def test_the_spectrum_holds_the_variance():
-    """Parseval: the power per frequency summed over all frequencies is the variance of the piece."""
+    """Parseval: the power per frequency summed over all frequencies is the variance
+    of the piece.
+    """
     rng = np.random.default_rng(1)
     values = rng.normal(size=1001)
     frequency, power = spectrum(0.01, values, 10.0)
@@ -101,7 +114,9 @@ def test_the_spectrum_holds_the_variance():
 
 
 def test_the_peak_of_a_long_run_has_the_resolution_of_the_measured_record():
-    """In 10 s a peak is found to 0.1 Hz, in pieces of 3 s, as measured, to a third of 1 Hz."""
+    """In 10 s a peak is found to 0.1 Hz, in pieces of 3 s, as measured, to a third
+    of 1 Hz.
+    """
     t = np.linspace(0.0, 10.0, 1001)
     frequency, _ = spectrum(*resampled(t, wave(t)), 3.0)
     assert frequency[0] == pytest.approx(1.0 / 3.0, rel=5e-3)
@@ -110,7 +125,11 @@ def test_the_peak_of_a_long_run_has_the_resolution_of_the_measured_record():
 def test_a_wave_of_half_the_amplitude_misses_half_of_the_deviation(signal):
     t = np.linspace(0.0, 12.0, 1201)
     result = run_with(
-        t, **{"middle p [Pa]": 300.0 + wave(t, 0.5 * AMPLITUDE, 2.0 * FREQUENCY), "height [m]": 0.1 + 0 * t}
+        t,
+        **{
+            "middle p [Pa]": 300.0 + wave(t, 0.5 * AMPLITUDE, 2.0 * FREQUENCY),
+            "height [m]": 0.1 + 0 * t,
+        },
     )
     found = compare(signal, result)
     deviation, crossings, peak = found.scores
@@ -134,7 +153,8 @@ def test_what_is_before_the_start_does_not_count(signal):
 
 def test_a_column_that_the_run_does_not_have(signal):
     with pytest.raises(
-        SceneError, match=r"case.toml:12: signal: profiles.csv has no column 'middle p \[Pa\]'; it has t"
+        SceneError,
+        match=r"case.toml:12: signal: profiles.csv has no column 'middle p \[Pa\]'; it has t",
     ):
         compare(signal, run_with(np.linspace(0.0, 12.0, 1201)))
 
@@ -152,7 +172,9 @@ def table_of(factor):
 
 
 def test_profiles_at_levels_have_their_offset(levels):
-    """Predictions 1.2 times the measured ones: L1 of 0.2 at each height; heights without points are reported."""
+    """Predictions 1.2 times the measured ones: L1 of 0.2 at each height; heights
+    without points are reported.
+    """
     found = compare_levels(levels, table_of(1.2))
     assert [score.group for score in found.scores] == ["0.03 m", "0.09 m", "all"]
     assert found.scores[0].bias == pytest.approx(0.2 * 1.3)
@@ -160,7 +182,9 @@ def test_profiles_at_levels_have_their_offset(levels):
     for name in ("0.03 m", "0.09 m", "all"):
         assert found.reported[f"L1 of {name}"] == pytest.approx(0.2)
     assert found.reported["x [m]"] == [0.01, 0.02, 0.04]
-    assert found.reported["speed_solid at 0.15 m [m/s]"] == pytest.approx([1.2 * 2.5] * 3)
+    assert found.reported["speed_solid at 0.15 m [m/s]"] == pytest.approx(
+        [1.2 * 2.5] * 3
+    )
 
 
 def test_report_of_signals_and_levels(tmp_path, signal, levels):
@@ -175,7 +199,9 @@ def test_report_of_signals_and_levels(tmp_path, signal, levels):
     cases = json.loads((tmp_path / "summary.json").read_text())["cases"]
     scores = [one["scores"] for one in cases.values()]
     assert any(
-        score["group"] == "peak of the spectrum" and score["within"] is True for group in scores for score in group
+        score["group"] == "peak of the spectrum" and score["within"] is True
+        for group in scores
+        for score in group
     )
     assert (tmp_path / "validation.png").stat().st_size > 10_000
     text = report.table(done)
@@ -184,7 +210,9 @@ def test_report_of_signals_and_levels(tmp_path, signal, levels):
 
 def test_a_level_that_the_run_does_not_have(levels):
     with pytest.raises(
-        SceneError, match=r"case.toml:4: output.levels of scene.toml: no profile of speed_solid at 0.5 m"
+        SceneError,
+        match=r"case.toml:4: output.levels of scene.toml: no profile of speed_solid at "
+        r"0.5 m",
     ):
         at(levels, table_of(1.0), 0.5, np.array([0.01]))
 
@@ -192,9 +220,21 @@ def test_a_level_that_the_run_does_not_have(levels):
 @pytest.mark.parametrize(
     ("case", "old", "words"),
     [
-        (SIGNAL, 'time = "t"\n', r'case.toml:8: measured.time: missing; compare = "signal" needs it'),
-        (SIGNAL, SIGNAL[SIGNAL.index("[signal]") :], r'case.toml:8: signal: missing; compare = "signal" needs it'),
-        (LEVELS, 'height = "z"\n', r'case.toml:8: measured.height: missing; compare = "levels" needs it'),
+        (
+            SIGNAL,
+            'time = "t"\n',
+            r'case.toml:8: measured.time: missing; compare = "signal" needs it',
+        ),
+        (
+            SIGNAL,
+            SIGNAL[SIGNAL.index("[signal]") :],
+            r'case.toml:8: signal: missing; compare = "signal" needs it',
+        ),
+        (
+            LEVELS,
+            'height = "z"\n',
+            r'case.toml:8: measured.height: missing; compare = "levels" needs it',
+        ),
     ],
 )
 def test_what_a_comparison_needs(tmp_path, case, old, words):
@@ -203,7 +243,9 @@ def test_what_a_comparison_needs(tmp_path, case, old, words):
 
 
 def test_the_measured_pressure_of_van_wachem_has_its_published_statistics():
-    """82 Pa, 2.01 Hz, and 8 rises in 2.98 s, one of which reaches 0.1 Pa above the mean and may be lost in sampling."""
+    """82 Pa, 2.01 Hz, and 8 rises in 2.98 s, one of which reaches 0.1 Pa above the
+    mean and may be lost in sampling.
+    """
     points = read_case("van_wachem_2001").points
     found = statistics(*resampled(points.t, points.value), points.t[-1] - points.t[0])
     deviation, crossings, peak = found.value

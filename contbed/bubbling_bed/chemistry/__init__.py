@@ -1,1 +1,3 @@
-"""Reactions of a bubbling bed: fuel, char, limestone and gas with Cantera's thermodynamics."""
+"""Reactions of a bubbling bed: fuel, char, limestone and gas with Cantera's
+thermodynamics.
+"""

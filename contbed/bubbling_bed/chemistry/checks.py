@@ -1,4 +1,6 @@
-"""Checks of the tables of a reacting bed: mistakes that remain although every single value is valid."""
+"""Checks of the tables of a reacting bed: mistakes that remain although every single
+value is valid.
+"""
 
 from __future__ import annotations
 
@@ -65,7 +67,9 @@ def _laws_are_known(reactions: t.Reactions) -> Mistakes:
 
 
 def the_fuel_is_whole(solids: Solids) -> Mistakes:
-    """Check that the analysis of the fuel sums to one and fits volatile matter and heating value."""
+    """Check that the analysis of the fuel sums to one and fits volatile matter and
+    heating value.
+    """
     for name, item in solids.items():
         if item.fuel is not None:
             yield from _analysis(("solids", name, "fuel"), item.fuel)
@@ -98,7 +102,9 @@ def _analysis(path: KeyPath, fuel: Fuel) -> Mistakes:
             yield (*path, "heating_value"), text
 
 
-def what_is_fed_leaves(reactions: t.Reactions | None, solids: Solids, bubbling_bed: BubblingBed) -> Mistakes:
+def what_is_fed_leaves(
+    reactions: t.Reactions | None, solids: Solids, bubbling_bed: BubblingBed
+) -> Mistakes:
     """Check that each constituent that is fed reacts or is drained."""
     if reactions is None or bubbling_bed.drain is not None:
         return
@@ -107,7 +113,9 @@ def what_is_fed_leaves(reactions: t.Reactions | None, solids: Solids, bubbling_b
             text = "never leaves the bed: give [bubbling_bed.drain]"
             yield ("solids", name, "limestone"), text
         if item.fuel is not None:
-            yield from _constituents_leave(("solids", name, "fuel"), item.fuel, reactions)
+            yield from _constituents_leave(
+                ("solids", name, "fuel"), item.fuel, reactions
+            )
 
 
 def _constituents_leave(path: KeyPath, fuel: Fuel, reactions: t.Reactions) -> Mistakes:
@@ -119,12 +127,14 @@ def _constituents_leave(path: KeyPath, fuel: Fuel, reactions: t.Reactions) -> Mi
         if amount and getattr(reactions, reaction) is None:
             yield (
                 path,
-                f"its {constituent} never leaves the bed: give [reactions.{reaction}] or [bubbling_bed.drain]",
+                f"its {constituent} never leaves the bed: give [reactions.{reaction}] "
+                "or [bubbling_bed.drain]",
             )
     if fuel.volatile_matter < 1 and not reactions.of_char:
         yield (
             path,
-            "its char never leaves the bed: give [reactions.char_combustion] or another, or [bubbling_bed.drain]",
+            "its char never leaves the bed: give [reactions.char_combustion] or "
+            "another, or [bubbling_bed.drain]",
         )
 
 

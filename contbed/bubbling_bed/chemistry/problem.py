@@ -1,4 +1,6 @@
-"""The reacting part of a bubbling bed from its scene: unknown gases and solids, feeds, enthalpies."""
+"""The reacting part of a bubbling bed from its scene: unknown gases and solids,
+feeds, enthalpies.
+"""
 
 from __future__ import annotations
 
@@ -31,13 +33,16 @@ class FuelData:
     ash: float  # [kg/s]
     volatiles: dv.Volatiles | None
     heating_value: float  # higher, dry [J/kg]
-    lower: float  # lower, of what is fed per kg of dry, ash-free fuel, moisture not counted [J/kg]
+    # lower, of what is fed per kg of dry, ash-free fuel, moisture not counted [J/kg]
+    lower: float
     enthalpy: float  # of formation of the volatile matter [J/kg]
     elements: dict[str, float]  # dry, ash-free [mol/s]
 
 
 def fuel_data(solid: Solid) -> FuelData:
-    """Return the amounts fed, the products of the volatile matter and its heat of formation."""
+    """Return the amounts fed, the products of the volatile matter and its heat of
+    formation.
+    """
     fuel, feed = solid.fuel, solid.feed
     assert fuel is not None and feed is not None and feed.mass_flow is not None
     dry = fuel.ultimate.model_dump()
@@ -50,7 +55,9 @@ def fuel_data(solid: Solid) -> FuelData:
     amounts = {name: share / dv.ATOMIC[name] for name, share in daf.items()}
     species, T0 = thermo.table(), thermo.T_STANDARD
     burnt = {"CO2": amounts["C"], "H2O(l)": 0.5 * amounts["H"], "SO2": amounts["S"]}
-    formation = sum(n * float(species[name].enthalpy(T0)) for name, n in burnt.items()) + higher / (1.0 - fuel.ash)
+    formation = sum(
+        n * float(species[name].enthalpy(T0)) for name, n in burnt.items()
+    ) + higher / (1.0 - fuel.ash)
     vapour = float(species["H2O"].enthalpy(T0) - species["H2O(l)"].enthalpy(T0))
     V = fuel.volatile_matter
     return FuelData(
@@ -68,10 +75,14 @@ def fuel_data(solid: Solid) -> FuelData:
 
 
 def gaussian(feed: Feed, height: float) -> Callable[[Any], Any]:
-    """Return the share of a feed per height [1/m] as a function of height; it integrates to one over the bed."""
+    """Return the share of a feed per height [1/m] as a function of height; it
+    integrates to one over the bed.
+    """
     from scipy.special import ndtr
 
-    inside = float(ndtr((height - feed.height) / feed.width) - ndtr(-feed.height / feed.width))
+    inside = float(
+        ndtr((height - feed.height) / feed.width) - ndtr(-feed.height / feed.width)
+    )
     scale = 1.0 / (inside * feed.width * np.sqrt(2.0 * np.pi))
     return lambda z: scale * np.exp(-0.5 * ((z - feed.height) / feed.width) ** 2)
 
@@ -80,7 +91,9 @@ def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
     """Return all reactions that the scene switches on."""
     table = scene.reactions
     out: list[Any] = [
-        cr.Homogeneous(name, cr.law_of(name, item), item.factor, scene.bubbling_bed.mixing_time)
+        cr.Homogeneous(
+            name, cr.law_of(name, item), item.factor, scene.bubbling_bed.mixing_time
+        )
         for name, item in table.homogeneous.items()
     ]
     if (name := scene.fuel) is not None and data is not None:
@@ -88,11 +101,26 @@ def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
         if table.drying is not None and data.moisture:
             out.append(cr.Drying(name, table.drying.time))
         if table.devolatilisation is not None and data.volatiles is not None:
-            out.append(cr.Devolatilisation(name, table.devolatilisation.time, data.volatiles.yields))
+            out.append(
+                cr.Devolatilisation(
+                    name, table.devolatilisation.time, data.volatiles.yields
+                )
+            )
         if table.of_char:
             diameter = fuel.char_diameter or scene.solids[name].diameter
-            laws = {key: (cr.law_of(key, item), item) for key, item in table.of_char.items()}
-            out.append(cr.Char(name, diameter, fuel.char_density, fuel.char_model, fuel.sherwood, laws))
+            laws = {
+                key: (cr.law_of(key, item), item) for key, item in table.of_char.items()
+            }
+            out.append(
+                cr.Char(
+                    name,
+                    diameter,
+                    fuel.char_density,
+                    fuel.char_model,
+                    fuel.sherwood,
+                    laws,
+                )
+            )
     if (stone := scene.limestone) is not None:
         item = scene.solids[stone]
         taking, giving = table.sulphation, table.sulphate_reduction
@@ -110,17 +138,25 @@ def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
     return tuple(out)
 
 
-def gases_of(reactions: tuple[Any, ...], inlet: dict[str, float]) -> tuple[tuple[str, ...], tuple[Any, ...]]:
-    """Return the gases that enter or are made, and the reactions whose reactants are all present."""
+def gases_of(
+    reactions: tuple[Any, ...], inlet: dict[str, float]
+) -> tuple[tuple[str, ...], tuple[Any, ...]]:
+    """Return the gases that enter or are made, and the reactions whose reactants are
+    all present.
+    """
     there, running = set(inlet), []
     while True:
-        found = [item for item in reactions if item not in running and _needs(item) <= there]
+        found = [
+            item for item in reactions if item not in running and _needs(item) <= there
+        ]
         if not found:
             break
         running += found
         for item in found:
             there |= _makes(item)
-    return tuple(name for name in thermo.GASES if name in there), tuple(item for item in reactions if item in running)
+    return tuple(name for name in thermo.GASES if name in there), tuple(
+        item for item in reactions if item in running
+    )
 
 
 def _needs(item: Any) -> set[str]:
@@ -138,9 +174,16 @@ def _makes(item: Any) -> set[str]:
     if isinstance(item, cr.Devolatilisation):
         return set(item.yields)
     if isinstance(item, cr.Char):
-        out = {name for law, _ in item.reactions.values() for name in law.stoichiometry if name != "C"}
+        out = {
+            name
+            for law, _ in item.reactions.values()
+            for name in law.stoichiometry
+            if name != "C"
+        }
         return out | ({"CO"} if "char_combustion" in item.reactions else set())
-    calcines, takes, gives = (part is not None for part in (item.calcination, item.sulphation, item.reduction))
+    calcines, takes, gives = (
+        part is not None for part in (item.calcination, item.sulphation, item.reduction)
+    )
     return (
         ({"CO2"} if calcines else set())
         | ({"SO2", "O2"} if takes else set())
@@ -150,7 +193,9 @@ def _makes(item: Any) -> set[str]:
 
 @dataclass(eq=False)
 class Mixture:
-    """Gas of the local composition; viscosity and conductivity are those of the entering gas."""
+    """Gas of the local composition; viscosity and conductivity are those of the
+    entering gas.
+    """
 
     entering: Any
     pressure: float
@@ -192,12 +237,16 @@ class Chemistry:
     inlet_flow: float  # of all gas [mol/s]
 
     def start(self, T: float, z: Any, flows: dict[str, float]) -> dict[str, Any]:
-        """Return the first guess of all fields for one temperature [K] and mass `flows` of the phases [kg/s]."""
+        """Return the first guess of all fields for one temperature [K] and mass
+        `flows` of the phases [kg/s].
+        """
         part, out = self.part, {}
         mean = sum(part.gases[name].molar_mass * x for name, x in part.inlet.items())
         for phase in part.phases:
             for name in part.gases:
-                out[f"N_{name}_{phase}"] = flows[phase] / mean * part.inlet.get(name, 0.0)
+                out[f"N_{name}_{phase}"] = (
+                    flows[phase] / mean * part.inlet.get(name, 0.0)
+                )
         for name, solid in part.solids.items():
             out[f"n_{name}"] = solid.typical + 0.0 * z
         return out
@@ -210,32 +259,54 @@ class Chemistry:
     @property
     def sizes(self) -> dict[str, float]:
         """Typical values of the unknown fields."""
-        flows = {f"N_{name}_{phase}": self.inlet_flow for phase in self.part.phases for name in self.part.gases}
-        return flows | {f"n_{name}": solid.typical for name, solid in self.part.solids.items()}
+        flows = {
+            f"N_{name}_{phase}": self.inlet_flow
+            for phase in self.part.phases
+            for name in self.part.gases
+        }
+        return flows | {
+            f"n_{name}": solid.typical for name, solid in self.part.solids.items()
+        }
 
     def surfaces(self, u: Any) -> dict[str, Any]:
-        """Return the surface of the fuel per height [m2/m]: char at any burnout, and fuel not yet char."""
+        """Return the surface of the fuel per height [m2/m]: char at any burnout, and
+        fuel not yet char.
+        """
         out: dict[str, Any] = {}
         for item in self.reactions:
             if isinstance(item, cr.Char):
                 out[item.species] = LEAST + item.surface * u.n_char
                 if "volatiles" in self.part.solids:
-                    out[item.species] = out[item.species] + 6.0 / (item.diameter * item.density) * u.n_volatiles
+                    out[item.species] = (
+                        out[item.species]
+                        + 6.0 / (item.diameter * item.density) * u.n_volatiles
+                    )
         return out
 
     def mixtures(self, u: Any, entering: Any) -> dict[str, Mixture]:
-        """Return the gas of each phase; the entering gas where mole flows are not known."""
+        """Return the gas of each phase; the entering gas where mole flows are not
+        known.
+        """
         if not self.part.known(u):
-            mean = sum(self.part.gases[name].molar_mass * x for name, x in self.part.inlet.items())
+            mean = sum(
+                self.part.gases[name].molar_mass * x
+                for name, x in self.part.inlet.items()
+            )
             mole = {name: x / mean for name, x in self.part.inlet.items()}
-            return {phase: Mixture(entering, self.part.pressure, mean, mole) for phase in self.part.phases}
+            return {
+                phase: Mixture(entering, self.part.pressure, mean, mole)
+                for phase in self.part.phases
+            }
         state = self.part.state(u, None)
         gases = {
             phase: Mixture(
                 entering,
                 self.part.pressure,
                 state.molar_mass[phase],
-                {name: w / self.part.gases[name].molar_mass for name, w in state.w[phase].items()},
+                {
+                    name: w / self.part.gases[name].molar_mass
+                    for name, w in state.w[phase].items()
+                },
             )
             for phase in self.part.phases
         }
@@ -243,19 +314,34 @@ class Chemistry:
 
 
 def chemistry(scene: Any, mixing: dict[str, Any], exchange: Any) -> Chemistry:
-    """Build the reacting part of a scene; `mixing` and `exchange` are functions of the bed's local coefficients."""
+    """Build the reacting part of a scene; `mixing` and `exchange` are functions of
+    the bed's local coefficients.
+    """
     inlet = mole_fractions(scene.mixture.composition)
     data = fuel_data(scene.solids[scene.fuel]) if scene.fuel is not None else None
     wanted = reactions_of(scene, data)
     names, running = gases_of(wanted, inlet)
-    idle = tuple(item.name for item in wanted if isinstance(item, cr.Homogeneous) and item not in running)
+    idle = tuple(
+        item.name
+        for item in wanted
+        if isinstance(item, cr.Homogeneous) and item not in running
+    )
     species = thermo.table()
     gases = {
-        name: model.Gas(species[name].molar_mass, species[name].enthalpy, species[name].heat_capacity) for name in names
+        name: model.Gas(
+            species[name].molar_mass,
+            species[name].enthalpy,
+            species[name].heat_capacity,
+        )
+        for name in names
     }
     bed = scene.bubbling_bed
     drain = bed.drain
-    velocity = 0.0 if drain is None else bed.height / drain.time * (1.0 if drain.end == "top" else -1.0)
+    velocity = (
+        0.0
+        if drain is None
+        else bed.height / drain.time * (1.0 if drain.end == "top" else -1.0)
+    )
     mean = sum(species[name].molar_mass * x for name, x in inlet.items())
     moles = scene.gas_flow / mean
     solids, ash = _solids(scene, data, running, inlet, moles)
@@ -278,7 +364,11 @@ def chemistry(scene: Any, mixing: dict[str, Any], exchange: Any) -> Chemistry:
 
 
 def _solids(
-    scene: Any, data: FuelData | None, running: tuple[Any, ...], inlet: dict[str, float], moles: float
+    scene: Any,
+    data: FuelData | None,
+    running: tuple[Any, ...],
+    inlet: dict[str, float],
+    moles: float,
 ) -> tuple[dict[str, model.Solid], tuple[model.Ash, ...]]:
     bed = scene.bubbling_bed
     species, height = thermo.table(), bed.height
@@ -289,7 +379,9 @@ def _solids(
         fed = scene.solids[fuel].feed
         share = gaussian(fed, height)
 
-        def add(name: str, enthalpy: Any, rate: float, stays: float, scale: float = 1.0) -> None:
+        def add(
+            name: str, enthalpy: Any, rate: float, stays: float, scale: float = 1.0
+        ) -> None:
             if rate:
                 solids[name] = model.Solid(
                     fuel,
@@ -300,13 +392,40 @@ def _solids(
                     rate * stays / height,
                 )
 
-        times = {item.__class__: item.time for item in running if isinstance(item, cr.Drying | cr.Devolatilisation)}
-        add("moisture", species["H2O(l)"].enthalpy, data.moisture, times.get(cr.Drying, kept))
+        times = {
+            item.__class__: item.time
+            for item in running
+            if isinstance(item, cr.Drying | cr.Devolatilisation)
+        }
+        add(
+            "moisture",
+            species["H2O(l)"].enthalpy,
+            data.moisture,
+            times.get(cr.Drying, kept),
+        )
         matter = _linear(data.enthalpy, CP_VOLATILES)
-        add("volatiles", matter, data.volatile, times.get(cr.Devolatilisation, kept), 40.0)
-        add("char", species["C"].enthalpy, data.carbon, min(_burnout(scene, running, inlet), kept))
+        add(
+            "volatiles",
+            matter,
+            data.volatile,
+            times.get(cr.Devolatilisation, kept),
+            40.0,
+        )
+        add(
+            "char",
+            species["C"].enthalpy,
+            data.carbon,
+            min(_burnout(scene, running, inlet), kept),
+        )
         if data.ash:
-            ash.append(model.Ash(fuel, lambda z: data.ash * share(z), fed.temperature, _linear(0.0, CP_ASH)))
+            ash.append(
+                model.Ash(
+                    fuel,
+                    lambda z: data.ash * share(z),
+                    fed.temperature,
+                    _linear(0.0, CP_ASH),
+                )
+            )
     if (stone := scene.limestone) is not None:
         feed, purity = scene.solids[stone].feed, scene.solids[stone].limestone.purity
         place = gaussian(feed, height)
@@ -315,10 +434,22 @@ def _solids(
         for name, part in (("CaCO3", 0.1), ("CaO", 0.7), ("CaSO4", 0.2)):
             enters = (lambda z: rate * place(z)) if name == "CaCO3" else None
             solids[name] = model.Solid(
-                stone, species[name].enthalpy, enters, feed.temperature, 1.0, part * rate * kept / height
+                stone,
+                species[name].enthalpy,
+                enters,
+                feed.temperature,
+                1.0,
+                part * rate * kept / height,
             )
         if rest:
-            ash.append(model.Ash(stone, lambda z: rest * place(z), feed.temperature, _linear(0.0, CP_ASH)))
+            ash.append(
+                model.Ash(
+                    stone,
+                    lambda z: rest * place(z),
+                    feed.temperature,
+                    _linear(0.0, CP_ASH),
+                )
+            )
     return solids, tuple(ash)
 
 
@@ -327,7 +458,8 @@ def _linear(formation: float, heat_capacity: float) -> Callable[[Any], Any]:
 
 
 def _burnout(scene: Any, running: tuple[Any, ...], inlet: dict[str, float]) -> float:
-    """Return the burnout time of char [s] in a half exhausted gas at the temperature of the guess.
+    """Return the burnout time of char [s] in a half exhausted gas at the temperature of
+    the guess.
 
     It is only used for the first guess of the inventory.
     """
@@ -336,7 +468,9 @@ def _burnout(scene: Any, running: tuple[Any, ...], inlet: dict[str, float]) -> f
         if isinstance(item, cr.Char):
             rate = 0.0
             if "char_combustion" in item.reactions and "O2" in inlet:
-                rate += float(item.combustion_rate(T, T, 0.5 * inlet["O2"] * p / (R_GAS * T), p))
+                rate += float(
+                    item.combustion_rate(T, T, 0.5 * inlet["O2"] * p / (R_GAS * T), p)
+                )
             x = dict.fromkeys(thermo.GASES, 0.0) | {"H2O": 0.1, "CO2": 0.1}
             rate += sum(
                 max(float(item.gasification_rate(name, T, T, x, p)), 0.0)

@@ -1,4 +1,6 @@
-"""The reactions of a bed as functions of its local state; see `equations.species` for their arguments."""
+"""The reactions of a bed as functions of its local state; see `equations.species`
+for their arguments.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,9 @@ from contbed.closures import reactions_solid as rs
 from contbed.closures.reactions import R_GAS
 
 CARBON = dv.ATOMIC["C"]
-SMALL_CO = 0.1  # [Pa] over which the release of SO2 falls to 0 at equilibrium; beds hold 10 Pa of CO and more
+# [Pa] over which the release of SO2 falls to 0 at equilibrium; beds hold 10 Pa of CO
+# and more
+SMALL_CO = 0.1
 OF_LIME = {
     "calcination": rs.CALCINATION,
     "sulphation": rs.SULPHATION,
@@ -34,15 +38,23 @@ def law_of(name: str, table: Any) -> r.Law:
 def equilibrium_quotient(law: r.Law, T: Any, p: dict[str, Any]) -> Any:
     """Return the product of the pressures of the products over K.
 
-    The unit is atm to the order of the reactants, which are those of the equilibrium constant K.
+    The unit is atm to the order of the reactants, which are those of the equilibrium
+    constant K.
     """
-    made = [p[name] for name, count in law.stoichiometry.items() if name in p for _ in range(round(max(count, 0.0)))]
+    made = [
+        p[name]
+        for name, count in law.stoichiometry.items()
+        if name in p
+        for _ in range(round(max(count, 0.0)))
+    ]
     return np.exp(-thermo.ln_equilibrium(law.stoichiometry, T)) * r.product(made)
 
 
 @dataclass(frozen=True)
 class Homogeneous:
-    """A gas reaction in each phase; the rate is multiplied by `factor`, and limited by the `mixing` time."""
+    """A gas reaction in each phase; the rate is multiplied by `factor`, and limited
+    by the `mixing` time.
+    """
 
     name: str
     law: r.Law
@@ -59,7 +71,10 @@ class Homogeneous:
         for phase, x in state.x.items():
             T = state.T[phase]
             molar = state.pressure / (R_GAS * T)
-            concentration = {name: x[name] * molar for name in {**self.law.stoichiometry, **self.law.orders}}
+            concentration = {
+                name: x[name] * molar
+                for name in {**self.law.stoichiometry, **self.law.orders}
+            }
             rate = self.rate(T, concentration, state.pressure)
             terms.homogeneous(phase, self.law.stoichiometry, state.volume[phase] * rate)
 
@@ -70,11 +85,14 @@ class Homogeneous:
         slowed = self.factor / (1.0 + self.mixing * frequency)
         if not self.law.reversible:
             return slowed * self.law.rate(T, concentration, small)
-        # both of first order: k (prod of reactants - prod of products/K), in concentrations
+        # both of first order: k (prod of reactants - prod of products/K), in
+        # concentrations
         unit = R_GAS * T / thermo.P_STANDARD
         forward = r.product([concentration[name] for name in self.law.orders])
         p = {name: c * unit for name, c in concentration.items()}
-        backward = equilibrium_quotient(self.law, T, p) * unit ** -sum(self.law.orders.values())
+        backward = equilibrium_quotient(self.law, T, p) * unit ** -sum(
+            self.law.orders.values()
+        )
         return slowed * self.law.constant(T) * (forward - backward)
 
 
@@ -105,13 +123,18 @@ class Devolatilisation:
         """Add the gas that volatile matter forms."""
         rate = state.solid["volatiles"] / self.time
         terms.particle(
-            self.species, {name: amount * rate for name, amount in self.yields.items()}, {"volatiles": -rate}, state
+            self.species,
+            {name: amount * rate for name, amount in self.yields.items()},
+            {"volatiles": -rate},
+            state,
         )
 
 
 @dataclass(frozen=True)
 class Char:
-    """Char in mixed flow; film diffusion and kinetics act in series for each reaction."""
+    """Char in mixed flow; film diffusion and kinetics act in series for each
+    reaction.
+    """
 
     species: str
     diameter: float
@@ -128,7 +151,9 @@ class Char:
     @property
     def surface(self) -> float:
         """Surface per mole of carbon [m2/mol]."""
-        return rs.POPULATIONS[self.model].surface / self.diameter * CARBON / self.density
+        return (
+            rs.POPULATIONS[self.model].surface / self.diameter * CARBON / self.density
+        )
 
     def film(self, gas: str, T: Any, p: float) -> Any:
         """Return the mass transfer coefficient of the gas film [m/s]."""
@@ -144,43 +169,75 @@ class Char:
         return 1.0 if products == "CO2" else 2.0
 
     def combustion_rate(self, T: Any, T_gas: Any, concentration: Any, p: float) -> Any:
-        """Return the rate of combustion per amount of carbon [1/s] at a concentration of O2 [mol/m3]."""
+        """Return the rate of combustion per amount of carbon [1/s] at a
+        concentration of O2 [mol/m3].
+        """
         law, table = self.reactions["char_combustion"]
         k = table.factor * law.constant(T)
         mean = 0.5 * (T + T_gas)
-        speed = rs.char_combustion(k, self.film("O2", mean, p), self.carbon_per_oxygen(T))
+        speed = rs.char_combustion(
+            k, self.film("O2", mean, p), self.carbon_per_oxygen(T)
+        )
         return self.surface * speed * concentration
 
-    def gasification_rate(self, name: str, T: Any, T_gas: Any, x: dict[str, Any], p: float) -> Any:
-        """Return the rate of gasification per amount of carbon [1/s], net of the backward reaction."""
+    def gasification_rate(
+        self, name: str, T: Any, T_gas: Any, x: dict[str, Any], p: float
+    ) -> Any:
+        """Return the rate of gasification per amount of carbon [1/s], net of the
+        backward reaction.
+        """
         law, table = self.reactions[name]
         ((agent, order),) = law.orders.items()
         count = -law.stoichiometry[agent]
         pressure = x[agent] * (p / rs.BAR)
         small = r.SMALL * p / rs.BAR
-        slope = table.factor * law.constant(T) * (pressure * pressure + small * small) ** (0.5 * (order - 1.0))
+        slope = (
+            table.factor
+            * law.constant(T)
+            * (pressure * pressure + small * small) ** (0.5 * (order - 1.0))
+        )
         mean = 0.5 * (T + T_gas)
-        film = self.surface * self.film(agent, mean, p) * (rs.BAR / R_GAS) / mean / count
+        film = (
+            self.surface * self.film(agent, mean, p) * (rs.BAR / R_GAS) / mean / count
+        )
         atm = {key: value * (p / thermo.P_STANDARD) for key, value in x.items()}
         back = equilibrium_quotient(law, T, atm)
-        # K = prod p_made / p_agent^count, so the agent's pressure in equilibrium is back^(1/count)
+        # K = prod p_made / p_agent^count, so the agent's pressure in equilibrium is
+        # back^(1/count)
         if count != 1.0:
             back = r.power(back, 1.0 / count, 1e-12)
-        return rs.in_series(slope, film) * (pressure - back * (thermo.P_STANDARD / rs.BAR))
+        return rs.in_series(slope, film) * (
+            pressure - back * (thermo.P_STANDARD / rs.BAR)
+        )
 
     def __call__(self, state: State, terms: SourceTerms) -> None:
         """Add combustion and gasification of char."""
-        T, T_gas, p, x = state.T[self.species], state.T["emulsion"], state.pressure, state.x["emulsion"]
+        T, T_gas, p, x = (
+            state.T[self.species],
+            state.T["emulsion"],
+            state.pressure,
+            state.x["emulsion"],
+        )
         carbon = state.solid["char"]
         for name, (law, _) in self.reactions.items():
             if name == "char_combustion":
-                rate = carbon * self.combustion_rate(T, T_gas, x["O2"] * p / (R_GAS * T_gas), p)
+                rate = carbon * self.combustion_rate(
+                    T, T_gas, x["O2"] * p / (R_GAS * T_gas), p
+                )
                 oxygen = 1.0 / self.carbon_per_oxygen(T)
-                gases = {"O2": -oxygen * rate, "CO2": (2.0 * oxygen - 1.0) * rate, "CO": (2.0 - 2.0 * oxygen) * rate}
+                gases = {
+                    "O2": -oxygen * rate,
+                    "CO2": (2.0 * oxygen - 1.0) * rate,
+                    "CO": (2.0 - 2.0 * oxygen) * rate,
+                }
                 gases = {key: value for key, value in gases.items() if key in x}
             else:
                 rate = carbon * self.gasification_rate(name, T, T_gas, x, p)
-                gases = {key: count * rate for key, count in law.stoichiometry.items() if key != "C"}
+                gases = {
+                    key: count * rate
+                    for key, count in law.stoichiometry.items()
+                    if key != "C"
+                }
             terms.particle(self.species, gases, {"char": -rate}, state)
 
 
@@ -194,7 +251,8 @@ class Lime:
     calcination: float | None  # factors
     sulphation: float | None
     maximum: float
-    reduction: float | None = None  # rate constant of sulphate with CO at 850 degC [1/Pa/s]
+    # rate constant of sulphate with CO at 850 degC [1/Pa/s]
+    reduction: float | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -213,16 +271,32 @@ class Lime:
 
     def __call__(self, state: State, terms: SourceTerms) -> None:
         """Add calcination, and the uptake and release of SO2."""
-        T, T_gas, p, x = state.T[self.species], state.T["emulsion"], state.pressure, state.x["emulsion"]
+        T, T_gas, p, x = (
+            state.T[self.species],
+            state.T["emulsion"],
+            state.pressure,
+            state.x["emulsion"],
+        )
         if self.calcination is not None:
-            rate = self.calcination_rate(T, x["CO2"] * p, state.solid["CaCO3"], state.solid["CaO"])
-            terms.particle(self.species, {"CO2": rate}, {"CaCO3": -rate, "CaO": rate}, state)
+            rate = self.calcination_rate(
+                T, x["CO2"] * p, state.solid["CaCO3"], state.solid["CaO"]
+            )
+            terms.particle(
+                self.species, {"CO2": rate}, {"CaCO3": -rate, "CaO": rate}, state
+            )
         if self.sulphation is not None:
             small = r.SMALL * p / (R_GAS * T_gas)
             SO2, O2 = (x[name] * p / (R_GAS * T_gas) for name in ("SO2", "O2"))
-            rate = self.sulphation_rate(T, SO2, state.solid["CaO"], state.solid["CaSO4"])
+            rate = self.sulphation_rate(
+                T, SO2, state.solid["CaO"], state.solid["CaSO4"]
+            )
             rate = rate * O2 / (O2 * O2 + (10.0 * small) ** 2) ** 0.5
-            terms.particle(self.species, {"SO2": -rate, "O2": -0.5 * rate}, {"CaO": -rate, "CaSO4": rate}, state)
+            terms.particle(
+                self.species,
+                {"SO2": -rate, "O2": -0.5 * rate},
+                {"CaO": -rate, "CaSO4": rate},
+                state,
+            )
         if self.reduction is not None:
             pressures = {name: x[name] * p for name in ("CO", "CO2", "SO2")}
             rate = self.reduction_rate(T, pressures, state.solid["CaSO4"])
@@ -234,7 +308,13 @@ class Lime:
         law = rs.CALCINATION
         equal = np.exp(thermo.ln_equilibrium(law.stoichiometry, T)) * thermo.P_STANDARD
         over = rs.positive(equal - p_CO2, 1.0)
-        k = (self.calcination or 0.0) * law.constant(T) * 6.0 / self.diameter * self.volume
+        k = (
+            (self.calcination or 0.0)
+            * law.constant(T)
+            * 6.0
+            / self.diameter
+            * self.volume
+        )
         return k * (over * CaCO3 - (over - (equal - p_CO2)) * CaO)
 
     def sulphation_rate(self, T: Any, SO2: Any, CaO: Any, CaSO4: Any) -> Any:
@@ -247,17 +327,31 @@ class Lime:
         return k * SO2 * self.volume * rs.positive(left, 1e-9)
 
     def reduction_rate(self, T: Any, p: dict[str, Any], CaSO4: Any) -> Any:
-        """Return the rate at which amounts of sulphate give off SO2 [amount/s], by pressures of CO, CO2 and SO2 [Pa].
+        """Return the rate at which amounts of sulphate give off SO2 [amount/s], by
+        pressures of CO, CO2 and SO2 [Pa].
 
-        It falls to 0 where these are in equilibrium, and what lies beyond is the uptake's.
+        It falls to 0 where these are in equilibrium, and what lies beyond is the
+        uptake's.
         """
         law = rs.SULPHATE_REDUCTION
-        equal = p["CO2"] * p["SO2"] * np.exp(-thermo.ln_equilibrium(law.stoichiometry, T)) / thermo.P_STANDARD
-        return (self.reduction or 0.0) * law.constant(T) * CaSO4 * rs.positive(p["CO"] - equal, SMALL_CO)
+        equal = (
+            p["CO2"]
+            * p["SO2"]
+            * np.exp(-thermo.ln_equilibrium(law.stoichiometry, T))
+            / thermo.P_STANDARD
+        )
+        return (
+            (self.reduction or 0.0)
+            * law.constant(T)
+            * CaSO4
+            * rs.positive(p["CO"] - equal, SMALL_CO)
+        )
 
 
 def used_laws(reactions: tuple[Any, ...]) -> Iterator[tuple[str, str, r.Law]]:
-    """Yield (reaction, phase whose temperature counts, law) of all reactions that run."""
+    """Yield (reaction, phase whose temperature counts, law) of all reactions that
+    run.
+    """
     for item in reactions:
         if isinstance(item, Homogeneous):
             yield item.name, "gas", item.law

@@ -1,4 +1,6 @@
-"""Results of a reacting bed: element balances, conversion, gas composition, efficiencies, ranges of rate laws."""
+"""Results of a reacting bed: element balances, conversion, gas composition,
+efficiencies, ranges of rate laws.
+"""
 
 from __future__ import annotations
 
@@ -19,38 +21,57 @@ from contbed.result import Result
 from contbed.scene.toml_lines import dotted
 
 ELEMENTS = ("C", "H", "O", "N", "S", "Ca")
-SOLIDS = {"moisture": "H2O(l)", "char": "C", "CaCO3": "CaCO3", "CaO": "CaO", "CaSO4": "CaSO4"}
-ROUNDING = 1e-14  # mole fraction either side of zero that balances of the others do not resolve
+SOLIDS = {
+    "moisture": "H2O(l)",
+    "char": "C",
+    "CaCO3": "CaCO3",
+    "CaO": "CaO",
+    "CaSO4": "CaSO4",
+}
+# mole fraction either side of zero that balances of the others do not resolve
+ROUNDING = 1e-14
 
 
-def carried(problem: Any, chemistry: Chemistry, state: Any) -> dict[str, tuple[float, float]]:
-    """Return the enthalpy, heat of formation included, that each stream brings and takes away [W]."""
+def carried(
+    problem: Any, chemistry: Chemistry, state: Any
+) -> dict[str, tuple[float, float]]:
+    """Return the enthalpy, heat of formation included, that each stream brings and
+    takes away [W].
+    """
     part, c = chemistry.part, problem.c
     out: dict[str, tuple[float, float]] = {}
     for phase in part.phases:
         brought = problem.at(
             lambda u, o, p=phase: sum(
-                n * part.gases[name].enthalpy(c.inlet) for name, n in part.entering(c.at(u, o), p).items()
+                n * part.gases[name].enthalpy(c.inlet)
+                for name, n in part.entering(c.at(u, o), p).items()
             ),
             problem.bottom,
             state,
         )
         taken = problem.at(
             lambda u, o, p=phase: sum(
-                n * part.gases[name].enthalpy(getattr(u, f"T_{p}")) for name, n in part.flow(u, p).items()
+                n * part.gases[name].enthalpy(getattr(u, f"T_{p}"))
+                for name, n in part.flow(u, p).items()
             ),
             problem.top,
             state,
         )
-        out[f"T_{phase}"] = (brought, taken if problem.above is None else 0.0)  # the freeboard takes it further
+        # the freeboard takes it further
+        out[f"T_{phase}"] = (brought, taken if problem.above is None else 0.0)
     for name, solid in part.solids.items():
         brought = 0.0
         if solid.fed is not None:
-            brought = problem.total(lambda u, o, s=solid: s.fed(o.x[0]) * s.enthalpy(s.feed_temperature), state)
+            brought = problem.total(
+                lambda u, o, s=solid: s.fed(o.x[0]) * s.enthalpy(s.feed_temperature),
+                state,
+            )
         end = problem.top if part.velocity > 0 else problem.bottom
         taken = problem.at(
             lambda u, o, n=name, s=solid: (
-                abs(part.velocity) * getattr(u, f"n_{n}") * s.enthalpy(getattr(u, f"T_{s.species}"))
+                abs(part.velocity)
+                * getattr(u, f"n_{n}")
+                * s.enthalpy(getattr(u, f"T_{s.species}"))
             ),
             end,
             state,
@@ -58,8 +79,16 @@ def carried(problem: Any, chemistry: Chemistry, state: Any) -> dict[str, tuple[f
         out[name] = (brought, taken)
     for k, ash in enumerate(part.ash):
         out[f"ash {k}"] = (
-            problem.total(lambda u, o, a=ash: a.fed(o.x[0]) * a.enthalpy(a.feed_temperature), state),
-            problem.total(lambda u, o, a=ash: a.fed(o.x[0]) * a.enthalpy(getattr(u, f"T_{a.species}")), state),
+            problem.total(
+                lambda u, o, a=ash: a.fed(o.x[0]) * a.enthalpy(a.feed_temperature),
+                state,
+            ),
+            problem.total(
+                lambda u, o, a=ash: (
+                    a.fed(o.x[0]) * a.enthalpy(getattr(u, f"T_{a.species}"))
+                ),
+                state,
+            ),
         )
     return out
 
@@ -70,9 +99,13 @@ def profiles(chemistry: Chemistry, values: dict[str, Any]) -> dict[str, Any]:
     for phase in part.phases:
         total = sum(values[f"N_{name}_{phase}"] for name in part.gases)
         for name in part.gases:
-            out[f"x_{name}_{phase} [1]"] = without_rounding(values[f"N_{name}_{phase}"], total) / total
+            out[f"x_{name}_{phase} [1]"] = (
+                without_rounding(values[f"N_{name}_{phase}"], total) / total
+            )
     for name in part.solids:
-        out[f"{name} [{'kg' if name == 'volatiles' else 'mol'}/m]"] = values[f"n_{name}"]
+        out[f"{name} [{'kg' if name == 'volatiles' else 'mol'}/m]"] = values[
+            f"n_{name}"
+        ]
     return out
 
 
@@ -91,8 +124,14 @@ def fill(problem: Any, chemistry: Chemistry, state: Any, result: Result) -> None
     qoi |= {f"x_{name}_dry": n / dry for name, n in shown.items() if name != "H2O"}
     if data is not None:
         _fuel(chemistry, entering, leaving, drained, qoi)
-    held = {name: problem.total(lambda u, o, n=name: getattr(u, f"n_{n}"), state) for name in part.solids}
-    qoi |= {f"held_{name}_{'kg' if name == 'volatiles' else 'mol'}": amount for name, amount in held.items()}
+    held = {
+        name: problem.total(lambda u, o, n=name: getattr(u, f"n_{n}"), state)
+        for name in part.solids
+    }
+    qoi |= {
+        f"held_{name}_{'kg' if name == 'volatiles' else 'mol'}": amount
+        for name, amount in held.items()
+    }
     if scene.limestone is not None:
         calcium = sum(drained.get(name, 0.0) for name in ("CaCO3", "CaO", "CaSO4"))
         if calcium > 0:
@@ -103,20 +142,31 @@ def fill(problem: Any, chemistry: Chemistry, state: Any, result: Result) -> None
     _warnings(problem, chemistry, state, held, result)
 
 
-def _streams(problem: Any, chemistry: Chemistry, state: Any) -> tuple[dict[str, float], ...]:
+def _streams(
+    problem: Any, chemistry: Chemistry, state: Any
+) -> tuple[dict[str, float], ...]:
     part, c = chemistry.part, problem.c
 
     def bottom(u: Any, o: Any, name: str) -> Any:
         return sum(part.entering(c.at(u, o), phase)[name] for phase in part.phases)
 
-    entering = {name: problem.at(lambda u, o, n=name: bottom(u, o, n), problem.bottom, state) for name in part.gases}
+    entering = {
+        name: problem.at(lambda u, o, n=name: bottom(u, o, n), problem.bottom, state)
+        for name in part.gases
+    }
     leaving = {
-        name: problem.at(lambda u, o, n=name: sum(part.flow(u, phase)[n] for phase in part.phases), problem.top, state)
+        name: problem.at(
+            lambda u, o, n=name: sum(part.flow(u, phase)[n] for phase in part.phases),
+            problem.top,
+            state,
+        )
         for name in part.gases
     }
     end = problem.top if part.velocity > 0 else problem.bottom
     drained = {
-        name: problem.at(lambda u, o, n=name: abs(part.velocity) * getattr(u, f"n_{n}"), end, state)
+        name: problem.at(
+            lambda u, o, n=name: abs(part.velocity) * getattr(u, f"n_{n}"), end, state
+        )
         for name in part.solids
     }
     fed = {
@@ -130,46 +180,80 @@ def _streams(problem: Any, chemistry: Chemistry, state: Any) -> tuple[dict[str, 
 def contents(chemistry: Chemistry) -> dict[str, dict[str, float]]:
     """Return the elements in a mole of each gas and solid, and in a kg of volatiles."""
     species = thermo.table()
-    out: dict[str, dict[str, float]] = {name: dict(species[name].composition) for name in chemistry.part.gases}
-    out |= {name: dict(species[SOLIDS[name]].composition) for name in chemistry.part.solids if name in SOLIDS}
+    out: dict[str, dict[str, float]] = {
+        name: dict(species[name].composition) for name in chemistry.part.gases
+    }
+    out |= {
+        name: dict(species[SOLIDS[name]].composition)
+        for name in chemistry.part.solids
+        if name in SOLIDS
+    }
     if chemistry.data is not None and chemistry.data.volatiles is not None:
         out["volatiles"] = dict(chemistry.data.volatiles.elements)
     return out
 
 
-def _elements(chemistry: Chemistry, entering: Any, leaving: Any, drained: Any, fed: Any, result: Result) -> None:
+def _elements(
+    chemistry: Chemistry,
+    entering: Any,
+    leaving: Any,
+    drained: Any,
+    fed: Any,
+    result: Result,
+) -> None:
     inside = contents(chemistry)
     for element in ELEMENTS:
         brought, taken = (
-            sum(amount * inside[name].get(element, 0.0) for stream in streams for name, amount in stream.items())
+            sum(
+                amount * inside[name].get(element, 0.0)
+                for stream in streams
+                for name, amount in stream.items()
+            )
             for streams in ((entering, fed), (leaving, drained))
         )
         if brought > 0:
-            result.balances[element] = Balance(brought, taken, "mol/s", scale=brought).as_dict()
+            result.balances[element] = Balance(
+                brought, taken, "mol/s", scale=brought
+            ).as_dict()
 
 
 def heating_value(name: str) -> float:
     """Return the lower heating value at 298.15 K [J/mol]."""
     species, T0 = thermo.table(), thermo.T_STANDARD
     atoms = species[name].composition
-    burnt = {"CO2": atoms.get("C", 0.0), "H2O": 0.5 * atoms.get("H", 0.0), "SO2": atoms.get("S", 0.0)}
-    return float(species[name].enthalpy(T0) - sum(n * species[key].enthalpy(T0) for key, n in burnt.items()))
+    burnt = {
+        "CO2": atoms.get("C", 0.0),
+        "H2O": 0.5 * atoms.get("H", 0.0),
+        "SO2": atoms.get("S", 0.0),
+    }
+    return float(
+        species[name].enthalpy(T0)
+        - sum(n * species[key].enthalpy(T0) for key, n in burnt.items())
+    )
 
 
 FUELS = ("CO", "H2", "CH4", "C6H6", "H2S")
 
 
-def _fuel(chemistry: Chemistry, entering: Any, leaving: Any, drained: Any, qoi: dict[str, Any]) -> None:
+def _fuel(
+    chemistry: Chemistry, entering: Any, leaving: Any, drained: Any, qoi: dict[str, Any]
+) -> None:
     data, inside = chemistry.data, contents(chemistry)
     assert data is not None
     power = data.rate * data.lower
-    carbon = sum(drained[name] * inside[name].get("C", 0.0) for name in ("char", "volatiles") if name in drained)
+    carbon = sum(
+        drained[name] * inside[name].get("C", 0.0)
+        for name in ("char", "volatiles")
+        if name in drained
+    )
     qoi["carbon_conversion"] = 1.0 - carbon / data.elements["C"]
     in_gas = sum(leaving.get(name, 0.0) * heating_value(name) for name in FUELS)
     unburnt = drained.get("char", 0.0) * heating_value("C")
     per_kg = 0.0
     if data.volatiles is not None:
-        per_kg = data.lower - (1.0 - data.volatile / data.rate) / dv.ATOMIC["C"] * heating_value("C")
+        per_kg = data.lower - (1.0 - data.volatile / data.rate) / dv.ATOMIC[
+            "C"
+        ] * heating_value("C")
         per_kg *= data.rate / data.volatile
     unburnt += drained.get("volatiles", 0.0) * per_kg
     qoi["fuel_power_W"] = power
@@ -180,62 +264,95 @@ def _fuel(chemistry: Chemistry, entering: Any, leaving: Any, drained: Any, qoi: 
     qoi["oxygen_ratio"] = entering.get("O2", 0.0) / needed
     if e["S"] > 0 and "CaSO4" in drained:
         qoi["sulphur_capture"] = drained["CaSO4"] / e["S"]
-    qoi["ignited"] = float(qoi["combustion_efficiency"] > 0.5 * min(1.0, qoi["oxygen_ratio"]))
+    qoi["ignited"] = float(
+        qoi["combustion_efficiency"] > 0.5 * min(1.0, qoi["oxygen_ratio"])
+    )
 
 
 def _fits(scene: Any, share: float, result: Result) -> None:
-    """Raise ConvergenceError where the char that the balances leave does not fit between the particles of the bed."""
+    """Raise ConvergenceError where the char that the balances leave does not fit
+    between the particles of the bed.
+    """
     if share > 1.0:
         key = ("solids", scene.fuel, "fuel")
         raise ConvergenceError(
-            f"{scene.origin.at(key)}: {dotted(key)}: the bed cannot hold its char, which "
+            f"{scene.origin.at(key)}: {dotted(key)}: the bed cannot hold its char, "
+            "which "
             f"would fill {100 * share:.3g} % of the volume of the "
-            "solids (char_volume_fraction): feed less fuel, more oxygen or steam, drain faster by "
+            "solids (char_volume_fraction): feed less fuel, more oxygen or steam, "
+            "drain faster by "
             "bubbling_bed.drain.time, or enlarge bubbling_bed.section",
             result.history,
         )
 
 
 def without_rounding(amounts: Any, total: Any) -> Any:
-    """Return amounts, zero where they are below `ROUNDING` of the total either way; larger negative ones stay."""
+    """Return amounts, zero where they are below `ROUNDING` of the total either way;
+    larger negative ones stay.
+    """
     return np.where(np.abs(amounts) <= ROUNDING * np.abs(total), 0.0, amounts)
 
 
 def _below_zero(part: Any, profiles: Mapping[str, Any], tolerance: float) -> str | None:
-    """Return the warning about the least mole fraction; None where it is within the error of automatic meshes."""
-    columns = {(name, phase): profiles[f"x_{name}_{phase} [1]"] for phase in part.phases for name in part.gases}
+    """Return the warning about the least mole fraction; None where it is within the
+    error of automatic meshes.
+    """
+    columns = {
+        (name, phase): profiles[f"x_{name}_{phase} [1]"]
+        for phase in part.phases
+        for name in part.gases
+    }
     (name, phase), x = min(columns.items(), key=lambda item: item[1].min())
     if not x.min() < -tolerance:
         return None
     z = profiles["z [m]"][x.argmin()]
     return (
-        f"{name} in the {phase} falls to a mole fraction of {x.min():.2g} at z = {z:.3g} m, further below zero than "
-        f"solver.tolerance = {tolerance:g}: give more mesh.cells, or none for a mesh that is chosen"
+        f"{name} in the {phase} falls to a mole fraction of {x.min():.2g} at z = "
+        f"{z:.3g} m, further below zero than "
+        f"solver.tolerance = {tolerance:g}: give more mesh.cells, or none for a mesh "
+        "that is chosen"
     )
 
 
-def _warnings(problem: Any, chemistry: Chemistry, state: Any, held: dict[str, float], result: Result) -> None:
+def _warnings(
+    problem: Any,
+    chemistry: Chemistry,
+    state: Any,
+    held: dict[str, float],
+    result: Result,
+) -> None:
     part, scene = chemistry.part, problem.plan.scene
     for name in chemistry.idle:
-        result.warnings.append(f"reactions.{name} does not run: a gas that it needs neither enters nor is made")
+        result.warnings.append(
+            f"reactions.{name} does not run: a gas that it needs neither enters nor is "
+            "made"
+        )
     below = _below_zero(part, result.profiles, scene.solver.tolerance)
     if below is not None:
         result.warnings.append(below)
     if scene.fuel is not None:
         fuel = scene.solids[scene.fuel].fuel
         volume = held.get("char", 0.0) * dv.ATOMIC["C"] / fuel.char_density
-        delta = problem.total(lambda u, o: problem.c.at(u, o).delta, state) / chemistry.height
+        delta = (
+            problem.total(lambda u, o: problem.c.at(u, o).delta, state)
+            / chemistry.height
+        )
         solids = part.section * chemistry.height * (1.0 - delta) * (1.0 - part.voidage)
         result.qoi["char_volume_fraction"] = volume / solids
         _fits(scene, volume / solids, result)
     for name, where, law in cr.used_laws(chemistry.reactions):
-        fields = [f"T_{phase}" for phase in part.phases] if where == "gas" else [f"T_{where}"]
+        fields = (
+            [f"T_{phase}" for phase in part.phases]
+            if where == "gas"
+            else [f"T_{where}"]
+        )
         T = np.concatenate([problem.system.part(state, field) for field in fields])
         outside = share_outside(T, law.T_range)
         if outside > 0:
             low, high = law.T_range
             result.warnings.append(
-                f"reactions.{name}: {law.name} is used out of its range on {100 * outside:.3g} % of the height, "
+                f"reactions.{name}: {law.name} is used out of its range on "
+                f"{100 * outside:.3g} % of the height, "
                 f"{T.min():.4g} to {T.max():.4g} K, declared {low:g} to {high:g} K"
             )
         kind = "gas reaction" if name in LAWS else "reaction of particles"

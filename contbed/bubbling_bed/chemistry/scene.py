@@ -26,7 +26,9 @@ class Timed(Table):
 class Reaction(Table):
     """A reaction with a rate law."""
 
-    law: str | None = Field(None, description="rate law by name; absent: the first of the list")
+    law: str | None = Field(
+        None, description="rate law by name; absent: the first of the list"
+    )
     factor: Factor = Field(1.0, description="multiplies the rate")
 
 
@@ -34,7 +36,9 @@ class CharCombustion(Reaction):
     """Char with O2."""
 
     products: Literal["arthur", "CO2", "CO"] = Field(
-        "CO2", description="at the particle; CO2 where CO burns in its film, particles of 1 mm and more"
+        "CO2",
+        description="at the particle; CO2 where CO burns in its film, particles of 1 "
+        "mm and more",
     )
 
 
@@ -48,14 +52,19 @@ class Sulphation(Table):
     """CaO with SO2 and O2 to CaSO4."""
 
     factor: Factor = Field(1.0, description="factor on the rate")
-    maximum_conversion: Annotated[Number, Field(gt=0, le=1)] = Field(0.4, description="of CaO, when its pores are full")
+    maximum_conversion: Annotated[Number, Field(gt=0, le=1)] = Field(
+        0.4, description="of CaO, when its pores are full"
+    )
 
 
 class SulphateReduction(Table):
-    """CaSO4 with CO to CaO, SO2 and CO2, up to equilibrium; measured constants differ, so there is no default."""
+    """CaSO4 with CO to CaO, SO2 and CO2, up to equilibrium; measured constants
+    differ, so there is no default.
+    """
 
     rate_constant: Annotated[float, *unit("1/Pa/s"), Field(gt=0)] = Field(
-        description="of sulphate at 850 degC, per pressure of CO; measured, or fitted to a boiler"
+        description="of sulphate at 850 degC, per pressure of CO; measured, or fitted "
+        "to a boiler"
     )
 
 
@@ -82,9 +91,15 @@ class Reactions(Table):
     @property
     def homogeneous(self) -> dict[str, Reaction]:
         """Those within the gas."""
-        return {name: item for name in LAWS if (item := getattr(self, name)) is not None}
+        return {
+            name: item for name in LAWS if (item := getattr(self, name)) is not None
+        }
 
     @property
     def of_char(self) -> dict[str, Reaction]:
         """Those of char."""
-        return {name: item for name in CHAR_LAWS if (item := getattr(self, name)) is not None}
+        return {
+            name: item
+            for name in CHAR_LAWS
+            if (item := getattr(self, name)) is not None
+        }

@@ -1,1 +1,3 @@
-"""Equations of a bubbling bed: heat of particles and gases, composition, freeboard, steam in tubes."""
+"""Equations of a bubbling bed: heat of particles and gases, composition, freeboard,
+steam in tubes.
+"""

@@ -1,4 +1,5 @@
-"""What the equations of a bubbling bed read at a point: streams, species, surfaces, coefficients, and further parts.
+"""What the equations of a bubbling bed read at a point: streams, species, surfaces,
+coefficients, and further parts.
 
 Symbols and units are those of `equations.bed`.
 """
@@ -23,7 +24,9 @@ def unit_heat_capacity(T: Any) -> Any:
 class Stream:
     """One phase with a temperature field; its functions work on pointwise values."""
 
-    flow: Any = None  # W, function of z [kg/s, or W/K where the enthalpy is T]; None for a gas of computed flow
+    # W, function of z [kg/s, or W/K where the enthalpy is T]; None for a gas of
+    # computed flow
+    flow: Any = None
     fed: Any = None  # W', function of z; None without feed
     feed_temperature: float = 0.0  # [K]
     conduction: float = 0.0  # A k [W m/K]
@@ -69,7 +72,9 @@ class Plate:
 
 @dataclass
 class Local:
-    """Coefficients at the points of one domain: numbers, arrays, or functions of the unknowns as dual numbers."""
+    """Coefficients at the points of one domain: numbers, arrays, or functions of the
+    unknowns as dual numbers.
+    """
 
     delta: Any
     gas: dict[str, Any]  # a_m h_gm [W/m3/K]
@@ -80,36 +85,51 @@ class Local:
     flows: dict[str, Any]  # W of the gases
     slopes: dict[str, Any]  # W' of the gases
     crossing: Any = None  # X; None where gas cannot pass
-    enthalpy: dict[str, Any] = field(default_factory=dict)  # of the gases, functions of T [J/kg]; absent: T
+    # of the gases, functions of T [J/kg]; absent: T
+    enthalpy: dict[str, Any] = field(default_factory=dict)
     heat_capacity: dict[str, Any] = field(default_factory=dict)  # [J/kg/K]
     gas_flow: Any = None  # bubbling_flow.Local; None where no flow is an unknown
-    state: dict[str, Any] = field(default_factory=dict)  # velocities, properties: what parts may build upon
-    changes: dict[str, Any] = field(default_factory=dict)  # (W h)' at constant T of gases whose composition changes
-    shares: dict[str, Any] = field(default_factory=dict)  # surface of species over that which absorption is for
+    # velocities, properties: what parts may build upon
+    state: dict[str, Any] = field(default_factory=dict)
+    # (W h)' at constant T of gases whose composition changes
+    changes: dict[str, Any] = field(default_factory=dict)
+    # surface of species over that which absorption is for
+    shares: dict[str, Any] = field(default_factory=dict)
 
     def h(self, name: str, T: Any) -> Any:
         """Return the enthalpy of a gas [J/kg]."""
         return self.enthalpy.get(name, capacity_flow_enthalpy)(T)
 
     def changed(self, name: str, T: Any) -> Any:
-        """Return W' h of a gas [W/m], or (W h)' at constant T where its composition changes."""
-        return self.changes[name](T) if name in self.changes else self.slopes[name] * self.h(name, T)
+        """Return W' h of a gas [W/m], or (W h)' at constant T where its composition
+        changes.
+        """
+        return (
+            self.changes[name](T)
+            if name in self.changes
+            else self.slopes[name] * self.h(name, T)
+        )
 
 
 class Part(Protocol):
-    """Physics added to the bed: its own unknown fields, and its source terms in the balances of the bed.
+    """Physics added to the bed: its own unknown fields, and its source terms in the
+    balances of the bed.
 
-    `fields` are the names of the unknowns along the height. `scalars`, if there are any, are unknowns of one number
-    each.
+    `fields` are the names of the unknowns along the height. `scalars`, if there are
+    any, are unknowns of one number each.
     """
 
     fields: tuple[str, ...]
 
     def gains(self, u: Any, c: Any, local: Local, o: Any) -> dict[str, Any]:
-        """Return the heat per height [W/m] by the field of the phase; gas that is made brings its enthalpy."""
+        """Return the heat per height [W/m] by the field of the phase; gas that is
+        made brings its enthalpy.
+        """
 
     def made(self, u: Any, c: Any, local: Local, o: Any) -> dict[str, Any] | None:
-        """Return the gas made per height [kg/s/m] by the field of the gas; None where the part makes none."""
+        """Return the gas made per height [kg/s/m] by the field of the gas; None
+        where the part makes none.
+        """
 
     def residual(self, u: Any, tests: Any, c: Any, local: Local, o: Any) -> Any:
         """Return the weak form of the part's balances along the height."""
@@ -121,16 +141,19 @@ class Part(Protocol):
         """Return the weak form of its conditions at the surface of the bed."""
 
     def content(self, u: Any, tests: Any, c: Any, o: Any) -> Any:
-        """Return the tested content of the part, by which a steady state is approached in time."""
+        """Return the tested content of the part, by which a steady state is
+        approached in time.
+        """
 
 
 @dataclass(frozen=True)
 class Coefficients:
     """The coefficients of the whole bed.
 
-    `bubbles` and `plate` are None where absent. `level` is "none", "paper", "pairwise", or "field" where G is an
-    unknown with diffusion coefficient `diffusion` [m]. With `computed`, a function of (unknowns, ops) that returns
-    `Local`, the numbers of the same name only serve to grade the mesh.
+    `bubbles` and `plate` are None where absent. `level` is "none", "paper", "pairwise",
+    or "field" where G is an unknown with diffusion coefficient `diffusion` [m]. With
+    `computed`, a function of (unknowns, ops) that returns `Local`, the numbers of the
+    same name only serve to grade the mesh.
     """
 
     section: float  # A [m2]
@@ -155,7 +178,10 @@ class Coefficients:
     def scalars(self) -> tuple[str, ...]:
         """Unknowns that are one number each."""
         plate = ("T_distributor",) if self.plate is not None else ()
-        return (*plate, *(name for part in self.parts for name in getattr(part, "scalars", ())))
+        return (
+            *plate,
+            *(name for part in self.parts for name in getattr(part, "scalars", ())),
+        )
 
     def at(self, u: Any, o: Any) -> Local:
         """Return the coefficients at the points of a domain."""
@@ -181,7 +207,9 @@ class Coefficients:
     @property
     def streams(self) -> dict[str, Stream]:
         """All phases by the name of their field."""
-        out = {f"T_{name}": item.stream for name, item in self.species.items()} | {"T_emulsion": self.emulsion}
+        out = {f"T_{name}": item.stream for name, item in self.species.items()} | {
+            "T_emulsion": self.emulsion
+        }
         return out if self.bubbles is None else out | {"T_bubble": self.bubbles}
 
     @property
@@ -193,4 +221,9 @@ class Coefficients:
     def fields(self) -> tuple[str, ...]:
         """All fields along the height."""
         radiation = ("G",) if self.level == "field" else ()
-        return (*self.streams, *radiation, *self.extra, *(name for part in self.parts for name in part.fields))
+        return (
+            *self.streams,
+            *radiation,
+            *self.extra,
+            *(name for part in self.parts for name in part.fields),
+        )

@@ -1,4 +1,5 @@
-"""Freeboard of a bubbling bed: gas, particles thrown up and falling back, radiation, walls; a `Part` of the bed.
+"""Freeboard of a bubbling bed: gas, particles thrown up and falling back, radiation,
+walls; a `Part` of the bed.
 
     (m h)_y                = A sum_d a_d h_gp (T_d - T_f) + sum_x p_x h_x (T_x - T_f)               gas
     F_y                    = -a (F - F_inf),  F(0) = F_0                                            particles upward
@@ -15,15 +16,18 @@ F, F_inf flow of particles upward, and far up [kg/m2/s]; F - F_out fall back int
 a_d      surface of particles per volume [1/m], that of f = F/(rho u_gas) of the volume;  K_d = eps a_d / 4
 h_gp     particle-gas coefficient [W/m2/K]            x        walls, tubes
 
-The bed gives A F h_u(0) to the freeboard and gets A (F - F_out) h_d(0) back, by mass from all species. Particles rise
-and fall as fast as the gas rises; F_y is that of the solution, so that the sum over all streams closes. The gas is
-transparent. Radiation is one diffusion equation in a thin medium: P1 is off by 5 to 20 % of the flux where optical
-depths are of order one.
+The bed gives A F h_u(0) to the freeboard and gets A (F - F_out) h_d(0) back, by mass
+from all species. Particles rise and fall as fast as the gas rises; F_y is that of the
+solution, so that the sum over all streams closes. The gas is transparent. Radiation is
+one diffusion equation in a thin medium: P1 is off by 5 to 20 % of the flux where
+optical depths are of order one.
 
-The freeboard is solved on the mesh of the bed, upside down: y = (H - z) L/H, so that both meet at one node and all
-unknowns belong to one Newton's method. Below, r = L/H, d/dy = -(1/r) d/dz and dy = r dz.
+The freeboard is solved on the mesh of the bed, upside down: y = (H - z) L/H, so that
+both meet at one node and all unknowns belong to one Newton's method. Below, r = L/H,
+d/dy = -(1/r) d/dz and dy = r dz.
 
-Source: Kunii, Levenspiel 1991, Fluidization Engineering, 2nd edition, chapter 7, for the flows; heat by balances.
+Source: Kunii, Levenspiel 1991, Fluidization Engineering, 2nd edition, chapter 7, for
+    the flows; heat by balances.
 
 Good values: L 1-10 m, F_0 1-100 kg/m2/s, a 1-10 1/m.
 """
@@ -40,23 +44,29 @@ from contbed.radiation.equations import p1 as radiation
 
 CLEAR = 1e-3  # optical depth of a freeboard without particles
 MOLES = 4e5  # what makes a flow of gas compare with heat [J/mol]
-JOINED = 1e8  # radiation through the surface of the bed over the jump of (G / 4 sigma)^(1/4) there [W/m2/K]
-# flow of particles whose heat passes to the gas over L in any case [kg/m2/s]: where none fly, T is T_f; a hundred times
-# what rounding makes of F_y in cells of micrometres, below which T_down there follows the rounding
+# radiation through the surface of the bed over the jump of (G / 4 sigma)^(1/4) there
+# [W/m2/K]
+JOINED = 1e8
+# flow of particles whose heat passes to the gas over L in any case [kg/m2/s]: where
+# none fly, T is T_f; a hundred times what rounding makes of F_y in cells of
+# micrometres, below which T_down there follows the rounding
 LEAST = 1e-7
 TEMPERATURES = ("T_freeboard", "T_up", "T_down")
 
 
 @dataclass
 class LocalCoefficients:
-    """Coefficients at the points of a domain: numbers, arrays or functions of the unknowns."""
+    """Coefficients at the points of a domain: numbers, arrays or functions of the
+    unknowns.
+    """
 
     flow: Any  # m [kg/s]
     enthalpy: Any  # of the gas, function of T [J/kg]
     heat_capacity: Any
     decay: Any  # a [1/m]
     carried: Any  # F_inf [kg/m2/s]
-    density_flow: Any  # rho u_gas: flow of particles over their share of the volume [kg/m2/s]
+    # rho u_gas: flow of particles over their share of the volume [kg/m2/s]
+    density_flow: Any
     exchange: Any  # h_gp [W/m2/K]
 
 
@@ -74,7 +84,8 @@ class Surface:
 class Freeboard:
     """Coefficients and equations of the freeboard.
 
-    Functions of the unknowns: `local_coefficients` (u, o) gives `LocalCoefficients`, `ejected` (local) gives F_0.
+    Functions of the unknowns: `local_coefficients` (u, o) gives `LocalCoefficients`,
+    `ejected` (local) gives F_0.
     """
 
     section: float  # A [m2]
@@ -90,7 +101,8 @@ class Freeboard:
     surfaces: dict[str, Surface]
     radiates: bool
     diffusion: float  # D times the extinction: 1/3 or 1/4
-    above: float | None  # sigma T^4 of what closes the freeboard [W/m2]; None for a mirror
+    # sigma T^4 of what closes the freeboard [W/m2]; None for a mirror
+    above: float | None
     heat: float  # what makes a flow of particles compare with heat [J m2/kg]
     degree: int
     scalars: tuple[str, ...] = ("carryover",)
@@ -107,11 +119,18 @@ class Freeboard:
 
     def solids(self, T: Any) -> Any:
         """Return the enthalpy of the mixture of particles [J/kg]."""
-        return sum(share * self.enthalpy(name, T) for name, share in self.shares.items())
+        return sum(
+            share * self.enthalpy(name, T) for name, share in self.shares.items()
+        )
 
     def content(self, u: Any, tests: Any, c: Any, o: Any) -> Any:
-        """Return a tested content by which the freeboard approaches its steady state."""
-        heat = sum((getattr(u, name) * getattr(tests, name) for name in TEMPERATURES), start=0.0)
+        """Return a tested content by which the freeboard approaches its steady
+        state.
+        """
+        heat = sum(
+            (getattr(u, name) * getattr(tests, name) for name in TEMPERATURES),
+            start=0.0,
+        )
         return 1e3 * heat + self.heat * u.flow_up * tests.flow_up
 
     def made(self, u: Any, c: Any, local: Any, o: Any) -> None:
@@ -123,20 +142,28 @@ class Freeboard:
 
     def capacity(self, T: Any) -> Any:
         """Return the heat capacity of the mixture of particles [J/kg/K]."""
-        return sum(share * self.heat_capacity(name, T) for name, share in self.shares.items())
+        return sum(
+            share * self.heat_capacity(name, T) for name, share in self.shares.items()
+        )
 
     def exchanged(self, u: Any, here: LocalCoefficients) -> dict[str, Any]:
-        """Return the heat that phases gain per height y, radiation and surfaces included [W/m]."""
+        """Return the heat that phases gain per height y, radiation and surfaces
+        included [W/m].
+        """
         gain: dict[str, Any] = {"T_freeboard": 0.0}
         for name, flow in (("T_up", u.flow_up), ("T_down", u.flow_up - u.carryover)):
             surface = self.section * self.surface * flow / here.density_flow
             rest = LEAST * self.section * self.capacity(getattr(u, name)) / self.height
-            passed = (surface * here.exchange + rest) * (u.T_freeboard - getattr(u, name))
+            passed = (surface * here.exchange + rest) * (
+                u.T_freeboard - getattr(u, name)
+            )
             gain["T_freeboard"] = gain["T_freeboard"] - passed
             gain[name] = passed
             if self.radiates:
                 black = radiation.emitted(getattr(u, name))
-                gain[name] = gain[name] + 0.25 * self.emissivity * surface * (u.G_freeboard - black)
+                gain[name] = gain[name] + 0.25 * self.emissivity * surface * (
+                    u.G_freeboard - black
+                )
         for name in self.surfaces:
             gain["T_freeboard"] = gain["T_freeboard"] - self.convected(u, name)
         return gain
@@ -151,50 +178,79 @@ class Freeboard:
         x = self.surfaces[name]
         if not self.radiates or not x.emissivity:
             return 0.0
-        return 0.25 * x.perimeter * x.emissivity * (u.G_freeboard - radiation.emitted(x.temperature))
+        return (
+            0.25
+            * x.perimeter
+            * x.emissivity
+            * (u.G_freeboard - radiation.emitted(x.temperature))
+        )
 
     def residual(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
         """Return the weak form of all balances over the height."""
         r, A, here = self.stretch, self.section, self.local_coefficients(u, o)
         gain = self.exchanged(u, here)
         up, down, slope = u.flow_up, u.flow_up - u.carryover, o.grad(u.flow_up)[0]
-        rate = A * self.surface * here.exchange / here.density_flow  # over the flow of particles
+        # over the flow of particles
+        rate = A * self.surface * here.exchange / here.density_flow
         v, T = tests.T_freeboard, u.T_freeboard
-        total = here.flow * here.enthalpy(T) * o.grad(v)[0] - r * gain["T_freeboard"] * v
+        total = (
+            here.flow * here.enthalpy(T) * o.grad(v)[0] - r * gain["T_freeboard"] * v
+        )
         capacity = here.flow * here.heat_capacity(T)
         strong = capacity * o.grad(T)[0] + r * gain["T_freeboard"]
         total = total + self._upwind(strong, capacity, rate * (up + down), v, o)
         for name, flow, sense in (("T_up", up, 1.0), ("T_down", down, -1.0)):
             T, v, gained = getattr(u, name), getattr(tests, name), r * gain[name]
-            if name == "T_down":  # what turns round comes with the enthalpy of those that rise
+            # what turns round comes with the enthalpy of those that rise
+            if name == "T_down":
                 gained = gained + A * slope * (self.solids(u.T_up) - self.solids(T))
             capacity = sense * A * flow * self.capacity(T)
             strong = capacity * o.grad(T)[0] + gained
-            coupling = rate * flow + (0.0 if name == "T_up" else A * here.decay * up * self.capacity(T))
+            coupling = rate * flow + (
+                0.0 if name == "T_up" else A * here.decay * up * self.capacity(T)
+            )
             total = total - strong * v + self._upwind(strong, capacity, coupling, v, o)
         turned = -here.decay * (up - here.carried)
         v = tests.flow_up
-        total = total - self.heat * (o.grad(up)[0] + r * turned) * (v - 0.5 * o.h * o.grad(v)[0])
+        total = total - self.heat * (o.grad(up)[0] + r * turned) * (
+            v - 0.5 * o.h * o.grad(v)[0]
+        )
         if not self.radiates:
             return total
         G, w = u.G_freeboard, tests.G_freeboard
-        each = [(self.surface * flow / here.density_flow, T) for flow, T in ((up, u.T_up), (down, u.T_down))]
-        taken = sum(0.25 * self.emissivity * a * A * (G - radiation.emitted(T)) for a, T in each)
+        each = [
+            (self.surface * flow / here.density_flow, T)
+            for flow, T in ((up, u.T_up), (down, u.T_down))
+        ]
+        taken = sum(
+            0.25 * self.emissivity * a * A * (G - radiation.emitted(T)) for a, T in each
+        )
         taken = taken + sum(self.radiated(u, name) for name in self.surfaces)
         extinction = 0.25 * sum(a for a, _ in each) + CLEAR / self.height
-        return total + A * self.diffusion / (r * extinction) * o.grad(G)[0] * o.grad(w)[0] + r * taken * w
+        return (
+            total
+            + A * self.diffusion / (r * extinction) * o.grad(G)[0] * o.grad(w)[0]
+            + r * taken * w
+        )
 
     def _upwind(self, strong: Any, capacity: Any, coupling: Any, v: Any, o: Any) -> Any:
-        """Return the SUPG term for the residual r (gain - (carried)_y), which is `strong`."""
+        """Return the SUPG term for the residual r (gain - (carried)_y), which is
+        `strong`.
+        """
         stable = tau(capacity, 0.0, coupling, 1.0, self.stretch * o.h, self.degree)
         return stable / self.stretch * strong * capacity * o.grad(v)[0]
 
     def ejected_enthalpy(self, u: Any) -> Any:
         """Return the enthalpy of the particles at the surface of the bed [J/kg]."""
-        return sum(share * self.enthalpy(name, getattr(u, f"T_{name}")) for name, share in self.shares.items())
+        return sum(
+            share * self.enthalpy(name, getattr(u, f"T_{name}"))
+            for name, share in self.shares.items()
+        )
 
     def surface_radiation(self, u: Any) -> Any:
-        """Return the radiation through the surface of the bed [W]; a penalty keeps G continuous there."""
+        """Return the radiation through the surface of the bed [W]; a penalty keeps G
+        continuous there.
+        """
         if not self.radiates:
             return 0.0
         below, above = ((G / (4.0 * SIGMA)) ** 0.25 for G in (u.G, u.G_freeboard))
@@ -202,31 +258,56 @@ class Freeboard:
 
     def top_of_bed(self, u: Any, c: Any, local: Any) -> Any:
         """Return the heat that gas brings to the surface of the bed [W]."""
-        return sum(local.flows[name] * local.h(name, getattr(u, name)) for name in c.gases)
+        return sum(
+            local.flows[name] * local.h(name, getattr(u, name)) for name in c.gases
+        )
 
     def top(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
         """Return the weak form at the surface of the bed, z = H and y = 0."""
         A, turned = self.section, u.flow_up - u.carryover
         total = -self.top_of_bed(u, c, local) * tests.T_freeboard
-        total = total + A * u.flow_up * (self.solids(u.T_up) - self.ejected_enthalpy(u)) * tests.T_up
+        total = (
+            total
+            + A
+            * u.flow_up
+            * (self.solids(u.T_up) - self.ejected_enthalpy(u))
+            * tests.T_up
+        )
         total = total + self.heat * (u.flow_up - self.ejected(local)) * tests.flow_up
         for name in self.scalars:
             if name.startswith("out_"):
-                leaving = sum(getattr(u, f"N_{name.removeprefix('out_')}_{gas.removeprefix('T_')}") for gas in c.gases)
-                total = total + MOLES * (getattr(u, name) - leaving) * getattr(tests, name)
+                leaving = sum(
+                    getattr(
+                        u, f"N_{name.removeprefix('out_')}_{gas.removeprefix('T_')}"
+                    )
+                    for gas in c.gases
+                )
+                total = total + MOLES * (getattr(u, name) - leaving) * getattr(
+                    tests, name
+                )
         for name, share in self.shares.items():
-            lost = self.enthalpy(name, getattr(u, f"T_{name}")) - self.enthalpy(name, u.T_down)
+            lost = self.enthalpy(name, getattr(u, f"T_{name}")) - self.enthalpy(
+                name, u.T_down
+            )
             total = total + A * turned * share * lost * getattr(tests, f"T_{name}")
         if not self.radiates:
             return total
-        return total + self.surface_radiation(u) * tests.G - self.surface_radiation(u) * tests.G_freeboard
+        return (
+            total
+            + self.surface_radiation(u) * tests.G
+            - self.surface_radiation(u) * tests.G_freeboard
+        )
 
     def bottom(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
         """Return the weak form at the end of the freeboard, z = 0 and y = L."""
         here = self.local_coefficients(u, o)
         total = here.flow * here.enthalpy(u.T_freeboard) * tests.T_freeboard
         total = total + self.heat * (u.carryover - u.flow_up) * tests.carryover
-        return total + self.exit_radiation(u) * tests.G_freeboard if self.radiates else total
+        return (
+            total + self.exit_radiation(u) * tests.G_freeboard
+            if self.radiates
+            else total
+        )
 
     def exit_radiation(self, u: Any) -> Any:
         """Return the radiation out of the end of the freeboard [W]."""

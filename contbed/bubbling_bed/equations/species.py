@@ -1,4 +1,5 @@
-"""Gas species, char, moisture, volatiles and limestone of a bubbling bed along its height; a `Part` of the bed's heat.
+"""Gas species, char, moisture, volatiles and limestone of a bubbling bed along its
+height; a `Part` of the bed's heat.
 
     N_ie' = S_ie + J_i - X w_iX/M_i              mole flow of gas i in the emulsion [mol/s]
     N_ib' = S_ib - J_i + X w_iX/M_i              in the bubbles
@@ -11,15 +12,19 @@ v        upward velocity of the solids that are drained [m/s]: height over resid
 D        mixing of the species' particles [m2/s]
 F, R     fed, and made by reactions
 
-Heat: enthalpies include those of formation, so heats of reaction appear nowhere. What passes from one phase to another
-takes along the enthalpy that it has where it comes from; what is consumed in a particle comes from the gas at the gas's
-temperature, what is made leaves at the particle's. J carries enthalpies at the mean temperature of both gases: their
-exchange of sensible heat is that of the bed's model. The solids' streams carry sum_k (v n_k - D n_k') h_k(T). Ash
-leaves where it is fed, at the particle's temperature.
+Heat: enthalpies include those of formation, so heats of reaction appear nowhere. What
+    passes from one phase to another
+takes along the enthalpy that it has where it comes from; what is consumed in a particle
+comes from the gas at the gas's temperature, what is made leaves at the particle's. J
+carries enthalpies at the mean temperature of both gases: their exchange of sensible
+heat is that of the bed's model. The solids' streams carry sum_k (v n_k - D n_k')
+h_k(T). Ash leaves where it is fed, at the particle's temperature.
 
-Equations of mole flows are multiplied by a heat per mole so that their residuals compare with those of heat.
+Equations of mole flows are multiplied by a heat per mole so that their residuals
+compare with those of heat.
 
-Good values: O2 burns off char within 10-300 mm; char in a combustor is 0.5-3 % of the particles.
+Good values: O2 burns off char within 10-300 mm; char in a combustor is 0.5-3 % of the
+particles.
 """
 
 from __future__ import annotations
@@ -38,7 +43,9 @@ Pointwise = Any
 
 @dataclass(frozen=True)
 class Gas:
-    """One gas: molar mass [kg/mol], enthalpy [J/mol] and heat capacity [J/mol/K] as functions of T."""
+    """One gas: molar mass [kg/mol], enthalpy [J/mol] and heat capacity [J/mol/K] as
+    functions of T.
+    """
 
     molar_mass: float
     enthalpy: Callable[[Any], Any]
@@ -47,7 +54,9 @@ class Gas:
 
 @dataclass(frozen=True)
 class Solid:
-    """One constituent of the particles of `species`; `fed` [mol/m/s] is a function of height or None."""
+    """One constituent of the particles of `species`; `fed` [mol/m/s] is a function
+    of height or None.
+    """
 
     species: str
     enthalpy: Callable[[Any], Any]  # [J/mol]
@@ -59,7 +68,9 @@ class Solid:
 
 @dataclass(frozen=True)
 class Ash:
-    """Ash of a feed [kg/s/m as a function of height] that leaves where it is fed, with enthalpy [J/kg] of T."""
+    """Ash of a feed [kg/s/m as a function of height] that leaves where it is fed,
+    with enthalpy [J/kg] of T.
+    """
 
     species: str
     fed: Any
@@ -78,7 +89,9 @@ class Sources:
 
 @dataclass
 class State:
-    """Temperatures, compositions and inventories that reactions depend on, at the points of a domain."""
+    """Temperatures, compositions and inventories that reactions depend on, at the
+    points of a domain.
+    """
 
     T: dict[str, Any]  # by phase and species [K]
     x: dict[str, dict[str, Any]]  # mole fractions by phase
@@ -94,37 +107,55 @@ Reactions = Callable[[State, "SourceTerms"], None]
 
 
 class SourceTerms:
-    """Sum of the source terms of all reactions, with the enthalpy that passes between phases."""
+    """Sum of the source terms of all reactions, with the enthalpy that passes
+    between phases.
+    """
 
     def __init__(self, part: Species):
         self.part = part
-        self.gas: dict[str, dict[str, Any]] = {phase: dict.fromkeys(part.gases, 0.0) for phase in part.phases}
+        self.gas: dict[str, dict[str, Any]] = {
+            phase: dict.fromkeys(part.gases, 0.0) for phase in part.phases
+        }
         self.solid: dict[str, Any] = dict.fromkeys(part.solids, 0.0)
         self.gain: dict[str, Any] = {}
 
     def _give(self, name: str, heat: Any) -> None:
         self.gain[name] = self.gain[name] + heat if name in self.gain else heat
 
-    def homogeneous(self, phase: str, stoichiometry: Mapping[str, float], rate: Any) -> None:
+    def homogeneous(
+        self, phase: str, stoichiometry: Mapping[str, float], rate: Any
+    ) -> None:
         """Add a reaction at `rate` [mol/s/m] within the gas of a phase."""
         for name, count in stoichiometry.items():
             self.gas[phase][name] = self.gas[phase][name] + count * rate
 
-    def particle(self, species: str, gases: Mapping[str, Any], solids: Mapping[str, Any], state: State) -> None:
-        """Add gases made by particles (negative if consumed) and solids made [mol/s/m]."""
+    def particle(
+        self,
+        species: str,
+        gases: Mapping[str, Any],
+        solids: Mapping[str, Any],
+        state: State,
+    ) -> None:
+        """Add gases made by particles (negative if consumed) and solids
+        made [mol/s/m].
+        """
         T, T_gas = state.T[species], state.T["emulsion"]
         for name, made in gases.items():
             self.gas["emulsion"][name] = self.gas["emulsion"][name] + made
             enthalpy = self.part.gases[name].enthalpy
             # a reversible reaction changes sides: made at T, consumed at T_gas
-            heat = np.maximum(made, 0.0) * enthalpy(T) + np.minimum(made, 0.0) * enthalpy(T_gas)
+            heat = np.maximum(made, 0.0) * enthalpy(T) + np.minimum(
+                made, 0.0
+            ) * enthalpy(T_gas)
             self._give("T_emulsion", heat)
             self._give(f"T_{species}", -heat)
         for name, made in solids.items():
             self.solid[name] = self.solid[name] + made
 
     def passed(self, moles: Mapping[str, Any], T: Any) -> None:
-        """Add the gas that passes from the bubbles to the emulsion [mol/s/m], with its enthalpy at T."""
+        """Add the gas that passes from the bubbles to the emulsion [mol/s/m], with
+        its enthalpy at T.
+        """
         for name, amount in moles.items():
             self.gas["emulsion"][name] = self.gas["emulsion"][name] + amount
             self.gas["bubble"][name] = self.gas["bubble"][name] - amount
@@ -135,7 +166,9 @@ class SourceTerms:
 
 @dataclass(frozen=True)
 class Species:
-    """Coefficients and equations. `inlet` are mole fractions, `exchange` a function of `Local` [1/s]."""
+    """Coefficients and equations. `inlet` are mole fractions, `exchange` a function
+    of `Local` [1/s].
+    """
 
     gases: dict[str, Gas]
     phases: tuple[str, ...]
@@ -158,7 +191,9 @@ class Species:
         return (*flows, *(f"n_{name}" for name in self.solids))
 
     def known(self, u: Any) -> bool:
-        """Return whether flows of gases are among the unknowns `u`; they are not in a first estimate of a bed."""
+        """Return whether flows of gases are among the unknowns `u`; they are not in
+        a first estimate of a bed.
+        """
         return hasattr(u, f"N_{next(iter(self.gases))}_emulsion")
 
     def flow(self, u: Any, phase: str) -> dict[str, Any]:
@@ -167,29 +202,47 @@ class Species:
 
     def mass(self, u: Any, phase: str) -> Any:
         """Return the mass flow of a phase [kg/s]."""
-        return sum(self.gases[name].molar_mass * amount for name, amount in self.flow(u, phase).items())
+        return sum(
+            self.gases[name].molar_mass * amount
+            for name, amount in self.flow(u, phase).items()
+        )
 
     def changed(self, u: Any, phase: str, o: Any, T: Any) -> Any:
         """Return sum_i N_i' h_i [W/m]."""
-        return sum(o.grad(amount)[0] * self.gases[name].enthalpy(T) for name, amount in self.flow(u, phase).items())
+        return sum(
+            o.grad(amount)[0] * self.gases[name].enthalpy(T)
+            for name, amount in self.flow(u, phase).items()
+        )
 
     def state(self, u: Any, local: Any) -> State:
         """Return the compositions and temperatures."""
-        T = {name.removeprefix("T_"): getattr(u, name) for name in vars(u) if name.startswith("T_")}
+        T = {
+            name.removeprefix("T_"): getattr(u, name)
+            for name in vars(u)
+            if name.startswith("T_")
+        }
         x, w, M = {}, {}, {}
         for phase in self.phases:
             N = self.flow(u, phase)
             total, mass = sum(N.values()), self.mass(u, phase)
             x[phase] = {name: amount / total for name, amount in N.items()}
-            w[phase] = {name: self.gases[name].molar_mass * amount / mass for name, amount in N.items()}
+            w[phase] = {
+                name: self.gases[name].molar_mass * amount / mass
+                for name, amount in N.items()
+            }
             M[phase] = mass / total
         delta = 0.0 if local is None else local.delta
-        volume = {"emulsion": self.section * (1.0 - delta) * self.voidage, "bubble": self.section * delta}
+        volume = {
+            "emulsion": self.section * (1.0 - delta) * self.voidage,
+            "bubble": self.section * delta,
+        }
         solid = {name: getattr(u, f"n_{name}") for name in self.solids}
         return State(T, x, w, M, volume, self.pressure, solid, local)
 
     def sources(self, u: Any, local: Any) -> Sources:
-        """Return the sources by reactions and exchange; kept with `local`, which belongs to one evaluation."""
+        """Return the sources by reactions and exchange; kept with `local`, which
+        belongs to one evaluation.
+        """
         if "sources" not in local.state:
             state, terms = self.state(u, local), SourceTerms(self)
             for reactions in self.reactions:
@@ -206,7 +259,12 @@ class Species:
         assert self.exchange is not None
         local, w = state.local, state.w
         T = 0.5 * (state.T["emulsion"] + state.T["bubble"])
-        rho = self.pressure * 0.5 * (state.molar_mass["emulsion"] + state.molar_mass["bubble"]) / (R_GAS * T)
+        rho = (
+            self.pressure
+            * 0.5
+            * (state.molar_mass["emulsion"] + state.molar_mass["bubble"])
+            / (R_GAS * T)
+        )
         mass = self.section * local.delta * self.exchange(local, state) * rho
         terms.passed(
             {
@@ -218,7 +276,9 @@ class Species:
         if local.crossing is not None:  # its enthalpy is in the bed's model
             up, down = np.maximum(local.crossing, 0.0), np.minimum(local.crossing, 0.0)
             for name, gas in self.gases.items():
-                crossed = (up * w["emulsion"][name] + down * w["bubble"][name]) / gas.molar_mass
+                crossed = (
+                    up * w["emulsion"][name] + down * w["bubble"][name]
+                ) / gas.molar_mass
                 terms.gas["emulsion"][name] = terms.gas["emulsion"][name] - crossed
                 terms.gas["bubble"][name] = terms.gas["bubble"][name] + crossed
 
@@ -227,22 +287,32 @@ class Species:
         gain = dict(self.sources(u, local).gain)
         for ash in self.ash:
             name = f"T_{ash.species}"
-            heat = ash.fed(o.x[0]) * (ash.enthalpy(ash.feed_temperature) - ash.enthalpy(getattr(u, name)))
+            heat = ash.fed(o.x[0]) * (
+                ash.enthalpy(ash.feed_temperature) - ash.enthalpy(getattr(u, name))
+            )
             gain[name] = gain[name] + heat if name in gain else heat
         return gain
 
     def made(self, u: Any, c: Any, local: Any, o: Any) -> dict[str, Any]:
-        """Return the gas made per height [kg/s/m] by the field of the gas, without exchange between gases."""
+        """Return the gas made per height [kg/s/m] by the field of the gas, without
+        exchange between gases.
+        """
         sources = self.sources(u, local)
         return {
-            f"T_{phase}": sum(self.gases[name].molar_mass * made for name, made in sources.gas[phase].items())
+            f"T_{phase}": sum(
+                self.gases[name].molar_mass * made
+                for name, made in sources.gas[phase].items()
+            )
             for phase in self.phases
         }
 
     def flux(self, u: Any, name: str, local: Any, o: Any) -> Any:
         """Return the upward flow of a solid [mol/s]."""
         n = getattr(u, f"n_{name}")
-        return self.velocity * n - self.mixing[self.solids[name].species](local) * o.grad(n)[0]
+        return (
+            self.velocity * n
+            - self.mixing[self.solids[name].species](local) * o.grad(n)[0]
+        )
 
     def residual(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
         """Return the weak form of all balances between the ends."""
@@ -250,7 +320,10 @@ class Species:
         for phase in self.phases:
             amount = sum(self.flow(u, phase).values())
             for name in self.gases:
-                N, v = getattr(u, f"N_{name}_{phase}"), getattr(tests, f"N_{name}_{phase}")
+                N, v = (
+                    getattr(u, f"N_{name}_{phase}"),
+                    getattr(tests, f"N_{name}_{phase}"),
+                )
                 made, slope = sources.gas[phase][name], o.grad(v)[0]
                 stable = tau(1.0, 0.0, self._loss(made, amount), 1.0, o.h, self.degree)
                 strong = o.grad(N)[0] - made
@@ -259,36 +332,57 @@ class Species:
             v = getattr(tests, f"n_{name}")
             flux, slope = self.flux(u, name, local, o), o.grad(v)[0]
             fed = solid.fed(o.x[0]) if solid.fed is not None else 0.0
-            total = total - HEAT * solid.scale * (flux * slope + (sources.solid[name] + fed) * v)
-            T, test = getattr(u, f"T_{solid.species}"), getattr(tests, f"T_{solid.species}")
-            brought = fed * solid.enthalpy(solid.feed_temperature) if solid.fed is not None else 0.0
-            total = total - (flux * solid.enthalpy(T) * o.grad(test)[0] + brought * test)
+            total = total - HEAT * solid.scale * (
+                flux * slope + (sources.solid[name] + fed) * v
+            )
+            T, test = (
+                getattr(u, f"T_{solid.species}"),
+                getattr(tests, f"T_{solid.species}"),
+            )
+            brought = (
+                fed * solid.enthalpy(solid.feed_temperature)
+                if solid.fed is not None
+                else 0.0
+            )
+            total = total - (
+                flux * solid.enthalpy(T) * o.grad(test)[0] + brought * test
+            )
         return total
 
     def content(self, u: Any, tests: Any, c: Any, o: Any) -> Any:
         """Return the tested content of the bed: solids, and gas at 1 m/s."""
         held = sum(
             (
-                HEAT * getattr(u, f"N_{name}_{phase}") * getattr(tests, f"N_{name}_{phase}")
+                HEAT
+                * getattr(u, f"N_{name}_{phase}")
+                * getattr(tests, f"N_{name}_{phase}")
                 for phase in self.phases
                 for name in self.gases
             ),
             start=0.0,
         )
         for name, solid in self.solids.items():
-            held = held + HEAT * solid.scale * getattr(u, f"n_{name}") * getattr(tests, f"n_{name}")
+            held = held + HEAT * solid.scale * getattr(u, f"n_{name}") * getattr(
+                tests, f"n_{name}"
+            )
         return held
 
     @staticmethod
     def _loss(made: Any, amount: Any) -> Any:
-        """Return how fast a source can change a flow [1/m]; for the stabilisation only."""
+        """Return how fast a source can change a flow [1/m]; for the stabilisation
+        only.
+        """
         value = np.abs(getattr(made, "value", made))
-        return value / np.maximum(0.1 * np.abs(getattr(amount, "value", amount)), 1e-300)
+        return value / np.maximum(
+            0.1 * np.abs(getattr(amount, "value", amount)), 1e-300
+        )
 
     def bottom(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
-        """Return the weak form at the distributor: the gas that enters, and solids drained below.
+        """Return the weak form at the distributor: the gas that enters, and solids
+        drained below.
 
-        The gas brings the enthalpy of the entering gas in place of that of the unknown flows.
+        The gas brings the enthalpy of the entering gas in place of that of the unknown
+        flows.
         """
         from contbed.bubbling_bed.equations.bed import gas_entry
 
@@ -297,15 +391,23 @@ class Species:
             entering = self.entering(local, phase)
             for name, gas in self.gases.items():
                 lacking = entering[name] - getattr(u, f"N_{name}_{phase}")
-                total = total - HEAT * entering[name] * getattr(tests, f"N_{name}_{phase}")
-                total = total - lacking * gas.enthalpy(entry) * getattr(tests, f"T_{phase}")
-                carried = carried + lacking * (gas.enthalpy(entry) - gas.enthalpy(c.inlet))
+                total = total - HEAT * entering[name] * getattr(
+                    tests, f"N_{name}_{phase}"
+                )
+                total = total - lacking * gas.enthalpy(entry) * getattr(
+                    tests, f"T_{phase}"
+                )
+                carried = carried + lacking * (
+                    gas.enthalpy(entry) - gas.enthalpy(c.inlet)
+                )
         if c.plate is not None:
             total = total + carried * tests.T_distributor
         return total + self._drained(u, tests, local, o, -1.0)
 
     def entering(self, local: Any, phase: str) -> dict[str, Any]:
-        """Return the mole flows into a phase [mol/s]: `inlet` times the flow that the bed's model gives it."""
+        """Return the mole flows into a phase [mol/s]: `inlet` times the flow that
+        the bed's model gives it.
+        """
         mean = sum(self.gases[name].molar_mass * x for name, x in self.inlet.items())
         flow = local.state["entering"][f"T_{phase}"]
         return {name: flow * self.inlet.get(name, 0.0) / mean for name in self.gases}
@@ -324,5 +426,8 @@ class Species:
             leaving = max(normal * self.velocity, 0.0) * getattr(u, f"n_{name}")
             test = getattr(tests, f"T_{solid.species}")
             total = total + HEAT * solid.scale * leaving * getattr(tests, f"n_{name}")
-            total = total + leaving * solid.enthalpy(getattr(u, f"T_{solid.species}")) * test
+            total = (
+                total
+                + leaving * solid.enthalpy(getattr(u, f"T_{solid.species}")) * test
+            )
         return total

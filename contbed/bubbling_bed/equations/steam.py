@@ -42,17 +42,24 @@ class Steam:
     @property
     def initial(self) -> dict[str, float]:
         """Values that Newton's method starts from."""
-        return {f"h_{self.name}": self.inlet, f"T_{self.name}": float(self.temperature(self.inlet)) + 10.0}
+        return {
+            f"h_{self.name}": self.inlet,
+            f"T_{self.name}": float(self.temperature(self.inlet)) + 10.0,
+        }
 
     def content(self, u: Any, tests: Any, c: Any, o: Any) -> Any:
         """Return a tested content by which the water approaches its steady state."""
-        return KILO * sum((getattr(u, name) * getattr(tests, name) for name in self.fields), start=0.0)
+        return KILO * sum(
+            (getattr(u, name) * getattr(tests, name) for name in self.fields), start=0.0
+        )
 
     def made(self, u: Any, c: Any, local: Any, o: Any) -> None:
         """Return None: water makes no gas."""
 
     def gains(self, u: Any, c: Any, local: Any, o: Any) -> dict[str, Any]:
-        """Return no gains: the heat that particles lose is in the bed's own balances."""
+        """Return no gains: the heat that particles lose is in the bed's own
+        balances.
+        """
         return {}
 
     def gained(self, u: Any, c: Any, local: Any) -> Any:
@@ -60,12 +67,22 @@ class Steam:
         return convected(u, c, self.name, local) + radiated(u, c, c.surfaces[self.name])
 
     def residual(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
-        """Return the weak form of both balances; that of the water is also tested along its stream (SUPG)."""
-        h, T, q = getattr(u, f"h_{self.name}"), getattr(u, f"T_{self.name}"), self.gained(u, c, local)
+        """Return the weak form of both balances; that of the water is also tested
+        along its stream (SUPG).
+        """
+        h, T, q = (
+            getattr(u, f"h_{self.name}"),
+            getattr(u, f"T_{self.name}"),
+            self.gained(u, c, local),
+        )
         sense = 1.0 if self.upward else -1.0
         v = getattr(tests, f"h_{self.name}")
-        total = (sense * KILO * self.flow * o.grad(h)[0] - q) * (v + 0.5 * sense * o.h * o.grad(v)[0])
-        return total + (self.conductance * (T - self.temperature(h)) - q) * getattr(tests, f"T_{self.name}")
+        total = (sense * KILO * self.flow * o.grad(h)[0] - q) * (
+            v + 0.5 * sense * o.h * o.grad(v)[0]
+        )
+        return total + (self.conductance * (T - self.temperature(h)) - q) * getattr(
+            tests, f"T_{self.name}"
+        )
 
     def _enters(self, u: Any, tests: Any) -> Any:
         h = getattr(u, f"h_{self.name}")

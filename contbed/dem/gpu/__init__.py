@@ -1,4 +1,6 @@
-"""Particles on a GPU from NVIDIA: laws and steps are those of processors, compiled by numba-cuda where asked for."""
+"""Particles on a GPU from NVIDIA: laws and steps are those of processors, compiled
+by numba-cuda where asked for.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,10 @@ from typing import Any
 
 from contbed.errors import EngineError
 
-MISSING = "the engine cuda needs numba-cuda, which is not installed; install it with: pip install 'contbed[cuda]'"
+MISSING = (
+    "the engine cuda needs numba-cuda, which is not installed; install it with: "
+    "pip install 'contbed[cuda]'"
+)
 REASON = 2  # lines of numba-cuda's message that are reported: where it failed, and why
 
 
@@ -21,7 +26,8 @@ def on_gpu(plan: Any) -> Any:
     move = getattr(plan, "on_gpu", None)
     if move is None:
         raise EngineError(
-            f"{plan.scene.origin.name}: --engine cuda moves particles; this scene of kind {plan.scene.kind} has none, "
+            f"{plan.scene.origin.name}: --engine cuda moves particles; this scene of "
+            f"kind {plan.scene.kind} has none, "
             "leave the option out"
         )
     moved = move()
@@ -44,5 +50,9 @@ def require_gpu() -> None:
         cuda.current_context()
     except Exception as error:  # of numba-cuda's own and of the driver's classes
         lines = [line.strip(" :") for line in str(error).splitlines()]
-        reason = "; ".join([line for line in lines if line][:REASON]) or type(error).__name__
-        raise EngineError(f"the engine cuda finds no GPU that it can use: {reason}") from None
+        reason = (
+            "; ".join([line for line in lines if line][:REASON]) or type(error).__name__
+        )
+        raise EngineError(
+            f"the engine cuda finds no GPU that it can use: {reason}"
+        ) from None

@@ -1,9 +1,10 @@
 """The arrays of particles on a GPU, and the numbers with which kernels and host talk.
 
-One thread computes one particle. What its neighbours read stands in one row, so that a neighbour costs few sectors of
-memory; what belongs to one place of a list stands in columns by particle, so that threads next to each other read next
-to each other. Each contact is listed for both of its particles, which compute the same bits: no thread adds to another
-one's particle, and what leaves one enters the other.
+One thread computes one particle. What its neighbours read stands in one row, so that a
+neighbour costs few sectors of memory; what belongs to one place of a list stands in
+columns by particle, so that threads next to each other read next to each other. Each
+contact is listed for both of its particles, which compute the same bits: no thread adds
+to another one's particle, and what leaves one enters the other.
 """
 
 from __future__ import annotations
@@ -14,12 +15,15 @@ import numba.cuda
 
 cuda: Any = numba.cuda  # numba-cuda, where it is installed, takes its place at run time
 config: Any = numba.config
-config.CUDA_LOW_OCCUPANCY_WARNINGS = 0  # of kernels with few threads, such as sums over parts of a list
+# of kernels with few threads, such as sums over parts of a list
+config.CUDA_LOW_OCCUPANCY_WARNINGS = 0
 DeviceArray = Any
 
-# columns of a row: position [m], radius [m], velocity [m/s], spin [rad/s], mass [kg], temperature [K]
+# columns of a row: position [m], radius [m], velocity [m/s], spin [rad/s], mass [kg],
+# temperature [K]
 X, Y, Z, RADIUS, VX, VY, VZ, WX, WY, WZ, MASS, TEMPERATURE = range(12)
-# of `control`: steps before a new list or a failure, a particle to blame, places in a list that were needed
+# of `control`: steps before a new list or a failure, a particle to blame, places in a
+# list that were needed
 STOP, CULPRIT, NEEDED = range(3)
 NEVER = 1 << 40  # of STOP and CULPRIT as long as nothing happened
 
@@ -41,14 +45,15 @@ class Bodies(NamedTuple):
 
 
 class Lists(NamedTuple):
-    """Neighbours of each particle and the histories of its contacts, by place in its list and particle.
+    """Neighbours of each particle and the histories of its contacts, by place in its
+    list and particle.
 
-    listed (n, 3) : positions for which the list was made [m]
-    neighbours (n,) : how many
-    entry (room, n) : as `neighbours` says, ascending for each particle
-    spring (room, 3, n) : displacement [m] of the one of lower index against the other; onset (room, 2, n) : step of the
-    first touch, normal impact speed [m/s]; of closed contacts
-    wall_spring (w, 3, n), wall_onset (w, 2, n) : the same of walls; the step is -1 while the contact is open
+    listed (n, 3) : positions for which the list was made [m] neighbours (n,) : how many
+    entry (room, n) : as `neighbours` says, ascending for each particle spring (room, 3,
+    n) : displacement [m] of the one of lower index against the other; onset (room, 2,
+    n) : step of the first touch, normal impact speed [m/s]; of closed contacts
+    wall_spring (w, 3, n), wall_onset (w, 2, n) : the same of walls; the step is -1
+    while the contact is open
     """
 
     listed: DeviceArray
@@ -73,7 +78,9 @@ class Grid(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """Particles by cell: cell and slot in it of each particle (n,), order, first of each cell (cells + 1,)."""
+    """Particles by cell: cell and slot in it of each particle (n,), order, first of
+    each cell (cells + 1,).
+    """
 
     cell: DeviceArray
     slot: DeviceArray

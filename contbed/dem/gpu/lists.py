@@ -1,9 +1,12 @@
-"""The neighbour list on a GPU: particles sorted by cell, all neighbours of each, histories carried from list to list.
+"""The neighbour list on a GPU: particles sorted by cell, all neighbours of each,
+histories carried from list to list.
 
-What threads do in no certain order, such as to count the particles of cells, is brought into order at once, so that a
-run gives the same bits each time. Particles of a cell keep the order that they had; neighbours ascend.
+What threads do in no certain order, such as to count the particles of cells, is brought
+into order at once, so that a run gives the same bits each time. Particles of a cell
+keep the order that they had; neighbours ascend.
 
-Source: Allen and Tildesley (2017), Computer Simulation of Liquids, sections 5.3.1 (Verlet list) and 5.3.2 (cells).
+Source: Allen and Tildesley (2017), Computer Simulation of Liquids, sections 5.3.1
+    (Verlet list) and 5.3.2 (cells).
 """
 
 from __future__ import annotations
@@ -32,12 +35,22 @@ from contbed.dem.gpu.arrays import (
 from contbed.dem.neighbours import BITS, CLOSED, MASK, wall_distance
 from contbed.dem.ordering import place_of
 
-SHARE = 256  # particles, or cells, that one thread goes through where parts are summed up on the host
+# particles, or cells, that one thread goes through where parts are summed up on the
+# host
+SHARE = 256
 
 
 @cuda.jit
-def wrap(row: DeviceArray, lower: DeviceArray, upper: DeviceArray, periodic: DeviceArray, control: DeviceArray) -> None:
-    """Bring particles into the periodic sides; report one that is outside of the other sides."""
+def wrap(
+    row: DeviceArray,
+    lower: DeviceArray,
+    upper: DeviceArray,
+    periodic: DeviceArray,
+    control: DeviceArray,
+) -> None:
+    """Bring particles into the periodic sides; report one that is outside of the
+    other sides.
+    """
     i = cuda.grid(1)
     if i >= row.shape[0]:
         return
@@ -80,11 +93,18 @@ def clear(first: DeviceArray) -> None:
 
 @cuda.jit
 def count_cells(row: DeviceArray, grid: Grid, cells: Cells) -> None:
-    """Find the cell of each particle and its slot there; `first` becomes the number of particles of each cell."""
+    """Find the cell of each particle and its slot there; `first` becomes the number
+    of particles of each cell.
+    """
     i = cuda.grid(1)
     if i >= row.shape[0]:
         return
-    c = _number(grid, place_of(grid, row[i, X], 0), place_of(grid, row[i, Y], 1), place_of(grid, row[i, Z], 2))
+    c = _number(
+        grid,
+        place_of(grid, row[i, X], 0),
+        place_of(grid, row[i, Y], 1),
+        place_of(grid, row[i, Z], 2),
+    )
     cells.cell[i] = c
     cells.slot[i] = cuda.atomic.add(cells.first, c, 1)
 
@@ -103,7 +123,9 @@ def sum_shares(first: DeviceArray, sums: DeviceArray) -> None:
 
 @cuda.jit
 def add_up(first: DeviceArray, sums: DeviceArray) -> None:
-    """Turn the numbers of cells into the first particle of each, from the first of every SHARE cells in `sums`."""
+    """Turn the numbers of cells into the first particle of each, from the first of
+    every SHARE cells in `sums`.
+    """
     part = cuda.grid(1)
     if part >= sums.shape[0]:
         return
@@ -141,7 +163,12 @@ def order_cells(cells: Cells) -> None:
 
 @cuda.jit
 def reorder(
-    row: DeviceArray, new_row: DeviceArray, old: Bodies, new: Bodies, listed: DeviceArray, cells: Cells
+    row: DeviceArray,
+    new_row: DeviceArray,
+    old: Bodies,
+    new: Bodies,
+    listed: DeviceArray,
+    cells: Cells,
 ) -> None:
     """Copy the particles into the new order."""
     i = cuda.grid(1)
@@ -169,12 +196,18 @@ def find_neighbours(
     skin: float,
     control: DeviceArray,
 ) -> None:
-    """List the neighbours of each particle, ascending; report how many places were needed."""
+    """List the neighbours of each particle, ascending; report how many places were
+    needed.
+    """
     i = cuda.grid(1)
     if i >= row.shape[0]:
         return
     entry, room, count = lists.entry, lists.entry.shape[0], 0
-    x, y, z = place_of(grid, row[i, X], 0), place_of(grid, row[i, Y], 1), place_of(grid, row[i, Z], 2)
+    x, y, z = (
+        place_of(grid, row[i, X], 0),
+        place_of(grid, row[i, Y], 1),
+        place_of(grid, row[i, Z], 2),
+    )
     for step in range(27):
         px, py, pz = x + step % 3 - 1, y + step // 3 % 3 - 1, z + step // 9 - 1
         px, turn_x = _inside(grid, px, 0)
@@ -203,7 +236,9 @@ def find_neighbours(
 
 @cuda.jit(device=True)
 def _inside(grid, place, axis):
-    """Return the place of a cell along an axis and the digit of its image; -1 where there is none."""
+    """Return the place of a cell along an axis and the digit of its image; -1 where
+    there is none.
+    """
     if 0 <= place < grid.along[axis]:
         return place, 0
     if not grid.periodic[axis]:
@@ -215,9 +250,11 @@ def _inside(grid, place, axis):
 
 @cuda.jit
 def carry(old: Lists, new: Lists, cells: Cells) -> None:
-    """Copy the histories of closed contacts to the new list of each particle, and those with walls.
+    """Copy the histories of closed contacts to the new list of each particle, and those
+    with walls.
 
-    A spring is that of the particle of lower index: its sign changes where the two change places.
+    A spring is that of the particle of lower index: its sign changes where the two
+    change places.
     """
     i = cuda.grid(1)
     if i >= cells.order.shape[0]:
@@ -236,12 +273,18 @@ def carry(old: Lists, new: Lists, cells: Cells) -> None:
                 new.entry[to, i] |= CLOSED
                 for a in range(3):
                     new.spring[to, a, i] = sign * old.spring[m, a, k]
-                new.onset[to, 0, i], new.onset[to, 1, i] = old.onset[m, 0, k], old.onset[m, 1, k]
+                new.onset[to, 0, i], new.onset[to, 1, i] = (
+                    old.onset[m, 0, k],
+                    old.onset[m, 1, k],
+                )
                 break
     for w in range(old.wall_onset.shape[0]):
         for a in range(3):
             new.wall_spring[w, a, i] = old.wall_spring[w, a, k]
-        new.wall_onset[w, 0, i], new.wall_onset[w, 1, i] = old.wall_onset[w, 0, k], old.wall_onset[w, 1, k]
+        new.wall_onset[w, 0, i], new.wall_onset[w, 1, i] = (
+            old.wall_onset[w, 0, k],
+            old.wall_onset[w, 1, k],
+        )
 
 
 @cuda.jit
@@ -258,26 +301,42 @@ def find_beyond(row: DeviceArray, walls: DeviceArray, control: DeviceArray) -> N
 
 @cuda.jit
 def find_moved(row: DeviceArray, listed: DeviceArray, moved2: DeviceArray) -> None:
-    """Find the largest distance squared [m2] from where the list was made, of every SHARE particles."""
+    """Find the largest distance squared [m2] from where the list was made, of every
+    SHARE particles.
+    """
     part = cuda.grid(1)
     if part >= moved2.shape[0]:
         return
     top = 0.0
     for i in range(part * SHARE, min((part + 1) * SHARE, row.shape[0])):
-        dx, dy, dz = row[i, X] - listed[i, 0], row[i, Y] - listed[i, 1], row[i, Z] - listed[i, 2]
+        dx, dy, dz = (
+            row[i, X] - listed[i, 0],
+            row[i, Y] - listed[i, 1],
+            row[i, Z] - listed[i, 2],
+        )
         top = max(top, dx * dx + dy * dy + dz * dz)
     moved2[part] = top
 
 
 @cuda.jit
-def load(row: DeviceArray, user: DeviceArray, position: DeviceArray, velocity: DeviceArray, spin: DeviceArray) -> None:
+def load(
+    row: DeviceArray,
+    user: DeviceArray,
+    position: DeviceArray,
+    velocity: DeviceArray,
+    spin: DeviceArray,
+) -> None:
     """Copy positions [m], velocities [m/s] and spins [rad/s] from the user's order."""
     i = cuda.grid(1)
     if i >= row.shape[0]:
         return
     k = user[i]
     for a in range(3):
-        row[i, X + a], row[i, VX + a], row[i, WX + a] = position[k, a], velocity[k, a], spin[k, a]
+        row[i, X + a], row[i, VX + a], row[i, WX + a] = (
+            position[k, a],
+            velocity[k, a],
+            spin[k, a],
+        )
 
 
 @cuda.jit
@@ -290,24 +349,46 @@ def load_pushed(user: DeviceArray, pushed: DeviceArray, given: DeviceArray) -> N
 
 
 @cuda.jit
-def store(row: DeviceArray, user: DeviceArray, position: DeviceArray, velocity: DeviceArray, spin: DeviceArray) -> None:
+def store(
+    row: DeviceArray,
+    user: DeviceArray,
+    position: DeviceArray,
+    velocity: DeviceArray,
+    spin: DeviceArray,
+) -> None:
     """Copy positions, velocities and spins to the user's order."""
     i = cuda.grid(1)
     if i >= row.shape[0]:
         return
     k = user[i]
     for a in range(3):
-        position[k, a], velocity[k, a], spin[k, a] = row[i, X + a], row[i, VX + a], row[i, WX + a]
+        position[k, a], velocity[k, a], spin[k, a] = (
+            row[i, X + a],
+            row[i, VX + a],
+            row[i, WX + a],
+        )
 
 
 @cuda.jit
-def load_heat(row: DeviceArray, bodies: Bodies, T: DeviceArray, source: DeviceArray, capacity: DeviceArray) -> None:
-    """Copy temperatures [K], heat sources [W] and heat capacities [J/K] from the user's order."""
+def load_heat(
+    row: DeviceArray,
+    bodies: Bodies,
+    T: DeviceArray,
+    source: DeviceArray,
+    capacity: DeviceArray,
+) -> None:
+    """Copy temperatures [K], heat sources [W] and heat capacities [J/K] from the
+    user's order.
+    """
     i = cuda.grid(1)
     if i >= row.shape[0]:
         return
     k = bodies.user[i]
-    row[i, TEMPERATURE], bodies.heat[i, 0], bodies.heat[i, 1] = T[k], source[k], 1.0 / capacity[k]
+    row[i, TEMPERATURE], bodies.heat[i, 0], bodies.heat[i, 1] = (
+        T[k],
+        source[k],
+        1.0 / capacity[k],
+    )
 
 
 @cuda.jit

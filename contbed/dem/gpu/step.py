@@ -1,10 +1,12 @@
-"""A step of the particles on a GPU: contacts, walls, heat, both half kicks and the move, one thread for a particle.
+"""A step of the particles on a GPU: contacts, walls, heat, both half kicks and the
+move, one thread for a particle.
 
-Equations and order are those of `loop`. Rows are read from one array and written to another, so that all threads see
-the particles as they were. Many steps are one call of a kernel, whose threads meet after each: to send a call takes
-0.3 ms, the step of 16,000 particles less. So all blocks must be on the GPU at once, and each thread goes through
-particles. A step that moves a particle farther than half the skin from where its list was made, or finds it too fast,
-ends the call.
+Equations and order are those of `loop`. Rows are read from one array and written to
+another, so that all threads see the particles as they were. Many steps are one call of
+a kernel, whose threads meet after each: to send a call takes 0.3 ms, the step of 16,000
+particles less. So all blocks must be on the GPU at once, and each thread goes through
+particles. A step that moves a particle farther than half the skin from where its list
+was made, or finds it too fast, ends the call.
 """
 
 from __future__ import annotations
@@ -40,18 +42,24 @@ from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK, wall_distance
 from contbed.dem.wall_forces import Ball, wall_force
 
 THREADS = 128  # of a block
-REGISTERS = 168  # of a thread, of 65,536; with 96, and 5 blocks for 3, a step takes 1.1 to 1.4 times as long
+# of a thread, of 65,536; with 96, and 5 blocks for 3, a step takes 1.1 to 1.4 times as
+# long
+REGISTERS = 168
 RESIDENT = 65_536 // (REGISTERS * THREADS)  # blocks on a multiprocessor
 
 
 class Steps(NamedTuple):
-    """Steps of an interval: those from `first` to before `end`, of `total`; all counted from the start of a call.
+    """Steps of an interval: those from `first` to before `end`, of `total`; all counted
+    from the start of a call.
 
     number : of step 0 since the start of the simulation
-    dt : length [s]; begins : whether the first half of step `first` is still to be taken
-    enough2 : square of the distance [m2] after which the list is too old; speed2 : of the largest speed [m2/s2]
+    dt : length [s]; begins : whether the first half of step `first` is still to be
+        taken
+    enough2 : square of the distance [m2] after which the list is too old; speed2 : of
+        the largest speed [m2/s2]
     gravity : [m/s2], three numbers
-    is_pushed, is_warm, rolls : whether there are external forces, temperatures, rolling friction
+    is_pushed, is_warm, rolls : whether there are external forces, temperatures, rolling
+        friction
     """
 
     first: int
@@ -87,19 +95,27 @@ def take_steps(
     walls: DeviceArray,
     steps: Steps,
 ) -> None:
-    """Take steps; all threads meet after each, and end early where a list is too old or a particle too fast.
+    """Take steps; all threads meet after each, and end early where a list is too old or
+    a particle too fast.
 
-    The last step of an interval ends with velocities at the time of the positions; all others with the first half of
-    the next one. `new` is where the first step writes to, and each further one where the one before has read.
+    The last step of an interval ends with velocities at the time of the positions; all
+    others with the first half of the next one. `new` is where the first step writes to,
+    and each further one where the one before has read.
     """
     grid, first, stride = cuda.cg.this_grid(), cuda.grid(1), cuda.gridsize(1)
     if steps.begins:
         for i in range(first, row.shape[0], stride):
             rates = _rates(
-                row, i, steps.gravity, (load[i, 0], load[i, 1], load[i, 2]), (load[i, 3], load[i, 4], load[i, 5])
+                row,
+                i,
+                steps.gravity,
+                (load[i, 0], load[i, 1], load[i, 2]),
+                (load[i, 3], load[i, 4], load[i, 5]),
             )
             for a in range(6):
-                _kick_and_move(row, row, bodies.half, i, a, row[i, VX + a], rates[a], steps.dt)
+                _kick_and_move(
+                    row, row, bodies.half, i, a, row[i, VX + a], rates[a], steps.dt
+                )
             _look(row, bodies.half, lists.listed, control, i, steps, steps.first)
         grid.sync()
     for k in range(steps.first, steps.end):
@@ -107,25 +123,64 @@ def take_steps(
         if control[STOP] <= k:
             return
         for i in range(first, row.shape[0], stride):
-            _advance(i, k, row, new, bodies, lists, load, control, image, pairs, heat, walls, steps)
+            _advance(
+                i,
+                k,
+                row,
+                new,
+                bodies,
+                lists,
+                load,
+                control,
+                image,
+                pairs,
+                heat,
+                walls,
+                steps,
+            )
         row, new = new, row
         grid.sync()
 
 
 @cuda.jit(device=True)
-def _advance(i, k, row, new, bodies, lists, load, control, image, pairs, heat, walls, steps):
-    """Take step k of particle i, up to the first half of the next one unless it is the last."""
+def _advance(
+    i, k, row, new, bodies, lists, load, control, image, pairs, heat, walls, steps
+):
+    """Take step k of particle i, up to the first half of the next one unless it is
+    the last.
+    """
     number = float(steps.number + k)
-    force, torque, gained = _contacts(i, number, row, bodies.material, lists, image, pairs, heat, steps)
+    force, torque, gained = _contacts(
+        i, number, row, bodies.material, lists, image, pairs, heat, steps
+    )
     fx, fy, fz, tx, ty, tz = force.x, force.y, force.z, torque.x, torque.y, torque.z
     for w in range(len(walls)):
-        push, turn = _at_wall(i, w, number, row, bodies.material, lists, pairs, walls[w], steps.dt)
-        fx, fy, fz, tx, ty, tz = fx + push.x, fy + push.y, fz + push.z, tx + turn.x, ty + turn.y, tz + turn.z
+        push, turn = _at_wall(
+            i, w, number, row, bodies.material, lists, pairs, walls[w], steps.dt
+        )
+        fx, fy, fz, tx, ty, tz = (
+            fx + push.x,
+            fy + push.y,
+            fz + push.z,
+            tx + turn.x,
+            ty + turn.y,
+            tz + turn.z,
+        )
     if steps.is_pushed:
-        fx, fy, fz = fx + bodies.pushed[i, 0], fy + bodies.pushed[i, 1], fz + bodies.pushed[i, 2]
-    new[i, RADIUS], new[i, MASS], new[i, TEMPERATURE] = row[i, RADIUS], row[i, MASS], row[i, TEMPERATURE]
+        fx, fy, fz = (
+            fx + bodies.pushed[i, 0],
+            fy + bodies.pushed[i, 1],
+            fz + bodies.pushed[i, 2],
+        )
+    new[i, RADIUS], new[i, MASS], new[i, TEMPERATURE] = (
+        row[i, RADIUS],
+        row[i, MASS],
+        row[i, TEMPERATURE],
+    )
     if steps.is_warm:
-        new[i, TEMPERATURE] += steps.dt * (gained + bodies.heat[i, 0]) * bodies.heat[i, 1]
+        new[i, TEMPERATURE] += (
+            steps.dt * (gained + bodies.heat[i, 0]) * bodies.heat[i, 1]
+        )
     half, rates = bodies.half, _rates(row, i, steps.gravity, (fx, fy, fz), (tx, ty, tz))
     for a in range(6):
         v = cuda.fma(0.5 * steps.dt, rates[a], half[i, a])
@@ -135,13 +190,20 @@ def _advance(i, k, row, new, bodies, lists, load, control, image, pairs, heat, w
             _kick_and_move(row, new, half, i, a, v, rates[a], steps.dt)
     if k == steps.total - 1:
         new[i, X], new[i, Y], new[i, Z] = row[i, X], row[i, Y], row[i, Z]
-        load[i, 0], load[i, 1], load[i, 2], load[i, 3], load[i, 4], load[i, 5] = fx, fy, fz, tx, ty, tz
+        load[i, 0], load[i, 1], load[i, 2], load[i, 3], load[i, 4], load[i, 5] = (
+            fx,
+            fy,
+            fz,
+            tx,
+            ty,
+            tz,
+        )
     else:
         _look(new, half, lists.listed, control, i, steps, k + 1)
 
 
-# Products and sums that a compiler may or may not round at once are written as one operation: so an interval that is
-# cut gives the bits of one that is not.
+# Products and sums that a compiler may or may not round at once are written as one
+# operation: so an interval that is cut gives the bits of one that is not.
 
 
 @cuda.jit(device=True)
@@ -161,7 +223,9 @@ def _rates(row, i, gravity, force, torque):
 
 @cuda.jit(device=True)
 def _kick_and_move(row, new, half, i, a, v, rate, dt):
-    """From the velocity or spin at the time of the position to that half a step later, and the move between."""
+    """From the velocity or spin at the time of the position to that half a step
+    later, and the move between.
+    """
     u = cuda.fma(0.5 * dt, rate, v)
     half[i, a], new[i, VX + a] = u, cuda.fma(0.5 * dt, rate, u)
     if a < 3:
@@ -170,9 +234,15 @@ def _kick_and_move(row, new, half, i, a, v, rate, dt):
 
 @cuda.jit(device=True)
 def _look(row, half, listed, control, i, steps, done):
-    """Stop later steps if a particle is too fast, or too far from where its list was made."""
+    """Stop later steps if a particle is too fast, or too far from where its list was
+    made.
+    """
     speed2 = half[i, 0] ** 2 + half[i, 1] ** 2 + half[i, 2] ** 2
-    moved2 = (row[i, X] - listed[i, 0]) ** 2 + (row[i, Y] - listed[i, 1]) ** 2 + (row[i, Z] - listed[i, 2]) ** 2
+    moved2 = (
+        (row[i, X] - listed[i, 0]) ** 2
+        + (row[i, Y] - listed[i, 1]) ** 2
+        + (row[i, Z] - listed[i, 2]) ** 2
+    )
     if not speed2 <= steps.speed2:  # a NaN is never below
         cuda.atomic.min(control, CULPRIT, i)
         cuda.atomic.min(control, STOP, done)
@@ -182,20 +252,27 @@ def _look(row, half, listed, control, i, steps, done):
 
 @cuda.jit(device=True)
 def _contacts(i, number, row, material, lists, image, pairs, heat, steps):
-    """Sum force [N], torque [N m] and heat [W] of the contacts of particle i with others, and keep their histories."""
+    """Sum force [N], torque [N m] and heat [W] of the contacts of particle i with
+    others, and keep their histories.
+    """
     fx, fy, fz, tx, ty, tz, gained = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     x, y, z, radius = row[i, X], row[i, Y], row[i, Z], row[i, RADIUS]
     entry, spring, onset = lists.entry, lists.spring, lists.onset
     for k in range(lists.neighbours[i]):
         e = entry[k, i]
         j, shift = int64(e & MASK), int64((e >> BITS) & IMAGE)
-        dx, dy, dz = x - row[j, X] - image[shift, 0], y - row[j, Y] - image[shift, 1], z - row[j, Z] - image[shift, 2]
+        dx, dy, dz = (
+            x - row[j, X] - image[shift, 0],
+            y - row[j, Y] - image[shift, 1],
+            z - row[j, Z] - image[shift, 2],
+        )
         touch, distance2 = radius + row[j, RADIUS], dx * dx + dy * dy + dz * dz
         if distance2 >= touch * touch:
             if e >= CLOSED:
                 entry[k, i] = e ^ CLOSED
             continue
-        # both particles compute the force on the one of lower index, in the same order: their bits agree
+        # both particles compute the force on the one of lower index, in the same order:
+        # their bits agree
         a, b, sign = i, j, 1.0
         if j < i:
             a, b, sign = j, i, -1.0
@@ -234,7 +311,11 @@ def _contacts(i, number, row, material, lists, image, pairs, heat, steps):
             ),
             steps.dt,
         )
-        spring[k, 0, i], spring[k, 1, i], spring[k, 2, i] = found.spring.x, found.spring.y, found.spring.z
+        spring[k, 0, i], spring[k, 1, i], spring[k, 2, i] = (
+            found.spring.x,
+            found.spring.y,
+            found.spring.z,
+        )
         if e < CLOSED:
             entry[k, i] = e | CLOSED
             onset[k, 0, i], onset[k, 1, i] = number, abs(found.normal_speed)
@@ -248,7 +329,11 @@ def _contacts(i, number, row, material, lists, image, pairs, heat, steps):
             inertia_b = 0.4 * row[b, MASS] * row[b, RADIUS] * row[b, RADIUS]
             roll = rolling_torque(
                 normal,
-                Vector(row[a, WX] - row[b, WX], row[a, WY] - row[b, WY], row[a, WZ] - row[b, WZ]),
+                Vector(
+                    row[a, WX] - row[b, WX],
+                    row[a, WY] - row[b, WY],
+                    row[a, WZ] - row[b, WZ],
+                ),
                 r_eff,
                 inertia_a * inertia_b / (inertia_a + inertia_b),
                 pair.rolling_friction,
@@ -263,14 +348,18 @@ def _contacts(i, number, row, material, lists, image, pairs, heat, steps):
             if speed > 0.0:
                 contact = Vector(r_eff, m_eff, pair.youngs_modulus)
                 age = number - onset[k, 0, i]
-                conductance = impact_conductance(conductance, thermal, contact, speed, age, steps.dt)
+                conductance = impact_conductance(
+                    conductance, thermal, contact, speed, age, steps.dt
+                )
             gained += sign * (conductance * (row[b, TEMPERATURE] - row[a, TEMPERATURE]))
     return Vector(fx, fy, fz), Vector(tx, ty, tz), gained
 
 
 @cuda.jit(device=True)
 def _at_wall(i, w, number, row, material, lists, pairs, wall, dt):
-    """Find force [N] and torque [N m] of a wall at rest, and keep the history of the contact."""
+    """Find force [N] and torque [N m] of a wall at rest, and keep the history of the
+    contact.
+    """
     spring, onset, nothing = lists.wall_spring, lists.wall_onset, Vector(0.0, 0.0, 0.0)
     gap, nx, ny, nz = wall_distance(row[i, X], row[i, Y], row[i, Z], wall)
     is_open = onset[w, 0, i] < 0.0
@@ -289,8 +378,14 @@ def _at_wall(i, w, number, row, material, lists, pairs, wall, dt):
         0.4 * mass * radius * radius,
     )
     before = Vector(spring[w, 0, i], spring[w, 1, i], spring[w, 2, i])
-    found = wall_force(ball, gap, Vector(nx, ny, nz), before, pairs[material[i], wall.material], dt)
-    spring[w, 0, i], spring[w, 1, i], spring[w, 2, i] = found.spring.x, found.spring.y, found.spring.z
+    found = wall_force(
+        ball, gap, Vector(nx, ny, nz), before, pairs[material[i], wall.material], dt
+    )
+    spring[w, 0, i], spring[w, 1, i], spring[w, 2, i] = (
+        found.spring.x,
+        found.spring.y,
+        found.spring.z,
+    )
     if is_open:
         onset[w, 0, i], onset[w, 1, i] = number, abs(found.normal_speed)
     return found.force, found.torque

@@ -1,5 +1,6 @@
-"""Derivatives of pointwise forms: by dual numbers, or recorded once as a graph of operations.
+"""Derivatives of pointwise forms: by dual numbers, or recorded once as a graph of
+operations.
 
-To read in this order: `dual`, `graph`, `plan`, `elimination`, `batched`. A graph is evaluated with its derivatives
-(`batched`) or becomes a form of UFL (`contbed.ranks`).
+To read in this order: `dual`, `graph`, `plan`, `elimination`, `batched`. A graph is
+evaluated with its derivatives (`batched`) or becomes a form of UFL (`contbed.ranks`).
 """

@@ -1,10 +1,13 @@
-"""Dual numbers and test functions at quadrature points, so that a form yields its exact Jacobian.
+"""Dual numbers and test functions at quadrature points, so that a form yields its exact
+Jacobian.
 
-A form is evaluated once at all quadrature points. An unknown enters as `Dual`: its value and, for each *slot* (value,
-gradient component, second derivative of one unknown), the derivative with respect to that slot. A test function enters
-as `Linear`: the coefficient of each of its slots. The result is one coefficient array for each pair (test slot, trial
-slot), which the assembly contracts with the basis tables. Both obey numpy's ufunc protocol: closures and materials are
-ordinary numpy functions and are differentiated without further code.
+A form is evaluated once at all quadrature points. An unknown enters as `Dual`: its
+value and, for each *slot* (value, gradient component, second derivative of one
+unknown), the derivative with respect to that slot. A test function enters as `Linear`:
+the coefficient of each of its slots. The result is one coefficient array for each pair
+(test slot, trial slot), which the assembly contracts with the basis tables. Both obey
+numpy's ufunc protocol: closures and materials are ordinary numpy functions and are
+differentiated without further code.
 """
 
 from __future__ import annotations
@@ -43,13 +46,23 @@ _BINARY: dict[np.ufunc, Callable[[Array, Array, Array], tuple[Array, Array]]] = 
     np.minimum: lambda a, b, f: (1.0 * (a <= b), 1.0 * (a > b)),
 }
 
-_CONSTANTS = {float, int, np.float64, np.ndarray}  # what operators of dual numbers take without numpy's protocol
+# what operators of dual numbers take without numpy's protocol
+_CONSTANTS = {float, int, np.float64, np.ndarray}
 _NONE: dict[Slot, Array] = {}  # derivatives of a constant
-_COMPARISONS = {np.less, np.less_equal, np.greater, np.greater_equal, np.equal, np.not_equal}
+_COMPARISONS = {
+    np.less,
+    np.less_equal,
+    np.greater,
+    np.greater_equal,
+    np.equal,
+    np.not_equal,
+}
 
 
 def _combine(parts: list[tuple[dict[Slot, Array], Array]]) -> dict[Slot, Array]:
-    """Return the sum of `factor * tangents` over parts; a factor that is the number 1 is not multiplied."""
+    """Return the sum of `factor * tangents` over parts; a factor that is the number
+    1 is not multiplied.
+    """
     total: dict[Slot, Array] = {}
     for tangents, factor in parts:
         unit = isinstance(factor, float) and factor == 1.0
@@ -60,7 +73,9 @@ def _combine(parts: list[tuple[dict[Slot, Array], Array]]) -> dict[Slot, Array]:
 
 
 def _operator(ufunc: np.ufunc, name: str) -> Callable[[Any, Any], Any]:
-    """Return an operator of two dual numbers, or of one and a number or array: as by numpy's protocol, but faster."""
+    """Return an operator of two dual numbers, or of one and a number or array: as by
+    numpy's protocol, but faster.
+    """
     by_protocol, rule = getattr(NDArrayOperatorsMixin, name), _BINARY[ufunc]
 
     def operate(self: Dual, other: Any) -> Any:
@@ -91,13 +106,17 @@ def _reversed(ufunc: np.ufunc, name: str) -> Callable[[Any, Any], Any]:
         result = ufunc(other, self.value)
         if not self.tangents:
             return Dual(result, {})
-        return Dual(result, _combine([(self.tangents, rule(other, self.value, result)[1])]))
+        return Dual(
+            result, _combine([(self.tangents, rule(other, self.value, result)[1])])
+        )
 
     return operate
 
 
 class Dual(NDArrayOperatorsMixin):
-    """A value at all quadrature points with its derivative to each slot it depends on."""
+    """A value at all quadrature points with its derivative to each slot it depends
+    on.
+    """
 
     __slots__ = ("tangents", "value")
 
@@ -106,17 +125,32 @@ class Dual(NDArrayOperatorsMixin):
         self.tangents = tangents
 
     __add__, __radd__ = _operator(np.add, "__add__"), _reversed(np.add, "__radd__")
-    __sub__, __rsub__ = _operator(np.subtract, "__sub__"), _reversed(np.subtract, "__rsub__")
-    __mul__, __rmul__ = _operator(np.multiply, "__mul__"), _reversed(np.multiply, "__rmul__")
-    __truediv__, __rtruediv__ = _operator(np.divide, "__truediv__"), _reversed(np.divide, "__rtruediv__")
+    __sub__, __rsub__ = (
+        _operator(np.subtract, "__sub__"),
+        _reversed(np.subtract, "__rsub__"),
+    )
+    __mul__, __rmul__ = (
+        _operator(np.multiply, "__mul__"),
+        _reversed(np.multiply, "__rmul__"),
+    )
+    __truediv__, __rtruediv__ = (
+        _operator(np.divide, "__truediv__"),
+        _reversed(np.divide, "__rtruediv__"),
+    )
 
-    def apply(self, f: Callable[[Array], Array], derivative: Callable[[Array], Array]) -> Dual:
-        """Apply a function given with its derivative; property tables enter a form this way."""
+    def apply(
+        self, f: Callable[[Array], Array], derivative: Callable[[Array], Array]
+    ) -> Dual:
+        """Apply a function given with its derivative; property tables enter a form
+        this way.
+        """
         if not self.tangents:
             return Dual(f(self.value), {})
         return Dual(f(self.value), _combine([(self.tangents, derivative(self.value))]))
 
-    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
+    def __array_ufunc__(
+        self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any
+    ) -> Any:
         if method != "__call__" or kwargs:
             return NotImplemented
         values, tangents = [], []
@@ -134,31 +168,51 @@ class Dual(NDArrayOperatorsMixin):
             return self._power(values, tangents)
         result = ufunc(*values)
         if len(values) == 1 and ufunc in _UNARY:
-            return Dual(result, _combine([(tangents[0], _UNARY[ufunc](values[0], result))]))
+            return Dual(
+                result, _combine([(tangents[0], _UNARY[ufunc](values[0], result))])
+            )
         if ufunc in _BINARY:
             first, second = _BINARY[ufunc](values[0], values[1], result)
             return Dual(result, _combine([(tangents[0], first), (tangents[1], second)]))
-        raise TypeError(f"forms and closures may not use numpy.{ufunc.__name__}: it has no derivative rule")
+        raise TypeError(
+            f"forms and closures may not use numpy.{ufunc.__name__}: it has no "
+            "derivative rule"
+        )
 
     @staticmethod
     def _power(values: list[Array], tangents: list[dict[Slot, Array]]) -> Dual:
         base, exponent = values
         result = base**exponent
         if not tangents[1]:
-            return Dual(result, _combine([(tangents[0], exponent * base ** (exponent - 1.0))]))
+            return Dual(
+                result, _combine([(tangents[0], exponent * base ** (exponent - 1.0))])
+            )
         return Dual(
-            result, _combine([(tangents[0], exponent * base ** (exponent - 1.0)), (tangents[1], result * np.log(base))])
+            result,
+            _combine(
+                [
+                    (tangents[0], exponent * base ** (exponent - 1.0)),
+                    (tangents[1], result * np.log(base)),
+                ]
+            ),
         )
 
-    def __array_function__(self, function: Any, types: Any, args: Any, kwargs: Any) -> Any:
+    def __array_function__(
+        self, function: Any, types: Any, args: Any, kwargs: Any
+    ) -> Any:
         if function is not np.where or any(isinstance(item, Symbolic) for item in args):
             return NotImplemented
         condition, yes, no = np.asarray(args[0]), args[1], args[2]
-        chosen = np.where(condition, getattr(yes, "value", yes), getattr(no, "value", no))
+        chosen = np.where(
+            condition, getattr(yes, "value", yes), getattr(no, "value", no)
+        )
         return Dual(
             chosen,
             _combine(
-                [(getattr(yes, "tangents", {}), 1.0 * condition), (getattr(no, "tangents", {}), 1.0 * ~condition)]
+                [
+                    (getattr(yes, "tangents", {}), 1.0 * condition),
+                    (getattr(no, "tangents", {}), 1.0 * ~condition),
+                ]
             ),
         )
 
@@ -176,14 +230,18 @@ class Linear(NDArrayOperatorsMixin):
     def __init__(self, slots: dict[Slot, Any]):
         self.slots = slots
 
-    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
+    def __array_ufunc__(
+        self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any
+    ) -> Any:
         a: Any = inputs[0]
         b: Any = inputs[1] if len(inputs) == 2 else None
         if isinstance(a, Components) or isinstance(b, Components):
             return NotImplemented
         if ufunc is np.negative:
             return Linear({slot: -c for slot, c in a.slots.items()})
-        if ufunc is np.multiply and not (isinstance(a, Linear) and isinstance(b, Linear)):
+        if ufunc is np.multiply and not (
+            isinstance(a, Linear) and isinstance(b, Linear)
+        ):
             linear, factor = (a, b) if isinstance(a, Linear) else (b, a)
             return Linear({slot: c * factor for slot, c in linear.slots.items()})
         if ufunc is np.divide and isinstance(a, Linear):
@@ -202,7 +260,9 @@ class Linear(NDArrayOperatorsMixin):
 
 
 class Components:
-    """A vector or matrix of pointwise values; entries are numbers, arrays, `Dual` or `Linear`, rows are Components."""
+    """A vector or matrix of pointwise values; entries are numbers, arrays, `Dual` or
+    `Linear`, rows are Components.
+    """
 
     __slots__ = ("items",)
     __array_ufunc__ = None

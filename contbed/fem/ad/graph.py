@@ -1,9 +1,10 @@
 """Pointwise forms recorded as graphs: what is computed from what, each operation once.
 
-A form is run on `Node` values, which follow numpy's ufunc protocol as dual numbers do. What two parts of a form compute
-alike is one node. Comparisons and choices (`where`, `minimum`, `maximum`) are operations too, so that another state may
-take the other branch. A graph is evaluated with its derivatives by numpy (`ad.batched`), or becomes a form of UFL
-(`contbed.ranks.recording`).
+A form is run on `Node` values, which follow numpy's ufunc protocol as dual numbers do.
+What two parts of a form compute alike is one node. Comparisons and choices (`where`,
+`minimum`, `maximum`) are operations too, so that another state may take the other
+branch. A graph is evaluated with its derivatives by numpy (`ad.batched`), or becomes a
+form of UFL (`contbed.ranks.recording`).
 """
 
 from __future__ import annotations
@@ -15,7 +16,16 @@ from typing import Any
 
 import numpy as np
 
-from contbed.fem.ad.dual import _BINARY, _COMPARISONS, _UNARY, Components, Dual, Linear, Symbolic, plain
+from contbed.fem.ad.dual import (
+    _BINARY,
+    _COMPARISONS,
+    _UNARY,
+    Components,
+    Dual,
+    Linear,
+    Symbolic,
+    plain,
+)
 
 Function = Callable[[Any], Any]
 LOGICAL = {
@@ -31,26 +41,42 @@ RECORDED: dict[Any, Any] = {
     **LOGICAL,
     np.float_power: np.power,
 }
-SPECIAL_POWERS: dict[float, Any] = {2.0: np.square, 0.5: np.sqrt, 1.0: np.positive, -1.0: np.reciprocal}
+SPECIAL_POWERS: dict[float, Any] = {
+    2.0: np.square,
+    0.5: np.sqrt,
+    1.0: np.positive,
+    -1.0: np.reciprocal,
+}
 LEAVES = ("slot", "known", "x", "h", "number", "array", "parameter")
-NEUTRAL: dict[Any, float] = {np.add: 0.0, np.subtract: 0.0, np.multiply: 1.0, np.divide: 1.0}  # second operand
+# second operand
+NEUTRAL: dict[Any, float] = {
+    np.add: 0.0,
+    np.subtract: 0.0,
+    np.multiply: 1.0,
+    np.divide: 1.0,
+}
 
 
 class NotRecordableError(TypeError):
-    """A form asks for the values of its arguments, so that it is no fixed sequence of operations."""
+    """A form asks for the values of its arguments, so that it is no fixed sequence
+    of operations.
+    """
 
 
 class Graph:
-    """Operations in the order in which they were recorded, each with the numbers of its operands.
+    """Operations in the order in which they were recorded, each with the numbers of its
+    operands.
 
     Attributes
     ----------
-    operations : a ufunc, "where", "table" (a function given with its derivative), "frozen" (a value without
-        derivatives), or one of LEAVES: "slot" of an unknown, "known" field, coordinate "x", length "h" of cells,
-        "number", "array", "parameter" (a number that may change)
-    operands : numbers of nodes; for a leaf the number, the array or the slot; for a "table" the function, its
-        derivative and the number of its argument
-    evaluate : returns the value of a node at the present state; None where values are recorded as "frozen"
+    operations : a ufunc, "where", "table" (a function given with its derivative),
+        "frozen" (a value without derivatives), or one of LEAVES: "slot" of an unknown,
+        "known" field, coordinate "x", length "h" of cells, "number", "array",
+        "parameter" (a number that may change)
+    operands : numbers of nodes; for a leaf the number, the array or the slot; for a
+        "table" the function, its derivative and the number of its argument
+    evaluate : returns the value of a node at the present state; None where values are
+        recorded as "frozen"
 
     """
 
@@ -72,7 +98,9 @@ class Graph:
         return number
 
     def parameter(self) -> Node:
-        """Return the number on which a family of forms depends; programs receive its value."""
+        """Return the number on which a family of forms depends; programs receive its
+        value.
+        """
         return self.add("parameter")
 
     def leaf(self, item: Any) -> Node:
@@ -83,11 +111,17 @@ class Graph:
             return self.add("number", float(item))
         values = np.asarray(item, dtype=float)
         content = sha256(np.ascontiguousarray(values)).digest()
-        return Node(self, self._number(("array", values.shape, content), "array", (values,)))
+        return Node(
+            self, self._number(("array", values.shape, content), "array", (values,))
+        )
 
     def number(self, place: int) -> float | None:
         """Return the number that a node stands for; None for anything else."""
-        return float(self.operands[place][0]) if self.operations[place] == "number" else None
+        return (
+            float(self.operands[place][0])
+            if self.operations[place] == "number"
+            else None
+        )
 
     def live(self, results: Iterable[int]) -> list[int]:
         """Return the nodes on which results depend, operands first."""
@@ -96,10 +130,20 @@ class Graph:
     def _below(self, place: int) -> tuple[int, ...]:
         """Return the operands of a node that are nodes."""
         operation, operands = self.operations[place], self.operands[place]
-        return () if operation in LEAVES else operands[2:] if operation == "table" else operands
+        return (
+            ()
+            if operation in LEAVES
+            else operands[2:]
+            if operation == "table"
+            else operands
+        )
 
-    def values(self, results: Sequence[int], leaf: Callable[[str, tuple[Any, ...]], Any]) -> list[Any]:
-        """Return the values of nodes; `leaf` returns those of slots, known fields, coordinates and lengths."""
+    def values(
+        self, results: Sequence[int], leaf: Callable[[str, tuple[Any, ...]], Any]
+    ) -> list[Any]:
+        """Return the values of nodes; `leaf` returns those of slots, known fields,
+        coordinates and lengths.
+        """
         done: dict[int, Any] = {}
         for place in self.live(results):
             operation, operands = self.operations[place], self.operands[place]
@@ -111,11 +155,14 @@ class Graph:
             elif operation == "table":
                 done[place] = operands[0](*below)
             else:
-                done[place] = np.where(*below) if operation == "where" else operation(*below)
+                done[place] = (
+                    np.where(*below) if operation == "where" else operation(*below)
+                )
         return [done[place] for place in results]
 
     def apply(self, ufunc: Any, places: list[int]) -> Node:
-        """Return the node of a ufunc; numbers are computed at once, and sums with 0 and products with 1 are left out.
+        """Return the node of a ufunc; numbers are computed at once, and sums with 0 and
+        products with 1 are left out.
 
         Raises
         ------
@@ -137,7 +184,11 @@ class Graph:
                 return self.add(np.square, places[0])
             if second is not None and second == NEUTRAL.get(ufunc):
                 return Node(self, places[0])
-            if first is not None and ufunc in (np.add, np.multiply) and first == NEUTRAL[ufunc]:
+            if (
+                first is not None
+                and ufunc in (np.add, np.multiply)
+                and first == NEUTRAL[ufunc]
+            ):
                 return Node(self, places[1])
         return self.add(ufunc, *places)
 
@@ -158,19 +209,27 @@ class Node(Symbolic):
         return self.graph.add("frozen", self.place)
 
     def apply(self, f: Function, derivative: Function) -> Node:
-        """Record a function given with its derivative; both are evaluated anew at each state."""
+        """Record a function given with its derivative; both are evaluated anew at
+        each state.
+        """
         return self.graph.add("table", f, derivative, self.place)
 
-    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
+    def __array_ufunc__(
+        self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any
+    ) -> Any:
         if any(isinstance(item, Linear | Components) for item in inputs):
             return NotImplemented
         if self._beside_values(inputs):
             return getattr(ufunc, method)(*_values(inputs), **kwargs)
         if method != "__call__" or kwargs:
-            raise NotRecordableError(f"numpy.{ufunc.__name__} is recorded only as a function of values")
+            raise NotRecordableError(
+                f"numpy.{ufunc.__name__} is recorded only as a function of values"
+            )
         return self.graph.apply(ufunc, [self.graph.leaf(item).place for item in inputs])
 
-    def __array_function__(self, function: Any, types: Any, args: Any, kwargs: Any) -> Any:
+    def __array_function__(
+        self, function: Any, types: Any, args: Any, kwargs: Any
+    ) -> Any:
         if function is not np.where or len(args) != 3:
             raise NotRecordableError(f"numpy.{function.__name__} is not recorded")
         if self._beside_values(args):
@@ -182,17 +241,24 @@ class Node(Symbolic):
         return self.graph.add("where", condition.place, yes.place, no.place)
 
     def _beside_values(self, items: Iterable[Any]) -> bool:
-        """Return whether dual numbers are among some items, so that the values of nodes are wanted."""
-        return self.graph.evaluate is not None and any(isinstance(item, Dual) for item in items)
+        """Return whether dual numbers are among some items, so that the values of
+        nodes are wanted.
+        """
+        return self.graph.evaluate is not None and any(
+            isinstance(item, Dual) for item in items
+        )
 
     def _refuse(self, *_: Any) -> Any:
-        raise NotRecordableError("the form asks for a value, which a recorded one has not")
+        raise NotRecordableError(
+            "the form asks for a value, which a recorded one has not"
+        )
 
     __bool__ = __float__ = __int__ = __len__ = __iter__ = __array__ = _refuse
 
 
 class Field(Node):
-    """The value of a component of an unknown or of a known field, from which its other slots are asked for.
+    """The value of a component of an unknown or of a known field, from which its other
+    slots are asked for.
 
     leaf : ("slot", name, component) or ("known", number)
     """
@@ -208,8 +274,11 @@ class Field(Node):
         return self.graph.add(*self.leaf, kind)
 
 
-def recorded(graph: Graph, system: Any, form: Callable[..., Any], coeffs: Any, ops: Any) -> dict[Any, Node]:
-    """Return the coefficient of each slot of a test (name, component, kind) in what a form integrates over a domain.
+def recorded(
+    graph: Graph, system: Any, form: Callable[..., Any], coeffs: Any, ops: Any
+) -> dict[Any, Node]:
+    """Return the coefficient of each slot of a test (name, component, kind) in what a
+    form integrates over a domain.
 
     Parameters
     ----------
@@ -230,7 +299,9 @@ def recorded(graph: Graph, system: Any, form: Callable[..., Any], coeffs: Any, o
 
 
 def live(below: Callable[[int], Iterable[int]], results: Iterable[int]) -> list[int]:
-    """Return the nodes on which results depend, in ascending order; `below` returns the operands of a node."""
+    """Return the nodes on which results depend, in ascending order; `below` returns
+    the operands of a node.
+    """
     found: set[int] = set()
     stack = list(results)
     while stack:

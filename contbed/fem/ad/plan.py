@@ -1,8 +1,10 @@
-"""What the evaluation of a graph of operations needs that does not depend on the numbers in it: found once, kept.
+"""What the evaluation of a graph of operations needs that does not depend on the
+numbers in it: found once, kept.
 
-Forms that differ only in the values of their coefficients, as those of the points of a continuation and of the scenes
-of a sweep do, have the same operations with the same operands. They share one plan: which nodes are live, the row of
-each, the rules of its derivatives, and the order in which those are multiplied and added (`ad.elimination`).
+Forms that differ only in the values of their coefficients, as those of the points of a
+continuation and of the scenes of a sweep do, have the same operations with the same
+operands. They share one plan: which nodes are live, the row of each, the rules of its
+derivatives, and the order in which those are multiplied and added (`ad.elimination`).
 """
 
 from __future__ import annotations
@@ -26,7 +28,8 @@ class Structure(NamedTuple):
     """A graph without its values: equal for graphs that are evaluated alike.
 
     operations : as in the graph
-    operands : numbers of nodes; (name, component, kind) of a slot, nothing for other leaves
+    operands : numbers of nodes; (name, component, kind) of a slot, nothing for other
+        leaves
     results : nodes that are wanted
     """
 
@@ -37,7 +40,8 @@ class Structure(NamedTuple):
 
 def structure(graph: Graph, results: Sequence[int]) -> Structure:
     """Return the structure of a graph with its results."""
-    valued = {"number": slice(0), "array": slice(0), "table": slice(2, 3)}  # what is left of operands with values
+    # what is left of operands with values
+    valued = {"number": slice(0), "array": slice(0), "table": slice(2, 3)}
     everything = slice(None)
     operands = (
         items[valued.get(operation, everything)]
@@ -53,13 +57,16 @@ class Plan:
     ----------
     live : nodes on which results depend, operands first
     operands : by node, those that are nodes
-    row : by node, the row of its values; those of slots come first, in the order of `slots`
+    row : by node, the row of its values; those of slots come first, in the order of
+        `slots`
     slots : (name, component, kind) of the unknowns that are read
     parameter : row of the parameter; None where results do not depend on it
     one, minus : rows that hold 1 and -1
-    slopes : (rule, which operand, rows of the operands, node) of the derivatives that are computed by rules, which fill
-        the rows after `minus`; the rule of a table is None, as each table is given its own
-    derivatives : (number of the result, number of the slot, row) of all that are not zero everywhere
+    slopes : (rule, which operand, rows of the operands, node) of the derivatives that
+        are computed by rules, which fill the rows after `minus`; the rule of a table is
+        None, as each table is given its own
+    derivatives : (number of the result, number of the slot, row) of all that are not
+        zero everywhere
     batches : what computes them, in order
     size : number of rows that are needed
     results : rows of the results
@@ -78,17 +85,27 @@ class Plan:
         self.slots = [what.operands[k] for k in slots]
         self.row = {k: row for row, k in enumerate([*slots, *others])}
         self.results = [self.row[k] for k in what.results]
-        self.parameter = next((self.row[k] for k in others if what.operations[k] == "parameter"), None)
+        self.parameter = next(
+            (self.row[k] for k in others if what.operations[k] == "parameter"), None
+        )
         self.one, self.minus = len(self.row), len(self.row) + 1
-        self.slopes: list[tuple[Callable[..., Any] | None, int, tuple[int, ...], int]] = []
+        self.slopes: list[
+            tuple[Callable[..., Any] | None, int, tuple[int, ...], int]
+        ] = []
         edges = self._edges(what.results)
-        found = Elimination(edges, set(slots), what.results, self.one, self.minus + 1 + len(self.slopes))
+        found = Elimination(
+            edges, set(slots), what.results, self.one, self.minus + 1 + len(self.slopes)
+        )
         place = {k: n for n, k in enumerate(slots)}
-        self.derivatives = [(result, place[leaf], row) for result, leaf, row in found.derivatives]
+        self.derivatives = [
+            (result, place[leaf], row) for result, leaf, row in found.derivatives
+        ]
         self.batches, self.size = found.batches, found.end
 
     def _edges(self, results: Sequence[int]) -> list[tuple[int, int, int]]:
-        """Return (operand, node, row) of all derivatives; those that are computed by rules join `slopes`."""
+        """Return (operand, node, row) of all derivatives; those that are computed by
+        rules join `slopes`.
+        """
         active: set[int] = set()
         edges: list[tuple[int, int, int]] = []
         for node in self.live:
@@ -103,7 +120,8 @@ class Plan:
                     if found is not None:
                         edges.append((operand, node, found))
                         active.add(node)
-        used = set(results)  # what results depend on otherwise than through values without derivatives
+        # what results depend on otherwise than through values without derivatives
+        used = set(results)
         kept = []
         for edge in reversed(edges):
             if edge[1] in used:
@@ -112,7 +130,9 @@ class Plan:
         return kept
 
     def _slope(self, operation: Any, node: int, which: int) -> int | None:
-        """Return the row of the derivative of a node to one of its operands; None where it is zero everywhere."""
+        """Return the row of the derivative of a node to one of its operands; None
+        where it is zero everywhere.
+        """
         if operation is np.add or (operation is np.subtract and which == 0):
             return self.one
         if operation is np.negative or operation is np.subtract:

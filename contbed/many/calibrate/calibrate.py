@@ -1,4 +1,5 @@
-"""The command `contbed calibrate`: fit, what the data determine of the keys, predictions, tables and plots.
+"""The command `contbed calibrate`: fit, what the data determine of the keys,
+predictions, tables and plots.
 
 All runs are kept in its folder: an interrupted command continues from them.
 """
@@ -49,7 +50,8 @@ def calibrate(
 
     Raises
     ------
-    SceneError : mistakes in the file, its tables or its scenes, before anything is written
+    SceneError : mistakes in the file, its tables or its scenes, before anything is
+        written
     ConvergenceError : no run within the priors has a result
     ContbedError : the folder cannot be written, or emcee is needed and not installed
     """
@@ -67,12 +69,20 @@ def calibrate(
     return found
 
 
-def _found(file: CalibrationFile, work: Sequence[Job], model: SceneModel, store: Store, quiet: bool) -> Calibrated:
+def _found(
+    file: CalibrationFile,
+    work: Sequence[Job],
+    model: SceneModel,
+    store: Store,
+    quiet: bool,
+) -> Calibrated:
     priors = [key.prior for key in file.keys]
     data = data_of(model.points)
     settings = file.settings.posterior
     steps = settings.steps if settings is not None else 0
-    with Progress(1 + len(priors) * file.settings.profiles + steps, "steps", quiet) as progress:
+    with Progress(
+        1 + len(priors) * file.settings.profiles + steps, "steps", quiet
+    ) as progress:
         done = _counter(progress)
         result = fit(model, data, priors)
         done("fit")
@@ -83,7 +93,9 @@ def _found(file: CalibrationFile, work: Sequence[Job], model: SceneModel, store:
                 done(f"profile of {key.name}")
         samples = None
         if settings is not None:
-            samples = sample(model, data, priors, result, settings, lambda: done("posterior"))
+            samples = sample(
+                model, data, priors, result, settings, lambda: done("posterior")
+            )
     return Calibrated(
         file,
         tuple(work),
@@ -102,10 +114,13 @@ def _found(file: CalibrationFile, work: Sequence[Job], model: SceneModel, store:
 
 
 def scattering(work: Sequence[Job]) -> list[str]:
-    """Return a warning for each scene whose results scatter with the start of the particles."""
+    """Return a warning for each scene whose results scatter with the start of the
+    particles.
+    """
     scenes = {job.scene.name: job for job in work}
     return [
-        f"{name}: results of such a scene scatter from run to run, more than a small change of a key changes them; "
+        f"{name}: results of such a scene scatter from run to run, more than a small "
+        "change of a key changes them; "
         "derivatives and intervals are not sure"
         for name, job in scenes.items()
         if MODELS[kind_of(read(job.scene)[0])].scatters

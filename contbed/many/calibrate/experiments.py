@@ -1,4 +1,6 @@
-"""Measured values and the runs that predict them: each value with place, time, error and line of its file."""
+"""Measured values and the runs that predict them: each value with place, time, error
+and line of its file.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,12 @@ from numpy.typing import NDArray
 from contbed.errors import SceneError
 from contbed.fields import FIELDS, RESULTS, result
 from contbed.loading import load
-from contbed.many.calibrate.settings import CalibrationFile, ExperimentSettings, Value, experiment_names
+from contbed.many.calibrate.settings import (
+    CalibrationFile,
+    ExperimentSettings,
+    Value,
+    experiment_names,
+)
 from contbed.many.quantities import result as named_result
 from contbed.many.value_sets import MAGNITUDE, tidy
 from contbed.scene.data_table import DataTable, read_table
@@ -33,7 +40,8 @@ class Point:
     """A value that a run predicts, in SI.
 
     t, x : time [s] and position [m] in the profiles; not a number where there is none
-    value, error : measured, and its standard error; not a number where nothing was measured
+    value, error : measured, and its standard error; not a number where nothing was
+        measured
     line : "file:line" of the measured value, or of what is predicted
     fitted : it takes part in the fit
     """
@@ -56,7 +64,9 @@ class Point:
 
 @dataclass(frozen=True)
 class Job:
-    """One scene that is run for each set of the fitted keys: its file, the keys set in it, and what it predicts."""
+    """One scene that is run for each set of the fitted keys: its file, the keys set
+    in it, and what it predicts.
+    """
 
     experiment: str
     scene: Any
@@ -76,8 +86,11 @@ class Job:
         return load(self.scene, changes, trust=self.trust, allow_large=self.allow_large)
 
 
-def read_jobs(file: CalibrationFile, trust: bool = False, allow_large: bool = False) -> list[Job]:
-    """Read tables and scenes; a job for each scene, those of rows with keys of their own one by one.
+def read_jobs(
+    file: CalibrationFile, trust: bool = False, allow_large: bool = False
+) -> list[Job]:
+    """Read tables and scenes; a job for each scene, those of rows with keys of their
+    own one by one.
 
     Parameters
     ----------
@@ -91,9 +104,13 @@ def read_jobs(file: CalibrationFile, trust: bool = False, allow_large: bool = Fa
     jobs: list[Job] = []
     problems: list[str] = []
     start = {key.name: tidy(float(key.prior.value(0.0))) for key in file.keys}
-    for k, (name, settings) in enumerate(zip(experiment_names(file.settings), file.settings.experiment, strict=True)):
+    for k, (name, settings) in enumerate(
+        zip(experiment_names(file.settings), file.settings.experiment, strict=True)
+    ):
         try:
-            for number, job in enumerate(_jobs(file, k, name, settings, trust, allow_large)):
+            for number, job in enumerate(
+                _jobs(file, k, name, settings, trust, allow_large)
+            ):
                 _check(file, k, job, start, ends=number == 0)
                 jobs.append(job)
         except SceneError as error:
@@ -103,14 +120,20 @@ def read_jobs(file: CalibrationFile, trust: bool = False, allow_large: bool = Fa
     fitted = sum(point.fitted for job in jobs for point in job.points)
     if fitted < len(file.keys):
         raise SceneError(
-            f"{file.origin.at(('keys',))}: {len(file.keys)} keys are to be fitted to {fitted} measured values; "
+            f"{file.origin.at(('keys',))}: {len(file.keys)} keys are to be fitted to "
+            f"{fitted} measured values; "
             "leave out keys, or give more data"
         )
     return jobs
 
 
 def _jobs(
-    file: CalibrationFile, k: int, name: str, settings: ExperimentSettings, trust: bool, allow_large: bool
+    file: CalibrationFile,
+    k: int,
+    name: str,
+    settings: ExperimentSettings,
+    trust: bool,
+    allow_large: bool,
 ) -> Iterator[Job]:
     origin, scene = file.origin, file.origin.base / settings.scene
     table = read_table(file.origin.base / settings.file)
@@ -121,10 +144,24 @@ def _jobs(
     t = _column(table, settings.time, "s")
     rows = np.flatnonzero(keep & ~(t <= 0.0))  # a run begins with what is at 0 s
     if not len(rows):
-        raise SceneError(f"{origin.at(('experiment', k, 'where'))}: where: no row of {settings.file} fits after 0 s")
+        raise SceneError(
+            f"{origin.at(('experiment', k, 'where'))}: where: no row of "
+            f"{settings.file} fits after 0 s"
+        )
     x = _column(table, settings.position, "m")
     points = [
-        _points(file, k, name, settings, value, table, rows, t, x, ("experiment", k, "values", j))
+        _points(
+            file,
+            k,
+            name,
+            settings,
+            value,
+            table,
+            rows,
+            t,
+            x,
+            ("experiment", k, "values", j),
+        )
         for j, value in enumerate(settings.values)
     ]
     if settings.keys:
@@ -132,7 +169,8 @@ def _jobs(
         from contbed.scene.toml_lines import parse_key
 
         columns = {
-            key: table.column(column, sheets.unit(parse_key(key)) or "1") for key, column in settings.keys.items()
+            key: table.column(column, sheets.unit(parse_key(key)) or "1")
+            for key, column in settings.keys.items()
         }
         extra = tuple(_predicted(name, settings, t, x, predict_at))
         for index, row in enumerate(rows):
@@ -146,7 +184,10 @@ def _jobs(
                 allow_large,
             )
         return
-    found = (*(point for each in points for point in each), *_predicted(name, settings, t, x, predict_at))
+    found = (
+        *(point for each in points for point in each),
+        *_predicted(name, settings, t, x, predict_at),
+    )
     changes = dict(settings.set)
     if times := sorted({point.t for point in found if not math.isnan(point.t)}):
         changes["time.times"] = times
@@ -176,10 +217,16 @@ def _points(
     in_profiles = settings.time is not None or settings.position is not None
     if in_profiles and value.quantity not in FIELDS:
         hint = meant(value.quantity, FIELDS)
-        raise SceneError(f"{where}: quantity: no profiles have a column '{value.quantity}'{hint}")
+        raise SceneError(
+            f"{where}: quantity: no profiles have a column '{value.quantity}'{hint}"
+        )
     if not in_profiles:
         _require_result(value.quantity, f"{where}: quantity")
-    unit = FIELDS[value.quantity].unit if in_profiles else named_result(value.quantity).unit or "1"
+    unit = (
+        FIELDS[value.quantity].unit
+        if in_profiles
+        else named_result(value.quantity).unit or "1"
+    )
     measured = table.column(value.column, unit)
     errors = _errors(value, table, measured, unit, where)
     end = settings.until if settings.until is not None else math.inf
@@ -188,7 +235,8 @@ def _points(
         line = f"{table.path.name}:{table.lines[row]}"
         if not errors[row] > 0.0:
             raise SceneError(
-                f"{line}: the standard error of '{value.column}' is {errors[row]:g}; allowed: a number > 0"
+                f"{line}: the standard error of '{value.column}' is {errors[row]:g}; "
+                "allowed: a number > 0"
             )
         found.append(
             Point(
@@ -199,8 +247,12 @@ def _points(
     return found
 
 
-def _errors(value: Value, table: DataTable, measured: Array, unit: str, where: str) -> Array:
-    """Return standard errors in SI, shape (rows,); differences of temperatures do not move with the zero of a scale."""
+def _errors(
+    value: Value, table: DataTable, measured: Array, unit: str, where: str
+) -> Array:
+    """Return standard errors in SI, shape (rows,); differences of temperatures do
+    not move with the zero of a scale.
+    """
     if value.error_column is not None:
         given = table.column(value.error_column, unit)
         header = table.units[table.names.index(value.error_column)] or "1"
@@ -213,11 +265,15 @@ def _errors(value: Value, table: DataTable, measured: Array, unit: str, where: s
     try:
         error = to_si(value.error, unit) - to_si(MAGNITUDE.sub("0 ", value.error), unit)
     except ValueError as wrong:
-        raise SceneError(f"{where}: error: {wrong}, or a share of the measured value like '5 %'") from None
+        raise SceneError(
+            f"{where}: error: {wrong}, or a share of the measured value like '5 %'"
+        ) from None
     return np.full(len(measured), error)
 
 
-def _predicted(name: str, settings: ExperimentSettings, t: Array, x: Array, at: str) -> Iterator[Point]:
+def _predicted(
+    name: str, settings: ExperimentSettings, t: Array, x: Array, at: str
+) -> Iterator[Point]:
     """Yield what is predicted besides the measured values."""
     wanted = settings.predict
     for key in wanted.results:
@@ -226,8 +282,12 @@ def _predicted(name: str, settings: ExperimentSettings, t: Array, x: Array, at: 
     if not wanted.times and not wanted.positions:
         return
     for value in dict.fromkeys(value.quantity for value in settings.values):
-        for moment in wanted.times or (sorted({float(v) for v in t}) if settings.time else (NONE,)):
-            for place in wanted.positions or (sorted({float(v) for v in x}) if settings.position else (NONE,)):
+        for moment in wanted.times or (
+            sorted({float(v) for v in t}) if settings.time else (NONE,)
+        ):
+            for place in wanted.positions or (
+                sorted({float(v) for v in x}) if settings.position else (NONE,)
+            ):
                 yield Point(name, value, FIELDS[value].unit, moment, place, line=at)
 
 
@@ -243,14 +303,24 @@ def meant(name: str, known: Iterable[str]) -> str:
     return f"; did you mean '{found[0]}'?" if found else ""
 
 
-def _check(file: CalibrationFile, k: int, job: Job, start: Mapping[str, float], ends: bool) -> None:
-    """Raise SceneError for values that the scene does not reach, keys that it does not take, `ends` of priors too."""
+def _check(
+    file: CalibrationFile, k: int, job: Job, start: Mapping[str, float], ends: bool
+) -> None:
+    """Raise SceneError for values that the scene does not reach, keys that it does
+    not take, `ends` of priors too.
+    """
     base = Job(job.experiment, job.scene, {}, (), job.trust, job.allow_large)
-    static = {key: value for key, value in job.changes.items() if key not in ("time.times", "output.positions")}
+    static = {
+        key: value
+        for key, value in job.changes.items()
+        if key not in ("time.times", "output.positions")
+    }
     try:
         scene: Any = base.load({**static, **start})
     except SceneError as error:
-        raise SceneError([_relocated(file, k, text) for text in error.problems]) from None
+        raise SceneError(
+            [_relocated(file, k, text) for text in error.problems]
+        ) from None
     if ends:
         _check_ends(file, base, static, start)
     time = getattr(scene, "time", None)
@@ -260,23 +330,33 @@ def _check(file: CalibrationFile, k: int, job: Job, start: Mapping[str, float], 
             continue
         if time is None:
             problems.append(
-                f"{point.line}: the scene {job.scene.name} is steady; leave out time, or give it a [time] table"
+                f"{point.line}: the scene {job.scene.name} is steady; leave out time, "
+                "or give it a [time] table"
             )
             break
         if point.t > time.end:
             problems.append(
-                f"{point.line}: {point.t:g} s is after the end of the run, time.end = {time.end:g} s in "
-                f"{job.scene.name}; let the scene run longer, or leave out these rows with where"
+                f"{point.line}: {point.t:g} s is after the end of the run, time.end = "
+                f"{time.end:g} s in "
+                f"{job.scene.name}; let the scene run longer, or leave out these rows "
+                "with where"
             )
     if problems:
         raise SceneError(problems)
     try:
         job.load(start)
     except SceneError as error:
-        raise SceneError([_outside(file, k, job, text) for text in error.problems]) from None
+        raise SceneError(
+            [_outside(file, k, job, text) for text in error.problems]
+        ) from None
 
 
-def _check_ends(file: CalibrationFile, base: Job, static: Mapping[str, Any], start: Mapping[str, float]) -> None:
+def _check_ends(
+    file: CalibrationFile,
+    base: Job,
+    static: Mapping[str, Any],
+    start: Mapping[str, float],
+) -> None:
     """Raise SceneError for an even prior with an end that the scene does not take."""
     problems = []
     for key in file.keys:
@@ -287,13 +367,18 @@ def _check_ends(file: CalibrationFile, base: Job, static: Mapping[str, Any], sta
                 base.load({**static, **start, key.name: end})
             except SceneError as error:
                 text = error.problems[0].removeprefix("override: ")
-                problems.append(f"{key.at}: the prior reaches to values that the scene does not take: {text}")
+                problems.append(
+                    f"{key.at}: the prior reaches to values that the scene does not "
+                    f"take: {text}"
+                )
     if problems:
         raise SceneError(problems)
 
 
 def _relocated(file: CalibrationFile, k: int, text: str) -> str:
-    """Replace an override of a scene in a message by the line of the file of the calibration."""
+    """Replace an override of a scene in a message by the line of the file of the
+    calibration.
+    """
     told = text.removeprefix("override: ")
     if told == text:
         return text
@@ -308,11 +393,15 @@ def _relocated(file: CalibrationFile, k: int, text: str) -> str:
 
 
 def _outside(file: CalibrationFile, k: int, job: Job, text: str) -> str:
-    """Replace a position of the output in a message by the line of the measured value."""
+    """Replace a position of the output in a message by the line of the measured
+    value.
+    """
     found = OUTPUT_POSITION.search(text)
     if found is None:
         return _relocated(file, k, text)
     place = job.changes["output.positions"][int(found[1])]
     point = next(point for point in job.points if point.x == place)
     reason = text.rpartition(": ")[2]
-    return f"{point.line}: position {place:g} m: {reason}; leave out these rows with where"
+    return (
+        f"{point.line}: position {place:g} m: {reason}; leave out these rows with where"
+    )

@@ -1,17 +1,21 @@
-"""Least squares with priors: the most probable keys, their covariance, and how far the stated errors hold.
+"""Least squares with priors: the most probable keys, their covariance, and how far the
+stated errors hold.
 
-With measured values y, their standard errors s, predictions p(z) and keys z scaled by their priors, the fit minimises
+With measured values y, their standard errors s, predictions p(z) and keys z scaled by
+their priors, the fit minimises
 
     sum ((p - y)/s)^2 + sum z^2,
 
-the second sum over keys with a normal prior; even priors are bounds (Tarantola 2005, Inverse Problem Theory,
-doi:10.1137/1.9780898717921). The covariance is the inverse of the matrix of second derivatives without those of p.
+the second sum over keys with a normal prior; even priors are bounds (Tarantola 2005,
+Inverse Problem Theory, doi:10.1137/1.9780898717921). The covariance is the inverse of
+the matrix of second derivatives without those of p.
 
-Where residuals are larger than the stated errors allow (chi-square test), all errors are multiplied by the root of
-chi-square per degree of freedom (Birge 1932, doi:10.1103/PhysRev.40.207). Where neighbours deviate to the same side, n
-values carry less information than n independent ones: with the correlation r of neighbours, as much as n (1 - r)/(1 +
-r) (Bayley & Hammersley 1946, doi:10.2307/2983560). Both enter the covariance of the keys; a new measurement scatters
-with the first.
+Where residuals are larger than the stated errors allow (chi-square test), all errors
+are multiplied by the root of chi-square per degree of freedom (Birge 1932,
+doi:10.1103/PhysRev.40.207). Where neighbours deviate to the same side, n values carry
+less information than n independent ones: with the correlation r of neighbours, as much
+as n (1 - r)/(1 + r) (Bayley & Hammersley 1946, doi:10.2307/2983560). Both enter the
+covariance of the keys; a new measurement scatters with the first.
 """
 
 from __future__ import annotations
@@ -30,23 +34,30 @@ from contbed.many.distributions import Distribution
 
 Array = NDArray[np.float64]
 COVERAGE = 0.90  # share of intervals and bands that hold the true value
-SIGNIFICANT = 0.95  # probability below which chance explains residuals as large, or as alike, as they are
-# Distance of both sides of a difference, in standard deviations of the prior: the curvature of a prediction changes a
-# slope by its square, and what time steps leave undetermined is divided by it
+# probability below which chance explains residuals as large, or as alike, as they are
+SIGNIFICANT = 0.95
+# Distance of both sides of a difference, in standard deviations of the prior: the
+# curvature of a prediction changes a slope by its square, and what time steps leave
+# undetermined is divided by it
 DIFFERENCE = 0.02
 MOST_EVALUATIONS = 60
-TOLERANCE = 1e-6  # of the keys, in standard deviations of their priors, and of the sum of squares
-TRIALS = 8  # further points of the priors that are tried if there is no solution in their middle
+# of the keys, in standard deviations of their priors, and of the sum of squares
+TOLERANCE = 1e-6
+# further points of the priors that are tried if there is no solution in their middle
+TRIALS = 8
 SETTLED = 0.1  # standard errors that one more step may still change the keys by
-MOST_ALIKE = 0.95  # correlation of neighbours above which a table resolves nothing but the same deviation
+# correlation of neighbours above which a table resolves nothing but the same deviation
+MOST_ALIKE = 0.95
 
 
 @dataclass(frozen=True)
 class Data:
     """The measured values that are fitted.
 
-    index : their places among the predictions, shape (data,); value, error : in SI, shape (data,)
-    groups : number of the profile or series of each, shape (data,), in which the values follow each other
+    index : their places among the predictions, shape (data,); value, error : in SI,
+        shape (data,)
+    groups : number of the profile or series of each, shape (data,), in which the values
+        follow each other
     """
 
     index: NDArray[np.int64]
@@ -60,8 +71,10 @@ class Fit:
     """The fitted keys.
 
     z : scaled keys, shape (keys,); covariance : of z, shape (keys, keys)
-    predicted : shape (points,); slopes : derivatives of the predictions, shape (points, keys)
-    chi_square, freedom : of the residuals over the stated errors, and degrees of freedom
+    predicted : shape (points,); slopes : derivatives of the predictions, shape (points,
+        keys)
+    chi_square, freedom : of the residuals over the stated errors, and degrees of
+        freedom
     scatter : factor of the stated errors that the residuals ask for, at least 1
     alike : correlation of neighbouring residuals, 0 where it may be chance
     """
@@ -83,15 +96,25 @@ class Fit:
 
     @property
     def quantile(self) -> float:
-        """Standard errors on each side of an interval; of Student's t where the errors come from the residuals."""
+        """Standard errors on each side of an interval; of Student's t where the
+        errors come from the residuals.
+        """
         from scipy.stats import norm, t
 
         upper = 0.5 * (1.0 + COVERAGE)
-        return float(t.ppf(upper, max(self.freedom, 1.0)) if self.scatter > 1.0 else norm.ppf(upper))
+        return float(
+            t.ppf(upper, max(self.freedom, 1.0))
+            if self.scatter > 1.0
+            else norm.ppf(upper)
+        )
 
     def bands(self, slopes: Array) -> Array:
-        """Return the standard errors of predictions with these derivatives, shape (points,)."""
-        return np.asarray(np.sqrt(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes)))
+        """Return the standard errors of predictions with these derivatives, shape
+        (points,).
+        """
+        return np.asarray(
+            np.sqrt(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes))
+        )
 
 
 def fit(model: Model, data: Data, priors: Sequence[Distribution]) -> Fit:
@@ -99,14 +122,17 @@ def fit(model: Model, data: Data, priors: Sequence[Distribution]) -> Fit:
 
     Raises
     ------
-    ConvergenceError : no run in the middle of the priors, nor at points spread in them, has a result
+    ConvergenceError : no run in the middle of the priors, nor at points spread in them,
+        has a result
     """
     z = _start(model, priors)
     solution = least_squares(model, data, priors, z, 1.0)
     predicted, slopes = solution.predicted, solution.slopes
     residuals = (predicted[data.index] - data.value) / data.error
     covariance = covariance_of(slopes[data.index] / data.error[:, None], priors)
-    used = float(np.trace(covariance @ _information(slopes[data.index] / data.error[:, None])))
+    used = float(
+        np.trace(covariance @ _information(slopes[data.index] / data.error[:, None]))
+    )
     freedom = max(len(residuals) - used, 0.0)
     scatter, alike = _scatter(residuals, freedom), _alike(residuals, data.groups)
     first = Fit(
@@ -116,7 +142,9 @@ def fit(model: Model, data: Data, priors: Sequence[Distribution]) -> Fit:
     if first.factor == 1.0:
         return first
     solution = least_squares(model, data, priors, first.z, first.factor)
-    covariance = covariance_of(solution.slopes[data.index] / (first.factor * data.error)[:, None], priors)
+    covariance = covariance_of(
+        solution.slopes[data.index] / (first.factor * data.error)[:, None], priors
+    )
     return Fit(
         solution.z, covariance, solution.predicted, solution.slopes, first.chi_square, freedom, scatter, alike,
         solution.converged,
@@ -125,7 +153,9 @@ def fit(model: Model, data: Data, priors: Sequence[Distribution]) -> Fit:
 
 @dataclass(frozen=True)
 class Solution:
-    """The end of a search: scaled keys, predictions there, their derivatives, and half of the sum of squares."""
+    """The end of a search: scaled keys, predictions there, their derivatives, and
+    half of the sum of squares.
+    """
 
     z: Array
     predicted: Array
@@ -165,7 +195,9 @@ def least_squares(
 
     def residuals(inner: Array) -> Array:
         full = whole(inner)
-        return np.concatenate([(model.values(full[None])[0][data.index] - data.value) / error, full[rows]])
+        return np.concatenate(
+            [(model.values(full[None])[0][data.index] - data.value) / error, full[rows]]
+        )
 
     def slopes(inner: Array) -> Array:
         full = whole(inner)
@@ -177,7 +209,13 @@ def least_squares(
     if not len(free):
         predicted = model.values(start[None])[0]
         left = residuals(start[free])
-        return Solution(start, predicted, np.zeros((len(predicted), 0)), 0.5 * float(left @ left), True)
+        return Solution(
+            start,
+            predicted,
+            np.zeros((len(predicted), 0)),
+            0.5 * float(left @ left),
+            True,
+        )
     inside = np.clip(start[free], low[free] + TOLERANCE, high[free] - TOLERANCE)
     found: Any = search(
         residuals, inside, slopes, bounds=(low[free], high[free]), xtol=TOLERANCE, ftol=TOLERANCE, gtol=TOLERANCE,
@@ -187,22 +225,33 @@ def least_squares(
         model, whole(found.x), priors, free
     )  # fmt: skip
     settled = _rest(found, low[free], high[free]) < SETTLED
-    return Solution(whole(found.x), predicted, there, float(found.cost), bool(found.success and settled))
+    return Solution(
+        whole(found.x),
+        predicted,
+        there,
+        float(found.cost),
+        bool(found.success and settled),
+    )
 
 
 def _rest(found: Any, low: Array, high: Array) -> float:
-    """Return by how many standard errors a further step would change the keys; steps end early where runs fail."""
+    """Return by how many standard errors a further step would change the keys; steps
+    end early where runs fail.
+    """
     free = (found.x > low + SETTLED) & (found.x < high - SETTLED)
     slopes = found.jac[:, free]
     step = np.linalg.lstsq(slopes, -found.fun, rcond=None)[0]
     return float(np.linalg.norm(slopes @ step))
 
 
-def derivatives(model: Model, z: Array, priors: Sequence[Distribution], free: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Return predictions, shape (points,), and their derivatives with respect to scaled keys, (points, keys).
+def derivatives(
+    model: Model, z: Array, priors: Sequence[Distribution], free: NDArray[np.int64]
+) -> tuple[Array, Array]:
+    """Return predictions, shape (points,), and their derivatives with respect to scaled
+    keys, (points, keys).
 
-    By tangents where the model has them, else by central differences of all keys at once; to one side at a bound of a
-    prior, and where a run of the other failed.
+    By tangents where the model has them, else by central differences of all keys at
+    once; to one side at a bound of a prior, and where a run of the other failed.
 
     Raises
     ------
@@ -221,11 +270,18 @@ def derivatives(model: Model, z: Array, priors: Sequence[Distribution], free: ND
     here, there = found[0], found[1:]
     slopes = np.zeros((len(here), len(free)))
     for j, k in enumerate(free):
-        ends = [(z[k], here), *((sides[2 * j + side][k], there[2 * j + side]) for side in (0, 1))]
-        usable = sorted((end for end in ends if np.isfinite(end[1]).all()), key=lambda end: float(end[0]))
+        ends = [
+            (z[k], here),
+            *((sides[2 * j + side][k], there[2 * j + side]) for side in (0, 1)),
+        ]
+        usable = sorted(
+            (end for end in ends if np.isfinite(end[1]).all()),
+            key=lambda end: float(end[0]),
+        )
         if not usable or usable[0][0] == usable[-1][0]:
             raise ConvergenceError(
-                f"no run beside the fitted point has a result where key {k + 1} differs by {DIFFERENCE:g} standard "
+                f"no run beside the fitted point has a result where key {k + 1} "
+                f"differs by {DIFFERENCE:g} standard "
                 "deviations of its prior; narrow the priors"
             )
         (left, low), (right, high) = usable[0], usable[-1]
@@ -234,13 +290,16 @@ def derivatives(model: Model, z: Array, priors: Sequence[Distribution], free: ND
 
 
 def covariance_of(slopes: Array, priors: Sequence[Distribution]) -> Array:
-    """Return the covariance of the scaled keys, (keys, keys); no combination is less certain than by its prior, 1.
+    """Return the covariance of the scaled keys, (keys, keys); no combination is less
+    certain than by its prior, 1.
 
     Parameters
     ----------
     slopes : derivatives of the predictions over the standard errors, shape (data, keys)
     """
-    matrix = _information(slopes) + np.diag([0.0 if prior.even else 1.0 for prior in priors])
+    matrix = _information(slopes) + np.diag(
+        [0.0 if prior.even else 1.0 for prior in priors]
+    )
     values, vectors = np.linalg.eigh(matrix)
     return np.asarray((vectors / np.maximum(values, 1.0)) @ vectors.T)
 
@@ -250,26 +309,35 @@ def _information(slopes: Array) -> Array:
 
 
 def _start(model: Model, priors: Sequence[Distribution]) -> Array:
-    """Return the middle of the priors, or the first of points spread in them that have a result."""
+    """Return the middle of the priors, or the first of points spread in them that
+    have a result.
+    """
     from scipy.stats import qmc
 
     middle = np.zeros(len(priors))
     if np.isfinite(model.values(middle[None])).all():
         return middle
-    shares = qmc.LatinHypercube(len(priors), seed=np.random.default_rng(0)).random(TRIALS)
-    points = np.column_stack([prior.scaled(prior(shares[:, k])) for k, prior in enumerate(priors)])
+    shares = qmc.LatinHypercube(len(priors), seed=np.random.default_rng(0)).random(
+        TRIALS
+    )
+    points = np.column_stack(
+        [prior.scaled(prior(shares[:, k])) for k, prior in enumerate(priors)]
+    )
     usable = np.isfinite(model.values(points)).all(axis=1)
     if not usable.any():
         problem = getattr(model, "problem", str)()
         raise ConvergenceError(
-            f"no run has a result in the middle of the priors or at {TRIALS} points spread in them; change the priors. "
+            f"no run has a result in the middle of the priors or at {TRIALS} points "
+            "spread in them; change the priors. "
             f"The last problem: {problem}"
         )
     return np.asarray(points[int(np.argmax(usable))])
 
 
 def _scatter(residuals: Array, freedom: float) -> float:
-    """Return the factor of the stated errors that the residuals ask for; 1 if chance explains them."""
+    """Return the factor of the stated errors that the residuals ask for; 1 if chance
+    explains them.
+    """
     from scipy.stats import chi2
 
     square = float(residuals @ residuals)
@@ -279,13 +347,19 @@ def _scatter(residuals: Array, freedom: float) -> float:
 
 
 def _alike(residuals: Array, groups: NDArray[np.int64]) -> float:
-    """Return the correlation of neighbours in the same group; 0 if chance explains it."""
+    """Return the correlation of neighbours in the same group; 0 if chance explains
+    it.
+    """
     from scipy.special import ndtri
 
     pairs = groups[1:] == groups[:-1]
     if not pairs.any():
         return 0.0
     square = float(np.mean(residuals**2))
-    found = float(np.mean(residuals[1:][pairs] * residuals[:-1][pairs])) / square if square > 0.0 else 0.0
+    found = (
+        float(np.mean(residuals[1:][pairs] * residuals[:-1][pairs])) / square
+        if square > 0.0
+        else 0.0
+    )
     chance = float(ndtri(SIGNIFICANT)) / math.sqrt(int(pairs.sum()))
     return min(found, MOST_ALIKE) if found > chance else 0.0

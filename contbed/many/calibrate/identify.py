@@ -1,13 +1,16 @@
-"""Which combinations of keys the data see: singular values of the scaled derivatives, and profiles of the likelihood.
+"""Which combinations of keys the data see: singular values of the scaled derivatives,
+and profiles of the likelihood.
 
-The derivatives of the predictions over their standard errors, with keys scaled by their priors, have a singular value
-for each of as many combinations of keys: the standard deviation of its prior over that which the data leave by
-themselves. Below 1 the data determine the combination less well than the prior does.
+The derivatives of the predictions over their standard errors, with keys scaled by their
+priors, have a singular value for each of as many combinations of keys: the standard
+deviation of its prior over that which the data leave by themselves. Below 1 the data
+determine the combination less well than the prior does.
 
-The profile of a key is the sum of squares with the key held and all others fitted again. The interval holds the values
-at which it is above its minimum by less than the quantile of chi-square with one degree of freedom (Raue et al. 2009,
-doi:10.1093/bioinformatics/btp358). Unlike the covariance it follows curved dependences, and shows where a key has no
-upper or lower end but that of its prior.
+The profile of a key is the sum of squares with the key held and all others fitted
+again. The interval holds the values at which it is above its minimum by less than the
+quantile of chi-square with one degree of freedom (Raue et al. 2009,
+doi:10.1093/bioinformatics/btp358). Unlike the covariance it follows curved dependences,
+and shows where a key has no upper or lower end but that of its prior.
 """
 
 from __future__ import annotations
@@ -27,14 +30,17 @@ from contbed.many.distributions import Distribution
 Array = NDArray[np.float64]
 SEEN = 1.0  # singular value above which the data determine more than the prior
 NAMED = 0.2  # component of a combination below which a key is not named
-CLOSE = 0.02  # relative difference from the quantile at which an end of an interval is found
+# relative difference from the quantile at which an end of an interval is found
+CLOSE = 0.02
 MOST_STEPS = 8  # of the search for an end
 MOST_RATIO = 3.0  # of one step of the search to the one before
 
 
 @dataclass(frozen=True)
 class Combination:
-    """A combination of scaled keys, shape (keys,) with length 1, and its singular value."""
+    """A combination of scaled keys, shape (keys,) with length 1, and its singular
+    value.
+    """
 
     weights: Array
     singular: float
@@ -46,7 +52,11 @@ class Combination:
 
     def named(self, names: Sequence[str]) -> str:
         """Return the combination in words, largest part first."""
-        order = [int(k) for k in np.argsort(-np.abs(self.weights)) if abs(self.weights[k]) >= NAMED]
+        order = [
+            int(k)
+            for k in np.argsort(-np.abs(self.weights))
+            if abs(self.weights[k]) >= NAMED
+        ]
         sign = math.copysign(1.0, self.weights[order[0]])
         parts = [f"{sign * self.weights[k]:+.2f} {names[k]}" for k in order]
         return " ".join(parts).removeprefix("+")
@@ -54,9 +64,11 @@ class Combination:
 
 @dataclass(frozen=True)
 class Interval:
-    """Ends of an interval of a scaled key; `open_low`, `open_high`: the end is that of the prior, or of the search.
+    """Ends of an interval of a scaled key; `open_low`, `open_high`: the end is that of
+    the prior, or of the search.
 
-    curve : points of the profile, (points, 2): scaled key, and rise of the sum of squares over its minimum
+    curve : points of the profile, (points, 2): scaled key, and rise of the sum of
+        squares over its minimum
     """
 
     low: float
@@ -70,11 +82,18 @@ def combinations(found: Fit, data: Data) -> list[Combination]:
     """Return the combinations of keys from the best to the least seen."""
     scaled = found.slopes[data.index] / (found.factor * data.error)[:, None]
     _, singular, weights = np.linalg.svd(scaled, full_matrices=False)
-    return [Combination(weight, float(value)) for weight, value in zip(weights, singular, strict=True)]
+    return [
+        Combination(weight, float(value))
+        for weight, value in zip(weights, singular, strict=True)
+    ]
 
 
-def profile(model: Model, data: Data, priors: Sequence[Distribution], found: Fit, key: int) -> Interval:
-    """Return the interval of a key by its profile; runs that fail end the search with an open end."""
+def profile(
+    model: Model, data: Data, priors: Sequence[Distribution], found: Fit, key: int
+) -> Interval:
+    """Return the interval of a key by its profile; runs that fail end the search
+    with an open end.
+    """
     rows: list[tuple[float, float]] = [(float(found.z[key]), 0.0)]
     base = _squares(model, data, priors, found)
     ends = []
@@ -90,7 +109,8 @@ def _end(
 ) -> tuple[float, bool]:  # fmt: skip
     """Return one end of the interval, and whether it is open.
 
-    The root of the rise is close to straight in the key, so that the secant through the fitted point finds the end.
+    The root of the rise is close to straight in the key, so that the secant through the
+    fitted point finds the end.
     """
     bound = priors[key].bounds[int(side > 0.0)]
     room = abs(bound - found.z[key])
@@ -116,7 +136,13 @@ def _end(
 
 
 def _refit(
-    model: Model, data: Data, priors: Sequence[Distribution], found: Fit, key: int, step: float, path: Array
+    model: Model,
+    data: Data,
+    priors: Sequence[Distribution],
+    found: Fit,
+    key: int,
+    step: float,
+    path: Array,
 ) -> Solution | None:
     """Fit the other keys with one moved by `step`; None if the runs fail there."""
     z = found.z + step * path
@@ -128,7 +154,14 @@ def _refit(
         return None
 
 
-def _squares(model: Model, data: Data, priors: Sequence[Distribution], found: Fit) -> float:
+def _squares(
+    model: Model, data: Data, priors: Sequence[Distribution], found: Fit
+) -> float:
     residuals = (found.predicted[data.index] - data.value) / (found.factor * data.error)
-    own = np.array([0.0 if prior.even else value for prior, value in zip(priors, found.z, strict=True)])
+    own = np.array(
+        [
+            0.0 if prior.even else value
+            for prior, value in zip(priors, found.z, strict=True)
+        ]
+    )
     return float(residuals @ residuals + own @ own)

@@ -25,14 +25,22 @@ def observe(result: Result, points: Sequence[Point]) -> list[float]:
     ------
     SceneError : the run has no such result, column, time or position
     """
-    return [_in_profiles(result, point) if point.in_profiles else _named(result, point) for point in points]
+    return [
+        _in_profiles(result, point) if point.in_profiles else _named(result, point)
+        for point in points
+    ]
 
 
 def _named(result: Result, point: Point) -> float:
     value: Any = result.qoi.get(point.quantity)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        numbers = [key for key, item in result.qoi.items() if isinstance(item, int | float)]
-        raise SceneError(f'{point.line}: the run has no number "{point.quantity}"; it has {", ".join(numbers)}')
+        numbers = [
+            key for key, item in result.qoi.items() if isinstance(item, int | float)
+        ]
+        raise SceneError(
+            f'{point.line}: the run has no number "{point.quantity}"; it has '
+            f"{', '.join(numbers)}"
+        )
     return float(value)
 
 
@@ -42,17 +50,28 @@ def _in_profiles(result: Result, point: Point) -> float:
     place = point.line
     if values is None:
         known = [name_of(name) for name in profiles]
-        raise SceneError(f'{place}: the profiles have no "{point.quantity}"; {nearest(point.quantity, known)}')
-    axis = next((profiles[header(name)] for name in COORDINATES if header(name) in profiles), None)
+        raise SceneError(
+            f'{place}: the profiles have no "{point.quantity}"; '
+            f"{nearest(point.quantity, known)}"
+        )
+    axis = next(
+        (profiles[header(name)] for name in COORDINATES if header(name) in profiles),
+        None,
+    )
     times = profiles.get(header("t"))
     if math.isnan(point.x) and axis is not None:
-        raise SceneError(f"{place}: the profiles have positions; give position, the column of the measured positions")
+        raise SceneError(
+            f"{place}: the profiles have positions; give position, the column of the "
+            "measured positions"
+        )
     if math.isnan(point.x):
         if times is None:
             raise SceneError(f"{place}: the profiles have no times; leave out time")
         return float(np.interp(point.t, times, values))
     if axis is None:
-        raise SceneError(f"{place}: the profiles of this scene have no positions; leave out position")
+        raise SceneError(
+            f"{place}: the profiles of this scene have no positions; leave out position"
+        )
     distance = np.abs(axis - point.x) / max(float(np.max(np.abs(axis))), SAME)
     if not math.isnan(point.t):
         if times is None:
@@ -60,5 +79,8 @@ def _in_profiles(result: Result, point: Point) -> float:
         distance = distance + np.abs(times - point.t) / max(float(np.max(times)), SAME)
     row = int(np.argmin(distance))
     if distance[row] > SAME:
-        raise SceneError(f"{place}: the run has no output there; {float(axis[row]):g} m is the nearest position")
+        raise SceneError(
+            f"{place}: the run has no output there; {float(axis[row]):g} m is the "
+            "nearest position"
+        )
     return float(np.asarray(values)[row])

@@ -1,7 +1,8 @@
-"""Samples of the posterior distribution of the keys, by the affine-invariant sampler of emcee.
+"""Samples of the posterior distribution of the keys, by the affine-invariant sampler of
+emcee.
 
-Foreman-Mackey et al. 2013, doi:10.1086/670067. The same seed gives the same samples, so that a command that was killed
-finds its runs again and resumes.
+Foreman-Mackey et al. 2013, doi:10.1086/670067. The same seed gives the same samples, so
+that a command that was killed finds its runs again and resumes.
 """
 
 from __future__ import annotations
@@ -20,16 +21,20 @@ from contbed.many.calibrate.settings import Posterior
 from contbed.many.distributions import Distribution
 
 Array = NDArray[np.float64]
-FORGOTTEN = 0.25  # share of the steps at the beginning, in which the walkers leave their start
-ENOUGH = 20.0  # autocorrelation times that a chain must hold for intervals at 90 % to settle
-LEAST = 1e-3  # spread of the start, in standard deviations of the prior, where the fit leaves none
+# share of the steps at the beginning, in which the walkers leave their start
+FORGOTTEN = 0.25
+# autocorrelation times that a chain must hold for intervals at 90 % to settle
+ENOUGH = 20.0
+# spread of the start, in standard deviations of the prior, where the fit leaves none
+LEAST = 1e-3
 
 
 @dataclass(frozen=True)
 class Samples:
     """Samples of the scaled keys, shape (samples, keys).
 
-    acceptance : share of accepted moves; autocorrelation : time in steps, the longest of the keys
+    acceptance : share of accepted moves; autocorrelation : time in steps, the longest
+        of the keys
     """
 
     z: Array
@@ -43,7 +48,8 @@ class Samples:
         if self.steps >= ENOUGH * self.autocorrelation:
             return ""
         return (
-            f"posterior.steps = {self.steps}: only {self.steps / self.autocorrelation:.0f} autocorrelation times; "
+            f"posterior.steps = {self.steps}: only "
+            f"{self.steps / self.autocorrelation:.0f} autocorrelation times; "
             f"at least {ENOUGH * self.autocorrelation:.0f} steps are needed"
         )
 
@@ -53,12 +59,19 @@ def require_emcee() -> Any:
     try:
         import emcee
     except ImportError:
-        raise ContbedError("[posterior] needs emcee: pip install 'contbed[calibrate]'") from None
+        raise ContbedError(
+            "[posterior] needs emcee: pip install 'contbed[calibrate]'"
+        ) from None
     return emcee
 
 
 def sample(
-    model: Model, data: Data, priors: Sequence[Distribution], found: Fit, settings: Posterior, each: Any = None
+    model: Model,
+    data: Data,
+    priors: Sequence[Distribution],
+    found: Fit,
+    settings: Posterior,
+    each: Any = None,
 ) -> Samples:
     """Sample the keys from about the fit on.
 
@@ -76,12 +89,16 @@ def sample(
     error = found.factor * data.error
 
     def logarithm(z: Array) -> Array:
-        """Return the logarithm of the probability, shape (walkers,); runs that fail have none."""
+        """Return the logarithm of the probability, shape (walkers,); runs that fail
+        have none.
+        """
         result = np.full(len(z), -np.inf)
         inside = np.all((z >= low) & (z <= high), axis=1)
         if inside.any():
             residuals = (model.values(z[inside])[:, data.index] - data.value) / error
-            square = (residuals**2).sum(axis=1) + (z[inside][:, normal] ** 2).sum(axis=1)
+            square = (residuals**2).sum(axis=1) + (z[inside][:, normal] ** 2).sum(
+                axis=1
+            )
             result[inside] = np.where(np.isfinite(square), -0.5 * square, -np.inf)
         return result
 
@@ -90,7 +107,9 @@ def sample(
     start = found.z + random.standard_normal((settings.walkers, len(priors))) @ root.T
     start = np.where(start < low, 2.0 * low - start, start)  # reflected at the bounds
     start = np.clip(np.where(start > high, 2.0 * high - start, start), low, high)
-    sampler = emcee.EnsembleSampler(settings.walkers, len(priors), logarithm, vectorize=True)
+    sampler = emcee.EnsembleSampler(
+        settings.walkers, len(priors), logarithm, vectorize=True
+    )
     sampler.random_state = np.random.RandomState(settings.seed).get_state()
     for _ in sampler.sample(start, iterations=settings.steps):
         if each is not None:
@@ -98,5 +117,8 @@ def sample(
     dropped = int(FORGOTTEN * settings.steps)
     time = float(np.max(sampler.get_autocorr_time(quiet=True, tol=0)))
     return Samples(
-        sampler.get_chain(discard=dropped, flat=True), float(np.mean(sampler.acceptance_fraction)), time, settings.steps
+        sampler.get_chain(discard=dropped, flat=True),
+        float(np.mean(sampler.acceptance_fraction)),
+        time,
+        settings.steps,
     )

@@ -1,4 +1,5 @@
-"""The file of a calibration: which keys are fitted, to which measured values, and what is predicted.
+"""The file of a calibration: which keys are fitted, to which measured values, and what
+is predicted.
 
     title = "Thermocline, first hour"
 
@@ -29,9 +30,10 @@
     walkers = 20
     steps = 500
 
-`error` is the standard error of a measured value, in its unit or as a share of it, "3 K" or "5 %"; `error_column` is a
-column of the table with those of each row. Distributions are those of samples, see `contbed.many.value_sets`. A
-quantity with a time or a position is one of the profiles, any other a named result of the run.
+`error` is the standard error of a measured value, in its unit or as a share of it, "3
+K" or "5 %"; `error_column` is a column of the table with those of each row.
+Distributions are those of samples, see `contbed.many.value_sets`. A quantity with a
+time or a position is one of the profiles, any other a named result of the run.
 """
 
 from __future__ import annotations
@@ -55,34 +57,58 @@ class Value(Table):
 
     quantity: str = Field(description="result of the run that is compared")
     column: str = Field(description="column of measured values")
-    error: str | None = Field(None, description="standard error, in the unit of the quantity or as a share")
-    error_column: str | None = Field(None, description="column with the standard error of each row")
+    error: str | None = Field(
+        None, description="standard error, in the unit of the quantity or as a share"
+    )
+    error_column: str | None = Field(
+        None, description="column with the standard error of each row"
+    )
 
 
 class Predict(Table):
     """What is predicted besides the measured values."""
 
     times: tuple[Instant, ...] = Field((), description="times of the prediction")
-    positions: tuple[Position, ...] = Field((), description="positions of the prediction")
+    positions: tuple[Position, ...] = Field(
+        (), description="positions of the prediction"
+    )
     results: tuple[str, ...] = Field((), description="results that are predicted")
 
 
 class ExperimentSettings(Table):
     """One experiment: its scene and its table."""
 
-    name: str | None = Field(None, description="name of the experiment in tables and plots")
-    scene: str = Field(description="scene file of the experiment, path relative to this file")
-    set: dict[str, Any] = Field(default_factory=dict, description="values of scene keys in this experiment")
-    file: str = Field(description="table of measured values, path relative to this file")
-    where: dict[str, str] = Field(default_factory=dict, description="values of columns that select rows")
+    name: str | None = Field(
+        None, description="name of the experiment in tables and plots"
+    )
+    scene: str = Field(
+        description="scene file of the experiment, path relative to this file"
+    )
+    set: dict[str, Any] = Field(
+        default_factory=dict, description="values of scene keys in this experiment"
+    )
+    file: str = Field(
+        description="table of measured values, path relative to this file"
+    )
+    where: dict[str, str] = Field(
+        default_factory=dict, description="values of columns that select rows"
+    )
     time: str | None = Field(None, description="column of times")
     position: str | None = Field(None, description="column of positions")
-    keys: dict[str, str] = Field(default_factory=dict, description="keys of the scene that columns give, row by row")
-    until: Instant | None = Field(None, description="last time that is fitted; later rows are kept for comparison")
-    values: tuple[Value, ...] = Field(
-        min_length=1, description="measured columns and the results that they are compared with"
+    keys: dict[str, str] = Field(
+        default_factory=dict,
+        description="keys of the scene that columns give, row by row",
     )
-    predict: Predict = Field(Predict(), description="results that are predicted with bands")
+    until: Instant | None = Field(
+        None, description="last time that is fitted; later rows are kept for comparison"
+    )
+    values: tuple[Value, ...] = Field(
+        min_length=1,
+        description="measured columns and the results that they are compared with",
+    )
+    predict: Predict = Field(
+        Predict(), description="results that are predicted with bands"
+    )
 
 
 class Posterior(Table):
@@ -99,19 +125,27 @@ class Settings(Table):
     kind: ClassVar[str] = "calibration"
 
     title: str = Field("", description="title of the study, shown in plots and reports")
-    keys: dict[str, Any] = Field(description="keys of the scene that are fitted, each with its prior")
+    keys: dict[str, Any] = Field(
+        description="keys of the scene that are fitted, each with its prior"
+    )
     experiment: tuple[ExperimentSettings, ...] = Field(
         min_length=1, description="experiments with scene, table and measured columns"
     )
     posterior: Posterior | None = Field(
-        None, description="sampling of the posterior by Markov chains; absent: linearised intervals only"
+        None,
+        description="sampling of the posterior by Markov chains; absent: linearised "
+        "intervals only",
     )
-    profiles: Switch = Field(True, description="intervals by profile likelihood, which need further runs")
+    profiles: Switch = Field(
+        True, description="intervals by profile likelihood, which need further runs"
+    )
 
 
 @dataclass(frozen=True)
 class FittedKey:
-    """A key that is fitted: its name in the scene, SI unit, prior, and where the file says so."""
+    """A key that is fitted: its name in the scene, SI unit, prior, and where the
+    file says so.
+    """
 
     name: str
     unit: str
@@ -145,15 +179,25 @@ def read_file(path: str | Path) -> CalibrationFile:
     settings, origin = file.settings, file.origin
     keys = tuple(_keys(file))
     if not keys and not file.problems:
-        file.say(("keys",), "empty; give what is fitted, solid.conductivity = { median = 5.0, factor = 1.5 }")
+        file.say(
+            ("keys",),
+            "empty; give what is fitted, solid.conductivity = { median = 5.0, factor = "
+            "1.5 }",
+        )
     for k in range(len(settings.experiment)):
         _check(file, k, [key.name for key in keys])
     if settings.posterior is not None and settings.posterior.walkers < 2 * len(keys):
-        file.say(("posterior", "walkers"), f"at least twice the number of keys is needed, {2 * len(keys)}")
+        file.say(
+            ("posterior", "walkers"),
+            f"at least twice the number of keys is needed, {2 * len(keys)}",
+        )
     names = experiment_names(settings)
     for k, name in enumerate(names):
         if name in names[:k]:
-            file.say(("experiment", k), f'"{name}" is the name of an earlier one; give it another')
+            file.say(
+                ("experiment", k),
+                f'"{name}" is the name of an earlier one; give it another',
+            )
     file.stop()
     return CalibrationFile(file.path, settings, keys, origin)
 
@@ -164,7 +208,9 @@ def experiment_names(settings: Settings) -> list[str]:
 
 
 def _keys(file: StudyFile[Settings]) -> Iterator[FittedKey]:
-    for name, path, entry in file.entries(("keys",), file.settings.keys, value_sets.is_distribution, {}):
+    for name, path, entry in file.entries(
+        ("keys",), file.settings.keys, value_sets.is_distribution, {}
+    ):
         unit = unit_of(name)
         prior = value_sets.distribution(entry, unit, file.say_below(path, name))
         if prior is not None:
@@ -179,13 +225,23 @@ def _check(file: StudyFile[Settings], k: int, keys: list[str]) -> None:
     for key in (*experiment.set, *experiment.keys):
         if key in keys:
             place = "set" if key in experiment.set else "keys"
-            file.say((*at, place, key), "is fitted under [keys], it cannot be given here as well", key)
+            file.say(
+                (*at, place, key),
+                "is fitted under [keys], it cannot be given here as well",
+                key,
+            )
     if experiment.keys and (experiment.time or experiment.position):
-        text = "rows with keys of their own are runs of their own, without time or position"
+        text = (
+            "rows with keys of their own are runs of their own, without time or "
+            "position"
+        )
         file.say((*at, "keys"), text, "keys")
     if experiment.until is not None and experiment.time is None:
         file.say((*at, "until"), "needs the column of the times, time", "until")
     for j, value in enumerate(experiment.values):
         if (value.error is None) == (value.error_column is None):
-            text = 'give the standard error of the measured values, error = "3 K" or "5 %", or else error_column'
+            text = (
+                'give the standard error of the measured values, error = "3 K" or '
+                '"5 %", or else error_column'
+            )
             file.say((*at, "values", j), text, f"values of {value.quantity}")

@@ -1,4 +1,6 @@
-"""Files of a calibration: tables of keys, points, combinations, profiles and samples, summary, calibrated scenes."""
+"""Files of a calibration: tables of keys, points, combinations, profiles and
+samples, summary, calibrated scenes.
+"""
 
 from __future__ import annotations
 
@@ -21,22 +23,36 @@ from contbed.output.versions import versions
 
 def write(found: Calibrated, out: Path) -> None:
     """Write all files but the plots."""
-    write_rows(out / "keys.csv", ("key", "unit", "prior", "fitted", "standard error", *_ENDS), key_rows(found), _cell)
+    write_rows(
+        out / "keys.csv",
+        ("key", "unit", "prior", "fitted", "standard error", *_ENDS),
+        key_rows(found),
+        _cell,
+    )
     write_rows(out / "points.csv", POINTS, point_rows(found), _cell)
     names = [key.name for key in found.keys]
     write_rows(
         out / "combinations.csv",
         ("singular value", "seen", "combination", *names),
-        ([each.singular, each.seen, each.named(names), *each.weights] for each in found.combinations),
+        (
+            [each.singular, each.seen, each.named(names), *each.weights]
+            for each in found.combinations
+        ),
         _cell,
     )
     for key in found.keys:
         if key.name in found.intervals:
             curve = found.intervals[key.name].curve
-            columns = {key.label: key.prior.value(curve[:, 0]), "rise of chi-square [1]": curve[:, 1]}
+            columns = {
+                key.label: key.prior.value(curve[:, 0]),
+                "rise of chi-square [1]": curve[:, 1],
+            }
             write_table(out / "profiles" / f"{key.name}.csv", columns)
     if found.samples is not None:
-        each = {key.label: key.prior.value(found.samples.z[:, k]) for k, key in enumerate(found.keys)}
+        each = {
+            key.label: key.prior.value(found.samples.z[:, k])
+            for k, key in enumerate(found.keys)
+        }
         write_table(out / "posterior.csv", each)
     for name, text in scenes(found, out).items():
         with atomic(out / name) as temporary:
@@ -44,7 +60,14 @@ def write(found: Calibrated, out: Path) -> None:
     write_json(out / "summary.json", summary(found))
 
 
-_ENDS = ("low", "high", "low of profile", "high of profile", "low of posterior", "high of posterior")
+_ENDS = (
+    "low",
+    "high",
+    "low of profile",
+    "high of profile",
+    "low of posterior",
+    "high of posterior",
+)
 POINTS = (
     "experiment", "line", "quantity", "unit", "t [s]", "x [m]", "fitted", "measured", "error", "predicted",
     "standard error", "low", "high", "low of a measurement", "high of a measurement", "deviation over error",
@@ -52,13 +75,18 @@ POINTS = (
 
 
 def key_rows(found: Calibrated) -> list[Row]:
-    """Return a row for each key, in SI: fitted value, standard error, ends of the intervals; open ends are empty."""
+    """Return a row for each key, in SI: fitted value, standard error, ends of the
+    intervals; open ends are empty.
+    """
     rows: list[Row] = []
     for k, key in enumerate(found.keys):
         z, prior = float(found.fit.z[k]), key.prior
         error = math.sqrt(found.fit.covariance[k, k])
         half = found.fit.quantile * error
-        ends = [float(prior.value(float(np.clip(z + side * half, *prior.bounds)))) for side in (-1.0, 1.0)]
+        ends = [
+            float(prior.value(float(np.clip(z + side * half, *prior.bounds))))
+            for side in (-1.0, 1.0)
+        ]
         interval = found.intervals.get(key.name)
         profile: list[float | None] = [None, None]
         if interval is not None:
@@ -69,7 +97,10 @@ def key_rows(found: Calibrated) -> list[Row]:
         posterior: list[float | None] = [None, None]
         if found.samples is not None:
             tail = 0.5 * (1.0 - COVERAGE)
-            posterior = [float(prior.value(q)) for q in np.quantile(found.samples.z[:, k], (tail, 1.0 - tail))]
+            posterior = [
+                float(prior.value(q))
+                for q in np.quantile(found.samples.z[:, k], (tail, 1.0 - tail))
+            ]
         ordered = [_sorted(pair, prior.slope(z)) for pair in (ends, profile, posterior)]
         rows.append(
             (key.name, key.unit, str(prior), float(prior.value(z)), abs(prior.slope(z)) * error,
@@ -98,10 +129,21 @@ def summary(found: Calibrated) -> dict[str, Any]:
     """Return the content of summary.json."""
     names = [key.name for key in found.keys]
     spread = np.sqrt(np.diag(found.fit.covariance))
-    slopes = np.array([key.prior.slope(float(z)) for key, z in zip(found.keys, found.fit.z, strict=True)])
-    kept = [k for k, point in enumerate(found.points) if not point.fitted and not math.isnan(point.value)]
+    slopes = np.array(
+        [
+            key.prior.slope(float(z))
+            for key, z in zip(found.keys, found.fit.z, strict=True)
+        ]
+    )
+    kept = [
+        k
+        for k, point in enumerate(found.points)
+        if not point.fitted and not math.isnan(point.value)
+    ]
     p = found.prediction
-    inside = [p.low_measured[k] <= found.points[k].value <= p.high_measured[k] for k in kept]
+    inside = [
+        p.low_measured[k] <= found.points[k].value <= p.high_measured[k] for k in kept
+    ]
     return {
         "status": "ok" if found.fit.converged else "not converged",
         "versions": versions(),
@@ -109,15 +151,27 @@ def summary(found: Calibrated) -> dict[str, Any]:
         "title": found.file.settings.title,
         "warnings": found.warnings,
         "keys": {
-            row[0]: {"unit": row[1], "prior": row[2], "fitted": row[3], "standard error": row[4]}
+            row[0]: {
+                "unit": row[1],
+                "prior": row[2],
+                "fitted": row[3],
+                "standard error": row[4],
+            }
             | dict(zip(_ENDS, row[5:], strict=True))
             for row in key_rows(found)
         },
         "coverage": COVERAGE,
-        "covariance": {"keys": names, "matrix": found.fit.covariance * np.outer(slopes, slopes)},
+        "covariance": {
+            "keys": names,
+            "matrix": found.fit.covariance * np.outer(slopes, slopes),
+        },
         "correlation": found.fit.covariance / np.outer(spread, spread),
         "combinations": [
-            {"singular value": each.singular, "seen": each.seen, "combination": each.named(names)}
+            {
+                "singular value": each.singular,
+                "seen": each.seen,
+                "combination": each.named(names),
+            }
             for each in found.combinations
         ],
         "data": {
@@ -136,19 +190,34 @@ def summary(found: Calibrated) -> dict[str, Any]:
             "acceptance": found.samples.acceptance,
             "autocorrelation in steps": found.samples.autocorrelation,
         },
-        "runs": {"kept": found.runs, "before": found.before, "failed": len(found.failed)},
-        "failed": [{"exit_code": each["exit_code"], "problem": each["problem"]} for each in found.failed],
+        "runs": {
+            "kept": found.runs,
+            "before": found.before,
+            "failed": len(found.failed),
+        },
+        "failed": [
+            {"exit_code": each["exit_code"], "problem": each["problem"]}
+            for each in found.failed
+        ],
     }
 
 
 def scenes(found: Calibrated, out: Path) -> dict[str, str]:
-    """Return the text of the scene of each experiment with its fitted keys, by the name of its file."""
+    """Return the text of the scene of each experiment with its fitted keys, by the
+    name of its file.
+    """
     first = {job.experiment: job for job in reversed(found.jobs)}
     texts = {}
-    for name, settings in zip(experiment_names(found.file.settings), found.file.settings.experiment, strict=True):
+    for name, settings in zip(
+        experiment_names(found.file.settings),
+        found.file.settings.experiment,
+        strict=True,
+    ):
         job = first[name]
         file = "calibrated.toml" if len(first) == 1 else f"calibrated_{name}.toml"
-        texts[file] = scene_text(job.scene, job.load(found.values), {**settings.set, **found.values}, out)
+        texts[file] = scene_text(
+            job.scene, job.load(found.values), {**settings.set, **found.values}, out
+        )
     return texts
 
 
@@ -158,21 +227,30 @@ def table(found: Calibrated) -> str:
     rows = [head]
     for name, unit, prior, value, error, low, high, *_ in key_rows(found):
         label = name if unit == "1" else f"{name} [{unit}]"
-        rows.append((label, *(f"{number:.5g}" for number in (value, error, low, high)), prior))
+        rows.append(
+            (label, *(f"{number:.5g}" for number in (value, error, low, high)), prior)
+        )
     lines = aligned(rows, left=(0, 5))
     names = [key.name for key in found.keys]
     fit = found.fit
     lines += [
         "",
-        f"{len(found.data.value)} values, chi-square {fit.chi_square:.4g} of {fit.freedom:.4g} degrees of freedom",
+        f"{len(found.data.value)} values, chi-square {fit.chi_square:.4g} of "
+        f"{fit.freedom:.4g} degrees of freedom",
     ]
     for each in found.combinations:
-        told = f"known {each.singular:.3g} times better than by the prior" if each.seen else "not seen by the data"
+        told = (
+            f"known {each.singular:.3g} times better than by the prior"
+            if each.seen
+            else "not seen by the data"
+        )
         lines.append(f"{told}: {each.named(names)}")
     kept = summary(found)["data"]
     if kept["kept back"]:
         share = f"{kept['kept back inside of the band']} of {kept['kept back']}"
-        lines.append(f"{share} values that were not fitted are in the 90 % band of a measurement")
+        lines.append(
+            f"{share} values that were not fitted are in the 90 % band of a measurement"
+        )
     return "\n".join(lines)
 
 

@@ -1,4 +1,5 @@
-"""Steps of a cascade: range that the bed visits, fits of the packings, runs of the bed, parts of the uncertainty.
+"""Steps of a cascade: range that the bed visits, fits of the packings, runs of the bed,
+parts of the uncertainty.
 
 Parts, each a standard deviation of a result with all else at its best value:
 
@@ -45,15 +46,20 @@ BAND = 0.90  # of the probability
 PACKING = "packing"  # column of the number of a packing
 FIT_SAMPLES = 12  # runs for the part of the fit
 TIGHTER = 0.1  # factor of the tolerance of an automatic mesh for the part of the mesh
-# Wakao and Funazkri's exponents; only the range that the first run visits is taken from it
+# Wakao and Funazkri's exponents; only the range that the first run visits is taken from
+# it
 FIRST_NUSSELT = {"base": 2.0, "a": 1.1, "b": 0.6, "c": 1.0 / 3.0}
-FIRST_DEGREE = 5  # of Zehner and Schluender's conductivity as a polynomial of logarithms, for the same purpose
+# of Zehner and Schluender's conductivity as a polynomial of logarithms, for the same
+# purpose
+FIRST_DEGREE = 5
 WIDEST = {"k_solid/k_fluid": (1e-2, 1e6), "Re": (1e-6, 1e7), "Pr": (1e-4, 1e5)}
 
 
 @dataclass(frozen=True)
 class Part:
-    """A part of the uncertainty: what it is, and the standard deviation of each result in its unit."""
+    """A part of the uncertainty: what it is, and the standard deviation of each
+    result in its unit.
+    """
 
     name: str
     deviation: Mapping[str, float]
@@ -76,7 +82,9 @@ class BedSummary(Shape):
 
 @dataclass
 class Runs:
-    """Runs of the scene with closures from packings, kept by the hash of their scenes."""
+    """Runs of the scene with closures from packings, kept by the hash of their
+    scenes.
+    """
 
     cascade: Cascade
     folder: Path
@@ -87,8 +95,12 @@ class Runs:
     failed: list[str] = field(default_factory=list)
     outside: set[str] = field(default_factory=set)
 
-    def results(self, fits: Mapping[str, extract.Fit], changes: Mapping[str, Any]) -> dict[str, float] | None:
-        """Return the results asked for with fitted closures by their kind; None if the run failed."""
+    def results(
+        self, fits: Mapping[str, extract.Fit], changes: Mapping[str, Any]
+    ) -> dict[str, float] | None:
+        """Return the results asked for with fitted closures by their kind; None if
+        the run failed.
+        """
         folder = self.run(fits, changes)
         if folder is None:
             return None
@@ -96,7 +108,9 @@ class Runs:
         for closure in summary["closures"]:
             if closure["share_outside"] > 0 and closure["name"].endswith(".toml"):
                 self.outside.add(folder.name)
-        found = {name: float(summary["qoi"][name]) for name in self.cascade.settings.qoi}
+        found = {
+            name: float(summary["qoi"][name]) for name in self.cascade.settings.qoi
+        }
         if self.cascade.measured is not None:
             found |= measured.predicted(self.cascade.measured, folder)
         return found
@@ -110,25 +124,47 @@ class Runs:
         ContbedError : it is damaged
         """
         remedy = f"remove {folder}, and the same command computes it again"
-        summary = read_json(folder / SUMMARY, BedSummary, "the summary of a run", remedy)
+        summary = read_json(
+            folder / SUMMARY, BedSummary, "the summary of a run", remedy
+        )
         qoi = summary["qoi"]
-        missing = [name for name in self.cascade.settings.qoi if not isinstance(qoi.get(name), int | float)]
+        missing = [
+            name
+            for name in self.cascade.settings.qoi
+            if not isinstance(qoi.get(name), int | float)
+        ]
         if missing:
-            numbers = [key for key, value in qoi.items() if isinstance(value, int | float)]
-            why = f'the run has no result "{missing[0]}"; {nearest_of(missing[0], numbers)}'
+            numbers = [
+                key for key, value in qoi.items() if isinstance(value, int | float)
+            ]
+            why = (
+                f'the run has no result "{missing[0]}"; '
+                f"{nearest_of(missing[0], numbers)}"
+            )
             raise SceneError(f"{self.cascade.path}: qoi: {why}")
         return summary
 
-    def run(self, fits: Mapping[str, extract.Fit], changes: Mapping[str, Any]) -> Path | None:
+    def run(
+        self, fits: Mapping[str, extract.Fit], changes: Mapping[str, Any]
+    ) -> Path | None:
         """Run the scene, or find its run; return its folder, or None if it failed."""
         cascade = self.cascade
         places = cascade.reactor.places
-        files = {key: {"file": str(self._written(fit))} for kind, fit in fits.items() for key in places[kind]}
+        files = {
+            key: {"file": str(self._written(fit))}
+            for kind, fit in fits.items()
+            for key in places[kind]
+        }
         output: dict[str, Any] = {"output.plots": False, "output.fields": False}
         if cascade.measured is not None:
             output |= measured.outputs(cascade.measured)
         values = {**output, **files, **changes}
-        scene = load(cascade.scene_file, values, trust=cascade.trust, allow_large=cascade.allow_large)
+        scene = load(
+            cascade.scene_file,
+            values,
+            trust=cascade.trust,
+            allow_large=cascade.allow_large,
+        )
         case = case_of(scene, {})
         outcome = known(case, self.folder, self.retry_failed)
         self.before += outcome is not None and case.name not in self.seen
@@ -141,7 +177,9 @@ class Runs:
         return folder_of(case, self.folder)
 
     def _written(self, fit: extract.Fit) -> Path:
-        path = (self.folder / "closures" / f"{content_hash(fit.content)}.toml").absolute()
+        path = (
+            self.folder / "closures" / f"{content_hash(fit.content)}.toml"
+        ).absolute()
         if not path.is_file():
             path.parent.mkdir(parents=True, exist_ok=True)
             fit.write(path, {"scene": self.cascade.path.name})
@@ -149,138 +187,227 @@ class Runs:
 
 
 def visited(runs: Runs) -> dict[str, Range]:
-    """Return the ranges of k_solid/k_fluid, Re and Pr that the bed visits with closures of the literature."""
+    """Return the ranges of k_solid/k_fluid, Re and Pr that the bed visits with
+    closures of the literature.
+    """
     cascade = runs.cascade
     eps = cascade.reactor.porosity
     fits: dict[str, extract.Fit] = {}
     if cascade.settings.laws.conduction:
         ratios = np.geomspace(*WIDEST["k_solid/k_fluid"], 25)
-        k = registry.get("conductivity_zehner_schluender")(k_fluid=1.0, k_solid=ratios, eps=eps)
+        k = registry.get("conductivity_zehner_schluender")(
+            k_fluid=1.0, k_solid=ratios, eps=eps
+        )
         fits[CONDUCTIVITY] = _polynomial({extract.RATIO: ratios}, k, FIRST_DEGREE)
     if cascade.settings.laws.exchange:
-        parameters = {name: {"value": value, "given": True} for name, value in FIRST_NUSSELT.items()}
-        content = {"format": 1, "kind": "nusselt", "form": "power", "parameters": parameters}
+        parameters = {
+            name: {"value": value, "given": True}
+            for name, value in FIRST_NUSSELT.items()
+        }
+        content = {
+            "format": 1,
+            "kind": "nusselt",
+            "form": "power",
+            "parameters": parameters,
+        }
         content["range"] = {name: list(WIDEST[name]) for name in ("Re", "Pr")}
         fits[NUSSELT] = extract.Fit(content, np.zeros((0, 0)), np.zeros(0))
     folder = runs.run(fits, {})
     if folder is None:
-        raise ConvergenceError(f"{cascade.scene_file}: the first run failed: {runs.failed[-1]}")
+        raise ConvergenceError(
+            f"{cascade.scene_file}: the first run failed: {runs.failed[-1]}"
+        )
     summary = runs.summary(folder)
     found: dict[str, Range] = {}
     for closure in summary["closures"]:
-        for name, use in closure["ranges"].items() if closure["name"].endswith(".toml") else ():
-            low, high = found.get(name, (np.inf, -np.inf))  # solid phases of a bubbling bed have a range each
-            found[name] = min(low, float(use["used"][0])), max(high, float(use["used"][1]))
+        for name, use in (
+            closure["ranges"].items() if closure["name"].endswith(".toml") else ()
+        ):
+            # solid phases of a bubbling bed have a range each
+            low, high = found.get(name, (np.inf, -np.inf))
+            found[name] = (
+                min(low, float(use["used"][0])),
+                max(high, float(use["used"][1])),
+            )
     return found
 
 
 @dataclass(frozen=True)
 class Fits:
-    """Closures fitted to packings: to one of them or to all, by a law of conduction and one of exchange."""
+    """Closures fitted to packings: to one of them or to all, by a law of conduction
+    and one of exchange.
+    """
 
     ensemble: Ensemble
     ranges: Mapping[str, Range]
 
     @property
     def choices(self) -> tuple[int, int]:
-        """How many laws of conduction and of exchange there are, at least one of each."""
+        """How many laws of conduction and of exchange there are, at least one of
+        each.
+        """
         laws = self.ensemble.cascade.settings.laws
         return max(1, len(laws.conduction)), max(1, len(laws.exchange))
 
-    def of(self, beds: list[int], conduction: int = 0, exchange: int = 0) -> dict[str, extract.Fit]:
+    def of(
+        self, beds: list[int], conduction: int = 0, exchange: int = 0
+    ) -> dict[str, extract.Fit]:
         """Return the fits by their kind."""
         laws, found = self.ensemble.cascade.settings.laws, {}
         if laws.conduction:
             ratios = self.ranges[extract.RATIO]
-            columns = _together([self.ensemble.conduction(bed, laws.conduction[conduction], ratios) for bed in beds])
+            columns = _together(
+                [
+                    self.ensemble.conduction(bed, laws.conduction[conduction], ratios)
+                    for bed in beds
+                ]
+            )
             k = columns.pop("k/k_fluid")
             found[CONDUCTIVITY] = _polynomial(columns, k, DEGREE)
         if laws.exchange:
             ranges = self.ranges["Re"], self.ranges["Pr"]
-            columns = _together([self.ensemble.exchange(bed, exchange, *ranges) for bed in beds])
-            found[NUSSELT] = extract.fit_power(columns["Re"], columns["Pr"], columns["Nu"])
+            columns = _together(
+                [self.ensemble.exchange(bed, exchange, *ranges) for bed in beds]
+            )
+            found[NUSSELT] = extract.fit_power(
+                columns["Re"], columns["Pr"], columns["Nu"]
+            )
         return found
 
 
 def _polynomial(columns: Mapping[str, Array], k: Array, degree: int) -> extract.Fit:
-    return extract.fit_log_polynomial("conductivity", columns, k, {extract.RATIO: "log"}, (degree,))
+    return extract.fit_log_polynomial(
+        "conductivity", columns, k, {extract.RATIO: "log"}, (degree,)
+    )
 
 
 def _together(parts: list[dict[str, Array]]) -> dict[str, Array]:
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def drawn(fits: Mapping[str, extract.Fit], count: int, seed: int) -> list[dict[str, extract.Fit]]:
+def drawn(
+    fits: Mapping[str, extract.Fit], count: int, seed: int
+) -> list[dict[str, extract.Fit]]:
     """Return fits whose parameters follow their joint normal distribution."""
     samples = {key: fit.samples(count, seed) for key, fit in fits.items()}
-    return [{key: replace(fits[key], content=dict(of[n].content)) for key, of in samples.items()} for n in range(count)]
+    return [
+        {
+            key: replace(fits[key], content=dict(of[n].content))
+            for key, of in samples.items()
+        }
+        for n in range(count)
+    ]
 
 
 def parts_of(runs: Runs, fits: Fits, base: Mapping[str, float]) -> list[Part]:
-    """Return the parts of the uncertainty, each from runs with all else at its best value.
+    """Return the parts of the uncertainty, each from runs with all else at its best
+    value.
 
     Raises
     ------
     ContbedError : so many runs failed that a part has none
     """
-    beds, porosity = list(range(len(fits.ensemble.beds))), float(fits.ensemble.porosities.mean())
+    beds, porosity = (
+        list(range(len(fits.ensemble.beds))),
+        float(fits.ensemble.porosities.mean()),
+    )
     best, laws, given = fits.of(beds), fits.choices, runs.cascade.reactor.at
     at = given(porosity)
-    single = [runs.results(fits.of([bed]), given(float(fits.ensemble.porosities[bed]))) for bed in beds]
+    single = [
+        runs.results(fits.of([bed]), given(float(fits.ensemble.porosities[bed])))
+        for bed in beds
+    ]
     found = [_spread("packing", single, 1)]
-    found.append(_spread("fit", [runs.results(one, at) for one in drawn(best, FIT_SAMPLES, seed=0)], 1))
+    found.append(
+        _spread(
+            "fit",
+            [runs.results(one, at) for one in drawn(best, FIT_SAMPLES, seed=0)],
+            1,
+        )
+    )
     if laws[0] > 1:
-        results = [runs.results(fits.of(beds, conduction=k), at) for k in range(laws[0])]
+        results = [
+            runs.results(fits.of(beds, conduction=k), at) for k in range(laws[0])
+        ]
         found.append(_spread("law of conduction", results, 0))
     if laws[1] > 1:
         results = [runs.results(fits.of(beds, exchange=k), at) for k in range(laws[1])]
         found.append(_spread("law of exchange", results, 0))
     for kind, (name, scatter) in scatter_of(runs.cascade).items():
-        ends = [runs.results(best | {kind: best[kind].times(np.exp(sign * scatter))}, at) for sign in (-1.0, 1.0)]
+        ends = [
+            runs.results(best | {kind: best[kind].times(np.exp(sign * scatter))}, at)
+            for sign in (-1.0, 1.0)
+        ]
         found.append(_spread(f"scatter of {name}", ends, 0))
     for key, value, uncertainty in runs.cascade.uncertain:
         middle = at.get(key, value)
-        ends = [runs.results(best, at | {key: middle + sign * uncertainty}) for sign in (-1.0, 1.0)]
+        ends = [
+            runs.results(best, at | {key: middle + sign * uncertainty})
+            for sign in (-1.0, 1.0)
+        ]
         found.append(_spread(key, ends, 0))
     found.append(_spread("mesh", [base, _on_finer_mesh(runs, best, at)], 0, scale=2.0))
     return found
 
 
 def scatter_of(cascade: Cascade) -> dict[str, tuple[str, float]]:
-    """Return by kind of closure what scatters and the standard deviation of the logarithm of measured values."""
+    """Return by kind of closure what scatters and the standard deviation of the
+    logarithm of measured values.
+    """
     laws = cascade.settings.laws
-    there = {CONDUCTIVITY: ("conduction", laws.scatter_conduction), NUSSELT: ("exchange", laws.scatter_exchange)}
+    there = {
+        CONDUCTIVITY: ("conduction", laws.scatter_conduction),
+        NUSSELT: ("exchange", laws.scatter_exchange),
+    }
     return {kind: part for kind, part in there.items() if part[1] > 0.0}
 
 
-def _on_finer_mesh(runs: Runs, fits: Mapping[str, extract.Fit], at: Mapping[str, Any]) -> dict[str, float] | None:
+def _on_finer_mesh(
+    runs: Runs, fits: Mapping[str, extract.Fit], at: Mapping[str, Any]
+) -> dict[str, float] | None:
     scene = runs.cascade.scene
     automatic = not isinstance(scene.mesh, MeshFile) and scene.mesh.cells is None
     if automatic:
-        return runs.results(fits, {**at, "solver.tolerance": TIGHTER * scene.solver.tolerance})
+        return runs.results(
+            fits, {**at, "solver.tolerance": TIGHTER * scene.solver.tolerance}
+        )
     return runs.results(fits, {**at, "mesh.refine": scene.mesh.refine + 1})
 
 
 def _spread(name: str, results: list[Any], lost: int, scale: float = 1.0) -> Part:
-    """Return the standard deviation of each result; `lost` degrees of freedom are those of a mean from the sample."""
+    """Return the standard deviation of each result; `lost` degrees of freedom are
+    those of a mean from the sample.
+    """
     there = [one for one in results if one is not None]
     if len(there) < 2:
-        raise ContbedError(f"uncertainty by {name}: {len(there)} of {len(results)} runs succeeded, two are needed")
-    return Part(name, {q: scale * float(np.std([one[q] for one in there], ddof=lost)) for q in there[0]})
+        raise ContbedError(
+            f"uncertainty by {name}: {len(there)} of {len(results)} runs succeeded, "
+            "two are needed"
+        )
+    return Part(
+        name,
+        {
+            q: scale * float(np.std([one[q] for one in there], ddof=lost))
+            for q in there[0]
+        },
+    )
 
 
 def sampled(runs: Runs, fits: Fits) -> tuple[dict[str, Array], dict[str, list[Any]]]:
-    """Return each result of the runs with everything at random at once, and what was drawn; failed runs are left out.
+    """Return each result of the runs with everything at random at once, and what was
+    drawn; failed runs are left out.
 
     Returns
     -------
     samples : by result and measured point, (runs,)
-    drawn : number of the packing, laws, factors of scatter, numbers of the scene in SI, by their names, (runs,)
+    drawn : number of the packing, laws, factors of scatter, numbers of the scene in SI,
+        by their names, (runs,)
     """
     cascade, laws = runs.cascade, fits.choices
     there = []
     for number in range(cascade.settings.samples):
-        random = np.random.default_rng([cascade.settings.packings.seed, number])  # each of its own: more can be added
+        # each of its own: more can be added
+        random = np.random.default_rng([cascade.settings.packings.seed, number])
         bed = int(random.integers(len(fits.ensemble.beds)))
         chosen = [int(random.integers(count)) for count in laws]
         one = drawn(fits.of([bed], *chosen), 1, seed=int(random.integers(2**31)))[0]
@@ -295,12 +422,24 @@ def sampled(runs: Runs, fits: Fits) -> tuple[dict[str, Array], dict[str, list[An
             factors[f"laws.scatter_{name}"] = factor
         results = _or_failed(runs, one, changes)
         if results is not None:
-            there.append(({PACKING: bed + 1} | _named(cascade, *chosen) | factors | changes, results))
+            there.append(
+                (
+                    {PACKING: bed + 1} | _named(cascade, *chosen) | factors | changes,
+                    results,
+                )
+            )
     if len(there) < 2:
         count = cascade.settings.samples
-        raise ContbedError(f"{len(there)} of {count} samples succeeded; the first problem: {runs.failed[0]}")
-    samples = {name: np.array([results[name] for _, results in there]) for name in there[0][1]}
-    return samples, {name: [inputs[name] for inputs, _ in there] for name in there[0][0]}
+        raise ContbedError(
+            f"{len(there)} of {count} samples succeeded; the first problem: "
+            f"{runs.failed[0]}"
+        )
+    samples = {
+        name: np.array([results[name] for _, results in there]) for name in there[0][1]
+    }
+    return samples, {
+        name: [inputs[name] for inputs, _ in there] for name in there[0][0]
+    }
 
 
 def _named(cascade: Cascade, conduction: int, exchange: int) -> dict[str, str]:
@@ -312,12 +451,18 @@ def _named(cascade: Cascade, conduction: int, exchange: int) -> dict[str, str]:
     if len(laws.exchange) > 1:
         law = bind(laws.exchange[exchange], "nusselt", AT_PARTICLE)
         parameters = (f"{name} = {value:g}" for name, value in law.parameters.items())
-        found["laws.exchange"] = ", ".join([law.sheet.name.removeprefix("nusselt_"), *parameters])
+        found["laws.exchange"] = ", ".join(
+            [law.sheet.name.removeprefix("nusselt_"), *parameters]
+        )
     return found
 
 
-def _or_failed(runs: Runs, fits: Mapping[str, extract.Fit], changes: Mapping[str, Any]) -> dict[str, float] | None:
-    """Return the results; None where the numbers that were drawn make no scene, which is noted."""
+def _or_failed(
+    runs: Runs, fits: Mapping[str, extract.Fit], changes: Mapping[str, Any]
+) -> dict[str, float] | None:
+    """Return the results; None where the numbers that were drawn make no scene,
+    which is noted.
+    """
     try:
         return runs.results(fits, changes)
     except SceneError as error:

@@ -1,4 +1,5 @@
-"""A cascade file: the scene of a packed, moving or bubbling bed whose closures come from packings of particles.
+"""A cascade file: the scene of a packed, moving or bubbling bed whose closures come
+from packings of particles.
 
     title = "From pebbles to the outlet of a heater"
     scene = "heater.toml"
@@ -20,9 +21,10 @@
     [uncertain]                              # standard uncertainty of numbers of the scene, in SI or as a share
     solids.pebbles.conductivity = "10 %"
 
-`laws.conduction` gives closures.conductivity_solids, `laws.exchange` closures.nusselt; of a bubbling bed they give
-bubbling_bed.conductivity and the nusselt of each solid phase. What is absent stays as the scene has it, and the
-particles are not asked for it. The scene gets the porosity of the packings.
+`laws.conduction` gives closures.conductivity_solids, `laws.exchange` closures.nusselt;
+of a bubbling bed they give bubbling_bed.conductivity and the nusselt of each solid
+phase. What is absent stays as the scene has it, and the particles are not asked for it.
+The scene gets the porosity of the packings.
 """
 
 from __future__ import annotations
@@ -46,7 +48,15 @@ from contbed.many.study_file import StudyFile
 from contbed.many.validate.case import Case, names, read_case
 from contbed.packed_bed.scene import Scene
 from contbed.scene.names import nearest, nearest_of
-from contbed.scene.quantities import Length, Number, Pressure, Switch, Table, Whole, form
+from contbed.scene.quantities import (
+    Length,
+    Number,
+    Pressure,
+    Switch,
+    Table,
+    Whole,
+    form,
+)
 from contbed.scene.tables import Named, SceneBase
 from contbed.scene.toml_lines import parse_key
 from contbed.scene.uncertain import uncertain_numbers
@@ -57,34 +67,66 @@ Scatter = Annotated[Number, Field(ge=0, lt=1)]
 
 
 class Packings(Table):
-    """Random packings of spheres with periodic sides or between walls, settled by their weight."""
+    """Random packings of spheres with periodic sides or between walls, settled by
+    their weight.
+    """
 
-    count: Annotated[Whole, Field(ge=2, le=32)] = Field(4, description="number of random packings")
-    particles: Annotated[Whole, Field(ge=300, le=50_000)] = Field(1000, description="in each")
-    width: Annotated[Number, Field(ge=5)] = Field(10.0, description="of the box, in diameters")
-    walls: Switch = Field(False, description="square box with walls, whose porosity counts whole; else periodic sides")
-    friction: Annotated[Number, Field(ge=0)] = Field(0.3, description="Coulomb's coefficient of sliding")
-    seed: Annotated[Whole, Field(ge=0)] = Field(0, description="of the first packing; the next count on")
-    diameter: Length | None = Field(None, description="Sauter mean of the spheres; that of the scene if absent")
-    spread: Annotated[Number, Field(ge=0, le=0.3)] = Field(
-        0.0, description="standard deviation of the radii over their mean; normal, cut at two deviations"
+    count: Annotated[Whole, Field(ge=2, le=32)] = Field(
+        4, description="number of random packings"
     )
-    youngs_modulus: Pressure = Field(5e10, description="of the material, to which contacts are corrected")
-    simulated: Pressure = Field(1e7, description="Young's modulus with which the packings settle")
+    particles: Annotated[Whole, Field(ge=300, le=50_000)] = Field(
+        1000, description="in each"
+    )
+    width: Annotated[Number, Field(ge=5)] = Field(
+        10.0, description="of the box, in diameters"
+    )
+    walls: Switch = Field(
+        False,
+        description="square box with walls, whose porosity counts whole; else periodic "
+        "sides",
+    )
+    friction: Annotated[Number, Field(ge=0)] = Field(
+        0.3, description="Coulomb's coefficient of sliding"
+    )
+    seed: Annotated[Whole, Field(ge=0)] = Field(
+        0, description="of the first packing; the next count on"
+    )
+    diameter: Length | None = Field(
+        None, description="Sauter mean of the spheres; that of the scene if absent"
+    )
+    spread: Annotated[Number, Field(ge=0, le=0.3)] = Field(
+        0.0,
+        description="standard deviation of the radii over their mean; normal, cut at "
+        "two deviations",
+    )
+    youngs_modulus: Pressure = Field(
+        5e10, description="of the material, to which contacts are corrected"
+    )
+    simulated: Pressure = Field(
+        1e7, description="Young's modulus with which the packings settle"
+    )
 
 
 class Laws(Table):
     """Laws of one particle, equally probable where there are several."""
 
     conduction: tuple[Literal["cones", "columns", "spreading"], ...] = Field(
-        (), description="paths of heat between two particles, for the conductivity of the bed at rest"
+        (),
+        description="paths of heat between two particles, for the conductivity of the "
+        "bed at rest",
     )
-    exchange: tuple[Law, ...] = Field((), description="Nusselt numbers of a particle in its surroundings")
+    exchange: tuple[Law, ...] = Field(
+        (), description="Nusselt numbers of a particle in its surroundings"
+    )
     scatter_conduction: Scatter = Field(
-        0.0, description="standard deviation of measured conductivities of beds about the laws, as a share"
+        0.0,
+        description="standard deviation of measured conductivities of beds about the "
+        "laws, as a share",
     )
     scatter_exchange: Scatter = Field(
-        0.0, description="standard deviation of measured Nusselt numbers of beds about the laws, as a share"
+        0.0,
+        description="standard deviation of measured Nusselt numbers of beds about the "
+        "laws, as a share",
     )
 
 
@@ -95,17 +137,28 @@ class Settings(Table):
 
     title: str = Field("", description="title of the study, shown in plots and reports")
     scene: str = Field(description="scene file, path relative to this file")
-    qoi: tuple[str, ...] = Field((), description="named results that get a band; needed without `measured`")
-    samples: Annotated[Whole, Field(ge=8, le=10_000)] = Field(64, description="runs for the band")
-    measured: str | None = Field(None, description="case of `contbed validate`, or its folder, to compare with")
-    packings: Packings = Field(Packings(), description="random packings that are settled")
+    qoi: tuple[str, ...] = Field(
+        (), description="named results that get a band; needed without `measured`"
+    )
+    samples: Annotated[Whole, Field(ge=8, le=10_000)] = Field(
+        64, description="runs for the band"
+    )
+    measured: str | None = Field(
+        None, description="case of `contbed validate`, or its folder, to compare with"
+    )
+    packings: Packings = Field(
+        Packings(), description="random packings that are settled"
+    )
     laws: Laws = Field(description="closures that the packings replace")
-    uncertain: dict[str, Any] = Field(default_factory=dict, description="standard uncertainty by key of the scene")
+    uncertain: dict[str, Any] = Field(
+        default_factory=dict, description="standard uncertainty by key of the scene"
+    )
 
 
 @dataclass(frozen=True)
 class Cascade:
-    """What a cascade file asks for; `uncertain` holds key, value and standard uncertainty in SI.
+    """What a cascade file asks for; `uncertain` holds key, value and standard
+    uncertainty in SI.
 
     `reactor` : what the packings give the scene
     `measured` : the bed whose measured points are compared; None if there is none
@@ -131,7 +184,9 @@ class Cascade:
         return self.settings.packings.diameter or self.reactor.diameter
 
 
-def read_cascade(path: str | Path, trust: bool = False, allow_large: bool = False) -> Cascade:
+def read_cascade(
+    path: str | Path, trust: bool = False, allow_large: bool = False
+) -> Cascade:
     """Read a cascade file; flags as in `contbed.loading.load`.
 
     Raises
@@ -151,11 +206,22 @@ def read_cascade(path: str | Path, trust: bool = False, allow_large: bool = Fals
     _note_impossible(file, uncertain, make)
     file.stop()
     measured = _measured(file, scene)
-    return Cascade(file.path, settings, scene, reactor(scene), uncertain, measured, trust, allow_large)
+    return Cascade(
+        file.path,
+        settings,
+        scene,
+        reactor(scene),
+        uncertain,
+        measured,
+        trust,
+        allow_large,
+    )
 
 
 def _note_impossible(
-    file: StudyFile[Settings], uncertain: Iterable[tuple[str, float, float]], make: Callable[..., SceneBase]
+    file: StudyFile[Settings],
+    uncertain: Iterable[tuple[str, float, float]],
+    make: Callable[..., SceneBase],
 ) -> None:
     """Note the standard uncertainties that reach values that the scene refuses."""
     for key, value, uncertainty in uncertain:
@@ -164,7 +230,10 @@ def _note_impossible(
                 make({key: end})
             except SceneError as error:
                 reason = error.problems[0].removeprefix("override: ")
-                text = f"{uncertainty:g} around {value:g} reaches what the scene refuses: {reason}"
+                text = (
+                    f"{uncertainty:g} around {value:g} reaches what the scene "
+                    f"refuses: {reason}"
+                )
                 file.say(("uncertain", *parse_key(key)), text, f"uncertain.{key}")
                 break
 
@@ -184,9 +253,15 @@ def _measured(file: StudyFile[Settings], scene: Scene | BubblingScene) -> Case |
         file.fail(at, f'no case "{name}"; {nearest(name, names())}')
     case = read_case(name if name in names() else str(folder))
     if case.settings.compare != "profiles":
-        file.fail(at, f"the case compares {case.settings.compare}, a cascade only profiles")
+        file.fail(
+            at, f"the case compares {case.settings.compare}, a cascade only profiles"
+        )
     if scene.time is None:
-        file.fail(at, "the points are measured over time, but the scene is steady; give it a [time]")
+        file.fail(
+            at,
+            "the points are measured over time, but the scene is steady; give it a "
+            "[time]",
+        )
     return case
 
 
@@ -197,19 +272,32 @@ def _note_mistakes(file: StudyFile[Settings], scene: SceneBase) -> None:
         file.say(("scene",), why)
         return
     if not laws.conduction and not laws.exchange:
-        file.say(("laws",), "asks nothing of the particles; give conduction, exchange, or both")
+        file.say(
+            ("laws",),
+            "asks nothing of the particles; give conduction, exchange, or both",
+        )
     for name in ("conduction", "exchange"):
         if getattr(laws, f"scatter_{name}") and not getattr(laws, name):
-            file.say(("laws", f"scatter_{name}"), f"there is no law of {name} to scatter")
+            file.say(
+                ("laws", f"scatter_{name}"), f"there is no law of {name} to scatter"
+            )
     if settings.packings.walls and laws.exchange:
-        text = "the gas is computed between periodic sides only; leave out walls, or laws.exchange"
+        text = (
+            "the gas is computed between periodic sides only; leave out walls, or "
+            "laws.exchange"
+        )
         file.say(("packings", "walls"), text)
     for paths in laws.conduction:
         if paths in VORONOI and settings.packings.spread:
-            text = f'{paths} are for equal spheres; take "cones", or packings.spread = 0'
+            text = (
+                f'{paths} are for equal spheres; take "cones", or packings.spread = 0'
+            )
             file.say(("laws", "conduction"), text)
     if not settings.qoi and settings.measured is None:
-        file.say(("qoi",), "asks for no result; name one, such as T_fluid_out_K, or give `measured`")
+        file.say(
+            ("qoi",),
+            "asks for no result; name one, such as T_fluid_out_K, or give `measured`",
+        )
     for k, law in enumerate(laws.exchange):
         try:
             bind(law, "nusselt", AT_PARTICLE)
@@ -217,4 +305,7 @@ def _note_mistakes(file: StudyFile[Settings], scene: SceneBase) -> None:
             file.say(("laws", "exchange", k), str(error))
     for name in settings.qoi:
         if fields.unit_of(name) is None:
-            file.say(("qoi",), f"no named result {name!r}; {nearest_of(name, list(fields.RESULTS))}")
+            file.say(
+                ("qoi",),
+                f"no named result {name!r}; {nearest_of(name, list(fields.RESULTS))}",
+            )

@@ -1,4 +1,6 @@
-"""Files of a cascade: closures, table.csv of the parts, samples.csv, summary.json, band.png."""
+"""Files of a cascade: closures, table.csv of the parts, samples.csv, summary.json,
+band.png.
+"""
 
 from __future__ import annotations
 
@@ -25,29 +27,49 @@ _BLUE, _GREY = "#0072B2", "0.75"
 
 
 def write(found: Outcome, fits: Mapping[str, Fit]) -> None:
-    """Write all files; the closures that were fitted to all packings under their kind."""
+    """Write all files; the closures that were fitted to all packings under their
+    kind.
+    """
     folder = found.folder
     for fit in fits.values():
-        provenance = {"scene": found.cascade.path.name, "packings": str(len(found.porosities))}
+        provenance = {
+            "scene": found.cascade.path.name,
+            "packings": str(len(found.porosities)),
+        }
         fit.write(folder / f"{fit.content['kind']}.toml", provenance)
     names = list(found.base)
-    at_points = {} if found.held is None else {"share at the measured points": found.held.shares}
+    at_points = (
+        {}
+        if found.held is None
+        else {"share at the measured points": found.held.shares}
+    )
     shares = {f"share in {name}": found.shares(name) for name in names} | at_points
     write_rows(
         folder / "table.csv",
         ["part", *(f"deviation of {result(name).header}" for name in names), *shares],
         (
-            [part.name, *(part.deviation[name] for name in names), *(of[part.name] for of in shares.values())]
+            [
+                part.name,
+                *(part.deviation[name] for name in names),
+                *(of[part.name] for of in shares.values()),
+            ]
             for part in found.parts
         ),
     )
     write_rows(
         folder / "samples.csv",
         [
-            *(parameter(name, values).header if name != PACKING else name for name, values in found.drawn.items()),
+            *(
+                parameter(name, values).header if name != PACKING else name
+                for name, values in found.drawn.items()
+            ),
             *(result(name).header for name in names),
         ],
-        zip(*found.drawn.values(), *(found.samples[name].tolist() for name in names), strict=True),
+        zip(
+            *found.drawn.values(),
+            *(found.samples[name].tolist() for name in names),
+            strict=True,
+        ),
     )
     if found.held is not None:
         points = found.held.points
@@ -78,7 +100,10 @@ def _summary(found: Outcome) -> dict[str, Any]:
             }
             for name in found.base
         },
-        "parts": [{"name": part.name, "standard_deviation": dict(part.deviation)} for part in found.parts],
+        "parts": [
+            {"name": part.name, "standard_deviation": dict(part.deviation)}
+            for part in found.parts
+        ],
         "measured": _measured(found),
         "visited": {name: list(ends) for name, ends in found.ranges.items()},
         "porosities": found.porosities.tolist(),
@@ -105,14 +130,18 @@ def _measured(found: Outcome) -> dict[str, Any] | None:
 
 
 def _plot(path: Path, found: Outcome) -> None:
-    """Draw the samples of each result with its band, measured points with theirs, and the parts of the uncertainty."""
+    """Draw the samples of each result with its band, measured points with theirs,
+    and the parts of the uncertainty.
+    """
     names, rows = list(found.base), len(found.base) + (found.held is not None)
     with styled_figure(path, 2.6 * rows + 0.5, found.cascade.settings.title) as figure:
         panels = figure.subplots(rows, 2, squeeze=False)
         for (left, right), name in zip(panels, names, strict=False):
             left.hist(found.samples[name], bins="auto", color=_GREY)
             low, high = found.band(name)
-            left.axvspan(low, high, color=_BLUE, alpha=0.15, label=f"{BAND:.0%} of the runs")
+            left.axvspan(
+                low, high, color=_BLUE, alpha=0.15, label=f"{BAND:.0%} of the runs"
+            )
             left.axvline(found.base[name], color=_BLUE, label="best values")
             left.set(xlabel=result(name).header, ylabel="runs")
             left.legend(fontsize=8)
@@ -130,13 +159,28 @@ def _bars(axes: Any, shares: Mapping[str, float]) -> None:
 
 
 def _points(axes: Any, case: Case, held: Held) -> None:
-    """Draw measured values and the band of the prediction over time, a colour for each position."""
+    """Draw measured values and the band of the prediction over time, a colour for
+    each position.
+    """
     for k, x in enumerate(np.unique(held.points.x)):
         here = np.flatnonzero(held.points.x == x)
         here = here[np.argsort(held.points.t[here])]
         colour = f"C{k}"
-        axes.fill_between(held.points.t[here], held.low[here], held.high[here], color=colour, alpha=0.2, lw=0)
+        axes.fill_between(
+            held.points.t[here],
+            held.low[here],
+            held.high[here],
+            color=colour,
+            alpha=0.2,
+            lw=0,
+        )
         axes.plot(held.points.t[here], held.best[here], color=colour, label=f"{x:g} m")
-        axes.plot(held.points.t[here], held.points.value[here], ".", color=colour, markersize=3)
+        axes.plot(
+            held.points.t[here],
+            held.points.value[here],
+            ".",
+            color=colour,
+            markersize=3,
+        )
     axes.set(xlabel="t [s]", ylabel=f"{case.settings.quantity} [{case.unit}]")
     axes.legend(fontsize=8)

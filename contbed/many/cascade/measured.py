@@ -1,4 +1,6 @@
-"""Measured points beside the band of a cascade: what every run predicts at them, and which share the band holds."""
+"""Measured points beside the band of a cascade: what every run predicts at them, and
+which share the band holds.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,8 @@ class Held:
 
     best : by the best values and first laws
     low, high : ends of the band of the prediction
-    low_measured, high_measured : of a measured value, which scatters by its standard uncertainty as well
+    low_measured, high_measured : of a measured value, which scatters by its standard
+        uncertainty as well
     shares : of each part of the uncertainty in the sum of the variances at all points
     """
 
@@ -43,19 +46,27 @@ class Held:
     @property
     def inside(self) -> float:
         """Share of the points in the band of the prediction."""
-        return float(np.mean((self.low <= self.points.value) & (self.points.value <= self.high)))
+        return float(
+            np.mean((self.low <= self.points.value) & (self.points.value <= self.high))
+        )
 
     @property
     def inside_measured(self) -> float:
         """Share of the points in the band of a measured value."""
         value = self.points.value
-        return float(np.mean((self.low_measured <= value) & (value <= self.high_measured)))
+        return float(
+            np.mean((self.low_measured <= value) & (value <= self.high_measured))
+        )
 
 
 def outputs(case: Case) -> dict[str, Any]:
     """Return the keys of a scene that let a run have output at all measured points."""
     times = sorted(set(case.points.t.tolist()))
-    return {"time.end": times[-1], "time.times": times, "output.positions": sorted(set(case.points.x.tolist()))}
+    return {
+        "time.end": times[-1],
+        "time.times": times,
+        "output.positions": sorted(set(case.points.x.tolist())),
+    }
 
 
 def names(case: Case) -> list[str]:
@@ -71,8 +82,15 @@ def predicted(case: Case, folder: Path) -> dict[str, float]:
     ContbedError : its profiles are damaged
     """
     profiles = read_table(folder / "profiles.csv")
-    if missing := [name for name in (header("t"), header(case.settings.quantity)) if name not in profiles]:
-        text = f"has no column {missing[0]!r}; remove {folder}, and the same command computes it again"
+    if missing := [
+        name
+        for name in (header("t"), header(case.settings.quantity))
+        if name not in profiles
+    ]:
+        text = (
+            f"has no column {missing[0]!r}; remove {folder}, and the same command "
+            "computes it again"
+        )
         raise ContbedError(f"{folder / 'profiles.csv'}: {text}")
     axis = next(column for column in profiles if column != header("t"))
     values, times = profiles[header(case.settings.quantity)], profiles[header("t")]
@@ -100,10 +118,14 @@ def held(
     runs = np.array([samples[name] for name in of])
     tails = 0.5 * (1.0 - probability), 0.5 * (1.0 + probability)
     low, high = np.quantile(runs, tails, axis=1)
-    quantiles = np.array([NormalDist().inv_cdf((k + 0.5) / NODES) for k in range(NODES)])
+    quantiles = np.array(
+        [NormalDist().inv_cdf((k + 0.5) / NODES) for k in range(NODES)]
+    )
     spread = (runs[:, :, None] + case.uncertainty * quantiles).reshape(len(of), -1)
     low_measured, high_measured = np.quantile(spread, tails, axis=1)
-    squares = {part: sum(by[name] ** 2 for name in of) for part, by in deviations.items()}
+    squares = {
+        part: sum(by[name] ** 2 for name in of) for part, by in deviations.items()
+    }
     total = sum(squares.values()) or 1.0
     shares = {part: square / total for part, square in squares.items()}
     best = np.array([base[name] for name in of])

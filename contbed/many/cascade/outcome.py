@@ -23,7 +23,8 @@ class Outcome:
 
     base : each result with the fits to all packings and the first laws
     samples : each result of the runs with all at random, (samples,)
-    drawn : what was drawn for these runs: packing, laws by name, numbers of the scene by key in SI, (samples,)
+    drawn : what was drawn for these runs: packing, laws by name, numbers of the scene
+        by key in SI, (samples,)
     held : the measured points beside their band; None without any
     ranges : what the bed visits of k_solid/k_fluid, Re and Pr
     warnings : failed runs, closures outside of their range
@@ -44,14 +45,18 @@ class Outcome:
 
     def band(self, name: str) -> tuple[float, float]:
         """Return the ends of the band of a result."""
-        low, high = np.quantile(self.samples[name], [0.5 * (1.0 - BAND), 0.5 * (1.0 + BAND)])
+        low, high = np.quantile(
+            self.samples[name], [0.5 * (1.0 - BAND), 0.5 * (1.0 + BAND)]
+        )
         return float(low), float(high)
 
     def shares(self, name: str) -> dict[str, float]:
         """Return the share of each part in the sum of the variances of a result."""
         squares = {part.name: part.deviation[name] ** 2 for part in self.parts}
         total = sum(squares.values())
-        return {part: square / total if total else 0.0 for part, square in squares.items()}
+        return {
+            part: square / total if total else 0.0 for part, square in squares.items()
+        }
 
     def text(self) -> str:
         """Return results, bands and parts as lines."""
@@ -60,17 +65,32 @@ class Outcome:
             unit = unit_of(name)
             low, high = self.band(name)
             with_unit = "" if unit in (None, "1", "-") else f" {unit}"
-            lines.append(f"{name}: {value:.6g}{with_unit}, {BAND:.0%} between {low:.6g} and {high:.6g}{with_unit}")
-            for part, share in sorted(self.shares(name).items(), key=lambda item: -item[1]):
-                deviation = next(one.deviation[name] for one in self.parts if one.name == part)
-                lines.append(f"  {share:6.1%}  {part}: standard deviation {deviation:.3g}{with_unit}")
+            lines.append(
+                f"{name}: {value:.6g}{with_unit}, {BAND:.0%} between {low:.6g} and "
+                f"{high:.6g}{with_unit}"
+            )
+            for part, share in sorted(
+                self.shares(name).items(), key=lambda item: -item[1]
+            ):
+                deviation = next(
+                    one.deviation[name] for one in self.parts if one.name == part
+                )
+                lines.append(
+                    f"  {share:6.1%}  {part}: standard deviation "
+                    f"{deviation:.3g}{with_unit}"
+                )
         if self.held is not None and self.cascade.measured is not None:
             case, points = self.cascade.measured, self.held
             lines.append(
-                f"{case.name}: {len(points.best)} measured points, {points.inside:.0%} in the band of {BAND:.0%}, "
-                f"{points.inside_measured:.0%} with their own scatter of {case.uncertainty:g} {case.unit}"
+                f"{case.name}: {len(points.best)} measured points, {points.inside:.0%} "
+                f"in the band of {BAND:.0%}, "
+                f"{points.inside_measured:.0%} with their own scatter of "
+                f"{case.uncertainty:g} {case.unit}"
             )
             lines += [
-                f"  {share:6.1%}  {part}" for part, share in sorted(points.shares.items(), key=lambda item: -item[1])
+                f"  {share:6.1%}  {part}"
+                for part, share in sorted(
+                    points.shares.items(), key=lambda item: -item[1]
+                )
             ]
         return "\n".join(lines)

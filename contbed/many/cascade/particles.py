@@ -1,7 +1,10 @@
-"""The particles of a cascade: packings, their conductivity and exchange, each computed once and kept by its content.
+"""The particles of a cascade: packings, their conductivity and exchange, each computed
+once and kept by its content.
 
-Conductivity: the network of resistors over the ratio k_solid/k_fluid. Exchange: gas between spheres at rest on cells of
-3 by 3 by 1.5 diameters, the mean of the Nusselt numbers that a law gives every sphere at its own slip and porosity.
+Conductivity: the network of resistors over the ratio k_solid/k_fluid. Exchange: gas
+    between spheres at rest on cells of
+3 by 3 by 1.5 diameters, the mean of the Nusselt numbers that a law gives every sphere
+at its own slip and porosity.
 """
 
 from __future__ import annotations
@@ -43,8 +46,11 @@ Columns = dict[str, Array]
 RATIOS = 7  # of conductivities in a packing
 DEGREE = 2  # of the polynomial of logarithms that is fitted to them
 SPEEDS = 5  # of the gas in a packing
-MARGIN = 1.3  # factor by which the range of a closure is wider than what the first run visits
-RIM = 2.0  # diameters below the surface where particles are held at a temperature; one at the floor
+# factor by which the range of a closure is wider than what the first run visits
+MARGIN = 1.3
+# diameters below the surface where particles are held at a temperature; one at the
+# floor
+RIM = 2.0
 HEADROOM = 1.3  # height of the gas over that of the bed
 AIR = (1.2, 1005.0, 1.8e-5)  # kg/m3, J/kg/K, Pa s: only Re and Pr count
 
@@ -59,30 +65,62 @@ class Ensemble:
 
     @property
     def porosities(self) -> Array:
-        """Porosity of each packing, away from floor and surface; between walls that of the box."""
+        """Porosity of each packing, away from floor and surface; between walls that
+        of the box.
+        """
         return np.array([bed.porosity for bed in self.beds])
 
     def conduction(self, bed: int, paths: str, ratios: tuple[float, float]) -> Columns:
-        """Return porosity, k_solid/k_fluid and k/k_fluid of a packing between two ratios."""
+        """Return porosity, k_solid/k_fluid and k/k_fluid of a packing between two
+        ratios.
+        """
         packings = self.cascade.settings.packings
         factor = float(correction(packings.simulated, packings.youngs_modulus, STATIC))
         points = np.geomspace(ratios[0] / MARGIN, ratios[1] * MARGIN, RATIOS)
-        about = {"bed": self._name(bed), "paths": paths, "ratios": points.tolist(), "factor": factor}
-        sweep = partial(extract.conductivity_sweep, [self.beds[bed]], points.tolist(), 1.0, factor, paths)
+        about = {
+            "bed": self._name(bed),
+            "paths": paths,
+            "ratios": points.tolist(),
+            "factor": factor,
+        }
+        sweep = partial(
+            extract.conductivity_sweep,
+            [self.beds[bed]],
+            points.tolist(),
+            1.0,
+            factor,
+            paths,
+        )
         return self._kept("conduction", about, sweep)
 
-    def exchange(self, bed: int, law: int, Re: tuple[float, float], Pr: tuple[float, float]) -> Columns:
-        """Return Re, Pr and Nu of a packing between two Reynolds and two Prandtl numbers."""
+    def exchange(
+        self, bed: int, law: int, Re: tuple[float, float], Pr: tuple[float, float]
+    ) -> Columns:
+        """Return Re, Pr and Nu of a packing between two Reynolds and two Prandtl
+        numbers.
+        """
         chosen = self.cascade.settings.laws.exchange[law]
         bound = bind(chosen, "nusselt", AT_PARTICLE)
-        function = partial(bound.function, **bound.parameters) if bound.parameters else bound.function
+        function = (
+            partial(bound.function, **bound.parameters)
+            if bound.parameters
+            else bound.function
+        )
         speeds = np.geomspace(Re[0] / MARGIN, Re[1] * MARGIN, SPEEDS)
         fluids = np.unique([Pr[0] / MARGIN, Pr[1] * MARGIN])
-        about = {"bed": self._name(bed), "law": bound.sheet.name, "parameters": bound.parameters}
+        about = {
+            "bed": self._name(bed),
+            "law": bound.sheet.name,
+            "parameters": bound.parameters,
+        }
         about |= {"Re": speeds.tolist(), "Pr": fluids.tolist()}
-        return self._kept("exchange", about, partial(_exchange, self, bed, function, speeds, fluids))
+        return self._kept(
+            "exchange", about, partial(_exchange, self, bed, function, speeds, fluids)
+        )
 
-    def _kept(self, what: str, about: dict[str, Any], compute: Callable[[], Columns]) -> Columns:
+    def _kept(
+        self, what: str, about: dict[str, Any], compute: Callable[[], Columns]
+    ) -> Columns:
         """Return columns that belong to `about`, kept or computed."""
         kept = self.store.kept(key_of(__version__, what, about), compute)
         return {name: np.array(values) for name, values in kept.items() if name != KEY}
@@ -92,7 +130,8 @@ class Ensemble:
 
 
 def ensemble(cascade: Cascade, folder: Path, told: Callable[[], None]) -> Ensemble:
-    """Settle the packings, or take those that are in `folder`; `told` is called after each.
+    """Settle the packings, or take those that are in `folder`; `told` is called after
+    each.
 
     Raises
     ------
@@ -127,7 +166,12 @@ def _packing(cascade: Cascade, folder: Path, number: int) -> extract.Packing:
     width = about["width"] * d
     try:
         with np.load(path) as kept:
-            x, R, porosity, surface = kept["x"], kept["radius"], float(kept["porosity"]), float(kept["surface"])
+            x, R, porosity, surface = (
+                kept["x"],
+                kept["radius"],
+                float(kept["porosity"]),
+                float(kept["surface"]),
+            )
     except (OSError, ValueError, KeyError, EOFError, BadZipFile):
         R = random_radii(0.5 * d, about["spread"], about["particles"], about["seed"])
         if about["spread"]:  # equal ones keep their last digit
@@ -144,25 +188,52 @@ def _packing(cascade: Cascade, folder: Path, number: int) -> extract.Packing:
         folder.mkdir(parents=True, exist_ok=True)
         with atomic(path) as temporary:
             temporary.write_bytes(text.getvalue())
-    box = None if about["walls"] else (np.zeros(3), np.array([width, width, (x[:, 2] + R).max()]))
+    box = (
+        None
+        if about["walls"]
+        else (np.zeros(3), np.array([width, width, (x[:, 2] + R).max()]))
+    )
     return extract.Packing(x, R, porosity, d, surface - RIM * d, width**2, box)
 
 
-def _exchange(ensemble: Ensemble, bed: int, law: Any, speeds: Array, fluids: Array) -> Columns:
+def _exchange(
+    ensemble: Ensemble, bed: int, law: Any, speeds: Array, fluids: Array
+) -> Columns:
     packing, packings = ensemble.beds[bed], ensemble.cascade.settings.packings
-    d, top, width = ensemble.cascade.diameter, (packing.x[:, 2] + packing.radius).max(), np.sqrt(packing.area)
-    across, along = max(2, round(width / (3.0 * d))), max(4, round(HEADROOM * top / (1.5 * d)))
+    d, top, width = (
+        ensemble.cascade.diameter,
+        (packing.x[:, 2] + packing.radius).max(),
+        np.sqrt(packing.area),
+    )
+    across, along = (
+        max(2, round(width / (3.0 * d))),
+        max(4, round(HEADROOM * top / (1.5 * d))),
+    )
     count = (across, across, along)
-    grid = Grid(np.zeros(3), np.array([width, width, HEADROOM * top]) / count, count, (True, True))
+    grid = Grid(
+        np.zeros(3),
+        np.array([width, width, HEADROOM * top]) / count,
+        count,
+        (True, True),
+    )
     domain = Domain((0, 0, 0), (width, width, np.inf), (True, True, False))
     density, heat_capacity, viscosity = AIR
     points = []
     for Pr in fluids:
-        gas_like = ConstantFluid(density, heat_capacity, viscosity, viscosity * heat_capacity / Pr)
+        gas_like = ConstantFluid(
+            density, heat_capacity, viscosity, viscosity * heat_capacity / Pr
+        )
         for Re in speeds:
-            spheres, material = Particles(packing.x, packing.radius), Material(1000.0, packings.simulated)
+            spheres, material = (
+                Particles(packing.x, packing.radius),
+                Material(1000.0, packings.simulated),
+            )
             simulation = Simulation(spheres, [material], (), domain)
             gas = Gas(grid, gas_like, drag_di_felice, law, isothermal=True)
-            around = Bed(simulation, gas, 0.2 * d * density * d / (Re * viscosity), moving=False)
-            points.append(bed_nusselt(around, Re * viscosity / (density * d), 300.0, Solid(0.0)))
+            around = Bed(
+                simulation, gas, 0.2 * d * density * d / (Re * viscosity), moving=False
+            )
+            points.append(
+                bed_nusselt(around, Re * viscosity / (density * d), 300.0, Solid(0.0))
+            )
     return dict(zip(("Re", "Pr", "Nu"), np.array(points).T, strict=True))

@@ -1,7 +1,8 @@
-"""The command `contbed cascade`: packings of particles, closures, a bed that uses them, its results with a band.
+"""The command `contbed cascade`: packings of particles, closures, a bed that uses them,
+its results with a band.
 
-All data is in the folder: an interrupted cascade continues with the same command, and computes no packing, no point of
-a packing and no run twice.
+All data is in the folder: an interrupted cascade continues with the same command, and
+computes no packing, no point of a packing and no run twice.
 """
 
 from __future__ import annotations
@@ -10,7 +11,17 @@ from pathlib import Path
 
 from contbed.errors import ConvergenceError
 from contbed.many.cascade import files
-from contbed.many.cascade.band import BAND, FIT_SAMPLES, Fits, Part, Runs, parts_of, sampled, scatter_of, visited
+from contbed.many.cascade.band import (
+    BAND,
+    FIT_SAMPLES,
+    Fits,
+    Part,
+    Runs,
+    parts_of,
+    sampled,
+    scatter_of,
+    visited,
+)
 from contbed.many.cascade.file import read_cascade
 from contbed.many.cascade.measured import held
 from contbed.many.cascade.outcome import Outcome
@@ -47,8 +58,19 @@ def cascade(
     folder = (Path(out) if out else Path("results") / todo.path.stem).absolute()
     prepare(folder)
     settings, laws = todo.settings, todo.settings.laws
-    singles = settings.packings.count + FIT_SAMPLES + max(0, len(laws.conduction) - 1) + max(0, len(laws.exchange) - 1)
-    steps = settings.packings.count + singles + 2 * (len(todo.uncertain) + len(scatter_of(todo))) + settings.samples + 3
+    singles = (
+        settings.packings.count
+        + FIT_SAMPLES
+        + max(0, len(laws.conduction) - 1)
+        + max(0, len(laws.exchange) - 1)
+    )
+    steps = (
+        settings.packings.count
+        + singles
+        + 2 * (len(todo.uncertain) + len(scatter_of(todo)))
+        + settings.samples
+        + 3
+    )
     with Progress(steps, "steps", quiet) as progress:
         done = 0
 
@@ -64,20 +86,42 @@ def cascade(
         best = fits.of(list(range(len(porosities))))
         base = runs.results(best, todo.reactor.at(float(porosities.mean())))
         if base is None:
-            raise ConvergenceError(f"{todo.scene_file}: the run with closures from packings failed: {runs.failed[-1]}")
+            raise ConvergenceError(
+                f"{todo.scene_file}: the run with closures from packings failed: "
+                f"{runs.failed[-1]}"
+            )
         parts = parts_of(runs, fits, base)
         samples, drawn = sampled(runs, fits)
-    warnings = [f"{len(runs.failed)} runs failed and are left out; the first: {runs.failed[0]}"] if runs.failed else []
+    warnings = (
+        [
+            f"{len(runs.failed)} runs failed and are left out; the first: "
+            f"{runs.failed[0]}"
+        ]
+        if runs.failed
+        else []
+    )
     if runs.outside:
-        warnings.append(f"{len(runs.outside)} runs left the range of the closures that the packings gave")
+        warnings.append(
+            f"{len(runs.outside)} runs left the range of the closures that the "
+            "packings gave"
+        )
     compared = None
     if todo.measured is not None:
-        compared = held(todo.measured, base, {part.name: part.deviation for part in parts}, samples, BAND)
+        compared = held(
+            todo.measured,
+            base,
+            {part.name: part.deviation for part in parts},
+            samples,
+            BAND,
+        )
     asked = settings.qoi  # without the measured points
     found = Outcome(
         todo,
         {name: base[name] for name in asked},
-        [Part(part.name, {name: part.deviation[name] for name in asked}) for part in parts],
+        [
+            Part(part.name, {name: part.deviation[name] for name in asked})
+            for part in parts
+        ],
         {name: samples[name] for name in asked},
         drawn,
         compared,

@@ -1,1 +1,3 @@
-"""Derivatives of results by keys of a scene: tangents where a model has them, else differences."""
+"""Derivatives of results by keys of a scene: tangents where a model has them, else
+differences.
+"""

@@ -2,11 +2,13 @@
 
     f'(p) = (4 D(h) - D(2h))/3,  D(h) = (f(p + h) - f(p - h))/(2h)        (Richardson), error |D(h) - D(2h)|/3
 
-A key at a bound is changed to one side only, where D(h) = (f(p + h) - f(p))/h and f'(p) = 2 D(h) - D(2h).
+A key at a bound is changed to one side only, where D(h) = (f(p + h) - f(p))/h and
+f'(p) = 2 D(h) - D(2h).
 
-Results of particles and of two-fluid runs scatter: they are computed for several seeds, the same seeds on both sides
-(common random numbers), with one large step; the mean of the differences is reported with its standard error
-(Glasserman & Yao 1992, doi:10.1287/mnsc.38.6.884). A scene without a seed is computed with several steps, and a
+Results of particles and of two-fluid runs scatter: they are computed for several seeds,
+the same seeds on both sides (common random numbers), with one large step; the mean of
+the differences is reported with its standard error (Glasserman & Yao 1992,
+doi:10.1287/mnsc.38.6.884). A scene without a seed is computed with several steps, and a
 straight line over their squares, by least squares, gives D(0) and its standard error.
 """
 
@@ -28,15 +30,19 @@ from contbed.scene.values import with_value
 Array = NDArray[np.float64]
 Results = Callable[[SceneBase], Array]
 
-STEP = 1e-3  # relative: meshes that follow the scene change results by some 1e-6 of themselves
+# relative: meshes that follow the scene change results by some 1e-6 of themselves
+STEP = 1e-3
 STEP_OF_NOISY = 0.05  # relative: particles scatter by percents
 SEEDS = 4  # runs on each side of a key whose results scatter
-MIN_STEP = 1e-12  # relative to a bound's distance: below it, the key counts as at its bound
+# relative to a bound's distance: below it, the key counts as at its bound
+MIN_STEP = 1e-12
 
 
 @dataclass(frozen=True)
 class Slope:
-    """Derivatives of all results with respect to one key (n_qoi,), their estimated errors, and a remark."""
+    """Derivatives of all results with respect to one key (n_qoi,), their estimated
+    errors, and a remark.
+    """
 
     values: Array
     errors: Array
@@ -45,7 +51,9 @@ class Slope:
 
 @dataclass(frozen=True)
 class Steps:
-    """Values of a key to compute at: `sides` are +1 and -1, or one of them at a bound; `size` is the smaller step."""
+    """Values of a key to compute at: `sides` are +1 and -1, or one of them at a
+    bound; `size` is the smaller step.
+    """
 
     size: float
     sides: tuple[int, ...]
@@ -53,7 +61,8 @@ class Steps:
 
 
 def steps(scene: SceneBase, key: Key, relative: float) -> Steps:
-    """Return the steps for a key such that twice the step stays within its bounds on each side that is used.
+    """Return the steps for a key such that twice the step stays within its bounds on
+    each side that is used.
 
     Raises
     ------
@@ -70,20 +79,35 @@ def steps(scene: SceneBase, key: Key, relative: float) -> Steps:
         if smaller > 1e-3 * size:
             return Steps(smaller, (1, -1))
     if not both:
-        raise SceneError(f"{scene.origin.at(key.path)}: {key.name} = {key.value:g} cannot be changed within its bounds")
+        raise SceneError(
+            f"{scene.origin.at(key.path)}: {key.name} = {key.value:g} cannot be "
+            "changed within its bounds"
+        )
     side = "from above" if both == [1] else "from below"
-    return Steps(size, tuple(both), f"{key.name} = {key.value:g} is at its bound: one-sided derivative {side}")
+    return Steps(
+        size,
+        tuple(both),
+        f"{key.name} = {key.value:g} is at its bound: one-sided derivative {side}",
+    )
 
 
 def scale(scene: SceneBase, key: Key) -> float:
-    """Return the size of a key for its step: its value, or if it is 0 the largest of the scene with its unit, or 1."""
+    """Return the size of a key for its step: its value, or if it is 0 the largest of
+    the scene with its unit, or 1.
+    """
     if key.value:
         return abs(key.value)
-    alike = [abs(other.value) for other in continuous(scene) if other.unit == key.unit and other.value]
+    alike = [
+        abs(other.value)
+        for other in continuous(scene)
+        if other.unit == key.unit and other.value
+    ]
     return max(alike, default=1.0)
 
 
-def slope(scene: SceneBase, key: Key, results: Results, centre: Array, relative: float = STEP) -> Slope:
+def slope(
+    scene: SceneBase, key: Key, results: Results, centre: Array, relative: float = STEP
+) -> Slope:
     """Return the derivatives with respect to a key by runs at two distances.
 
     `centre` (n_qoi,) are the results of the scene itself.
@@ -95,7 +119,10 @@ def slope(scene: SceneBase, key: Key, results: Results, centre: Array, relative:
     chosen = steps(scene, key, relative)
     found = []
     for distance in (chosen.size, 2 * chosen.size):
-        ends = {side: _at(scene, key, key.value + side * distance, results) for side in chosen.sides}
+        ends = {
+            side: _at(scene, key, key.value + side * distance, results)
+            for side in chosen.sides
+        }
         if len(ends) == 2:
             found.append((ends[1] - ends[-1]) / (2 * distance))
         else:
@@ -107,37 +134,57 @@ def slope(scene: SceneBase, key: Key, results: Results, centre: Array, relative:
     return Slope(near + change, np.abs(change), chosen.note)
 
 
-def noisy_slope(scene: SceneBase, key: Key, results: Results, centre: Array, seeded: bool = True) -> Slope:
+def noisy_slope(
+    scene: SceneBase, key: Key, results: Results, centre: Array, seeded: bool = True
+) -> Slope:
     """Return the mean derivatives over common seeds, and their standard errors.
 
-    A scene without a seed, or one whose seed changes nothing, is run with steps of several sizes instead.
+    A scene without a seed, or one whose seed changes nothing, is run with steps of
+    several sizes instead.
     """
     found, distances = [], []
     places = seeds(scene) if seeded else []
     seeded = bool(places)
     chosen = steps(scene, key, 0.5 * STEP_OF_NOISY)
     for number in range(SEEDS):
-        distance = 2 * chosen.size if seeded else chosen.size * (1 + number / (SEEDS - 1))
+        distance = (
+            2 * chosen.size if seeded else chosen.size * (1 + number / (SEEDS - 1))
+        )
         distances.append(distance)
         other = with_seeds(scene, places, number)
-        ends = {side: _at(other, key, key.value + side * distance, results) for side in chosen.sides}
+        ends = {
+            side: _at(other, key, key.value + side * distance, results)
+            for side in chosen.sides
+        }
         if len(ends) == 2:
             found.append((ends[1] - ends[-1]) / (2 * distance))
         else:
             side = chosen.sides[0]
-            start = centre if number == 0 or not seeded else _at(other, key, key.value, results)
+            start = (
+                centre
+                if number == 0 or not seeded
+                else _at(other, key, key.value, results)
+            )
             found.append(side * (ends[side] - start) / distance)
         if seeded and number == 1 and np.array_equal(found[0], found[1]):
             return noisy_slope(scene, key, results, centre, seeded=False)
     each = np.array(found)
     if not seeded:
-        return Slope(*_at_no_distance(np.array(distances), each, len(chosen.sides)), chosen.note)
-    return Slope(each.mean(axis=0), each.std(axis=0, ddof=1) / math.sqrt(SEEDS), chosen.note)
+        return Slope(
+            *_at_no_distance(np.array(distances), each, len(chosen.sides)), chosen.note
+        )
+    return Slope(
+        each.mean(axis=0), each.std(axis=0, ddof=1) / math.sqrt(SEEDS), chosen.note
+    )
 
 
 def _at_no_distance(distances: Array, found: Array, order: int) -> tuple[Array, Array]:
-    """Return differences (n, n_qoi) extrapolated to no distance by an error of that order, and standard errors."""
-    line = np.column_stack([np.ones_like(distances), (distances / distances.max()) ** order])
+    """Return differences (n, n_qoi) extrapolated to no distance by an error of that
+    order, and standard errors.
+    """
+    line = np.column_stack(
+        [np.ones_like(distances), (distances / distances.max()) ** order]
+    )
     coefficients, *_ = np.linalg.lstsq(line, found, rcond=None)
     rest = found - line @ coefficients
     variance = (rest**2).sum(axis=0) / (len(distances) - line.shape[1])
@@ -149,7 +196,9 @@ def seeds(scene: SceneBase) -> list[tuple[tuple[Any, ...], int]]:
     return [(path, value) for path, value in numbers_of(scene) if path[-1] == "seed"]
 
 
-def with_seeds(scene: SceneBase, seeded: Sequence[tuple[tuple[Any, ...], int]], shift: int) -> SceneBase:
+def with_seeds(
+    scene: SceneBase, seeded: Sequence[tuple[tuple[Any, ...], int]], shift: int
+) -> SceneBase:
     """Return the scene with its seeds, as `seeds` gives them, so much higher."""
     for path, value in seeded:
         scene = with_value(scene, path, value + shift)
@@ -160,5 +209,8 @@ def _at(scene: SceneBase, key: Key, value: float, results: Results) -> Array:
     try:
         return results(key.on(scene, value))
     except ContbedError as error:
-        text = f"{scene.origin.at(key.path)}: the derivative to {key.name} needs a run at {value:.6g}, which fails: "
+        text = (
+            f"{scene.origin.at(key.path)}: the derivative to {key.name} needs a run "
+            f"at {value:.6g}, which fails: "
+        )
         raise type(error)(f"{text}{error}") from error

@@ -1,13 +1,16 @@
 """Gradient of named results with respect to continuous keys of a scene.
 
-Steady scenes take the discrete tangent, in which mesh and discretisation stay as they are: packed beds with and without
-computed flow and radiation, radiation alone, bubbling beds with reactions and what settles, reacting beds, developed
-flow. Transient packed beds take differences of runs that are repeated with the same mesh and time steps. Fronts,
-ordinates, cycles, other transients and particles take differences of whole runs; results that scatter come with the
-standard error of common seeds. Scenes on DOLFINx take differences of whole runs, on any number of ranks.
+Steady scenes take the discrete tangent, in which mesh and discretisation stay as they
+are: packed beds with and without computed flow and radiation, radiation alone, bubbling
+beds with reactions and what settles, reacting beds, developed flow. Transient packed
+beds take differences of runs that are repeated with the same mesh and time steps.
+Fronts, ordinates, cycles, other transients and particles take differences of whole
+runs; results that scatter come with the standard error of common seeds. Scenes on
+DOLFINx take differences of whole runs, on any number of ranks.
 
-The tangent costs one solution with known factors for each key and gives all results. An adjoint would cost one for each
-result and give all keys: it would be cheaper where keys are many more than results, as with a value in every cell.
+The tangent costs one solution with known factors for each key and gives all results. An
+adjoint would cost one for each result and give all keys: it would be cheaper where keys
+are many more than results, as with a value in every cell.
 """
 
 from __future__ import annotations
@@ -35,7 +38,8 @@ from contbed.scene.tables import SceneBase
 Array = NDArray[np.float64]
 
 UNSURE = 1e-2  # relative error of a derivative beyond which it is reported
-# share of the largest derivative of a result, both by relative changes, below which errors are not reported
+# share of the largest derivative of a result, both by relative changes, below which
+# errors are not reported
 SMALL = 1e-3
 
 
@@ -49,7 +53,8 @@ class Gradient:
     values : (n_qoi,) results of the scene
     at : (n_keys,) values of the keys
     derivatives : (n_qoi, n_keys)
-    standard_errors : (n_qoi, n_keys) of differences of runs that scatter; None for all others
+    standard_errors : (n_qoi, n_keys) of differences of runs that scatter; None for all
+        others
     method : "tangent" or "differences"
     notes : what to know: one-sided derivatives at bounds, derivatives that are not sure
     """
@@ -65,22 +70,28 @@ class Gradient:
 
     @property
     def logarithmic(self) -> Array:
-        """Relative derivatives, d ln qoi/d ln key (n_qoi, n_keys) [1]; nan where the result is 0."""
+        """Relative derivatives, d ln qoi/d ln key (n_qoi, n_keys) [1]; nan where the
+        result is 0.
+        """
         with np.errstate(divide="ignore", invalid="ignore"):
             found: Array = self.derivatives * self.at / self.values[:, None]
         found[~np.isfinite(found)] = np.nan
         return found
 
 
-def gradient(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str], engine: str = "skfem") -> Gradient:
+def gradient(
+    scene: SceneBase, qoi: Sequence[str], keys: Sequence[str], engine: str = "skfem"
+) -> Gradient:
     """Return the derivatives of named results with respect to keys of a scene.
 
     Parameters
     ----------
     scene : from `contbed.load`
     qoi : named results, as in summary.json, "T_fluid_out_K"
-    keys : continuous keys that the scene gives, "packed_bed.porosity", "gas.viscosity", "boundary.left.gas.velocity[1]"
-    engine : as of `contbed.run`; "dolfinx" is called on all ranks; all but rank 0 return None
+    keys : continuous keys that the scene gives, "packed_bed.porosity", "gas.viscosity",
+        "boundary.left.gas.velocity[1]"
+    engine : as of `contbed.run`; "dolfinx" is called on all ranks; all but rank 0
+        return None
 
     Raises
     ------
@@ -88,11 +99,15 @@ def gradient(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str], engine: 
     ContbedError : the scene, or the scene with a key a little changed, cannot be solved
     """
     require_possible(scene, qoi, keys)
-    return engine_named(engine).run(lambda: gradient_of(run(scene, engine=engine), qoi, keys))
+    return engine_named(engine).run(
+        lambda: gradient_of(run(scene, engine=engine), qoi, keys)
+    )
 
 
 def require_possible(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str]) -> None:
-    """Raise SceneError, before anything is solved, for a key without derivative or a name that no result has."""
+    """Raise SceneError, before anything is solved, for a key without derivative or a
+    name that no result has.
+    """
     for name in keys:
         key(scene, name)
     require_known(qoi)
@@ -103,7 +118,8 @@ def gradient_of(result: Result, qoi: Sequence[str], keys: Sequence[str]) -> Grad
 
     Raises
     ------
-    EngineError : the scene was run on several ranks, which all have to take part; and what `gradient` raises
+    EngineError : the scene was run on several ranks, which all have to take part; and
+        what `gradient` raises
     """
     require_possible(result.scene, qoi, keys)
     chosen = [key(result.scene, name) for name in keys]
@@ -115,12 +131,22 @@ def gradient_of(result: Result, qoi: Sequence[str], keys: Sequence[str]) -> Grad
 
 
 def require_known(qoi: Sequence[str]) -> None:
-    """Raise SceneError for a name that no run of any scene gives, before anything is solved."""
+    """Raise SceneError for a name that no run of any scene gives, before anything is
+    solved.
+    """
     for name in qoi:
         if fields.result(name) is None:
-            known = [one.replace("PHASE", phase) for one in fields.RESULTS for phase in ("fluid", "solid")]
+            known = [
+                one.replace("PHASE", phase)
+                for one in fields.RESULTS
+                for phase in ("fluid", "solid")
+            ]
             near = get_close_matches(name, known, n=1, cutoff=0.7)
-            hint = f"did you mean {near[0]}?" if near else "summary.json of a run lists those it has"
+            hint = (
+                f"did you mean {near[0]}?"
+                if near
+                else "summary.json of a run lists those it has"
+            )
             raise SceneError(f"{name}: no result has this name; {hint}")
 
 
@@ -134,32 +160,59 @@ def picked(scene: SceneBase, found: dict[str, Any], qoi: Sequence[str]) -> Array
     values = []
     for name in qoi:
         value = found.get(name)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            numbers = [key for key, one in found.items() if isinstance(one, float) and math.isfinite(one)]
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, int | float)
+            or not math.isfinite(value)
+        ):
+            numbers = [
+                key
+                for key, one in found.items()
+                if isinstance(one, float) and math.isfinite(one)
+            ]
             near = get_close_matches(name, numbers, n=1)
-            hint = f"did you mean {near[0]}? it has {', '.join(numbers)}" if near else f"it has {', '.join(numbers)}"
-            raise SceneError(f"{scene.origin.name}: {name}: the run has no such number; {hint}")
+            hint = (
+                f"did you mean {near[0]}? it has {', '.join(numbers)}"
+                if near
+                else f"it has {', '.join(numbers)}"
+            )
+            raise SceneError(
+                f"{scene.origin.name}: {name}: the run has no such number; {hint}"
+            )
         values.append(float(value))
     return np.array(values)
 
 
 @single_blas()
-def _by_tangent(base: Any, result: Result, qoi: tuple[str, ...], keys: list[Key]) -> Gradient:
+def _by_tangent(
+    base: Any, result: Result, qoi: tuple[str, ...], keys: list[Key]
+) -> Gradient:
     scene: SceneBase = result.scene
     centre = picked(scene, result.qoi, qoi)
     slopes = []
     for one in keys:
         try:
-            slopes.append(tangent.slope(base, scene, one, lambda found: _of_state(scene, found, qoi)))
+            slopes.append(
+                tangent.slope(
+                    base, scene, one, lambda found: _of_state(scene, found, qoi)
+                )
+            )
         except UnlikeError as error:
-            other = differences.slope(scene, one, lambda changed: _results(result, changed, qoi), centre)
-            note = f"{one.name} = {one.value:g}: {error}; its derivatives are differences of whole runs"
+            other = differences.slope(
+                scene, one, lambda changed: _results(result, changed, qoi), centre
+            )
+            note = (
+                f"{one.name} = {one.value:g}: {error}; its derivatives are "
+                "differences of whole runs"
+            )
             slopes.append(replace(other, note=note))
     return _gradient(qoi, keys, centre, slopes, base.method)
 
 
 def _of_state(scene: SceneBase, found: dict[str, Any], qoi: tuple[str, ...]) -> Array:
-    """Return the named results as numbers; UnlikeError for one that does not follow from the state alone."""
+    """Return the named results as numbers; UnlikeError for one that does not follow
+    from the state alone.
+    """
     for name in qoi:
         if name not in found:
             raise UnlikeError(f"{name} does not follow from the steady state alone")
@@ -170,11 +223,20 @@ def _by_runs(result: Result, qoi: tuple[str, ...], keys: list[Key]) -> Gradient:
     scene: SceneBase = result.scene
     centre = picked(scene, result.qoi, qoi)
     scatters = model_of(scene).scatters
-    find: Callable[..., Slope] = differences.noisy_slope if scatters else differences.slope
-    slopes = [find(scene, one, lambda changed: _results(result, changed, qoi), centre) for one in keys]
+    find: Callable[..., Slope] = (
+        differences.noisy_slope if scatters else differences.slope
+    )
+    slopes = [
+        find(scene, one, lambda changed: _results(result, changed, qoi), centre)
+        for one in keys
+    ]
     made = _gradient(qoi, keys, centre, slopes, "differences")
     errors = np.array([one.errors for one in slopes]).reshape(len(keys), len(qoi)).T
-    return replace(made, standard_errors=errors) if scatters else _with_unsure(made, errors)
+    return (
+        replace(made, standard_errors=errors)
+        if scatters
+        else _with_unsure(made, errors)
+    )
 
 
 def _results(result: Result, scene: SceneBase, qoi: tuple[str, ...]) -> Array:
@@ -182,7 +244,13 @@ def _results(result: Result, scene: SceneBase, qoi: tuple[str, ...]) -> Array:
     return picked(scene, run(scene, engine=result.engine.name).qoi, qoi)
 
 
-def _gradient(qoi: tuple[str, ...], keys: list[Key], centre: Array, slopes: list[Slope], method: str) -> Gradient:
+def _gradient(
+    qoi: tuple[str, ...],
+    keys: list[Key],
+    centre: Array,
+    slopes: list[Slope],
+    method: str,
+) -> Gradient:
     return Gradient(
         qoi,
         tuple(one.name for one in keys),
@@ -201,7 +269,8 @@ def _with_unsure(made: Gradient, errors: Array) -> Gradient:
     largest = weights.max(axis=1, keepdims=True) if made.keys else weights
     unsure = (errors > UNSURE * np.abs(made.derivatives)) & (weights > SMALL * largest)
     told = [
-        f"d {made.qoi[i]}/d {made.keys[j]} = {made.derivatives[i, j]:.3g} is sure to {errors[i, j]:.1g} only: "
+        f"d {made.qoi[i]}/d {made.keys[j]} = {made.derivatives[i, j]:.3g} is sure to "
+        f"{errors[i, j]:.1g} only: "
         "runs with two steps differ"
         for i, j in np.argwhere(unsure)
     ]

@@ -1,8 +1,9 @@
 """Continuous keys of a scene: numbers whose small changes change the results a little.
 
-A key is written as in scenes and sweeps, "packed_bed.porosity", one item of a list as "gas.T_range[1]". Integers,
-names, switches and choices have no derivative; numerical settings (solver, output, mesh cells, tolerances, time
-steps) have one that says nothing about the bed. `continuous` lists those that a scene gives.
+A key is written as in scenes and sweeps, "packed_bed.porosity", one item of a list as
+"gas.T_range[1]". Integers, names, switches and choices have no derivative; numerical
+settings (solver, output, mesh cells, tolerances, time steps) have one that says nothing
+about the bed. `continuous` lists those that a scene gives.
 """
 
 from __future__ import annotations
@@ -24,7 +25,14 @@ from contbed.scene.toml_lines import KeyPath, dotted, parse_key
 from contbed.scene.values import with_value
 
 NUMERICAL_TABLES = ("solver", "output")
-NUMERICAL_KEYS = ("tolerance", "step", "checkpoint_every", "times", "size", "scale_factor")
+NUMERICAL_KEYS = (
+    "tolerance",
+    "step",
+    "checkpoint_every",
+    "times",
+    "size",
+    "scale_factor",
+)
 _ITEM = re.compile(r"(.*)\[(\d+)\]$")
 _LOWER = {"exclusiveMinimum": True, "gt": True, "minimum": False, "ge": False}
 _UPPER = {"exclusiveMaximum": True, "lt": True, "maximum": False, "le": False}
@@ -32,7 +40,8 @@ _UPPER = {"exclusiveMaximum": True, "lt": True, "maximum": False, "le": False}
 
 @dataclass(frozen=True)
 class Key:
-    """A continuous key of a scene, its value and SI unit, and the bounds between which it may be changed.
+    """A continuous key of a scene, its value and SI unit, and the bounds between which
+    it may be changed.
 
     A bound that is `open` cannot be taken itself.
     """
@@ -49,14 +58,20 @@ class Key:
     def allows(self, value: float) -> bool:
         """Return whether the key may have a value."""
         above = value > self.low if self.low_is_open else value >= self.low
-        return above and (value < self.high if self.high_is_open else value <= self.high)
+        return above and (
+            value < self.high if self.high_is_open else value <= self.high
+        )
 
     def on(self, scene: SceneBase, value: float) -> SceneBase:
-        """Return the scene with another value of this key; material data that were taken at it follow."""
+        """Return the scene with another value of this key; material data that were
+        taken at it follow.
+        """
         if self.path[-1] == "material_temperature":
             table = _at(scene, self.path[:-1])
             if getattr(table, "material", None) is not None:
-                again: SceneBase = with_value(scene, self.path[:-1], _at_temperature(table, value))
+                again: SceneBase = with_value(
+                    scene, self.path[:-1], _at_temperature(table, value)
+                )
                 return again
         found: SceneBase = with_value(scene, self.path, value)
         return found
@@ -67,56 +82,93 @@ def key(scene: SceneBase, name: str) -> Key:
 
     Raises
     ------
-    SceneError : it has no derivative, the scene has no such key or does not give it; with what to do instead
+    SceneError : it has no derivative, the scene has no such key or does not give it;
+        with what to do instead
     """
     path = _path(name)
     if path is None:
-        raise SceneError(f"{name!r} is not a dotted key; write it as in the scene: packed_bed.porosity, gas.T_range[1]")
+        raise SceneError(
+            f"{name!r} is not a dotted key; write it as in the scene: "
+            "packed_bed.porosity, gas.T_range[1]"
+        )
     where = scene.origin.at(path)
     root = schema.of(model_of(scene).scene)
     value, problem = _at(scene, path), None
     if isinstance(value, Table | dict):
-        problem = f"is a table; give one of its keys: {', '.join(_below(value)) or 'it has none'}"
+        problem = (
+            "is a table; give one of its keys: "
+            f"{', '.join(_below(value)) or 'it has none'}"
+        )
     elif isinstance(value, bool) or (value is None and _is_switch(root, path)):
         problem = "is true or false and has no derivative"
     elif isinstance(value, int):
-        problem = "is an integer and has no derivative; compare two runs, or use contbed sweep"
+        problem = (
+            "is an integer and has no derivative; compare two runs, or use "
+            "contbed sweep"
+        )
     elif isinstance(value, str):
-        closure = any(schema.is_closure(way) for node in schema.at(root, path) for way in schema.options(node))
-        remedy = "give a number or a closure's parameters, {name = ..., a = ...}" if closure else "use contbed sweep"
+        closure = any(
+            schema.is_closure(way)
+            for node in schema.at(root, path)
+            for way in schema.options(node)
+        )
+        remedy = (
+            "give a number or a closure's parameters, {name = ..., a = ...}"
+            if closure
+            else "use contbed sweep"
+        )
         problem = f'is "{value}", a choice or a name, and has no derivative; {remedy}'
     elif isinstance(value, list | tuple):
-        problem = f"is a list; give one of its items, {name}[0]" if value else "is an empty list"
+        problem = (
+            f"is a list; give one of its items, {name}[0]"
+            if value
+            else "is an empty list"
+        )
     elif value is None:
         if schema.at(root, path):
-            problem = "is not given in the scene, so that it has no value to change; give it in the scene"
+            problem = (
+                "is not given in the scene, so that it has no value to change; "
+                "give it in the scene"
+            )
         else:
             near = near_names(name, [found.name for found in continuous(scene)])
             raise SceneError(
                 f"{scene.origin.name}: {name}: the scene has no such key"
-                + (f"; did you mean {near[0]}?" if near else "; contbed sensitivities without --to shows those it has")
+                + (
+                    f"; did you mean {near[0]}?"
+                    if near
+                    else "; contbed sensitivities without --to shows those it has"
+                )
             )
     elif not math.isfinite(value):
         problem = "is not finite"
     elif _is_numerical(path):
-        problem = "is a setting of the numerical method, on which results must not depend"
+        problem = (
+            "is a setting of the numerical method, on which results must not depend"
+        )
     if problem is not None:
         raise SceneError(f"{where}: {name} {problem}")
     return _key(scene, path, float(value))
 
 
 def continuous(scene: SceneBase) -> list[Key]:
-    """Return the continuous keys that a scene gives, in its order; defaults that it leaves alone are not among them."""
+    """Return the continuous keys that a scene gives, in its order; defaults that it
+    leaves alone are not among them.
+    """
     return [_key(scene, path, value) for path, value in _numbers(scene, ())]
 
 
 def numbers_of(scene: SceneBase) -> Iterator[tuple[tuple[Any, ...], Any]]:
-    """Yield paths and values of all numbers of a scene, whole ones and defaults included."""
+    """Yield paths and values of all numbers of a scene, whole ones and defaults
+    included.
+    """
     pending: list[tuple[tuple[Any, ...], Any]] = [((), scene)]
     while pending:
         path, part = pending.pop()
         if isinstance(part, Table):
-            below: Any = [(name, getattr(part, name)) for name in type(part).model_fields]
+            below: Any = [
+                (name, getattr(part, name)) for name in type(part).model_fields
+            ]
         elif isinstance(part, dict):
             below = part.items()
         elif isinstance(part, list | tuple):
@@ -132,7 +184,11 @@ def _numbers(part: Any, above: KeyPath) -> Iterator[tuple[KeyPath, float]]:
     """Yield paths and values of the numbers that a table gives."""
     if isinstance(part, Table):
         extra = part.model_extra or {}
-        given: dict[Any, Any] = {name: getattr(part, name) for name in type(part).model_fields if _gives(part, name)}
+        given: dict[Any, Any] = {
+            name: getattr(part, name)
+            for name in type(part).model_fields
+            if _gives(part, name)
+        }
         given |= extra
     elif isinstance(part, dict):
         given = part
@@ -153,17 +209,25 @@ def _gives(table: Table, name: str) -> bool:
 
 
 def _is_numerical(path: KeyPath) -> bool:
-    return path[0] in NUMERICAL_TABLES or any(step in NUMERICAL_KEYS for step in path if isinstance(step, str))
+    return path[0] in NUMERICAL_TABLES or any(
+        step in NUMERICAL_KEYS for step in path if isinstance(step, str)
+    )
 
 
 def _is_switch(root: schema.Node, path: KeyPath) -> bool:
-    return any(way.get("type") == "boolean" for node in schema.at(root, path) for way in schema.options(node))
+    return any(
+        way.get("type") == "boolean"
+        for node in schema.at(root, path)
+        for way in schema.options(node)
+    )
 
 
 def _key(scene: SceneBase, path: KeyPath, value: float) -> Key:
     root = schema.of(model_of(scene).scene)
     low, high, low_is_open, high_is_open = -math.inf, math.inf, False, False
-    for option in [way for node in schema.at(root, path) for way in (node, *schema.options(node))]:
+    for option in [
+        way for node in schema.at(root, path) for way in (node, *schema.options(node))
+    ]:
         if option.get("type") not in ("number", None):
             continue
         for name, is_open in _LOWER.items():
@@ -183,7 +247,9 @@ def _key(scene: SceneBase, path: KeyPath, value: float) -> Key:
 
 
 def _parameter_interval(closure: str, parameter: str) -> Any:
-    """Return the bounds of a closure's parameter; None where its data sheet has none."""
+    """Return the bounds of a closure's parameter; None where its data sheet has
+    none.
+    """
     from contbed.closures import registry
 
     for name in registry.names():
@@ -198,16 +264,24 @@ def _at(part: Any, path: KeyPath) -> Any:
     """Return the value at a path; None where there is none."""
     for step in path:
         if isinstance(step, int):
-            part = part[step] if isinstance(part, list | tuple) and step < len(part) else None
+            part = (
+                part[step]
+                if isinstance(part, list | tuple) and step < len(part)
+                else None
+            )
         else:
-            part = part.get(step) if isinstance(part, dict) else getattr(part, step, None)
+            part = (
+                part.get(step) if isinstance(part, dict) else getattr(part, step, None)
+            )
         if part is None:
             return None
     return part
 
 
 def _path(name: str) -> KeyPath | None:
-    """Return the path of a dotted key, whose last steps may be items of lists; None if it is not one."""
+    """Return the path of a dotted key, whose last steps may be items of lists; None
+    if it is not one.
+    """
     items: tuple[int, ...] = ()
     while found := _ITEM.match(name):
         name, items = found[1], (int(found[2]), *items)
@@ -218,11 +292,15 @@ def _path(name: str) -> KeyPath | None:
 
 
 def _below(table: Table | dict[str, Any]) -> list[str]:
-    return [dotted((name,)) for name in (table if isinstance(table, dict) else type(table).model_fields)]
+    return [
+        dotted((name,))
+        for name in (table if isinstance(table, dict) else type(table).model_fields)
+    ]
 
 
 def _at_temperature(table: Any, temperature: float) -> Any:
-    """Return the table of a library material with its properties at another temperature [K].
+    """Return the table of a library material with its properties at another
+    temperature [K].
 
     Properties that the scene gives in place of the library's stay.
     """

@@ -1,7 +1,9 @@
-"""The command `contbed sensitivities`: derivatives of named results as a table, as CSV and JSON, and as a picture.
+"""The command `contbed sensitivities`: derivatives of named results as a table, as CSV
+and JSON, and as a picture.
 
-Derivatives stand in the unit of the result over the SI unit of the key. The relative derivative d ln result/d ln key is
-the change of the result in percent for one percent of the key; rows are in the order of its size.
+Derivatives stand in the unit of the result over the SI unit of the key. The relative
+derivative d ln result/d ln key is the change of the result in percent for one percent
+of the key; rows are in the order of its size.
 """
 
 from __future__ import annotations
@@ -26,7 +28,8 @@ MOST_BARS = 12  # of a panel
 SMALLEST_BAR = 1e-3  # of the largest; smaller ones cannot be seen
 BAR = 0.24  # inches
 DIGITS = 5
-FILE = "sensitivities"  # name of the table, of the data and of the picture in the folder
+# name of the table, of the data and of the picture in the folder
+FILE = "sensitivities"
 HOW = {
     "tangent": "by the tangent of the solution, mesh and discretisation kept",
     "differences": "by differences of runs",
@@ -34,25 +37,32 @@ HOW = {
 
 
 def sensitivities(
-    scene: SceneBase, qoi: Sequence[str], keys: Sequence[str] = (), engine: str = "skfem"
+    scene: SceneBase,
+    qoi: Sequence[str],
+    keys: Sequence[str] = (),
+    engine: str = "skfem",
 ) -> tuple[Gradient, dict[str, Any]] | None:
-    """Return the gradient of a scene, and the same as plain data with units; None on all ranks but the first.
+    """Return the gradient of a scene, and the same as plain data with units; None on
+    all ranks but the first.
 
     Parameters
     ----------
     qoi : named results
-    keys : keys of the scene; all continuous ones that it gives if empty, which leaves out defaults and settings of
-        the numerical method
+    keys : keys of the scene; all continuous ones that it gives if empty, which leaves
+        out defaults and settings of the numerical method
     engine : as of `contbed.run`
 
     Raises
     ------
-    SceneError : see `contbed.many.derivatives.gradients.gradient`; or the scene gives no continuous key
+    SceneError : see `contbed.many.derivatives.gradients.gradient`; or the scene gives
+        no continuous key
     """
     require_known(qoi)
     names = list(dict.fromkeys(keys)) or [one.name for one in continuous(scene)]
     if not names:
-        raise SceneError(f"{scene.origin.name}: the scene gives no continuous key; name one by --to")
+        raise SceneError(
+            f"{scene.origin.name}: the scene gives no continuous key; name one by --to"
+        )
     found = gradient(scene, list(dict.fromkeys(qoi)), names, engine)
     if found is None:
         return None
@@ -66,7 +76,8 @@ def sensitivities(
             for name, value in zip(found.qoi, found.values, strict=True)
         },
         "keys": {
-            name: {"value": value, "unit": unit} for name, value, unit in zip(found.keys, found.at, units, strict=True)
+            name: {"value": value, "unit": unit}
+            for name, value, unit in zip(found.keys, found.at, units, strict=True)
         },
         "derivatives": found.derivatives,
         "relative": found.logarithmic,
@@ -76,9 +87,14 @@ def sensitivities(
 
 
 def order(found: Gradient, result: int) -> list[int]:
-    """Return the numbers of the keys by the size of their relative derivative, those without one last."""
+    """Return the numbers of the keys by the size of their relative derivative, those
+    without one last.
+    """
     weights = np.abs(found.logarithmic[result])
-    return sorted(range(len(found.keys)), key=lambda k: (not np.isfinite(weights[k]), -np.nan_to_num(weights[k]), k))
+    return sorted(
+        range(len(found.keys)),
+        key=lambda k: (not np.isfinite(weights[k]), -np.nan_to_num(weights[k]), k),
+    )
 
 
 def table(found: Gradient, about: dict[str, Any]) -> str:
@@ -87,11 +103,22 @@ def table(found: Gradient, about: dict[str, Any]) -> str:
     for i, name in enumerate(found.qoi):
         unit = about["qoi"][name]["unit"]
         rows = [_row(found, about, i, j) for j in order(found, i)]
-        head = ("key", "value", f"d {name}/d key", "relative", *(["standard error"] if _scatters(found) else []))
-        lines.append(f"{name} = {found.values[i]:.{DIGITS}g} {'' if unit == '1' else unit}".rstrip())
+        head = (
+            "key",
+            "value",
+            f"d {name}/d key",
+            "relative",
+            *(["standard error"] if _scatters(found) else []),
+        )
+        lines.append(
+            f"{name} = {found.values[i]:.{DIGITS}g} {'' if unit == '1' else unit}".rstrip()
+        )
         lines += [f"  {line}" for line in aligned([head, *rows], left=range(len(head)))]
         lines.append("")
-    lines.append(f"derivatives {HOW[found.method]}; relative: percent of the result for one percent of the key")
+    lines.append(
+        f"derivatives {HOW[found.method]}; relative: percent of the result for one "
+        "percent of the key"
+    )
     return "\n".join([*lines, *(f"note: {note}" for note in found.notes)])
 
 
@@ -124,13 +151,26 @@ def quotient(above: str, below: str) -> str:
         return "1"
     if below == "1":
         return above
-    return f"{above}/({below})" if any(sign in below for sign in "/*") else f"{above}/{below}"
+    return (
+        f"{above}/({below})"
+        if any(sign in below for sign in "/*")
+        else f"{above}/{below}"
+    )
 
 
 def write(found: Gradient, about: dict[str, Any], out: Path, title: str) -> None:
     """Write sensitivities.csv, sensitivities.json and sensitivities.png."""
     write_json(out / f"{FILE}.json", about)
-    head = ("result", "key", "value", "unit", "derivative", "unit of derivative", "relative", "standard error")
+    head = (
+        "result",
+        "key",
+        "value",
+        "unit",
+        "derivative",
+        "unit of derivative",
+        "relative",
+        "standard error",
+    )
     write_rows(out / f"{FILE}.csv", head, _rows(found, about))
     tornado(out / f"{FILE}.png", found, title)
 
@@ -141,21 +181,31 @@ def _rows(found: Gradient, about: dict[str, Any]) -> Iterator[list[Any]]:
             unit = about["keys"][found.keys[j]]["unit"]
             own = quotient(about["qoi"][name]["unit"], unit)
             relative = float(found.logarithmic[i, j])
-            error = None if found.standard_errors is None else found.standard_errors[i, j]
+            error = (
+                None if found.standard_errors is None else found.standard_errors[i, j]
+            )
             row = [name, found.keys[j], found.at[j], unit, found.derivatives[i, j], own]
             yield [*row, relative if np.isfinite(relative) else None, error]
 
 
 def tornado(path: Path, found: Gradient, title: str) -> None:
-    """Draw the relative derivatives as bars, the largest on top, a panel for each result."""
+    """Draw the relative derivatives as bars, the largest on top, a panel for each
+    result.
+    """
     weights = np.nan_to_num(np.abs(found.logarithmic))
     shown = [
-        [j for j in order(found, i)[:MOST_BARS] if weights[i, j] > SMALLEST_BAR * weights[i].max()]
+        [
+            j
+            for j in order(found, i)[:MOST_BARS]
+            if weights[i, j] > SMALLEST_BAR * weights[i].max()
+        ]
         for i in range(len(found.qoi))
     ]
     heights = [max(len(keys), 1) * BAR + 0.9 for keys in shown]
     with styled_figure(path, sum(heights) + 0.3, title) as figure:
-        panels = figure.subplots(len(shown), 1, squeeze=False, height_ratios=heights)[:, 0]
+        panels = figure.subplots(len(shown), 1, squeeze=False, height_ratios=heights)[
+            :, 0
+        ]
         for i, (panel, keys) in enumerate(zip(panels, shown, strict=True)):
             values = np.nan_to_num(found.logarithmic[i, keys])
             errors = _relative_errors(found, i, keys)
@@ -170,7 +220,12 @@ def tornado(path: Path, found: Gradient, title: str) -> None:
 def _relative_errors(found: Gradient, i: int, keys: Sequence[int]) -> Any:
     if found.standard_errors is None:
         return None
-    return list(_finite(abs(found.standard_errors[i, j] * found.at[j] / found.values[i]) for j in keys))
+    return list(
+        _finite(
+            abs(found.standard_errors[i, j] * found.at[j] / found.values[i])
+            for j in keys
+        )
+    )
 
 
 def _finite(values: Iterator[Any]) -> Iterator[float]:

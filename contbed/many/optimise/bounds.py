@@ -27,13 +27,19 @@ from contbed.scene.values import value_at
 class Bounds(Ends):
     """Bounds of a key, and where a search begins."""
 
-    start: Any = Field(None, description="value at which the search begins; absent: that of the scene")
-    integer: Switch | None = Field(None, description="whether the key takes integers only")
+    start: Any = Field(
+        None, description="value at which the search begins; absent: that of the scene"
+    )
+    integer: Switch | None = Field(
+        None, description="whether the key takes integers only"
+    )
 
 
 @dataclass(frozen=True)
 class DesignKey:
-    """A key with its bounds and the value to begin with, in SI; `at` is its file:line."""
+    """A key with its bounds and the value to begin with, in SI; `at` is its
+    file:line.
+    """
 
     name: str
     unit: str
@@ -56,11 +62,19 @@ class DesignKey:
 
 def is_range(entry: Any) -> bool:
     """Return whether an entry of [keys] holds bounds, and not keys further down."""
-    return not isinstance(entry, Mapping) or not entry or bool({"from", "to"} & entry.keys())
+    return (
+        not isinstance(entry, Mapping)
+        or not entry
+        or bool({"from", "to"} & entry.keys())
+    )
 
 
-def read_key(name: str, entry: Any, scene: SceneBase, at: str, say: Say) -> DesignKey | None:
-    """Return one key; mistakes are noted by `say(path below the entry, text)`; the key is then None."""
+def read_key(
+    name: str, entry: Any, scene: SceneBase, at: str, say: Say
+) -> DesignKey | None:
+    """Return one key; mistakes are noted by `say(path below the entry, text)`; the
+    key is then None.
+    """
     node = _node(scene, name, say)
     if node is None:
         return None
@@ -73,14 +87,26 @@ def read_key(name: str, entry: Any, scene: SceneBase, at: str, say: Say) -> Desi
         return None
     given = whole if table.integer is None else table.integer
     if whole and not given:
-        say(("integer",), "integer = false, but this key of the scene counts; leave it out")
+        say(
+            ("integer",),
+            "integer = false, but this key of the scene counts; leave it out",
+        )
         return None
     low, high = (_number(entry, key, unit, given, say) for key in ("from", "to"))
     if low is None or high is None:
         return None
     if low >= high:
-        same = f"from and to are both {low:g}" if low == high else f"from, {low:g}, is above to, {high:g}; swap them"
-        say((), f"{same}; give a range from the lower to the higher value" if low == high else same)
+        same = (
+            f"from and to are both {low:g}"
+            if low == high
+            else f"from, {low:g}, is above to, {high:g}; swap them"
+        )
+        say(
+            (),
+            f"{same}; give a range from the lower to the higher value"
+            if low == high
+            else same,
+        )
         return None
     start = _start(name, entry, scene, (unit, given), (low, high), say)
     return None if start is None else DesignKey(name, unit, low, high, start, given, at)
@@ -96,20 +122,39 @@ def _node(scene: SceneBase, name: str, say: Say) -> tuple[str, bool] | None:
         return None
     nodes = schema.at(root, path)
     if not nodes:
-        above = next(tables for end in range(len(path) - 1, -1, -1) if (tables := schema.at(root, path[:end])))
-        known = list(dict.fromkeys(key for table in above for key in schema.keys(table)))
+        above = next(
+            tables
+            for end in range(len(path) - 1, -1, -1)
+            if (tables := schema.at(root, path[:end]))
+        )
+        known = list(
+            dict.fromkeys(key for table in above for key in schema.keys(table))
+        )
         say((), f"the scene has no such key; {nearest(str(path[-1]), known)}")
         return None
     options = [option for node in nodes for option in schema.options(node)]
     unit = schema.unit(root, path)
-    if unit is None and not any(option.get("type") in ("number", "integer") for option in options):
-        say((), f"is no number and cannot be varied between bounds; allowed: {schema.allowed(nodes[0])}")
+    if unit is None and not any(
+        option.get("type") in ("number", "integer") for option in options
+    ):
+        say(
+            (),
+            "is no number and cannot be varied between bounds; allowed: "
+            f"{schema.allowed(nodes[0])}",
+        )
         return None
-    return unit or "1", unit is None and all(option.get("type") == "integer" for option in options)
+    return unit or "1", unit is None and all(
+        option.get("type") == "integer" for option in options
+    )
 
 
 def _start(
-    name: str, entry: Mapping[str, Any], scene: SceneBase, kind: tuple[str, bool], ends: tuple[float, float], say: Say
+    name: str,
+    entry: Mapping[str, Any],
+    scene: SceneBase,
+    kind: tuple[str, bool],
+    ends: tuple[float, float],
+    say: Say,
 ) -> float | None:
     """Return the value to begin with: that of the entry, or of the scene."""
     unit, whole = kind
@@ -119,14 +164,25 @@ def _start(
     else:
         found = value_at(scene, name)
         if not isinstance(found, int | float) or isinstance(found, bool):
-            say((), f"the scene has no number here; give start = ... between {low:g} and {high:g}")
+            say(
+                (),
+                f"the scene has no number here; give start = ... between {low:g} and "
+                f"{high:g}",
+            )
             return None
         start, whose = float(found), "the scene's value"
     if start is None:
         return None
     if not low <= start <= high:
-        remedy = "move it inside" if whose == "start" else "give start = ..., or widen the bounds"
-        say(("start",) if whose == "start" else (), f"{whose}, {start:g}, is outside of {low:g} to {high:g}; {remedy}")
+        remedy = (
+            "move it inside"
+            if whose == "start"
+            else "give start = ..., or widen the bounds"
+        )
+        say(
+            ("start",) if whose == "start" else (),
+            f"{whose}, {start:g}, is outside of {low:g} to {high:g}; {remedy}",
+        )
         return None
     if whole and not start.is_integer():
         say((), f"the scene's value, {start:g}, is no integer; give start = ...")
@@ -134,7 +190,9 @@ def _start(
     return start
 
 
-def _number(entry: Mapping[str, Any], key: str, unit: str, whole: bool, say: Say) -> float | None:
+def _number(
+    entry: Mapping[str, Any], key: str, unit: str, whole: bool, say: Say
+) -> float | None:
     """Return a number in SI."""
     value = number(entry, key, unit, say)
     if value is not None and whole and not value.is_integer():

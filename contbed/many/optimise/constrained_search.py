@@ -2,19 +2,23 @@
 
     minimise f(x)   with   g(x) <= 0,  h(x) = 0,  low <= x <= high
 
-Sequential quadratic programming, scipy's SLSQP, on variables scaled to 0 ... 1 between the bounds and functions whose
-first gradient has the size 1. Where a value cannot be computed, the search steps back: it begins again at the last
-point with a gradient, within half the distance to the one that failed.
+Sequential quadratic programming, scipy's SLSQP, on variables scaled to 0 ... 1 between
+the bounds and functions whose first gradient has the size 1. Where a value cannot be
+computed, the search steps back: it begins again at the last point with a gradient,
+within half the distance to the one that failed.
 
-First-order conditions (Karush 1939; Kuhn and Tucker 1951), at a point with the active constraints and bounds A,
+First-order conditions (Karush 1939; Kuhn and Tucker 1951), at a point with the active
+constraints and bounds A,
 
     grad f + sum_A lambda grad g = 0,  lambda >= 0  (any sign for h)
 
-are measured by the least residual over all such lambda, in the scaled variables, relative to the gradient of f; where
-no constraint or bound holds f back, so that its gradient vanishes, to that at the start if it is larger. The lambda are
-the prices of the constraints: one unit more on the right side of g <= 0 lowers f by lambda.
+are measured by the least residual over all such lambda, in the scaled variables,
+relative to the gradient of f; where no constraint or bound holds f back, so that its
+gradient vanishes, to that at the start if it is larger. The lambda are the prices of
+the constraints: one unit more on the right side of g <= 0 lowers f by lambda.
 
-Source: Kraft 1988, A software package for sequential quadratic programming, DFVLR-FB 88-28; Nocedal and Wright 2006,
+Source: Kraft 1988, A software package for sequential quadratic programming, DFVLR-FB
+    88-28; Nocedal and Wright 2006,
 Numerical Optimization, doi:10.1007/978-0-387-40065-5, chapters 12 and 18.
 """
 
@@ -29,16 +33,24 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-FIRST_ORDER = 1e-3  # residual of the first-order conditions, of the gradient of f, below which they hold
-FLAT = 1e-4  # change of f over the bounds by its first gradient, of f, which is not scaled up further
-FEASIBLE = 1e-6  # excess of a constraint, of its change over the bounds, up to which it holds
-ACTIVE = 1e-4  # slack of a constraint, of its change over the bounds, up to which it is active
-AT_BOUND = 1e-6  # distance from a bound, of the distance of the bounds, up to which a variable lies on it
+# residual of the first-order conditions, of the gradient of f, below which they hold
+FIRST_ORDER = 1e-3
+# change of f over the bounds by its first gradient, of f, which is not scaled up
+# further
+FLAT = 1e-4
+# excess of a constraint, of its change over the bounds, up to which it holds
+FEASIBLE = 1e-6
+# slack of a constraint, of its change over the bounds, up to which it is active
+ACTIVE = 1e-4
+# distance from a bound, of the distance of the bounds, up to which a variable lies on
+# it
+AT_BOUND = 1e-6
 DECREASE = 1e-8  # change of the scaled f at which a search ends
 ITERATIONS = 100  # of one search
 SEARCHES = 12  # begun again after a step back, or because the conditions did not hold
 DIGITS = 9  # of a scaled variable; steps smaller than these are no other point
-SMALLEST = 1e-4  # of the bounds, the distance from a failed point below which there is no stepping back
+# of the bounds, the distance from a failed point below which there is no stepping back
+SMALLEST = 1e-4
 
 
 class EvaluationFailed(Exception):
@@ -65,8 +77,10 @@ class Optimum:
 
     x : variables (n,)
     values, derivatives : of f and the constraints there, (1 + m,) and (1 + m, n)
-    prices : what one unit of each constraint costs, (m,) in f per unit of the constraint; 0 where it is not active
-    bound_prices : the same of the bounds, (n,) in f per unit of x; > 0 at the lower, < 0 at the upper one
+    prices : what one unit of each constraint costs, (m,) in f per unit of the
+        constraint; 0 where it is not active
+    bound_prices : the same of the bounds, (n,) in f per unit of x; > 0 at the
+        lower, < 0 at the upper one
     active : constraints that hold without slack, (m,)
     residual : of the first-order conditions
     excess : largest excess of a constraint, of its change over the bounds
@@ -112,7 +126,9 @@ class _Scaled:
         """Return the variables at scaled ones."""
         low, high = self.functions.low, self.functions.high
         first = (self.start - low) / (high - low)
-        inside = np.clip(self.start + np.round(z - first, DIGITS) * (high - low), low, high)
+        inside = np.clip(
+            self.start + np.round(z - first, DIGITS) * (high - low), low, high
+        )
         return np.where(z <= 0.0, low, np.where(z >= 1.0, high, inside))
 
     def values(self, z: Array) -> Array:
@@ -126,7 +142,9 @@ class _Scaled:
         self.last = np.clip(z, 0.0, 1.0)
         return found * span / self.size[:, None]
 
-    def _once(self, known: dict[bytes, Array], z: Array, function: Callable[[Array], Array]) -> Array:
+    def _once(
+        self, known: dict[bytes, Array], z: Array, function: Callable[[Array], Array]
+    ) -> Array:
         x = self.x(z)
         mark = x.tobytes()
         if mark not in known and mark not in self.failures:
@@ -180,9 +198,11 @@ def minimise(functions: Functions, start: Array) -> Optimum:
 
 
 def _sizes(values: Array, derivatives: Array, span: Array) -> Array:
-    """Return the change of each function over the bounds by its first gradient, or its value where that is 0.
+    """Return the change of each function over the bounds by its first gradient, or its
+    value where that is 0.
 
-    That of f is no smaller than a share of f: a search that begins where f is smallest has a gradient of rounding.
+    That of f is no smaller than a share of f: a search that begins where f is smallest
+    has a gradient of rounding.
     """
     change = np.abs(derivatives * span).max(axis=1)
     change[0] = max(change[0], FLAT * abs(values[0]))
@@ -190,21 +210,30 @@ def _sizes(values: Array, derivatives: Array, span: Array) -> Array:
 
 
 def _step_back(scaled: _Scaled, remarks: list[str]) -> tuple[Array, float]:
-    """Return the last point with a gradient, and half the distance to the point that failed."""
+    """Return the last point with a gradient, and half the distance to the point that
+    failed.
+    """
     assert scaled.last is not None and scaled.failed is not None
     reach = 0.5 * float(np.abs(scaled.failed - scaled.last).max())
-    remarks.append(f"stepped back to {100.0 * reach:.3g} % of the bounds from the last gradient: {scaled.reason}")
+    remarks.append(
+        f"stepped back to {100.0 * reach:.3g} % of the bounds from the last gradient: "
+        f"{scaled.reason}"
+    )
     return scaled.last, reach
 
 
 def _is_better(one: Optimum, other: Optimum) -> bool:
     if not (one.feasible and other.feasible):
         return one.excess < other.excess
-    return bool(one.values[0] < other.values[0]) or (one.converged and not other.converged)
+    return bool(one.values[0] < other.values[0]) or (
+        one.converged and not other.converged
+    )
 
 
 def _search(scaled: _Scaled, z: Array, reach: float) -> Array:
-    """Return where one search from a point ends; where constraints are missed, where they are missed least."""
+    """Return where one search from a point ends; where constraints are missed, where
+    they are missed least.
+    """
     from scipy.optimize import minimize
 
     box = np.column_stack([np.maximum(z - reach, 0.0), np.minimum(z + reach, 1.0)])
@@ -217,7 +246,11 @@ def _search(scaled: _Scaled, z: Array, reach: float) -> Array:
             "jac": lambda at: -scaled.derivatives(at)[1:][rows],
         }
 
-    parts = [part(kind, rows) for kind, rows in (("ineq", ~equality), ("eq", equality)) if rows.any()]
+    parts = [
+        part(kind, rows)
+        for kind, rows in (("ineq", ~equality), ("eq", equality))
+        if rows.any()
+    ]
     with np.errstate(all="ignore"):
         found = minimize(
             lambda at: scaled.values(at)[0],
@@ -237,7 +270,9 @@ def _search(scaled: _Scaled, z: Array, reach: float) -> Array:
 
 
 def _nearest_feasible(scaled: _Scaled, z: Array, box: Array) -> Array:
-    """Return where the largest excess is smallest: minimise t with g <= t and |h| <= t."""
+    """Return where the largest excess is smallest: minimise t with g <= t and
+    |h| <= t.
+    """
     from scipy.optimize import minimize
 
     equality = scaled.functions.equality
@@ -257,7 +292,11 @@ def _nearest_feasible(scaled: _Scaled, z: Array, box: Array) -> Array:
             jac=lambda at: np.append(np.zeros(len(z)), 1.0),
             method="SLSQP",
             bounds=[*map(tuple, box), (0.0, None)],
-            constraints={"type": "ineq", "fun": lambda at: at[-1] - rows(scaled.values(at[:-1])), "jac": slopes},
+            constraints={
+                "type": "ineq",
+                "fun": lambda at: at[-1] - rows(scaled.values(at[:-1])),
+                "jac": slopes,
+            },
             options={"ftol": DECREASE, "maxiter": ITERATIONS},
         )
     nearest: Array = np.clip(found.x[:-1], box[:, 0], box[:, 1])
@@ -270,7 +309,9 @@ def _excess(scaled: _Scaled, z: Array) -> float:
 
 
 def optimum_at(scaled: _Scaled, z: Array) -> Optimum:
-    """Return values, prices and the residual of the first-order conditions at a point."""
+    """Return values, prices and the residual of the first-order conditions at a
+    point.
+    """
     from scipy.optimize import nnls
 
     functions = scaled.functions
@@ -279,7 +320,9 @@ def optimum_at(scaled: _Scaled, z: Array) -> Optimum:
     active = np.where(equality, True, values[1:] >= -ACTIVE)
     low, high = z <= AT_BOUND, z >= 1.0 - AT_BOUND
     unit = np.eye(len(z))
-    columns = np.vstack([slopes[1:][active], -slopes[1:][equality], -unit[low], unit[high]]).T
+    columns = np.vstack(
+        [slopes[1:][active], -slopes[1:][equality], -unit[low], unit[high]]
+    ).T
     length = np.linalg.norm(slopes[0]) or 1.0
     if columns.size:
         norms = np.linalg.norm(columns, axis=0)

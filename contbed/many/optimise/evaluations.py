@@ -1,7 +1,9 @@
-"""Runs of a design: each scene and each gradient is computed once and kept by the hash of the scene.
+"""Runs of a design: each scene and each gradient is computed once and kept by the hash
+of the scene.
 
-`runs/NAME/` is that of a sweep; `gradients.jsonl` holds the derivatives of results by the keys that were asked for. A
-run or gradient that is there is taken from there, so that a killed command resumes.
+`runs/NAME/` is that of a sweep; `gradients.jsonl` holds the derivatives of results by
+the keys that were asked for. A run or gradient that is there is taken from there, so
+that a killed command resumes.
 """
 
 from __future__ import annotations
@@ -34,10 +36,13 @@ class OutOfRuns(Exception):
 
 @dataclass
 class Evaluation:
-    """One point: its keys (keys,), run and outcome, values of objective and constraints if it has them.
+    """One point: its keys (keys,), run and outcome, values of objective and constraints
+    if it has them.
 
-    functions : what is minimised, then the excess of each constraint, (1 + constraints,); None if the run failed
-    each : the same of every run, if the design repeats them, (runs, 1 + constraints); all else are their means
+    functions : what is minimised, then the excess of each constraint,
+        (1 + constraints,); None if the run failed
+    each : the same of every run, if the design repeats them, (runs, 1 + constraints);
+        all else are their means
     """
 
     point: Array
@@ -59,7 +64,9 @@ class Evaluation:
 
 def named_values(design: Design, at: Evaluation) -> dict[str, float]:
     """Return the keys and results that expressions may use, by name."""
-    return design.values_at(at.point) | {name: float(at.qoi[name]) for name in design.results}
+    return design.values_at(at.point) | {
+        name: float(at.qoi[name]) for name in design.results
+    }
 
 
 @dataclass
@@ -86,7 +93,13 @@ class Evaluations:
         ------
         OutOfRuns : it is new and no run is left
         """
-        rounded = np.array([plain(key, float(v)) for key, v in zip(self.design.keys, point, strict=True)], dtype=float)
+        rounded = np.array(
+            [
+                plain(key, float(v))
+                for key, v in zip(self.design.keys, point, strict=True)
+            ],
+            dtype=float,
+        )
         mark = rounded.tobytes()
         if mark not in self.found:
             if len(self.found) >= self.design.runs:
@@ -109,15 +122,32 @@ class Evaluations:
         outcomes = [self._outcome(case) for case in cases]
         there = [outcome["qoi"] for outcome in outcomes if not outcome["exit_code"]]
         if not there:
-            return Evaluation(point, cases[0].name, {}, outcomes[0]["exit_code"], outcomes[0]["problem"], None)
-        found = Evaluation(point, cases[0].name, there[0] if len(there) == 1 else _means(there), 0, "", None)
+            return Evaluation(
+                point,
+                cases[0].name,
+                {},
+                outcomes[0]["exit_code"],
+                outcomes[0]["problem"],
+                None,
+            )
+        found = Evaluation(
+            point,
+            cases[0].name,
+            there[0] if len(there) == 1 else _means(there),
+            0,
+            "",
+            None,
+        )
         self._fill(found, there)
         return found
 
     def _repeated(self, case: Case) -> list[Case]:
         """Return a case with as many seeds as the design repeats it."""
         places = seeds(case.scene)
-        scenes = [case.scene, *(with_seeds(case.scene, places, k) for k in range(1, self.design.repeats))]
+        scenes = [
+            case.scene,
+            *(with_seeds(case.scene, places, k) for k in range(1, self.design.repeats)),
+        ]
         return [case, *(case_of(scene, case.parameters) for scene in scenes[1:])]
 
     def _outcome(self, case: Case) -> dict[str, Any]:
@@ -128,12 +158,21 @@ class Evaluations:
 
     def _case(self, point: Array) -> Case:
         scene = self.design.scene_at(point)
-        parameters = {key.name: float(value) for key, value in zip(self.design.keys, point, strict=True)}
+        parameters = {
+            key.name: float(value)
+            for key, value in zip(self.design.keys, point, strict=True)
+        }
         return case_of(scene, parameters)
 
     def _fill(self, found: Evaluation, runs: Sequence[Mapping[str, Any]]) -> None:
-        """Fill in objective and constraints by the results of all runs of a point, or why there are none."""
-        missing = [name for name in self.design.results if not isinstance(found.qoi.get(name), int | float)]
+        """Fill in objective and constraints by the results of all runs of a point,
+        or why there are none.
+        """
+        missing = [
+            name
+            for name in self.design.results
+            if not isinstance(found.qoi.get(name), int | float)
+        ]
         if missing:
             if not self.found:
                 raise SceneError([self._unknown(name, found.qoi) for name in missing])
@@ -144,25 +183,44 @@ class Evaluations:
         if np.isfinite(functions).all():
             found.functions = functions
         else:
-            texts = [self.design.objective.text, *(one.text for one in self.design.constraints)]
-            bad = ", ".join(text for text, value in zip(texts, functions, strict=True) if not np.isfinite(value))
+            texts = [
+                self.design.objective.text,
+                *(one.text for one in self.design.constraints),
+            ]
+            bad = ", ".join(
+                text
+                for text, value in zip(texts, functions, strict=True)
+                if not np.isfinite(value)
+            )
             found.problem = f"{bad}: not a finite number"
 
     def _functions(self, point: Array, qoi: Mapping[str, Any]) -> list[float]:
-        """Return what is minimised and the excess of each constraint by the results of one run."""
-        values = self.design.values_at(point) | {name: float(qoi[name]) for name in self.design.results}
+        """Return what is minimised and the excess of each constraint by the results
+        of one run.
+        """
+        values = self.design.values_at(point) | {
+            name: float(qoi[name]) for name in self.design.results
+        }
         sign = -1.0 if self.design.maximise else 1.0
-        return [sign * self.design.objective(values), *(one.excess(values) for one in self.design.constraints)]
+        return [
+            sign * self.design.objective(values),
+            *(one.excess(values) for one in self.design.constraints),
+        ]
 
     def _unknown(self, name: str, qoi: Mapping[str, Any]) -> str:
         """Say that a run has no such result, and where the design asks for it."""
         uses = [one for one in self.design.constraints if name in one.names]
-        at = self.design.objective_at if name in self.design.objective.names else uses[0].at
+        at = (
+            self.design.objective_at
+            if name in self.design.objective.names
+            else uses[0].at
+        )
         numbers = [key for key, value in qoi.items() if isinstance(value, int | float)]
         return f'{at}: the run has no result "{name}"; {nearest(name, numbers)}'
 
     def derivatives(self, point: Array, keys: Sequence[int]) -> Array:
-        """Return the derivatives of objective and constraints to some of the keys, (1 + constraints, keys).
+        """Return the derivatives of objective and constraints to some of the keys,
+        (1 + constraints, keys).
 
         Raises
         ------
@@ -173,20 +231,27 @@ class Evaluations:
         at.values  # noqa: B018 - raises where the run has failed
         names = [self.design.keys[k].name for k in keys]
         slopes = {name: np.zeros(len(keys)) for name in self.design.fixed()}
-        slopes |= {name: np.array([float(name == other) for other in names]) for name in self._changed()}
+        slopes |= {
+            name: np.array([float(name == other) for other in names])
+            for name in self._changed()
+        }
         if self.design.results:
             slopes |= self._gradient(at, names)
         values = named_values(self.design, at)
         sign = -1.0 if self.design.maximise else 1.0
         parts = [one.derivatives(values) for one in self.design.constraints]
         rows = [
-            {name: sign * slope for name, slope in self.design.objective.derivatives(values).items()},
+            {
+                name: sign * slope
+                for name, slope in self.design.objective.derivatives(values).items()
+            },
             *parts,
         ]
         at.differentiated = True
         return np.array(
             [
-                np.sum([slope * slopes[name] for name, slope in row.items()], axis=0) + np.zeros(len(keys))
+                np.sum([slope * slopes[name] for name, slope in row.items()], axis=0)
+                + np.zeros(len(keys))
                 for row in rows
             ]
         )
@@ -195,7 +260,9 @@ class Evaluations:
         return [key.name for key in self.design.keys]
 
     def _gradient(self, at: Evaluation, names: Sequence[str]) -> dict[str, Array]:
-        """Return the derivatives of each result to the keys `names`, computed or kept."""
+        """Return the derivatives of each result to the keys `names`, computed or
+        kept.
+        """
         results = list(self.design.results)
         case = self._case(at.point)
 
@@ -203,7 +270,9 @@ class Evaluations:
             try:
                 found = gradient(case.scene, results, names)
             except ContbedError as error:
-                if isinstance(error, SceneError) and not any(row.differentiated for row in self.rows):
+                if isinstance(error, SceneError) and not any(
+                    row.differentiated for row in self.rows
+                ):
                     raise  # a key without derivative, not a point without one
                 raise EvaluationFailed(f"no gradient: {error}") from error
             return {
@@ -212,15 +281,21 @@ class Evaluations:
                 "method": found.method,
             }
 
-        kept = self.gradients.kept(key_of(case.name, results, list(names)), compute_gradient)
+        kept = self.gradients.kept(
+            key_of(case.name, results, list(names)), compute_gradient
+        )
         self.method = kept["method"]
         self.standard_errors |= kept["standard_errors"] is not None
-        return dict(zip(results, np.array(kept["derivatives"], dtype=float), strict=True))
+        return dict(
+            zip(results, np.array(kept["derivatives"], dtype=float), strict=True)
+        )
 
 
 def _means(runs: Sequence[Mapping[str, Any]]) -> dict[str, float]:
     """Return the means of the numbers that all runs have."""
-    numbers = [name for name, value in runs[0].items() if isinstance(value, int | float)]
+    numbers = [
+        name for name, value in runs[0].items() if isinstance(value, int | float)
+    ]
     return {
         name: float(np.mean([run[name] for run in runs]))
         for name in numbers
@@ -230,7 +305,8 @@ def _means(runs: Sequence[Mapping[str, Any]]) -> dict[str, float]:
 
 @dataclass
 class Slice:
-    """Objective and constraints over some of the keys, the others held: what a search by gradients minimises.
+    """Objective and constraints over some of the keys, the others held: what a search
+    by gradients minimises.
 
     chosen : numbers of the keys that change
     held : a point (keys,) with the values of the others
@@ -244,7 +320,10 @@ class Slice:
         keys = [self.evaluations.design.keys[k] for k in self.chosen]
         self.low = np.array([key.low for key in keys])
         self.high = np.array([key.high for key in keys])
-        self.equality = np.array([one.sign == "==" for one in self.evaluations.design.constraints], dtype=bool)
+        self.equality = np.array(
+            [one.sign == "==" for one in self.evaluations.design.constraints],
+            dtype=bool,
+        )
 
     def point(self, x: Array) -> Array:
         """Return all keys (keys,) where those chosen have the values x."""

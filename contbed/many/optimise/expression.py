@@ -1,11 +1,13 @@
-"""Objectives and constraints of a design: formulas of keys of the scene and named results, with units.
+"""Objectives and constraints of a design: formulas of keys of the scene and named
+results, with units.
 
     mesh.length
     pressure_drop_Pa * boundary.left.gas.velocity
     0.5*"k_eff [W/m/K]" + 0.1
 
-A name with a point is a key of the scene, any other a named result; one whose name has a unit in brackets stands in
-quotes. Plain numbers are in SI and take the unit of what they are added to.
+A name with a point is a key of the scene, any other a named result; one whose name has
+a unit in brackets stands in quotes. Plain numbers are in SI and take the unit of what
+they are added to.
 """
 
 from __future__ import annotations
@@ -22,8 +24,11 @@ from contbed.errors import SceneError
 from contbed.fem.ad.dual import Dual
 from contbed.many.optimise.dimensions import unit_of_formula
 
-# a name in quotes, or a dotted or plain one; the digits and the letter e of a number are none
-_NAME = re.compile(r'"([^"]+)"|(?<![\w.])([A-Za-z_][\w-]*(?:\.(?:[\w-]+))+|[A-Za-z_]\w*)')
+# a name in quotes, or a dotted or plain one; the digits and the letter e of a number
+# are none
+_NAME = re.compile(
+    r'"([^"]+)"|(?<![\w.])([A-Za-z_][\w-]*(?:\.(?:[\w-]+))+|[A-Za-z_]\w*)'
+)
 
 
 @dataclass(frozen=True)
@@ -42,8 +47,13 @@ class Expression:
     places: tuple[str, ...]
 
     def __call__(self, values: Mapping[str, float]) -> float:
-        """Return the value for named values; nan where it has none, as at a division by zero."""
-        found = {place: np.float64(values[name]) for place, name in zip(self.places, self.names, strict=True)}
+        """Return the value for named values; nan where it has none, as at a division
+        by zero.
+        """
+        found = {
+            place: np.float64(values[name])
+            for place, name in zip(self.places, self.names, strict=True)
+        }
         with np.errstate(all="ignore"):
             try:
                 return float(self.formula(found))
@@ -61,14 +71,18 @@ class Expression:
         return {name: float(tangents.get(name, 0.0)) for name in self.names}
 
 
-def read_expression(text: str, unit_of: Callable[[str], str], unit: str | None = None) -> Expression:
+def read_expression(
+    text: str, unit_of: Callable[[str], str], unit: str | None = None
+) -> Expression:
     """Read a formula.
 
     Parameters
     ----------
     text : the formula
-    unit_of : returns the SI unit of a name, "1" for a plain number; raises SceneError for an unknown one
-    unit : of the value, such as "EUR"; the units of the parts are then not compared, as prices stand in the numbers
+    unit_of : returns the SI unit of a name, "1" for a plain number; raises SceneError
+        for an unknown one
+    unit : of the value, such as "EUR"; the units of the parts are then not compared, as
+        prices stand in the numbers
 
     Raises
     ------
@@ -78,7 +92,11 @@ def read_expression(text: str, unit_of: Callable[[str], str], unit: str | None =
 
     def placed(match: re.Match[str]) -> str:
         name = match[1] or match[2]
-        if match[1] is None and name in FUNCTIONS and text[match.end() :].lstrip().startswith("("):
+        if (
+            match[1] is None
+            and name in FUNCTIONS
+            and text[match.end() :].lstrip().startswith("(")
+        ):
             return name
         return names.setdefault(name, f"_{len(names)}")
 
@@ -86,12 +104,16 @@ def read_expression(text: str, unit_of: Callable[[str], str], unit: str | None =
         formula = parse_formula(_NAME.sub(placed, text))
     except SceneError as error:  # speaks of the places of names
         named = {place: name for name, place in names.items()}
-        raise SceneError(re.sub(r"\b_\d+\b", lambda match: named.get(match[0], match[0]), str(error))) from None
+        raise SceneError(
+            re.sub(r"\b_\d+\b", lambda match: named.get(match[0], match[0]), str(error))
+        ) from None
     units = {place: unit_of(name) for name, place in names.items()}
     if unit is None:
         unit = (
             next(iter(units.values()))
             if formula.text.strip() in units
-            else unit_of_formula(formula, units, {place: name for name, place in names.items()})
+            else unit_of_formula(
+                formula, units, {place: name for name, place in names.items()}
+            )
         )
     return Expression(text, tuple(names), unit, formula, tuple(names.values()))

@@ -1,4 +1,6 @@
-"""Files of a search: table.csv of its evaluations, summary.json, optimum.toml, convergence.png."""
+"""Files of a search: table.csv of its evaluations, summary.json, optimum.toml,
+convergence.png.
+"""
 
 from __future__ import annotations
 
@@ -25,14 +27,21 @@ def write(folder: Path, design: Design, found: Found, evaluations: Evaluations) 
 
     write_table(folder, design, evaluations.rows)
     write_json(folder / "summary.json", summary(design, found, evaluations))
-    about = f"# {found.status} of {design.file.name}: {'maximise' if design.maximise else 'minimise'} "
+    about = (
+        f"# {found.status} of {design.file.name}: "
+        f"{'maximise' if design.maximise else 'minimise'} "
+    )
     values = {
         key.name: int(value) if key.whole else float(f"{value:.14g}")
         for key, value in zip(design.keys, found.evaluation.point, strict=True)
     }
-    scene = scene_text(design.scene_file, design.scene_at(found.evaluation.point), values, folder)
+    scene = scene_text(
+        design.scene_file, design.scene_at(found.evaluation.point), values, folder
+    )
     with atomic(folder / "optimum.toml") as temporary:
-        temporary.write_text(f"{about}{design.objective.text}\n{scene}", encoding="utf-8")
+        temporary.write_text(
+            f"{about}{design.objective.text}\n{scene}", encoding="utf-8"
+        )
     plot(folder / "convergence.png", design, found, evaluations.rows)
 
 
@@ -40,23 +49,47 @@ def write_table(folder: Path, design: Design, rows: Sequence[Evaluation]) -> Non
     """Write table.csv, one line for each evaluation."""
     keys = [parameter(key.name, ()).header for key in design.keys]
     results = [result(name).header for name in design.results]
-    excess = [f"{one.text}: missed by [{_unit(one.left.unit)}]" for one in design.constraints]
+    excess = [
+        f"{one.text}: missed by [{_unit(one.left.unit)}]" for one in design.constraints
+    ]
     objective = f"{design.objective.text}: objective [{_unit(design.objective.unit)}]"
-    head = ["number", *keys, *results, objective, *excess, "gradient", "run", "exit code", "problem"]
+    head = [
+        "number",
+        *keys,
+        *results,
+        objective,
+        *excess,
+        "gradient",
+        "run",
+        "exit code",
+        "problem",
+    ]
     cells = []
     for number, row in enumerate(rows, 1):
         values = [""] * (1 + len(excess))
         if row.functions is not None:
             values = [repr(float(value)) for value in row.functions * _signs(design)]
-        point = [key.shown(v) if key.whole else repr(float(v)) for key, v in zip(design.keys, row.point, strict=True)]
-        named = [repr(row.qoi[name]) if name in row.qoi else "" for name in design.results]
-        state = ["yes" if row.differentiated else "", row.run, row.exit_code, row.problem]
+        point = [
+            key.shown(v) if key.whole else repr(float(v))
+            for key, v in zip(design.keys, row.point, strict=True)
+        ]
+        named = [
+            repr(row.qoi[name]) if name in row.qoi else "" for name in design.results
+        ]
+        state = [
+            "yes" if row.differentiated else "",
+            row.run,
+            row.exit_code,
+            row.problem,
+        ]
         cells.append([number, *point, *named, *values, *state])
     write_rows(folder / "table.csv", head, cells)
 
 
 def _signs(design: Design) -> Any:
-    return np.array([-1.0 if design.maximise else 1.0, *np.ones(len(design.constraints))])
+    return np.array(
+        [-1.0 if design.maximise else 1.0, *np.ones(len(design.constraints))]
+    )
 
 
 def _unit(unit: str) -> str:
@@ -80,7 +113,9 @@ def summary(design: Design, found: Found, evaluations: Evaluations) -> dict[str,
             "aim": "maximise" if design.maximise else "minimise",
             "value": design.objective(values),
             "unit": design.objective.unit,
-            "gradient": None if slopes is None else dict(zip(names, slopes[0].tolist(), strict=True)),
+            "gradient": None
+            if slopes is None
+            else dict(zip(names, slopes[0].tolist(), strict=True)),
         },
         "keys": {
             key.name: {
@@ -90,9 +125,14 @@ def summary(design: Design, found: Found, evaluations: Evaluations) -> dict[str,
                 "to": key.high,
                 "price_of_bound": float(price),
             }
-            for key, value, price in zip(design.keys, at.point, found.bound_prices, strict=True)
+            for key, value, price in zip(
+                design.keys, at.point, found.bound_prices, strict=True
+            )
         },
-        "constraints": [_constraint(design, found, k, values) for k in range(len(design.constraints))],
+        "constraints": [
+            _constraint(design, found, k, values)
+            for k in range(len(design.constraints))
+        ],
         "costs": list(costs(design, found)),
         "first_order": {"residual": found.residual, "allowed": FIRST_ORDER},
         "qoi": dict(at.qoi),
@@ -110,20 +150,31 @@ def summary(design: Design, found: Found, evaluations: Evaluations) -> dict[str,
 
 
 def _expected(design: Design, found: Found) -> dict[str, Any] | None:
-    """Return what the surrogate expects at the point, with standard errors; None with gradients."""
+    """Return what the surrogate expects at the point, with standard errors; None
+    with gradients.
+    """
     if found.expected is None or found.errors is None:
         return None
-    names = [design.objective.text, *(f"{one.text}: missed by" for one in design.constraints)]
+    names = [
+        design.objective.text,
+        *(f"{one.text}: missed by" for one in design.constraints),
+    ]
     return {
         name: {"expected": float(value), "standard_error": float(error)}
         for name, value, error in zip(names, found.expected, found.errors, strict=True)
     } | {"runs_at_a_point": design.repeats}
 
 
-def _constraint(design: Design, found: Found, k: int, values: dict[str, float]) -> dict[str, Any]:
+def _constraint(
+    design: Design, found: Found, k: int, values: dict[str, float]
+) -> dict[str, Any]:
     one: Constraint = design.constraints[k]
     names = [key.name for key in design.keys]
-    slopes = None if found.slopes is None else found.slopes[1 + k] * (-1.0 if one.sign == ">=" else 1.0)
+    slopes = (
+        None
+        if found.slopes is None
+        else found.slopes[1 + k] * (-1.0 if one.sign == ">=" else 1.0)
+    )
     return {
         "constraint": one.text,
         "value": one.left(values),
@@ -133,5 +184,7 @@ def _constraint(design: Design, found: Found, k: int, values: dict[str, float]) 
         "active": bool(found.active[k]),
         "price": float(found.prices[k]),
         "price_unit": f"{design.objective.unit} per {one.left.unit}",
-        "gradient": None if slopes is None else dict(zip(names, slopes.tolist(), strict=True)),
+        "gradient": None
+        if slopes is None
+        else dict(zip(names, slopes.tolist(), strict=True)),
     }

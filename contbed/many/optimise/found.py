@@ -1,4 +1,6 @@
-"""What a search has found: the point, whether it is an optimum, and what each constraint costs, in units."""
+"""What a search has found: the point, whether it is an optimum, and what each
+constraint costs, in units.
+"""
 
 from __future__ import annotations
 
@@ -18,25 +20,32 @@ Array = NDArray[np.float64]
 
 NOTHING = 1e-9  # of the objective, a change that is no more than rounding
 
-OPTIMUM, SETTLED, INFEASIBLE, NOT_CONVERGED = "optimum", "settled", "infeasible", "not converged"
+OPTIMUM, SETTLED, INFEASIBLE, NOT_CONVERGED = (
+    "optimum",
+    "settled",
+    "infeasible",
+    "not converged",
+)
 
 
 @dataclass(frozen=True)
 class Found:
     """The point that a search ended at.
 
-    status : "optimum", "settled" for a search without gradients that expects nothing better, "infeasible" or "not
-        converged"
+    status : "optimum", "settled" for a search without gradients that expects nothing
+        better, "infeasible" or "not converged"
     why : the verdict in one sentence
     evaluation : the run there
-    slopes : derivatives of objective and excess of each constraint to the keys, (1 + constraints, keys); nan where
-        a key is whole, None without gradients
-    prices : change of the objective by one unit more of the excess of each constraint, (constraints,)
-    bound_prices : change of the objective by one unit of each bound that a key lies on, (keys,)
+    slopes : derivatives of objective and excess of each constraint to the keys,
+        (1 + constraints, keys); nan where a key is whole, None without gradients
+    prices : change of the objective by one unit more of the excess of each constraint,
+        (constraints,)
+    bound_prices : change of the objective by one unit of each bound that a key lies on,
+        (keys,)
     active : constraints without slack, (constraints,)
     residual : of the first-order conditions; None without gradients
-    expected, errors : objective and excess of each constraint by the surrogate, and their standard errors,
-        (1 + constraints,); None with gradients
+    expected, errors : objective and excess of each constraint by the surrogate, and
+        their standard errors, (1 + constraints,); None with gradients
     """
 
     status: str
@@ -60,7 +69,9 @@ def found_at(
     remarks: tuple[str, ...],
     about_whole: str,
 ) -> Found:
-    """Return what a search by gradients has found; without an optimum the best point that was computed."""
+    """Return what a search by gradients has found; without an optimum the best point
+    that was computed.
+    """
     design = evaluations.design
     m, n = len(design.constraints), len(design.keys)
     if optimum is None or point is None:
@@ -86,10 +97,12 @@ def found_at(
         status = NOT_CONVERGED
         fails = any(row.functions is None for row in evaluations.rows)
         why = (
-            f"the first-order conditions are open by {optimum.residual:.1e} of the gradient, allowed {FIRST_ORDER:g}; "
+            f"the first-order conditions are open by {optimum.residual:.1e} of the "
+            f"gradient, allowed {FIRST_ORDER:g}; "
         )
         why += (
-            "runs beyond this point fail, see table.csv: narrow the bounds, or mend the scene there"
+            "runs beyond this point fail, see table.csv: narrow the bounds, or mend "
+            "the scene there"
             if fails
             else "give a smaller solver.tolerance in the scene, or this point as start"
         )
@@ -106,27 +119,40 @@ def infeasible(design: Design, evaluation: Evaluation) -> str:
         if beyond > 0.0:
             missed.append(f'"{one.text}" by {beyond:.4g}{with_unit(one.left.unit)}')
     nearest = ", ".join(missed) or "none by more than it scatters"
-    return f"no point within the bounds was found that fulfils all constraints; the nearest misses {nearest}"
+    return (
+        "no point within the bounds was found that fulfils all constraints; the "
+        f"nearest misses {nearest}"
+    )
 
 
 def best_of(evaluations: Sequence[Evaluation], design: Design) -> Evaluation:
-    """Return the best point of all: feasible ones first, else the one that misses its constraints least."""
+    """Return the best point of all: feasible ones first, else the one that misses
+    its constraints least.
+    """
     computed = [one for one in evaluations if one.functions is not None]
     equality = np.array([one.sign == "==" for one in design.constraints], dtype=bool)
-    missed = np.array([np.where(equality, np.abs(one.values[1:]), one.values[1:]) for one in computed])
+    missed = np.array(
+        [np.where(equality, np.abs(one.values[1:]), one.values[1:]) for one in computed]
+    )
     size = np.abs(missed).max(axis=0, initial=0.0)
     size[size == 0.0] = 1.0
     excess = np.maximum(missed / size, 0.0).max(axis=1, initial=0.0)
     excess[excess <= FEASIBLE] = 0.0
-    return computed[min(range(len(computed)), key=lambda k: (excess[k], computed[k].values[0]))]
+    return computed[
+        min(range(len(computed)), key=lambda k: (excess[k], computed[k].values[0]))
+    ]
 
 
 def costs(design: Design, found: Found) -> Iterator[str]:
-    """Yield a sentence for each active constraint and bound: what a little more or less of it changes."""
+    """Yield a sentence for each active constraint and bound: what a little more or
+    less of it changes.
+    """
     if found.slopes is None or found.status == INFEASIBLE:
         return
     values = named_values(design, found.evaluation)
-    for one, price, active in zip(design.constraints, found.prices, found.active, strict=True):
+    for one, price, active in zip(
+        design.constraints, found.prices, found.active, strict=True
+    ):
         if active:
             amount = _round_part(one.bound(values), one.left(values))
             if abs(price * amount) <= NOTHING * abs(design.objective(values)):
@@ -136,16 +162,29 @@ def costs(design: Design, found: Found) -> Iterator[str]:
     for k, key in enumerate(design.keys):
         if price := found.bound_prices[k]:
             value = float(found.evaluation.point[k])
-            side, sign = ("lower", -1.0) if value - key.low < key.high - value else ("upper", 1.0)
+            side, sign = (
+                ("lower", -1.0)
+                if value - key.low < key.high - value
+                else ("upper", 1.0)
+            )
             amount = _round_part(value, key.span)
-            words = f"{amount:g}{with_unit(key.unit)} {'lower' if sign < 0.0 else 'higher'}"
+            words = (
+                f"{amount:g}{with_unit(key.unit)} {'lower' if sign < 0.0 else 'higher'}"
+            )
             change = _change(design.objective, sign * price * amount)
             yield f"{key.name} is at its {side} bound, {key.shown(value)}: {words} {change}"
 
 
 def _relaxed(one: Constraint, amount: float) -> str:
     text = f"{amount:g}{with_unit(one.left.unit)}"
-    return text + {"<=": " more allowed", ">=": " less asked for", "==": " more on the right side"}[one.sign]
+    return (
+        text
+        + {
+            "<=": " more allowed",
+            ">=": " less asked for",
+            "==": " more on the right side",
+        }[one.sign]
+    )
 
 
 def _change(objective: Expression, change: float) -> str:
@@ -153,6 +192,8 @@ def _change(objective: Expression, change: float) -> str:
 
 
 def _round_part(value: float, otherwise: float) -> float:
-    """Return a power of ten between a hundredth and a tenth of a value: an amount to speak of."""
+    """Return a power of ten between a hundredth and a tenth of a value: an amount to
+    speak of.
+    """
     size = abs(value) or abs(otherwise) or 1.0
     return float(10.0 ** (math.floor(math.log10(size)) - 1))

@@ -1,6 +1,8 @@
-"""The command `contbed optimise`: the best values of some keys of a scene, by runs of the scene.
+"""The command `contbed optimise`: the best values of some keys of a scene, by runs of
+the scene.
 
-All data is in the folder: an interrupted search continues with the same command and computes no run twice.
+All data is in the folder: an interrupted search continues with the same command and
+computes no run twice.
 """
 
 from __future__ import annotations
@@ -15,7 +17,13 @@ from numpy.typing import NDArray
 from contbed.errors import ConvergenceError
 from contbed.many.optimise import files, without_gradients
 from contbed.many.optimise.constrained_search import EvaluationFailed, Optimum, minimise
-from contbed.many.optimise.evaluations import Evaluation, Evaluations, OutOfRuns, Slice, named_values
+from contbed.many.optimise.evaluations import (
+    Evaluation,
+    Evaluations,
+    OutOfRuns,
+    Slice,
+    named_values,
+)
 from contbed.many.optimise.found import Found, costs, found_at
 from contbed.many.optimise.problem import Design, with_unit
 from contbed.many.optimise.reach import warnings_at_start
@@ -30,7 +38,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Optimisation:
-    """What a search found, all its evaluations, how many of them were there before, and its folder."""
+    """What a search found, all its evaluations, how many of them were there before,
+    and its folder.
+    """
 
     design: Design
     found: Found
@@ -44,7 +54,9 @@ class Optimisation:
         return sum(one.functions is None for one in self.evaluations)
 
     def text(self) -> str:
-        """Return the point that was found, its constraints and what they cost, as lines."""
+        """Return the point that was found, its constraints and what they cost, as
+        lines.
+        """
         found, design = self.found, self.design
         values = named_values(design, found.evaluation)
         goal = design.objective
@@ -54,7 +66,10 @@ class Optimisation:
             lines.append(f"  {key.name} = {key.shown(float(value))}")
         for one, active in zip(design.constraints, found.active, strict=True):
             unit = with_unit(one.left.unit)
-            lines.append(f"  {one.text}: {one.left(values):.6g}{unit}{', active' if active else ''}")
+            lines.append(
+                f"  {one.text}: "
+                f"{one.left(values):.6g}{unit}{', active' if active else ''}"
+            )
         return "\n".join([*lines, *(f"  {text}" for text in costs(design, found))])
 
 
@@ -72,7 +87,8 @@ def optimise(
     Parameters
     ----------
     design : its TOML file
-    out : folder for runs, table, plot and the scene of the optimum; results/DESIGN if absent
+    out : folder for runs, table, plot and the scene of the optimum; results/DESIGN if
+        absent
     retry_failed : compute the failed runs again
     quiet : no progress bar
     trust, allow_large : as in `contbed.loading.load`
@@ -80,9 +96,11 @@ def optimise(
 
     Raises
     ------
-    SceneError : mistakes in the design or its scene; a result that the run does not have, a key without derivative
+    SceneError : mistakes in the design or its scene; a result that the run does not
+        have, a key without derivative
     ConvergenceError : the run at the start failed
-    ContbedError : the folder cannot be written; scikit-learn is needed and not installed
+    ContbedError : the folder cannot be written; scikit-learn is needed and not
+        installed
     """
     todo = read_design(design, trust, allow_large)
     folder = (Path(out) if out else Path("results") / todo.file.stem).absolute()
@@ -100,7 +118,8 @@ def optimise(
         first = evaluations.at(todo.start)
         if first.functions is None:
             raise ConvergenceError(
-                f"{todo.file}: the run at the start failed: {first.problem}; give a start of the keys where it does not"
+                f"{todo.file}: the run at the start failed: {first.problem}; give a "
+                "start of the keys where it does not"
             )
         if todo.method == "surrogate":
             found = without_gradients.search(evaluations)
@@ -113,7 +132,9 @@ def optimise(
 
 
 def by_gradient(evaluations: Evaluations) -> Found:
-    """Return the optimum by gradients, integers by enumeration or by their neighbours."""
+    """Return the optimum by gradients, integers by enumeration or by their
+    neighbours.
+    """
     design = evaluations.design
     whole = [k for k, key in enumerate(design.keys) if key.whole]
     rest = [k for k, key in enumerate(design.keys) if not key.whole]
@@ -138,8 +159,12 @@ def by_gradient(evaluations: Evaluations) -> Found:
             optimum = search((), None)
             text, point = "", None if optimum is None else optimum.x
         else:
-            ranges = [(int(design.keys[k].low), int(design.keys[k].high)) for k in whole]
-            best = best_choice(ranges, tuple(int(value) for value in design.start[whole]), search)
+            ranges = [
+                (int(design.keys[k].low), int(design.keys[k].high)) for k in whole
+            ]
+            best = best_choice(
+                ranges, tuple(int(value) for value in design.start[whole]), search
+            )
             optimum = None if best is None else best.optimum
             text = "" if best is None else _how_complete(best.tried, best.complete)
             point = design.start
@@ -147,7 +172,10 @@ def by_gradient(evaluations: Evaluations) -> Found:
                 point[whole], point[rest] = best.choice, best.optimum.x
     except OutOfRuns:
         optimum, point, text = None, None, ""
-        remarks.append(f"all {design.runs} runs are computed; raise runs and give the same command to resume")
+        remarks.append(
+            f"all {design.runs} runs are computed; raise runs and give the same "
+            "command to resume"
+        )
     return found_at(evaluations, optimum, point, rest, tuple(remarks), text)
 
 
@@ -164,10 +192,16 @@ def _only(part: Slice) -> Optimum:
 
 
 def _shown(design: Design, whole: list[int], choice: tuple[int, ...]) -> str:
-    return ", ".join(f"{design.keys[k].name} = {value}" for k, value in zip(whole, choice, strict=True))
+    return ", ".join(
+        f"{design.keys[k].name} = {value}"
+        for k, value in zip(whole, choice, strict=True)
+    )
 
 
 def _how_complete(tried: int, complete: bool) -> str:
     if complete:
         return f"all {tried} choices of integers were tried"
-    return f"{tried} choices of integers were tried, no neighbour of the best is better; others were not tried"
+    return (
+        f"{tried} choices of integers were tried, no neighbour of the best is "
+        "better; others were not tried"
+    )

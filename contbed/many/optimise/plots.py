@@ -24,7 +24,9 @@ _MOST_ITEMS = 8  # of a legend beside a panel of its height
 
 
 def plot(path: Path, design: Design, found: Found, rows: Sequence[Evaluation]) -> None:
-    """Draw the objective, the keys between their bounds and by how much constraints are missed."""
+    """Draw the objective, the keys between their bounds and by how much constraints
+    are missed.
+    """
     numbers = np.arange(1.0, len(rows) + 1.0)
     computed = np.array([row.functions is not None for row in rows])
     functions = np.full((len(rows), 1 + len(design.constraints)), np.nan)
@@ -33,7 +35,13 @@ def plot(path: Path, design: Design, found: Found, rows: Sequence[Evaluation]) -
     panels = 2 + bool(design.constraints)
     with styled_figure(path, 1.0 + 2.3 * panels, design.title) as figure:
         axes = figure.subplots(panels, 1, sharex=True)
-        _objective(axes[0], design, numbers, sign * functions[:, 0], _feasible(design, functions))
+        _objective(
+            axes[0],
+            design,
+            numbers,
+            sign * functions[:, 0],
+            _feasible(design, functions),
+        )
         _keys(axes[1], design, numbers, rows)
         if design.constraints:
             _constraints(axes[2], design, numbers, functions[:, 1:])
@@ -52,41 +60,83 @@ def plot(path: Path, design: Design, found: Found, rows: Sequence[Evaluation]) -
 
 
 def _feasible(design: Design, functions: Array) -> NDArray[np.bool_]:
-    """Return which points keep all constraints, to a millionth of the largest excess of each."""
+    """Return which points keep all constraints, to a millionth of the largest excess
+    of each.
+    """
     excess = functions[:, 1:].copy()
     equality = [one.sign == "==" for one in design.constraints]
     excess[:, equality] = np.abs(excess[:, equality])
     size = np.nanmax(np.abs(excess), axis=0, initial=0.0)
-    found: NDArray[np.bool_] = (excess <= 1e-6 * size).all(axis=1) & np.isfinite(functions[:, 0])
+    found: NDArray[np.bool_] = (excess <= 1e-6 * size).all(axis=1) & np.isfinite(
+        functions[:, 0]
+    )
     return found
 
 
-def _objective(panel: Any, design: Design, numbers: Array, values: Array, feasible: Any) -> None:
+def _objective(
+    panel: Any, design: Design, numbers: Array, values: Array, feasible: Any
+) -> None:
     panel.plot(numbers, values, "-", color="0.8", linewidth=1.0, zorder=0)
-    for chosen, face, label in ((feasible, _COLOURS[0], "feasible"), (~feasible, "white", "constraints missed")):
+    for chosen, face, label in (
+        (feasible, _COLOURS[0], "feasible"),
+        (~feasible, "white", "constraints missed"),
+    ):
         if np.isfinite(values[chosen]).any():
             panel.plot(
-                numbers[chosen], values[chosen], "o", color=_COLOURS[0], markerfacecolor=face, markersize=4, label=label
+                numbers[chosen],
+                values[chosen],
+                "o",
+                color=_COLOURS[0],
+                markerfacecolor=face,
+                markersize=4,
+                label=label,
             )
     panel.set_ylabel(_folded(design.objective.text, design.objective.unit))
 
 
-def _keys(panel: Any, design: Design, numbers: Array, rows: Sequence[Evaluation]) -> None:
+def _keys(
+    panel: Any, design: Design, numbers: Array, rows: Sequence[Evaluation]
+) -> None:
     points = np.array([row.point for row in rows])
     for k, key in enumerate(design.keys):
         share = (points[:, k] - key.low) / key.span
-        label = f"{key.name}, {key.low:.3g} to {key.high:.3g}{'' if key.unit == '1' else f' {key.unit}'}"
-        panel.plot(numbers, share, "o-", markersize=3, linewidth=1.2, color=_COLOURS[k % len(_COLOURS)], label=label)
+        label = (
+            f"{key.name}, {key.low:.3g} to "
+            f"{key.high:.3g}{'' if key.unit == '1' else f' {key.unit}'}"
+        )
+        panel.plot(
+            numbers,
+            share,
+            "o-",
+            markersize=3,
+            linewidth=1.2,
+            color=_COLOURS[k % len(_COLOURS)],
+            label=label,
+        )
     panel.set(ylim=(-0.05, 1.05), ylabel="key, lower bound 0,\nupper bound 1")
 
 
 def _constraints(panel: Any, design: Design, numbers: Array, excess: Array) -> None:
     for k, one in enumerate(design.constraints):
-        missed = np.abs(excess[:, k]) if one.sign == "==" else np.maximum(excess[:, k], 0.0)
+        missed = (
+            np.abs(excess[:, k]) if one.sign == "==" else np.maximum(excess[:, k], 0.0)
+        )
         size = np.nanmax(np.abs(excess[:, k])) or 1.0
         shown = np.maximum(missed / size, _SMALLEST)
-        panel.plot(numbers, shown, "o-", markersize=3, linewidth=1.2, color=_COLOURS[k % len(_COLOURS)], label=one.text)
-    panel.set(yscale="log", ylim=(0.5 * _SMALLEST, 2.0), ylabel="constraint missed by,\nof the largest")
+        panel.plot(
+            numbers,
+            shown,
+            "o-",
+            markersize=3,
+            linewidth=1.2,
+            color=_COLOURS[k % len(_COLOURS)],
+            label=one.text,
+        )
+    panel.set(
+        yscale="log",
+        ylim=(0.5 * _SMALLEST, 2.0),
+        ylabel="constraint missed by,\nof the largest",
+    )
 
 
 def _legend(panel: Any) -> None:

@@ -1,4 +1,5 @@
-"""A design file: a scene, the keys that may change, what is to become small or large, and what must hold.
+"""A design file: a scene, the keys that may change, what is to become small or large,
+and what must hold.
 
     title = "Shortest heater"
     scene = "heater.toml"
@@ -9,9 +10,11 @@
     mesh.length = { from = "0.2 m", to = "2 m" }
     boundary.right.solids.pebbles.velocity = { from = "0.2 mm/s", to = "2 mm/s" }
 
-`minimise = { formula = "120*tubes.perimeter - 3e-5*tubes_W", unit = "EUR/h" }` has prices in its numbers: the units of
-its parts are then not compared. `runs` is the most points that are computed. `method` is "gradient" or "surrogate", the
-latter where results scatter if it is left out. `repeats` is the number of seeds at each point of a surrogate.
+`minimise = { formula = "120*tubes.perimeter - 3e-5*tubes_W", unit = "EUR/h" }` has
+prices in its numbers: the units of its parts are then not compared. `runs` is the most
+points that are computed. `method` is "gradient" or "surrogate", the latter where
+results scatter if it is left out. `repeats` is the number of seeds at each point of a
+surrogate.
 """
 
 from __future__ import annotations
@@ -38,7 +41,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Constraint:
-    """A constraint: left <= right, >= or ==; `right` is a number in the unit of the left side, or a formula."""
+    """A constraint: left <= right, >= or ==; `right` is a number in the unit of the
+    left side, or a formula.
+    """
 
     text: str
     left: Expression
@@ -49,14 +54,18 @@ class Constraint:
     @property
     def names(self) -> tuple[str, ...]:
         """Keys and results of both sides."""
-        return self.left.names + (self.right.names if isinstance(self.right, Expression) else ())
+        return self.left.names + (
+            self.right.names if isinstance(self.right, Expression) else ()
+        )
 
     def bound(self, values: Mapping[str, float]) -> float:
         """Return the value of the right side."""
         return self.right(values) if isinstance(self.right, Expression) else self.right
 
     def excess(self, values: Mapping[str, float]) -> float:
-        """Return by how much the sides miss each other, in their unit: > 0 where <= or >= does not hold."""
+        """Return by how much the sides miss each other, in their unit: > 0
+        where <= or >= does not hold.
+        """
         beyond = self.left(values) - self.bound(values)
         return -beyond if self.sign == ">=" else beyond
 
@@ -66,7 +75,11 @@ class Constraint:
         if isinstance(self.right, Expression):
             for name, slope in self.right.derivatives(values).items():
                 found[name] = found.get(name, 0.0) - slope
-        return {name: -slope for name, slope in found.items()} if self.sign == ">=" else found
+        return (
+            {name: -slope for name, slope in found.items()}
+            if self.sign == ">="
+            else found
+        )
 
 
 @dataclass(frozen=True)
@@ -96,37 +109,64 @@ class Design:
     @property
     def results(self) -> tuple[str, ...]:
         """Named results that objective and constraints use."""
-        names = dict.fromkeys([*self.objective.names, *(name for one in self.constraints for name in one.names)])
+        names = dict.fromkeys(
+            [
+                *self.objective.names,
+                *(name for one in self.constraints for name in one.names),
+            ]
+        )
         return tuple(name for name in names if not is_key(name))
 
     def fixed(self) -> dict[str, float]:
-        """Return the values of the scene's keys that expressions use and that do not change."""
-        names = {*self.objective.names, *(name for one in self.constraints for name in one.names)}
+        """Return the values of the scene's keys that expressions use and that do not
+        change.
+        """
+        names = {
+            *self.objective.names,
+            *(name for one in self.constraints for name in one.names),
+        }
         changed = {key.name for key in self.keys}
-        return {name: float(value_at(self.scene, name)) for name in names if is_key(name) and name not in changed}
+        return {
+            name: float(value_at(self.scene, name))
+            for name in names
+            if is_key(name) and name not in changed
+        }
 
     def values_at(self, point: Array) -> dict[str, float]:
         """Return the keys that expressions may use by name, at a point (keys,)."""
-        return self.fixed() | {key.name: float(value) for key, value in zip(self.keys, point, strict=True)}
+        return self.fixed() | {
+            key.name: float(value) for key, value in zip(self.keys, point, strict=True)
+        }
 
     def scene_at(self, point: Array) -> SceneBase:
         """Return the scene with the keys at a point (keys,)."""
-        values = {key.name: plain(key, value) for key, value in zip(self.keys, point, strict=True)}
-        return load(self.scene_file, values, trust=self.trust, allow_large=self.allow_large)
+        values = {
+            key.name: plain(key, value)
+            for key, value in zip(self.keys, point, strict=True)
+        }
+        return load(
+            self.scene_file, values, trust=self.trust, allow_large=self.allow_large
+        )
 
 
 def is_key(name: str) -> bool:
-    """Return whether a name in a formula is a key of the scene; any other is a named result."""
+    """Return whether a name in a formula is a key of the scene; any other is a named
+    result.
+    """
     return "." in name and " " not in name
 
 
 def plain(key: DesignKey, value: float) -> float:
-    """Return a value as a scene takes it: integers unchanged, others rounded to what is the same everywhere."""
+    """Return a value as a scene takes it: integers unchanged, others rounded to what
+    is the same everywhere.
+    """
     return round(value) if key.whole else tidy(float(value))
 
 
 def require_possible(found: Design) -> None:
-    """Raise SceneError for constraints that no point can fulfil, as far as is known without a run."""
+    """Raise SceneError for constraints that no point can fulfil, as far as is known
+    without a run.
+    """
     problems = []
     names = [key.name for key in found.keys]
     for one in found.constraints:
@@ -137,21 +177,35 @@ def require_possible(found: Design) -> None:
                     f"{key.name} = {key.shown(value)}" for key, value in zip(found.keys, corner, strict=True)
                     if key.name in one.names
                 )  # fmt: skip
-                short = f"missed by at least {least:.4g}{with_unit(one.left.unit)}, at {where or 'any point'}"
-                problems.append(f'{one.at}: "{one.text}" cannot hold within the bounds of {", ".join(names)}: {short}')
+                short = (
+                    f"missed by at least {least:.4g}{with_unit(one.left.unit)}, at "
+                    f"{where or 'any point'}"
+                )
+                problems.append(
+                    f'{one.at}: "{one.text}" cannot hold within the bounds of '
+                    f"{', '.join(names)}: {short}"
+                )
     for k, one in enumerate(found.constraints):
         for other in found.constraints[:k]:
             gap = _gap(one, other)
             if gap > 0.0:
                 by = f"{gap:.4g}{with_unit(one.left.unit)}"
-                problems.append(f'{one.at}: "{one.text}" contradicts "{other.text}" by {by}; change one')
+                problems.append(
+                    f'{one.at}: "{one.text}" contradicts "{other.text}" by {by}; '
+                    "change one"
+                )
     if problems:
         raise SceneError(problems)
 
 
 def _least_excess(found: Design, one: Constraint) -> tuple[float, Array]:
-    """Return the least excess of a constraint on keys over the corners of the bounds, and that corner."""
-    ends = [(key.low, key.high) if key.name in one.names else (key.start,) for key in found.keys]
+    """Return the least excess of a constraint on keys over the corners of the
+    bounds, and that corner.
+    """
+    ends = [
+        (key.low, key.high) if key.name in one.names else (key.start,)
+        for key in found.keys
+    ]
     corners = [np.array(corner) for corner in product(*ends)]
     excess = np.array([one.excess(found.values_at(corner)) for corner in corners])
     if one.sign == "==":
@@ -161,14 +215,30 @@ def _least_excess(found: Design, one: Constraint) -> tuple[float, Array]:
 
 
 def _gap(one: Constraint, other: Constraint) -> float:
-    """Return by how much two bounds of the same quantity exclude each other; 0 if they do not."""
-    if one.left.text != other.left.text or isinstance(one.right, Expression) or isinstance(other.right, Expression):
+    """Return by how much two bounds of the same quantity exclude each other; 0 if
+    they do not.
+    """
+    if (
+        one.left.text != other.left.text
+        or isinstance(one.right, Expression)
+        or isinstance(other.right, Expression)
+    ):
         return 0.0
     lower = max(
-        (c.right for c in (one, other) if c.sign in (">=", "==") and isinstance(c.right, float)), default=-np.inf
+        (
+            c.right
+            for c in (one, other)
+            if c.sign in (">=", "==") and isinstance(c.right, float)
+        ),
+        default=-np.inf,
     )
     upper = min(
-        (c.right for c in (one, other) if c.sign in ("<=", "==") and isinstance(c.right, float)), default=np.inf
+        (
+            c.right
+            for c in (one, other)
+            if c.sign in ("<=", "==") and isinstance(c.right, float)
+        ),
+        default=np.inf,
     )
     return float(lower - upper)
 

@@ -1,9 +1,10 @@
-"""Constraints that the first gradient says cannot be reached within the bounds: a hint before a long search.
+"""Constraints that the first gradient says cannot be reached within the bounds: a hint
+before a long search.
 
     least excess  =  g(x_0) + sum_k min(dg/dx_k (low_k - x_k), dg/dx_k (high_k - x_k))
 
-It is exact where a constraint is linear in the keys. Each constraint is taken alone, so that constraints that
-exclude each other are not seen here.
+It is exact where a constraint is linear in the keys. Each constraint is taken alone, so
+that constraints that exclude each other are not seen here.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ Array = NDArray[np.float64]
 
 
 def warnings_at_start(evaluations: Evaluations) -> Iterator[str]:
-    """Yield a sentence for each constraint that the gradient at the start does not reach; none with whole keys."""
+    """Yield a sentence for each constraint that the gradient at the start does not
+    reach; none with whole keys.
+    """
     design = evaluations.design
     if not design.constraints or any(key.whole for key in design.keys):
         return
@@ -31,22 +34,35 @@ def warnings_at_start(evaluations: Evaluations) -> Iterator[str]:
     except EvaluationFailed:
         return  # the search reports why
     for one, excess, short in zip(
-        design.constraints, at.values[1:], least_misses(design, at.values[1:], slopes[1:]), strict=True
+        design.constraints,
+        at.values[1:],
+        least_misses(design, at.values[1:], slopes[1:]),
+        strict=True,
     ):
         if short > 0.0:
             unit = with_unit(one.left.unit)
             yield (
-                f'{one.at}: "{one.text}" is missed by {abs(excess):.4g}{unit} at the start and, by the gradient there, '
-                f"by {short:.4g}{unit} at the best point within the bounds; widen them or change it if the search "
+                f'{one.at}: "{one.text}" is missed by {abs(excess):.4g}{unit} at the '
+                "start and, by the gradient there, "
+                f"by {short:.4g}{unit} at the best point within the bounds; widen them "
+                "or change it if the search "
                 "does not find otherwise"
             )
 
 
 def least_misses(design: Design, excess: Array, slopes: Array) -> Array:
-    """Return by how much constraints (m,) are missed at best, for linear ones with slopes (m, keys); 0 if they hold."""
-    low, high = (np.array([getattr(key, name) for key in design.keys]) - design.start for name in ("low", "high"))
+    """Return by how much constraints (m,) are missed at best, for linear ones with
+    slopes (m, keys); 0 if they hold.
+    """
+    low, high = (
+        np.array([getattr(key, name) for key in design.keys]) - design.start
+        for name in ("low", "high")
+    )
     ends = np.stack([slopes * low, slopes * high])
-    least, most = excess + ends.min(axis=0).sum(axis=1), excess + ends.max(axis=0).sum(axis=1)
+    least, most = (
+        excess + ends.min(axis=0).sum(axis=1),
+        excess + ends.max(axis=0).sum(axis=1),
+    )
     equality = np.array([one.sign == "==" for one in design.constraints], dtype=bool)
     found: Array = np.where(equality, np.maximum(least, -most), least)
     return np.maximum(found, 0.0)

@@ -16,7 +16,13 @@ from contbed.loading import load
 from contbed.many.derivatives.differences import seeds
 from contbed.many.optimise.bounds import DesignKey, is_range, read_key
 from contbed.many.optimise.expression import Expression, read_expression
-from contbed.many.optimise.problem import Constraint, Design, is_key, plain, require_possible
+from contbed.many.optimise.problem import (
+    Constraint,
+    Design,
+    is_key,
+    plain,
+    require_possible,
+)
 from contbed.many.study_file import StudyFile, relocated
 from contbed.many.value_sets import MOST_RUNS
 from contbed.models import model_of
@@ -37,14 +43,18 @@ class Formula(Table):
     """A formula whose numbers have units of their own, such as prices."""
 
     formula: str = Field(description="formula of results and keys")
-    unit: str | None = Field(None, description="of the value; that of the parts if absent")
+    unit: str | None = Field(
+        None, description="of the value; that of the parts if absent"
+    )
 
 
 def _form(value: Any) -> str:
     return "text" if isinstance(value, str) else "table"
 
 
-Objective = Annotated[Annotated[str, Tag("text")] | Annotated[Formula, Tag("table")], Discriminator(_form)]
+Objective = Annotated[
+    Annotated[str, Tag("text")] | Annotated[Formula, Tag("table")], Discriminator(_form)
+]
 
 
 class DesignTable(Table):
@@ -54,25 +64,41 @@ class DesignTable(Table):
 
     title: str = Field("", description="title of the study, shown in plots and reports")
     scene: str = Field("", description="scene file, path relative to this file")
-    minimise: Objective | None = Field(None, description="result or formula that is minimised")
-    maximise: Objective | None = Field(None, description="result or formula that is maximised")
-    constraints: tuple[str, ...] = Field((), description="inequalities between results, keys and numbers")
+    minimise: Objective | None = Field(
+        None, description="result or formula that is minimised"
+    )
+    maximise: Objective | None = Field(
+        None, description="result or formula that is maximised"
+    )
+    constraints: tuple[str, ...] = Field(
+        (), description="inequalities between results, keys and numbers"
+    )
     keys: dict[str, Any] = Field(
-        default_factory=dict, description="keys of the scene that are varied, each with its bounds"
+        default_factory=dict,
+        description="keys of the scene that are varied, each with its bounds",
     )
-    runs: Annotated[Whole, Field(ge=1, le=MOST_RUNS)] = Field(200, description="most points that are computed")
+    runs: Annotated[Whole, Field(ge=1, le=MOST_RUNS)] = Field(
+        200, description="most points that are computed"
+    )
     method: Method | None = Field(
-        None, description="how the optimum is searched; absent: by gradients unless results scatter"
+        None,
+        description="how the optimum is searched; absent: by gradients unless results "
+        "scatter",
     )
-    repeats: Annotated[Whole, Field(ge=1, le=100)] | None = Field(None, description="seeds at a point")
+    repeats: Annotated[Whole, Field(ge=1, le=100)] | None = Field(
+        None, description="seeds at a point"
+    )
 
 
-def read_design(path: str | Path, trust: bool = False, allow_large: bool = False) -> Design:
+def read_design(
+    path: str | Path, trust: bool = False, allow_large: bool = False
+) -> Design:
     """Read a design file; flags as in `contbed.loading.load`.
 
     Raises
     ------
-    SceneError : with file:line, all mistakes of the file, or if it has none those of its scene
+    SceneError : with file:line, all mistakes of the file, or if it has none those of
+        its scene
     """
     file = StudyFile(path, DesignTable)
     settings = file.settings
@@ -84,10 +110,17 @@ def read_design(path: str | Path, trust: bool = False, allow_large: bool = False
     keys = _keys(file, scene)
     file.stop()
     try:
-        load(scene_file, {key.name: plain(key, key.start) for key in keys}, trust=trust, allow_large=allow_large)
+        load(
+            scene_file,
+            {key.name: plain(key, key.start) for key in keys},
+            trust=trust,
+            allow_large=allow_large,
+        )
     except SceneError as error:
         places = {key.name: key.at for key in keys}
-        raise SceneError([relocated(text, places)[1] for text in error.problems]) from None
+        raise SceneError(
+            [relocated(text, places)[1] for text in error.problems]
+        ) from None
     formulas = _Formulas(file, partial(_unit, scene, {key.name: key for key in keys}))
     aim = _aim(file)
     objective = formulas.objective(aim)
@@ -112,11 +145,16 @@ def _unit(scene: SceneBase, keys: Mapping[str, DesignKey], name: str) -> str:
         path = parse_key(name)
         if not isinstance(value_at(scene, name), int | float):
             numbers = [*keys, *_numbers(scene)]
-            raise SceneError(f"the scene has no number {name!r}; {nearest_of(name, numbers)}")
+            raise SceneError(
+                f"the scene has no number {name!r}; {nearest_of(name, numbers)}"
+            )
         return schema.unit(schema.of(type(scene)), path) or "1"
     unit = fields.unit_of(name)
     if unit is None:
-        raise SceneError(f"{name!r} is neither a named result nor a key; {nearest_of(name, [*fields.RESULTS, *keys])}")
+        raise SceneError(
+            f"{name!r} is neither a named result nor a key; "
+            f"{nearest_of(name, [*fields.RESULTS, *keys])}"
+        )
     return unit
 
 
@@ -136,20 +174,28 @@ def _keys(file: StudyFile[DesignTable], scene: SceneBase) -> tuple[DesignKey, ..
     """Return the keys that may change."""
     table = file.settings.keys
     if not table:
-        file.say(("keys",), 'missing; give bounds: [keys], mesh.length = { from = "0.2 m", to = "2 m" }')
+        file.say(
+            ("keys",),
+            'missing; give bounds: [keys], mesh.length = { from = "0.2 m", to = "2 m" }',
+        )
     found = []
     for name, path, entry in file.entries(("keys",), table, is_range, {}):
-        key = read_key(name, entry, scene, file.origin.at(path), file.say_below(path, name))
+        key = read_key(
+            name, entry, scene, file.origin.at(path), file.say_below(path, name)
+        )
         if key is not None:
             found.append(key)
     return tuple(found)
 
 
 def _method(file: StudyFile[DesignTable], scatters: bool) -> Method:
-    """Return the method: what the file says, or by whether the results of the scene scatter."""
+    """Return the method: what the file says, or by whether the results of the scene
+    scatter.
+    """
     given = file.settings.method
     if given == "gradient" and scatters:
-        file.say(("method",), "results of particles and of two fluids scatter, so that there are no gradients to "
+        file.say(("method",), "results of particles and of two fluids scatter, so that "
+                              "there are no gradients to "
                  'follow; leave it out, or give "surrogate"')  # fmt: skip
     return "surrogate" if scatters or given == "surrogate" else "gradient"
 
@@ -159,9 +205,16 @@ def _repeats(file: StudyFile[DesignTable], method: Method, seeded: bool) -> int:
     default = REPEATS if seeded and method == "surrogate" else 1
     found = file.settings.repeats or default
     if found > 1 and method == "gradient":
-        file.say(("repeats",), 'a search by gradients runs a point once; give method = "surrogate"')
+        file.say(
+            ("repeats",),
+            'a search by gradients runs a point once; give method = "surrogate"',
+        )
     elif found > 1 and not seeded:
-        file.say(("repeats",), "the scene has no seed, so that a repeated run would be the same; leave it out")
+        file.say(
+            ("repeats",),
+            "the scene has no seed, so that a repeated run would be the same; leave it "
+            "out",
+        )
     return found
 
 
@@ -180,16 +233,24 @@ def _aim(file: StudyFile[DesignTable]) -> str:
     return given[0]
 
 
-def _refuse_equalities(file: StudyFile[DesignTable], constraints: tuple[Constraint, ...]) -> None:
+def _refuse_equalities(
+    file: StudyFile[DesignTable], constraints: tuple[Constraint, ...]
+) -> None:
     """Note equality constraints, which no point with scatter fulfils."""
     for one in constraints:
         if one.sign == "==":
             path: KeyPath = ("constraints", file.settings.constraints.index(one.text))
-            file.say(path, f'"{one.text}": without gradients no point fulfils it; give two limits, with <= and >=')
+            file.say(
+                path,
+                f'"{one.text}": without gradients no point fulfils it; give two '
+                "limits, with <= and >=",
+            )
 
 
 class _Formulas:
-    """Reader of objective and constraints; None where they have mistakes, which are noted."""
+    """Reader of objective and constraints; None where they have mistakes, which are
+    noted.
+    """
 
     def __init__(self, file: StudyFile[DesignTable], unit_of: Callable[[str], str]):
         self.file, self.unit_of = file, unit_of
@@ -201,7 +262,9 @@ class _Formulas:
             return self.expression((aim,), entry.formula, entry.unit)
         return self.expression((aim,), entry)
 
-    def expression(self, path: KeyPath, text: str, unit: str | None = None) -> Expression | None:
+    def expression(
+        self, path: KeyPath, text: str, unit: str | None = None
+    ) -> Expression | None:
         """Return a formula."""
         try:
             return read_expression(text, self.unit_of, unit)
@@ -211,14 +274,20 @@ class _Formulas:
 
     def constraints(self) -> tuple[Constraint, ...]:
         """Return all constraints."""
-        found = (self.constraint(("constraints", k), text) for k, text in enumerate(self.file.settings.constraints))
+        found = (
+            self.constraint(("constraints", k), text)
+            for k, text in enumerate(self.file.settings.constraints)
+        )
         return tuple(one for one in found if one is not None)
 
     def constraint(self, path: KeyPath, text: str) -> Constraint | None:
         """Return one constraint."""
         signs = _SIGN.findall(text)
         if len(signs) != 1 or signs[0] not in ("<=", ">=", "=="):
-            what = f'{text!r}: expected one of <=, >= and == between two sides, "pressure_drop_Pa <= 2 kPa"'
+            what = (
+                f"{text!r}: expected one of <=, >= and == between two sides, "
+                '"pressure_drop_Pa <= 2 kPa"'
+            )
             self.file.say(path, what)
             return None
         left_text, right_text = (side.strip() for side in text.split(signs[0]))
@@ -226,13 +295,24 @@ class _Formulas:
         if left is None:
             return None
         if not left.names:
-            self.file.say(path, f'"{text}": the left side is a number; begin with the result or key')
+            self.file.say(
+                path,
+                f'"{text}": the left side is a number; begin with the result or key',
+            )
             return None
         right = self.side(path, text, right_text, left.unit)
-        return None if right is None else Constraint(text, left, signs[0], right, self.file.origin.at(path))
+        return (
+            None
+            if right is None
+            else Constraint(text, left, signs[0], right, self.file.origin.at(path))
+        )
 
-    def side(self, path: KeyPath, text: str, right: str, unit: str) -> float | Expression | None:
-        """Return the right side of a constraint: a quantity in the unit of the left side, or a formula."""
+    def side(
+        self, path: KeyPath, text: str, right: str, unit: str
+    ) -> float | Expression | None:
+        """Return the right side of a constraint: a quantity in the unit of the left
+        side, or a formula.
+        """
         try:
             return float(right)
         except ValueError:
@@ -245,7 +325,14 @@ class _Formulas:
                     self.file.say(path, f'"{text}": {error}')
                     return None
         found = self.expression(path, right)
-        if found is not None and found.names and exponents(found.unit) != exponents(unit):
-            self.file.say(path, f'"{text}": the left side is in {unit}, the right one in {found.unit}')
+        if (
+            found is not None
+            and found.names
+            and exponents(found.unit) != exponents(unit)
+        ):
+            self.file.say(
+                path,
+                f'"{text}": the left side is in {unit}, the right one in {found.unit}',
+            )
             return None
         return found

@@ -1,7 +1,9 @@
-"""Designs with integers: for each choice of them the other keys are found by a search of their own.
+"""Designs with integers: for each choice of them the other keys are found by a search
+of their own.
 
-Up to `ENUMERATED` choices all are tried, and the best is exact. Beyond that the neighbours of the best choice so far
-are tried, one integer up and down for each key, until none is better: a better choice farther off is not excluded.
+Up to `ENUMERATED` choices all are tried, and the best is exact. Beyond that the
+neighbours of the best choice so far are tried, one integer up and down for each key,
+until none is better: a better choice farther off is not excluded.
 """
 
 from __future__ import annotations
@@ -19,7 +21,9 @@ Choice = tuple[int, ...]
 
 @dataclass(frozen=True)
 class Best:
-    """The best choice and the search with it, how many choices were tried, and whether these are all."""
+    """The best choice and the search with it, how many choices were tried, and
+    whether these are all.
+    """
 
     choice: Choice
     optimum: Optimum
@@ -28,7 +32,9 @@ class Best:
 
 
 def best_choice(
-    ranges: Sequence[tuple[int, int]], start: Choice, search: Callable[[Choice, Optimum | None], Optimum | None]
+    ranges: Sequence[tuple[int, int]],
+    start: Choice,
+    search: Callable[[Choice, Optimum | None], Optimum | None],
 ) -> Best | None:
     """Return the best choice of integers; None if no search could begin.
 
@@ -36,7 +42,8 @@ def best_choice(
     ----------
     ranges : lowest and highest value of each integer
     start : the choice to begin with
-    search : returns the best of the other keys for a choice, beginning at an earlier optimum; None where that fails
+    search : returns the best of the other keys for a choice, beginning at an earlier
+        optimum; None where that fails
     """
     tried: dict[Choice, Optimum | None] = {}
     best: tuple[Choice, Optimum] | None = None
@@ -67,7 +74,9 @@ def best_choice(
 
 
 def is_better(one: Optimum, other: Optimum) -> bool:
-    """Return whether one point is to be preferred: that which keeps the constraints, then that with the lower value."""
+    """Return whether one point is to be preferred: that which keeps the constraints,
+    then that with the lower value.
+    """
     if one.feasible and other.feasible:
         return bool(one.values[0] < other.values[0])
     return one.feasible or (not other.feasible and one.excess < other.excess)

@@ -1,8 +1,10 @@
-"""Search of a design without gradients: results that scatter, or `method = "surrogate"`; see `surrogate`.
+"""Search of a design without gradients: results that scatter, or
+`method = "surrogate"`; see `surrogate`.
 
-Every point is run `repeats` times, with seeds one higher each time, and its values are the means. The scatter of all
-points together gives the standard error of a mean, the same for all points. A scene without seeds is run once at a
-point, and its scatter is fitted.
+Every point is run `repeats` times, with seeds one higher each time, and its values are
+the means. The scatter of all points together gives the standard error of a mean, the
+same for all points. A scene without seeds is run once at a point, and its scatter is
+fitted.
 """
 
 from __future__ import annotations
@@ -11,23 +13,40 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.many.optimise.evaluations import Evaluation, Evaluations, OutOfRuns
-from contbed.many.optimise.found import INFEASIBLE, NOT_CONVERGED, SETTLED, Found, best_of, infeasible
+from contbed.many.optimise.found import (
+    INFEASIBLE,
+    NOT_CONVERGED,
+    SETTLED,
+    Found,
+    best_of,
+    infeasible,
+)
 from contbed.many.optimise.problem import Design, with_unit
-from contbed.many.optimise.surrogate import Known, Surrogate, best_known, first_points, propose
+from contbed.many.optimise.surrogate import (
+    Known,
+    Surrogate,
+    best_known,
+    first_points,
+    propose,
+)
 from contbed.models import model_of
 
 Array = NDArray[np.float64]
 
 FIRST = 4  # points before the first fit, for each key
-PROMISE = 1e-3  # improvement, of the range of the objective, below which nothing is promised
+# improvement, of the range of the objective, below which nothing is promised
+PROMISE = 1e-3
 OF_ERROR = 0.1  # the same, of the standard error of a value
-UNLIKELY = 1e-3  # probability of all constraints below which no feasible point is expected
+# probability of all constraints below which no feasible point is expected
+UNLIKELY = 1e-3
 PATIENCE = 3  # proposals in turn that promise nothing, after which a search ends
 CLEAR = 2.0  # standard errors by which a constraint must hold not to count as active
 
 
 def search(evaluations: Evaluations) -> Found:
-    """Return the best point that is found without gradients; `surrogate.require_sklearn` comes before it."""
+    """Return the best point that is found without gradients;
+    `surrogate.require_sklearn` comes before it.
+    """
     design = evaluations.design
     steps = [1.0 / key.span if key.whole else 0.0 for key in design.keys]
     verdict, out_of_runs = "", False
@@ -37,12 +56,17 @@ def search(evaluations: Evaluations) -> Found:
         verdict = _improve(evaluations, steps)
     except OutOfRuns:
         out_of_runs = True
-        verdict = f"all {design.runs} points are computed; raise runs and give the same command to resume"
+        verdict = (
+            f"all {design.runs} points are computed; raise runs and give the "
+            "same command to resume"
+        )
     return _found(evaluations, verdict, out_of_runs)
 
 
 def _improve(evaluations: Evaluations, steps: list[float]) -> str:
-    """Compute what the surrogate proposes until it promises nothing; return why it ended."""
+    """Compute what the surrogate proposes until it promises nothing; return why it
+    ended.
+    """
     design, idle = evaluations.design, 0
     while True:
         known = known_of(evaluations)
@@ -55,7 +79,10 @@ def _improve(evaluations: Evaluations, steps: list[float]) -> str:
         if idle >= PATIENCE:
             unit = with_unit(design.objective.unit)
             if not proposal.feasible:
-                return f"no point is expected to hold all constraints (probability below {UNLIKELY:g})"
+                return (
+                    "no point is expected to hold all constraints (probability "
+                    f"below {UNLIKELY:g})"
+                )
             return f"no point promises an improvement above {least:.2g}{unit}"
 
 
@@ -66,40 +93,64 @@ def _least(known: Known, surrogate: Surrogate) -> float:
 
 
 def _point(design: Design, z: Array) -> Array:
-    low, span = (np.array([getattr(key, name) for key in design.keys]) for name in ("low", "span"))
+    low, span = (
+        np.array([getattr(key, name) for key in design.keys])
+        for name in ("low", "span")
+    )
     found: Array = np.clip(low + z * span, low, low + span)
     return found
 
 
 def known_of(evaluations: Evaluations) -> Known:
-    """Return all points that were computed, scaled, with the variance of their means."""
+    """Return all points that were computed, scaled, with the variance of their
+    means.
+    """
     design, rows = evaluations.design, evaluations.rows
-    low, span = (np.array([getattr(key, name) for key in design.keys]) for name in ("low", "span"))
+    low, span = (
+        np.array([getattr(key, name) for key in design.keys])
+        for name in ("low", "span")
+    )
     failed = np.full(1 + len(design.constraints), np.nan)
-    values = np.array([failed if row.functions is None else row.functions for row in rows])
-    return Known((np.array([row.point for row in rows]) - low) / span, values, variance_of_means(rows, len(failed)))
+    values = np.array(
+        [failed if row.functions is None else row.functions for row in rows]
+    )
+    return Known(
+        (np.array([row.point for row in rows]) - low) / span,
+        values,
+        variance_of_means(rows, len(failed)),
+    )
 
 
 def variance_of_means(rows: tuple[Evaluation, ...], functions: int) -> Array:
-    """Return the variance of the mean of repeats, pooled over all points (functions,); nan where they are alike."""
+    """Return the variance of the mean of repeats, pooled over all points
+    (functions,); nan where they are alike.
+    """
     repeated = [row for row in rows if row.functions is not None and len(row.each) > 1]
     if not repeated:
         return np.full(functions, np.nan)
-    squares = sum(((row.each - row.each.mean(axis=0)) ** 2).sum(axis=0) for row in repeated)
+    squares = sum(
+        ((row.each - row.each.mean(axis=0)) ** 2).sum(axis=0) for row in repeated
+    )
     freedom = sum(len(row.each) - 1 for row in repeated)
-    found: Array = np.asarray(squares) / freedom / max(len(row.each) for row in repeated)
+    found: Array = (
+        np.asarray(squares) / freedom / max(len(row.each) for row in repeated)
+    )
     found[found == 0.0] = np.nan  # seeds that change nothing
     return found
 
 
 def _found(evaluations: Evaluations, verdict: str, out_of_runs: bool) -> Found:
-    """Return the best point by the surrogate, with the errors of its predicted values."""
+    """Return the best point by the surrogate, with the errors of its predicted
+    values.
+    """
     design, m = evaluations.design, len(evaluations.design.constraints)
     none = np.zeros(m), np.zeros(len(design.keys))
     known = known_of(evaluations)
     if np.isfinite(known.values).all(axis=1).sum() < 2:
         best = best_of(evaluations.rows, design)
-        return Found(NOT_CONVERGED, verdict, best, None, *none, np.zeros(m, bool), None, ())
+        return Found(
+            NOT_CONVERGED, verdict, best, None, *none, np.zeros(m, bool), None, ()
+        )
     surrogate = Surrogate(known)
     best_row, feasible = best_known(known, surrogate)
     best, z = evaluations.rows[best_row], known.z[best_row : best_row + 1]
@@ -107,13 +158,32 @@ def _found(evaluations: Evaluations, verdict: str, out_of_runs: bool) -> Found:
     sign = -1.0 if design.maximise else 1.0
     unit = with_unit(design.objective.unit)
     reason = ", as results scatter" if model_of(design.scene).scatters else ""
-    there = f"{design.objective.text} there {sign * mean[0]:.5g}{unit} +- {error[0]:.2g}{unit}"
+    there = (
+        f"{design.objective.text} there {sign * mean[0]:.5g}{unit} +- "
+        f"{error[0]:.2g}{unit}"
+    )
     how = f"by Gaussian processes{reason}: {there}"
     if not feasible:
         status, why = INFEASIBLE, f"{infeasible(design, best)}; {verdict}"
     else:
         status = NOT_CONVERGED if out_of_runs else SETTLED
-        why = f"{verdict}; {how}; without gradients, so that prices of constraints are not known"
-    active = np.abs(mean[1:]) <= np.maximum(CLEAR * error[1:], PROMISE * surrogate.size[1:])
+        why = (
+            f"{verdict}; {how}; without gradients, so that prices of constraints are "
+            "not known"
+        )
+    active = np.abs(mean[1:]) <= np.maximum(
+        CLEAR * error[1:], PROMISE * surrogate.size[1:]
+    )
     errors = np.array(error)
-    return Found(status, why, best, None, *none, active, None, (), errors, np.array([sign * mean[0], *mean[1:]]))
+    return Found(
+        status,
+        why,
+        best,
+        None,
+        *none,
+        active,
+        None,
+        (),
+        errors,
+        np.array([sign * mean[0], *mean[1:]]),
+    )

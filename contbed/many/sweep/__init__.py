@@ -1,1 +1,3 @@
-"""Parameter studies: many scenes from one study file, with designs, workers, tables and plots."""
+"""Parameter studies: many scenes from one study file, with designs, workers, tables
+and plots.
+"""

@@ -1,7 +1,8 @@
 """The picture of a sweep: results over the parameters that vary.
 
-One parameter gives lines, with a choice beside it one line for each; two numbers give contours; more give the main
-effects, every run as a point and the mean over the others as a line. Runs that failed are crosses.
+One parameter gives lines, with a choice beside it one line for each; two numbers give
+contours; more give the main effects, every run as a point and the mean over the others
+as a line. Runs that failed are crosses.
 """
 
 from __future__ import annotations
@@ -23,7 +24,12 @@ Array = NDArray[np.float64]
 
 # Okabe and Ito's colours
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-_FAILED: dict[str, Any] = {"color": "#B00020", "marker": "x", "linestyle": "none", "markersize": 5}
+_FAILED: dict[str, Any] = {
+    "color": "#B00020",
+    "marker": "x",
+    "linestyle": "none",
+    "markersize": 5,
+}
 _MOST_RESULTS = 4
 _MOST_EFFECTS = 5
 _BINS = 8  # of a parameter with more values than that
@@ -33,7 +39,9 @@ _WIDE = 24  # characters of a label
 
 @dataclass(frozen=True)
 class _Axis:
-    """A parameter that varies: its value in each run as a number, or the number of its choice."""
+    """A parameter that varies: its value in each run as a number, or the number of
+    its choice.
+    """
 
     quantity: Quantity
     values: Array
@@ -47,7 +55,12 @@ class _Axis:
 
     def label(self, axes: Any, which: str = "x", ticks: int = 4) -> None:
         """Label and scale the x or y axis."""
-        from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
+        from matplotlib.ticker import (
+            FixedLocator,
+            FuncFormatter,
+            MaxNLocator,
+            NullLocator,
+        )
 
         axes.set(**{f"{which}label": self.quantity.label})
         axis = getattr(axes, f"{which}axis")
@@ -60,8 +73,12 @@ class _Axis:
                 axes.set(**{f"{which}scale": "log"})
             else:
                 getattr(axes, f"set_{which}scale")("symlog", linthresh=size.min())
-            decades = 10.0 ** np.arange(np.floor(np.log10(size.min())), np.ceil(np.log10(size.max())) + 1)
-            marks = np.outer(decades, (1.0, 2.0, 5.0) if len(decades) < 4 else (1.0,)).ravel()
+            decades = 10.0 ** np.arange(
+                np.floor(np.log10(size.min())), np.ceil(np.log10(size.max())) + 1
+            )
+            marks = np.outer(
+                decades, (1.0, 2.0, 5.0) if len(decades) < 4 else (1.0,)
+            ).ravel()
             marks = marks[(marks > 0.999 * size.min()) & (marks < 1.001 * size.max())]
             axis.set_major_locator(FixedLocator(np.sign(self.values[0]) * marks))
             axis.set_minor_locator(NullLocator())
@@ -72,7 +89,9 @@ class _Axis:
 
 def plot(path: Path, study: Study, rows: list[Row]) -> None:
     """Draw a sweep if anything varies in it."""
-    axes = [axis for name in study.axes if (axis := _axis(name, study, rows)) is not None]
+    axes = [
+        axis for name in study.axes if (axis := _axis(name, study, rows)) is not None
+    ]
     results = _results(study, rows)
     failed = np.array([bool(row.exit_code) for row in rows])
     if not axes or not results:
@@ -89,9 +108,16 @@ def plot(path: Path, study: Study, rows: list[Row]) -> None:
 
 def _axis(name: str, study: Study, rows: list[Row]) -> _Axis | None:
     values = [row.parameters[name] for row in rows]
-    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+    if all(
+        isinstance(value, int | float) and not isinstance(value, bool)
+        for value in values
+    ):
         numbers = np.array(values, dtype=float)
-        return _Axis(parameter(name, values), numbers, (), name in study.logarithmic) if len(set(values)) > 1 else None
+        return (
+            _Axis(parameter(name, values), numbers, (), name in study.logarithmic)
+            if len(set(values)) > 1
+            else None
+        )
     texts = [str(value) for value in values]
     choices = tuple(dict.fromkeys(texts))
     places = np.array([choices.index(text) for text in texts], dtype=float)
@@ -99,11 +125,16 @@ def _axis(name: str, study: Study, rows: list[Row]) -> _Axis | None:
 
 
 def _results(study: Study, rows: list[Row]) -> list[tuple[Quantity, Array]]:
-    """Return what to plot: the chosen results, else the first that vary; nan where a run has no such number."""
+    """Return what to plot: the chosen results, else the first that vary; nan where a
+    run has no such number.
+    """
     found = []
     for quantity in columns(study, rows)[1]:
         values = [row.qoi.get(quantity.key) for row in rows]
-        numbers = np.array([np.nan if not isinstance(v, int | float) else v for v in values], dtype=float)
+        numbers = np.array(
+            [np.nan if not isinstance(v, int | float) else v for v in values],
+            dtype=float,
+        )
         there = numbers[np.isfinite(numbers)]
         varies = len(there) > 1 and np.ptp(there) > _CONSTANT * np.abs(there).max()
         if quantity.key in study.qoi or (not study.qoi and varies):
@@ -113,15 +144,25 @@ def _results(study: Study, rows: list[Row]) -> list[tuple[Quantity, Array]]:
     return found[:_MOST_RESULTS]
 
 
-def _lines(path: Path, title: str, axes: list[_Axis], results: list[tuple[Quantity, Array]], failed: Any) -> None:
+def _lines(
+    path: Path,
+    title: str,
+    axes: list[_Axis],
+    results: list[tuple[Quantity, Array]],
+    failed: Any,
+) -> None:
     along = next((axis for axis in axes if not axis.choices), axes[0])
     beside = next((axis for axis in axes if axis is not along), None)
     with styled_figure(path, 1.2 + 2.6 * len(results), title) as figure:
         panels = figure.subplots(len(results), 1, sharex=True, squeeze=False)[:, 0]
         for panel, (quantity, values) in zip(panels, results, strict=True):
-            groups = [np.ones(len(values), bool)] if beside is None else _choices(beside)
+            groups = (
+                [np.ones(len(values), bool)] if beside is None else _choices(beside)
+            )
             for k, group in enumerate(groups):
-                order = np.flatnonzero(group)[np.argsort(along.values[group], kind="stable")]
+                order = np.flatnonzero(group)[
+                    np.argsort(along.values[group], kind="stable")
+                ]
                 panel.plot(
                     along.values[order],
                     values[order],
@@ -138,13 +179,21 @@ def _lines(path: Path, title: str, axes: list[_Axis], results: list[tuple[Quanti
             panels[0].legend(title=beside.quantity.label)
 
 
-def _contours(path: Path, title: str, axes: list[_Axis], results: list[tuple[Quantity, Array]], failed: Any) -> None:
+def _contours(
+    path: Path,
+    title: str,
+    axes: list[_Axis],
+    results: list[tuple[Quantity, Array]],
+    failed: Any,
+) -> None:
     from matplotlib.tri import Triangulation
 
     x, y = axes
     across = min(len(results), 2)
     down = -(-len(results) // across)
-    with styled_figure(path, 0.6 + (3.3 if across > 1 else 5.0) * down, title) as figure:
+    with styled_figure(
+        path, 0.6 + (3.3 if across > 1 else 5.0) * down, title
+    ) as figure:
         panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
         for panel, (quantity, values) in zip(panels.flat, results, strict=False):
             net = Triangulation(x.scaled, y.scaled)
@@ -153,7 +202,9 @@ def _contours(path: Path, title: str, axes: list[_Axis], results: list[tuple[Qua
             net.set_mask(hidden)
             net.x, net.y = x.values, y.values
             if not hidden.all():
-                colours = panel.tricontourf(net, np.nan_to_num(values), levels=14, cmap="viridis")
+                colours = panel.tricontourf(
+                    net, np.nan_to_num(values), levels=14, cmap="viridis"
+                )
                 figure.colorbar(colours, ax=panel).outline.set_visible(False)
             panel.plot(x.values, y.values, ".", color="white", markersize=2)
             panel.plot(x.values[failed], y.values[failed], **_FAILED)
@@ -165,14 +216,27 @@ def _contours(path: Path, title: str, axes: list[_Axis], results: list[tuple[Qua
             panel.remove()
 
 
-def _effects(path: Path, title: str, axes: list[_Axis], results: list[tuple[Quantity, Array]], failed: Any) -> None:
+def _effects(
+    path: Path,
+    title: str,
+    axes: list[_Axis],
+    results: list[tuple[Quantity, Array]],
+    failed: Any,
+) -> None:
     # those that move the first result most
-    strongest = sorted(axes, key=lambda axis: -np.ptp(_means(axis, results[0][1])[1]))[:_MOST_EFFECTS]
+    strongest = sorted(axes, key=lambda axis: -np.ptp(_means(axis, results[0][1])[1]))[
+        :_MOST_EFFECTS
+    ]
     shown = [axis for axis in axes if any(axis is other for other in strongest)]
     if len(shown) < len(axes):
-        title = f"{title}\n" * bool(title) + f"the {len(shown)} strongest of {len(axes)} parameters"
+        title = (
+            f"{title}\n" * bool(title)
+            + f"the {len(shown)} strongest of {len(axes)} parameters"
+        )
     with styled_figure(path, 1.0 + 2.2 * len(results), title) as figure:
-        panels = figure.subplots(len(results), len(shown), sharex="col", sharey="row", squeeze=False)
+        panels = figure.subplots(
+            len(results), len(shown), sharex="col", sharey="row", squeeze=False
+        )
         for row, (quantity, values) in zip(panels, results, strict=True):
             for panel, axis in zip(row, shown, strict=True):
                 panel.plot(axis.values, values, ".", color="0.75", markersize=3)
@@ -186,15 +250,21 @@ def _effects(path: Path, title: str, axes: list[_Axis], results: list[tuple[Quan
 
 
 def _means(axis: _Axis, values: Array) -> tuple[Array, Array]:
-    """Return the mean of a result for each value of a parameter, or for slices of equally many runs."""
+    """Return the mean of a result for each value of a parameter, or for slices of
+    equally many runs.
+    """
     there = np.isfinite(values)
     at, found = axis.values[there], values[there]
     levels = np.unique(at)
     if len(levels) <= _BINS:
         return levels, np.array([found[at == level].mean() for level in levels])
     # with eight runs in a slice its mean is steadier than a run
-    slices = np.array_split(np.argsort(at, kind="stable"), int(np.clip(len(at) // 8, 2, _BINS)))
-    return np.array([np.median(at[part]) for part in slices]), np.array([found[part].mean() for part in slices])
+    slices = np.array_split(
+        np.argsort(at, kind="stable"), int(np.clip(len(at) // 8, 2, _BINS))
+    )
+    return np.array([np.median(at[part]) for part in slices]), np.array(
+        [found[part].mean() for part in slices]
+    )
 
 
 def _choices(axis: _Axis) -> Iterator[Any]:

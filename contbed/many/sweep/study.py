@@ -20,7 +20,8 @@
     [sample.parameters]
     packed_bed.porosity = { from = 0.36, to = 0.44 }
 
-`design` describes values and distributions. Parts that stand side by side are combined, each with each.
+`design` describes values and distributions. Parts that stand side by side are combined,
+each with each.
 """
 
 from __future__ import annotations
@@ -48,18 +49,30 @@ from contbed.scene.toml_lines import KeyPath, one_line, parse_key
 
 Point = dict[str, Any]  # value by key of the scene
 _VALUES = (value_sets.is_values, value_sets.values)
-_DISTRIBUTIONS = (value_sets.is_distribution, partial(value_sets.distribution, counts=True))
+_DISTRIBUTIONS = (
+    value_sets.is_distribution,
+    partial(value_sets.distribution, counts=True),
+)
 
 
 class SampleTable(Table):
     """[sample]."""
 
-    method: value_sets.Method = Field(description="how the points of the sample are drawn")
-    count: Annotated[Whole, Field(ge=1, le=value_sets.MOST_RUNS)] = Field(description="number of points")
-    seed: Annotated[Whole, Field(ge=0, lt=2**63)] = Field(0, description="seed of the random numbers")
-    gradients: Switch = Field(False, description="uncertainty by derivatives at the means as well")
+    method: value_sets.Method = Field(
+        description="how the points of the sample are drawn"
+    )
+    count: Annotated[Whole, Field(ge=1, le=value_sets.MOST_RUNS)] = Field(
+        description="number of points"
+    )
+    seed: Annotated[Whole, Field(ge=0, lt=2**63)] = Field(
+        0, description="seed of the random numbers"
+    )
+    gradients: Switch = Field(
+        False, description="uncertainty by derivatives at the means as well"
+    )
     parameters: dict[str, Any] = Field(
-        default_factory=dict, description="keys of the scene, each with its distribution"
+        default_factory=dict,
+        description="keys of the scene, each with its distribution",
     )
 
 
@@ -72,15 +85,22 @@ class StudyTable(Table):
     scene: str = Field("", description="scene file, path relative to this file")
     qoi: tuple[str, ...] = Field((), min_length=1, description="results to plot")
     parameters: dict[str, Any] = Field(
-        default_factory=dict, description="keys of the scene, each with its values; all combinations are computed"
+        default_factory=dict,
+        description="keys of the scene, each with its values; all combinations are "
+        "computed",
     )
-    zipped: tuple[dict[str, Any], ...] = Field((), description="keys whose values change together")
-    sample: SampleTable | None = Field(None, description="random or quasi-random sample of keys")
+    zipped: tuple[dict[str, Any], ...] = Field(
+        (), description="keys whose values change together"
+    )
+    sample: SampleTable | None = Field(
+        None, description="random or quasi-random sample of keys"
+    )
 
 
 @dataclass(frozen=True)
 class Sample:
-    """The design of [sample]: method, distribution of each parameter, its points in the unit cube.
+    """The design of [sample]: method, distribution of each parameter, its points in the
+    unit cube.
 
     gradients : results are propagated by their derivatives at the means as well
     """
@@ -95,9 +115,11 @@ class Sample:
 class Study:
     """The runs of a study file.
 
-    `axes` are the parameters that vary by themselves, among them the first of each [[zipped]] table; `logarithmic` are
-    those with even ratios; `qoi_at` is where the file says what to plot. `order` are the names of the cases of all
-    combinations, in which one that is the same scene as another stands again; `base` loads the scene of other values.
+    `axes` are the parameters that vary by themselves, among them the first of
+    each [[zipped]] table; `logarithmic` are those with even ratios; `qoi_at` is where
+    the file says what to plot. `order` are the names of the cases of all combinations,
+    in which one that is the same scene as another stands again; `base` loads the scene
+    of other values.
     """
 
     file: Path
@@ -114,12 +136,16 @@ class Study:
     sample: Sample | None = None
 
 
-def read_study(path: str | Path, trust: bool = False, allow_large: bool = False) -> Study:
-    """Return the runs of a study file, without those that are the same scene twice; flags as in `contbed.loading.load`.
+def read_study(
+    path: str | Path, trust: bool = False, allow_large: bool = False
+) -> Study:
+    """Return the runs of a study file, without those that are the same scene twice;
+    flags as in `contbed.loading.load`.
 
     Raises
     ------
-    SceneError : with file:line, all mistakes of the study, or if it has none those of its scenes
+    SceneError : with file:line, all mistakes of the study, or if it has none those of
+        its scenes
     """
     file = StudyFile(path, StudyTable)
     settings, origin = file.settings, file.origin
@@ -127,7 +153,10 @@ def read_study(path: str | Path, trust: bool = False, allow_large: bool = False)
     reader = _Reader(file)
     groups = [*reader.parameters(), *reader.zipped(), *reader.sample()]
     if not groups and not file.problems:
-        file.say(("parameters",), "missing; give lists: [parameters], mesh.length = [0.1, 0.2]")
+        file.say(
+            ("parameters",),
+            "missing; give lists: [parameters], mesh.length = [0.1, 0.2]",
+        )
     if not file.problems and (count := prod(map(len, groups))) > value_sets.MOST_RUNS:
         file.say(("parameters",), f"{count} runs; at most {value_sets.MOST_RUNS}")
     file.stop()
@@ -150,7 +179,9 @@ def read_study(path: str | Path, trust: bool = False, allow_large: bool = False)
 
 
 class _Reader:
-    """Reader of the parts of a study, each a list of points; mistakes are collected by the file."""
+    """Reader of the parts of a study, each a list of points; mistakes are collected
+    by the file.
+    """
 
     def __init__(self, file: StudyFile[StudyTable]):
         self.file, self.settings = file, file.settings
@@ -162,17 +193,26 @@ class _Reader:
 
     def parameters(self) -> Iterator[list[Point]]:
         """Yield one part for each key: its values."""
-        for name, levels in self.entries(("parameters",), self.settings.parameters, *_VALUES):
+        for name, levels in self.entries(
+            ("parameters",), self.settings.parameters, *_VALUES
+        ):
             yield [{name: level} for level in levels]
 
     def zipped(self) -> Iterator[list[Point]]:
-        """Yield one part for each table of [[zipped]]: the values of its keys, taken together."""
+        """Yield one part for each table of [[zipped]]: the values of its keys, taken
+        together.
+        """
         for k, table in enumerate(self.settings.zipped):
             entries = list(self.entries(("zipped", k), table, *_VALUES))
             lengths = {name: len(levels) for name, levels in entries}
             if len(set(lengths.values())) > 1:
-                counts = ", ".join(f"{count} of {name}" for name, count in lengths.items())
-                self.file.say(("zipped", k), f"as many values of each key are needed, found {counts}")
+                counts = ", ".join(
+                    f"{count} of {name}" for name, count in lengths.items()
+                )
+                self.file.say(
+                    ("zipped", k),
+                    f"as many values of each key are needed, found {counts}",
+                )
             elif entries:
                 names, columns = zip(*entries, strict=True)
                 self.followers.update(names[1:])
@@ -184,12 +224,20 @@ class _Reader:
         if table is None:
             return
         say = self.file.say
-        spreads = dict(self.entries(("sample", "parameters"), table.parameters, *_DISTRIBUTIONS))
+        spreads = dict(
+            self.entries(("sample", "parameters"), table.parameters, *_DISTRIBUTIONS)
+        )
         if not spreads and not self.file.problems:
-            say(("sample", "parameters"), "missing; give distributions, mesh.length = { from = 0.36, to = 0.44 }")
+            say(
+                ("sample", "parameters"),
+                "missing; give distributions, mesh.length = { from = 0.36, to = 0.44 }",
+            )
         others = sorted({"parameters", "zipped"} & self.file.values.keys())
         if table.method in value_sets.BY_THEMSELVES and others:
-            say(("sample", "method"), f'"{table.method}" stands alone; leave out {" and ".join(others)}')
+            say(
+                ("sample", "method"),
+                f'"{table.method}" stands alone; leave out {" and ".join(others)}',
+            )
         if self.file.problems:
             return
         self._warn_of_count(table)
@@ -199,7 +247,11 @@ class _Reader:
             if table.method == "morris":
                 points[:, k] = value_sets.within_tails(points[:, k], spread)
             values = spread(points[:, k])
-            columns.append(values.astype(int).tolist() if spread.whole else [*map(value_sets.tidy, values)])
+            columns.append(
+                values.astype(int).tolist()
+                if spread.whole
+                else [*map(value_sets.tidy, values)]
+            )
         self.design = Sample(table.method, spreads, points, table.gradients)
         yield _points(spreads, columns)
 
@@ -208,12 +260,17 @@ class _Reader:
         if table.method.startswith("sobol") and table.count & (table.count - 1):
             near = 2 ** (table.count.bit_length() - 1)
             self.warnings.append(
-                f"{self.file.origin.at(('sample', 'count'))}: sample.count = {table.count}: not a power of two; "
+                f"{self.file.origin.at(('sample', 'count'))}: sample.count = "
+                f"{table.count}: not a power of two; "
                 f"Sobol points fill the space evenly at {near} or {2 * near}"
             )
 
     def entries(
-        self, at: KeyPath, table: Mapping[str, Any], is_entry: Callable[[Any], bool], read: Callable[..., Any]
+        self,
+        at: KeyPath,
+        table: Mapping[str, Any],
+        is_entry: Callable[[Any], bool],
+        read: Callable[..., Any],
     ) -> Iterator[tuple[str, Any]]:
         """Yield name and values, or distribution, of each key below a table."""
         for name, path, entry in self.file.entries(at, table, is_entry, self.places):
@@ -231,9 +288,13 @@ def _points(names: Iterable[str], columns: Iterable[Iterable[Any]]) -> list[Poin
 
 
 def _cases(
-    make: Callable[[dict[str, Any]], SceneBase], groups: list[list[dict[str, Any]]], places: Mapping[str, str]
+    make: Callable[[dict[str, Any]], SceneBase],
+    groups: list[list[dict[str, Any]]],
+    places: Mapping[str, str],
 ) -> tuple[list[Case], tuple[str, ...]]:
-    """Return the scenes of all combinations, and their names in order; a shared mistake is reported once."""
+    """Return the scenes of all combinations, and their names in order; a shared
+    mistake is reported once.
+    """
     cases: dict[str, Case] = {}
     order: list[str] = []
     problems: dict[str, list[str]] = {}
@@ -244,7 +305,9 @@ def _cases(
         except SceneError as error:
             for text in error.problems:
                 name, told = relocated(text, places)
-                known = problems.setdefault(name or text, [] if name else [f"{told} (with {_shown(values)})"])
+                known = problems.setdefault(
+                    name or text, [] if name else [f"{told} (with {_shown(values)})"]
+                )
                 if name and told not in known:
                     known.append(told)
         else:
@@ -254,7 +317,12 @@ def _cases(
             order.append(case.name)
     if problems:
         again = " (and {} more values)"
-        raise SceneError([first + (again.format(len(more)) if more else "") for first, *more in problems.values()])
+        raise SceneError(
+            [
+                first + (again.format(len(more)) if more else "")
+                for first, *more in problems.values()
+            ]
+        )
     return list(cases.values()), tuple(order)
 
 

@@ -1,6 +1,8 @@
-"""The command `contbed sweep`: run every scene of a study that has no outcome yet, then write the table and the plots.
+"""The command `contbed sweep`: run every scene of a study that has no outcome yet, then
+write the table and the plots.
 
-All data of a sweep is in its folder: an interrupted sweep continues with the same command.
+All data of a sweep is in its folder: an interrupted sweep continues with the same
+command.
 """
 
 from __future__ import annotations
@@ -25,7 +27,9 @@ from contbed.scene.names import nearest
 
 @dataclass(frozen=True)
 class Sweep:
-    """The runs of a sweep in the order of the study, how many of them existed before, and warnings."""
+    """The runs of a sweep in the order of the study, how many of them existed
+    before, and warnings.
+    """
 
     rows: list[Row]
     before: int
@@ -38,9 +42,13 @@ class Sweep:
         return [row for row in self.rows if row.exit_code]
 
     def failures(self, most: int = 20) -> list[str]:
-        """Return a line for each run that failed, with its parameters, exit code and problem."""
+        """Return a line for each run that failed, with its parameters, exit code and
+        problem.
+        """
         lines = [
-            f"failed with {row.exit_code}: {', '.join(f'{k} = {v}' for k, v in row.parameters.items())}: {row.problem}"
+            f"failed with {row.exit_code}: "
+            f"{', '.join(f'{k} = {v}' for k, v in row.parameters.items())}: "
+            f"{row.problem}"
             for row in self.failed[:most]
         ]
         rest = len(self.failed) - most
@@ -71,7 +79,8 @@ def sweep(
 
     Raises
     ------
-    SceneError : mistakes in the study or its scenes, before anything is written; a name in `qoi` that no run has
+    SceneError : mistakes in the study or its scenes, before anything is written; a name
+        in `qoi` that no run has
     ContbedError : the folder cannot be written, or there is nobody to compute
     """
     todo = read_study(study, trust, allow_large)
@@ -84,16 +93,28 @@ def sweep(
         if (found := known(case, folder, retry_failed)) is not None:
             outcomes[case.name] = found
     before = len(outcomes)
-    damaged = [case.name for case in todo.cases if case.name not in outcomes and is_damaged(case, folder)]
-    warnings = [f"runs/{name}: outcome.json is not as it was written; the run is computed again" for name in damaged]
+    damaged = [
+        case.name
+        for case in todo.cases
+        if case.name not in outcomes and is_damaged(case, folder)
+    ]
+    warnings = [
+        f"runs/{name}: outcome.json is not as it was written; the run is computed again"
+        for name in damaged
+    ]
     try:
         with Progress(len(todo.cases), "runs", quiet) as progress:
             for case, outcome in _found(todo, folder, outcomes, jobs, scheduler):
                 outcomes[case.name] = outcome
-                failed = sum(bool(outcome["exit_code"]) for outcome in outcomes.values())
+                failed = sum(
+                    bool(outcome["exit_code"]) for outcome in outcomes.values()
+                )
                 progress.advance_to(len(outcomes), f"{failed} failed" if failed else "")
     finally:
-        ended = ((case, outcomes.get(case.name) or known(case, folder)) for case in todo.cases)
+        ended = (
+            (case, outcomes.get(case.name) or known(case, folder))
+            for case in todo.cases
+        )
         rows = [_row(case, outcome) for case, outcome in ended if outcome is not None]
         with _alone(folder):
             table.write(folder, todo, rows)
@@ -107,7 +128,9 @@ def sweep(
 
 @contextmanager
 def _alone(folder: Path) -> Iterator[None]:
-    """Lock the sweep while the table is written, because another sweep of the study may end at the same time."""
+    """Lock the sweep while the table is written, because another sweep of the study
+    may end at the same time.
+    """
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         with locked(descriptor):
@@ -116,17 +139,33 @@ def _alone(folder: Path) -> Iterator[None]:
         os.close(descriptor)
 
 
-def _found(todo: Study, folder: Path, outcomes: dict[str, Content], jobs: int, scheduler: str | None) -> workers.Found:
+def _found(
+    todo: Study,
+    folder: Path,
+    outcomes: dict[str, Content],
+    jobs: int,
+    scheduler: str | None,
+) -> workers.Found:
     waiting = [case for case in todo.cases if case.name not in outcomes]
     if not waiting:
         return iter(())
     if scheduler is not None:
         return workers.on_cluster(waiting, folder, scheduler)
-    return workers.in_this_process(waiting, folder) if jobs == 1 else workers.on_this_machine(waiting, folder, jobs)
+    return (
+        workers.in_this_process(waiting, folder)
+        if jobs == 1
+        else workers.on_this_machine(waiting, folder, jobs)
+    )
 
 
 def _row(case: Case, outcome: Content) -> Row:
-    return Row(case.name, case.parameters, outcome["qoi"], outcome["exit_code"], outcome["problem"])
+    return Row(
+        case.name,
+        case.parameters,
+        outcome["qoi"],
+        outcome["exit_code"],
+        outcome["problem"],
+    )
 
 
 def _require_known(todo: Study, rows: list[Row]) -> None:
@@ -135,5 +174,9 @@ def _require_known(todo: Study, rows: list[Row]) -> None:
     missing = [name for name in todo.qoi if name not in results]
     if results and missing:
         raise SceneError(
-            [f'{todo.qoi_at}: qoi: no run has the result "{name}"; {nearest(name, results)}' for name in missing]
+            [
+                f'{todo.qoi_at}: qoi: no run has the result "{name}"; '
+                f"{nearest(name, results)}"
+                for name in missing
+            ]
         )

@@ -1,4 +1,6 @@
-"""The table of a sweep: parameters and named results of every run that has ended, as CSV and as JSON."""
+"""The table of a sweep: parameters and named results of every run that has ended, as
+CSV and as JSON.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ from contbed.output.summary import write_json
 
 @dataclass(frozen=True)
 class Row:
-    """One run that has ended: name, parameters in SI, and named results, or exit code and problem."""
+    """One run that has ended: name, parameters in SI, and named results, or exit
+    code and problem.
+    """
 
     name: str
     parameters: Mapping[str, Any]
@@ -27,8 +31,16 @@ class Row:
 def write(out: Path, study: Study, rows: list[Row]) -> None:
     """Write table.csv and table.json."""
     parameters, results = columns(study, rows)
-    head = [*(q.header for q in parameters), *(q.header for q in results), "run", "exit code", "problem"]
-    write_rows(out / "table.csv", head, (_cells(parameters, results, row) for row in rows))
+    head = [
+        *(q.header for q in parameters),
+        *(q.header for q in results),
+        "run",
+        "exit code",
+        "problem",
+    ]
+    write_rows(
+        out / "table.csv", head, (_cells(parameters, results, row) for row in rows)
+    )
     described = {
         "parameters": {q.key: {"unit": q.unit} for q in parameters},
         "qoi": {q.key: {"unit": q.unit} for q in results},
@@ -43,19 +55,35 @@ def write(out: Path, study: Study, rows: list[Row]) -> None:
         }
         for row in rows
     ]
-    counts = {"cases": len(study.cases), "ended": len(rows), "failed": sum(bool(row.exit_code) for row in rows)}
+    counts = {
+        "cases": len(study.cases),
+        "ended": len(rows),
+        "failed": sum(bool(row.exit_code) for row in rows),
+    }
     write_json(
-        out / "table.json", {"study": study.file.name, **counts, "warnings": study.warnings, **described, "runs": runs}
+        out / "table.json",
+        {
+            "study": study.file.name,
+            **counts,
+            "warnings": study.warnings,
+            **described,
+            "runs": runs,
+        },
     )
 
 
 def columns(study: Study, rows: list[Row]) -> tuple[list[Quantity], list[Quantity]]:
     """Return the parameters, and the results that any run has."""
     keys = dict.fromkeys(key for row in rows for key in row.qoi)
-    parameters = [parameter(key, (row.parameters[key] for row in rows)) for key in study.parameters]
+    parameters = [
+        parameter(key, (row.parameters[key] for row in rows))
+        for key in study.parameters
+    ]
     return parameters, [result(key) for key in keys]
 
 
 def _cells(parameters: list[Quantity], results: list[Quantity], row: Row) -> list[Any]:
-    values = [row.parameters[q.key] for q in parameters] + [row.qoi.get(q.key) for q in results]
+    values = [row.parameters[q.key] for q in parameters] + [
+        row.qoi.get(q.key) for q in results
+    ]
     return [*values, row.name, row.exit_code, row.problem]

@@ -1,1 +1,3 @@
-"""Uncertainty of the results of a sweep: sensitivity indices, and propagation by samples and by gradients."""
+"""Uncertainty of the results of a sweep: sensitivity indices, and propagation by
+samples and by gradients.
+"""

@@ -1,9 +1,11 @@
 """Sensitivity indices of results from the runs of a design, by SALib.
 
-Sobol indices: the share of the variance of a result that a parameter causes alone (first order), and with all its
-interactions (total) (Saltelli et al. 2010, doi:10.1016/j.cpc.2009.09.018). Morris screening: the mean of the magnitude
-of elementary effects shows how much a parameter matters, their scatter how far its effect depends on the others
-(Campolongo et al. 2007, doi:10.1016/j.envsoft.2006.10.004). Points of groups with a failed run are left out.
+Sobol indices: the share of the variance of a result that a parameter causes alone
+(first order), and with all its interactions (total) (Saltelli et al. 2010,
+doi:10.1016/j.cpc.2009.09.018). Morris screening: the mean of the magnitude of
+elementary effects shows how much a parameter matters, their scatter how far its effect
+depends on the others (Campolongo et al. 2007, doi:10.1016/j.envsoft.2006.10.004).
+Points of groups with a failed run are left out.
 """
 
 from __future__ import annotations
@@ -21,20 +23,28 @@ from contbed.many.value_sets import LEVELS
 Array = NDArray[np.float64]
 CONFIDENCE = 0.90  # of the half widths of indices
 RESAMPLES = 200  # of the groups, for their confidence
-VARIES = 1e-9  # range of a result over its size above which it varies, and by more than by rounding
+# range of a result over its size above which it varies, and by more than by rounding
+VARIES = 1e-9
 LEAST_GROUPS = 4  # with which indices say something
 SEED = 1  # of the resampling; SALib takes 0 for none
 
 
 @dataclass(frozen=True)
 class Indices:
-    """Indices of one result, by column: each of shape (parameters,); `groups` is how many groups of runs they use."""
+    """Indices of one result, by column: each of shape (parameters,); `groups` is how
+    many groups of runs they use.
+    """
 
     columns: dict[str, Array]
     groups: int
 
 
-SOBOL_COLUMNS = {"first order": "S1", "first order +-": "S1_conf", "total": "ST", "total +-": "ST_conf"}
+SOBOL_COLUMNS = {
+    "first order": "S1",
+    "first order +-": "S1_conf",
+    "total": "ST",
+    "total +-": "ST_conf",
+}
 MORRIS_COLUMNS = {
     "mean effect": "mu",
     "mean magnitude": "mu_star",
@@ -44,7 +54,8 @@ MORRIS_COLUMNS = {
 
 
 def indices(method: str, points: Array, values: Array) -> Indices | None:
-    """Return the indices of a result; None if too few groups of runs have a value, or none of them differ.
+    """Return the indices of a result; None if too few groups of runs have a value, or
+    none of them differ.
 
     Parameters
     ----------
@@ -66,12 +77,18 @@ def indices(method: str, points: Array, values: Array) -> Indices | None:
         "bounds": [[0.0, 1.0]] * parameters,
     }
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # on parameters without any effect, whose indices are 0
+        # on parameters without any effect, whose indices are 0
+        warnings.simplefilter("ignore")
         if method == "sobol_indices":
             from SALib.analyze import sobol
 
             found = sobol.analyze(
-                problem, kept, calc_second_order=False, num_resamples=RESAMPLES, conf_level=CONFIDENCE, seed=SEED
+                problem,
+                kept,
+                calc_second_order=False,
+                num_resamples=RESAMPLES,
+                conf_level=CONFIDENCE,
+                seed=SEED,
             )
             columns = SOBOL_COLUMNS
         else:
@@ -87,5 +104,12 @@ def indices(method: str, points: Array, values: Array) -> Indices | None:
                 seed=SEED,
             )
             columns = MORRIS_COLUMNS
-    scale = exponent if method == "morris" else 0  # effects are in the unit of the result, indices are shares
-    return Indices({name: np.ldexp(np.asarray(found[key], float), scale) for name, key in columns.items()}, groups)
+    # effects are in the unit of the result, indices are shares
+    scale = exponent if method == "morris" else 0
+    return Indices(
+        {
+            name: np.ldexp(np.asarray(found[key], float), scale)
+            for name, key in columns.items()
+        },
+        groups,
+    )

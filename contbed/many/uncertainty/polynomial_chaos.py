@@ -1,13 +1,15 @@
-"""Results as polynomials of the uncertain parameters, by least squares on the runs of a sample (polynomial chaos).
+"""Results as polynomials of the uncertain parameters, by least squares on the runs of a
+sample (polynomial chaos).
 
     f(z) = sum_k c_k prod_j P_(a_kj)(z_j),        mean = c_0,        variance = sum_(k > 0) c_k^2
 
-P are orthonormal in the distribution of each parameter, Legendre's of an even one and Hermite's of a normal one, in
-the coordinate in which it is even or normal. The terms that contain parameter j only, over the variance, are its
-first-order index, those that contain it at all its total one (Sudret 2008, doi:10.1016/j.ress.2007.04.002). Terms are
-taken one after the other, by their projection on what is left (sparse as in Blatman & Sudret 2011,
-doi:10.1016/j.jcp.2010.12.021) or by degree; which, and how many, the error decides at a fifth of the runs that is left
-out in turn.
+P are orthonormal in the distribution of each parameter, Legendre's of an even one and
+Hermite's of a normal one, in the coordinate in which it is even or normal. The terms
+that contain parameter j only, over the variance, are its first-order index, those that
+contain it at all its total one (Sudret 2008, doi:10.1016/j.ress.2007.04.002). Terms are
+taken one after the other, by their projection on what is left (sparse as in Blatman &
+Sudret 2011, doi:10.1016/j.jcp.2010.12.021) or by degree; which, and how many, the error
+decides at a fifth of the runs that is left out in turn.
 """
 
 from __future__ import annotations
@@ -26,16 +28,21 @@ from contbed.many.uncertainty.indices import SOBOL_COLUMNS, VARIES, Indices
 from contbed.many.uncertainty.propagate import COVERAGE, Spread, of_size_one
 
 Array = NDArray[np.float64]
-MOST_UNEXPLAINED = 0.1  # share of the variance that the polynomial may leave; above, its indices say little
+# share of the variance that the polynomial may leave; above, its indices say little
+MOST_UNEXPLAINED = 0.1
 MOST_TERMS = 600  # to choose from, which bounds memory and time
 MOST_TAKEN = 120  # of them; smooth results are exact to many digits before
-RUNS_PER_TERM = 2  # at least; coefficients of more terms than half of the runs are mostly noise
+# at least; coefficients of more terms than half of the runs are mostly noise
+RUNS_PER_TERM = 2
 HIGHEST_DEGREE = 14
-INTERACTIONS = 0.75  # norm of the degrees that is bounded: high degrees in one parameter, lower ones where several act
+# norm of the degrees that is bounded: high degrees in one parameter, lower ones where
+# several act
+INTERACTIONS = 0.75
 ROUNDING = 1e-9  # of that norm
 FOLDS = 5  # of the runs, each of which is left out once
 QUANTILE = 1.645  # of the normal distribution, for half widths at 90 %
-DEPENDENT = 1e-8  # part of a term, by norm, below which the runs do not distinguish it from those before
+# part of a term, by norm, below which the runs do not distinguish it from those before
+DEPENDENT = 1e-8
 POINTS = 4096  # of the polynomial, for its band
 SEED = 1  # of these points
 
@@ -45,8 +52,10 @@ class Expansion:
     """A polynomial of the scaled coordinates.
 
     distributions : of the parameters in their order
-    degrees : of each term in each parameter, shape (terms, parameters), the constant first; coefficients (terms,)
-    unexplained : share of the variance that it misses at runs by which neither terms nor coefficients were found
+    degrees : of each term in each parameter, shape (terms, parameters), the constant
+        first; coefficients (terms,)
+    unexplained : share of the variance that it misses at runs by which neither terms
+        nor coefficients were found
     half_widths : of the bands of first-order and total indices, shape (2, parameters)
     """
 
@@ -63,8 +72,11 @@ class Expansion:
         return math.hypot(*self.coefficients[1:])
 
 
-def expansion(points: Array, values: Array, distributions: Sequence[Distribution]) -> Expansion | None:
-    """Return the polynomial of a result; None where it would leave too much of the variance, or there is none.
+def expansion(
+    points: Array, values: Array, distributions: Sequence[Distribution]
+) -> Expansion | None:
+    """Return the polynomial of a result; None where it would leave too much of the
+    variance, or there is none.
 
     Parameters
     ----------
@@ -80,35 +92,52 @@ def expansion(points: Array, values: Array, distributions: Sequence[Distribution
     degrees = _degrees(len(distributions))
     basis = _basis(points[kept], degrees, distributions)
     fold = np.arange(len(y)) % FOLDS
-    best = min((_validated(basis, y, fold, most, greedy) for greedy in (True, False)), key=lambda each: each.error)
+    best = min(
+        (_validated(basis, y, fold, most, greedy) for greedy in (True, False)),
+        key=lambda each: each.error,
+    )
     if best.error > MOST_UNEXPLAINED:
         return None
     shares = []
     for k, terms in enumerate(best.terms):
-        shares.append(_shares(degrees[terms], _fitted(basis[fold != k][:, terms], y[fold != k])))
+        shares.append(
+            _shares(degrees[terms], _fitted(basis[fold != k][:, terms], y[fold != k]))
+        )
     taken, _ = _taken(basis, y, len(best.terms[0]), basis[:0], best.greedy)
-    half = QUANTILE * np.hypot(math.sqrt(FOLDS - 1.0) * np.std(shares, axis=0), best.error)
+    half = QUANTILE * np.hypot(
+        math.sqrt(FOLDS - 1.0) * np.std(shares, axis=0), best.error
+    )
     coefficients = np.ldexp(_fitted(basis[:, taken], y), exponent)
-    return Expansion(distributions, degrees[taken], coefficients, best.error, half, len(y))
+    return Expansion(
+        distributions, degrees[taken], coefficients, best.error, half, len(y)
+    )
 
 
 def chaos_spread(found: Expansion) -> Spread:
     """Return mean, standard deviation and band of the polynomial."""
     from scipy.stats import qmc
 
-    points = qmc.Sobol(len(found.distributions), scramble=True, seed=SEED).random(POINTS)
+    points = qmc.Sobol(len(found.distributions), scramble=True, seed=SEED).random(
+        POINTS
+    )
     values = _basis(points, found.degrees, found.distributions) @ found.coefficients
     low, high = np.quantile(values, (0.5 * (1.0 - COVERAGE), 0.5 * (1.0 + COVERAGE)))
     deviation = found.deviation
     error = deviation * math.sqrt(found.unexplained / found.runs)
     mean = float(found.coefficients[0])
-    return Spread("polynomial chaos", mean, deviation, float(low), float(high), error, found.runs)
+    return Spread(
+        "polynomial chaos", mean, deviation, float(low), float(high), error, found.runs
+    )
 
 
 def chaos_indices(found: Expansion) -> Indices:
     """Return first-order and total indices with the half widths of their bands."""
     first, total = _shares(found.degrees, found.coefficients)
-    columns = zip(SOBOL_COLUMNS, (first, found.half_widths[0], total, found.half_widths[1]), strict=True)
+    columns = zip(
+        SOBOL_COLUMNS,
+        (first, found.half_widths[0], total, found.half_widths[1]),
+        strict=True,
+    )
     return Indices(dict(columns), found.runs)
 
 
@@ -122,9 +151,15 @@ def _shares(degrees: NDArray[np.int_], coefficients: Array) -> tuple[Array, Arra
 
 
 def _degrees(parameters: int) -> NDArray[np.int_]:
-    """Return the degrees of the terms up to the highest bound of their norm with MOST_TERMS at most, constant first."""
+    """Return the degrees of the terms up to the highest bound of their norm with
+    MOST_TERMS at most, constant first.
+    """
     for highest in range(HIGHEST_DEGREE, 1, -1):
-        found = list(islice(_within(parameters, highest**INTERACTIONS + ROUNDING), MOST_TERMS + 1))
+        found = list(
+            islice(
+                _within(parameters, highest**INTERACTIONS + ROUNDING), MOST_TERMS + 1
+            )
+        )
         if len(found) <= MOST_TERMS:
             return np.array(sorted(found, key=lambda degrees: (sum(degrees), degrees)))
     return np.vstack([np.zeros(parameters, dtype=int), np.eye(parameters, dtype=int)])
@@ -142,8 +177,12 @@ def _within(parameters: int, left: float) -> Iterator[tuple[int, ...]]:
         degree += 1
 
 
-def _basis(points: Array, degrees: NDArray[np.int_], distributions: Sequence[Distribution]) -> Array:
-    """Return the values of the terms at points of the unit cube, shape (runs, terms)."""
+def _basis(
+    points: Array, degrees: NDArray[np.int_], distributions: Sequence[Distribution]
+) -> Array:
+    """Return the values of the terms at points of the unit cube, shape (runs,
+    terms).
+    """
     from numpy.polynomial import hermite_e, legendre
     from scipy.special import ndtri
 
@@ -152,7 +191,9 @@ def _basis(points: Array, degrees: NDArray[np.int_], distributions: Sequence[Dis
     for j, distribution in enumerate(distributions):
         n = np.arange(highest + 1)
         if distribution.even:
-            table = legendre.legvander(2.0 * points[:, j] - 1.0, highest) * np.sqrt(2.0 * n + 1.0)
+            table = legendre.legvander(2.0 * points[:, j] - 1.0, highest) * np.sqrt(
+                2.0 * n + 1.0
+            )
         else:
             norms = np.sqrt(np.cumprod(np.maximum(n, 1).astype(float)))
             table = hermite_e.hermevander(ndtri(points[:, j]), highest) / norms
@@ -161,34 +202,50 @@ def _basis(points: Array, degrees: NDArray[np.int_], distributions: Sequence[Dis
 
 
 class _Validated(NamedTuple):
-    """Terms taken without each part of the runs, as many as predict it best, and the share of the variance missed."""
+    """Terms taken without each part of the runs, as many as predict it best, and the
+    share of the variance missed.
+    """
 
     error: float
     terms: list[list[int]]
     greedy: bool
 
 
-def _validated(basis: Array, y: Array, fold: NDArray[np.int_], most: int, greedy: bool) -> _Validated:
+def _validated(
+    basis: Array, y: Array, fold: NDArray[np.int_], most: int, greedy: bool
+) -> _Validated:
     errors, taken = np.zeros(most), []
     for k in range(FOLDS):
-        terms, predicted = _taken(basis[fold != k], y[fold != k], most, basis[fold == k], greedy)
+        terms, predicted = _taken(
+            basis[fold != k], y[fold != k], most, basis[fold == k], greedy
+        )
         missed = ((y[fold == k, None] - predicted) ** 2).sum(axis=0)
         errors += np.pad(missed, (0, most - len(missed)), mode="edge")
         taken.append(terms)
     number = 1 + int(np.argmin(errors))
-    return _Validated(errors[number - 1] / ((y - y.mean()) ** 2).sum(), [terms[:number] for terms in taken], greedy)
+    return _Validated(
+        errors[number - 1] / ((y - y.mean()) ** 2).sum(),
+        [terms[:number] for terms in taken],
+        greedy,
+    )
 
 
-def _taken(basis: Array, y: Array, most: int, others: Array, greedy: bool) -> tuple[list[int], Array]:
-    """Return the terms in the order in which they are taken, and with each of them the values at other runs.
+def _taken(
+    basis: Array, y: Array, most: int, others: Array, greedy: bool
+) -> tuple[list[int], Array]:
+    """Return the terms in the order in which they are taken, and with each of them the
+    values at other runs.
 
-    Those taken are made orthonormal (Gram and Schmidt), here and at the other runs alike, so that a further one leaves
-    the parts of those before as they are. Terms that the runs do not distinguish from them are left out.
+    Those taken are made orthonormal (Gram and Schmidt), here and at the other runs
+    alike, so that a further one leaves the parts of those before as they are. Terms
+    that the runs do not distinguish from them are left out.
 
     Parameters
     ----------
-    basis, others : terms at the runs to fit and at others, shapes (runs, terms) and (others, terms)
-    greedy : by their projection on what is left, else by their degree, which few runs mislead less
+    basis, others : terms at the runs to fit and at others, shapes (runs, terms) and
+        (others, terms)
+    greedy : by their projection on what is left, else by their degree, which few runs
+        mislead less
     """
     norms = np.linalg.norm(basis, axis=0)
     here, there = np.empty((len(y), most)), np.empty((len(others), most))
@@ -197,7 +254,11 @@ def _taken(basis: Array, y: Array, most: int, others: Array, greedy: bool) -> tu
     open_terms = np.ones(basis.shape[1], dtype=bool)
     while len(taken) < most and open_terms.any():
         count = len(taken)
-        ranked = np.abs(basis.T @ rest) / norms if greedy and count else -np.arange(len(norms), dtype=float)
+        ranked = (
+            np.abs(basis.T @ rest) / norms
+            if greedy and count
+            else -np.arange(len(norms), dtype=float)
+        )
         term = int(np.argmax(np.where(open_terms, ranked, -np.inf)))
         open_terms[term] = False
         q, r = basis[:, term].copy(), others[:, term].copy()

@@ -1,8 +1,10 @@
-"""Mean, standard deviation and band of results of uncertain parameters: from samples, and to first order by gradients.
+"""Mean, standard deviation and band of results of uncertain parameters: from samples,
+and to first order by gradients.
 
-To first order a result is f(m) + sum f_k (x_k - m_k) with the means m of the parameters, so that its mean is f(m) and
-its variance the sum of (f_k s_k)^2 with their standard deviations s_k; exact where the result is linear. Its band is
-that of a normal distribution.
+To first order a result is f(m) + sum f_k (x_k - m_k) with the means m of the
+parameters, so that its mean is f(m) and its variance the sum of (f_k s_k)^2 with their
+standard deviations s_k; exact where the result is linear. Its band is that of a normal
+distribution.
 """
 
 from __future__ import annotations
@@ -25,7 +27,8 @@ LEAST_VALUES = 2  # that have a standard deviation
 class Spread:
     """How a result is distributed, in SI.
 
-    low, high : ends of the band; mean_error : standard error of the mean, 0 where it is none of sampling
+    low, high : ends of the band; mean_error : standard error of the mean, 0 where it is
+        none of sampling
     runs : that it took
     """
 
@@ -39,7 +42,9 @@ class Spread:
 
 
 def of_sample(values: Array) -> Spread | None:
-    """Return the spread of sampled values, shape (runs,); runs without a value are left out. None if too few have."""
+    """Return the spread of sampled values, shape (runs,); runs without a value are
+    left out. None if too few have.
+    """
     kept = values[np.isfinite(values)]
     if len(kept) < LEAST_VALUES:
         return None
@@ -48,7 +53,15 @@ def of_sample(values: Array) -> Spread | None:
     scaled, exponent = of_size_one(kept)
     deviation = math.ldexp(float(scaled.std(ddof=1)), exponent)
     error = deviation / math.sqrt(len(kept))
-    return Spread("samples", float(kept.mean()), deviation, float(low), float(high), error, len(kept))
+    return Spread(
+        "samples",
+        float(kept.mean()),
+        deviation,
+        float(low),
+        float(high),
+        error,
+        len(kept),
+    )
 
 
 def of_size_one(values: Array) -> tuple[Array, int]:
@@ -60,7 +73,9 @@ def of_size_one(values: Array) -> tuple[Array, int]:
     return np.ldexp(values, -exponent), exponent
 
 
-def first_order(value: float, slopes: Array, distributions: Mapping[str, Distribution], runs: int) -> Spread:
+def first_order(
+    value: float, slopes: Array, distributions: Mapping[str, Distribution], runs: int
+) -> Spread:
     """Return the spread to first order.
 
     Parameters
@@ -76,14 +91,19 @@ def first_order(value: float, slopes: Array, distributions: Mapping[str, Distrib
 
 
 def contributions(slopes: Array, distributions: Mapping[str, Distribution]) -> Array:
-    """Return the standard deviations of a result that each parameter causes, shape (parameters,)."""
-    return np.asarray(slopes * np.array([spread.deviation for spread in distributions.values()]))
+    """Return the standard deviations of a result that each parameter causes, shape
+    (parameters,).
+    """
+    return np.asarray(
+        slopes * np.array([spread.deviation for spread in distributions.values()])
+    )
 
 
 def independent(method: str, points: Array) -> NDArray[np.bool_]:
     """Return which points of a design are a sample of the parameters, shape (runs,).
 
-    Of the groups of Sobol indices these are the first and the last; a Morris design has ends and levels only.
+    Of the groups of Sobol indices these are the first and the last; a Morris design has
+    ends and levels only.
     """
     rows = np.ones(len(points), dtype=bool)
     if method == "sobol_indices":

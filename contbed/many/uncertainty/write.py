@@ -1,4 +1,6 @@
-"""Uncertainty of a sweep that has a [sample]: uncertainty.csv, indices.csv, uncertainty.json and a picture."""
+"""Uncertainty of a sweep that has a [sample]: uncertainty.csv, indices.csv,
+uncertainty.json and a picture.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,19 @@ from contbed.many.sweep.study import Sample, Study
 from contbed.many.sweep.table import Row, columns
 from contbed.many.tables import write_rows
 from contbed.many.uncertainty.indices import VARIES, Indices, indices
-from contbed.many.uncertainty.polynomial_chaos import chaos_indices, chaos_spread, expansion
-from contbed.many.uncertainty.propagate import Spread, contributions, first_order, independent, of_sample, of_size_one
+from contbed.many.uncertainty.polynomial_chaos import (
+    chaos_indices,
+    chaos_spread,
+    expansion,
+)
+from contbed.many.uncertainty.propagate import (
+    Spread,
+    contributions,
+    first_order,
+    independent,
+    of_sample,
+    of_size_one,
+)
 from contbed.many.value_sets import BY_THEMSELVES
 from contbed.output.plots import styled_figure
 from contbed.output.summary import write_json
@@ -33,7 +46,9 @@ SLOPES = "gradient.jsonl"  # the derivatives at the means
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """What is known of one result; `shares` are those of the parameters in the variance to first order."""
+    """What is known of one result; `shares` are those of the parameters in the
+    variance to first order.
+    """
 
     result: Quantity
     spreads: tuple[Spread, ...]
@@ -51,7 +66,8 @@ class Report:
 
 
 def write(study: Study, rows: Sequence[Row], out: Path) -> Report | None:
-    """Write the uncertainty of the results of a sweep; None if it has no sample that stands alone.
+    """Write the uncertainty of the results of a sweep; None if it has no sample that
+    stands alone.
 
     Parameters
     ----------
@@ -65,7 +81,9 @@ def write(study: Study, rows: Sequence[Row], out: Path) -> Report | None:
         return None
     ordered = [by_name[name] for name in study.order]
     chosen = _results(study, rows)
-    slopes, told = _slopes(study, sample, [quantity.key for quantity, _ in chosen], ordered, out)
+    slopes, told = _slopes(
+        study, sample, [quantity.key for quantity, _ in chosen], ordered, out
+    )
     found = []
     for quantity, _ in chosen:
         values = np.array([_number(row.qoi.get(quantity.key)) for row in ordered])
@@ -80,10 +98,19 @@ def write(study: Study, rows: Sequence[Row], out: Path) -> Report | None:
         index = None
         if sample.method in BY_THEMSELVES:
             index = indices(sample.method, sample.points, values)
-        elif chaos := expansion(sample.points, values, list(sample.distributions.values())):
+        elif chaos := expansion(
+            sample.points, values, list(sample.distributions.values())
+        ):
             spreads.append(chaos_spread(chaos))
             index = chaos_indices(chaos)
-        found.append(Uncertainty(quantity, tuple(spread for spread in spreads if spread is not None), index, shares))
+        found.append(
+            Uncertainty(
+                quantity,
+                tuple(spread for spread in spreads if spread is not None),
+                index,
+                shares,
+            )
+        )
     report = Report(sample, tuple(found), tuple(told))
     _write(report, out)
     return report
@@ -102,31 +129,47 @@ def _results(study: Study, rows: Sequence[Row]) -> list[tuple[Quantity, Array]]:
 
 
 def _number(value: Any) -> float:
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else float("nan")
+    return (
+        float(value)
+        if isinstance(value, int | float) and not isinstance(value, bool)
+        else float("nan")
+    )
 
 
 def _slopes(
     study: Study, sample: Sample, wanted: list[str], rows: Sequence[Row], out: Path
 ) -> tuple[dict[str, tuple[float, Array, int]], list[str]]:
-    """Return value, derivatives and runs of each result at the means of the parameters; they are kept in a file."""
+    """Return value, derivatives and runs of each result at the means of the
+    parameters; they are kept in a file.
+    """
     if not sample.gradients:
         return {}, []
-    floats = [name for name in wanted if any(isinstance(row.qoi.get(name), float) for row in rows)]
+    floats = [
+        name
+        for name in wanted
+        if any(isinstance(row.qoi.get(name), float) for row in rows)
+    ]
     keys = list(sample.distributions)
     if not floats:
         return {}, []
     try:
-        scene = study.base({name: spread.mean for name, spread in sample.distributions.items()})
+        scene = study.base(
+            {name: spread.mean for name, spread in sample.distributions.items()}
+        )
         key = key_of(scene_hash(scene), floats, keys)
         known = Store(out / SLOPES).kept(key, lambda: _gradient(scene, floats, keys))
     except ContbedError as error:
         return {}, [f"no propagation by gradients: {error}"]
     each = zip(floats, known["values"], known["derivatives"], strict=True)
-    return {name: (value, np.array(slope), known["runs"]) for name, value, slope in each}, []
+    return {
+        name: (value, np.array(slope), known["runs"]) for name, value, slope in each
+    }, []
 
 
 def _gradient(scene: SceneBase, results: list[str], keys: list[str]) -> dict[str, Any]:
-    """Return values and derivatives of results, and the number of runs that they take."""
+    """Return values and derivatives of results, and the number of runs that they
+    take.
+    """
     found = gradient(scene, results, keys)
     runs = 1 if found.method == "tangent" else 1 + 4 * len(keys)
     return {"values": found.values, "derivatives": found.derivatives, "runs": runs}
@@ -145,7 +188,14 @@ def _write(report: Report, out: Path) -> None:
         ),
         _nine_digits,
     )  # fmt: skip
-    head = next((list(one.indices.columns) for one in report.results if one.indices is not None), [])
+    head = next(
+        (
+            list(one.indices.columns)
+            for one in report.results
+            if one.indices is not None
+        ),
+        [],
+    )
     write_rows(
         out / "indices.csv",
         ("result", "unit", "parameter", "share by gradients", *head),
@@ -163,10 +213,15 @@ def _write(report: Report, out: Path) -> None:
         one.result.key: {
             "unit": one.result.unit,
             "spreads": [asdict(spread) for spread in one.spreads],
-            "shares by gradients": None if one.shares is None else dict(zip(names, one.shares, strict=True)),
+            "shares by gradients": None
+            if one.shares is None
+            else dict(zip(names, one.shares, strict=True)),
             "indices": None
             if one.indices is None
-            else {name: dict(zip(names, column, strict=True)) for name, column in one.indices.columns.items()}
+            else {
+                name: dict(zip(names, column, strict=True))
+                for name, column in one.indices.columns.items()
+            }
             | {"groups": one.indices.groups},
         }
         for one in report.results
@@ -175,7 +230,10 @@ def _write(report: Report, out: Path) -> None:
         out / FILE,
         {
             "method": report.sample.method,
-            "distributions": {name: str(spread) for name, spread in report.sample.distributions.items()},
+            "distributions": {
+                name: str(spread)
+                for name, spread in report.sample.distributions.items()
+            },
             "warnings": list(report.warnings),
             "results": content,
         },
@@ -194,27 +252,49 @@ _BAR = 0.35  # and of a parameter
 def _plot(report: Report, path: Path) -> None:
     """Draw the shares or effects of the parameters, a panel for each result."""
     names = list(report.sample.distributions)
-    shown = [one for one in report.results if one.indices is not None or one.shares is not None]
+    shown = [
+        one
+        for one in report.results
+        if one.indices is not None or one.shares is not None
+    ]
     if not shown:
         return
     rows = np.arange(len(names))
-    with styled_figure(path, len(shown) * (_ROW + _BAR * len(names)), "", width=8.0) as figure:
+    with styled_figure(
+        path, len(shown) * (_ROW + _BAR * len(names)), "", width=8.0
+    ) as figure:
         panels = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
         for axes, one in zip(panels, shown, strict=True):
             found = {} if one.indices is None else one.indices.columns
-            labels = [name for name in ("first order", "total", "mean magnitude") if name in found]
-            bars: list[tuple[str, Array, Array]] = [(name, found[name], found[f"{name} +-"]) for name in labels]
+            labels = [
+                name
+                for name in ("first order", "total", "mean magnitude")
+                if name in found
+            ]
+            bars: list[tuple[str, Array, Array]] = [
+                (name, found[name], found[f"{name} +-"]) for name in labels
+            ]
             if one.shares is not None and "mean magnitude" not in found:
-                bars.insert(0, ("first order, by gradients", one.shares, np.zeros(len(names))))
+                bars.insert(
+                    0, ("first order, by gradients", one.shares, np.zeros(len(names)))
+                )
             height = 0.8 / max(len(bars), 1)
             for k, (label, values, errors) in enumerate(bars):
-                axes.barh(rows + (k - 0.5 * (len(bars) - 1)) * height, values, height, xerr=errors, label=label)
+                axes.barh(
+                    rows + (k - 0.5 * (len(bars) - 1)) * height,
+                    values,
+                    height,
+                    xerr=errors,
+                    label=label,
+                )
             axes.set_yticks(rows, names)
             axes.set_ylim(len(names) - 0.5, -0.5)
             unit = "" if one.result.unit in (None, "1") else f" [{one.result.unit}]"
             axes.set(
                 title=one.result.name,
-                xlabel=f"mean magnitude of effects{unit}" if "mean magnitude" in found else "share of the variance",
+                xlabel=f"mean magnitude of effects{unit}"
+                if "mean magnitude" in found
+                else "share of the variance",
             )
             axes.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.0))
 
@@ -227,16 +307,24 @@ def table(report: Report) -> str:
         for s in one.spreads:
             runs = "1 run" if s.runs == 1 else f"{s.runs} runs"
             lines.append(
-                f"{one.result.name}, by {s.estimator} ({runs}): mean {s.mean:.6g}{unit}, standard deviation "
+                f"{one.result.name}, by {s.estimator} ({runs}): mean "
+                f"{s.mean:.6g}{unit}, standard deviation "
                 f"{s.deviation:.4g}{unit}, 90 % from {s.low:.6g} to {s.high:.6g}{unit}"
             )
         for k, name in enumerate(report.sample.distributions):
-            parts = [] if one.shares is None else [f"share by gradients {one.shares[k]:.3f}"]
+            parts = (
+                []
+                if one.shares is None
+                else [f"share by gradients {one.shares[k]:.3f}"]
+            )
             if one.indices is not None:
                 found = one.indices.columns
                 for label in ("first order", "total", "mean magnitude"):
                     if label in found:
-                        parts.append(f"{label} {found[label][k]:.3g} +- {found[f'{label} +-'][k]:.2g}")
+                        parts.append(
+                            f"{label} {found[label][k]:.3g} +- "
+                            f"{found[f'{label} +-'][k]:.2g}"
+                        )
             if parts:
                 lines.append(f"  {name}: {', '.join(parts)}")
     return "\n".join(lines)

@@ -1,4 +1,5 @@
-"""A measured bed: a folder with the scene, the measured table and case.toml, which says what is compared with what.
+"""A measured bed: a folder with the scene, the measured table and case.toml, which says
+what is compared with what.
 
 title = "Molten-salt thermocline, discharge"
 source = "Pacheco, Showalter & Kolb (2002), doi:10.1115/1.1464123"
@@ -57,18 +58,24 @@ SHIPPED = Path(__file__).parent / "cases"
 class Measured(Table):
     """The measured table."""
 
-    file: str = Field(description="table of measured values, path relative to this file")
+    file: str = Field(
+        description="table of measured values, path relative to this file"
+    )
     column: str = Field(description="column of measured values")
     time: str | None = Field(None, description="column of times")
     position: str | None = Field(None, description="column of positions")
     height: str | None = Field(None, description="of levels")
-    where: dict[str, str] = Field(default_factory=dict, description="rows with these texts in these columns only")
+    where: dict[str, str] = Field(
+        default_factory=dict, description="rows with these texts in these columns only"
+    )
 
 
 class Report(Table):
     """Positions and times at which the prediction is reported by name."""
 
-    positions: tuple[Position, ...] = Field((), description="positions of the reported profiles")
+    positions: tuple[Position, ...] = Field(
+        (), description="positions of the reported profiles"
+    )
     times: tuple[Instant, ...] = Field((), description="times of the reported profiles")
 
 
@@ -77,7 +84,9 @@ class Signal(Table):
 
     column: str = Field(description="column of the signal")
     start: Instant = Field(0.0, description="from when on")
-    report: tuple[str, ...] = Field((), description="columns whose mean and standard deviation are reported")
+    report: tuple[str, ...] = Field(
+        (), description="columns whose mean and standard deviation are reported"
+    )
 
 
 class Settings(Table):
@@ -95,13 +104,19 @@ class Settings(Table):
         "time", description="whether deviations are taken at each time or each position"
     )
     compare: Literal["profiles", "history", "signal", "levels"] = Field(
-        "profiles", description="what is compared: profiles, a history, a signal or levels"
+        "profiles",
+        description="what is compared: profiles, a history, a signal or levels",
     )
     measured: Measured = Field(description="the measured table and its columns")
-    report: Report = Field(Report(), description="times and positions that are reported")
-    signal: Signal | None = Field(None, description="evaluation of a fluctuating signal")
+    report: Report = Field(
+        Report(), description="times and positions that are reported"
+    )
+    signal: Signal | None = Field(
+        None, description="evaluation of a fluctuating signal"
+    )
     uncertain: dict[str, Any] = Field(
-        default_factory=dict, description="uncertain keys of the scene, each with its distribution"
+        default_factory=dict,
+        description="uncertain keys of the scene, each with its distribution",
     )
     uncertain_closures: dict[str, str] = Field(
         default_factory=dict, description="closures that may be exchanged, by key"
@@ -111,7 +126,8 @@ class Settings(Table):
 
 @dataclass(frozen=True)
 class Points:
-    """Measured points: times [s], positions [m], values in SI and heights [m], all of shape (points,).
+    """Measured points: times [s], positions [m], values in SI and heights [m], all of
+    shape (points,).
 
     What the comparison has no use for is not a number.
     """
@@ -143,7 +159,8 @@ class Case:
 
     @cached_property
     def points(self) -> Points:
-        """The measured points, those at the start of the run left out, as the scene begins with them.
+        """The measured points, those at the start of the run left out, as the scene
+        begins with them.
 
         Raises
         ------
@@ -156,15 +173,25 @@ class Case:
             keep &= np.array([cell == text for cell in table.texts(column)])
         t, x, height = (
             np.full(len(keep), np.nan) if column is None else table.column(column, unit)
-            for column, unit in ((wanted.time, "s"), (wanted.position, "m"), (wanted.height, "m"))
+            for column, unit in (
+                (wanted.time, "s"),
+                (wanted.position, "m"),
+                (wanted.height, "m"),
+            )
         )
         keep &= ~(t <= 0.0)
         if not keep.any():
-            raise SceneError(f"{self.origin.at(('measured',))}: no row of {wanted.file} fits measured.where after 0 s")
-        return Points(t[keep], x[keep], table.column(wanted.column, self.unit)[keep], height[keep])
+            raise SceneError(
+                f"{self.origin.at(('measured',))}: no row of {wanted.file} fits "
+                "measured.where after 0 s"
+            )
+        return Points(
+            t[keep], x[keep], table.column(wanted.column, self.unit)[keep], height[keep]
+        )
 
     def scene(self, **changes: Any) -> SceneBase:
-        """Return the scene, that of profiles with outputs where something is measured or reported.
+        """Return the scene, that of profiles with outputs where something is measured
+        or reported.
 
         Parameters
         ----------
@@ -178,20 +205,29 @@ class Case:
         if self.settings.compare == "history":
             return load(path, {"time.end": times[-1], "time.times": times, **changes})
         positions = sorted({*self.points.x.tolist(), *report.positions})
-        outputs = {"time.end": times[-1], "time.times": times, "output.positions": positions}
+        outputs = {
+            "time.end": times[-1],
+            "time.times": times,
+            "output.positions": positions,
+        }
         return load(path, {**outputs, **changes})
 
     def uncertain(self) -> Iterator[tuple[str, float, float]]:
-        """Yield key, value and standard uncertainty in SI of the inputs that are not known exactly.
+        """Yield key, value and standard uncertainty in SI of the inputs that are not
+        known exactly.
 
         Raises
         ------
-        SceneError : a key that the scene does not have as a number, or an uncertainty that is none
+        SceneError : a key that the scene does not have as a number, or an uncertainty
+            that is none
         """
-        yield from uncertain_numbers(self.settings.uncertain, resolved(self.scene()), self.origin)
+        yield from uncertain_numbers(
+            self.settings.uncertain, resolved(self.scene()), self.origin
+        )
 
     def uncertain_closures(self) -> Iterator[tuple[str, float]]:
-        """Yield the kinds of closures whose values are not known exactly, with their relative standard uncertainty.
+        """Yield the kinds of closures whose values are not known exactly, with their
+        relative standard uncertainty.
 
         Raises
         ------
@@ -202,10 +238,16 @@ class Case:
             where = self.origin.at(("uncertain_closures", kind))
             if kind not in kinds:
                 known = nearest(kind, sorted(kinds))
-                raise SceneError(f"{where}: uncertain_closures.{kind}: no such kind of closure; {known}")
+                raise SceneError(
+                    f"{where}: uncertain_closures.{kind}: no such kind of closure; "
+                    f"{known}"
+                )
             share = share_of(given)
             if share is None or not 0.0 < share < 1.0:
-                raise SceneError(f'{where}: uncertain_closures.{kind}: expected a share like "9 %", found "{given}"')
+                raise SceneError(
+                    f'{where}: uncertain_closures.{kind}: expected a share like "9 %", '
+                    f'found "{given}"'
+                )
             yield kind, share
 
 
@@ -223,7 +265,10 @@ def read_case(name: str) -> Case:
     """
     folder = SHIPPED / name if name in names() else Path(name)
     if not (folder / "case.toml").is_file():
-        raise SceneError(f"'{name}' is neither a folder with a case.toml nor a measured bed; {nearest(name, names())}")
+        raise SceneError(
+            f"'{name}' is neither a folder with a case.toml nor a measured bed; "
+            f"{nearest(name, names())}"
+        )
     file = StudyFile(folder / "case.toml", Settings)
     settings = file.settings
     needed = {
@@ -232,12 +277,20 @@ def read_case(name: str) -> Case:
         "signal": ("time",),
         "levels": ("position", "height"),
     }[settings.compare]
-    absent = [f"measured.{key}" for key in needed if getattr(settings.measured, key) is None]
-    absent += ["signal"] if settings.compare == "signal" and settings.signal is None else []
+    absent = [
+        f"measured.{key}" for key in needed if getattr(settings.measured, key) is None
+    ]
+    absent += (
+        ["signal"] if settings.compare == "signal" and settings.signal is None else []
+    )
     for key in absent:
-        file.say(("measured",), f'missing; compare = "{settings.compare}" needs it', key)
+        file.say(
+            ("measured",), f'missing; compare = "{settings.compare}" needs it', key
+        )
     if settings.quantity not in FIELDS:
-        file.fail(("quantity",), f"no such quantity; {nearest(settings.quantity, [*FIELDS])}")
+        file.fail(
+            ("quantity",), f"no such quantity; {nearest(settings.quantity, [*FIELDS])}"
+        )
     unit = FIELDS[settings.quantity].unit
     try:
         uncertainty = to_si(settings.uncertainty, unit)

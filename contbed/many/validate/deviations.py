@@ -38,8 +38,10 @@ class Score:
 class Compared:
     """What a comparison finds.
 
-    predicted, band : predictions at the measured points and their standard uncertainty, shape (points,)
-    reported : predictions by name; influence : RMS change of the prediction by each uncertain input
+    predicted, band : predictions at the measured points and their standard uncertainty,
+        shape (points,)
+    reported : predictions by name; influence : RMS change of the prediction by each
+        uncertain input
     """
 
     predicted: Array
@@ -58,4 +60,6 @@ def score(group: str, deviation: Array, data: float, band: Array, unit: str) -> 
     data : standard uncertainty of a measured point
     """
     rms, spread = (float(np.sqrt(np.mean(values**2))) for values in (deviation, band))
-    return Score(group, len(deviation), rms, float(np.mean(deviation)), data, spread, unit)
+    return Score(
+        group, len(deviation), rms, float(np.mean(deviation)), data, spread, unit
+    )

@@ -1,4 +1,6 @@
-"""Profiles across a bed at several heights, averaged over time, against those of a run (levels.csv)."""
+"""Profiles across a bed at several heights, averaged over time, against those of a
+run (levels.csv).
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,8 @@ SAME = 1e-6  # relative difference of two heights that are the same
 
 
 def compare(case: Case, result: Result) -> Compared:
-    """Score the profiles of each height, and report those of all heights of the run at the measured places.
+    """Score the profiles of each height, and report those of all heights of the run at
+    the measured places.
 
     `L1` is the sum of the deviations' magnitudes over that of the measured values.
 
@@ -37,7 +40,9 @@ def compare(case: Case, result: Result) -> Compared:
     for name, chosen in [*groups, ("all", np.ones(len(predicted), bool))]:
         deviation = (predicted - points.value)[chosen]
         scores.append(score(name, deviation, case.uncertainty, band[chosen], unit))
-        reported[f"L1 of {name}"] = float(np.abs(deviation).sum() / np.abs(points.value[chosen]).sum())
+        reported[f"L1 of {name}"] = float(
+            np.abs(deviation).sum() / np.abs(points.value[chosen]).sum()
+        )
     places = np.unique(points.x[groups[0][1]])
     reported["x [m]"] = places.tolist()
     for height in np.unique(result.tables["levels"]["height [m]"]):
@@ -47,7 +52,8 @@ def compare(case: Case, result: Result) -> Compared:
 
 
 def at(case: Case, result: Result, height: float, x: Array) -> Array:
-    """Interpolate the quantity at a height [m] and places [m] across the bed, shape (places,).
+    """Interpolate the quantity at a height [m] and places [m] across the bed, shape
+    (places,).
 
     Raises
     ------
@@ -59,7 +65,10 @@ def at(case: Case, result: Result, height: float, x: Array) -> Array:
     row = np.abs(levels - height) <= SAME * max(abs(height), SAME)
     if not row.any() or quantity not in table:
         key = f"output.levels of {case.settings.scene}"
-        raise SceneError(f"{case.origin.at(('scene',))}: {key}: no profile of {name_of(quantity)} at {height:g} m")
+        raise SceneError(
+            f"{case.origin.at(('scene',))}: {key}: no profile of {name_of(quantity)} "
+            f"at {height:g} m"
+        )
     place = np.asarray(table["x [m]"])[row]
     found: Array = np.interp(x, place, np.asarray(table[quantity])[row])
     return found

@@ -29,23 +29,35 @@ def table(done: Sequence[Validated]) -> str:
     for one in done:
         for k, score in enumerate(one.compared.scores):
             unit = "" if score.unit == "1" else f" {score.unit}"
-            numbers = (f"{value:.3g}{unit}" for value in (score.rms, score.bias, score.data, score.band))
+            numbers = (
+                f"{value:.3g}{unit}"
+                for value in (score.rms, score.bias, score.data, score.band)
+            )
             verdict = "within uncertainty" if score.within else "beyond uncertainty"
             first = (one.case.name, f"{one.cpu:.1f} s") if k == 0 else ("", "")
-            rows.append((first[0], score.group, str(score.points), *numbers, verdict, first[1]))
+            rows.append(
+                (first[0], score.group, str(score.points), *numbers, verdict, first[1])
+            )
     return "\n".join(aligned(rows, left=(0, 1, 7)))
 
 
 def summary(done: Sequence[Validated]) -> dict[str, Any]:
-    """Return the content of summary.json: scores, influence of inputs and predictions of each case."""
-    return {"versions": versions(), "cases": {one.case.name: one.to_dict() for one in done}}
+    """Return the content of summary.json: scores, influence of inputs and
+    predictions of each case.
+    """
+    return {
+        "versions": versions(),
+        "cases": {one.case.name: one.to_dict() for one in done},
+    }
 
 
 def write(done: Sequence[Validated], out: Path) -> None:
     """Write summary.json and validation.png into a folder."""
     with atomic(out / "summary.json") as path:
         path.write_text(json.dumps(summary(done), indent=1), encoding="utf-8")
-    with styled_figure(out / "validation.png", _WIDE * len(done), "", width=11.0) as figure:
+    with styled_figure(
+        out / "validation.png", _WIDE * len(done), "", width=11.0
+    ) as figure:
         grid = figure.subplots(len(done), 2, squeeze=False, width_ratios=(1.6, 1.0))
         for (curves, parity), one in zip(grid, done, strict=True):
             if one.case.settings.compare == "signal":
@@ -57,7 +69,9 @@ def write(done: Sequence[Validated], out: Path) -> None:
 
 
 def _curves(axes: Any, one: Validated) -> None:
-    """Draw measured points with error bars and the predictions with their band, one colour for each group."""
+    """Draw measured points with error bars and the predictions with their band, one
+    colour for each group.
+    """
     points, found, settings = one.case.points, one.compared, one.case.settings
     by_time = settings.each == "time" and settings.compare == "profiles"
     of, along = (points.t, points.x) if by_time else (points.x, points.t)
@@ -89,7 +103,12 @@ def _curves(axes: Any, one: Validated) -> None:
         axes.plot(x, found.predicted[chosen], color=colour, label=f"predicted{name}")
         spread = COVERAGE * found.band[chosen]
         axes.fill_between(
-            x, found.predicted[chosen] - spread, found.predicted[chosen] + spread, color=colour, alpha=0.2, lw=0
+            x,
+            found.predicted[chosen] - spread,
+            found.predicted[chosen] + spread,
+            color=colour,
+            alpha=0.2,
+            lw=0,
         )
     axes.set(
         title=one.case.settings.title,
@@ -102,7 +121,10 @@ def _curves(axes: Any, one: Validated) -> None:
 def _parity(axes: Any, one: Validated) -> None:
     """Draw predicted over measured values with the line of agreement."""
     measured, found = one.case.points.value, one.compared
-    ends = [min(measured.min(), found.predicted.min()), max(measured.max(), found.predicted.max())]
+    ends = [
+        min(measured.min(), found.predicted.min()),
+        max(measured.max(), found.predicted.max()),
+    ]
     axes.plot(ends, ends, color="black", lw=0.8)
     axes.errorbar(
         measured,
@@ -117,21 +139,33 @@ def _parity(axes: Any, one: Validated) -> None:
     score = found.scores[-1]
     label = FIELDS[one.case.settings.quantity].label
     axes.set(
-        title=f"RMS {score.rms:.3g} {one.case.unit}, bias {score.bias:+.3g} {one.case.unit}",
+        title=f"RMS {score.rms:.3g} {one.case.unit}, bias {score.bias:+.3g} "
+        f"{one.case.unit}",
         xlabel=f"measured {label}",
         ylabel=f"predicted {label}",
     )
 
 
 def _traces(axes: Any, one: Validated) -> None:
-    """Draw the measured signal and that of the run at the same times, both without their means."""
+    """Draw the measured signal and that of the run at the same times, both without
+    their means.
+    """
     points, settings = one.case.points, one.case.settings
     assert settings.signal is not None
     t, values = trace(one.case, one.result, settings.signal.column)
     at_once = (t >= points.t[0]) & (t <= points.t[-1])
-    axes.plot(points.t, points.value - points.value.mean(), "o-", ms=2, lw=0.8, label="measured")
+    axes.plot(
+        points.t,
+        points.value - points.value.mean(),
+        "o-",
+        ms=2,
+        lw=0.8,
+        label="measured",
+    )
     axes.plot(t[at_once], values[at_once] - values.mean(), label="predicted")
-    axes.set(title=settings.title, xlabel="time [s]", ylabel=FIELDS[settings.quantity].label)
+    axes.set(
+        title=settings.title, xlabel="time [s]", ylabel=FIELDS[settings.quantity].label
+    )
     axes.legend(fontsize=8)
 
 
@@ -141,7 +175,10 @@ def _spectra(axes: Any, one: Validated) -> None:
     assert settings.signal is not None
     record = points.t[-1] - points.t[0]
     predicted = resampled(*trace(one.case, one.result, settings.signal.column))
-    for name, series in (("measured", resampled(points.t, points.value)), ("predicted", predicted)):
+    for name, series in (
+        ("measured", resampled(points.t, points.value)),
+        ("predicted", predicted),
+    ):
         axes.loglog(*spectrum(*series, record), label=name)
     deviation = one.compared.scores[0]
     axes.set(

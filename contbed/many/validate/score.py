@@ -1,10 +1,12 @@
-"""Prediction of a measured bed, its uncertainty, and its distance from what was measured.
+"""Prediction of a measured bed, its uncertainty, and its distance from what was
+measured.
 
-The deviation of a point is E = predicted - measured. Uncertainties of inputs are propagated to the prediction to
-first order, each input moved by its standard uncertainty to both sides: u_p^2 = sum ((p+ - p-)/2)^2, and so are
-closures. With the standard uncertainty u_d of a measured point the deviations are within the uncertainty if RMS(E) <=
-2 RMS(sqrt(u_d^2 + u_p^2)), a coverage of 95 % for normal deviations (ASME V&V 20-2009). Numerical errors are far
-below both.
+The deviation of a point is E = predicted - measured. Uncertainties of inputs are
+propagated to the prediction to first order, each input moved by its standard
+uncertainty to both sides: u_p^2 = sum ((p+ - p-)/2)^2, and so are closures. With the
+standard uncertainty u_d of a measured point the deviations are within the uncertainty
+if RMS(E) <= 2 RMS(sqrt(u_d^2 + u_p^2)), a coverage of 95 % for normal deviations (ASME
+V&V 20-2009). Numerical errors are far below both.
 """
 
 from __future__ import annotations
@@ -47,7 +49,10 @@ class Validated:
             "licence": settings.licence,
             "quantity": settings.quantity,
             "unit": self.case.unit,
-            "scores": [asdict(score) | {"within": score.within} for score in self.compared.scores],
+            "scores": [
+                asdict(score) | {"within": score.within}
+                for score in self.compared.scores
+            ],
             "influence": self.compared.influence,
             "qoi": self.compared.reported,
             "cpu_s": self.cpu,
@@ -63,15 +68,19 @@ def validate(case: Case, out: Path | None = None) -> Validated:
     """
     begin = clock.process_time()
     result = run(case.scene(), out)
-    compare = {"profiles": profiles, "history": profiles, "signal": signal.compare, "levels": levels.compare}[
-        case.settings.compare
-    ]
+    compare = {
+        "profiles": profiles,
+        "history": profiles,
+        "signal": signal.compare,
+        "levels": levels.compare,
+    }[case.settings.compare]
     compared = compare(case, result)
     return Validated(case, compared, clock.process_time() - begin, result)
 
 
 def profiles(case: Case, result: Result) -> Compared:
-    """Compare a field at measured times and positions, or one value at times; uncertainties of inputs are propagated.
+    """Compare a field at measured times and positions, or one value at times;
+    uncertainties of inputs are propagated.
 
     Raises
     ------
@@ -82,7 +91,13 @@ def profiles(case: Case, result: Result) -> Compared:
     squares, influence = np.zeros_like(predicted), {}
     for key, value, spread in case.uncertain():
         low, high = (
-            at(case, run(case.scene(**{key: value + side * spread})), points.t, points.x) for side in (-1.0, 1.0)
+            at(
+                case,
+                run(case.scene(**{key: value + side * spread})),
+                points.t,
+                points.x,
+            )
+            for side in (-1.0, 1.0)
         )
         change = 0.5 * (high - low)
         squares += change**2
@@ -111,29 +126,48 @@ def profiles(case: Case, result: Result) -> Compared:
     if whole or (by_time and len(groups) > len(points.value) / 3):
         groups = []  # a time of its own for nearly each point is no group
     scores = [
-        score(name, (predicted - points.value)[chosen], case.uncertainty, band[chosen], case.unit)
+        score(
+            name,
+            (predicted - points.value)[chosen],
+            case.uncertainty,
+            band[chosen],
+            case.unit,
+        )
         for name, chosen in [*groups, ("all", np.ones(len(of), dtype=bool))]
     ]
     return Compared(predicted, band, scores, reported, influence)
 
 
 def at(case: Case, result: Result, t: Array, x: Array) -> Array:
-    """Return the predicted quantity at times [s] and positions [m] at which the run has output, shape (points,)."""
+    """Return the predicted quantity at times [s] and positions [m] at which the run
+    has output, shape (points,).
+    """
     profiles = result.profiles
     if case.settings.compare == "history":
-        history: Array = np.interp(t, profiles[header("t")], profiles[header(case.settings.quantity)])
+        history: Array = np.interp(
+            t, profiles[header("t")], profiles[header(case.settings.quantity)]
+        )
         return history
     axis = profiles[header(result.plan.coordinate)]  # type: ignore[attr-defined]
-    return looked_up(profiles[header(case.settings.quantity)], profiles[header("t")], axis, t, x)
+    return looked_up(
+        profiles[header(case.settings.quantity)], profiles[header("t")], axis, t, x
+    )
 
 
 def looked_up(values: Array, times: Array, axis: Array, t: Array, x: Array) -> Array:
-    """Return values of a table at times [s] and positions [m] that are among its rows, shape (points,)."""
-    scale_t, scale_x = max(float(np.max(times)), SAME), max(float(np.max(np.abs(axis))), SAME)
+    """Return values of a table at times [s] and positions [m] that are among its
+    rows, shape (points,).
+    """
+    scale_t, scale_x = (
+        max(float(np.max(times)), SAME),
+        max(float(np.max(np.abs(axis))), SAME),
+    )
     out = np.empty(len(t))
     for k, (moment, place) in enumerate(zip(t, x, strict=True)):
         distance = np.abs(times - moment) / scale_t + np.abs(axis - place) / scale_x
         nearest = int(np.argmin(distance))
-        assert distance[nearest] <= SAME, "the scene of a case has output at all its points"
+        assert distance[nearest] <= SAME, (
+            "the scene of a case has output at all its points"
+        )
         out[k] = values[nearest]
     return out

@@ -1,12 +1,14 @@
-"""A measured signal over time, such as the pressure in a fluidized bed, against that of a run: its statistics.
+"""A measured signal over time, such as the pressure in a fluidized bed, against that of
+a run: its statistics.
 
-Two runs of a bed that bubbles agree in their statistics only: standard deviation, rate at which the signal rises
-through its mean, and frequency at the peak of the spectrum. The standard uncertainty of the first two comes from
-their scatter between blocks of a second (method of batch means), that of the peak is the resolution, one over the
-length of the measured record: peaks of a bed that bubbles differ by as much from one record of 3 s to the next. The
-spectrum of the prediction is the mean over pieces as long as the measured
-record that overlap by half (Welch 1967, IEEE Trans. Audio Electroacoust. 15, 70, doi:10.1109/TAU.1967.1161901), so
-that both resolve the same.
+Two runs of a bed that bubbles agree in their statistics only: standard deviation, rate
+at which the signal rises through its mean, and frequency at the peak of the spectrum.
+The standard uncertainty of the first two comes from their scatter between blocks of a
+second (method of batch means), that of the peak is the resolution, one over the length
+of the measured record: peaks of a bed that bubbles differ by as much from one record of
+3 s to the next. The spectrum of the prediction is the mean over pieces as long as the
+measured record that overlap by half (Welch 1967, IEEE Trans. Audio Electroacoust. 15,
+70, doi:10.1109/TAU.1967.1161901), so that both resolve the same.
 """
 
 from __future__ import annotations
@@ -23,13 +25,17 @@ from contbed.many.validate.deviations import Compared, Score
 from contbed.result import Result
 
 Array = NDArray[np.float64]
-RATE = 100.0  # Hz, at which signals are resampled: far above the 2 to 3 Hz of slugs, below the samples of a run
+# Hz, at which signals are resampled: far above the 2 to 3 Hz of slugs, below the
+# samples of a run
+RATE = 100.0
 BLOCK = 1.0  # s, of the batches; a few bubbles pass in it
 LOWEST = 0.5  # Hz, below which a peak is drift and no bubbles
 
 
 class Statistics(NamedTuple):
-    """Values and standard uncertainties of what is compared: deviation [unit], crossings and peak [Hz]."""
+    """Values and standard uncertainties of what is compared: deviation [unit],
+    crossings and peak [Hz].
+    """
 
     value: tuple[float, float, float]
     uncertainty: tuple[float, float, float]
@@ -48,13 +54,21 @@ def compare(case: Case, result: Result) -> Compared:
     settings, points = case.settings.signal, case.points
     assert settings is not None, "required of a case that compares signals"
     t, values = trace(case, result, settings.column)
-    measured = statistics(*resampled(points.t, points.value), points.t[-1] - points.t[0], case.uncertainty)
+    measured = statistics(
+        *resampled(points.t, points.value), points.t[-1] - points.t[0], case.uncertainty
+    )
     predicted = statistics(*resampled(t, values), points.t[-1] - points.t[0])
     units = (case.unit, "Hz", "Hz")
     scores = [
         Score(name, len(points.t), abs(p - m), p - m, u_m, u_p, unit)
         for name, p, m, u_p, u_m, unit in zip(
-            NAMES, predicted.value, measured.value, predicted.uncertainty, measured.uncertainty, units, strict=True
+            NAMES,
+            predicted.value,
+            measured.value,
+            predicted.uncertainty,
+            measured.uncertainty,
+            units,
+            strict=True,
         )
     ]
     reported: dict[str, float] = {}
@@ -65,7 +79,9 @@ def compare(case: Case, result: Result) -> Compared:
         series = trace(case, result, column)[1]
         unit = column.rpartition(" ")[2]
         reported[f"mean of {name_of(column)} {unit}"] = float(series.mean())
-        reported[f"standard deviation of {name_of(column)} {unit}"] = float(series.std())
+        reported[f"standard deviation of {name_of(column)} {unit}"] = float(
+            series.std()
+        )
     at_points = np.interp(points.t, t, values - values.mean(), np.nan, np.nan)
     return Compared(at_points, np.zeros(len(at_points)), scores, reported)
 
@@ -81,20 +97,27 @@ def trace(case: Case, result: Result, column: str) -> tuple[Array, Array]:
     assert settings is not None, "required of a case that compares signals"
     if column not in result.profiles:
         have = ", ".join(result.profiles)
-        raise SceneError(f"{case.origin.at(('signal',))}: signal: profiles.csv has no column '{column}'; it has {have}")
+        raise SceneError(
+            f"{case.origin.at(('signal',))}: signal: profiles.csv has no column "
+            f"'{column}'; it has {have}"
+        )
     t = result.profiles["t [s]"]
     late = t >= settings.start
     return t[late], result.profiles[column][late]
 
 
 def resampled(t: Array, values: Array) -> tuple[float, Array]:
-    """Interpolate a series at even times; return the interval [s] and the values without their mean."""
+    """Interpolate a series at even times; return the interval [s] and the values
+    without their mean.
+    """
     count = round((t[-1] - t[0]) * RATE) + 1
     even = np.interp(np.linspace(t[0], t[-1], count), t, values)
     return (t[-1] - t[0]) / (count - 1), even - even.mean()
 
 
-def statistics(interval: float, values: Array, record: float, noise: float = 0.0) -> Statistics:
+def statistics(
+    interval: float, values: Array, record: float, noise: float = 0.0
+) -> Statistics:
     """Find deviation, rate of rises and peak frequency of a series without its mean.
 
     Parameters
@@ -107,11 +130,15 @@ def statistics(interval: float, values: Array, record: float, noise: float = 0.0
     rises = (values[:-1] < 0.0) & (values[1:] >= 0.0)
     length = interval * (len(values) - 1)
     blocks = max(2, int(length / BLOCK))
-    deviations = [float(np.sqrt(np.mean(part**2))) for part in np.array_split(values, blocks)]
+    deviations = [
+        float(np.sqrt(np.mean(part**2))) for part in np.array_split(values, blocks)
+    ]
     rates = [float(part.mean()) / interval for part in np.array_split(rises, blocks)]
     frequency, power = spectrum(interval, values, record)
     peak = float(frequency[np.argmax(np.where(frequency >= LOWEST, power, 0.0))])
-    scatter = [float(np.std(parts, ddof=1) / np.sqrt(blocks)) for parts in (deviations, rates)]
+    scatter = [
+        float(np.std(parts, ddof=1) / np.sqrt(blocks)) for parts in (deviations, rates)
+    ]
     return Statistics(
         (float(values.std()), float(rises.sum() / length), peak),
         (float(np.hypot(scatter[0], noise)), scatter[1], float(1.0 / record)),
@@ -119,9 +146,19 @@ def statistics(interval: float, values: Array, record: float, noise: float = 0.0
 
 
 def spectrum(interval: float, values: Array, record: float) -> tuple[Array, Array]:
-    """Find the frequencies [Hz] and the power per frequency of a series, mean over pieces of `record` [s]."""
+    """Find the frequencies [Hz] and the power per frequency of a series, mean over
+    pieces of `record` [s].
+    """
     size = min(len(values), round(record / interval) + 1)
     starts = range(0, len(values) - size + 1, max(1, size // 2))
-    pieces = [values[start : start + size] - values[start : start + size].mean() for start in starts]
-    power = np.mean([np.abs(np.fft.rfft(piece)) ** 2 for piece in pieces], axis=0) * 2.0 * interval / size
+    pieces = [
+        values[start : start + size] - values[start : start + size].mean()
+        for start in starts
+    ]
+    power = (
+        np.mean([np.abs(np.fft.rfft(piece)) ** 2 for piece in pieces], axis=0)
+        * 2.0
+        * interval
+        / size
+    )
     return np.arange(1, len(power)) / (interval * size), np.asarray(power[1:])

@@ -1,1 +1,3 @@
-"""Weak forms of the packed bed: two energies, porous flow; fronts along characteristics."""
+"""Weak forms of the packed bed: two energies, porous flow; fronts along
+characteristics.
+"""

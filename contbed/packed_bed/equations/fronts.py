@@ -1,11 +1,13 @@
-"""A bed at rest without conduction, heated by a stream: fronts move along characteristics and stay sharp.
+"""A bed at rest without conduction, heated by a stream: fronts move along
+characteristics and stay sharp.
 
     C_f (dT_f/dt + v dT_f/dz) = h a (T_s - T_f)          C_f = eps rho_f c_f,   v = u/eps
     C_s dT_s/dt               = h a (T_f - T_s)          C_s = (1-eps) rho_s c_s
 
-Fluid parcels one cell long move one cell in each step dt = dz/v, which is exact, so a front stays where it belongs.
-Half steps of exchange before and after use the exact exponential of each parcel with its cell (Strang splitting, second
-order). Both parts conserve heat to round-off.
+Fluid parcels one cell long move one cell in each step dt = dz/v, which is exact, so a
+front stays where it belongs. Half steps of exchange before and after use the exact
+exponential of each parcel with its cell (Strang splitting, second order). Both parts
+conserve heat to round-off.
 
 Source: Schumann, J. Franklin Inst. 208 (1929) 405, doi:10.1016/S0016-0032(29)91186-8.
 """
@@ -23,7 +25,9 @@ Array = Any
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Temperatures [K] at one time [s]: of the parcels, centred at `z_fluid` [m], and of the cells at `z_solid`."""
+    """Temperatures [K] at one time [s]: of the parcels, centred at `z_fluid` [m],
+    and of the cells at `z_solid`.
+    """
 
     time: float
     z_fluid: Array
@@ -36,16 +40,25 @@ class Snapshot:
 
         They are linear between centres, without smearing the front between two parcels.
         """
-        return _sharp(z, self.z_fluid, self.T_fluid), _sharp(z, self.z_solid, self.T_solid)
+        return _sharp(z, self.z_fluid, self.T_fluid), _sharp(
+            z, self.z_solid, self.T_solid
+        )
 
 
 def _sharp(z: Array, centres: Array, values: Array) -> Array:
-    """Reconstruct linearly in each cell with the smaller one-sided slope (minmod), which keeps a jump sharp."""
+    """Reconstruct linearly in each cell with the smaller one-sided slope (minmod),
+    which keeps a jump sharp.
+    """
     width = centres[1] - centres[0]
     steps = np.diff(values)
-    left, right = np.concatenate(([steps[0]], steps)), np.concatenate((steps, [steps[-1]]))
+    left, right = (
+        np.concatenate(([steps[0]], steps)),
+        np.concatenate((steps, [steps[-1]])),
+    )
     slope = np.where(np.abs(left) < np.abs(right), left, right) / width
-    cell = np.clip(np.floor((z - centres[0]) / width + 0.5).astype(int), 0, len(centres) - 1)
+    cell = np.clip(
+        np.floor((z - centres[0]) / width + 0.5).astype(int), 0, len(centres) - 1
+    )
     return values[cell] + slope[cell] * (z - centres[cell])
 
 
@@ -61,11 +74,12 @@ def track(
     times: Sequence[float],
     advance: Callable[[float], None] = lambda time: None,
 ) -> tuple[list[Snapshot], dict[str, float]]:
-    """Return temperatures at rising `times` [s] in a bed of `length` [m] that a stream of `velocity` v > 0 enters.
+    """Return temperatures at rising `times` [s] in a bed of `length` [m] that a stream
+    of `velocity` v > 0 enters.
 
-    `velocity` is in m/s. Capacities are per bed volume [J/m3/K], `exchange` is h a [W/m3/K]. Also returns the heat
-    balance per cross-section [J/m2]: entered and left with the stream, relative to the fluid's initial temperature, and
-    stored.
+    `velocity` is in m/s. Capacities are per bed volume [J/m3/K], `exchange` is h
+    a [W/m3/K]. Also returns the heat balance per cross-section [J/m2]: entered and left
+    with the stream, relative to the fluid's initial temperature, and stored.
     """
     dz = length / cells
     dt = dz / velocity
@@ -96,5 +110,7 @@ def track(
         entering = np.concatenate(([inlet], parcels))
         centres = np.concatenate(([z[0] - dz], z)) + velocity * rest
         snapshots.append(Snapshot(time, centres, entering, z, cells_now))
-    stored = parcel * float(np.sum(fluid - initial[0])) + capacity_solid * dz * float(np.sum(solid - initial[1]))
+    stored = parcel * float(np.sum(fluid - initial[0])) + capacity_solid * dz * float(
+        np.sum(solid - initial[1])
+    )
     return snapshots, {"in": entered, "out": left, "stored": stored}

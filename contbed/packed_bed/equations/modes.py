@@ -12,40 +12,65 @@ Array = NDArray[np.float64]
 
 
 def rates(
-    flux_fluid: float, flux_solid: float, d_fluid: float, d_solid: float, ha: float, d_cross: float = 0.0
+    flux_fluid: float,
+    flux_solid: float,
+    d_fluid: float,
+    d_solid: float,
+    ha: float,
+    d_cross: float = 0.0,
 ) -> Array:
-    """Return the signed rates l [1/m] of the modes exp(l x), ascending, correctly rounded.
+    """Return the signed rates l [1/m] of the modes exp(l x), ascending, correctly
+    rounded.
 
-    One for each root of the cubic: three with conduction in both phases, fewer without. Layers at x = 0 are 1/|l| wide
-    with l < 0, layers at x = L are 1/l wide with l > 0. Balanced counter-current flow has l = 0. The cubic is evaluated
-    in exact rational arithmetic, so nearly equal roots and any ratio of magnitudes are resolved.
+    One for each root of the cubic: three with conduction in both phases, fewer without.
+    Layers at x = 0 are 1/|l| wide with l < 0, layers at x = L are 1/l wide with l > 0.
+    Balanced counter-current flow has l = 0. The cubic is evaluated in exact rational
+    arithmetic, so nearly equal roots and any ratio of magnitudes are resolved.
     """
     check_streams(flux_fluid, d_fluid, d_solid, ha, d_cross)
-    c_f, c_s, d_f, d_s, h, d_x = (Fraction(v) for v in (flux_fluid, flux_solid, d_fluid, d_solid, ha, d_cross))
-    cubic = (h * (c_f + c_s), c_f * c_s - h * (d_f + d_s + 2 * d_x), -(d_f * c_s + c_f * d_s), d_f * d_s - d_x**2)
+    c_f, c_s, d_f, d_s, h, d_x = (
+        Fraction(v) for v in (flux_fluid, flux_solid, d_fluid, d_solid, ha, d_cross)
+    )
+    cubic = (
+        h * (c_f + c_s),
+        c_f * c_s - h * (d_f + d_s + 2 * d_x),
+        -(d_f * c_s + c_f * d_s),
+        d_f * d_s - d_x**2,
+    )
     low_f, high_f = _single_phase_rates(flux_fluid, d_fluid, ha)
     low_s, high_s = _single_phase_rates(flux_solid, d_solid, ha)
     net = flux_fluid + flux_solid
     inner = min(high_f, high_s) if net > 0 else max(low_f, low_s)
-    found = [_outer_root(cubic, start) for start in (min(low_f, low_s), max(high_f, high_s)) if math.isfinite(start)]
+    found = [
+        _outer_root(cubic, start)
+        for start in (min(low_f, low_s), max(high_f, high_s))
+        if math.isfinite(start)
+    ]
     if math.isfinite(inner):
         found.append(_root_between(cubic, inner, 0.0) if net else 0.0)
     return np.sort(np.array(found))
 
 
-def check_streams(flux_fluid: float, d_fluid: float, d_solid: float, ha: float, d_cross: float) -> None:
+def check_streams(
+    flux_fluid: float, d_fluid: float, d_solid: float, ha: float, d_cross: float
+) -> None:
     """Raise ValueError if the coefficients do not fit the two-energy equations."""
     if not (flux_fluid > 0 and ha > 0 and d_fluid >= 0 and d_solid >= 0):
         raise ValueError(
-            f"two-energy solution: need flux_fluid > 0, ha > 0, d_fluid >= 0, d_solid >= 0, "
+            "two-energy solution: need flux_fluid > 0, ha > 0, d_fluid >= 0, d_solid "
+            ">= 0, "
             f"got {flux_fluid:g}, {ha:g}, {d_fluid:g}, {d_solid:g}"
         )
     if d_cross and d_cross**2 >= d_fluid * d_solid:
-        raise ValueError(f"two-energy solution: need d_cross^2 < d_fluid d_solid, got d_cross = {d_cross:g}")
+        raise ValueError(
+            "two-energy solution: need d_cross^2 < d_fluid d_solid, got d_cross = "
+            f"{d_cross:g}"
+        )
 
 
 def _single_phase_rates(flux: float, d: float, ha: float) -> tuple[float, float]:
-    """Return the roots of d l^2 - flux l - ha = 0, negative and positive; infinite where absent.
+    """Return the roots of d l^2 - flux l - ha = 0, negative and positive; infinite
+    where absent.
 
     They belong to one phase with the other held at zero.
     """
@@ -67,7 +92,9 @@ def _outer_root(cubic: tuple[Fraction, ...], start: float) -> float:
 
 
 def _root_between(cubic: tuple[Fraction, ...], start: float, end: float) -> float:
-    """Newton iteration kept inside the bracket, to the last bit; `start` itself where rounding put it past the root."""
+    """Newton iteration kept inside the bracket, to the last bit; `start` itself
+    where rounding put it past the root.
+    """
     if _cubic(cubic, start)[0] * Fraction(start) >= 0:
         return start
     x = 0.5 * (start + end)
@@ -82,7 +109,11 @@ def _root_between(cubic: tuple[Fraction, ...], start: float, end: float) -> floa
         newton = float(Fraction(x) - value / derivative) if derivative else math.inf
         if newton == x:
             return x
-        x = newton if min(start, end) < newton < max(start, end) else 0.5 * (start + end)
+        x = (
+            newton
+            if min(start, end) < newton < max(start, end)
+            else 0.5 * (start + end)
+        )
     return x
 
 

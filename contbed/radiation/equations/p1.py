@@ -11,11 +11,13 @@ K_a,m    absorption coefficient of species m [1/m]      K_s      scattering coef
 D        1/(4 beta) for the two-flux method, 1/(3 (K_a + K_s (1 - g))) for P1 [m], beta = K_a + K_s
 eps      emissivity of a wall [1]              g        mean cosine of scattering [1]
 
-Both hemispherical fluxes follow: pi I(+-) = G/4 +- q/2. With D = 1/(4 beta) the equation is the two-flux method of
-Rabi & de Souza-Santos (part I), written for one unknown; with D = 1/(3 beta) it is P1, which also holds in two and
-three dimensions (Modest, Radiative Heat Transfer, 2013, chapter 16).
+Both hemispherical fluxes follow: pi I(+-) = G/4 +- q/2. With D = 1/(4 beta) the
+equation is the two-flux method of Rabi & de Souza-Santos (part I), written for one
+unknown; with D = 1/(3 beta) it is P1, which also holds in two and three dimensions
+(Modest, Radiative Heat Transfer, 2013, chapter 16).
 
-Good values: particles of 0.3-10 mm, volume fractions 0.1-0.6, 600-2000 K; cells of 0.05 mean free paths on walls.
+Good values: particles of 0.3-10 mm, volume fractions 0.1-0.6, 600-2000 K; cells of 0.05
+mean free paths on walls.
 """
 
 from __future__ import annotations
@@ -32,8 +34,9 @@ FIELDS = ("G",)
 class Coefficients:
     """Optics of one domain.
 
-    `absorption` holds K_a,m [1/m] of the species whose temperature is a field, by the name of that field. `emission` is
-    4 sum K_a,m sigma T_m^4 of species of given temperature [W/m3] and `passive` their K_a [1/m].
+    `absorption` holds K_a,m [1/m] of the species whose temperature is a field, by the
+    name of that field. `emission` is 4 sum K_a,m sigma T_m^4 of species of given
+    temperature [W/m3] and `passive` their K_a [1/m].
     """
 
     absorption: dict[str, Any]
@@ -53,7 +56,9 @@ def absorbed(T: Any, G: Any, absorption: Any) -> Any:
 
 
 def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
-    """Return the weak form of the balance of the incident radiation, without boundary terms."""
+    """Return the weak form of the balance of the incident radiation, without
+    boundary terms.
+    """
     G, w = unknowns.G, tests.G
     taken = c.passive * G - c.emission
     for name, absorption in c.absorption.items():
@@ -65,8 +70,8 @@ def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
 class Surface:
     """A radiating boundary.
 
-    It is a gray wall of `emissivity` with emissive power `power` = sigma T^4 [W/m2], or an opening that `power` enters,
-    with emissivity 1.
+    It is a gray wall of `emissivity` with emissive power `power` = sigma T^4 [W/m2], or
+    an opening that `power` enters, with emissivity 1.
     """
 
     emissivity: float
@@ -85,10 +90,11 @@ def boundary(unknowns: Any, tests: Any, c: Surface, o: Any) -> Any:
 
 @dataclass(frozen=True)
 class Tubes:
-    """Surfaces immersed in a region: effective area per bed volume, eps_eff p [1/m], and power, sigma T^4 [W/m2].
+    """Surfaces immersed in a region: effective area per bed volume, eps_eff p [1/m],
+    and power, sigma T^4 [W/m2].
 
-    A tube receives the bulk field through the bed around it, so it takes eps_eff (G/4 - sigma T^4) per surface, with
-    1/eps_eff = 1/eps_bed + 1/eps_tube - 1.
+    A tube receives the bulk field through the bed around it, so it takes eps_eff
+    (G/4 - sigma T^4) per surface, with 1/eps_eff = 1/eps_bed + 1/eps_tube - 1.
     """
 
     area: Any

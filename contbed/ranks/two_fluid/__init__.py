@@ -1,1 +1,3 @@
-"""A two-fluid bed on several ranks: parts of its grid, their ghost cells, the pressure equation by PETSc."""
+"""A two-fluid bed on several ranks: parts of its grid, their ghost cells, the
+pressure equation by PETSc.
+"""

@@ -1,4 +1,6 @@
-"""Averages of a bed on ranks: each takes those of its own cells, which rank 0 puts together to read them."""
+"""Averages of a bed on ranks: each takes those of its own cells, which rank 0 puts
+together to read them.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,9 @@ class SharedAverages(Averages):
             self._behind = True
 
     def whole(self) -> Averages:
-        """Return the averages of the whole bed, put together where steps have been added."""
+        """Return the averages of the whole bed, put together where steps have been
+        added.
+        """
         if self._behind:
             self._gather()
         return self
@@ -39,7 +43,9 @@ class SharedAverages(Averages):
         """Back to what `arrays` gave, on all ranks."""
         super().resume(arrays)
         mine = self.arrays()
-        self.shared.run(resume, root=[_of_cells(mine, cells) for cells in self.shared.own_cells()])
+        self.shared.run(
+            resume, root=[_of_cells(mine, cells) for cells in self.shared.own_cells()]
+        )
         self._behind = False
 
     def _gather(self) -> None:
@@ -57,14 +63,19 @@ class SharedAverages(Averages):
 
 
 def _of_cells(arrays: dict[str, np.ndarray], cells: Indices) -> dict[str, np.ndarray]:
-    return {name: value if name in OF_BED else value[:, cells] for name, value in arrays.items()}
+    return {
+        name: value if name in OF_BED else value[:, cells]
+        for name, value in arrays.items()
+    }
 
 
 def begin(all_ranks: RankGroup, root: Any, key: int, start: float, end: float) -> None:
     """Begin the averages of all parts."""
     here = all_ranks.objects[key]
     with np.errstate(all="ignore"):  # outer ghost cells hold meaningless numbers
-        here.averages = Averages(start, end, momentum=momentum_budget.momentum(here.simulation))
+        here.averages = Averages(
+            start, end, momentum=momentum_budget.momentum(here.simulation)
+        )
 
 
 def add(all_ranks: RankGroup, root: Any, key: int) -> None:

@@ -1,7 +1,9 @@
-"""A two-fluid bed that ranks share, as rank 0 sees it: a `Simulation` whose steps run on all ranks.
+"""A two-fluid bed that ranks share, as rank 0 sees it: a `Simulation` whose steps run
+on all ranks.
 
-Rank 0 has the outline of the grid and, whenever it asks for it, the state as a whole, in the numbering of the
-mesh as built: so rows, averages, fields and checkpoints do not depend on the number of ranks.
+Rank 0 has the outline of the grid and, whenever it asks for it, the state as a whole,
+in the numbering of the mesh as built: so rows, averages, fields and checkpoints do not
+depend on the number of ranks.
 """
 
 from __future__ import annotations
@@ -36,7 +38,9 @@ class Shared:
         """Return the own cells of each rank."""
         return self.run(parts.own_cells)
 
-    def run(self, function: Callable[..., Any], *arguments: Any, root: Any = None) -> Any:
+    def run(
+        self, function: Callable[..., Any], *arguments: Any, root: Any = None
+    ) -> Any:
         """Run a function of `parts` on all ranks."""
         return self.ranks.run_on_all(function, self.key, *arguments, root=root)
 
@@ -45,20 +49,39 @@ class Shared:
 
 
 class SharedSimulation(Simulation):
-    """A bed whose steps run on all ranks; `counts` get how often limits of closures acted.
+    """A bed whose steps run on all ranks; `counts` get how often limits of closures
+    acted.
 
     Its model is on the outline of the grid and takes no steps.
     """
 
     def __init__(
-        self, model: Model, grid: SharedGrid, scene: TwoFluidScene, particles: ParticleProperties, counts: GuardCounts
+        self,
+        model: Model,
+        grid: SharedGrid,
+        scene: TwoFluidScene,
+        particles: ParticleProperties,
+        counts: GuardCounts,
     ):
         edge = model.edge
         self.shared, self.counts = Shared(grid), counts
         floating = not (edge.gas.kind == OUTLET).any()
-        about = parts.About(scene, model.materials, particles, model.options, bool(floating), model.closed)
+        about = parts.About(
+            scene,
+            model.materials,
+            particles,
+            model.options,
+            bool(floating),
+            model.closed,
+        )
         walls, heat = model.closures.wall_froude, model.heat
-        given = [(parts.taken(edge, at), None if heat is None else parts.taken_heat(heat, at)) for at in grid.edges]
+        given = [
+            (
+                parts.taken(edge, at),
+                None if heat is None else parts.taken_heat(heat, at),
+            )
+            for at in grid.edges
+        ]
         self.shared.run(parts.make, grid.key, about, root=(given, walls, model.timer))
         self._clock: Clock | None = None
         super().__init__(model)
@@ -80,7 +103,9 @@ class SharedSimulation(Simulation):
         return super().clock if self._clock is None else self._clock
 
     def find_fluxes(self, dt: float) -> None:
-        """Find fluxes and pressure that belong to the fields, as after a step of `dt` [s] without convection."""
+        """Find fluxes and pressure that belong to the fields, as after a step of
+        `dt` [s] without convection.
+        """
         self.tell()
         if error := self.shared.run(parts.find_fluxes, dt):
             raise error
@@ -99,34 +124,52 @@ class SharedSimulation(Simulation):
         self._clock = clock
         flat = flatten(self._whole)
         self._whole = rebuild(
-            self._whole, {k: np.empty(0) if isinstance(v, np.ndarray) else v for k, v in flat.items()}
+            self._whole,
+            {
+                k: np.empty(0) if isinstance(v, np.ndarray) else v
+                for k, v in flat.items()
+            },
         )
 
     def impose(self, conditions: Mapping[str, Condition]) -> None:
         """Other boundary conditions from now on."""
         super().impose(conditions)
-        self.shared.run(parts.impose, root=[parts.taken(self.model.edge, at) for at in self.shared.edges])
+        self.shared.run(
+            parts.impose,
+            root=[parts.taken(self.model.edge, at) for at in self.shared.edges],
+        )
 
     def impose_heat(self, conditions: Mapping[str, Thermal]) -> None:
         """Other conditions of heat from now on."""
         super().impose_heat(conditions)
         heat = self.model.heat
         assert heat is not None
-        self.shared.run(parts.impose_heat, root=[parts.taken_heat(heat, at) for at in self.shared.edges])
+        self.shared.run(
+            parts.impose_heat,
+            root=[parts.taken_heat(heat, at) for at in self.shared.edges],
+        )
 
     def shear_rate(self) -> Array:
-        """Return the shear rate (nc,) [1/s] of the particles, put together from the ranks."""
+        """Return the shear rate (nc,) [1/s] of the particles, put together from the
+        ranks.
+        """
         self.tell()
         found = np.empty(len(self.model.grid.cells))
-        for rates, cells in zip(self.shared.run(parts.own_shear_rate), self.shared.own_cells(), strict=True):
+        for rates, cells in zip(
+            self.shared.run(parts.own_shear_rate), self.shared.own_cells(), strict=True
+        ):
             found[cells] = rates
         return found
 
     def traffic(self) -> dict[str, float]:
         """Return messages, bytes and reductions of the busiest rank in a step."""
-        counted = np.max(self.shared.run(parts.traffic), axis=0) / max(1, self.clock.steps)
+        counted = np.max(self.shared.run(parts.traffic), axis=0) / max(
+            1, self.clock.steps
+        )
         names = "messages_per_step", "message_bytes_per_step", "reductions_per_step"
-        return {name: float(number) for name, number in zip(names, counted, strict=True)}
+        return {
+            name: float(number) for name, number in zip(names, counted, strict=True)
+        }
 
     def tell(self) -> None:
         """Give all ranks their parts of a state that was set here."""

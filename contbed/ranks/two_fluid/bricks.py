@@ -1,4 +1,6 @@
-"""Bricks of a rectangular grid, one for each rank: its part with ghost cells, and the outline of the whole grid."""
+"""Bricks of a rectangular grid, one for each rank: its part with ghost cells, and
+the outline of the whole grid.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ from contbed.two_fluid.files import in_order_of_vtk
 
 @dataclass(frozen=True, eq=False)
 class Bricks:
-    """The cells of a lattice in bricks, so many `along` each axis (dim,), with equally many cells or one more."""
+    """The cells of a lattice in bricks, so many `along` each axis (dim,), with
+    equally many cells or one more.
+    """
 
     lattice: Lattice
     along: Indices
@@ -35,7 +39,13 @@ class Bricks:
     def box(self, rank: int) -> tuple[Indices, Indices]:
         """First places (dim,) of the cells of a rank, and the ends."""
         at = places(np.array([rank]), self.along, tuple(range(len(self.along))))[0]
-        low, high = zip(*((start[k], start[k + 1]) for start, k in zip(self.starts, at, strict=True)), strict=True)
+        low, high = zip(
+            *(
+                (start[k], start[k + 1])
+                for start, k in zip(self.starts, at, strict=True)
+            ),
+            strict=True,
+        )
         return np.array(low), np.array(high)
 
     def owner(self, place: Indices) -> Indices:
@@ -47,17 +57,26 @@ class Bricks:
         return found
 
     def cells(self, rank: int) -> tuple[Indices, Indices]:
-        """Cells of a rank, own ones first, then layer by layer, each in ascending order; and the layer of each."""
+        """Cells of a rank, own ones first, then layer by layer, each in ascending
+        order; and the layer of each.
+        """
         lattice, (low, high) = self.lattice, self.box(rank)
         spans = []
         for d, lent in enumerate(lattice.lends):
             span = np.arange(low[d] - LAYERS, high[d] + LAYERS)
-            spans.append(span if lent is not None else span[(span >= 0) & (span < lattice.count[d])])
-        place = np.stack([x.ravel() for x in np.meshgrid(*spans, indexing="ij")], axis=1)
+            spans.append(
+                span
+                if lent is not None
+                else span[(span >= 0) & (span < lattice.count[d])]
+            )
+        place = np.stack(
+            [x.ravel() for x in np.meshgrid(*spans, indexing="ij")], axis=1
+        )
         layer = np.maximum(np.maximum(low - place, place - high + 1), 0).sum(axis=1)
         near = layer <= LAYERS
         number, layer = lattice.numbers(place[near] % lattice.count), layer[near]
-        order = np.lexsort((layer, number))  # around a closed axis a cell may be met on both sides
+        # around a closed axis a cell may be met on both sides
+        order = np.lexsort((layer, number))
         number, first = np.unique(number[order], return_index=True)
         layer = layer[order][first]
         order = np.lexsort((number, layer))
@@ -70,15 +89,21 @@ class Bricks:
         owned, near = np.searchsorted(layer, [1, 2])
         place = lattice.places(cells)
         inner = joined(lattice.after(axis, place) for axis in range(len(lattice.count)))
-        inner = inner.take(np.flatnonzero(np.isin(lattice.numbers(lattice.next(inner)), cells)))
+        inner = inner.take(
+            np.flatnonzero(np.isin(lattice.numbers(lattice.next(inner)), cells))
+        )
         inner = inner.take(np.argsort(inner.number))
-        edge = lattice.edges.take(np.flatnonzero(np.isin(lattice.numbers(lattice.edges.place), cells)))
+        edge = lattice.edges.take(
+            np.flatnonzero(np.isin(lattice.numbers(lattice.edges.place), cells))
+        )
         geometry, centres, middles = lattice.geometry(cells, inner, edge)
         own = geometry.left < owned
         received = self._by_owner(cells[owned:])
         sent = {other: self._needed(other, rank) for other in received}
         in_mesh = lattice.of_mesh(place)
-        nodes, corners = np.unique(in_order_of_vtk(lattice.tensor.corners(in_mesh)), return_inverse=True)
+        nodes, corners = np.unique(
+            in_order_of_vtk(lattice.tensor.corners(in_mesh)), return_inverse=True
+        )
         return Part(
             rank,
             cells,
@@ -119,18 +144,34 @@ def bricks_of(lattice: Lattice, size: int) -> Bricks:
     EngineError : the cells along the axes cannot be shared among so many ranks
     """
     count = lattice.count
-    fitting = [along for along in _products(size, len(count)) if (np.array(along) <= count).all()]
+    fitting = [
+        along
+        for along in _products(size, len(count))
+        if (np.array(along) <= count).all()
+    ]
     if not fitting:
-        cells, few = " x ".join(map(str, count)), "each rank needs one; " if lattice.tensor.bricks < size else ""
-        raise EngineError(f"{size} ranks for a mesh of {cells} cells: {few}start fewer ranks or refine the mesh")
-    return Bricks(lattice, np.array(min(fitting, key=lambda along: float(np.sum((np.array(along) - 1) / count)))))
+        cells, few = (
+            " x ".join(map(str, count)),
+            "each rank needs one; " if lattice.tensor.bricks < size else "",
+        )
+        raise EngineError(
+            f"{size} ranks for a mesh of {cells} cells: {few}start fewer ranks or "
+            "refine the mesh"
+        )
+    return Bricks(
+        lattice,
+        np.array(
+            min(fitting, key=lambda along: float(np.sum((np.array(along) - 1) / count)))
+        ),
+    )
 
 
 def outline(lattice: Lattice, boundaries: Mapping[str, Indices]) -> Outline:
     """Return the outline of a rectangular grid; `boundaries` are numbers of faces.
 
-    Like that of `Division.outline` it has the faces of cells that have a boundary face or are beside one that has,
-    and of the first and the last cell, which have the outermost ones.
+    Like that of `Division.outline` it has the faces of cells that have a boundary face
+    or are beside one that has, and of the first and the last cell, which have the
+    outermost ones.
     """
     place = lattice.places(np.array([0, lattice.tensor.bricks - 1]))
     place = np.concatenate((place, lattice.edges.place))

@@ -1,8 +1,10 @@
-"""The conjugate gradients of cg.py on a grid that ranks share: the same iterations, so the same result to rounding.
+"""The conjugate gradients of cg.py on a grid that ranks share: the same iterations, so
+the same result to rounding.
 
-All components iterate together, so that an iteration costs one exchange of ghost cells and two sums over the ranks,
-whatever the number of components. A component that has converged stays as it is. Only cells that are solved for are
-exchanged: they have numbers of their own, first those that the rank owns, then ghost cells.
+All components iterate together, so that an iteration costs one exchange of ghost cells
+and two sums over the ranks, whatever the number of components. A component that has
+converged stays as it is. Only cells that are solved for are exchanged: they have
+numbers of their own, first those that the rank owns, then ghost cells.
 """
 
 from __future__ import annotations
@@ -22,7 +24,8 @@ Places = NDArray[np.uint32]
 class Rows(NamedTuple):
     """Links between the cells that are solved for.
 
-    start (no + 1,) : of the links of each own cell; beside, faces (nl,) : its neighbours, and the faces between them
+    start (no + 1,) : of the links of each own cell; beside, faces (nl,) : its
+    neighbours, and the faces between them
     """
 
     start: Indices
@@ -56,7 +59,9 @@ def _solved_cells(g: Geometry, stiff: Flags, solved: Flags) -> None:
 
 @kernel
 def _linked(g: Geometry, number: Indices, own: int) -> Rows:
-    """Find the links of the own cells by their `number` (nc,), -1 for cells that are not solved for."""
+    """Find the links of the own cells by their `number` (nc,), -1 for cells that are
+    not solved for.
+    """
     start = np.zeros(own + 1, dtype=np.int64)
     for f in range(len(g.right)):
         left, right = number[g.left[f]], number[g.right[f]]
@@ -66,7 +71,11 @@ def _linked(g: Geometry, number: Indices, own: int) -> Rows:
                     start[here + 1] += 1
     for i in range(own):
         start[i + 1] += start[i]
-    beside, faces, filled = np.empty(start[own], np.uint32), np.empty(start[own], np.uint32), start[:own].copy()
+    beside, faces, filled = (
+        np.empty(start[own], np.uint32),
+        np.empty(start[own], np.uint32),
+        start[:own].copy(),
+    )
     for f in range(len(g.right)):
         left, right = number[g.left[f]], number[g.right[f]]
         if left >= 0 and right >= 0 and left != right:
@@ -80,7 +89,9 @@ def _linked(g: Geometry, number: Indices, own: int) -> Rows:
 
 @kernel
 def _diagonal(g: Geometry, system: System, number: Indices, diagonal: Array) -> None:
-    """Set the diagonal (n, m) of the cells with a number; a link to a cell without one is not solved for."""
+    """Set the diagonal (n, m) of the cells with a number; a link to a cell without
+    one is not solved for.
+    """
     for c in range(len(number)):
         if number[c] >= 0:
             for k in range(diagonal.shape[1]):
@@ -98,7 +109,9 @@ def _scaled(rows: Rows, coef: Array, scale: Array, values: Array) -> None:
     for k in range(coef.shape[1]):
         for i in range(len(rows.start) - 1):
             for j in range(rows.start[i], rows.start[i + 1]):
-                values[j, k] = coef[rows.faces[j], k] * scale[i, k] * scale[rows.beside[j], k]
+                values[j, k] = (
+                    coef[rows.faces[j], k] * scale[i, k] * scale[rows.beside[j], k]
+                )
 
 
 @summing
@@ -136,8 +149,11 @@ def _turn(beta: Array, going: Flags, r: Array, p: Array) -> None:
                 p[i, k] = r[i, k] + beta[k] * p[i, k]
 
 
-def solve_on_ranks(grid: Grid, system: System, explicit: float, tolerance: float, most: int, x: Array) -> int:
-    """Solve for `x` (nc, m), ghost cells included; return the number of iterations, -1 if too many.
+def solve_on_ranks(
+    grid: Grid, system: System, explicit: float, tolerance: float, most: int, x: Array
+) -> int:
+    """Solve for `x` (nc, m), ghost cells included; return the number of iterations, -1
+    if too many.
 
     explicit : links of a cell over its content above which it is stiff
     tolerance : of the residual, relative in the norm of the inverse diagonal
@@ -170,11 +186,17 @@ def solve_on_ranks(grid: Grid, system: System, explicit: float, tolerance: float
 
     np.multiply(scale, rhs[cells], out=target)
     ghosts.exchange(target)
-    y, q, dots = target[:own].copy(order="F"), np.empty((own, size[1]), order="F"), np.empty(size[1])
+    y, q, dots = (
+        target[:own].copy(order="F"),
+        np.empty((own, size[1]), order="F"),
+        np.empty(size[1]),
+    )
     _product(rows, values, target, q, dots)
     r = y - q
     p[:own] = r
-    sums = np.array(halo.sum(*np.einsum("ck,ck->k", y, y), *np.einsum("ck,ck->k", r, r)))
+    sums = np.array(
+        halo.sum(*np.einsum("ck,ck->k", y, y), *np.einsum("ck,ck->k", r, r))
+    )
     first, rho = sums[: size[1]], sums[size[1] :]
     iterations = 0
     while (going := rho > tolerance**2 * first).any():

@@ -1,6 +1,8 @@
-"""A grid of any cells before ranks share it: who gets which cells, the share of each, and the outline of the whole.
+"""A grid of any cells before ranks share it: who gets which cells, the share of each,
+and the outline of the whole.
 
-Rank 0 has the connections, places and sizes of all cells and facets; ranks make the lists of their parts.
+Rank 0 has the connections, places and sizes of all cells and facets; ranks make the
+lists of their parts.
 """
 
 from __future__ import annotations
@@ -22,12 +24,22 @@ from contbed.two_fluid.fv.grid import Grid, faces_of, geometry
 
 # fields of `Geometry` by what they list
 OF_INTERIOR = ("weight", "skew", "arm_right", "slope_right")
-OF_FACES = ("area", "face_size", "normal", "distance", "non_orthogonal", "arm_left", "slope_left")
+OF_FACES = (
+    "area",
+    "face_size",
+    "normal",
+    "distance",
+    "non_orthogonal",
+    "arm_left",
+    "slope_left",
+)
 
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """Neighbours of cell c and the faces to them from start[c] to start[c + 1]; `alone` are faces that lead to none."""
+    """Neighbours of cell c and the faces to them from start[c] to start[c + 1];
+    `alone` are faces that lead to none.
+    """
 
     start: Indices
     beside: Indices
@@ -39,10 +51,15 @@ class Surroundings:
     def of(cls, whole: Connections) -> Surroundings:
         """Return what is around the cells of a grid."""
         count, ni = len(whole.cells), whole.interior
-        alone = np.append(np.flatnonzero(whole.left[:ni] == whole.right), np.arange(ni, len(whole.left)))
+        alone = np.append(
+            np.flatnonzero(whole.left[:ni] == whole.right),
+            np.arange(ni, len(whole.left)),
+        )
         alone = alone[np.argsort(whole.left[alone], kind="stable")]
         start = np.searchsorted(whole.left[alone], np.arange(count + 1))
-        return cls(*neighbours_by_cell(whole.left[:ni], whole.right, count), start, alone)
+        return cls(
+            *neighbours_by_cell(whole.left[:ni], whole.right, count), start, alone
+        )
 
     def cells(self, of: Indices) -> Indices:
         """Return the neighbours of some cells, in ascending order."""
@@ -50,16 +67,21 @@ class Surroundings:
 
     def faces_of(self, cells: Indices) -> Indices:
         """Return the faces of some cells, in ascending order."""
-        shared, alone = _joined(self.start, self.faces, cells), _joined(self.alone_start, self.alone, cells)
+        shared, alone = (
+            _joined(self.start, self.faces, cells),
+            _joined(self.alone_start, self.alone, cells),
+        )
         return np.unique(np.concatenate((shared, alone)))
 
 
 @dataclass(frozen=True, eq=False)
 class Outline(Grid):
-    """What rank 0 has of a grid that ranks share; it takes no steps, which would need rows.
+    """What rank 0 has of a grid that ranks share; it takes no steps, which would need
+    rows.
 
-    It has places and volumes of all cells, the boundary faces, and those beside and behind boundary cells, from which
-    the pressure reaches floor and roof; for each axis the outermost faces, so that the bed has its extent.
+    It has places and volumes of all cells, the boundary faces, and those beside and
+    behind boundary cells, from which the pressure reaches floor and roof; for each axis
+    the outermost faces, so that the bed has its extent.
     """
 
     all_faces: int = 0
@@ -77,7 +99,9 @@ class Outline(Grid):
 
 @dataclass(frozen=True, eq=False)
 class Division:
-    """A grid that ranks will share, of which no rank makes the whole: the parts of ranks, and the outline."""
+    """A grid that ranks will share, of which no rank makes the whole: the parts of
+    ranks, and the outline.
+    """
 
     whole: Connections
     around: Surroundings
@@ -94,7 +118,8 @@ class Division:
         return cls(whole, Surroundings.of(whole), whole.skewness() > SKEWED)
 
     def owners(self, size: int) -> Indices:
-        """Return the rank (nc,) of each cell, by PETSc's partitioner of the graph of cells and faces.
+        """Return the rank (nc,) of each cell, by PETSc's partitioner of the graph of
+        cells and faces.
 
         Raises
         ------
@@ -103,16 +128,24 @@ class Division:
         around, count = self.around, len(self.whole.cells)
         if count < size:
             raise EngineError(
-                f"{size} ranks for a mesh of {count} cells: each rank needs one; start fewer ranks or refine the mesh"
+                f"{size} ranks for a mesh of {count} cells: each rank needs one; start "
+                "fewer ranks or refine the mesh"
             )
         if size == 1:
             return np.zeros(count, dtype=np.int64)
         from petsc4py import PETSc
 
-        csr = around.start.astype(np.int32), around.beside.astype(np.int32), np.ones(len(around.beside))
+        csr = (
+            around.start.astype(np.int32),
+            around.beside.astype(np.int32),
+            np.ones(len(around.beside)),
+        )
         graph = PETSc.Mat().createAIJ((count, count), csr=csr, comm=PETSc.COMM_SELF)
         adjacency = graph.convert("mpiadj", PETSc.Mat())
-        partitioning, found = PETSc.MatPartitioning().create(PETSc.COMM_SELF), PETSc.IS().create(PETSc.COMM_SELF)
+        partitioning, found = (
+            PETSc.MatPartitioning().create(PETSc.COMM_SELF),
+            PETSc.IS().create(PETSc.COMM_SELF),
+        )
         partitioning.setOptionsPrefix("contbed_cells_")
         partitioning.setAdjacency(adjacency)
         PETSc.Options("contbed_cells_")["mat_partitioning_nparts"] = size
@@ -122,27 +155,43 @@ class Division:
         for thing in (found, partitioning, adjacency, graph):
             thing.destroy()
         if len(np.unique(ranks)) < size:
-            raise EngineError(f"{size} ranks for a mesh of {count} cells: one would have no cell; start fewer ranks")
+            raise EngineError(
+                f"{size} ranks for a mesh of {count} cells: one would have no cell; "
+                "start fewer ranks"
+            )
         return ranks
 
     def split(self, mesh: skfem.Mesh, owner: Indices, size: int) -> Iterator[Share]:
-        """Yield the share of each rank, one after the other, as each is as large as its part of the grid."""
+        """Yield the share of each rank, one after the other, as each is as large as
+        its part of the grid.
+        """
         whole, around = self.whole, self.around
-        own = np.split(np.argsort(owner, kind="stable"), np.cumsum(np.bincount(owner, minlength=size))[:-1])
+        own = np.split(
+            np.argsort(owner, kind="stable"),
+            np.cumsum(np.bincount(owner, minlength=size))[:-1],
+        )
         numbers = np.full(len(owner), -1, dtype=np.int64)
         ghosts = []
         for mine in own:
             behind = np.concatenate(_layers(around, mine, LAYERS, numbers)[1:])
-            ghosts.append({int(k): behind[owner[behind] == k] for k in np.unique(owner[behind])})
+            ghosts.append(
+                {int(k): behind[owner[behind] == k] for k in np.unique(owner[behind])}
+            )
         for rank in range(size):
             layers = _layers(around, own[rank], LAYERS + REACH, numbers)
             ends = np.cumsum([len(layer) for layer in layers])
             cells = np.concatenate(layers)
             faces, links = _links(whole, around, cells, numbers)
             in_mesh = whole.cells[cells[: ends[LAYERS]]]
-            nodes, corners = np.unique(in_order_of_vtk(mesh.t[:, in_mesh].T), return_inverse=True)
-            # symmetric: a rank in whose layers own cells of another lie has its own cells in that one's
-            sent = {other: np.searchsorted(own[rank], ghosts[other][rank]) for other in ghosts[rank]}
+            nodes, corners = np.unique(
+                in_order_of_vtk(mesh.t[:, in_mesh].T), return_inverse=True
+            )
+            # symmetric: a rank in whose layers own cells of another lie has its own
+            # cells in that one's
+            sent = {
+                other: np.searchsorted(own[rank], ghosts[other][rank])
+                for other in ghosts[rank]
+            }
             yield Share(
                 rank,
                 cells,
@@ -166,12 +215,16 @@ class Division:
         near = np.unique(whole.left[ni:])
         middles = whole.middles[whole.facets(np.arange(count))]
         outermost = np.concatenate((middles.argmin(axis=0), middles.argmax(axis=0)))
-        kept = np.union1d(around.faces_of(np.union1d(near, around.cells(near))), outermost)
+        kept = np.union1d(
+            around.faces_of(np.union1d(near, around.cells(near))), outermost
+        )
         complete = np.union1d(whole.left[kept], whole.right[kept[kept < ni]])
         scratch = np.full(len(whole.cells), -1, dtype=np.int64)
         cells = np.concatenate(_layers(around, complete, REACH, scratch))
         faces, links = _links(whole, around, cells, scratch)
-        made = geometry(links, offsets(links), whole.axisymmetric, self.skewed, len(complete))
+        made = geometry(
+            links, offsets(links), whole.axisymmetric, self.skewed, len(complete)
+        )
         faces = faces[np.concatenate(faces_of(links, len(complete)))]
         taken = np.flatnonzero(np.isin(faces, kept))
         interior = taken[faces[taken] < ni]
@@ -182,7 +235,9 @@ class Division:
             gradient_inverse=made.gradient_inverse[:0],
             moment_inverse=made.moment_inverse[:0],
             volume=whole.volume,
-            radius=whole.centres[:, 0].copy() if whole.axisymmetric else np.zeros(len(whole.cells)),
+            radius=whole.centres[:, 0].copy()
+            if whole.axisymmetric
+            else np.zeros(len(whole.cells)),
             edge_from=first,
             edge_to=len(taken),
             **{name: getattr(made, name)[taken] for name in OF_FACES},
@@ -204,15 +259,21 @@ class Division:
 
 
 def _joined(start: Indices, values: Indices, of: Indices) -> Indices:
-    """Return the values from start[c] to start[c + 1] of some cells, one after the other."""
+    """Return the values from start[c] to start[c + 1] of some cells, one after the
+    other.
+    """
     number = start[of + 1] - start[of]
     shift = np.repeat(start[of] - (np.cumsum(number) - number), number)
     found: Indices = values[np.arange(len(shift)) + shift]
     return found
 
 
-def _layers(around: Surroundings, cells: Indices, number: int, scratch: Indices) -> list[Indices]:
-    """Return some cells and so many layers behind them; `scratch` (nc,) has -1 before and after."""
+def _layers(
+    around: Surroundings, cells: Indices, number: int, scratch: Indices
+) -> list[Indices]:
+    """Return some cells and so many layers behind them; `scratch` (nc,) has -1
+    before and after.
+    """
     layers = [cells]
     scratch[cells] = 0
     for _ in range(number):
@@ -223,8 +284,12 @@ def _layers(around: Surroundings, cells: Indices, number: int, scratch: Indices)
     return layers
 
 
-def _links(whole: Connections, around: Surroundings, cells: Indices, scratch: Indices) -> tuple[Indices, Links]:
-    """Return the faces between and beside some cells, and both by their numbers among these."""
+def _links(
+    whole: Connections, around: Surroundings, cells: Indices, scratch: Indices
+) -> tuple[Indices, Links]:
+    """Return the faces between and beside some cells, and both by their numbers
+    among these.
+    """
     faces, ni = around.faces_of(cells), whole.interior
     scratch[cells] = np.arange(len(cells))
     inner = faces[faces < ni]

@@ -1,4 +1,6 @@
-"""The grid of a bed that ranks share: each has its part, rank 0 an outline of the whole."""
+"""The grid of a bed that ranks share: each has its part, rank 0 an outline of the
+whole.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,8 @@ from contbed.two_fluid.fv.grid import Grid
 
 
 class SharedGrid:
-    """The parts of all ranks, released with the last bed on them; nothing here refers to a grid that was shared out.
+    """The parts of all ranks, released with the last bed on them; nothing here refers
+    to a grid that was shared out.
 
     Attributes
     ----------
@@ -31,7 +34,9 @@ class SharedGrid:
         self.edges: list[Indices] = []
 
     @classmethod
-    def of_division(cls, division: Division, mesh: skfem.Mesh, outline: Grid) -> SharedGrid:
+    def of_division(
+        cls, division: Division, mesh: skfem.Mesh, outline: Grid
+    ) -> SharedGrid:
         """Share out the cells of a mesh and have each rank make its part of the grid.
 
         Raises
@@ -40,7 +45,9 @@ class SharedGrid:
         """
         shared = cls(outline)
         size = shared.ranks.comm.size
-        return shared._made(take_part, root=division.split(mesh, division.owners(size), size))
+        return shared._made(
+            take_part, root=division.split(mesh, division.owners(size), size)
+        )
 
     @classmethod
     def of_lattice(cls, lattice: Lattice, outline: Grid) -> SharedGrid:
@@ -53,7 +60,9 @@ class SharedGrid:
         shared = cls(outline)
         return shared._made(make_part, bricks_of(lattice, shared.ranks.comm.size))
 
-    def _made(self, function: Any, *arguments: Any, root: Iterator[Share] | None = None) -> SharedGrid:
+    def _made(
+        self, function: Any, *arguments: Any, root: Iterator[Share] | None = None
+    ) -> SharedGrid:
         edges = len(self.outline.geometry.left) - self.outline.interior
         numbers = self.ranks.run_on_all(function, self.key, *arguments, root=root)
         self.edges = [mine - (self.outline.face_count - edges) for mine in numbers]
@@ -64,7 +73,8 @@ class SharedGrid:
 
 
 def take_part(all_ranks: RankGroup, root: Any, key: int) -> Any:
-    """Make the part of this rank from its share as object `key`; root yields those of all ranks, one after the other.
+    """Make the part of this rank from its share as object `key`; root yields those of
+    all ranks, one after the other.
 
     Rank 0 gets the boundary faces of each.
     """
@@ -77,7 +87,9 @@ def take_part(all_ranks: RankGroup, root: Any, key: int) -> Any:
 
 
 def make_part(all_ranks: RankGroup, root: Any, key: int, bricks: Bricks) -> Any:
-    """Make the part of this rank as object `key`; rank 0 gets the boundary faces of each."""
+    """Make the part of this rank as object `key`; rank 0 gets the boundary faces of
+    each.
+    """
     return _kept(all_ranks, key, bricks.part(all_ranks.comm.rank))
 
 

@@ -1,8 +1,11 @@
-"""A rectangular grid by the coordinates along its axes: the outline and the part of any rank, without the whole.
+"""A rectangular grid by the coordinates along its axes: the outline and the part of any
+rank, without the whole.
 
-Cells and faces have the numbers that `fv.grid.build` gives them: cells along the longest axis first; interior faces
-axis by axis, of each the periodic ones first, by the cell on their left; boundary faces by their cell. Each rank has a
-brick of cells, and every number of the geometry comes from the same coordinates: two ranks have the same bits.
+Cells and faces have the numbers that `fv.grid.build` gives them: cells along the
+longest axis first; interior faces axis by axis, of each the periodic ones first, by the
+cell on their left; boundary faces by their cell. Each rank has a brick of cells, and
+every number of the geometry comes from the same coordinates: two ranks have the same
+bits.
 """
 
 from __future__ import annotations
@@ -21,7 +24,9 @@ from contbed.two_fluid.fv.grid import Geometry
 
 
 class Faces(NamedTuple):
-    """Faces (n,): axis of the normal, place (n, dim) of the cell that it points out of, end of that cell, number."""
+    """Faces (n,): axis of the normal, place (n, dim) of the cell that it points out
+    of, end of that cell, number.
+    """
 
     axis: Indices
     place: Indices
@@ -37,7 +42,8 @@ class Faces(NamedTuple):
 class Lattice:
     """A rectangular grid.
 
-    lends : for each axis the end, 0 or 1, whose faces give a periodic pair its place; None where none closes the axis
+    lends : for each axis the end, 0 or 1, whose faces give a periodic pair its place;
+        None where none closes the axis
     """
 
     tensor: Tensor
@@ -61,7 +67,9 @@ class Lattice:
 
     @cached_property
     def _starts(self) -> Indices:
-        """First number of the interior faces of each axis, and of the boundary faces."""
+        """First number of the interior faces of each axis, and of the boundary
+        faces.
+        """
         across = self.tensor.bricks // self.count
         each = across * (self.count - [lent is None for lent in self.lends])
         return np.append(0, np.cumsum(each))
@@ -86,23 +94,34 @@ class Lattice:
         return found
 
     def after(self, axis: int, place: Indices) -> Faces:
-        """Return the interior faces behind cells along an axis; those at its end have one if it is closed."""
+        """Return the interior faces behind cells along an axis; those at its end
+        have one if it is closed.
+        """
         last = self.count[axis] - 1
         if self.lends[axis] is None:
             place = place[place[:, axis] < last]
         wraps = place[:, axis] == last
-        closing = 0 if self.lends[axis] is None else self.tensor.bricks // self.count[axis]
-        shape = [np.where(np.arange(len(self.count)) == axis, n, self.count) for n in (1, max(last, 1))]
+        closing = (
+            0 if self.lends[axis] is None else self.tensor.bricks // self.count[axis]
+        )
+        shape = [
+            np.where(np.arange(len(self.count)) == axis, n, self.count)
+            for n in (1, max(last, 1))
+        ]
         across = place.copy()
         across[:, axis] = 0
         number = np.where(
-            wraps, across @ strides(shape[0], self.order), closing + place @ strides(shape[1], self.order)
+            wraps,
+            across @ strides(shape[0], self.order),
+            closing + place @ strides(shape[1], self.order),
         )
         same = np.full(len(place), axis)
         return Faces(same, place, np.ones_like(same), self._starts[axis] + number)
 
     def beside(self, axis: int, place: Indices) -> tuple[Faces, Faces]:
-        """Return the interior faces behind cells along an axis, and those before them."""
+        """Return the interior faces behind cells along an axis, and those before
+        them.
+        """
         before = place.copy()
         before[:, axis] -= 1
         if self.lends[axis] is None:
@@ -118,22 +137,32 @@ class Lattice:
 
     @cached_property
     def edges(self) -> Faces:
-        """The boundary faces, by their cell and, of one cell, in the order of the facets of the mesh."""
+        """The boundary faces, by their cell and, of one cell, in the order of the
+        facets of the mesh.
+        """
         order, found = self.tensor.order, []
-        for axis, end in [(axis, 0) for axis in reversed(order)] + [(axis, 1) for axis in order]:
+        for axis, end in [(axis, 0) for axis in reversed(order)] + [
+            (axis, 1) for axis in order
+        ]:
             if self.lends[axis] is not None:
                 continue
             spans = [np.arange(n) for n in self.count]
             spans[axis] = spans[axis][[-end]]
-            place = np.stack([x.ravel() for x in np.meshgrid(*spans, indexing="ij")], axis=1)
+            place = np.stack(
+                [x.ravel() for x in np.meshgrid(*spans, indexing="ij")], axis=1
+            )
             found.append((np.full(len(place), axis), place, np.full(len(place), end)))
         if not found:
             none = np.empty(0, dtype=np.int64)
             return Faces(none, none.reshape(0, len(self.count)), none, none)
-        axes, place, ends = (np.concatenate(values) for values in zip(*found, strict=True))
+        axes, place, ends = (
+            np.concatenate(values) for values in zip(*found, strict=True)
+        )
         sorted_by_cell = np.argsort(self.numbers(place), kind="stable")
         number = self.interior + np.arange(len(axes))
-        return Faces(axes[sorted_by_cell], place[sorted_by_cell], ends[sorted_by_cell], number)
+        return Faces(
+            axes[sorted_by_cell], place[sorted_by_cell], ends[sorted_by_cell], number
+        )
 
     @cached_property
     def _sizes(self) -> tuple[tuple[Array, Array], ...]:
@@ -142,10 +171,15 @@ class Lattice:
 
     def centres(self, place: Indices) -> Array:
         """Centres (n, dim) [m] of cells."""
-        return np.stack([middle[place[:, d]] for d, (middle, _) in enumerate(self._sizes)], axis=1)
+        return np.stack(
+            [middle[place[:, d]] for d, (middle, _) in enumerate(self._sizes)], axis=1
+        )
 
-    def geometry(self, cells: Indices | None, inner: Faces, edge: Faces) -> tuple[Geometry, Array, Array]:
-        """Return the lists of some cells and of faces between or beside them, centres and middles of faces [m].
+    def geometry(
+        self, cells: Indices | None, inner: Faces, edge: Faces
+    ) -> tuple[Geometry, Array, Array]:
+        """Return the lists of some cells and of faces between or beside them, centres
+        and middles of faces [m].
 
         Without `cells` they are those of all cells, but for `moment_inverse`.
         """
@@ -161,14 +195,19 @@ class Lattice:
         wraps = np.flatnonzero(behind[each[:ni], inner.axis] == 0)
         lent = wraps[np.array([end == 0 for end in self.lends])[inner.axis[wraps]]]
         middles[lent, inner.axis[lent]] = beyond[lent]
-        normal, arm_left, arm_right = np.zeros((n, dim)), np.zeros((n, dim)), np.zeros((ni, dim))
+        normal, arm_left, arm_right = (
+            np.zeros((n, dim)),
+            np.zeros((n, dim)),
+            np.zeros((ni, dim)),
+        )
         normal[each, axis] = 2.0 * faces.end - 1.0
         arm_left[each, axis] = at - here
         arm_right[each[:ni], inner.axis] = beyond - there
         distance = np.abs(at - here)
         distance[:ni] += there - beyond
         size, centres = self._across(faces.place, axis), self.centres(place)
-        slopes = 0.5 * normal / distance[:, None]  # the two faces of a cell along an axis share the gradient
+        # the two faces of a cell along an axis share the gradient
+        slopes = 0.5 * normal / distance[:, None]
         moment = np.zeros((0 if cells is None else len(place), dim, dim))
         for d in range(dim if len(moment) else 0):
             moment[:, d, d] = 0.5 / self._across(place, d)
@@ -198,16 +237,25 @@ class Lattice:
         )
         return geometry, centres, middles
 
-    def _beside(self, axis: Indices, place: Indices, end: Indices) -> tuple[Array, Array]:
-        """Coordinates (n,) [m] along an axis of an end of cells, and of their centres."""
+    def _beside(
+        self, axis: Indices, place: Indices, end: Indices
+    ) -> tuple[Array, Array]:
+        """Coordinates (n,) [m] along an axis of an end of cells, and of their
+        centres.
+        """
         at, centre = np.empty(len(axis)), np.empty(len(axis))
         for d, x in enumerate(self.tensor.axes):
             along = axis == d
-            at[along], centre[along] = x[place[along, d] + end[along]], self._sizes[d][0][place[along, d]]
+            at[along], centre[along] = (
+                x[place[along, d] + end[along]],
+                self._sizes[d][0][place[along, d]],
+            )
         return at, centre
 
     def _across(self, place: Indices, axis: Indices | int) -> Array:
-        """Size (n,) of the faces of cells across an axis, or of cells for -1, without the weight 2 pi r."""
+        """Size (n,) of the faces of cells across an axis, or of cells for -1,
+        without the weight 2 pi r.
+        """
         size = np.ones(len(place))
         for d, (_, width) in enumerate(self._sizes):
             size *= np.where(axis == np.int64(d), 1.0, width[place[:, d]])
@@ -218,7 +266,11 @@ class Lattice:
         return 2.0 * np.pi * points[:, 0] if self.axisymmetric else np.ones(len(points))
 
     def _positions(self, cells: Indices | None, place: Indices) -> Indices:
-        return self.numbers(place) if cells is None else positions(cells, self.numbers(place))
+        return (
+            self.numbers(place)
+            if cells is None
+            else positions(cells, self.numbers(place))
+        )
 
 
 def joined(lists: Iterable[Faces]) -> Faces:
@@ -227,37 +279,62 @@ def joined(lists: Iterable[Faces]) -> Faces:
 
 
 def positions(cells: Indices, wanted: Indices) -> Indices:
-    """Positions (n,) in a list of cells of those that are wanted, all of which are in it."""
+    """Positions (n,) in a list of cells of those that are wanted, all of which are
+    in it.
+    """
     order = np.argsort(cells, kind="stable")
     found: Indices = order[np.searchsorted(cells, wanted, sorter=order)]
     return found
 
 
-def lattice_of(mesh: Mesh, sides: Sequence[tuple[str, str]], pairs: Sequence[tuple[str, str]]) -> Lattice | None:
-    """Return the lattice of a built-in mesh, None if its cells are no intervals, rectangles or bricks.
+def lattice_of(
+    mesh: Mesh, sides: Sequence[tuple[str, str]], pairs: Sequence[tuple[str, str]]
+) -> Lattice | None:
+    """Return the lattice of a built-in mesh, None if its cells are no intervals,
+    rectangles or bricks.
 
-    `sides` are the boundaries at both ends of each axis, `pairs` those that are one and the same.
+    `sides` are the boundaries at both ends of each axis, `pairs` those that are one and
+    the same.
     """
     tensor = tensor_of(mesh.skfem)
     if tensor is None or tensor.cells > tensor.bricks:
         return None
     lends: list[int | None] = [None] * len(sides)
     for front, back in pairs:
-        axis = next((d for d, both in enumerate(sides) if {front, back} == set(both)), None)
+        axis = next(
+            (d for d, both in enumerate(sides) if {front, back} == set(both)), None
+        )
         whole = tensor.bricks // (tensor.shape[axis] - 1) if axis is not None else -1
-        if axis is None or len(mesh.skfem.boundaries[front]) != whole or len(mesh.skfem.boundaries[back]) != whole:
+        if (
+            axis is None
+            or len(mesh.skfem.boundaries[front]) != whole
+            or len(mesh.skfem.boundaries[back]) != whole
+        ):
             return None  # what does not match is reported by `fv.grid.build`
         lends[axis] = sides[axis].index(front)
     return Lattice(tensor, mesh.axisymmetric, tuple(lends))
 
 
-def numbers_of_facets(lattice: Lattice, mesh: Mesh, pairs: Sequence[tuple[str, str]]) -> dict[str, Indices]:
-    """Return the boundary faces by name, in ascending order; each belongs to one boundary."""
+def numbers_of_facets(
+    lattice: Lattice, mesh: Mesh, pairs: Sequence[tuple[str, str]]
+) -> dict[str, Indices]:
+    """Return the boundary faces by name, in ascending order; each belongs to one
+    boundary.
+    """
     plain, periodic = mesh.skfem, {name for pair in pairs for name in pair}
-    named = {name: facets for name, facets in plain.boundaries.items() if name not in periodic and len(facets)}
+    named = {
+        name: facets
+        for name, facets in plain.boundaries.items()
+        if name not in periodic and len(facets)
+    }
     facets = np.concatenate([*named.values(), np.empty(0, dtype=np.int64)])
-    cells = lattice.numbers(places(plain.f2t[0, facets], lattice.count, lattice.tensor.order))
+    cells = lattice.numbers(
+        places(plain.f2t[0, facets], lattice.count, lattice.tensor.order)
+    )
     numbers = np.empty(len(facets), dtype=np.int64)
     numbers[np.lexsort((facets, cells))] = lattice.interior + np.arange(len(facets))
     ends = np.cumsum([len(facets) for facets in named.values()])
-    return {name: np.sort(part) for name, part in zip(named, np.split(numbers, ends), strict=False)}
+    return {
+        name: np.sort(part)
+        for name, part in zip(named, np.split(numbers, ends), strict=False)
+    }

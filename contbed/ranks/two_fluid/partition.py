@@ -1,7 +1,9 @@
-"""Parts of a grid for ranks: own cells, LAYERS layers of ghost cells behind them, and the faces between all of these.
+"""Parts of a grid for ranks: own cells, LAYERS layers of ghost cells behind them, and
+the faces between all of these.
 
-A part has faces in the order and direction of the whole grid. A cell whose faces are all there then adds the same
-numbers in the same order on every rank that has it, so that what two ranks compute for one face has the same bits.
+A part has faces in the order and direction of the whole grid. A cell whose faces are
+all there then adds the same numbers in the same order on every rank that has it, so
+that what two ranks compute for one face has the same bits.
 """
 
 from __future__ import annotations
@@ -15,20 +17,27 @@ from contbed.two_fluid.compiled import Indices
 from contbed.two_fluid.fv.connections import Links, offsets
 from contbed.two_fluid.fv.grid import Geometry, faces_of, geometry
 
-# of ghost cells: gradients on skewed grids take neighbours of neighbours; what reaches farther is exchanged on the way
+# of ghost cells: gradients on skewed grids take neighbours of neighbours; what reaches
+# farther is exchanged on the way
 LAYERS = 2
-REACH = 2  # more layers of cells from which the geometry of the others is made, on skewed grids both
+# more layers of cells from which the geometry of the others is made, on skewed grids
+# both
+REACH = 2
 
 
 @dataclass(eq=False)
 class Part:
     """What one rank has of a grid.
 
-    cells : of the whole grid, own ones first, then layer by layer, each in the order of the whole grid
+    cells : of the whole grid, own ones first, then layer by layer, each in the order of
+        the whole grid
     owned, near : number of own cells, and of those and the first layer
-    interior, edge : faces of the whole grid; own_faces (nf,), own_edges (nb,) mark those of own cells on the left
-    points (np, dim) [m], corners (nc, n) : nodes of the cells, and those of each cell in VTK's order
-    sent, received : for each neighbouring rank the own cells that it needs and the ghost cells that it owns
+    interior, edge : faces of the whole grid; own_faces (nf,), own_edges (nb,) mark
+        those of own cells on the left
+    points (np, dim) [m], corners (nc, n) : nodes of the cells, and those of each cell
+    in VTK's order
+    sent, received : for each neighbouring rank the own cells that it needs and the
+        ghost cells that it owns
     """
 
     rank: int
@@ -59,8 +68,9 @@ class Part:
 class Share(NamedTuple):
     """What rank 0 gives another one for its part, whose geometry that one makes.
 
-    Cells are own ones first, then layer by layer, LAYERS + REACH of them, each in the order of the whole grid; those
-    of the outer REACH layers have a say in the geometry of the others only.
+    Cells are own ones first, then layer by layer, LAYERS + REACH of them, each in the
+    order of the whole grid; those of the outer REACH layers have a say in the geometry
+    of the others only.
 
     ends : number of own cells, and of those and the first one, two, ... layers
     faces (nf,) : of the whole grid; of the edges the boundary faces
@@ -84,7 +94,9 @@ class Share(NamedTuple):
     skewed: bool
 
     def part(self) -> Part:
-        """Make the part: the lists of its own cells, of LAYERS ghost layers and of the faces of these."""
+        """Make the part: the lists of its own cells, of LAYERS ghost layers and of
+        the faces of these.
+        """
         owned, near, last = (int(self.ends[k]) for k in (0, 1, LAYERS))
         links, ni = self.links, len(self.links.right)
         inner, edge = faces_of(links, last)

@@ -1,8 +1,8 @@
 """What every rank does with its part of a two-fluid bed; `bed` has the side of rank 0.
 
-Each function of `run_on_all` takes the ranks and what rank 0 gives (`root`, None on the others). Where steps do
-not converge all ranks meet the same error at the same place, as all that decides is reduced over them; it is returned
-to rank 0, which raises it.
+Each function of `run_on_all` takes the ranks and what rank 0 gives (`root`, None on the
+others). Where steps do not converge all ranks meet the same error at the same place, as
+all that decides is reduced over them; it is returned to rank 0, which raises it.
 """
 
 from __future__ import annotations
@@ -22,7 +22,11 @@ from contbed.ranks.two_fluid.pressure import PetscPressure
 from contbed.two_fluid import closure_kernels
 from contbed.two_fluid.averages import Averages
 from contbed.two_fluid.boundary import Edge, Side
-from contbed.two_fluid.closure_kernels import CompiledClosures, GuardCounts, ParticleProperties
+from contbed.two_fluid.closure_kernels import (
+    CompiledClosures,
+    GuardCounts,
+    ParticleProperties,
+)
 from contbed.two_fluid.closures import bound
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv.grid import Grid
@@ -38,7 +42,12 @@ if TYPE_CHECKING:
     from contbed.two_fluid.heat.model import HeatModel
 
 # of the flattened state; all other arrays list cells
-OF_FACES = ("state.fluxes.solid", "state.fluxes.total", "state.fluxes.moved", "state.memory.face_residual")
+OF_FACES = (
+    "state.fluxes.solid",
+    "state.fluxes.total",
+    "state.fluxes.moved",
+    "state.memory.face_residual",
+)
 
 
 class About(NamedTuple):
@@ -54,7 +63,9 @@ class About(NamedTuple):
 
 @dataclass(eq=False)
 class RankBed:
-    """The bed of one rank: its part of the grid, the simulation there, how often limits of closures acted, averages."""
+    """The bed of one rank: its part of the grid, the simulation there, how often
+    limits of closures acted, averages.
+    """
 
     part: Part
     simulation: Simulation
@@ -78,20 +89,34 @@ class RankBed:
 
 def taken(edge: Edge, faces: Any) -> Edge:
     """Return the conditions of some boundary faces."""
-    gas, solid = (Side(*(values[faces] for values in side)) for side in (edge.gas, edge.solid))
-    shared = {name: values[faces] for name, values in edge._asdict().items() if isinstance(values, np.ndarray)}
+    gas, solid = (
+        Side(*(values[faces] for values in side)) for side in (edge.gas, edge.solid)
+    )
+    shared = {
+        name: values[faces]
+        for name, values in edge._asdict().items()
+        if isinstance(values, np.ndarray)
+    }
     return Edge(gas, solid, **shared)
 
 
 def taken_heat(heat: HeatModel, faces: Any) -> tuple[Array, ...]:
-    """Return the conditions of heat of some boundary faces, in the order of `HeatModel`."""
-    return tuple(values[faces] for values in (heat.T_gas, heat.T_solid, heat.wall, heat.flux))
+    """Return the conditions of heat of some boundary faces, in the order of
+    `HeatModel`.
+    """
+    return tuple(
+        values[faces] for values in (heat.T_gas, heat.T_solid, heat.wall, heat.flux)
+    )
 
 
-def make(all_ranks: RankGroup, root: Any, key: int, shared_grid: int, about: About) -> None:
-    """Build the bed of each rank from its part of the grid, object `shared_grid`, as object `key`.
+def make(
+    all_ranks: RankGroup, root: Any, key: int, shared_grid: int, about: About
+) -> None:
+    """Build the bed of each rank from its part of the grid, object `shared_grid`, as
+    object `key`.
 
-    Rank 0 has conditions and those of heat for each rank, distances from walls of all cells, and a timer.
+    Rank 0 has conditions and those of heat for each rank, distances from walls of all
+    cells, and a timer.
     """
     given, walls, timer = root or (None, None, Timer())
     part: Part = all_ranks.objects[shared_grid]
@@ -100,7 +125,9 @@ def make(all_ranks: RankGroup, root: Any, key: int, shared_grid: int, about: Abo
     wall_froude = all_ranks.take(walls, part.cells) if near_walls else None
     sent, received = part.sent, part.received
     others = [Neighbour(rank, sent[rank], received[rank]) for rank in sorted(sent)]
-    halo = RankHalo(all_ranks.comm, part.owned, part.near, part.own_faces, part.own_edges, others)
+    halo = RankHalo(
+        all_ranks.comm, part.owned, part.near, part.own_faces, part.own_edges, others
+    )
     g = part.geometry
     grid = Grid(
         g,
@@ -115,10 +142,20 @@ def make(all_ranks: RankGroup, root: Any, key: int, shared_grid: int, about: Abo
         None,
         halo,
     )
-    compiled = closure_kernels.make(about.materials, about.particles, bound(about.scene))
+    compiled = closure_kernels.make(
+        about.materials, about.particles, bound(about.scene)
+    )
     nc, dim = len(part.cells), grid.dimension
-    pressure = PetscPressure(grid, about.floating, int(part.cells[0]) == 0, all_ranks.comm)
-    sources = Sources(np.zeros(nc), np.zeros(nc), np.zeros((nc, dim)), np.zeros((nc, dim)), np.zeros(nc))
+    pressure = PetscPressure(
+        grid, about.floating, int(part.cells[0]) == 0, all_ranks.comm
+    )
+    sources = Sources(
+        np.zeros(nc),
+        np.zeros(nc),
+        np.zeros((nc, dim)),
+        np.zeros((nc, dim)),
+        np.zeros(nc),
+    )
     closures = count_own(compiled, part.owned)
     if wall_froude is not None:
         closures = with_factors(closures, compiled.bound, wall_froude)
@@ -127,13 +164,28 @@ def make(all_ranks: RankGroup, root: Any, key: int, shared_grid: int, about: Abo
         from contbed.two_fluid.heat import plan as heat_planning
         from contbed.two_fluid.heat.model import HeatModel
 
-        heat = HeatModel(heat_planning.physics(about.scene, compiled.bound), *outside_heat)
-    model = Model(grid, about.materials, closures, edge, about.options, sources, pressure, about.closed, heat, timer)
+        heat = HeatModel(
+            heat_planning.physics(about.scene, compiled.bound), *outside_heat
+        )
+    model = Model(
+        grid,
+        about.materials,
+        closures,
+        edge,
+        about.options,
+        sources,
+        pressure,
+        about.closed,
+        heat,
+        timer,
+    )
     all_ranks.objects[key] = RankBed(part, Simulation(model), compiled.counts)
 
 
 def count_own(compiled: CompiledClosures, owned: int) -> Closures:
-    """Return the closures so that what they count in ghost cells is forgotten: their owners count it."""
+    """Return the closures so that what they count in ghost cells is forgotten: their
+    owners count it.
+    """
     inside, counts = compiled.closures, compiled.counts
 
     def granular(eps_s: Array, theta: Array, drag: Array) -> Rheology:
@@ -142,7 +194,9 @@ def count_own(compiled: CompiledClosures, owned: int) -> Closures:
         ghosts = inside.granular(eps_s[owned:], theta[owned:], drag[owned:])
         for number, kept in zip(counts, before, strict=True):
             number[:] = kept
-        return Rheology(*(np.concatenate(both) for both in zip(mine, ghosts, strict=True)))
+        return Rheology(
+            *(np.concatenate(both) for both in zip(mine, ghosts, strict=True))
+        )
 
     return replace(inside, granular=granular)
 
@@ -157,13 +211,17 @@ def _converging(work: Callable[[], None]) -> ConvergenceError | None:
     return None
 
 
-def find_fluxes(all_ranks: RankGroup, root: Any, key: int, dt: float) -> ConvergenceError | None:
+def find_fluxes(
+    all_ranks: RankGroup, root: Any, key: int, dt: float
+) -> ConvergenceError | None:
     """Find the fluxes that belong to the fields of all parts."""
     bed = all_ranks.objects[key].simulation
     return _converging(lambda: bed.find_fluxes(dt))
 
 
-def step_towards(all_ranks: RankGroup, root: Any, key: int, end: float) -> tuple[ConvergenceError | None, Clock]:
+def step_towards(
+    all_ranks: RankGroup, root: Any, key: int, end: float
+) -> tuple[ConvergenceError | None, Clock]:
     """Advance all parts by a step; return the time."""
     bed = all_ranks.objects[key].simulation
     error = _converging(lambda: bed.step_towards(end))
@@ -182,7 +240,10 @@ def impose_heat(all_ranks: RankGroup, root: Any, key: int) -> None:
     heat = bed.model.heat
     assert heat is not None
     T_gas, T_solid, wall, flux = all_ranks.comm.scatter(root)
-    bed.model = replace(bed.model, heat=replace(heat, T_gas=T_gas, T_solid=T_solid, wall=wall, flux=flux))
+    bed.model = replace(
+        bed.model,
+        heat=replace(heat, T_gas=T_gas, T_solid=T_solid, wall=wall, flux=flux),
+    )
 
 
 def own_cells(all_ranks: RankGroup, root: Any, key: int) -> Any:
@@ -192,7 +253,9 @@ def own_cells(all_ranks: RankGroup, root: Any, key: int) -> Any:
 
 
 def set_state(all_ranks: RankGroup, root: Any, key: int) -> None:
-    """Set the state of all parts, array by array; root has the flattened one of the bed."""
+    """Set the state of all parts, array by array; root has the flattened one of the
+    bed.
+    """
     here = all_ranks.objects[key]
     flat = flatten(here.simulation.state)
     arrays = [name for name, value in flat.items() if isinstance(value, np.ndarray)]
@@ -212,14 +275,20 @@ def own_shear_rate(all_ranks: RankGroup, root: Any, key: int) -> Any:
 
 
 def own_state(all_ranks: RankGroup, root: Any, key: int) -> Any:
-    """Return on rank 0 the flattened state of the bed, put together array by array, and the counts of ranks."""
+    """Return on rank 0 the flattened state of the bed, put together array by array,
+    and the counts of ranks.
+    """
     here = all_ranks.objects[key]
     flat, part = flatten(here.simulation.state), here.part
     for name, value in flat.items():
         if isinstance(value, np.ndarray):
             of_faces = name in OF_FACES
-            places = part.faces[part.own_faces] if of_faces else part.cells[: part.owned]
-            flat[name] = all_ranks.put(value[part.own_faces] if of_faces else value[: part.owned], places)
+            places = (
+                part.faces[part.own_faces] if of_faces else part.cells[: part.owned]
+            )
+            flat[name] = all_ranks.put(
+                value[part.own_faces] if of_faces else value[: part.owned], places
+            )
     counts = [int(number[0]) for number in here.counts]
     for number in here.counts:
         number[:] = 0
@@ -227,5 +296,7 @@ def own_state(all_ranks: RankGroup, root: Any, key: int) -> Any:
 
 
 def traffic(all_ranks: RankGroup, root: Any, key: int) -> Any:
-    """Return on rank 0 the messages, bytes and reductions of each rank since the start."""
+    """Return on rank 0 the messages, bytes and reductions of each rank since the
+    start.
+    """
     return all_ranks.comm.gather(astuple(all_ranks.objects[key].halo.traffic))

@@ -1,4 +1,6 @@
-"""Where the steps of a two-fluid bed are computed that ranks share: see `two_fluid.place` for one process."""
+"""Where the steps of a two-fluid bed are computed that ranks share: see
+`two_fluid.place` for one process.
+"""
 
 from __future__ import annotations
 
@@ -41,11 +43,21 @@ class Ranks(Place):
     divided: Lattice | Division | None = None
     parts: SharedGrid | None = None
 
-    def grid(self, scene: TwoFluidScene, mesh: Mesh, pairs: Sequence[tuple[str, str]]) -> tuple[Grid, Ranks]:
-        """Return the outline of the grid, which rank 0 has, and what ranks make their parts from."""
-        lattice = None if isinstance(scene.mesh, MeshFile) else lattice_of(mesh, scene.mesh.sides, pairs)
+    def grid(
+        self, scene: TwoFluidScene, mesh: Mesh, pairs: Sequence[tuple[str, str]]
+    ) -> tuple[Grid, Ranks]:
+        """Return the outline of the grid, which rank 0 has, and what ranks make
+        their parts from.
+        """
+        lattice = (
+            None
+            if isinstance(scene.mesh, MeshFile)
+            else lattice_of(mesh, scene.mesh.sides, pairs)
+        )
         if lattice is not None:
-            return outline(lattice, numbers_of_facets(lattice, mesh, pairs)), Ranks(lattice)
+            return outline(lattice, numbers_of_facets(lattice, mesh, pairs)), Ranks(
+                lattice
+            )
         division = Division.of(connect(mesh, pairs))
         return division.outline(), Ranks(division)
 
@@ -69,18 +81,26 @@ class Ranks(Place):
         return Ranks(parts=SharedGrid.of_division(self.divided, mesh, cells))
 
     def simulation(
-        self, model: Model, scene: TwoFluidScene, particles: ParticleProperties, counts: GuardCounts
+        self,
+        model: Model,
+        scene: TwoFluidScene,
+        particles: ParticleProperties,
+        counts: GuardCounts,
     ) -> Simulation:
         """Return the bed of a model on the outline, whose steps run on all ranks."""
         assert self.parts is not None
         return SharedSimulation(model, self.parts, scene, particles, counts)
 
     def averages(self, bed: Simulation, start: float, end: float) -> Averages:
-        """Return averages from `start` to `end` [s], which each rank takes of its own cells."""
+        """Return averages from `start` to `end` [s], which each rank takes of its
+        own cells.
+        """
         assert isinstance(bed, SharedSimulation)
         return SharedAverages(bed, start, end)
 
-    def write(self, path: Path, mesh: skfem.Mesh, bed: Simulation, averages: Averages | None) -> str:
+    def write(
+        self, path: Path, mesh: skfem.Mesh, bed: Simulation, averages: Averages | None
+    ) -> str:
         """Write the fields of a bed; return the name of the file to open."""
         return files.write(path, mesh, bed, averages)
 

@@ -1,1 +1,3 @@
-"""Equations of a reacting bed: gas, solid phases, intraparticle gas, the section across the flow."""
+"""Equations of a reacting bed: gas, solid phases, intraparticle gas, the section
+across the flow.
+"""

@@ -1,8 +1,10 @@
-"""What a section is cut into: rings of a tube, layers between plane walls, columns of a square duct.
+"""What a section is cut into: rings of a tube, layers between plane walls, columns of a
+square duct.
 
-All are finite volumes of equal width from the axis, or the planes of symmetry, to the wall at `radius`, half of the
-diameter of the tube, of the distance of the plane walls or of the side of the duct. Of a duct a quarter is resolved,
-0 < y < R and 0 < z < R, by `number` columns along each; column i of y and j of z has the index i + number j.
+All are finite volumes of equal width from the axis, or the planes of symmetry, to the
+wall at `radius`, half of the diameter of the tube, of the distance of the plane walls
+or of the side of the duct. Of a duct a quarter is resolved, 0 < y < R and 0 < z < R, by
+`number` columns along each; column i of y and j of z has the index i + number j.
 """
 
 from __future__ import annotations
@@ -18,7 +20,9 @@ Array = NDArray[np.float64]
 
 
 class Join(NamedTuple):
-    """A face between two parts: its area per volume of the bed over the distance of their middles [1/m2]."""
+    """A face between two parts: its area per volume of the bed over the distance of
+    their middles [1/m2].
+    """
 
     inner: int
     outer: int
@@ -26,7 +30,9 @@ class Join(NamedTuple):
 
 
 class WallFace(NamedTuple):
-    """A face at the wall: its area per volume of the bed [1/m], and the length of conduction to it [m]."""
+    """A face at the wall: its area per volume of the bed [1/m], and the length of
+    conduction to it [m].
+    """
 
     part: int
     area: float
@@ -35,7 +41,9 @@ class WallFace(NamedTuple):
 
 @dataclass(frozen=True)
 class Parts:
-    """The parts of a section, `number` of them between the axis and the wall at `radius` [m]."""
+    """The parts of a section, `number` of them between the axis and the wall at
+    `radius` [m].
+    """
 
     number: int
     radius: float
@@ -68,16 +76,27 @@ class Parts:
         """The faces between parts."""
         n, R = self.number, self.radius
         if self.shape == "tube":
-            return [Join(k, k + 1, 2.0 * float(r) * n / R**3) for k, r in enumerate(self.edges[1:-1])]
+            return [
+                Join(k, k + 1, 2.0 * float(r) * n / R**3)
+                for k, r in enumerate(self.edges[1:-1])
+            ]
         if self.shape == "plane":
             return [Join(k, k + 1, n / R**2) for k in range(n - 1)]
-        return [Join(i + n * j, i + 1 + n * j, 1.0 / R**2) for j in range(n) for i in range(n - 1)] + [
-            Join(i + n * j, i + n * (j + 1), 1.0 / R**2) for j in range(n - 1) for i in range(n)
+        return [
+            Join(i + n * j, i + 1 + n * j, 1.0 / R**2)
+            for j in range(n)
+            for i in range(n - 1)
+        ] + [
+            Join(i + n * j, i + n * (j + 1), 1.0 / R**2)
+            for j in range(n - 1)
+            for i in range(n)
         ]
 
     @cached_property
     def walls(self) -> list[WallFace]:
-        """The faces at the wall; the outermost column of a duct in the corner has two."""
+        """The faces at the wall; the outermost column of a duct in the corner has
+        two.
+        """
         n, R, outer = self.number, self.radius, float(self.middles[-1])
         if self.shape == "tube":
             return [WallFace(n - 1, 2.0 / R, R * float(np.log(R / outer)))]
@@ -87,13 +106,19 @@ class Parts:
         return [WallFace(part, 1.0 / (n * R), R - outer) for part in sides]
 
     def mean(self, u: Array) -> Array:
-        """Return the means over the section, (m, ...), of values by part and unknown (count m, ...)."""
-        found: Array = np.tensordot(self.shares, u.reshape(self.count, -1, *u.shape[1:]), axes=1)
+        """Return the means over the section, (m, ...), of values by part and unknown
+        (count m, ...).
+        """
+        found: Array = np.tensordot(
+            self.shares, u.reshape(self.count, -1, *u.shape[1:]), axes=1
+        )
         return found
 
     @property
     def to_axis(self) -> Array:
-        """Weights of the parts (count,) in the value at the axis, of a parabola without slope there."""
+        """Weights of the parts (count,) in the value at the axis, of a parabola
+        without slope there.
+        """
         square = self.middles**2
         ahead = square[0] / (square[1] - square[0])
         line = np.zeros(self.number)
@@ -102,7 +127,9 @@ class Parts:
 
     @property
     def to_wall(self) -> Array:
-        """Weights of the parts (count,) in the value at the wall, of a duct in the middle of a side."""
+        """Weights of the parts (count,) in the value at the wall, of a duct in the
+        middle of a side.
+        """
         square = self.middles**2
         ahead = (self.radius**2 - square[-1]) / (square[-1] - square[-2])
         line = np.zeros(self.number)

@@ -1,4 +1,6 @@
-"""One solid phase of a reacting bed: what its particles hold, and how fast they move."""
+"""One solid phase of a reacting bed: what its particles hold, and how fast they
+move.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,14 @@ class Phase:
         total: Any = sum(n * self.enthalpies[name](T) for name, n in state.n.items())
         if self.inside is not None:
             held, heat = self.inside.held(state.inner, np.maximum(T, LEAST_T))
-            total = total + heat + sum(sum(points) * self.enthalpies[name](T) for name, points in held.items())
+            total = (
+                total
+                + heat
+                + sum(
+                    sum(points) * self.enthalpies[name](T)
+                    for name, points in held.items()
+                )
+            )
         return total + sum(n * h(T) for n, h in self.inert)
 
     @property
@@ -48,14 +57,18 @@ class Phase:
         return bool(self.inert or self.layout.solids)
 
     def moles_inside(self, state: State) -> list[Any]:
-        """Return the moles that each point of particles holds of each gas, as the unknowns are ordered [mol/m3 bed]."""
+        """Return the moles that each point of particles holds of each gas, as the
+        unknowns are ordered [mol/m3 bed].
+        """
         if self.inside is None:
             return []
         held = self.inside.held(state.inner, np.maximum(state.T_solid, LEAST_T))[0]
         return [moles for points in held.values() for moles in points]
 
     def diffusion_inside(self) -> NDArray[np.float64] | None:
-        """Return the sources that are linear in the unknowns inside (a, a); None without several points."""
+        """Return the sources that are linear in the unknowns inside (a, a); None
+        without several points.
+        """
         if self.inside is None or self.layout.points == 1:
             return None
         points, gases = self.layout.points, self.layout.inside

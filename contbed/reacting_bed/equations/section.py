@@ -1,4 +1,5 @@
-"""Rings of a tube, layers of a plane bed or columns of a duct, that exchange heat and species across the flow.
+"""Rings of a tube, layers of a plane bed or columns of a duct, that exchange heat and
+species across the flow.
 
     dF/dx = S + (1/r^s) d(r^s N)/dr          s = 1 in a tube, 0 between plane walls
     heat        N = K_r dT/dr + sum_k N_k h_k/M_k
@@ -6,15 +7,18 @@
     wall        N = (T_a - T)/(1/h_w + delta/K_r), or the given flux
     axis        N = 0
 
-In a duct heat and species pass along y and along z, each as between plane walls.
-F and S are those of `equations.bed` at each point: rings are coupled only through the radial fluxes N. Finite volumes
-of equal width (`equations.parts`), whose exchange is of second order: what one ring gains through a face its neighbour
-loses to rounding. delta is the length from the middle of a ring to the wall, R ln(R/r) in a tube. The N_k sum to zero:
-there is no radial mass flow, and each ring keeps its inlet mass flux or, in transients with gas hold-up, satisfies its
-own axial continuity. Each solid phase conducts across by its share of the volume. The pressure is one over the section:
-its gradient is the area mean over the rings.
+In a duct heat and species pass along y and along z, each as between plane walls. F and
+S are those of `equations.bed` at each point: rings are coupled only through the radial
+fluxes N. Finite volumes of equal width (`equations.parts`), whose exchange is of second
+order: what one ring gains through a face its neighbour loses to rounding. delta is the
+length from the middle of a ring to the wall, R ln(R/r) in a tube. The N_k sum to zero:
+there is no radial mass flow, and each ring keeps its inlet mass flux or, in transients
+with gas hold-up, satisfies its own axial continuity. Each solid phase conducts across
+by its share of the volume. The pressure is one over the section: its gradient is the
+area mean over the rings.
 
-Source: Froment, Bischoff, De Wilde 2011, Chemical Reactor Analysis and Design, ch. 11.7.
+Source: Froment, Bischoff, De Wilde 2011, Chemical Reactor Analysis and Design, ch.
+    11.7.
 """
 
 from __future__ import annotations
@@ -32,21 +36,35 @@ from contbed.reacting_bed.equations.unknowns import State
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """The equations of all rings as those of one line: unknowns ring by ring, from the axis to the wall."""
+    """The equations of all rings as those of one line: unknowns ring by ring, from
+    the axis to the wall.
+    """
 
     bed: Bed
     rings: Parts
 
-    def __call__(self, u: Sequence[Any], q: Sequence[Any], x: Any) -> tuple[list[Any], list[Any], list[Any]]:
-        """Return convective fluxes, diffusive fluxes and sources of all equations at points."""
+    def __call__(
+        self, u: Sequence[Any], q: Sequence[Any], x: Any
+    ) -> tuple[list[Any], list[Any], list[Any]]:
+        """Return convective fluxes, diffusive fluxes and sources of all equations at
+        points.
+        """
         values, slopes = self._joined(u), self._joined(q)
         C, D, S = self.bed(values, slopes, x)
         sources = self._parted(S)
         self._exchange(values, sources)
-        return self._flat(self._parted(C)), self._flat(self._parted(D)), self._flat(sources)
+        return (
+            self._flat(self._parted(C)),
+            self._flat(self._parted(D)),
+            self._flat(sources),
+        )
 
-    def held(self, u: Sequence[Any], by_bed: Callable[[list[Any]], list[Any]]) -> list[Any]:
-        """Return the content per volume of bed by equation at points; `by_bed` gives that of all rings as of one."""
+    def held(
+        self, u: Sequence[Any], by_bed: Callable[[list[Any]], list[Any]]
+    ) -> list[Any]:
+        """Return the content per volume of bed by equation at points; `by_bed` gives
+        that of all rings as of one.
+        """
         return self._flat(self._parted(by_bed(self._joined(u))))
 
     def convective(self, u: Sequence[Any]) -> list[Any]:
@@ -55,37 +73,55 @@ class Section:
 
     def diffusive(self, u: Sequence[Any], q: Sequence[Any]) -> list[Any]:
         """Return the diffusive fluxes of all equations at points."""
-        return self._flat(self._parted(self.bed.diffusive(self._joined(u), self._joined(q))))
+        return self._flat(
+            self._parted(self.bed.diffusive(self._joined(u), self._joined(q)))
+        )
 
     def damped(self, u: Sequence[Any], J: Sequence[Any]) -> list[Any]:
-        """Return the fluxes of all equations that come with those which damp fields in their cells."""
-        return self._flat(self._parted(self.bed.damped(self._joined(u), self._joined(J))))
+        """Return the fluxes of all equations that come with those which damp fields
+        in their cells.
+        """
+        return self._flat(
+            self._parted(self.bed.damped(self._joined(u), self._joined(J)))
+        )
 
     def _joined(self, u: Sequence[Any]) -> list[Any]:
-        """Return the unknowns of one ring at the points of all rings, one after the other.
+        """Return the unknowns of one ring at the points of all rings, one after the
+        other.
 
-        Derivatives are those to the unknowns of the own ring: each closure and law is evaluated once for all rings.
+        Derivatives are those to the unknowns of the own ring: each closure and law is
+        evaluated once for all rings.
         """
         m = len(self.bed.layout.names)
         out = []
         for f in range(m):
             parts = [u[ring * m + f] for ring in range(self.rings.count)]
-            value = np.concatenate([np.atleast_1d(getattr(part, "value", part)) for part in parts])
+            value = np.concatenate(
+                [np.atleast_1d(getattr(part, "value", part)) for part in parts]
+            )
             slots = [slot[0] for slot in getattr(parts[0], "tangents", {})]
             seeds = {(kind, f): np.ones(value.shape) for kind in slots}
             out.append(type(parts[0])(value, seeds) if slots else value)
         return out
 
     def _parted(self, parts: Sequence[Any]) -> list[list[Any]]:
-        """Return values at the points of all rings as those of each ring, with derivatives to its own unknowns."""
-        return [[self._of_ring(part, ring) for part in parts] for ring in range(self.rings.count)]
+        """Return values at the points of all rings as those of each ring, with
+        derivatives to its own unknowns.
+        """
+        return [
+            [self._of_ring(part, ring) for part in parts]
+            for ring in range(self.rings.count)
+        ]
 
     def _of_ring(self, part: Any, ring: int) -> Any:
         m = len(self.bed.layout.names)
         tangents = getattr(part, "tangents", None)
         if tangents is None:
             return self._piece(part, ring)
-        own = {(kind, ring * m + f): self._piece(t, ring) for (kind, f), t in tangents.items()}
+        own = {
+            (kind, ring * m + f): self._piece(t, ring)
+            for (kind, f), t in tangents.items()
+        }
         return type(part)(self._piece(part.value, ring), own)
 
     def _piece(self, value: Any, ring: int) -> Any:
@@ -100,7 +136,9 @@ class Section:
         return [part for ring in parts for part in ring]
 
     def _exchange(self, values: list[Any], sources: list[list[Any]]) -> None:
-        """Add to the sources of the rings what they gain through their faces and through the wall."""
+        """Add to the sources of the rings what they gain through their faces and
+        through the wall.
+        """
         bed, rings, names = self.bed, self.rings, self.bed.layout.names
         state = bed.state(values)
         radial = bed.medium.radial(state)
@@ -126,7 +164,14 @@ class Section:
                 if temperatures:
                     h = {name: bed.enthalpies[name](state.T_fluid) for name in gases}
                     carried: Any = sum(
-                        moved[name] * (0.5 * (self._of_ring(h[name], inner) + self._of_ring(h[name], outer)))
+                        moved[name]
+                        * (
+                            0.5
+                            * (
+                                self._of_ring(h[name], inner)
+                                + self._of_ring(h[name], outer)
+                            )
+                        )
                         for name in gases
                     )
                     gained[temperatures[0]] = gained[temperatures[0]] + carried
@@ -139,27 +184,47 @@ class Section:
             coefficients = bed.medium.wall_coefficient(state)
             for ring, area, distance in rings.walls:
                 heat = bed.medium.through_wall(
-                    pairs[ring][0], self._of_ring(coefficients, ring), pairs[ring][1], distance
+                    pairs[ring][0],
+                    self._of_ring(coefficients, ring),
+                    pairs[ring][1],
+                    distance,
                 )
                 sources[ring][k] = sources[ring][k] + heat * (area / shares[ring])
         if bed.layout.pressure:
             k = names.index("p")
-            mean: Any = sum(float(share) * part[k] for share, part in zip(shares, sources, strict=True))
+            mean: Any = sum(
+                float(share) * part[k]
+                for share, part in zip(shares, sources, strict=True)
+            )
             for part in sources:
                 part[k] = mean
 
     def _pairs(self, *fields: Any) -> list[Any]:
-        return [tuple(self._of_ring(field, ring) for field in fields) for ring in range(self.rings.count)]
+        return [
+            tuple(self._of_ring(field, ring) for field in fields)
+            for ring in range(self.rings.count)
+        ]
 
-    def _moved(self, state: State, dispersion: Any, inner: int, outer: int) -> dict[str, Any]:
-        """Return what goes of each gas from a ring's outer neighbour to it, over area and distance [mol/m/s]."""
+    def _moved(
+        self, state: State, dispersion: Any, inner: int, outer: int
+    ) -> dict[str, Any]:
+        """Return what goes of each gas from a ring's outer neighbour to it, over
+        area and distance [mol/m/s].
+        """
         eps = self.bed.medium.porosity
         slopes, shares, coefficients = {}, {}, {}
         for name, g in state.g.items():
             w, D = g / state.flux, eps * state.rho * dispersion[name]
             w_a, w_b = self._of_ring(w, inner), self._of_ring(w, outer)
             slopes[name], shares[name] = w_b - w_a, 0.5 * (w_a + w_b)
-            coefficients[name] = 0.5 * (self._of_ring(D, inner) + self._of_ring(D, outer))
+            coefficients[name] = 0.5 * (
+                self._of_ring(D, inner) + self._of_ring(D, outer)
+            )
         masses = self.bed.masses
-        common: Any = sum(masses[name] * coefficients[name] * slope for name, slope in slopes.items())
-        return {name: coefficients[name] * slope - shares[name] * common for name, slope in slopes.items()}
+        common: Any = sum(
+            masses[name] * coefficients[name] * slope for name, slope in slopes.items()
+        )
+        return {
+            name: coefficients[name] * slope - shares[name] * common
+            for name, slope in slopes.items()
+        }

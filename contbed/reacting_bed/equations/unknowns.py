@@ -1,4 +1,6 @@
-"""Unknowns of a reacting bed: which there are and their names, and what follows from them at a point."""
+"""Unknowns of a reacting bed: which there are and their names, and what follows from
+them at a point.
+"""
 
 from __future__ import annotations
 
@@ -7,14 +9,17 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-LEAST_T = 50.0  # [K] below which properties are evaluated there, for states within an iteration
+# [K] below which properties are evaluated there, for states within an iteration
+LEAST_T = 50.0
 
 
 @dataclass(frozen=True)
 class PhaseLayout:
-    """Unknowns of one solid phase; its constituents that react and gases have their own names here.
+    """Unknowns of one solid phase; its constituents that react and gases have their own
+    names here.
 
-    suffix : ends the names of its unknowns in a bed of several phases; "" for the only phase
+    suffix : ends the names of its unknowns in a bed of several phases; "" for the only
+        phase
     films : gases whose films around the particles are resolved
     inside : gases that are known at intraparticle `points`
     """
@@ -27,7 +32,9 @@ class PhaseLayout:
     points: int = 0
 
     def full(self, name: str) -> str:
-        """Return the name in the whole bed of a constituent, reaction or unknown of this phase."""
+        """Return the name in the whole bed of a constituent, reaction or unknown of
+        this phase.
+        """
         return name + self.suffix
 
     @cached_property
@@ -43,7 +50,12 @@ class PhaseLayout:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of all unknowns that only this phase has."""
-        return (*self.of_solids.values(), self.temperature, *self.of_films.values(), *self.inner)
+        return (
+            *self.of_solids.values(),
+            self.temperature,
+            *self.of_films.values(),
+            *self.inner,
+        )
 
     @cached_property
     def of_solids(self) -> dict[str, str]:
@@ -58,14 +70,19 @@ class PhaseLayout:
     @cached_property
     def of_points(self) -> dict[str, list[str]]:
         """Unknowns of each gas at the points of a particle."""
-        return {name: [self.full(f"a_{name}_{i}") for i in range(self.points)] for name in self.inside}
+        return {
+            name: [self.full(f"a_{name}_{i}") for i in range(self.points)]
+            for name in self.inside
+        }
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Which unknowns there are, in their order; see `PhaseLayout` for those of solid phases.
+    """Which unknowns there are, in their order; see `PhaseLayout` for those of solid
+    phases.
 
-    temperatures : (), ("T",) of gas and solids, or "T_fluid" and that of each solid phase
+    temperatures : (), ("T",) of gas and solids, or "T_fluid" and that of each solid
+        phase
     pressure : whether it is an unknown
     """
 
@@ -97,7 +114,9 @@ class Layout:
     @property
     def inside(self) -> tuple[str, ...]:
         """Intraparticle gases of any phase."""
-        return tuple(dict.fromkeys(name for phase in self.phases for name in phase.inside))
+        return tuple(
+            dict.fromkeys(name for phase in self.phases for name in phase.inside)
+        )
 
     @cached_property
     def owners(self) -> dict[str, str]:
@@ -106,7 +125,9 @@ class Layout:
 
 
 def conserved(name: str) -> str | None:
-    """Return the species whose moles an unknown counts; None for temperatures, pressure and films."""
+    """Return the species whose moles an unknown counts; None for temperatures,
+    pressure and films.
+    """
     kind, _, rest = name.partition("_")
     if kind == "a":  # a_GAS_POINT, or a_GAS_POINT_PHASE
         gas, _, last = rest.rpartition("_")
@@ -123,8 +144,8 @@ class State:
     moles, flux : molar and mass flux of the gas
     films : concentrations at the particles [mol/m3]
     inner : concentrations in the pores of particles, at their points
-    phases : the state as each solid phase sees it, with the names of its own constituents and gases; of the only
-        phase it is the state itself
+    phases : the state as each solid phase sees it, with the names of its own
+        constituents and gases; of the only phase it is the state itself
     """
 
     g: Mapping[str, Any]

@@ -1,1 +1,3 @@
-"""Finite volumes on any mesh: cells and faces, gradients, reconstruction, flux limiter."""
+"""Finite volumes on any mesh: cells and faces, gradients, reconstruction, flux
+limiter.
+"""

@@ -9,11 +9,20 @@ from contbed.two_fluid.fv.grid import Geometry
 
 
 @kernel
-def conduct(g: Geometry, k: Array, values: Array, given: Array, grad: Array, out: Array, coef: Array) -> None:
-    """Add the conducted k grad values . n area [W] of all faces to `out` (nc, 1), set its links `coef` (nf, 1).
+def conduct(
+    g: Geometry,
+    k: Array,
+    values: Array,
+    given: Array,
+    grad: Array,
+    out: Array,
+    coef: Array,
+) -> None:
+    """Add the conducted k grad values . n area [W] of all faces to `out` (nc, 1), set
+    its links `coef` (nf, 1).
 
-    k (nc,) is taken by harmonic means. `given` (nb,) are boundary values, not a number where nothing is conducted;
-    `grad` (nc, 1, dim) corrects on skewed grids.
+    k (nc,) is taken by harmonic means. `given` (nb,) are boundary values, not a number
+    where nothing is conducted; `grad` (nc, 1, dim) corrects on skewed grids.
     """
     ni = len(g.right)
     for f in range(len(g.left)):
@@ -26,7 +35,10 @@ def conduct(g: Geometry, k: Array, values: Array, given: Array, grad: Array, out
             rate = coef[f, 0] * (values[right] - values[left])
             if g.skewed:
                 for d in range(len(g.axes)):
-                    both = g.weight[f] * grad[left, 0, d] + (1.0 - g.weight[f]) * grad[right, 0, d]
+                    both = (
+                        g.weight[f] * grad[left, 0, d]
+                        + (1.0 - g.weight[f]) * grad[right, 0, d]
+                    )
                     rate += mean * g.area[f] * g.non_orthogonal[f, d] * both
             out[left, 0] += rate
             out[right, 0] -= rate
@@ -35,4 +47,6 @@ def conduct(g: Geometry, k: Array, values: Array, given: Array, grad: Array, out
             out[left, 0] += coef[f, 0] * (given[f - ni] - values[left])
             if g.skewed:
                 for d in range(len(g.axes)):
-                    out[left, 0] += k[left] * g.area[f] * g.non_orthogonal[f, d] * grad[left, 0, d]
+                    out[left, 0] += (
+                        k[left] * g.area[f] * g.non_orthogonal[f, d] * grad[left, 0, d]
+                    )

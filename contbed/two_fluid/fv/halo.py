@@ -1,9 +1,11 @@
-"""Cells of a grid that other ranks own, and sums and maxima over all ranks; one rank alone has neither.
+"""Cells of a grid that other ranks own, and sums and maxima over all ranks; one rank
+alone has neither.
 
-A rank has its own cells and, behind them, layers of ghost cells: copies of cells of other ranks. Kernels compute all
-cells of a rank. Those of the outer ghost layers lack faces, so what is computed there is meaningless until `exchange`
-takes it from the owner. Every stage of a step whose stencil reaches neighbours ends with an exchange, and what counts,
-adds or compares cells takes the own ones.
+A rank has its own cells and, behind them, layers of ghost cells: copies of cells of
+other ranks. Kernels compute all cells of a rank. Those of the outer ghost layers lack
+faces, so what is computed there is meaningless until `exchange` takes it from the
+owner. Every stage of a step whose stencil reaches neighbours ends with an exchange, and
+what counts, adds or compares cells takes the own ones.
 """
 
 from __future__ import annotations
@@ -18,14 +20,16 @@ Selection = slice | Flags
 
 
 class Halo:
-    """The halo of a grid that one rank has as a whole: every cell is its own, and nothing is exchanged.
+    """The halo of a grid that one rank has as a whole: every cell is its own, and
+    nothing is exchanged.
 
     Attributes
     ----------
     distributed : whether a rank has only a part of the cells
     cells : own ones
     near : number of cells whose faces are all there; None for all
-    faces, edges : own ones of all faces, and of the boundary faces alone; each face belongs to one rank
+    faces, edges : own ones of all faces, and of the boundary faces alone; each face
+        belongs to one rank
     """
 
     distributed = False
@@ -35,10 +39,14 @@ class Halo:
     edges: Selection = slice(None)
 
     def exchange(self, *fields: np.ndarray) -> None:
-        """Set the ghost cells of fields (nc, ...) to the values of their owners, in place."""
+        """Set the ghost cells of fields (nc, ...) to the values of their owners, in
+        place.
+        """
 
     def of_numbered(self, number: Indices) -> Halo:
-        """Return the halo of the cells with a `number` (nc,), not -1, by that number; own ones come first."""
+        """Return the halo of the cells with a `number` (nc,), not -1, by that
+        number; own ones come first.
+        """
         return self
 
     def max(self, value: float) -> float:

@@ -1,12 +1,16 @@
-"""Conservative limit on the solids flux, so that 0 <= eps_s <= eps_max holds after the step whatever the flux.
+"""Conservative limit on the solids flux, so that 0 <= eps_s <= eps_max holds after the
+step whatever the flux.
 
-A flux is only ever made smaller, and both its cells see the same flux, so mass is kept. No cell gives more than it
-holds at the start of the step, so that what comes in is a share of what is there afterwards. Fluxes into a cell that
-would overfill shrink to what it can take, round by round, as one repair can fill a neighbour. If that does not end,
-each cell's inflow shrinks to its room without counting on its outflow: then nothing below can break a bound.
+A flux is only ever made smaller, and both its cells see the same flux, so mass is kept.
+No cell gives more than it holds at the start of the step, so that what comes in is a
+share of what is there afterwards. Fluxes into a cell that would overfill shrink to what
+it can take, round by round, as one repair can fill a neighbour. If that does not end,
+each cell's inflow shrinks to its room without counting on its outflow: then nothing
+below can break a bound.
 
-Cells that lose a large part of their particles in the step are marked: what they give must have their own velocity and
-granular temperature, not a reconstructed one, or the few particles left would keep the difference for all.
+Cells that lose a large part of their particles in the step are marked: what they give
+must have their own velocity and granular temperature, not a reconstructed one, or the
+few particles left would keep the difference for all.
 """
 
 from __future__ import annotations
@@ -19,17 +23,32 @@ from contbed.two_fluid.compiled import UNDERFLOW, Array, Flags, inner, kernel
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.fv.halo import WHOLE, Halo
 
-MAX_LIMITER_ROUNDS = 50  # then each inflow shrinks to the room of its cell (test_limiter_fills_a_row_cell_by_cell)
-# share of its particles [-] that may leave a cell in a step, and that a limited outflow takes, smaller by rounding
-# (test_limiter_empties_a_cell_in_one_round)
+# then each inflow shrinks to the room of its cell
+# (test_limiter_fills_a_row_cell_by_cell)
+MAX_LIMITER_ROUNDS = 50
+# share of its particles [-] that may leave a cell in a step, and that a limited outflow
+# takes, smaller by rounding (test_limiter_empties_a_cell_in_one_round)
 MAX_OUTFLOW, LIMITED_OUTFLOW = 1.0 - 1e-12, 1.0 - 2e-12
 MIN_COUNTED_CHANGE = 1e-9  # [-] change of eps_s from which on a limited flux is counted
-MIN_LEFT = 0.75  # share of its particles left in a cell, below which it gives its own values to its faces
+# share of its particles left in a cell, below which it gives its own values to its
+# faces
+MIN_LEFT = 0.75
 
 
 @inner
-def _fill(g: Geometry, dt: float, s: Array, source: Array, flux: Array, gain: Array, loss: Array, out: Array) -> None:
-    """Set out = eps_s after the step with the volume flux [m3/s] and the source [1/s]; gain and loss of the cells."""
+def _fill(
+    g: Geometry,
+    dt: float,
+    s: Array,
+    source: Array,
+    flux: Array,
+    gain: Array,
+    loss: Array,
+    out: Array,
+) -> None:
+    """Set out = eps_s after the step with the volume flux [m3/s] and the
+    source [1/s]; gain and loss of the cells.
+    """
     ni = len(g.right)
     for c in range(len(s)):
         gain[c] = max(0.0, source[c]) * g.volume[c]
@@ -49,7 +68,9 @@ def _fill(g: Geometry, dt: float, s: Array, source: Array, flux: Array, gain: Ar
 
 
 class Bounds(NamedTuple):
-    """Fraction (nc,) before the step, its source (nc,) [1/s], and the largest fraction."""
+    """Fraction (nc,) before the step, its source (nc,) [1/s], and the largest
+    fraction.
+    """
 
     s: Array
     source: Array
@@ -64,8 +85,18 @@ class Shares(NamedTuple):
 
 
 @kernel
-def _find_shares(g: Geometry, dt: float, bounds: Bounds, flux: Array, out: Array, last: bool, shares: Shares) -> bool:
-    """Set the shares and `out`, eps_s after the step with `flux`; return whether all bounds hold."""
+def _find_shares(
+    g: Geometry,
+    dt: float,
+    bounds: Bounds,
+    flux: Array,
+    out: Array,
+    last: bool,
+    shares: Shares,
+) -> bool:
+    """Set the shares and `out`, eps_s after the step with `flux`; return whether all
+    bounds hold.
+    """
     s, highest, into, away = bounds.s, bounds.highest, shares.into, shares.away
     gain, loss = np.empty(len(s)), np.empty(len(s))
     _fill(g, dt, s, bounds.source, flux, gain, loss, out)
@@ -77,14 +108,22 @@ def _find_shares(g: Geometry, dt: float, bounds: Bounds, flux: Array, out: Array
             away[c] = LIMITED_OUTFLOW * content / loss[c]
             right = False
         if out[c] > highest or (last and gain[c] > room):
-            into[c] = LIMITED_OUTFLOW * max(0.0, room + (0.0 if last else loss[c] * away[c])) / gain[c]
+            into[c] = (
+                LIMITED_OUTFLOW
+                * max(0.0, room + (0.0 if last else loss[c] * away[c]))
+                / gain[c]
+            )
             right = False
     return right
 
 
 @kernel
-def _reduce(g: Geometry, dt: float, shares: Shares, flux: Array, touched: Flags) -> None:
-    """Reduce the flux of each face to the shares that its cells leave, and mark the faces where that counts."""
+def _reduce(
+    g: Geometry, dt: float, shares: Shares, flux: Array, touched: Flags
+) -> None:
+    """Reduce the flux of each face to the shares that its cells leave, and mark the
+    faces where that counts.
+    """
     into, away, ni = shares.into, shares.away, len(g.right)
     for f in range(len(g.left)):
         forward = flux[f] >= 0.0
@@ -93,7 +132,10 @@ def _reduce(g: Geometry, dt: float, shares: Shares, flux: Array, touched: Flags)
             part = min(part, into[g.right[f]] if forward else away[g.right[f]])
         if part < 1.0:
             # a smaller change is rounding, as in cells that are empty but for rounding
-            touched[f] |= dt * abs(flux[f]) * (1.0 - part) > MIN_COUNTED_CHANGE * g.volume[g.left[f]]
+            touched[f] |= (
+                dt * abs(flux[f]) * (1.0 - part)
+                > MIN_COUNTED_CHANGE * g.volume[g.left[f]]
+            )
             flux[f] *= part
 
 
@@ -115,14 +157,17 @@ def limit(
     upwind_cells: Flags,
     halo: Halo = WHOLE,
 ) -> tuple[int, int]:
-    """Limit `flux` in place, leave eps_s after the step in `out` and mark `upwind_cells` cells.
+    """Limit `flux` in place, leave eps_s after the step in `out` and mark
+    `upwind_cells` cells.
 
     Return the numbers of faces limited and of rounds.
     """
     touched = np.zeros(len(flux), dtype=np.bool_)
     shares = Shares(np.empty(len(out)), np.empty(len(out)))
     for turn in range(MAX_LIMITER_ROUNDS + 2):
-        right = _find_shares(g, dt, bounds, flux, out, turn >= MAX_LIMITER_ROUNDS, shares)
+        right = _find_shares(
+            g, dt, bounds, flux, out, turn >= MAX_LIMITER_ROUNDS, shares
+        )
         if halo.distributed:
             # the outer ghost cells lack faces
             own = shares.into[halo.cells], shares.away[halo.cells]

@@ -1,7 +1,9 @@
-"""MUSCL reconstruction of cell fields on faces, and convection with it; `g` is the `Geometry` of grid.py.
+"""MUSCL reconstruction of cell fields on faces, and convection with it; `g` is the
+`Geometry` of grid.py.
 
-A face value is that of the upwind cell plus a limited increment (van Leer 1979, J. Comput. Phys. 32, 101-136), taken
-half a step ahead as in the MUSCL-Hancock scheme (van Leer 1984, SIAM J. Sci. Stat. Comput. 5, 1-20).
+A face value is that of the upwind cell plus a limited increment (van Leer 1979, J.
+Comput. Phys. 32, 101-136), taken half a step ahead as in the MUSCL-Hancock scheme (van
+Leer 1984, SIAM J. Sci. Stat. Comput. 5, 1-20).
 """
 
 from __future__ import annotations
@@ -15,8 +17,9 @@ from contbed.two_fluid.fv.grid import Geometry
 class Reconstruction(NamedTuple):
     """What face values are made of.
 
-    A field (nc, m), its gradients (nc, m, dim), its change in half a step (nc, m), its boundary values (nb, m), the
-    cells (nc,) that give their own value to all faces, and whether increments are limited.
+    A field (nc, m), its gradients (nc, m, dim), its change in half a step (nc, m), its
+    boundary values (nb, m), the cells (nc,) that give their own value to all faces, and
+    whether increments are limited.
     """
 
     values: Array
@@ -29,16 +32,22 @@ class Reconstruction(NamedTuple):
     @property
     def T(self) -> Reconstruction:
         """The field by component, for kernels over rows."""
-        return self._replace(values=self.values.T, gradient=self.gradient.T, half_step=self.half_step.T)
+        return self._replace(
+            values=self.values.T, gradient=self.gradient.T, half_step=self.half_step.T
+        )
 
 
 @kernel
-def limited_increment(slope: float, along: float, jump: float, half_step: float, limited: bool) -> float:
-    """Value at a face minus the value of the upwind cell: second order, with the monotonized central limiter.
+def limited_increment(
+    slope: float, along: float, jump: float, half_step: float, limited: bool
+) -> float:
+    """Value at a face minus the value of the upwind cell: second order, with the
+    monotonized central limiter.
 
-    `slope` and `along` are the gradient times the way to the face and to the other cell, `jump` the difference to the
-    other cell, `half_step` the change of the cell's value in half a step. The value behind the upwind cell is
-    extrapolated, 2 along - jump (Darwish and Moukalled 2003, Int. J. Heat Mass Transfer 46, 599-611).
+    `slope` and `along` are the gradient times the way to the face and to the other
+    cell, `jump` the difference to the other cell, `half_step` the change of the cell's
+    value in half a step. The value behind the upwind cell is extrapolated, 2
+    along - jump (Darwish and Moukalled 2003, Int. J. Heat Mass Transfer 46, 599-611).
     """
     if not limited:
         return slope + half_step
@@ -54,10 +63,13 @@ def limited_increment(slope: float, along: float, jump: float, half_step: float,
 
 
 @kernel
-def predictor_half_step(dt: float, u: Array, grad: Array, carrier: Array, rate: Array, out: Array) -> None:
+def predictor_half_step(
+    dt: float, u: Array, grad: Array, carrier: Array, rate: Array, out: Array
+) -> None:
     """Set the change `out` of u (nc, m) in half a step.
 
-    It is convected by the velocity `carrier` (nc, dim), and has the last `rate` of change without convection.
+    It is convected by the velocity `carrier` (nc, dim), and has the last `rate` of
+    change without convection.
     """
     for c in range(u.shape[0]):
         for k in range(u.shape[1]):
@@ -69,7 +81,9 @@ def predictor_half_step(dt: float, u: Array, grad: Array, carrier: Array, rate: 
 
 @kernel
 def convect(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> None:
-    """Add -sum over faces of flux (u_face - u_cell) [m3/s times u] to `out` (nc, m); `flux` (nf,) is a volume flux."""
+    """Add -sum over faces of flux (u_face - u_cell) [m3/s times u] to `out` (nc, m);
+    `flux` (nf,) is a volume flux.
+    """
     ni, dim = len(g.right), len(g.axes)
     # taken out of the loop, where each would be counted as a reference
     u, grad, half_step = field.values, field.gradient, field.half_step
@@ -97,7 +111,9 @@ def convect(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> None
 
 
 @inner
-def convect_at_boundary(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> None:
+def convect_at_boundary(
+    g: Geometry, flux: Array, field: Reconstruction, out: Array
+) -> None:
     """Add what crosses the boundary, see `convect`."""
     u, grad, half_step, edge = field.values, field.gradient, field.half_step, field.edge
     first_order, limited, ni = field.first_order, field.limited, len(g.right)
@@ -111,15 +127,25 @@ def convect_at_boundary(g: Geometry, flux: Array, field: Reconstruction, out: Ar
                     part = half_step[c, k]
                     for d in range(len(g.axes)):
                         part += grad[c, k, d] * g.arm_left[f, d]
-                value = u[c, k] + (min(max(part, min(0.0, jump)), max(0.0, jump)) if limited else part)
+                value = u[c, k] + (
+                    min(max(part, min(0.0, jump)), max(0.0, jump)) if limited else part
+                )
             out[c, k] -= rate * (value - u[c, k])
 
 
 @inner
 def face_value(
-    g: Geometry, f: int, forward: bool, values: Array, grad: Array, half_step: Array, limited: bool
+    g: Geometry,
+    f: int,
+    forward: bool,
+    values: Array,
+    grad: Array,
+    half_step: Array,
+    limited: bool,
 ) -> float:
-    """First component of a field on the interior face f, reconstructed in the cell that the flow comes from."""
+    """First component of a field on the interior face f, reconstructed in the cell
+    that the flow comes from.
+    """
     left, right = g.left[f], g.right[f]
     slope = along = 0.0
     if forward:
@@ -127,19 +153,32 @@ def face_value(
             slope += grad[left, 0, d] * g.arm_left[f, d]
             along += grad[left, 0, d] * (g.arm_left[f, d] - g.arm_right[f, d])
         jump = values[right, 0] - values[left, 0]
-        return float(values[left, 0] + limited_increment(slope, along, jump, half_step[left, 0], limited))
+        return float(
+            values[left, 0]
+            + limited_increment(slope, along, jump, half_step[left, 0], limited)
+        )
     for d in range(len(g.axes)):
         slope += grad[right, 0, d] * g.arm_right[f, d]
         along += grad[right, 0, d] * (g.arm_right[f, d] - g.arm_left[f, d])
     jump = values[left, 0] - values[right, 0]
-    return float(values[right, 0] + limited_increment(slope, along, jump, half_step[right, 0], limited))
+    return float(
+        values[right, 0]
+        + limited_increment(slope, along, jump, half_step[right, 0], limited)
+    )
 
 
 @kernel
 def face_values(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> None:
-    """Values `out` (nf,) that `flux` (nf,) carries; what leaves through the boundary has the value of the cell."""
+    """Values `out` (nf,) that `flux` (nf,) carries; what leaves through the boundary
+    has the value of the cell.
+    """
     ni = len(g.right)
-    values, grad, half_step, edge = field.values, field.gradient, field.half_step, field.edge
+    values, grad, half_step, edge = (
+        field.values,
+        field.gradient,
+        field.half_step,
+        field.edge,
+    )
     first_order, limited = field.first_order, field.limited
     for f in range(len(flux)):
         forward = flux[f] >= 0.0
@@ -154,8 +193,12 @@ def face_values(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> 
 
 
 @kernel
-def divergence(g: Geometry, flux: Array, face: Array, values: Array, net: Array, out: Array) -> None:
-    """Sum `net` (nc,) of the `flux` (nf,) that leaves a cell, and `out` (nc,) = -sum of flux (face - value)."""
+def divergence(
+    g: Geometry, flux: Array, face: Array, values: Array, net: Array, out: Array
+) -> None:
+    """Sum `net` (nc,) of the `flux` (nf,) that leaves a cell, and `out` (nc,) = -sum
+    of flux (face - value).
+    """
     ni = len(g.right)
     net[:] = 0.0
     out[:] = 0.0

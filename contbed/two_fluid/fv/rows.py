@@ -1,9 +1,12 @@
-"""Rows of a rectangular grid: cells and faces that follow each other in memory along an axis.
+"""Rows of a rectangular grid: cells and faces that follow each other in memory along an
+axis.
 
-A grid is rectangular where all faces lie across axes and all cells in the places (i, j, k) of a lattice, some of which
-may be empty (obstacles). Its cells are numbered place by place, the longest axis fastest. Its interior faces then come
-in rows: face, left and right cell of the next one are each the next number. Kernels that run over rows read and write
-contiguous memory, which compilers turn into vectors; those over single faces (any mesh) cannot.
+A grid is rectangular where all faces lie across axes and all cells in the places (i, j,
+k) of a lattice, some of which may be empty (obstacles). Its cells are numbered place by
+place, the longest axis fastest. Its interior faces then come in rows: face, left and
+right cell of the next one are each the next number. Kernels that run over rows read and
+write contiguous memory, which compilers turn into vectors; those over single faces (any
+mesh) cannot.
 """
 
 from __future__ import annotations
@@ -12,22 +15,29 @@ from typing import NamedTuple
 
 import numpy as np
 
-ON_AXIS = 1e-9  # largest other component of a normal along an axis; spread of places over the size of the grid
+# largest other component of a normal along an axis; spread of places over the size of
+# the grid
+ON_AXIS = 1e-9
 
 
 class Rows(NamedTuple):
-    """Rows of interior faces, nr of them; a periodic pair is a row with negative or no distance of its cells.
+    """Rows of interior faces, nr of them; a periodic pair is a row with negative or no
+    distance of its cells.
 
-    Those of a part of the grid, for one of several threads, hold its cells begin to end and all faces of these; a face
-    between two parts is in both, and belongs to that of its left cell.
+    Those of a part of the grid, for one of several threads, hold its cells begin to end
+    and all faces of these; a face between two parts is in both, and belongs to that of
+    its left cell.
 
-    axis, face, left, right, length (nr,) : direction of the faces, first face with its cells, number of faces; but for
+    axis, face, left, right, length (nr,) : direction of the faces, first face with its
+    cells, number of faces; but for
         the axis unsigned, as indices that count from them are then known not to be negative
-    left_from, left_to, right_from, right_to (nr,) : faces of the row whose left, and whose right cell is in the part
+    left_from, left_to, right_from, right_to (nr,) : faces of the row whose left, and
+    whose right cell is in the part
     begin, end : first cell of the part, and the one after its last
-    arm_left, arm_right (nf,) [m] : distance of the left and of the right centre to the face, on boundaries only left
-    slope_left, slope_right (nf,) [1/m] : of a cell's gradient along the axis of the face, per jump right - left
-    edge_axis (nb,) : axis of each boundary face; edge_sign (nb,) : 1 where it points along it, or -1
+    arm_left, arm_right (nf,) [m] : distance of the left and of the right centre to the
+    face, on boundaries only left slope_left, slope_right (nf,) [1/m] : of a cell's
+    gradient along the axis of the face, per jump right - left edge_axis (nb,) : axis of
+    each boundary face; edge_sign (nb,) : 1 where it points along it, or -1
     """
 
     axis: np.ndarray
@@ -49,8 +59,11 @@ class Rows(NamedTuple):
     edge_sign: np.ndarray
 
 
-def places(centres: np.ndarray, normals: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray | None:
-    """Place (nc, dim) of each cell in the lattice; None where the grid is not rectangular.
+def places(
+    centres: np.ndarray, normals: np.ndarray, left: np.ndarray, right: np.ndarray
+) -> np.ndarray | None:
+    """Place (nc, dim) of each cell in the lattice; None where the grid is not
+    rectangular.
 
     `left` and `right` are the cells of the faces that are not periodic.
     """
@@ -59,7 +72,10 @@ def places(centres: np.ndarray, normals: np.ndarray, left: np.ndarray, right: np
     found = np.empty(centres.shape, dtype=np.int64)
     for d, x in enumerate(centres.T):
         order = np.argsort(x, kind="stable")
-        new = np.diff(x[order], prepend=x[order[0]]) > ON_AXIS * np.ptp(centres, axis=0).max()
+        new = (
+            np.diff(x[order], prepend=x[order[0]])
+            > ON_AXIS * np.ptp(centres, axis=0).max()
+        )
         found[order, d] = np.cumsum(new)
     apart = np.sort(np.abs(found[right] - found[left]), axis=1)
     beside = (apart[:, -1] == 1).all() and (apart[:, :-1] == 0).all()
@@ -81,7 +97,8 @@ def build_rows(
     slopes: tuple[np.ndarray, np.ndarray],
     cells: int,
 ) -> Rows:
-    """Join faces (nf,), ordered by axis and cell, to rows; `cells` is the number of cells.
+    """Join faces (nf,), ordered by axis and cell, to rows; `cells` is the number of
+    cells.
 
     `arms` and `slopes` are those of both sides, (nf, dim) and (ni, dim).
     """
@@ -125,7 +142,9 @@ def part_of_rows(rows: Rows, begin: int, end: int) -> Rows:
     (left_from, left_to), (right_from, right_to) = spans
     of_left, of_right = left_from < left_to, right_from < right_to
     none = length.max(initial=0)
-    lowest = np.minimum(np.where(of_left, left_from, none), np.where(of_right, right_from, none))
+    lowest = np.minimum(
+        np.where(of_left, left_from, none), np.where(of_right, right_from, none)
+    )
     highest = np.maximum(np.where(of_left, left_to, 0), np.where(of_right, right_to, 0))
     there = of_left | of_right
 
@@ -139,7 +158,8 @@ def part_of_rows(rows: Rows, begin: int, end: int) -> Rows:
         left=shifted(rows.left, lowest),
         right=shifted(rows.right, lowest),
         length=shifted(highest, -lowest),
-        # a row without a left or a right cell in the part starts where the other one does
+        # a row without a left or a right cell in the part starts where the other one
+        # does
         left_from=shifted(np.where(of_left, left_from, lowest), -lowest),
         left_to=shifted(np.where(of_left, left_to, lowest), -lowest),
         right_from=shifted(np.where(of_right, right_from, lowest), -lowest),

@@ -1,1 +1,3 @@
-"""Heat of the two-fluid model: temperatures of gas and particles on the mass fluxes of the flow."""
+"""Heat of the two-fluid model: temperatures of gas and particles on the mass fluxes
+of the flow.
+"""

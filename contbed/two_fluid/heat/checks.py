@@ -1,4 +1,6 @@
-"""What is wrong with the temperatures of a scene of two fluids although every single value is right."""
+"""What is wrong with the temperatures of a scene of two fluids although every single
+value is right.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +12,20 @@ from contbed.scene.checking import Mistakes, See
 from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import GIVES, HEAT_KINDS, conducts
-from contbed.two_fluid.conditions import Boundary, Initial, Inlet, Outlet, Periodic, Symmetry, Wall, places
+from contbed.two_fluid.conditions import (
+    Boundary,
+    Initial,
+    Inlet,
+    Outlet,
+    Periodic,
+    Symmetry,
+    Wall,
+    places,
+)
 
-MIN_PRESSURE = 1e3  # [Pa] of an ideal gas; below, its mean free path is no longer small beside the particles
+# [Pa] of an ideal gas; below, its mean free path is no longer small beside the
+# particles
+MIN_PRESSURE = 1e3
 MAX_TEMPERATURE = 6000.0  # [K]; above, gases dissociate and no particle is solid
 
 
@@ -34,12 +47,21 @@ def heat_is_complete(
         if isinstance(part, Inlet) and part.gas.temperature is None:
             gas_enters = part.gas.velocity > 0
             if gas_enters or part.solid.temperature is None:
-                yield ("boundary", name, "gas", "temperature"), "missing; [heat] needs it"
+                yield (
+                    ("boundary", name, "gas", "temperature"),
+                    "missing; [heat] needs it",
+                )
         if isinstance(part, Wall) and part.temperature is not None:
             if part.heat_flux is not None:
-                yield ("boundary", name, "heat_flux"), "give either temperature or heat_flux"
+                yield (
+                    ("boundary", name, "heat_flux"),
+                    "give either temperature or heat_flux",
+                )
             if not conducts(closures, two_fluid):
-                text = "heats nothing without closures.conductivity_bed, or two_fluid.conductivity_gas or _solids"
+                text = (
+                    "heats nothing without closures.conductivity_bed, or "
+                    "two_fluid.conductivity_gas or _solids"
+                )
                 yield ("boundary", name, "temperature"), text
     if time.order == 2:
         yield ("time", "order"), f"heat is of first order in time; see {see('heat')}"
@@ -48,11 +70,17 @@ def heat_is_complete(
 def nothing_is_heated_without_heat(
     heat: t.Heat | None, gas: t.Gas, initial: Initial, boundary: dict[str, Boundary]
 ) -> Mistakes:
-    """Check that temperatures are given only where they are solved, or fix the properties of the gas."""
+    """Check that temperatures are given only where they are solved, or fix the
+    properties of the gas.
+    """
     if heat is not None:
         return
     given = [path for path, T in _temperatures(initial, boundary) if T is not None]
-    given += [("boundary", name, "heat_flux") for name in boundary if getattr(boundary[name], "heat_flux", None)]
+    given += [
+        ("boundary", name, "heat_flux")
+        for name in boundary
+        if getattr(boundary[name], "heat_flux", None)
+    ]
     for path in given:
         if "gas" not in path or gas.model == "constant":
             yield path, "has no meaning without [heat]"
@@ -80,9 +108,15 @@ def properties_of_heat_are_given(
     if solid.heat_capacity is None:
         yield ("solids", name, "heat_capacity"), "missing; [heat] needs it"
     if closures.conductivity_bed is not None and solid.conductivity is None:
-        yield ("solids", name, "conductivity"), "missing; closures.conductivity_bed needs it"
+        yield (
+            ("solids", name, "conductivity"),
+            "missing; closures.conductivity_bed needs it",
+        )
     if gas.density_law == "ideal_gas" and gas.pressure < MIN_PRESSURE:
-        yield ("gas", "pressure"), f"absolute; below {MIN_PRESSURE:g} Pa a gas among particles is no continuum"
+        yield (
+            ("gas", "pressure"),
+            f"absolute; below {MIN_PRESSURE:g} Pa a gas among particles is no continuum",
+        )
 
 
 def closures_of_heat_exist(
@@ -99,22 +133,42 @@ def closures_of_heat_exist(
             bind(chosen, kind, GIVES[kind], origin.base)
         except SceneError as error:
             yield ("closures", key), str(error)
-    if closures.conductivity_bed is not None and two_fluid.conductivity_gas + two_fluid.conductivity_solids > 0:
-        text = "give either conductivity_bed, or two_fluid.conductivity_gas and conductivity_solids"
+    if (
+        closures.conductivity_bed is not None
+        and two_fluid.conductivity_gas + two_fluid.conductivity_solids > 0
+    ):
+        text = (
+            "give either conductivity_bed, or two_fluid.conductivity_gas and "
+            "conductivity_solids"
+        )
         yield ("closures", "conductivity_bed"), text
 
 
-def temperatures_are_possible(gas: t.Gas, initial: Initial, boundary: dict[str, Boundary]) -> Mistakes:
+def temperatures_are_possible(
+    gas: t.Gas, initial: Initial, boundary: dict[str, Boundary]
+) -> Mistakes:
     """Check that no temperature is beyond what gas and particles bear."""
-    reference: tuple[KeyPath, float | None] = (("gas", "reference_temperature"), gas.reference_temperature)
+    reference: tuple[KeyPath, float | None] = (
+        ("gas", "reference_temperature"),
+        gas.reference_temperature,
+    )
     for path, T in (reference, *_temperatures(initial, boundary)):
         if T is not None and T > MAX_TEMPERATURE:
-            yield path, f"above {MAX_TEMPERATURE:g} K gases dissociate and no particle is solid"
-    if gas.reference_temperature is not None and gas.model == "constant" and gas.density_law == "constant":
+            yield (
+                path,
+                f"above {MAX_TEMPERATURE:g} K gases dissociate and no particle is solid",
+            )
+    if (
+        gas.reference_temperature is not None
+        and gas.model == "constant"
+        and gas.density_law == "constant"
+    ):
         yield ("gas", "reference_temperature"), 'belongs to density_law = "ideal_gas"'
 
 
-def _temperatures(initial: Initial, boundary: dict[str, Boundary]) -> Iterator[tuple[KeyPath, float | None]]:
+def _temperatures(
+    initial: Initial, boundary: dict[str, Boundary]
+) -> Iterator[tuple[KeyPath, float | None]]:
     """Yield the temperatures at the start and at boundaries with their paths."""
     for where, part in places(initial, boundary):
         if isinstance(part, Wall):

@@ -1,4 +1,5 @@
-"""Implicit part of the heat of gas and particles: exchange weighed to be exact in time, conduction by its own system.
+"""Implicit part of the heat of gas and particles: exchange weighed to be exact in time,
+conduction by its own system.
 
 The equations and their sources are those of `heat.equations`.
 """
@@ -20,17 +21,19 @@ from contbed.two_fluid.model import Model
 from contbed.two_fluid.properties import slip_speed
 from contbed.two_fluid.state import Energy, State
 
-TOLERANCE, MAX_ITERATIONS = 1e-10, 500  # of implicit conduction: residual over the right-hand side
-# dt times rate of exchange [-] below which the weight of the new difference is taken from its power series
-# (test_conduction_in_one_phase)
+# of implicit conduction: residual over the right-hand side
+TOLERANCE, MAX_ITERATIONS = 1e-10, 500
+# dt times rate of exchange [-] below which the weight of the new difference is taken
+# from its power series (test_conduction_in_one_phase)
 MIN_EXCHANGE_NUMBER = 1e-3
 
 
 class Exchange(NamedTuple):
     """Implicit part of heat.
 
-    Content [J/K] of both phases (nc, 2), links (nf, 2) [J/K] of conduction in a step or None, and dt times the rates
-    (nc,) [-] at which each phase follows the other, weighed.
+    Content [J/K] of both phases (nc, 2), links (nf, 2) [J/K] of conduction in a step or
+    None, and dt times the rates (nc,) [-] at which each phase follows the other,
+    weighed.
     """
 
     content: Array
@@ -69,11 +72,14 @@ def add_exchange(
     return weight * of_gas, weight * of_solid
 
 
-def implicit_changes(state: State, exchange: Exchange, lift: Array, model: Model) -> tuple[Array, float]:
-    """Return the changes of the temperatures (nc, 2) [K] with implicit conduction and exchange.
+def implicit_changes(
+    state: State, exchange: Exchange, lift: Array, model: Model
+) -> tuple[Array, float]:
+    """Return the changes of the temperatures (nc, 2) [K] with implicit conduction and
+    exchange.
 
-    `lift` is the explicit change. Return also the heat that the change drives out of own cells [J], through walls if
-    all ranks are added up.
+    `lift` is the explicit change. Return also the heat that the change drives out of
+    own cells [J], through walls if all ranks are added up.
     """
     through = 0.0
     if exchange.links is not None:
@@ -81,16 +87,26 @@ def implicit_changes(state: State, exchange: Exchange, lift: Array, model: Model
         # exchange follows exactly whatever the iteration has left
         lift = lift - divided_or_zero(conducted, exchange.content)
         through = float(conducted[model.grid.halo.cells].sum())
-    return np.stack(eliminate_drag(lift[:, 0], lift[:, 1], exchange.at_gas, exchange.at_solid), axis=1), through
+    return np.stack(
+        eliminate_drag(lift[:, 0], lift[:, 1], exchange.at_gas, exchange.at_solid),
+        axis=1,
+    ), through
 
 
-def _solve_conduction(state: State, exchange: Exchange, links: Array, lift: Array, model: Model) -> Array:
-    """Solve for implicit conduction with exchange; return the heat (nc, 2) [J] that the changes conduct out of cells.
+def _solve_conduction(
+    state: State, exchange: Exchange, links: Array, lift: Array, model: Model
+) -> Array:
+    """Solve for implicit conduction with exchange; return the heat (nc, 2) [J] that the
+    changes conduct out of cells.
 
     Conjugate gradients, preconditioned with the 2x2 block of each cell.
     """
     g, halo, content = model.grid.geometry, model.grid.halo, exchange.content
-    own, both, out = halo.cells, (content[:, 0] * exchange.at_gas)[:, None], np.empty_like(content)
+    own, both, out = (
+        halo.cells,
+        (content[:, 0] * exchange.at_gas)[:, None],
+        np.empty_like(content),
+    )
     diagonal = content + both + sums_over_faces(links, model)
     diagonal[diagonal == 0.0] = 1.0  # no particles
     scale = 1.0 / (diagonal[:, :1] * diagonal[:, 1:] - both**2)
@@ -115,7 +131,10 @@ def _solve_conduction(state: State, exchange: Exchange, links: Array, lift: Arra
     iterations = 0
     while not square <= TOLERANCE**2 * whole:
         if iterations == MAX_ITERATIONS:
-            raise ConvergenceError(f"t = {state.time:.6g} s: heat did not converge in {MAX_ITERATIONS} iterations")
+            raise ConvergenceError(
+                f"t = {state.time:.6g} s: heat did not converge in {MAX_ITERATIONS} "
+                "iterations"
+            )
         iterations += 1
         q = product(p)
         alpha = rho / dots((p, q))[0]
@@ -133,7 +152,11 @@ def sums_over_faces(links: Array, model: Model) -> Array:
     """Return the sums (nc, 2) of `links` over the faces of each cell."""
     g = model.grid.geometry
     count = len(g.volume)
-    both = [np.bincount(g.left, one, count) + np.bincount(g.right, one[: len(g.right)], count) for one in links.T]
+    both = [
+        np.bincount(g.left, one, count)
+        + np.bincount(g.right, one[: len(g.right)], count)
+        for one in links.T
+    ]
     return np.stack(both, axis=1)
 
 

@@ -8,7 +8,9 @@ from contbed.two_fluid.fv.grid import Geometry
 
 @kernel
 def conducted_out(g: Geometry, coef: Array, x: Array, out: Array) -> None:
-    """Set out (nc, m) = sum over faces of coef (nf, m) times x less x of the neighbour, or less 0 at boundaries."""
+    """Set out (nc, m) = sum over faces of coef (nf, m) times x less x of the
+    neighbour, or less 0 at boundaries.
+    """
     ni = len(g.right)
     out[:] = 0.0
     for f in range(len(g.left)):

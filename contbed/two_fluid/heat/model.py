@@ -17,9 +17,12 @@ class Physics:
     """What gas and particles are.
 
     cp_gas, cp_solid [J/kg/K] : heat capacities
-    coefficient : h [W/m2/K] of a particle from eps_s, slip speed [m/s], density of the gas over the usual one, T_gas
-    conductivity : (k_g, k_s) [W/m/K] (nc,) from eps_s and the temperatures; None where nothing is conducted
-    density : "constant", or that of an "ideal_gas" which is the usual one at T_reference [K] and `pressure` [Pa]
+    coefficient : h [W/m2/K] of a particle from eps_s, slip speed [m/s], density of the
+        gas over the usual one, T_gas
+    conductivity : (k_g, k_s) [W/m/K] (nc,) from eps_s and the temperatures; None where
+        nothing is conducted
+    density : "constant", or that of an "ideal_gas" which is the usual one at
+        T_reference [K] and `pressure` [Pa]
     """
 
     cp_gas: float
@@ -35,8 +38,9 @@ class Physics:
 class Thermal:
     """Heat at a boundary.
 
-    Temperatures [K] of gas and solids that enter, of a wall, or the flux [W/m2] into the bed, which the phases share by
-    their fractions. What is not given is adiabatic; what comes back through an outlet has the temperature of the cell.
+    Temperatures [K] of gas and solids that enter, of a wall, or the flux [W/m2] into
+    the bed, which the phases share by their fractions. What is not given is adiabatic;
+    what comes back through an outlet has the temperature of the cell.
     """
 
     T_gas: float | None = None
@@ -49,8 +53,8 @@ class Thermal:
 class HeatModel:
     """Physics, and conditions on boundary faces (nb,).
 
-    Temperatures [K] of gas and solids that enter and of walls, not a number where there is none, and the flux [W/m2]
-    into the bed.
+    Temperatures [K] of gas and solids that enter and of walls, not a number where there
+    is none, and the flux [W/m2] into the bed.
     """
 
     physics: Physics
@@ -65,8 +69,12 @@ class HeatModel:
         return self.physics.density == "ideal_gas"
 
 
-def build_heat(grid: Grid, physics: Physics, conditions: Mapping[str, Thermal]) -> HeatModel:
-    """Model of heat with conditions by boundary name; boundaries without one are adiabatic."""
+def build_heat(
+    grid: Grid, physics: Physics, conditions: Mapping[str, Thermal]
+) -> HeatModel:
+    """Model of heat with conditions by boundary name; boundaries without one are
+    adiabatic.
+    """
     nb = len(grid.geometry.left) - grid.interior
     T_gas, T_solid, wall = (np.full(nb, np.nan) for _ in range(3))
     flux = np.zeros(nb)

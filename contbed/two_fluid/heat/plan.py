@@ -1,4 +1,6 @@
-"""What a two-fluid scene with [heat] builds: closures as functions of cells, temperatures given."""
+"""What a two-fluid scene with [heat] builds: closures as functions of cells,
+temperatures given.
+"""
 
 from __future__ import annotations
 
@@ -19,16 +21,24 @@ def physics(scene: t.TwoFluidScene, closures: Bound) -> Physics:
     """Heat capacities and closures of a scene with [heat]."""
     table, fluid, solid = scene.two_fluid, scene.fluid, scene.solid
     k, d_p, given = fluid.conductivity, solid.diameter, constants(scene)
-    assert k is not None and fluid.heat_capacity is not None and solid.heat_capacity is not None
+    assert (
+        k is not None
+        and fluid.heat_capacity is not None
+        and solid.heat_capacity is not None
+    )
     nusselt, bed_conductivity = closures.get("nusselt"), closures.get("conductivity")
 
-    def coefficient(eps_s: np.ndarray, slip: np.ndarray, dense: Any, T: np.ndarray) -> np.ndarray:
+    def coefficient(
+        eps_s: np.ndarray, slip: np.ndarray, dense: Any, T: np.ndarray
+    ) -> np.ndarray:
         if nusselt is None:
             return np.full_like(eps_s, k / d_p * float(scene.closures.nusselt))  # type: ignore[arg-type]
         Re = (1.0 - eps_s) * fluid.density * dense * slip * d_p / fluid.viscosity
         return np.asarray(k / d_p * nusselt(Re=Re, eps=1.0 - eps_s, T=T, **given))
 
-    def of_bed(eps_s: np.ndarray, T_gas: np.ndarray, T_solid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def of_bed(
+        eps_s: np.ndarray, T_gas: np.ndarray, T_solid: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         assert bed_conductivity is not None
         whole = bed_conductivity(eps=1.0 - eps_s, T=T_solid, **given)
         part = k * (1.0 - np.sqrt(eps_s))
@@ -53,9 +63,14 @@ def initial(scene: t.TwoFluidScene, height: np.ndarray) -> dict[str, np.ndarray]
     """Temperatures (nc,) at the start."""
     fields = {name: np.empty(len(height)) for name in FIELDS}
     for part in scene.initial.parts:
-        inside = (height >= getattr(part, "start", -np.inf)) & (height < getattr(part, "end", np.inf))
+        inside = (height >= getattr(part, "start", -np.inf)) & (
+            height < getattr(part, "end", np.inf)
+        )
         T_gas = part.gas.temperature
-        for name, value in (("T_gas", T_gas), ("T_solid", part.solid.temperature or T_gas)):
+        for name, value in (
+            ("T_gas", T_gas),
+            ("T_solid", part.solid.temperature or T_gas),
+        ):
             if value is not None:
                 fields[name][inside] = value
     return fields
@@ -75,6 +90,8 @@ def thermal(parts: Mapping[str, Any]) -> dict[str, Thermal]:
 
 def described(scene: t.TwoFluidScene) -> str:
     """One line for the plan."""
-    density = "ideal gas" if scene.gas.density_law == "ideal_gas" else "constant density"
+    density = (
+        "ideal gas" if scene.gas.density_law == "ideal_gas" else "constant density"
+    )
     conduction = "with" if conducts(scene.closures, scene.two_fluid) else "without"
     return f"exchange {scene.closures.nusselt}, {conduction} conduction, {density}"

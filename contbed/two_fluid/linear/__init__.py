@@ -1,1 +1,3 @@
-"""Linear systems on cells and faces: conjugate gradients, multigrid, banded elimination."""
+"""Linear systems on cells and faces: conjugate gradients, multigrid, banded
+elimination.
+"""

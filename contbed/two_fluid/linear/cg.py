@@ -1,9 +1,12 @@
-"""Symmetric systems content x + sum over faces of coef (x - x_neighbour) = rhs, with m unknowns in each cell.
+"""Symmetric systems content x + sum over faces of coef (x - x_neighbour) = rhs, with m
+unknowns in each cell.
 
-Most cells exchange little in a step: there the exchange, already in rhs as it is at the start of the step, need not be
-solved for. Only stiff cells and their neighbours are, as one smaller system; a link between two cells is solved for in
-both or in none, so that what one cell loses the other one gets. The method is conjugate gradients with the inverse
-diagonal as preconditioner (Hestenes and Stiefel 1952, J. Res. Natl. Bur. Stand. 49, 409-436).
+Most cells exchange little in a step: there the exchange, already in rhs as it is at the
+start of the step, need not be solved for. Only stiff cells and their neighbours are, as
+one smaller system; a link between two cells is solved for in both or in none, so that
+what one cell loses the other one gets. The method is conjugate gradients with the
+inverse diagonal as preconditioner (Hestenes and Stiefel 1952, J. Res. Natl. Bur. Stand.
+49, 409-436).
 """
 
 from __future__ import annotations
@@ -15,17 +18,18 @@ import numpy as np
 from contbed.two_fluid.compiled import Array, inner, inner_summing, kernel
 from contbed.two_fluid.fv.grid import Geometry
 
-QUIET, BESIDE, STIFF = 0, 1, 2  # cells that are not solved for, that lie beside a stiff one, that are
-EXPLICIT_SHARE = 0.1  # exchange of a cell in a step over its content up to which it is not solved for
+# cells that are not solved for, that lie beside a stiff one, that are
+QUIET, BESIDE, STIFF = 0, 1, 2
+# exchange of a cell in a step over its content up to which it is not solved for
+EXPLICIT_SHARE = 0.1
 
 
 class System(NamedTuple):
     """One system for m unknowns in each cell.
 
     coef (nf, m) : links of faces; those of boundary faces couple with given values
-    links (nc, m) : further links of cells to given values; `solve` adds those of their faces
-    content (nc, m) : diagonal
-    rhs (nc, m) : right-hand side
+    links (nc, m) : further links of cells to given values; `solve` adds those of their
+    faces content (nc, m) : diagonal rhs (nc, m) : right-hand side
     """
 
     coef: Array
@@ -39,16 +43,28 @@ class System(NamedTuple):
         return System(*(part.T for part in self))
 
 
-def empty_system(g: Geometry, components: int, order: Literal["C", "F"] = "C") -> System:
-    """Make a system without links of cells, in the memory `order` of the grid; the rest is not set."""
+def empty_system(
+    g: Geometry, components: int, order: Literal["C", "F"] = "C"
+) -> System:
+    """Make a system without links of cells, in the memory `order` of the grid; the
+    rest is not set.
+    """
     size = (len(g.volume), components)
     coef = np.empty((len(g.left), components), order=order)
-    return System(coef, np.zeros(size, order=order), np.empty(size, order=order), np.empty(size, order=order))
+    return System(
+        coef,
+        np.zeros(size, order=order),
+        np.empty(size, order=order),
+        np.empty(size, order=order),
+    )
 
 
 @kernel
-def solve(g: Geometry, system: System, explicit: float, tolerance: float, most: int, x: Array) -> int:
-    """Solve for `x` (nc, m); return the most iterations that a component took, -1 if too many.
+def solve(
+    g: Geometry, system: System, explicit: float, tolerance: float, most: int, x: Array
+) -> int:
+    """Solve for `x` (nc, m); return the most iterations that a component took, -1 if
+    too many.
 
     explicit : links of a cell over its content above which it is stiff
     tolerance : of the residual, relative in the norm of the inverse diagonal
@@ -89,7 +105,9 @@ def solve(g: Geometry, system: System, explicit: float, tolerance: float, most: 
             for j in range(column.shape[1]):
                 if column[i, j] != i:
                     values[i, j] = coef[face[i, j], k] * scale[i] * scale[column[i, j]]
-        iterations = _conjugate_gradients(g.axes, column, values, target, tolerance, most)
+        iterations = _conjugate_gradients(
+            g.axes, column, values, target, tolerance, most
+        )
         if iterations < 0:
             return -1
         longest = max(longest, iterations)
@@ -102,8 +120,9 @@ def solve(g: Geometry, system: System, explicit: float, tolerance: float, most: 
 def _rows(g: Geometry, state: Any) -> tuple[Any, Any, Any, Any]:
     """Set up the system of the STIFF cells and their neighbours.
 
-    Return the number of each cell in it, -1 where it has none; the cell of each number; for each row the numbers of its
-    neighbours and their faces, its own number in place of a missing one.
+    Return the number of each cell in it, -1 where it has none; the cell of each number;
+    for each row the numbers of its neighbours and their faces, its own number in place
+    of a missing one.
     """
     ni, most = len(g.right), 2 * len(g.axes)
     for f in range(ni):
@@ -113,7 +132,10 @@ def _rows(g: Geometry, state: Any) -> tuple[Any, Any, Any, Any]:
         elif state[right] == STIFF and state[left] == QUIET:
             state[left] = BESIDE
     rank, cells = np.full(len(state), -1, dtype=np.int32), np.flatnonzero(state)
-    column, face = np.empty((len(cells), most), dtype=np.uint32), np.empty((len(cells), most), dtype=np.uint32)
+    column, face = (
+        np.empty((len(cells), most), dtype=np.uint32),
+        np.empty((len(cells), most), dtype=np.uint32),
+    )
     filled = np.zeros(len(cells), dtype=np.uint32)
     for i in range(len(cells)):
         rank[cells[i]] = i
@@ -129,7 +151,9 @@ def _rows(g: Geometry, state: Any) -> tuple[Any, Any, Any, Any]:
 
 
 @inner_summing
-def _product(axes: tuple[int, ...], column: Any, values: Array, p: Array, q: Array) -> float:
+def _product(
+    axes: tuple[int, ...], column: Any, values: Array, p: Array, q: Array
+) -> float:
     """Set q = p - values times the neighbours; return p . q."""
     total = 0.0
     for i in range(len(p)):
@@ -154,9 +178,15 @@ def _advance(alpha: float, p: Array, q: Array, x: Array, r: Array) -> float:
 
 @inner
 def _conjugate_gradients(
-    axes: tuple[int, ...], column: Any, values: Array, x: Array, tolerance: float, most: int
+    axes: tuple[int, ...],
+    column: Any,
+    values: Array,
+    x: Array,
+    tolerance: float,
+    most: int,
 ) -> int:
-    """Solve with a matrix that has a diagonal of ones; `x` holds the right-hand side, and gets the solution.
+    """Solve with a matrix that has a diagonal of ones; `x` holds the right-hand side,
+    and gets the solution.
 
     Return the number of iterations, -1 if too many.
     """

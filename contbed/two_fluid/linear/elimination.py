@@ -1,7 +1,9 @@
-"""Direct solution of symmetric systems on the links of a grid, sum of coef (x - x_neighbour) = rhs.
+"""Direct solution of symmetric systems on the links of a grid, sum of coef
+(x - x_neighbour) = rhs.
 
-Cells that are no neighbours of each other are eliminated first, each in a few operations, by which their neighbours
-become linked. On quadrilaterals that is every other cell, and the rest is a band as wide as before, half as long.
+Cells that are no neighbours of each other are eliminated first, each in a few
+operations, by which their neighbours become linked. On quadrilaterals that is every
+other cell, and the rest is a band as wide as before, half as long.
 """
 
 from __future__ import annotations
@@ -23,8 +25,8 @@ WIDEST = 8184  # band [cells] of some 100,000 cells: a factor of 6 GB
 class Order(NamedTuple):
     """In which order cells are eliminated.
 
-    first (ne,) : cells that go first; start (ne + 1,), beside, faces : their neighbours and the faces between them
-    place (nc,) : of the other cells in the band
+    first (ne,) : cells that go first; start (ne + 1,), beside, faces : their neighbours
+    and the faces between them place (nc,) : of the other cells in the band
     """
 
     first: Indices
@@ -37,8 +39,10 @@ class Order(NamedTuple):
 class Elimination:
     """Elimination on one grid, with its workspace.
 
-    order : of the cells; rest (nb,) : the cells of the band in its order; width : of the band
-    factor (nb, width + 1), diagonal (nc,) : workspace; row j of the factor holds column j of the
+    order : of the cells; rest (nb,) : the cells of the band in its order; width : of
+        the band
+    factor (nb, width + 1), diagonal (nc,) : workspace; row j of the factor holds column
+    j of the
         band from the diagonal downwards
 
     Raises
@@ -61,14 +65,20 @@ class Elimination:
         place[self.rest] = np.arange(len(self.rest))
         self.order = Order(first, starts, beside[mine], faces[mine], place)
         rows, columns = graph.nonzero()
-        self.width = int(np.abs(place[rest[rows]] - place[rest[columns]]).max(initial=0))
+        self.width = int(
+            np.abs(place[rest[rows]] - place[rest[columns]]).max(initial=0)
+        )
         if self.width > WIDEST:
-            raise SceneError(f"mesh: a band of {self.width} cells, too wide for direct elimination; use fewer cells")
+            raise SceneError(
+                f"mesh: a band of {self.width} cells, too wide for direct elimination; "
+                "use fewer cells"
+            )
         self.factor = np.empty((len(self.rest), self.width + 1))
         self.diagonal = np.empty(count)
 
     def solve(self, g: Geometry, coef: Array, floating: bool, x: Array) -> bool:
-        """Put the solution in `x`, which holds the right-hand side; False if the system is singular.
+        """Put the solution in `x`, which holds the right-hand side; False if the system
+        is singular.
 
         The diagonal of the first cell counts twice where the system is `floating`.
         """
@@ -83,7 +93,9 @@ class Elimination:
 
 @kernel
 def _independent(start: Indices, beside: Indices) -> Flags:
-    """Mark cells none of which is a neighbour of another, as many as come first; the last cell is left."""
+    """Mark cells none of which is a neighbour of another, as many as come first; the
+    last cell is left.
+    """
     count = len(start) - 1
     chosen, taken = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
     for c in range(count - 1):
@@ -96,9 +108,17 @@ def _independent(start: Indices, beside: Indices) -> Flags:
 
 @kernel
 def _eliminate(
-    g: Geometry, coef: Array, floating: bool, order: Order, diagonal: Array, matrix: Array, x: Array
+    g: Geometry,
+    coef: Array,
+    floating: bool,
+    order: Order,
+    diagonal: Array,
+    matrix: Array,
+    x: Array,
 ) -> None:
-    """Eliminate the first cells (Gauss): set the band `matrix` that is left, and its right-hand side `x`."""
+    """Eliminate the first cells (Gauss): set the band `matrix` that is left, and its
+    right-hand side `x`.
+    """
     ni, place, beside, faces = len(g.right), order.place, order.beside, order.faces
     diagonal[:] = 0.0
     matrix[:] = 0.0
@@ -128,7 +148,9 @@ def _eliminate(
             x[beside[j]] += share * x[c]
             for k in range(j, order.start[e + 1]):
                 a, b = place[beside[j]], place[beside[k]]
-                matrix[min(a, b), abs(a - b)] -= share * coef[faces[k]] * (2.0 if a == b and j != k else 1.0)
+                matrix[min(a, b), abs(a - b)] -= (
+                    share * coef[faces[k]] * (2.0 if a == b and j != k else 1.0)
+                )
 
 
 @kernel

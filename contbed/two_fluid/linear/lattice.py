@@ -1,12 +1,15 @@
-"""Lattices of a rectangular grid and of coarser ones, on which its symmetric systems are loaded for iterations.
+"""Lattices of a rectangular grid and of coarser ones, on which its symmetric systems
+are loaded for iterations.
 
-A place (i, j, k) counts from 0 along the axes, the longest axis first. Its number is first + i + s (j + n k), and the
-numbers before and after a lattice are places without links, so that every place has neighbours in memory and one loop
-runs over all. Places without a cell (obstacles) have no links either.
+A place (i, j, k) counts from 0 along the axes, the longest axis first. Its number is
+first + i + s (j + n k), and the numbers before and after a lattice are places without
+links, so that every place has neighbours in memory and one loop runs over all. Places
+without a cell (obstacles) have no links either.
 
-Kernels that take a `Crew` run in all its threads at once. Threads share the places of a lattice by blocks of a fixed
-length, and its rows where two become one, so that the numbers do not depend on how many threads there are; a small
-lattice is left to the first of them.
+Kernels that take a `Crew` run in all its threads at once. Threads share the places of a
+lattice by blocks of a fixed length, and its rows where two become one, so that the
+numbers do not depend on how many threads there are; a small lattice is left to the
+first of them.
 """
 
 from __future__ import annotations
@@ -19,24 +22,27 @@ from contbed.compiled.barrier import Crew, wait
 from contbed.two_fluid.compiled import Array, Indices, inner, kernel
 from contbed.two_fluid.fv.grid import Grid
 
-# longest over shortest distance of places up to which an axis is coarsened with the shortest one; smoothing does not
-# even out what differs along a longer one
+# longest over shortest distance of places up to which an axis is coarsened with the
+# shortest one; smoothing does not even out what differs along a longer one
 MAX_ASPECT = 1.5
 BLOCK = 2048  # places that one thread takes without a pause, about 3 us of work
-MIN_BLOCKS = 4  # of a lattice that threads share; on a smaller one a barrier costs more than it saves
+# of a lattice that threads share; on a smaller one a barrier costs more than it saves
+MIN_BLOCKS = 4
 FINEST = np.int64(0)  # lattice; numba would compile functions again for a Python 0
 Index = int | np.int64
-COARSE_LINK = 0.5  # a coarse link spans twice the distance of the links that it is the sum of (Braess 1995)
+# a coarse link spans twice the distance of the links that it is the sum of (Braess
+# 1995)
+COARSE_LINK = 0.5
 
 
 class Levels(NamedTuple):
     """All lattices of a grid, nl of them, one after the other in memory.
 
-    first (nl,) : number of the first place; size (nl, 3) : places along the axes; by (nl, 3) : 2 where two become one
-    of_cell (nc,) : place of each cell of the grid
+    first (nl,) : number of the first place; size (nl, 3) : places along the axes; by
+    (nl, 3) : 2 where two become one of_cell (nc,) : place of each cell of the grid
     faces (3, 2) : first interior face across each axis, and the one after the last
-    place (ni,) : first place of each interior face
-    joined (3, n) : 1 where there is a face between a place and the next one along an axis, on the first lattice
+    place (ni,) : first place of each interior face joined (3, n) : 1 where there is a
+    face between a place and the next one along an axis, on the first lattice
     axes : dim zeros; a tuple, so that its length is known to the compiler
     """
 
@@ -53,8 +59,8 @@ class Levels(NamedTuple):
 class Stencil(NamedTuple):
     """Symmetric system on all lattices: diagonal x - sum of links times the neighbours.
 
-    fast, middle, slow (total,) : links from each place to the next one along the first, second and third axis
-    diagonal (total,) and its inverse, 0 where there is no cell
+    fast, middle, slow (total,) : links from each place to the next one along the first,
+    second and third axis diagonal (total,) and its inverse, 0 where there is no cell
     """
 
     fast: Array
@@ -65,7 +71,9 @@ class Stencil(NamedTuple):
 
 
 def build_levels(grid: Grid) -> Levels | None:
-    """Lattices of a grid; None where it is not rectangular, or where a periodic pair closes it."""
+    """Lattices of a grid; None where it is not rectangular, or where a periodic pair
+    closes it.
+    """
     if grid.places is None or grid.rows is None or grid.dimension == 1:
         return None
     order = np.argsort(-grid.places.max(axis=0), kind="stable")
@@ -73,7 +81,9 @@ def build_levels(grid: Grid) -> Levels | None:
     n = np.ones(3, dtype=np.int64)
     n[: grid.dimension] = place.max(axis=0) + 1
     spacing = np.full(3, np.inf)
-    spacing[: grid.dimension] = np.ptp(grid.centres, axis=0)[order] / np.maximum(n[: grid.dimension] - 1, 1)
+    spacing[: grid.dimension] = np.ptp(grid.centres, axis=0)[order] / np.maximum(
+        n[: grid.dimension] - 1, 1
+    )
     spacing[n == 1] = np.inf
     first, sizes, halved, at = [], [], [], 0
     while True:
@@ -90,7 +100,9 @@ def build_levels(grid: Grid) -> Levels | None:
     strides = np.array([1, sizes[0][0], sizes[0][0] * sizes[0][1]])
     index = first[0] + place @ strides[: grid.dimension]
     g, joined = grid.geometry, np.zeros((3, at))
-    axis = np.repeat(np.argsort(order)[grid.rows.axis], grid.rows.length.astype(np.int64))
+    axis = np.repeat(
+        np.argsort(order)[grid.rows.axis], grid.rows.length.astype(np.int64)
+    )
     start = index[g.left[: grid.interior]]
     joined[axis, start] = 1.0
     faces = np.zeros((3, 2), dtype=np.int64)
@@ -98,7 +110,14 @@ def build_levels(grid: Grid) -> Levels | None:
         of_axis = np.flatnonzero(axis == a)
         faces[a] = of_axis[0], of_axis[-1] + 1
     return Levels(
-        np.array(first), np.array(sizes), np.array(halved), index, faces, start, joined, (0,) * grid.dimension
+        np.array(first),
+        np.array(sizes),
+        np.array(halved),
+        index,
+        faces,
+        start,
+        joined,
+        (0,) * grid.dimension,
     )
 
 
@@ -123,7 +142,9 @@ def blocks(levels: Levels, level: Index) -> int:
 
 @inner
 def share(crew: Crew, levels: Levels, level: Index, count: int) -> tuple[int, int]:
-    """Which of `count` equal pieces of a lattice a thread takes: the first, and the one after the last."""
+    """Which of `count` equal pieces of a lattice a thread takes: the first, and the
+    one after the last.
+    """
     if shared(levels, level):
         return count * crew.number // crew.size, count * (crew.number + 1) // crew.size
     return 0, count if crew.number == 0 else 0
@@ -131,7 +152,9 @@ def share(crew: Crew, levels: Levels, level: Index, count: int) -> tuple[int, in
 
 @inner
 def span(levels: Levels, level: Index) -> tuple[Any, Any, Any, Any]:
-    """First place of a lattice, the one after its last, and the distances of places along the second and third axis."""
+    """First place of a lattice, the one after its last, and the distances of places
+    along the second and third axis.
+    """
     begin, s1 = np.uint64(levels.first[level]), np.uint64(levels.size[level, 0])
     s2 = np.uint64(levels.size[level, 0] * levels.size[level, 1])
     return begin, begin + s2 * np.uint64(levels.size[level, 2]), s1, s2
@@ -147,10 +170,15 @@ def block(levels: Levels, level: Index, number: int) -> tuple[Any, Any]:
 
 @inner
 def load_links(crew: Crew, levels: Levels, coef: Array, out: Stencil) -> None:
-    """Set the links of the first lattice to those of the interior faces, `coef` (nf,)."""
+    """Set the links of the first lattice to those of the interior faces, `coef`
+    (nf,).
+    """
     place = levels.place
     for axis in range(len(levels.axes)):
-        first, count = levels.faces[axis, 0], levels.faces[axis, 1] - levels.faces[axis, 0]
+        first, count = (
+            levels.faces[axis, 0],
+            levels.faces[axis, 1] - levels.faces[axis, 0],
+        )
         lowest, highest = share(crew, levels, FINEST, count)
         for f in range(first + lowest, first + highest):
             if axis == 0:
@@ -163,11 +191,19 @@ def load_links(crew: Crew, levels: Levels, coef: Array, out: Stencil) -> None:
 
 @kernel
 def set_up_pressure(
-    crew: Crew, levels: Levels, coef: Array, rest: Array, floating: bool, out: Stencil, work: Array
+    crew: Crew,
+    levels: Levels,
+    coef: Array,
+    rest: Array,
+    floating: bool,
+    out: Stencil,
+    work: Array,
 ) -> None:
-    """Set the systems of all lattices to links `coef` (nf,) and to the `rest` (nc,) of the diagonal of each cell.
+    """Set the systems of all lattices to links `coef` (nf,) and to the `rest` (nc,) of
+    the diagonal of each cell.
 
-    The diagonal of the first cell counts twice where the system is `floating`. `work` (total,) is a workspace.
+    The diagonal of the first cell counts twice where the system is `floating`. `work`
+    (total,) is a workspace.
     """
     load_links(crew, levels, coef, out)
     first, last = share(crew, levels, FINEST, len(rest))
@@ -189,17 +225,27 @@ def add_neighbours(levels: Levels, stiff: Array, solved: Array) -> None:
     begin, end, s1, s2 = span(levels, FINEST)
     one, joined = np.uint64(1), levels.joined
     for p in range(begin, end):
-        near = max(stiff[p], max(joined[0, p] * stiff[p + one], joined[0, p - one] * stiff[p - one]))
-        near = max(near, max(joined[1, p] * stiff[p + s1], joined[1, p - s1] * stiff[p - s1]))
+        near = max(
+            stiff[p],
+            max(joined[0, p] * stiff[p + one], joined[0, p - one] * stiff[p - one]),
+        )
+        near = max(
+            near, max(joined[1, p] * stiff[p + s1], joined[1, p - s1] * stiff[p - s1])
+        )
         if len(levels.axes) > 2:
-            near = max(near, max(joined[2, p] * stiff[p + s2], joined[2, p - s2] * stiff[p - s2]))
+            near = max(
+                near,
+                max(joined[2, p] * stiff[p + s2], joined[2, p - s2] * stiff[p - s2]),
+            )
         solved[p] = near
 
 
 class Exchange(NamedTuple):
-    """One component of a system: links (nf,) of faces, content (nc,), rest (nc,) of links of each cell to given values.
+    """One component of a system: links (nf,) of faces, content (nc,), rest (nc,) of
+    links of each cell to given values.
 
-    solved (total,) : 1 in the places that are solved for; stiff : whether iterations use multigrid
+    solved (total,) : 1 in the places that are solved for; stiff : whether iterations
+    use multigrid
     """
 
     coef: Array
@@ -210,8 +256,11 @@ class Exchange(NamedTuple):
 
 
 @kernel
-def set_up_exchange(crew: Crew, levels: Levels, exchange: Exchange, out: Stencil, work: Array) -> None:
-    """Keep the links between cells that are solved for; set the diagonal to the content and all links that stay.
+def set_up_exchange(
+    crew: Crew, levels: Levels, exchange: Exchange, out: Stencil, work: Array
+) -> None:
+    """Keep the links between cells that are solved for; set the diagonal to the content
+    and all links that stay.
 
     `work` (total,) is a workspace.
     """
@@ -232,7 +281,9 @@ def set_up_exchange(crew: Crew, levels: Levels, exchange: Exchange, out: Stencil
                 slow[p] *= solved[p] * solved[p + s2]
     first, last = share(crew, levels, FINEST, len(content))
     for c in range(first, last):
-        out.diagonal[levels.of_cell[c]] = content[c] + solved[levels.of_cell[c]] * rest[c]
+        out.diagonal[levels.of_cell[c]] = (
+            content[c] + solved[levels.of_cell[c]] * rest[c]
+        )
     wait(crew)
     _add_links(crew, levels, FINEST, out)
     wait(crew)
@@ -245,7 +296,13 @@ def _add_links(crew: Crew, levels: Levels, level: Index, out: Stencil) -> None:
     """Add the links of each place of a lattice to the diagonal, and set its inverse."""
     _, _, s1, s2 = span(levels, level)
     one = np.uint64(1)
-    fast, middle, slow, diagonal, inverse = out.fast, out.middle, out.slow, out.diagonal, out.inverse
+    fast, middle, slow, diagonal, inverse = (
+        out.fast,
+        out.middle,
+        out.slow,
+        out.diagonal,
+        out.inverse,
+    )
     first, last = share(crew, levels, level, blocks(levels, level))
     for number in range(first, last):
         begin, end = block(levels, level, number)
@@ -259,9 +316,11 @@ def _add_links(crew: Crew, levels: Levels, level: Index, out: Stencil) -> None:
 
 @inner
 def _coarsen(crew: Crew, levels: Levels, out: Stencil, rest: Array) -> None:
-    """Set the systems of all coarser lattices from that of the first one; `rest` (total,) is a workspace.
+    """Set the systems of all coarser lattices from that of the first one; `rest`
+    (total,) is a workspace.
 
-    A coarse place has the sum of what its places have besides links, and of the links that lead out of it.
+    A coarse place has the sum of what its places have besides links, and of the links
+    that lead out of it.
     """
     for level in range(len(levels.first) - 1):
         if shared(levels, level) or crew.number == 0:
@@ -294,15 +353,26 @@ def _empty_row(levels: Levels, level: Index, row: int, out: Stencil) -> None:
 
 
 @inner
-def _coarsen_row(levels: Levels, level: Index, j: int, k: int, out: Stencil, rest: Array) -> None:
+def _coarsen_row(
+    levels: Levels, level: Index, j: int, k: int, out: Stencil, rest: Array
+) -> None:
     """Add the row (j, k) of a lattice to its row on the next one."""
     dim = len(levels.axes)
     nx, ny, _ = levels.size[level]
     bx, by, bz = levels.by[level]
     cx, cy, _ = levels.size[level + 1]
-    row, to = levels.first[level] + nx * (j + ny * k), levels.first[level + 1] + cx * (j // by + cy * (k // bz))
+    row, to = (
+        levels.first[level] + nx * (j + ny * k),
+        levels.first[level + 1] + cx * (j // by + cy * (k // bz)),
+    )
     for p in range(row, row + nx):
-        total = out.diagonal[p] - out.fast[p] - out.fast[p - 1] - out.middle[p] - out.middle[p - nx]
+        total = (
+            out.diagonal[p]
+            - out.fast[p]
+            - out.fast[p - 1]
+            - out.middle[p]
+            - out.middle[p - nx]
+        )
         if dim > 2:
             total -= out.slow[p] + out.slow[p - nx * ny]
         rest[p] = max(total, 0.0)

@@ -1,9 +1,12 @@
-"""Conjugate gradients on the lattice of a rectangular grid, with geometric multigrid where links are stiff.
+"""Conjugate gradients on the lattice of a rectangular grid, with geometric multigrid
+where links are stiff.
 
-A cycle smooths each lattice by two steps of Jacobi with the weights of Chebyshev's polynomial, before and after the
-correction from the next coarser one, down to one place; corrections are constant on what becomes one place. All loops
-run over contiguous memory and sum in a fixed order. Brandt 1977, Math. Comput. 31, 333-390; Braess 1995, Computing 55,
-379-393 (coarse links); Adams, Brezina, Hu and Tuminaro 2003, J. Comput. Phys. 188, 593-610 (smoothing).
+A cycle smooths each lattice by two steps of Jacobi with the weights of Chebyshev's
+polynomial, before and after the correction from the next coarser one, down to one
+place; corrections are constant on what becomes one place. All loops run over contiguous
+memory and sum in a fixed order. Brandt 1977, Math. Comput. 31, 333-390; Braess 1995,
+Computing 55, 379-393 (coarse links); Adams, Brezina, Hu and Tuminaro 2003, J. Comput.
+Phys. 188, 593-610 (smoothing).
 """
 
 from __future__ import annotations
@@ -36,9 +39,11 @@ from contbed.two_fluid.linear.lattice import (
     span,
 )
 
-# inverse zeros of Chebyshev's polynomial on the upper part of the spectrum of D^-1 A, 0.5 to 2
+# inverse zeros of Chebyshev's polynomial on the upper part of the spectrum of D^-1 A,
+# 0.5 to 2
 WEIGHTS = (1.0 / (1.25 - 0.75 * 0.5**0.5), 1.0 / (1.25 + 0.75 * 0.5**0.5))
-# links of a cell over its content above which iterations use multigrid: with less, Jacobi takes few (measured)
+# links of a cell over its content above which iterations use multigrid: with less,
+# Jacobi takes few (measured)
 MIN_STIFFNESS = 20.0
 # as in multigrid.py
 PRESSURE_TOLERANCE, PRESSURE_ROUNDING, PRESSURE_ITERATIONS = 1e-11, 1e-16, 100
@@ -59,7 +64,14 @@ def _row(axes: tuple[int, ...], a: Stencil, x: Array, p: Any, s1: Any, s2: Any) 
 
 @inner_summing
 def _smooth(
-    levels: Levels, level: Index, part: Part, a: Stencil, weight: float, b: Array, x: Array, out: Array
+    levels: Levels,
+    level: Index,
+    part: Part,
+    a: Stencil,
+    weight: float,
+    b: Array,
+    x: Array,
+    out: Array,
 ) -> None:
     """Set out to x after one step of Jacobi."""
     _, _, s1, s2 = span(levels, level)
@@ -67,11 +79,15 @@ def _smooth(
     for number in range(part[0], part[1]):
         begin, end = block(levels, level, number)
         for p in range(begin, end):
-            out[p] = x[p] + weight * inverse[p] * (b[p] - _row(levels.axes, a, x, p, s1, s2))
+            out[p] = x[p] + weight * inverse[p] * (
+                b[p] - _row(levels.axes, a, x, p, s1, s2)
+            )
 
 
 @inner_summing
-def _residual(levels: Levels, level: Index, part: Part, a: Stencil, b: Array, x: Array, out: Array) -> None:
+def _residual(
+    levels: Levels, level: Index, part: Part, a: Stencil, b: Array, x: Array, out: Array
+) -> None:
     """Set out to what x leaves of b."""
     _, _, s1, s2 = span(levels, level)
     for number in range(part[0], part[1]):
@@ -112,7 +128,9 @@ def _correct(crew: Crew, levels: Levels, level: Index, x: Array) -> None:
     first, last = share(crew, levels, level, ny * nz)
     for number in range(first, last):
         row = levels.first[level] + nx * number
-        at = levels.first[level + 1] + cx * (number % ny // by + cy * (number // ny // bz))
+        at = levels.first[level + 1] + cx * (
+            number % ny // by + cy * (number // ny // bz)
+        )
         if bx == 2:
             for i in range(nx // 2):
                 x[row + 2 * i] += x[at + i]
@@ -125,7 +143,15 @@ def _correct(crew: Crew, levels: Levels, level: Index, x: Array) -> None:
 
 
 @inner
-def _scale(levels: Levels, level: Index, part: Part, weight: float, a: Stencil, b: Array, x: Array) -> None:
+def _scale(
+    levels: Levels,
+    level: Index,
+    part: Part,
+    weight: float,
+    a: Stencil,
+    b: Array,
+    x: Array,
+) -> None:
     """Set x to `weight` times b over the diagonal."""
     for number in range(part[0], part[1]):
         begin, end = block(levels, level, number)
@@ -134,8 +160,11 @@ def _scale(levels: Levels, level: Index, part: Part, weight: float, a: Stencil, 
 
 
 @inner
-def _cycle(crew: Crew, levels: Levels, a: Stencil, b: Array, x: Array, other: Array) -> None:
-    """Approximate solution x on the first lattice for the right-hand side b there; `other` is a workspace.
+def _cycle(
+    crew: Crew, levels: Levels, a: Stencil, b: Array, x: Array, other: Array
+) -> None:
+    """Approximate solution x on the first lattice for the right-hand side b there;
+    `other` is a workspace.
 
     Each thread has set its part of x where it returns.
     """
@@ -170,10 +199,12 @@ def _meet(crew: Crew, levels: Levels, level: Index) -> None:
 
 
 class Vectors(NamedTuple):
-    """What iterations need on the lattices: right-hand side b and solution x, which holds a guess, each (total,).
+    """What iterations need on the lattices: right-hand side b and solution x, which
+    holds a guess, each (total,).
 
-    r, z, direction, other (total,) : residual, preconditioned residual, direction of the last step, workspace
-    parts (3, blocks) : sums and largest values of the blocks of the first lattice
+    r, z, direction, other (total,) : residual, preconditioned residual, direction of
+    the last step, workspace parts (3, blocks) : sums and largest values of the blocks
+    of the first lattice
     """
 
     b: Array
@@ -186,7 +217,8 @@ class Vectors(NamedTuple):
 
 
 class End(NamedTuple):
-    """Iterations end where the largest residual, or the square in the norm of the inverse diagonal, is not above least.
+    """Iterations end where the largest residual, or the square in the norm of the
+    inverse diagonal, is not above least.
 
     by_largest : whether it is the largest one; most : iterations
     """
@@ -197,8 +229,12 @@ class End(NamedTuple):
 
 
 @inner_summing
-def _measure(levels: Levels, part: Part, by_largest: bool, inverse: Array, r: Array, out: Array) -> None:
-    """Set `out` (blocks,) to the largest value of r in each block, or to its square in the norm of `inverse`."""
+def _measure(
+    levels: Levels, part: Part, by_largest: bool, inverse: Array, r: Array, out: Array
+) -> None:
+    """Set `out` (blocks,) to the largest value of r in each block, or to its square
+    in the norm of `inverse`.
+    """
     for number in range(part[0], part[1]):
         begin, end = block(levels, FINEST, number)
         found = total = 0.0
@@ -225,7 +261,9 @@ def _products(levels: Levels, part: Part, x: Array, y: Array, out: Array) -> Non
 
 
 @inner
-def _turn(levels: Levels, part: Part, share_of_last: float, z: Array, direction: Array) -> None:
+def _turn(
+    levels: Levels, part: Part, share_of_last: float, z: Array, direction: Array
+) -> None:
     """Set the direction to z plus a share of the last one."""
     for number in range(part[0], part[1]):
         begin, end = block(levels, FINEST, number)
@@ -234,7 +272,9 @@ def _turn(levels: Levels, part: Part, share_of_last: float, z: Array, direction:
 
 
 @inner_summing
-def _apply(levels: Levels, part: Part, a: Stencil, x: Array, y: Array, out: Array) -> None:
+def _apply(
+    levels: Levels, part: Part, a: Stencil, x: Array, y: Array, out: Array
+) -> None:
     """Set y to the matrix times x, and `out` (blocks,) to x . y in each block."""
     _, _, s1, s2 = span(levels, FINEST)
     for number in range(part[0], part[1]):
@@ -248,8 +288,18 @@ def _apply(levels: Levels, part: Part, a: Stencil, x: Array, y: Array, out: Arra
 
 
 @inner_summing
-def _step(levels: Levels, part: Part, alpha: float, direction: Array, change: Array, x: Array, r: Array) -> None:
-    """Add alpha times the direction to x, and take alpha times its `change` of the residual from r."""
+def _step(
+    levels: Levels,
+    part: Part,
+    alpha: float,
+    direction: Array,
+    change: Array,
+    x: Array,
+    r: Array,
+) -> None:
+    """Add alpha times the direction to x, and take alpha times its `change` of the
+    residual from r.
+    """
     for number in range(part[0], part[1]):
         begin, end = block(levels, FINEST, number)
         for i in range(begin, end):
@@ -259,7 +309,9 @@ def _step(levels: Levels, part: Part, alpha: float, direction: Array, change: Ar
 
 @inner
 def _together(parts: Array, by_largest: bool) -> float:
-    """Sum, or largest value, of the `parts` (blocks,) in their order; not a number where one of them is none."""
+    """Sum, or largest value, of the `parts` (blocks,) in their order; not a number
+    where one of them is none.
+    """
     found = total = 0.0
     for part in parts:
         found, total = max(found, part), total + part
@@ -267,8 +319,12 @@ def _together(parts: Array, by_largest: bool) -> float:
 
 
 @kernel
-def iterate(crew: Crew, levels: Levels, a: Stencil, v: Vectors, multigrid: bool, end: End) -> int:
-    """Solve on the first lattice; return the number of iterations, -1 if too many or where a number is not finite."""
+def iterate(
+    crew: Crew, levels: Levels, a: Stencil, v: Vectors, multigrid: bool, end: End
+) -> int:
+    """Solve on the first lattice; return the number of iterations, -1 if too many or
+    where a number is not finite.
+    """
     part, parts = share(crew, levels, FINEST, blocks(levels, FINEST)), v.parts
     _residual(levels, FINEST, part, a, v.b, v.x, v.r)
     _measure(levels, part, end.by_largest, a.inverse, v.r, parts[0])
@@ -288,7 +344,9 @@ def iterate(crew: Crew, levels: Levels, a: Stencil, v: Vectors, multigrid: bool,
         wait(crew)
         _apply(levels, part, a, v.direction, v.z, parts[2])
         wait(crew)
-        _step(levels, part, slope / _together(parts[2], False), v.direction, v.z, v.x, v.r)
+        _step(
+            levels, part, slope / _together(parts[2], False), v.direction, v.z, v.x, v.r
+        )
         _measure(levels, part, end.by_largest, a.inverse, v.r, parts[0])
         wait(crew)
         before = slope
@@ -297,14 +355,19 @@ def iterate(crew: Crew, levels: Levels, a: Stencil, v: Vectors, multigrid: bool,
 
 @kernel
 def boundary_links(g: Geometry, coef: Array, rest: Array) -> None:
-    """Add the links of boundary faces to given values to those of their cells, `rest` (nc,)."""
+    """Add the links of boundary faces to given values to those of their cells,
+    `rest` (nc,).
+    """
     for f in range(g.edge_from, g.edge_to):
         rest[g.left[f]] += coef[f]
 
 
 @kernel
-def _sum_links(g: Geometry, rows: Rows, system: System, explicit: float, rest: Array, x: Array) -> bool:
-    """Add the links of faces to those of their cells; `rest` (m, nc) are those to given values; x = rhs/content.
+def _sum_links(
+    g: Geometry, rows: Rows, system: System, explicit: float, rest: Array, x: Array
+) -> bool:
+    """Add the links of faces to those of their cells; `rest` (m, nc) are those to given
+    values; x = rhs/content.
 
     Return whether those of any cell are above `explicit` times its content.
     """
@@ -327,7 +390,12 @@ def _sum_links(g: Geometry, rows: Rows, system: System, explicit: float, rest: A
 
 
 def solve_exchange(
-    lattice: LatticeMultigrid, system: System, explicit: float, tolerance: float, most: int, x: Array
+    lattice: LatticeMultigrid,
+    system: System,
+    explicit: float,
+    tolerance: float,
+    most: int,
+    x: Array,
 ) -> int:
     """Solve for `x` (m, nc), the `system` by component, as linear/cg.py.
 
@@ -344,7 +412,12 @@ def solve_exchange(
     inside = solved[at] > 0.0
     for k, content in enumerate(system.content):
         multigrid = bool((system.links[k] > MIN_STIFFNESS * content).any())
-        lattice.run(set_up_exchange, Exchange(system.coef[k], content, rest[k], solved, multigrid), a, v.other)
+        lattice.run(
+            set_up_exchange,
+            Exchange(system.coef[k], content, rest[k], solved, multigrid),
+            a,
+            v.other,
+        )
         v.b[at] = system.rhs[k]
         v.x[at] = a.inverse[at] * system.rhs[k]
         least = tolerance**2 * float((v.x[at] * system.rhs[k])[inside].sum())
@@ -364,27 +437,37 @@ class LatticeMultigrid:
         self.grid, self.levels, self.stencil = grid, levels, empty_stencil(levels)
         total, count = levels.joined.shape[1], int(np.prod(levels.size[0]))
         sums = np.zeros((3, -(-count // BLOCK)))
-        self.vectors = Vectors._make([*(np.zeros(total) for _ in Vectors._fields[:-1]), sums])
+        self.vectors = Vectors._make(
+            [*(np.zeros(total) for _ in Vectors._fields[:-1]), sums]
+        )
         first, cells = int(levels.of_cell[0]), len(levels.of_cell)
         without_holes = np.array_equal(levels.of_cell, first + np.arange(cells))
         # of the cells on the first lattice
-        self.at: slice | Indices = slice(first, first + cells) if without_holes else levels.of_cell
+        self.at: slice | Indices = (
+            slice(first, first + cells) if without_holes else levels.of_cell
+        )
 
     def run(self, kernel: Any, *arguments: Any) -> Any:
-        """Run a kernel in the threads that the grid is worth, and return what the first one returns."""
-        return barrier.run(kernel, threads.count(len(self.grid.cells)), self.levels, *arguments)
+        """Run a kernel in the threads that the grid is worth, and return what the
+        first one returns.
+        """
+        return barrier.run(
+            kernel, threads.count(len(self.grid.cells)), self.levels, *arguments
+        )
 
     def iterate(self, multigrid: bool, end: End) -> int:
         """Iterate from `vectors`, see `iterate`."""
         found: int = self.run(iterate, self.stencil, self.vectors, multigrid, end)
         if found < 0:
-            # places without a cell must stay finite, as their links of 0 times what is there have to be 0
+            # places without a cell must stay finite, as their links of 0 times what is
+            # there have to be 0
             for vector in self.vectors:
                 vector[:] = 0.0
         return found
 
     def solve(self, coef: Array, floating: bool, rhs: Array, x: Array) -> int:
-        """Put the solution in `x`, which holds a guess; return the number of iterations, -1 without convergence.
+        """Put the solution in `x`, which holds a guess; return the number of
+        iterations, -1 without convergence.
 
         The diagonal of the first cell counts twice where the system is `floating`.
         """
@@ -394,7 +477,10 @@ class LatticeMultigrid:
         boundary_links(self.grid.geometry, coef, rest)
         self.run(set_up_pressure, coef, rest, floating, a, v.other)
         v.b[self.at], v.x[self.at] = rhs, x
-        least = PRESSURE_TOLERANCE * np.abs(rhs).max() + PRESSURE_ROUNDING * np.abs(a.diagonal[self.at] * x).max()
+        least = (
+            PRESSURE_TOLERANCE * np.abs(rhs).max()
+            + PRESSURE_ROUNDING * np.abs(a.diagonal[self.at] * x).max()
+        )
         found = self.iterate(True, End(float(least), True, PRESSURE_ITERATIONS))
         x[:] = v.x[self.at]
         return found

@@ -1,12 +1,14 @@
-"""The symmetric pressure equation, sum of coef (p - p_neighbour) = rhs, by elimination or by multigrid.
+"""The symmetric pressure equation, sum of coef (p - p_neighbour) = rhs, by elimination
+or by multigrid.
 
-In the order of the grid the matrix of a slender bed is a band, which elimination solves faster than any iteration
-converges while it is narrow: its cost for each cell grows with the square of the band, that of multigrid does not grow.
-Where no boundary fixes the pressure, it is 0 in the first cell.
+In the order of the grid the matrix of a slender bed is a band, which elimination solves
+faster than any iteration converges while it is narrow: its cost for each cell grows
+with the square of the band, that of multigrid does not grow. Where no boundary fixes
+the pressure, it is 0 in the first cell.
 
-CPU of a whole step, chosen solver against the next best one: elimination 2.9 against 3.5 ms (lattice, riser of 15 x 350
-cells) and 34 against 54 ms (aggregation, 21,600 triangles); lattice 11.2 against 12.8 ms (elimination, bed of 56 x 200
-cells).
+CPU of a whole step, chosen solver against the next best one: elimination 2.9 against
+3.5 ms (lattice, riser of 15 x 350 cells) and 34 against 54 ms (aggregation, 21,600
+triangles); lattice 11.2 against 12.8 ms (elimination, bed of 56 x 200 cells).
 """
 
 from __future__ import annotations
@@ -23,16 +25,22 @@ from contbed.two_fluid.linear.elimination import Elimination
 from contbed.two_fluid.linear.lattice import build_levels
 from contbed.two_fluid.linear.lattice_multigrid import LatticeMultigrid, solve_exchange
 
-WIDEST_BAND_OF_LATTICE = 40  # cells, up to which elimination is faster than multigrid on the lattice, measured
-WIDEST_BAND = 250  # cells, up to which elimination is faster, measured in 2-D and 3-D: studies/two_fluid_scaling
-# cells from which exchange is solved for on the lattice: with 300, plain iterations take 1.3 ms of a step for 1.9, with
-# 4800 both take as long, and the lattice shares them among threads
+# cells, up to which elimination is faster than multigrid on the lattice, measured
+WIDEST_BAND_OF_LATTICE = 40
+# cells, up to which elimination is faster, measured in 2-D and 3-D:
+# studies/two_fluid_scaling
+WIDEST_BAND = 250
+# cells from which exchange is solved for on the lattice: with 300, plain iterations
+# take 1.3 ms of a step for 1.9, with 4800 both take as long, and the lattice shares
+# them among threads
 FEWEST_ON_LATTICE = 2000
 
 
 def uses_elimination(grid: Grid) -> bool:
     """Whether the equation is solved by elimination."""
-    return grid.bandwidth <= (WIDEST_BAND if grid.places is None else WIDEST_BAND_OF_LATTICE)
+    return grid.bandwidth <= (
+        WIDEST_BAND if grid.places is None else WIDEST_BAND_OF_LATTICE
+    )
 
 
 def multigrid_on(grid: Grid) -> Multigrid:
@@ -49,12 +57,18 @@ class SolvesPressure(Protocol):
     def solve(self, coef: Array, rhs: Array, guess: Array) -> Array:
         """Pressure (nc,) [Pa]; `guess` is where iterations start."""
 
-    def solve_diffusion(self, system: System, explicit: float, tolerance: float, most: int, x: Array) -> int:
-        """Solve another symmetric system for `x` (nc, m), see linear/cg.py; return the iterations, -1 if too many."""
+    def solve_diffusion(
+        self, system: System, explicit: float, tolerance: float, most: int, x: Array
+    ) -> int:
+        """Solve another symmetric system for `x` (nc, m), see linear/cg.py; return
+        the iterations, -1 if too many.
+        """
 
 
 class PressureSolver:
-    """Solver for one grid; `floating` where no outlet fixes the pressure. `iterations` of the last solution."""
+    """Solver for one grid; `floating` where no outlet fixes the pressure.
+    `iterations` of the last solution.
+    """
 
     def __init__(self, grid: Grid, floating: bool):
         self.grid, self.floating, self.iterations = grid, floating, 0
@@ -67,7 +81,9 @@ class PressureSolver:
 
     @cached_property
     def method(self) -> Elimination | Multigrid | LatticeMultigrid:
-        """Elimination or multigrid; built for the first equation, as the root of several ranks solves none."""
+        """Elimination or multigrid; built for the first equation, as the root of
+        several ranks solves none.
+        """
         if uses_elimination(self.grid):
             return Elimination(self.grid)
         return multigrid_on(self.grid) if self.lattice is None else self.lattice
@@ -77,16 +93,26 @@ class PressureSolver:
         if isinstance(self.method, Elimination):
             p = rhs.copy()
             if not self.method.solve(self.grid.geometry, coef, self.floating, p):
-                raise ConvergenceError("the equation of pressure is singular: a fluid region without inlet or outlet?")
+                raise ConvergenceError(
+                    "the equation of pressure is singular: a fluid region without "
+                    "inlet or outlet?"
+                )
             return p
         p = guess.copy()
         self.iterations = self.method.solve(coef, self.floating, rhs, p)
         if self.iterations < 0:
-            raise ConvergenceError("the pressure equation did not converge; is a region without inlet and outlet?")
+            raise ConvergenceError(
+                "the pressure equation did not converge; is a region without inlet and "
+                "outlet?"
+            )
         return p
 
-    def solve_diffusion(self, system: System, explicit: float, tolerance: float, most: int, x: Array) -> int:
-        """Solve another symmetric system for `x` (nc, m), see linear/cg.py; return the iterations, -1 if too many."""
+    def solve_diffusion(
+        self, system: System, explicit: float, tolerance: float, most: int, x: Array
+    ) -> int:
+        """Solve another symmetric system for `x` (nc, m), see linear/cg.py; return
+        the iterations, -1 if too many.
+        """
         if len(self.grid.cells) < FEWEST_ON_LATTICE or self.lattice is None:
             return solve(self.grid.geometry, system, explicit, tolerance, most, x)
         return solve_exchange(self.lattice, system.T, explicit, tolerance, most, x.T)

@@ -1,4 +1,6 @@
-"""Velocities, fractions and fluxes on the faces of rectangular grids, see face_velocities.py and pressure.py."""
+"""Velocities, fractions and fluxes on the faces of rectangular grids, see
+face_velocities.py and pressure.py.
+"""
 
 from __future__ import annotations
 
@@ -42,18 +44,33 @@ def predict_on_faces(
     out: FacePredictor,
 ) -> None:
     """Set the face velocities `out` without the pressure gradient."""
-    s, drag, kinetic, friction, p = cells.eps_s, cells.drag, cells.kinetic, cells.friction, cells.p
+    s, drag, kinetic, friction, p = (
+        cells.eps_s,
+        cells.drag,
+        cells.kinetic,
+        cells.friction,
+        cells.p,
+    )
     rho_gas, rho_s, residual = cells.rho_gas, cells.rho_solid, gradients.residual
     for r in range(len(rows.length)):
         d, face, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]
-        h_g, h_s, weight = velocities.h_gas.T[d], velocities.h_solid.T[d], cells.gravity[d]
+        h_g, h_s, weight = (
+            velocities.h_gas.T[d],
+            velocities.h_solid.T[d],
+            cells.gravity[d],
+        )
         for i in range(rows.left_from[r], rows.left_to[r]):
             f, a, b = face + i, left + i, right + i
             w, distance, s_a, s_b = g.weight[f], g.distance[f], s[a], s[b]
             hg, hs = w * h_g[a] + (1.0 - w) * h_g[b], w * h_s[a] + (1.0 - w) * h_s[b]
             rho_g = rho_gas[a] + (1.0 - w) * (rho_gas[b] - rho_gas[a])
-            steep, opposite_mean = (kinetic[b] - kinetic[a]) / distance, (1.0 - w) * s_a + w * s_b
-            force = particle_force(weight, steep, opposite_mean, (friction[b] - friction[a]) / distance)
+            steep, opposite_mean = (
+                (kinetic[b] - kinetic[a]) / distance,
+                (1.0 - w) * s_a + w * s_b,
+            )
+            force = particle_force(
+                weight, steep, opposite_mean, (friction[b] - friction[a]) / distance
+            )
             upwind = s_a if hs + dt * force >= 0.0 else s_b
             mean, k_face = w * s_a + (1.0 - w) * s_b, w * drag[a] + (1.0 - w) * drag[b]
             a_g, a_s = drag_numbers(dt, k_face, mean, upwind, rho_g, rho_s)
@@ -61,20 +78,39 @@ def predict_on_faces(
             move_g, move_s = mobilities(dt, a_g, a_s, rho_g, rho_s)
             u_g, u_s = eliminate_drag(hg + dt * weight, hs + dt * force, a_g, a_s)
             drop = (p[b] - p[a]) / distance
-            out.star_gas[f], out.star_solid[f], out.mobility_gas[f], out.mobility_solid[f] = u_g, u_s, move_g, move_s
-            out.upwind_gas[f], out.upwind_solid[f] = u_g - move_g * drop, u_s - move_s * drop
+            (
+                out.star_gas[f],
+                out.star_solid[f],
+                out.mobility_gas[f],
+                out.mobility_solid[f],
+            ) = u_g, u_s, move_g, move_s
+            out.upwind_gas[f], out.upwind_solid[f] = (
+                u_g - move_g * drop,
+                u_s - move_s * drop,
+            )
             out.h_gas[f], out.h_solid[f] = hg, hs
     predict_on_boundary(g, edge, dt, cells, velocities, gradients, out)
 
 
 @kernel
 def reconstruct_fractions(
-    g: Geometry, rows: Rows, edge: Edge, field: Reconstruction, predictor: FacePredictor, out: FaceFractions
+    g: Geometry,
+    rows: Rows,
+    edge: Edge,
+    field: Reconstruction,
+    predictor: FacePredictor,
+    out: FaceFractions,
 ) -> None:
     """Set the fractions `out` of both phases on faces; `field` by component."""
     s, limited = field.values, field.limited
     for r in range(len(rows.length)):
-        face, left, right, start, stop = rows.face[r], rows.left[r], rows.right[r], rows.left_from[r], rows.left_to[r]
+        face, left, right, start, stop = (
+            rows.face[r],
+            rows.left[r],
+            rows.right[r],
+            rows.left_from[r],
+            rows.left_to[r],
+        )
         upwind_values(rows, 0, r, start, stop, predictor.upwind_gas, field, out.gas)
         upwind_values(rows, 0, r, start, stop, predictor.upwind_solid, field, out.solid)
         for i in range(start, stop):
@@ -83,25 +119,41 @@ def reconstruct_fractions(
             here, there = s[0, left + i], s[0, right + i]
             upwind = here if predictor.upwind_solid[face + i] >= 0.0 else there
             out.solid[face + i] = carried_fraction(out.solid[face + i], upwind, limited)
-    by_cell = Reconstruction(s.T, field.gradient.T, field.half_step.T, field.edge, field.first_order, limited)
+    by_cell = Reconstruction(
+        s.T, field.gradient.T, field.half_step.T, field.edge, field.first_order, limited
+    )
     reconstruct_boundary_fractions(g, edge, by_cell, predictor, out)
 
 
 @kernel
 def assemble_pressure(
-    g: Geometry, rows: Rows, edge: Edge, fractions: FaceFractions, predictor: FacePredictor, coef: Array, rhs: Array
+    g: Geometry,
+    rows: Rows,
+    edge: Edge,
+    fractions: FaceFractions,
+    predictor: FacePredictor,
+    coef: Array,
+    rhs: Array,
 ) -> None:
-    """Assemble sum of coef (nf,) (p - p_neighbour) = rhs (nc,) from the sum of both fluxes; `rhs` holds the sources."""
+    """Assemble sum of coef (nf,) (p - p_neighbour) = rhs (nc,) from the sum of both
+    fluxes; `rhs` holds the sources.
+    """
     flux = np.empty(len(g.right))
     for r in range(len(rows.length)):
         face, left, right = rows.face[r], rows.left[r], rows.right[r]
         for i in range(ZERO, rows.length[r]):
             f = face + i
-            both = fractions.gas[f] * predictor.star_gas[f] + fractions.solid[f] * predictor.star_solid[f]
+            both = (
+                fractions.gas[f] * predictor.star_gas[f]
+                + fractions.solid[f] * predictor.star_solid[f]
+            )
             flux[f] = g.area[f] * both
         for i in range(rows.left_from[r], rows.left_to[r]):
             f = face + i
-            mobility = fractions.gas[f] * predictor.mobility_gas[f] + fractions.solid[f] * predictor.mobility_solid[f]
+            mobility = (
+                fractions.gas[f] * predictor.mobility_gas[f]
+                + fractions.solid[f] * predictor.mobility_solid[f]
+            )
             coef[f] = g.area[f] * mobility / g.distance[f]
         for i in range(rows.left_from[r], rows.left_to[r]):
             rhs[left + i] -= flux[face + i]
@@ -121,7 +173,9 @@ def correct_fluxes(
     faces: FaceVelocities,
     fluxes: Fluxes,
 ) -> None:
-    """Set the velocities of `faces` with the pressure p (nc,), and the `fluxes` but for `moved`."""
+    """Set the velocities of `faces` with the pressure p (nc,), and the `fluxes` but
+    for `moved`.
+    """
     area, outflow_gas, outflow_solid = g.area, fluxes.outflow_gas, fluxes.outflow_solid
     u_gas, u_solid = np.empty(len(g.right)), np.empty(len(g.right))
     for c in range(np.uint64(rows.begin), np.uint64(rows.end)):
@@ -136,7 +190,9 @@ def correct_fluxes(
             f = face + i
             faces.gas[f], faces.solid[f] = u_gas[f], u_solid[f]
             fluxes.solid[f] = area[f] * (fractions.solid[f] * u_solid[f])
-            fluxes.total[f] = area[f] * (fractions.gas[f] * u_gas[f] + fractions.solid[f] * u_solid[f])
+            fluxes.total[f] = area[f] * (
+                fractions.gas[f] * u_gas[f] + fractions.solid[f] * u_solid[f]
+            )
         for i in range(rows.left_from[r], rows.left_to[r]):
             outflow_gas[left + i] += max(0.0, area[face + i] * u_gas[face + i])
             outflow_solid[left + i] += max(0.0, area[face + i] * u_solid[face + i])

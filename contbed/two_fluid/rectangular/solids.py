@@ -1,4 +1,6 @@
-"""Implicit solids pressure and granular temperature on rectangular grids, see packing.py, granular_temperature.py."""
+"""Implicit solids pressure and granular temperature on rectangular grids, see
+packing.py, granular_temperature.py.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,9 @@ from contbed.two_fluid.packing import (
 
 
 @inner
-def add_outflow(g: Geometry, rows: Rows, factor: float, flux: Array, out: Array) -> None:
+def add_outflow(
+    g: Geometry, rows: Rows, factor: float, flux: Array, out: Array
+) -> None:
     """Add `factor` times what `flux` (nf,) takes out of each cell to `out` (nc,)."""
     for r in range(len(rows.length)):
         face, left, right = rows.face[r], rows.left[r], rows.right[r]
@@ -32,10 +36,23 @@ def add_outflow(g: Geometry, rows: Rows, factor: float, flux: Array, out: Array)
 
 @kernel
 def assemble_compaction(
-    g: Geometry, rows: Rows, dt: float, solids: Solids, flux: Array, source: Array, system: System
+    g: Geometry,
+    rows: Rows,
+    dt: float,
+    solids: Solids,
+    flux: Array,
+    source: Array,
+    system: System,
 ) -> None:
-    """Set links, content and right-hand side for the change of p_solid/rho_s in a step; `system` by component."""
-    drag, coef, content, rhs = solids.drag, system.coef[0], system.content[0], system.rhs[0]
+    """Set links, content and right-hand side for the change of p_solid/rho_s in a
+    step; `system` by component.
+    """
+    drag, coef, content, rhs = (
+        solids.drag,
+        system.coef[0],
+        system.content[0],
+        system.rhs[0],
+    )
     for c in range(np.uint64(rows.begin), np.uint64(rows.end)):
         content[c] = g.volume[c] / compaction_stiffness(solids.stiffness[c])
         rhs[c] = dt * g.volume[c] * source[c]
@@ -45,15 +62,25 @@ def assemble_compaction(
         for i in range(rows.left_from[r], rows.left_to[r]):
             f, w = face + i, g.weight[face + i]
             mean_drag = w * drag[left + i] + (1.0 - w) * drag[right + i]
-            coef[f] = compaction_link(dt, mean_drag, solids.rho, g.area[f], g.distance[f])
+            coef[f] = compaction_link(
+                dt, mean_drag, solids.rho, g.area[f], g.distance[f]
+            )
     coef[g.edge_from : g.edge_to] = 0.0
 
 
 @kernel
 def add_compaction_flux(
-    g: Geometry, rows: Rows, dt: float, system: System, y: Array, flux: Array, velocity: Array
+    g: Geometry,
+    rows: Rows,
+    dt: float,
+    system: System,
+    y: Array,
+    flux: Array,
+    velocity: Array,
 ) -> None:
-    """Add the flux that the change y (1, nc) of p_solid/rho_s drives; set its part that becomes velocity (nf,)."""
+    """Add the flux that the change y (1, nc) of p_solid/rho_s drives; set its part
+    that becomes velocity (nf,).
+    """
     coef, content, change_of = system.coef[0], system.content[0], y[0]
     velocity[g.edge_from : g.edge_to] = 0.0
     for r in range(len(rows.length)):
@@ -62,19 +89,31 @@ def add_compaction_flux(
             f = face + i
             change = -coef[f] * (change_of[right + i] - change_of[left + i]) / dt
             flux[f] += change
-            velocity[f] = change / g.area[f] * sound_share(coef[f], content[left + i], content[right + i])
+            velocity[f] = (
+                change
+                / g.area[f]
+                * sound_share(coef[f], content[left + i], content[right + i])
+            )
 
 
 @kernel
-def add_compaction_velocity(g: Geometry, rows: Rows, velocity: Array, eps_max: float, s: Array, u: Array) -> None:
-    """Add the compaction velocity of the faces to the velocity u (dim, nc) [m/s]; a cell has two faces in each axis."""
+def add_compaction_velocity(
+    g: Geometry, rows: Rows, velocity: Array, eps_max: float, s: Array, u: Array
+) -> None:
+    """Add the compaction velocity of the faces to the velocity u (dim, nc) [m/s]; a
+    cell has two faces in each axis.
+    """
     speed = np.empty(len(g.right))
     for r in range(len(rows.length)):
         d, face, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]
         for i in range(ZERO, rows.length[r]):
             f, w = face + i, g.weight[face + i]
             mean = (1.0 - w) * s[left + i] + w * s[right + i]
-            speed[f] = 0.5 * velocity[f] * kept_compaction(mean, s[left + i], s[right + i], eps_max)
+            speed[f] = (
+                0.5
+                * velocity[f]
+                * kept_compaction(mean, s[left + i], s[right + i], eps_max)
+            )
         for i in range(rows.left_from[r], rows.left_to[r]):
             u[d, left + i] += speed[face + i]
         for i in range(rows.right_from[r], rows.right_to[r]):
@@ -83,9 +122,18 @@ def add_compaction_velocity(g: Geometry, rows: Rows, velocity: Array, eps_max: f
 
 @kernel
 def conduct(
-    g: Geometry, rows: Rows, k: Array, values: Array, given: Array, grad: Array, heat: Array, links: Array
+    g: Geometry,
+    rows: Rows,
+    k: Array,
+    values: Array,
+    given: Array,
+    grad: Array,
+    heat: Array,
+    links: Array,
 ) -> None:
-    """Add what is conducted between cells [W] to `heat` (1, nc), set `links` (1, nf); `grad` is not needed here."""
+    """Add what is conducted between cells [W] to `heat` (1, nc), set `links` (1,
+    nf); `grad` is not needed here.
+    """
     out, coef = heat[0], links[0]
     rate, link = np.empty(len(g.right)), np.empty(len(g.right))
     for r in range(len(rows.length)):
@@ -108,7 +156,9 @@ def conduct(
 
 
 @kernel
-def divergence(g: Geometry, rows: Rows, flux: Array, face: Array, values: Array, out: Array) -> None:
+def divergence(
+    g: Geometry, rows: Rows, flux: Array, face: Array, values: Array, out: Array
+) -> None:
     """Set `out` (nc,) to -sum of flux (face - value) over the faces of a cell."""
     out[rows.begin : rows.end] = 0.0
     for r in range(len(rows.length)):

@@ -22,7 +22,9 @@ from contbed.two_fluid.stress import (
 
 
 @inner
-def _face_divergence(g: Geometry, rows: Rows, r: int, motion: Motion, out: Array) -> None:
+def _face_divergence(
+    g: Geometry, rows: Rows, r: int, motion: Motion, out: Array
+) -> None:
     """Divergence (ni,) [1/s] of the velocity on the faces of row r."""
     d, face, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]
     u, grad, dim = motion.u, motion.gradient, len(g.axes)
@@ -32,7 +34,9 @@ def _face_divergence(g: Geometry, rows: Rows, r: int, motion: Motion, out: Array
         e = (d + other) % dim
         for i in range(ZERO, rows.length[r]):
             w = g.weight[face + i]
-            out[face + i] += w * grad[e, e, left + i] + (1.0 - w) * grad[e, e, right + i]
+            out[face + i] += (
+                w * grad[e, e, left + i] + (1.0 - w) * grad[e, e, right + i]
+            )
     if g.radius[0] > 0.0:
         for i in range(ZERO, rows.length[r]):
             w, radius = g.weight[face + i], g.radius[left + i]
@@ -42,11 +46,30 @@ def _face_divergence(g: Geometry, rows: Rows, r: int, motion: Motion, out: Array
 
 
 @kernel
-def add_stress(g: Geometry, rows: Rows, side: Side, fluid: Fluid, motion: Motion, system: System, work: Array) -> None:
-    """Add the force of the stress and its links, and its work; arrays of `motion` and `system` by component."""
+def add_stress(
+    g: Geometry,
+    rows: Rows,
+    side: Side,
+    fluid: Fluid,
+    motion: Motion,
+    system: System,
+    work: Array,
+) -> None:
+    """Add the force of the stress and its links, and its work; arrays of `motion`
+    and `system` by component.
+    """
     ni, dim = len(g.right), len(g.axes)
-    mu, bulk, u, grad, out, coef = fluid.mu, fluid.bulk, motion.u, motion.gradient, system.rhs, system.coef
-    to_left, to_right, divergence, m, lam, excess, force, stress = [np.empty(ni) for _ in range(8)]
+    mu, bulk, u, grad, out, coef = (
+        fluid.mu,
+        fluid.bulk,
+        motion.u,
+        motion.gradient,
+        system.rhs,
+        system.coef,
+    )
+    to_left, to_right, divergence, m, lam, excess, force, stress = [
+        np.empty(ni) for _ in range(8)
+    ]
     weigh_neighbours(rows, fluid.eps, to_left, to_right)
     for r in range(len(rows.length)):
         d, face, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]
@@ -57,21 +80,31 @@ def add_stress(g: Geometry, rows: Rows, side: Side, fluid: Fluid, motion: Motion
             lam[face + i] = face_viscosity(bulk[left + i], bulk[right + i])
         for i in range(ZERO, rows.length[r]):
             f = face + i
-            excess[f] = excess_viscosity(g.weight[f], mu[left + i], mu[right + i], to_left[f], to_right[f])
+            excess[f] = excess_viscosity(
+                g.weight[f], mu[left + i], mu[right + i], to_left[f], to_right[f]
+            )
         for k in range(dim):
             n = 1.0 if k == d else 0.0
             for i in range(ZERO, rows.length[r]):
                 f, w = face + i, g.weight[face + i]
                 across = (u[k, right + i] - u[k, left + i]) / g.distance[f]
                 along = w * grad[k, d, left + i] + (1.0 - w) * grad[k, d, right + i]
-                stress[f] = traction(m[f], lam[f], divergence[f], n, across + (across if k == d else along))
+                stress[f] = traction(
+                    m[f],
+                    lam[f],
+                    divergence[f],
+                    n,
+                    across + (across if k == d else along),
+                )
             for i in range(ZERO, rows.length[r]):
                 f = face + i
                 jump = u[k, right + i] - u[k, left + i]
                 force[f] = g.area[f] * (stress[f] + excess[f] / g.distance[f] * jump)
             for i in range(rows.left_from[r], rows.left_to[r]):
                 f = face + i
-                coef[k, f] = g.area[f] * stress_link(m[f], lam[f], excess[f], n, 1.0 / g.distance[f])
+                coef[k, f] = g.area[f] * stress_link(
+                    m[f], lam[f], excess[f], n, 1.0 / g.distance[f]
+                )
             for i in range(rows.left_from[r], rows.left_to[r]):
                 out[k, left + i] += force[face + i]
             for i in range(rows.right_from[r], rows.right_to[r]):
@@ -83,4 +116,11 @@ def add_stress(g: Geometry, rows: Rows, side: Side, fluid: Fluid, motion: Motion
                 f, jump = face + i, u[k, right + i] - u[k, left + i]
                 work[right + i] += g.area[f] * stress[f] * g.weight[f] * jump
     by_cell = Motion(u.T, grad.T, motion.edge, motion.slip)
-    add_boundary_stress(g, side, fluid, by_cell, System(coef.T, system.links.T, system.content.T, out.T), work)
+    add_boundary_stress(
+        g,
+        side,
+        fluid,
+        by_cell,
+        System(coef.T, system.links.T, system.content.T, out.T),
+        work,
+    )

@@ -10,14 +10,20 @@ AIR = {"rho": 1.2, "mu": 1.8e-5}
 SIZES = {"riser": (0.152, 7.9), "bed": (0.28, 1.0)}  # width and height [m]
 COLUMNS = {"settling": 0.1, "riemann": 1.0}  # height [m]; cells are square
 # height of the lower part [m], fractions of solids below and above
-STARTS = {"bed": (0.40, 0.60, 0.0), "settling": (1.0, 0.1, 0.0), "riemann": (0.5, 0.02, 0.01)}
+STARTS = {
+    "bed": (0.40, 0.60, 0.0),
+    "settling": (1.0, 0.1, 0.0),
+    "riemann": (0.5, 0.02, 0.01),
+}
 # d p_solid/d eps_s = g0 min(exp(preAlphaExp (eps_s - alphaMax)), expMax) [Pa]
 STIFFNESS = {"settling": (10.0, 500, 1000), "riemann": (2500.0, 0, 1)}
 
 
 @dataclass(frozen=True)
 class Case:
-    """One case. `walls` of the solids: "jj", "noslip" or "slip"; no Courant number means the fixed step `dt`."""
+    """One case. `walls` of the solids: "jj", "noslip" or "slip"; no Courant number
+    means the fixed step `dt`.
+    """
 
     kind: str
     nx: int
@@ -33,7 +39,8 @@ class Case:
     walls: str = "noslip"
     upwind: bool = False
     on_faces: bool = False  # momentum solved for on faces instead of in cells
-    start: tuple[float, float, float] | None = None  # of a riser: eps_s, velocities of gas and solids [m/s]
+    # of a riser: eps_s, velocities of gas and solids [m/s]
+    start: tuple[float, float, float] | None = None
     write_every: float | None = None  # [s]; without it the last state alone is written
 
     @property
@@ -54,11 +61,26 @@ class Case:
     @property
     def particles(self) -> dict[str, float]:
         if self.riser:
-            return {"d": 150e-6, "rho": 2550.0, "max": 0.60, "e": 0.95, "e_w": 0.90, "specularity": 0.01}
+            return {
+                "d": 150e-6,
+                "rho": 2550.0,
+                "max": 0.60,
+                "e": 0.95,
+                "e_w": 0.90,
+                "specularity": 0.01,
+            }
         d, packed = (100e-6, 0.60) if self.column else (275e-6, 0.63)
-        return {"d": d, "rho": 2500.0, "max": packed, "e": 0.90, "e_w": 0.90, "specularity": 0.01}
+        return {
+            "d": d,
+            "rho": 2500.0,
+            "max": packed,
+            "e": 0.90,
+            "e_w": 0.90,
+            "specularity": 0.01,
+        }
 
 
 BED_HEIGHT, BED_FRACTION = STARTS["bed"][:2]
-SIDE = (4 * 7.9 / 350, 11 * 7.9 / 350)  # the two inlets of solids in the sides of the riser [m]
+# the two inlets of solids in the sides of the riser [m]
+SIDE = (4 * 7.9 / 350, 11 * 7.9 / 350)
 SIDE_FRACTION = 0.20

@@ -1,8 +1,10 @@
-"""The Brinkman channel of a scene in NGSolve: Taylor-Hood flow by Newton from plug flow, then quadratic temperatures.
+"""The Brinkman channel of a scene in NGSolve: Taylor-Hood flow by Newton from plug
+flow, then quadratic temperatures.
 
     channel_ngsolve.py SCENE SOLVER [compile] [condense]
 
-The mesh has the cells of the scene. Plain Galerkin, which is less work than the stabilised forms of contbed.
+The mesh has the cells of the scene. Plain Galerkin, which is less work than the
+stabilised forms of contbed.
 """
 
 import json
@@ -22,8 +24,12 @@ fluid, solid, grid = scene["gas"], scene["solids"]["particles"], scene["mesh"]
 length, height, eps = grid["length"], grid["height"], scene["packed_bed"]["porosity"]
 left = scene["boundary"]["left"]
 rho, mu = fluid["density"], fluid["viscosity"]
-K, c_F, ha = 2.025e-5, 0.16735113224353035, 3581.039775375903  # the closures of the scene
-plug, moving = ng.CF((left["gas"]["velocity"], 0)), ng.CF((left["solids"]["particles"]["velocity"], 0))
+# the closures of the scene
+K, c_F, ha = 2.025e-5, 0.16735113224353035, 3581.039775375903
+plug, moving = (
+    ng.CF((left["gas"]["velocity"], 0)),
+    ng.CF((left["solids"]["particles"]["velocity"], 0)),
+)
 
 
 def compiled(integrand: ng.CoefficientFunction) -> ng.CoefficientFunction:
@@ -36,7 +42,9 @@ mesh = MakeStructured2DMesh(
     ny=grid["cells"][1],
     mapping=lambda x, y: (length * x, height * y),
 )
-inlet, outlet, walls = (mesh.Boundaries(name) for name in ("left", "right", "bottom|top"))
+inlet, outlet, walls = (
+    mesh.Boundaries(name) for name in ("left", "right", "bottom|top")
+)
 
 # flow: plug flow, at rest on the walls, the inlet keeps its corners
 velocities = ng.VectorH1(mesh, order=2, dirichlet="left|bottom|top")
@@ -54,7 +62,12 @@ drag = eps * (mu / K + rho * c_F / K**0.5 * ng.sqrt(ng.InnerProduct(w, w) + 1e-1
 inertia = rho / eps * ng.InnerProduct(ng.grad(u) * u, v)
 viscous = mu * ng.InnerProduct(ng.grad(u), ng.grad(v))
 balance = ng.BilinearForm(space, condense=condense)
-balance += compiled(inertia + viscous + drag * ng.InnerProduct(w, v) - p * ng.div(v) - q * ng.div(u)) * ng.dx
+balance += (
+    compiled(
+        inertia + viscous + drag * ng.InnerProduct(w, v) - p * ng.div(v) - q * ng.div(u)
+    )
+    * ng.dx
+)
 residual, step = flow.vec.CreateVector(), flow.vec.CreateVector()
 free = ng.Projector(space.FreeDofs(), True)
 balance.Apply(flow.vec, residual)
@@ -83,7 +96,10 @@ space = scalar * scalar
 T = ng.GridFunction(space)
 T_fluid, T_solid = T.components
 T_fluid.Set(scene["boundary"]["left"]["gas"]["fixed_temperature"], definedon=inlet)
-T_solid.Set(scene["boundary"]["left"]["solids"]["particles"]["fixed_temperature"], definedon=inlet)
+T_solid.Set(
+    scene["boundary"]["left"]["solids"]["particles"]["fixed_temperature"],
+    definedon=inlet,
+)
 heat = ng.BilinearForm(space, condense=condense)
 terms = rho * fluid["heat_capacity"] * (velocity * ng.grad(f)) * a
 terms += eps * fluid["conductivity"] * ng.grad(f) * ng.grad(a)

@@ -1,4 +1,6 @@
-"""What the programs of this benchmark share: processor time of a call, the coefficients of a scene, the output line."""
+"""What the programs of this benchmark share: processor time of a call, the
+coefficients of a scene, the output line.
+"""
 
 import json
 import resource
@@ -17,8 +19,12 @@ def processor_time() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_utime
 
 
-def timed(call: Callable[[], Any], samples: int = 3, shortest: float = 0.2) -> tuple[float, Any]:
-    """Median user time of a call [s] over `samples` of at least `shortest` seconds, after one call to warm up."""
+def timed(
+    call: Callable[[], Any], samples: int = 3, shortest: float = 0.2
+) -> tuple[float, Any]:
+    """Median user time of a call [s] over `samples` of at least `shortest` seconds,
+    after one call to warm up.
+    """
     result, times = call(), []
     for _ in range(samples):
         start, count = processor_time(), 0
@@ -30,11 +36,16 @@ def timed(call: Callable[[], Any], samples: int = 3, shortest: float = 0.2) -> t
 
 def report(unknowns: int, error: float, seconds: float) -> None:
     """One point of a curve on standard output."""
-    print(json.dumps({"unknowns": unknowns, "error": error, "seconds": seconds}), flush=True)
+    print(
+        json.dumps({"unknowns": unknowns, "error": error, "seconds": seconds}),
+        flush=True,
+    )
 
 
 def coefficients() -> dict[str, float]:
-    """Arguments of `contbed.many.closed_form.finite_length` for the slip row, and the height of its channel."""
+    """Arguments of `contbed.many.closed_form.finite_length` for the slip row, and
+    the height of its channel.
+    """
     import contbed
     from contbed.many.converge import closed_form_arguments
 
@@ -43,8 +54,14 @@ def coefficients() -> dict[str, float]:
 
 
 def largest_error(x: Any, fluid: Any, solid: Any, c: dict[str, float]) -> float:
-    """Largest error of both temperatures of the slip row at positions x, against the closed form."""
+    """Largest error of both temperatures of the slip row at positions x, against the
+    closed form.
+    """
     from contbed.many.closed_form import finite_length
 
-    exact = finite_length(x, **{name: value for name, value in c.items() if name != "height"})
-    return max(float(np.abs(a - b).max()) for a, b in zip((fluid, solid), exact, strict=True))
+    exact = finite_length(
+        x, **{name: value for name, value in c.items() if name != "height"}
+    )
+    return max(
+        float(np.abs(a - b).max()) for a, b in zip((fluid, solid), exact, strict=True)
+    )

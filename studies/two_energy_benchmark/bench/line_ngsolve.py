@@ -1,4 +1,5 @@
-"""The slip row of Pivem & de Lemos in NGSolve on uniform triangles: user time and largest error.
+"""The slip row of Pivem & de Lemos in NGSolve on uniform triangles: user time and
+largest error.
 
 line_ngsolve.py DEGREE CELLS...
 """
@@ -13,17 +14,27 @@ from ngsolve.meshes import MakeStructured2DMesh
 POINTS = 401
 
 
-def solve(degree: int, along: int, c: dict[str, float]) -> tuple[ng.Mesh, ng.GridFunction]:
+def solve(
+    degree: int, along: int, c: dict[str, float]
+) -> tuple[ng.Mesh, ng.GridFunction]:
     """Mesh and both temperatures."""
     length, height = c["length"], c["height"]
     across = max(1, round(along * height / length))
-    mesh = MakeStructured2DMesh(quads=False, nx=along, ny=across, mapping=lambda x, y: (length * x, height * y))
+    mesh = MakeStructured2DMesh(
+        quads=False, nx=along, ny=across, mapping=lambda x, y: (length * x, height * y)
+    )
     scalar = ng.H1(mesh, order=degree, dirichlet="left")
     space = scalar * scalar
     (fluid, solid), (v, w) = space.TnT()
     form = ng.BilinearForm(space)
-    form += (c["flux_fluid"] * ng.grad(fluid)[0] * v + c["d_fluid"] * ng.grad(fluid) * ng.grad(v)) * ng.dx
-    form += (c["flux_solid"] * ng.grad(solid)[0] * w + c["d_solid"] * ng.grad(solid) * ng.grad(w)) * ng.dx
+    form += (
+        c["flux_fluid"] * ng.grad(fluid)[0] * v
+        + c["d_fluid"] * ng.grad(fluid) * ng.grad(v)
+    ) * ng.dx
+    form += (
+        c["flux_solid"] * ng.grad(solid)[0] * w
+        + c["d_solid"] * ng.grad(solid) * ng.grad(w)
+    ) * ng.dx
     form += c["ha"] * (fluid - solid) * (v - w) * ng.dx
     form.Assemble()
     theta = ng.GridFunction(space)
