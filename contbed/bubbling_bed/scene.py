@@ -241,7 +241,8 @@ class BubblingScene(SceneBase):
         """Mass flow of all gas that enters [kg/s]; 0 where coefficients are frozen."""
         inlet = self.inlet
         if inlet.velocity is None:
-            return inlet.mass_flow or 0.0
+            # a recorded form asks for no value
+            return 0.0 if inlet.mass_flow is None else inlet.mass_flow
         from contbed.materials.constants import constants_of
 
         gas = constants_of(self.mixture, inlet.temperature, self.origin.base)

@@ -4,7 +4,7 @@ arguments are missing, ranges kept.
 
 from __future__ import annotations
 
-import inspect
+import os
 from pathlib import Path
 
 import numpy as np
@@ -77,11 +77,8 @@ def test_kernels_are_kept_on_disk():
     closure = bind("gidaspow", "drag", DRAG)
     in_kernel(closure)
     law = kernel(of_cells, {"GLOBAL_LAW": face(closure, DRAG)})
-    index = list(
-        (Path(inspect.getfile(of_cells)).parent / "__pycache__").glob(
-            f"*{law.py_func.__qualname__}*.nbi"
-        )
-    )
+    folder = Path(os.environ["NUMBA_CACHE_DIR"])
+    index = list(folder.glob(f"*/*{law.py_func.__qualname__}*.nbi"))
     assert index, "numba keeps no index of this kernel"
     other = kernel(
         of_cells, {"GLOBAL_LAW": face(bind("di_felice", "drag", DRAG), DRAG)}

@@ -61,33 +61,32 @@ type = "line"
 length = 0.5
 cells = 40
 
-[fluid]
+[gas]
 density = 1.2
 heat_capacity = 1005.0
 viscosity = 1.8e-5
 conductivity = 0.026
 
-[solid]
+[solids.beads]
+diameter = 0.002
 density = 2500.0
 heat_capacity = 840.0
 conductivity = [0.4, 1e-3]
 
-[bed]
+[packed_bed]
 porosity = 0.4
-particle_diameter = 0.002
-
-[flow]
-velocity = 0.3
 
 [heat]
+
+[closures]
 nusselt = { file = "htc.toml" }
-conductivity_solid = { file = "etc.toml" }
+conductivity_solids = { file = "etc.toml" }
 
-[boundary.left.fluid]
-inflow = 300.0
+[boundary.left]
+gas = { velocity = 0.3, temperature = 300.0 }
 
-[boundary.right.solid]
-fixed = 600.0
+[boundary.right]
+solids.beads.fixed_temperature = 600.0
 """
 
 
@@ -259,7 +258,7 @@ def test_use_outside_of_the_range(folder):
 
 def test_the_content_of_the_file_is_part_of_the_scene(folder):
     before = scene(folder)
-    assert resolved(before)["heat"]["nusselt"] == {"file": "htc.toml"}
+    assert resolved(before)["closures"]["nusselt"] == {"file": "htc.toml"}
     first = scene_hash(before)
     text = (folder / "htc.toml").read_text()
     (folder / "htc.toml").write_text(text + "# another line\n")
@@ -279,7 +278,7 @@ def test_files_that_cannot_be_used(folder):
     line = next(
         k for k, text in enumerate(BED.splitlines(), 1) if text.startswith("nusselt")
     )
-    at = f"scene.toml:{line}: heat.nusselt: "
+    at = f"scene.toml:{line}: closures.nusselt: "
     good = (folder / "htc.toml").read_text()
     file = str(folder / "htc.toml")
 
@@ -394,11 +393,11 @@ def test_a_file_whose_numbers_make_no_closure(folder):
 
 def test_a_number_where_a_file_belongs(folder):
     with pytest.raises(
-        SceneError, match=r"heat\.nusselt\.file = 3: wrong kind of value"
+        SceneError, match=r"closures\.nusselt\.file = 3: wrong kind of value"
     ):
         scene(folder, BED.replace('{ file = "htc.toml" }', "{ file = 3 }"))
     with pytest.raises(
-        SceneError, match=r"heat\.nusselt\.a = 1: unknown key; allowed: file"
+        SceneError, match=r"closures\.nusselt\.a = 1: unknown key; allowed: file"
     ):
         scene(
             folder, BED.replace('{ file = "htc.toml" }', '{ file = "htc.toml", a = 1 }')

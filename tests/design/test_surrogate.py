@@ -37,7 +37,7 @@ PARTICLES = """\
 scene = "particles.toml"
 maximise = "u_max"
 [keys]
-gas.velocity = { from = 1, to = 2 }
+boundary.bottom.gas.velocity = { from = 1, to = 2 }
 """
 NOISE = 0.01  # standard deviation of u_max of one run
 
@@ -65,7 +65,7 @@ def runner(monkeypatch):
     def run(scene, out, quiet):
         module.calls.append(scene)
         if scene.kind == "particles_gas":
-            v = scene.gas.velocity
+            v = scene.boundary.bottom.gas.velocity
             scatter = (
                 module.noise
                 * np.random.default_rng(scene.particles.seed).standard_normal()
@@ -159,7 +159,9 @@ def test_particles_take_a_surrogate_and_repeats_by_themselves(folder, runner, ca
     assert {scene.particles.seed for scene in runner.calls} == {0, 1, 2}
     # the same three seeds at each point: their mean shifts all values alike and moves
     # no optimum
-    assert found["keys"]["gas.velocity"]["value"] == pytest.approx(1.4, abs=0.05)
+    assert found["keys"]["boundary.bottom.gas.velocity"]["value"] == pytest.approx(
+        1.4, abs=0.05
+    )
     calls = len(runner.calls)
     assert optimise() == 0  # again: the same search, no run
     assert summary(folder)["keys"] == found["keys"] and len(runner.calls) == calls
@@ -187,15 +189,17 @@ def test_beads_that_gas_nearly_carries(folder):
     (folder / "particles.toml").write_text(text)
     lines = [
         'scene = "particles.toml"',
-        'minimise = "gas.velocity"',
+        'minimise = "boundary.bottom.gas.velocity"',
         """constraints = ['"pressure_drop [Pa]" >= 90']""",
     ]
     (folder / "design.toml").write_text(
-        "\n".join([*lines, "[keys]", "gas.velocity = { from = 1, to = 2 }"])
+        "\n".join(
+            [*lines, "[keys]", "boundary.bottom.gas.velocity = { from = 1, to = 2 }"]
+        )
     )
     assert optimise() == 0
     found = summary(folder)
-    v = found["keys"]["gas.velocity"]["value"]
+    v = found["keys"]["boundary.bottom.gas.velocity"]["value"]
     drop = next(
         one for name, one in found["surrogate"].items() if "pressure_drop" in name
     )
@@ -203,7 +207,8 @@ def test_beads_that_gas_nearly_carries(folder):
     means = []
     for seed in range(10, 16):  # others than those of the search
         scene = cb.load(
-            folder / "particles.toml", {"gas.velocity": v, "particles.seed": seed}
+            folder / "particles.toml",
+            {"boundary.bottom.gas.velocity": v, "particles.seed": seed},
         )
         means.append(cb.run(scene).qoi["pressure_drop [Pa]"])
     # standard error of the mean of six and of the prediction

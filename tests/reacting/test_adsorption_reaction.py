@@ -229,7 +229,7 @@ def test_the_plan_resolves_points_where_adsorbed_gases_react():
     scene["time"]["end"] = unit
     found = plan(from_dict(scene))
     assert found.problem.choices["particles"].level == "interior"
-    assert "gases that are adsorbed react" in dict(found.built)["adsorption of A"]
+    assert "as adsorbed gases react" in dict(found.built)["adsorption of A"]
 
 
 @pytest.mark.parametrize(

@@ -13,27 +13,25 @@ scene = loads('''
 [mesh]
 type = "line"
 length = 1.0
-[fluid]
+[gas]
 density = 1.0
 viscosity = 2e-5
 heat_capacity = 1000.0
 conductivity = 0.03
-[solid]
+[solids.sand]
+diameter = 3e-3
 density = 2000.0
 heat_capacity = 800.0
 conductivity = 1.0
-[bed]
+[packed_bed]
 porosity = 0.4
-particle_diameter = 3e-3
-[flow]
-velocity = 0.5
-velocity_solid = -1e-3
 [heat]
+[closures]
 nusselt = "nusselt_gunn"
-[boundary.left.fluid]
-inflow = 300.0
-[boundary.right.solid]
-inflow = 600.0
+[boundary.left]
+gas = { velocity = 0.5, temperature = 300.0 }
+[boundary.right]
+solids.sand = { velocity = 1e-3, temperature = 600.0 }
 ''')
 contbed.run(scene)
 new = ("reacting_bed", "fem.line_dg", "closures.formula", "materials.mixture", "materials.thermo", "materials.elements")

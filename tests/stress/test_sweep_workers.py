@@ -66,7 +66,7 @@ method = "latin_hypercube"
 count = {}
 seed = 7
 [sample.parameters]
-bed.porosity = {{ from = 0.36, to = 0.44 }}
+packed_bed.porosity = {{ from = 0.36, to = 0.44 }}
 boundary.left.gas.velocity = {{ from = 0.1, to = 0.3 }}
 solids.particles.diameter = {{ distribution = "log_uniform", from = "2 mm", to = "10 mm" }}
 """

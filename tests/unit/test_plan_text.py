@@ -16,9 +16,14 @@ from contbed.output.progress import Progress
 from contbed.plan_text import duration
 
 PACKING = """
-packing = { count = 600, radius = "1 mm", width = ["12 mm", "12 mm"], seed = 1 }
-conduction = { particles = 1.4, fluid = 0.026 }
+[particles]
+packing = { count = 600, width = ["12 mm", "12 mm"], seed = 1 }
 closure = { ratios = [2, 5, 10, 20, 50] }
+[solids.spheres]
+diameter = "2 mm"
+conductivity = 1.4
+[gas]
+conductivity = 0.026
 """
 
 

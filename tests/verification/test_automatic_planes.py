@@ -187,7 +187,7 @@ def test_a_corner_of_unlike_temperatures_is_told():
     }
     text = "\n".join(plane(boundary=unlike).warnings)
     assert (
-        "boundary.bottom.solid.fixed = 500.0: 500 K meets 300 K of boundary.left in a "
+        "boundary.bottom.solids.particles.fixed_temperature = 500.0: 500 K meets 300 K of boundary.left in a "
         "corner" in text
     )
     assert "heat_left_W and heat_bottom_W" in text
@@ -202,11 +202,11 @@ def test_a_corner_of_unlike_temperatures_is_told():
         "top": {"solids": {"particles": {"fixed_temperature": 300.0}}},
         "bottom": {"solids": {"particles": solid}},
     }
-    insulated = {"nusselt": 1.0, "conductivity_solid": 0.0}
+    insulated = {"nusselt": 1.0, "conductivity_solids": 0.0}
     for bed in (
         plane(boundary=same),
         plane(boundary=across),
-        plane(boundary=unlike, heat=insulated),
+        plane(boundary=unlike, closures=insulated),
     ):
         assert not bed.warnings
     made = plan(plane(boundary=unlike))
