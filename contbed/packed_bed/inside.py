@@ -76,8 +76,8 @@ class Candidate:
     @property
     def keys(self) -> str:
         """The keys of a scene that ask for this level."""
-        points = f", particle.points = {self.points}" if self.points else ""
-        return f'particle.heat = "{self.level}"{points}'
+        points = f", inside.points = {self.points}" if self.points else ""
+        return f'inside.heat = "{self.level}"{points}'
 
 
 @dataclass(frozen=True)

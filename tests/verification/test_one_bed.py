@@ -2,11 +2,14 @@
 are at rest.
 """
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import contbed as cb
 from contbed.loading import loads
+from contbed.many.compare import compare
 
 BED = """
 [mesh]
@@ -86,6 +89,7 @@ def difference(cells, packed):
     return max(np.abs(gas).max(), np.abs(solid).max()) / SPAN
 
 
+@pytest.mark.slow
 def test_a_fixed_bed_has_the_same_temperatures_by_both_models(packed):
     """The difference is the error of the cells of the two fluids, which falls with
     their size.
@@ -93,3 +97,28 @@ def test_a_fixed_bed_has_the_same_temperatures_by_both_models(packed):
     coarse, fine = difference(20, packed), difference(50, packed)
     assert fine < 4e-3
     assert coarse / fine > 1.5
+
+
+PAGE = Path(__file__).parents[2] / "docs" / "howto" / "compare.md"
+SETTLING = 0.01  # of the pressure drop: after a second the beads still settle
+
+
+def test_the_bed_of_the_manual_is_the_same_by_three_models(tmp_path):
+    """Packed bed, two fluids at rest and a bubbling bed below fluidization, in a bed
+    that has the temperature of the gas: only rounding and the solvers' tolerances
+    are left.
+    """
+    file = tmp_path / "bed.toml"
+    text = PAGE.read_text(encoding="utf-8").partition("```toml\n")[2]
+    file.write_text(text.partition("```")[0].replace("350 K", "400 K"))
+    models = ["packed_bed", "two_fluid", "bubbling_bed"]
+    found = compare(file, models, tmp_path / "out", {"time.end": 1.0})
+    packed, fluids, bubbling = (outcome.results for outcome in found.outcomes)
+    assert [outcome.problem for outcome in found.outcomes] == ["", "", ""]
+    for name in ("T_gas_mean", "T_solids_mean"):
+        values = [each[name].value for each in (packed, fluids, bubbling)]
+        assert values == pytest.approx([400.0] * 3, abs=1e-6)
+    assert bubbling["T_gas_out"].value == pytest.approx(packed["T_gas_out"].value)
+    # Ergun's law in both; constant properties are those at 400 K
+    drop = packed["pressure_drop"].value
+    assert fluids["pressure_drop"].value == pytest.approx(drop, rel=SETTLING)
