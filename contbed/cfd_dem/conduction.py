@@ -53,13 +53,10 @@ class Solid:
         """
         x, radius = simulation.position, simulation.radius
         equal = np.ptp(radius) == 0.0
-        box = tuple(
-            np.array(corner, dtype=float)
-            for corner in (simulation.domain.lower, simulation.domain.upper)
-        )
-        pairs = heat.near_pairs(
-            x, heat.VIEW * 2.0 * float(radius.max()), box, simulation.domain.periodic
-        )  # type: ignore[arg-type]
+        domain = simulation.domain
+        lower, upper = np.array(domain.lower, float), np.array(domain.upper, float)
+        widest = heat.VIEW * 2.0 * float(radius.max())
+        pairs = heat.near_pairs(x, widest, (lower, upper), domain.periodic)
         if self.conductivity == 0.0:
             return pairs, {}
         soft = simulation.materials[0].youngs_modulus

@@ -223,9 +223,9 @@ class Bed:
         if self.T is not None:
             self.T = np.array(state["T"])
         if "pair_i" in state:
-            pairs = heat.Pairs(
-                *(np.array(state[f"pair_{name}"]) for name in ("i", "j", "vector"))
-            )  # type: ignore[arg-type]
+            first = np.array(state["pair_i"], dtype=np.int64)
+            second = np.array(state["pair_j"], dtype=np.int64)
+            pairs = heat.Pairs(first, second, np.array(state["pair_vector"]))
             self._network = pairs, np.array(state["pair_G"])
 
     @deferred_interrupt()

@@ -130,8 +130,12 @@ def conductivity_sweep(
         hot, cold = x[:, 2] < packing.bottom, x[:, 2] > packing.top
         for ratio in ratios:
             how = heat.Conduction(
-                ratio * k_fluid, k_fluid, packing.porosity, factor, paths=paths
-            )  # type: ignore[arg-type]
+                ratio * k_fluid,
+                k_fluid,
+                packing.porosity,
+                factor,
+                paths=paths,  # type: ignore[arg-type]
+            )
             result = network.between_layers(
                 x, pairs, heat.conductances(pairs, R, how), hot, cold, packing.area
             )

@@ -394,9 +394,8 @@ def boundaries_are_complete(
     for name, part in boundary.items():
         where = ("boundary", name)
         whole = getattr(part, "on", None)
-        if whole is not None and (
-            part.start is None or part.end is None or part.start >= part.end
-        ):  # type: ignore[union-attr]
+        start, end = getattr(part, "start", None), getattr(part, "end", None)
+        if whole is not None and (start is None or end is None or start >= end):
             yield where, f"a piece of {whole!r} needs start and end, start below end"
         if sides and (whole or name) not in sides:
             yield (

@@ -305,11 +305,9 @@ def rebuild(like: Value, saved: Mapping[str, Any], name: str = "state") -> Value
         )
     if like is None:
         return like
-    return (
-        np.asarray(saved[name])
-        if isinstance(like, np.ndarray)
-        else type(like)(saved[name])
-    )  # type: ignore[return-value,call-arg]
+    if isinstance(like, np.ndarray):
+        return np.asarray(saved[name])  # type: ignore[return-value]
+    return type(like)(saved[name])  # type: ignore[call-arg]
 
 
 def _parts(value: Any) -> dict[str, Any]:
