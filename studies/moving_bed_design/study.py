@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from contbed.many.sweep.plots import folded_label
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 
@@ -114,7 +115,7 @@ def plot_uncertainty(table: Table) -> Any:
             column, (STEAM, SILICA), (gallery.BLUE, gallery.VERMILION), strict=True
         ):
             axes.plot(table[name], table[result], ".", color=colour)
-        column[1].set_xlabel(name, fontsize=8)
+        column[1].set_xlabel(folded_label(name), fontsize=8)
     panels[0, 0].set_ylabel("steam at its outlet [K]")
     panels[1, 0].set_ylabel("silica at its outlet [K]")
     return figure

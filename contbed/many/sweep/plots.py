@@ -172,7 +172,7 @@ def _lines(
                     label=beside.choices[k] if beside else None,
                 )
             _crosses(panel, along, failed)
-            panel.set_ylabel(_folded(quantity.label))
+            panel.set_ylabel(folded_label(quantity.label))
             along.label(panel)
             panel.label_outer()
         if beside is not None:
@@ -243,9 +243,9 @@ def _effects(
                 panel.plot(*_means(axis, values), "o-", color=_COLOURS[0], markersize=4)
                 _crosses(panel, axis, failed)
                 axis.label(panel, ticks=3)
-                panel.set_xlabel(_folded(axis.quantity.label), fontsize=8)
+                panel.set_xlabel(folded_label(axis.quantity.label), fontsize=8)
                 panel.tick_params(which="both", labelsize=8)
-                panel.set_ylabel(_folded(quantity.label))
+                panel.set_ylabel(folded_label(quantity.label))
                 panel.label_outer()
 
 
@@ -292,7 +292,7 @@ def _is_plane(axes: list[_Axis]) -> bool:
     return bool(np.linalg.svd(points, compute_uv=False)[-1] > 1e-6 * len(points) ** 0.5)
 
 
-def _folded(label: str) -> str:
+def folded_label(label: str) -> str:
     """Fold a long label: its unit, or its last part, is put on a line of its own."""
     if len(label) <= _WIDE:
         return label
