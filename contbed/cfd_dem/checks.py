@@ -18,15 +18,11 @@ from contbed.dem.softness import DENSER, too_soft
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.gas import GasCantera, GasConstant, GasCoolProp
+from contbed.scene.solids import the_only
 from contbed.scene.toml_lines import BARE_KEY, Origin
 
 ROUNDING = 1e-9  # relative, of lengths that are meant to be equal
 Solids = Mapping[str, g.GasSolid]
-
-
-def the_only(solids: Solids) -> tuple[str, g.GasSolid]:
-    """Return the only solid phase with its name."""
-    return next(iter(solids.items()))
 
 
 def one_source(

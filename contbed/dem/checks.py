@@ -21,6 +21,7 @@ from contbed.dem.sizes import CUT
 from contbed.dem.softness import DENSER, too_soft
 from contbed.dem.walls import REACHES, SKIN
 from contbed.scene.checking import Check, Mistakes, See
+from contbed.scene.solids import the_only
 from contbed.scene.toml_lines import KeyPath, Origin
 
 # diameters: a packing has hot and cold layers of three together, and a slope is read
@@ -31,11 +32,6 @@ PACKING: KeyPath = ("particles", "packing")
 LAYERS: KeyPath = ("particles", "layers")
 PATHS: KeyPath = ("particles", "paths")
 Solids = Mapping[str, p.Solid]
-
-
-def the_only(solids: Solids) -> tuple[str, p.Solid]:
-    """Return the only solid phase with its name."""
-    return next(iter(solids.items()))
 
 
 def one_source(particles: p.Particles) -> Mistakes:

@@ -85,20 +85,17 @@ class Comparison:
             + [12]
         )
         column = max([len(model) for model in models] + [20])
-        lines = [" " * width + "".join(f"  {model:>{column}}" for model in models)]
+
+        def row(label: str, cells: Sequence[str]) -> str:
+            return f"{label:{width}}" + "".join(f"  {cell:>{column}}" for cell in cells)
+
+        lines = [row("", models)]
         for name, value in self.shared.items():
             cells = [self._cell(name, outcome) for outcome in self.outcomes]
-            label = f"{name} [{value.unit}]"
-            lines.append(
-                f"{label:{width}}" + "".join(f"  {cell:>{column}}" for cell in cells)
-            )
-        for label, cells in (
-            ("wall time [s]", [f"{outcome.seconds:.3g}" for outcome in self.outcomes]),
-            ("unknowns", [str(outcome.unknowns) for outcome in self.outcomes]),
-        ):
-            lines.append(
-                f"{label:{width}}" + "".join(f"  {cell:>{column}}" for cell in cells)
-            )
+            lines.append(row(f"{name} [{value.unit}]", cells))
+        seconds = [f"{outcome.seconds:.3g}" for outcome in self.outcomes]
+        unknowns = [str(outcome.unknowns) for outcome in self.outcomes]
+        lines += [row("wall time [s]", seconds), row("unknowns", unknowns)]
         for outcome in self.outcomes:
             lines += ["", f"{outcome.model}:"]
             lines += [f"  failed: {outcome.problem}"] if outcome.problem else []

@@ -4,7 +4,8 @@ of the particles' material.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, TypeVar
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -27,6 +28,8 @@ ConductivityOfSolid = Annotated[
 ]
 
 _FROM_MATERIAL = ("density", "heat_capacity", "conductivity")
+
+Phase = TypeVar("Phase")
 
 
 class SolidPhase(Table):
@@ -106,3 +109,8 @@ def one_solid(solids: dict[str, Any]) -> dict[str, Any]:
             f"this model has one solid phase, [solids.NAME]; found {found}"
         )
     return solids
+
+
+def the_only(solids: Mapping[str, Phase]) -> tuple[str, Phase]:
+    """Return the only solid phase of a model with its name; see `one_solid`."""
+    return next(iter(solids.items()))
