@@ -23,7 +23,7 @@ from contbed.packed_bed.inside import modes
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.radiation import coupling
 from contbed.packed_bed.schedule import Piece, initial_range, initial_values
-from contbed.solvers.condensed import Inside
+from contbed.solvers.condensed import Modes
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
 
@@ -105,7 +105,7 @@ class HeatProblem:
             for mode in self.modes
             if (wall := self.build.mode_wall(mode, part)) is not None
         ]
-        self._boundary = self.crossed()
+        self._boundary = self._crossed()
         self._radiating: list[Any] = []
         if self.radiation is not None:
             self._interior.append(self.radiation.interior(cells))
@@ -115,7 +115,7 @@ class HeatProblem:
             self._fixed()
         )
 
-    def crossed(self) -> list[Any]:
+    def _crossed(self) -> list[Any]:
         """Return the forms of all boundaries that heat crosses, with the values in
         place.
         """
@@ -169,7 +169,7 @@ class HeatProblem:
                 )
             walls.append((name, part, wall))
         self.walls = walls
-        self._boundary = self.crossed()
+        self._boundary = self._crossed()
         for nodes, name, phase in self._prescribed:
             condition = self.piece.condition(name, phase, shares)
             if condition is not None:
@@ -257,11 +257,11 @@ class HeatProblem:
         )
 
     @property
-    def inside(self) -> Inside | None:
-        """What is condensed of the particles: modes at the nodes of a line at rest
+    def nodal_modes(self) -> Modes | None:
+        """Modes of the particles that are condensed: at the nodes of a line at rest
         with constant properties.
         """
-        c = self.coefficients
+        c, T, system = self.coefficients, self.medium.T_fluid_in, self.system
         if (
             not self.modes
             or not self.linear
@@ -269,9 +269,18 @@ class HeatProblem:
             or c.solid.mass_flux is not None
         ):
             return None
-        from contbed.packed_bed.condensed import condensed
-
-        return condensed(self)
+        fluid, solid = (
+            system.offset[name, 0] + np.arange(system.fields[name][0].size)
+            for name in two_energy.FIELDS
+        )
+        return Modes(
+            capacity=float(c.capacity(T) * c.solid.heat_capacity(T)),
+            exchange=float(plain(c.exchange(T, T))),
+            decay=np.array([[float(mode.decay(T))] for mode in c.modes]),
+            gain=np.array([[mode.gain] for mode in c.modes]),
+            fluid=fluid,
+            solid=solid,
+        )
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Assemble the residual of the steady balances and its Jacobian."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -40,6 +40,11 @@ class Band:
         size = self.data.shape[1]
         product: Array = dgbmv(size, size, self.width, self.width, 1.0, self.data, x)
         return product
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return len(self.data[0])
 
     def plus(self, other: Band, factor: float) -> Band:
         """Return this matrix plus `factor` times the other."""
@@ -110,6 +115,15 @@ class Ordering:
             else None
         )
 
+    def followed_by(self, count: int) -> Ordering:
+        """Return the order of these unknowns and of as many more behind them."""
+        more = len(self.order) + np.arange(count)
+        return Ordering(
+            np.concatenate([self.order, more]),
+            np.concatenate([self.back, more]),
+            self.width,
+        )
+
     def band(self, matrix: sp.csc_matrix) -> Band:
         """Return a matrix of the same pattern in this order."""
         entries = matrix.tocoo()
@@ -118,58 +132,3 @@ class Ordering:
         data = np.zeros((2 * self.width + 1, matrix.shape[0]), order="F")
         np.add.at(data, (self.width + row - column, column), entries.data[filled])
         return Band(self.width, data)
-
-
-class Affine(Protocol):
-    """A linear problem as matrices and a vector, counted from a state `origin`
-    (size,).
-    """
-
-    fixed: Any
-    origin: Any
-    fixed_values: Any
-
-    @property
-    def changes(self) -> bool:
-        """Whether boundary values change with time."""
-
-    @property
-    def mass(self) -> Any:
-        """Jacobian of the content."""
-
-    @property
-    def stiffness(self) -> Any:
-        """Jacobian of the steady residual."""
-
-    @property
-    def vector(self) -> Any:
-        """Steady residual of the origin."""
-
-    def at(self, time: float) -> None:
-        """Put the boundary values of a time [s] in place."""
-
-
-class BandedProblem:
-    """A linear problem whose unknowns, or the first of them, are taken in the order
-    of a band.
-    """
-
-    def __init__(self, problem: Affine, ordering: Ordering):
-        self.problem, self.order, self.back = problem, ordering.order, ordering.back
-        self.fixed = np.sort(ordering.back[problem.fixed])
-
-    def vector(self, time: float) -> Array:
-        """Put the boundary values of a time [s] in place; return the steady residual
-        of the origin.
-        """
-        self.problem.at(time)
-        found: Array = self.problem.vector[self.order]
-        return found
-
-    def prescribed(self, values: Array) -> Array:
-        """Return values with the prescribed ones of the last `vector` in place."""
-        if self.problem.changes:
-            values = values.copy()
-            change = self.problem.fixed_values - self.problem.origin[self.problem.fixed]
-            values[self.back[self.problem.fixed]] = change
-        return values

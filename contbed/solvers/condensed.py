@@ -1,5 +1,5 @@
-"""Time steps of a line whose nodes carry an inside of their own: unknowns that only
-their node sees are condensed.
+"""Matrices of a line whose nodes carry particles with temperatures inside: unknowns
+that only their node sees are condensed.
 
 Beside the unknowns b of the bed each node has n modes of its particles, with the heat q
 that they give to the fluid:
@@ -27,22 +27,21 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from contbed.solvers.banded import Affine, Band, BandedProblem, Ordering
+from contbed.solvers.banded import Band, Ordering
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Inside:
+class Modes:
     """Modes of the particles at the nodes of a line.
 
-    bed : the problem with one mode in place of all, whose columns hold B
-    capacity : c [J/m3/K]; exchange : E [W/m3/K]; decay : D (n,) [W/m3/K]; gain : g (n,)
+    capacity : c [J/m3/K]; exchange : E [W/m3/K]; decay : D (n, 1) [W/m3/K]; gain : g
+        (n, 1)
     fluid, solid : places (nodes,) of both temperatures in the state; n times nodes of
         the modes follow
     """
 
-    bed: Any
     capacity: float
     exchange: float
     decay: Array
@@ -50,180 +49,116 @@ class Inside:
     fluid: NDArray[np.int64]
     solid: NDArray[np.int64]
 
-    @property
-    def size(self) -> int:
-        """Number of unknowns of the bed."""
-        return len(self.fluid) + len(self.solid)
+    def matrices(
+        self, mass: Any, stiffness: Any
+    ) -> tuple[Ordering, _Mass, _Stiffness] | None:
+        """Return the order of all unknowns and both matrices in that order; None where
+        the band of the bed is wide.
+        """
+        nodes = len(self.fluid)
+        size = nodes + len(self.solid)
+        mass, bed = mass[:size, :size], stiffness[:size, :size]
+        ordering = Ordering.of(abs(mass) + abs(bed))
+        if ordering is None:
+            return None
+        # from the sum of all modes at the nodes to the bed
+        coupling = sp.csr_matrix(stiffness[:size, size : size + nodes])
+        ones = np.ones(nodes)
+        places = np.concatenate([self.solid, self.fluid])
+        rows = np.tile(np.arange(nodes), 2)
+        difference = sp.csr_matrix(
+            (np.concatenate([ones, -ones]), (rows, places)), shape=(nodes, size)
+        )
+        operator = _Stiffness(
+            self,
+            ordering.band(bed),
+            coupling[ordering.order],
+            ordering.band(sp.csc_matrix(coupling @ difference)),
+            ordering.back[self.fluid],
+            ordering.back[self.solid],
+        )
+        whole = ordering.followed_by(len(self.decay) * nodes)
+        return whole, _Mass(self.capacity, ordering.band(mass)), operator
 
 
 @dataclass(frozen=True)
-class _Factors:
-    """What a size of step needs: the solution of the bed, 1/(c + w D), and E/(1 + w
-    E Z).
-    """
+class _Mass:
+    """The matrix of the content: a band, and one capacity for all modes."""
 
-    solve: Callable[[Array], Array]
-    damping: Array  # (n, 1)
-    exchange: float
-    width: float  # w
+    capacity: float
+    bed: Band
+
+    def __matmul__(self, x: Array) -> Array:
+        size = self.bed.size
+        return np.concatenate([self.bed @ x[:size], self.capacity * x[size:]])
+
+    def plus(self, other: _Stiffness, factor: float) -> _Shifted:
+        """Return this matrix plus `factor` times the other."""
+        return _Shifted(self, other, factor)
 
 
-class CondensedStages(BandedProblem):
-    """The two stages of a step of a linear problem on a line with modes at its
-    nodes.
-    """
+@dataclass(frozen=True)
+class _Stiffness:
+    """The matrix of the steady residual."""
 
-    def __init__(
-        self,
-        problem: Affine,
-        ordering: Ordering,
-        inside: Inside,
-        scheme: tuple[float, float, float, Any],
-    ):
-        """Take matrices apart; `scheme` are gamma, d, w and the weights of the error
-        of TR-BDF2.
+    modes: Modes
+    bed: Band
+    coupling: sp.csr_matrix
+    exchanged: Band  # the coupling with the difference of both temperatures
+    fluid: NDArray[np.int64]
+    solid: NDArray[np.int64]
+
+    def __matmul__(self, x: Array) -> Array:
+        bed, inner = self.parts(x)
+        total = inner.sum(axis=0)
+        given = self.modes.exchange * (self.difference(bed) + total)
+        of_modes = self.modes.decay * inner + self.modes.gain * given
+        return np.concatenate(
+            [self.bed @ bed + self.coupling @ total, of_modes.ravel()]
+        )
+
+    def parts(self, x: Array) -> tuple[Array, Array]:
+        """Return the unknowns of the bed and those of the modes (n, nodes)."""
+        size = self.bed.size
+        return x[:size], x[size:].reshape(len(self.modes.decay), -1)
+
+    def difference(self, bed: Array) -> Array:
+        """Return the temperature of the solid over that of the fluid at each node."""
+        found: Array = bed[self.solid] - bed[self.fluid]
+        return found
+
+
+@dataclass(frozen=True)
+class _Shifted:
+    """The matrix of a stage: the mass plus w times the stiffness."""
+
+    mass: _Mass
+    stiffness: _Stiffness
+    w: float
+
+    def solver(self, fixed: NDArray[np.int64]) -> Callable[[Array], Array]:
+        """Return the solution for a right-hand side; rows and columns of `fixed`
+        unknowns of the bed are those of the identity.
+
+        Raises
+        ------
+        ConvergenceError : the matrix is singular or holds values that are not finite
         """
-        super().__init__(problem, ordering)
-        self.inside = inside
-        self.gamma, self.d, self.w, self.error = scheme
-        size, nodes = inside.size, len(inside.fluid)
-        self.mass = ordering.band(sp.csc_matrix(problem.mass[:size, :size]))
-        self.stiffness = ordering.band(sp.csc_matrix(problem.stiffness[:size, :size]))
-        # from the sum of all modes at the nodes to the bed
-        self.coupling = sp.csr_matrix(problem.stiffness[:size, size : size + nodes])[
-            self.order
-        ]
-        apart = sp.csr_matrix(
-            (
-                np.repeat([1.0, -1.0], nodes),
-                (
-                    np.tile(np.arange(nodes), 2),
-                    np.concatenate([inside.solid, inside.fluid]),
-                ),
-            ),
-            shape=(nodes, size),
-        )
-        self.exchanged = ordering.band(sp.csc_matrix(self.coupling[self.back] @ apart))
-        self.fluid, self.solid = self.back[inside.fluid], self.back[inside.solid]
-        self.decay, self.gain = inside.decay[:, None], inside.gain[:, None]
-        self.factors: dict[int, _Factors] = {}
-        self.last: tuple[Any, ...] | None = None
+        w, stiffness, modes = self.w, self.stiffness, self.stiffness.modes
+        damping = 1.0 / (self.mass.capacity + w * modes.decay)
+        loss = w * modes.exchange * float((modes.gain * damping).sum())  # w E Z
+        share = 1.0 / (1.0 + loss)
+        matrix = self.mass.bed.plus(stiffness.bed, w)
+        solve = matrix.plus(stiffness.exchanged, -w * loss * share).solver(fixed)
+        gain = w * modes.exchange * share * modes.gain
 
-    def _take_apart(self, state: Array) -> tuple[Array, Array]:
-        size = self.inside.size
-        modes = (state[size:] - self.problem.origin[size:]).reshape(len(self.decay), -1)
-        return (state[:size] - self.problem.origin[:size])[self.order], modes
+        def apply(rhs: Array) -> Array:
+            bed, inner = stiffness.parts(rhs)
+            remembered = (inner * damping).sum(axis=0)  # P
+            reduced = bed - (w * share) * (stiffness.coupling @ remembered)
+            reduced[fixed] = bed[fixed]
+            found = solve(reduced)
+            given = gain * (stiffness.difference(found) + remembered)
+            return np.concatenate([found, ((inner - given) * damping).ravel()])
 
-    def _rates(self, bed: Array, modes: Array, vector: Array) -> tuple[Array, Array]:
-        """Return the steady residuals of the bed and of the modes, these per bed
-        volume.
-        """
-        total = modes.sum(axis=0)
-        given = self.inside.exchange * (bed[self.solid] - bed[self.fluid] + total)
-        return (
-            self.stiffness @ bed + self.coupling @ total + vector,
-            self.decay * modes + self.gain * given,
-        )
-
-    def take(
-        self, state: Any, moments: tuple[float, float], dt: float, level: int
-    ) -> tuple[Any, Any, Any, Any]:
-        """Return states, residuals, gain of content and error of one step, as all
-        stages do.
-        """
-        start, end = moments
-        if self.last is None or self.last[0] is not state:
-            begin, modes = self._take_apart(state)
-            self.last = (
-                state,
-                begin,
-                modes,
-                self.mass @ begin,
-                *self._rates(begin, modes, self.vector(start)),
-            )
-        _, begin, modes, content, steady, inner = self.last
-        factors = self._factors(dt, level)
-        c, w = self.inside.capacity, self.w * dt
-        first = self._stage(
-            begin,
-            content - factors.width * steady,
-            c * modes - factors.width * inner,
-            start + self.gamma * dt,
-            factors,
-        )
-        last = self._stage(
-            first[1],
-            content - w * (steady + first[3]),
-            c * modes - w * (inner + first[4]),
-            end,
-            factors,
-        )
-        a, b, e = (-dt * share for share in self.error)
-        defect = a * steady + b * first[3] + e * last[3]
-        defect[self.fixed] = 0.0
-        wrong, wrong_modes = self._solve(
-            np.zeros_like(begin),
-            defect,
-            a * inner + b * first[4] + e * last[4],
-            factors,
-        )
-        error = np.concatenate([wrong[self.back], wrong_modes.ravel()])
-        content_last = self.mass @ last[1]
-        if np.isfinite(error).all():
-            self.last = (last[0], last[1], last[2], content_last, last[3], last[4])
-        none = np.zeros(modes.size)
-        rates = tuple(
-            np.concatenate([rate[self.back], none])
-            for rate in (steady, first[3], last[3])
-        )
-        gain = np.concatenate([(content_last - content)[self.back], none])
-        return (state, first[0], last[0]), rates, gain, error
-
-    def _stage(
-        self, guess: Array, rhs: Array, rhs_modes: Array, time: float, factors: _Factors
-    ) -> tuple[Array, Array, Array, Array, Array]:
-        """Return the state of a stage, its parts, and their residuals."""
-        vector = self.vector(time)
-        guess = self.prescribed(guess)
-        bed, modes = self._solve(
-            guess, rhs - factors.width * vector, rhs_modes, factors
-        )
-        state = np.concatenate([bed[self.back], modes.ravel()]) + self.problem.origin
-        # as a restart from this state finds it, to the last bit
-        bed, modes = self._take_apart(state)
-        return (state, bed, modes, *self._rates(bed, modes, vector))
-
-    def _solve(
-        self, guess: Array, rhs: Array, rhs_modes: Array, factors: _Factors
-    ) -> tuple[Array, Array]:
-        """Solve for bed and modes; prescribed temperatures of the bed keep those of
-        the guess.
-        """
-        w = factors.width
-        remembered = (rhs_modes * factors.damping).sum(axis=0)  # P
-        share = factors.exchange / self.inside.exchange  # 1/(1 + w E Z)
-        residual = rhs - w * share * (self.coupling @ remembered) - self.mass @ guess
-        residual -= w * (
-            self.stiffness @ guess - (1.0 - share) * (self.exchanged @ guess)
-        )
-        residual[self.fixed] = 0.0
-        bed = guess + factors.solve(residual)
-        given = factors.exchange * (bed[self.solid] - bed[self.fluid] + remembered)
-        return bed, (rhs_modes - (w * self.gain) * given) * factors.damping
-
-    def _factors(self, dt: float, level: int) -> _Factors:
-        if level not in self.factors:
-            w = self.d * dt
-            damping = 1.0 / (self.inside.capacity + w * self.decay)
-            # w E Z
-            loss = w * self.inside.exchange * float((self.gain * damping).sum())
-            matrix: Band = self.mass.plus(self.stiffness, w).plus(
-                self.exchanged, -w * loss / (1.0 + loss)
-            )
-            self.factors[level] = _Factors(
-                matrix.solver(self.fixed),
-                damping,
-                self.inside.exchange / (1.0 + loss),
-                w,
-            )
-        return self.factors[level]
+        return apply

@@ -27,8 +27,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from contbed.errors import ConvergenceError
-from contbed.solvers.banded import BandedProblem, Ordering
-from contbed.solvers.condensed import CondensedStages, Inside
+from contbed.solvers.banded import Ordering
+from contbed.solvers.condensed import Modes
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
 
@@ -88,7 +88,7 @@ class TransientProblem(BoundaryProblem, Protocol):
     """What `march` solves."""
 
     @property
-    def inside(self) -> Inside | None:
+    def nodal_modes(self) -> Modes | None:
         """Modes of the particles at the nodes of a line that are condensed; None
         without.
         """
@@ -233,23 +233,17 @@ def _stages(
     if not problem.linear:
         return _Stages(problem, policy, options)
     linear: Any = problem
-    if problem.inside is not None:
-        bed, size = _Affine(problem.inside.bed, origin, start), problem.inside.size
-        narrow = Ordering.of((abs(bed.mass) + abs(bed.stiffness))[:size, :size])
-        if narrow is not None:
-            return CondensedStages(bed, narrow, problem.inside, (GAMMA, D, W, _ERROR))
-    solved = _Affine(linear, origin, start)
+    affine = _Affine(linear, origin, start)
+    mass, stiffness, modes = affine.mass, affine.stiffness, problem.nodal_modes
     # matrices of another engine solve by themselves
-    narrow = (
-        Ordering.of(abs(solved.mass) + abs(solved.stiffness))
-        if sp.issparse(solved.stiffness)
-        else None
-    )
-    return (
-        _Stages(solved, policy, options)
-        if narrow is None
-        else _LineStages(solved, narrow)
-    )
+    if not sp.issparse(stiffness):
+        return _Stages(affine, policy, options)
+    if modes is not None and (found := modes.matrices(mass, stiffness)) is not None:
+        return _LineStages(affine, *found)
+    ordering = Ordering.of(abs(mass) + abs(stiffness))
+    if ordering is None:
+        return _Stages(affine, policy, options)
+    return _LineStages(affine, ordering, ordering.band(mass), ordering.band(stiffness))
 
 
 class _Affine:
@@ -260,7 +254,7 @@ class _Affine:
     come to others.
     """
 
-    linear, inside = True, None
+    linear, nodal_modes = True, None
 
     def __init__(self, problem: LinearProblem, origin: Any, start: float):
         self.fixed, self.weights, self.origin = problem.fixed, problem.weights, origin
@@ -314,37 +308,50 @@ class _Affine:
         return vector + matrix @ (state - self.origin), matrix
 
 
-class _LineStages(BandedProblem):
-    """The two stages of a step of a linear problem whose matrices are bands, with
-    factors for each size of step.
+class _LineStages:
+    """The two stages of a step of a linear problem on a line, with factors for each
+    size of step.
 
-    All vectors are in the order of the bands and count from the uniform state of
-    `_Affine`.
+    All vectors are in the order of the matrices and count from the origin of `_Affine`.
     """
 
-    def __init__(self, problem: _Affine, ordering: Ordering):
-        super().__init__(problem, ordering)
-        self.mass, self.stiffness = (
-            ordering.band(problem.mass),
-            ordering.band(problem.stiffness),
-        )
+    def __init__(self, problem: _Affine, ordering: Ordering, mass: Any, stiffness: Any):
+        self.problem, self.order, self.back = problem, ordering.order, ordering.back
+        self.mass, self.stiffness = mass, stiffness
+        self.fixed = np.sort(ordering.back[problem.fixed])
         self.solvers: dict[int, Callable[[Any], Any]] = {}
         self.last: tuple[Any, Any, Any, Any] | None = None
+
+    def _vector(self, time: float) -> Any:
+        """Put the boundary values of a time [s] in place; return the steady residual of
+        the origin.
+        """
+        self.problem.at(time)
+        return self.problem.vector[self.order]
+
+    def _prescribed(self, values: Any) -> Any:
+        """Return values with the prescribed ones of the last `_vector` in place."""
+        problem = self.problem
+        if problem.changes:
+            values = values.copy()
+            change = problem.fixed_values - problem.origin[problem.fixed]
+            values[self.back[problem.fixed]] = change
+        return values
 
     def take(
         self, state: Any, moments: tuple[float, float], dt: float, level: int
     ) -> tuple[Any, Any, Any, Any]:
         start, end = moments
         if self.last is None or self.last[0] is not state:
-            vector = self.vector(start)
+            vector = self._vector(start)
             begin = (state - self.problem.origin)[self.order]
             self.last = state, begin, self.mass @ begin, self.stiffness @ begin + vector
         _, begin, content, steady = self.last
         solve = self._solver(dt, level)
 
         def stage(guess: Any, rhs: Any, time: float) -> tuple[Any, Any, Any]:
-            vector = self.vector(time)
-            guess = self.prescribed(guess)
+            vector = self._vector(time)
+            guess = self._prescribed(guess)
             residual = (
                 rhs - self.mass @ guess - (D * dt) * (self.stiffness @ guess + vector)
             )
