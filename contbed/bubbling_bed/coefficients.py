@@ -29,8 +29,8 @@ from contbed.bubbling_bed.closures import (
 )
 from contbed.bubbling_bed.equations import coefficients as model
 from contbed.bubbling_bed.equations import flow as bubbling_flow
+from contbed.chemistry.laws_of_solids import diffusion_in_nitrogen
 from contbed.closures.bubbles import GRAVITY
-from contbed.closures.reactions_solid import diffusion_in_nitrogen
 from contbed.materials.common import integrated, polynomial
 from contbed.scene.toml_lines import KeyPath
 

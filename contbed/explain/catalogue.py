@@ -9,14 +9,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 
 from contbed import closures, fields
-from contbed.closures import arguments, registry
-from contbed.closures.reactions import LAWS, Law
-from contbed.closures.reactions_solid import (
+from contbed.chemistry.laws_of_gases import LAWS, Law
+from contbed.chemistry.laws_of_solids import (
     CALCINATION,
     CHAR_LAWS,
     SULPHATE_REDUCTION,
     SULPHATION,
 )
+from contbed.closures import arguments, registry
 from contbed.explain.terms import TERMS
 from contbed.models import MODELS, Model
 from contbed.scene import schema
@@ -155,7 +155,7 @@ def laws_by_name() -> dict[str, tuple[str, ...]]:
     """Return the equations of the rate laws that a reacting bed names,
     `[reactions.NAME] law`.
     """
-    from contbed.reacting_bed.laws import LAWS_WITH_EQUATION
+    from contbed.chemistry.laws import LAWS_WITH_EQUATION
 
     found = {
         name: (text,) if isinstance(text, str) else text
@@ -168,7 +168,7 @@ def own_laws() -> dict[str, tuple[str, ...]]:
     """Return the rate laws of reacting beds whose constants the scene gives, each
     with the keys that it needs.
     """
-    from contbed.reacting_bed.laws import NEEDS
+    from contbed.chemistry.laws import NEEDS
 
     return dict(NEEDS)
 

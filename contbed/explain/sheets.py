@@ -10,8 +10,8 @@ from functools import cache
 from pathlib import Path
 
 from contbed import closures, fields
+from contbed.chemistry.laws_of_gases import Law
 from contbed.closures import arguments, registry
-from contbed.closures.reactions import Law
 from contbed.errors import SceneError
 from contbed.explain import catalogue
 from contbed.explain.catalogue import (

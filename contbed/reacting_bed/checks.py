@@ -6,12 +6,15 @@ from __future__ import annotations
 
 from typing import Any
 
+from contbed.chemistry.equation import unbalanced
+from contbed.chemistry.kinetics import SI_OF_BASIS
+from contbed.chemistry.laws import NEEDS, equations_of, known_laws
+from contbed.chemistry.species import atoms_of
 from contbed.closures.binding import is_phase, named
 from contbed.closures.fluid_conducts import fluid_conducts_twice
 from contbed.closures.formula import parse_formula, require_names
 from contbed.errors import SceneError
 from contbed.materials.composition import require_sum
-from contbed.materials.elements import elements_of
 from contbed.reacting_bed import curve_checks, phase_checks, stream_checks
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.closures import GIVES, bound, places_of
@@ -23,8 +26,6 @@ from contbed.reacting_bed.inside_checks import (
     pellets_have_diffusivities,
     uptake_has_a_meaning,
 )
-from contbed.reacting_bed.kinetics import SI_OF_BASIS
-from contbed.reacting_bed.laws import NEEDS, known_laws
 from contbed.reacting_bed.phase_checks import (
     Boundaries,
     Reactions,
@@ -40,19 +41,16 @@ from contbed.reacting_bed.schedule_checks import (
     times_are_in_order,
 )
 from contbed.reacting_bed.substances import (
-    Equation,
     constituents_of,
-    equations_of,
     fed_to,
     gases_named,
+    mechanism_of,
 )
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.scene.units import base_value, factor_and_offset
 from contbed.scene.values import value_at
-
-BALANCED = 1e-6  # atoms per mole of reaction within which an equation balances
 
 
 def compositions_sum_to_one(
@@ -82,8 +80,18 @@ def compositions_sum_to_one(
             yield path, str(error)
 
 
-def equations_balance(reactions: Reactions, gas: s.Mixture, solids: Solids) -> Mistakes:
+def equations_balance(
+    reactions: Reactions, gas: s.Mixture, solids: Solids, origin: Origin
+) -> Mistakes:
     """Check that every reaction has an equation whose elements balance."""
+    if not reactions:
+        return
+    try:
+        mechanism = mechanism_of(gas, origin.base)
+    except SceneError as error:
+        yield ("gas", "mechanism"), str(error)
+        return
+    tables = {**gas.species, **constituents_of(solids)}
     for name, table in reactions.items():
         path: KeyPath = (
             ("reactions", name)
@@ -97,34 +105,11 @@ def equations_balance(reactions: Reactions, gas: s.Mixture, solids: Solids) -> M
                 yield path, str(error)
             continue
         for equation in equations.values():
-            try:
-                left_over = imbalance(equation, gas, solids)
-            except SceneError as error:
-                yield path, str(error)
-                continue
-            for element, atoms in left_over.items():
-                verb = "makes" if atoms > 0 else "loses"
-                yield (
-                    path,
-                    f"{verb} {abs(atoms):.6g} atoms of {element} per mole of reaction; "
-                    "correct its coefficients",
-                )
-
-
-def imbalance(equation: Equation, gas: s.Mixture, solids: Solids) -> dict[str, float]:
-    """Return the atoms of each element that an equation makes."""
-    tables = {**gas.species, **constituents_of(solids)}
-    total: dict[str, float] = {}
-    for name, count in equation.stoichiometry.items():
-        table = tables.get(name)
-        atoms = (
-            dict(table.elements)
-            if table is not None and table.elements
-            else elements_of(name)
-        )
-        for element, number in atoms.items():
-            total[element] = total.get(element, 0.0) + count * number
-    return {element: atoms for element, atoms in total.items() if abs(atoms) > BALANCED}
+            for text in unbalanced(
+                equation.stoichiometry,
+                lambda each: atoms_of(each, tables.get(each), mechanism),
+            ):
+                yield path, text
 
 
 def laws_have_what_they_need(reactions: Reactions, solids: Solids) -> Mistakes:

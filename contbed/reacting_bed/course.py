@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.closures.reactions import R_GAS
+from contbed.chemistry.local import Smoothing
+from contbed.chemistry.thermo import R_GAS
 from contbed.errors import ConvergenceError
 from contbed.materials.composition import mole_fractions
 from contbed.reacting_bed import scene as s
@@ -21,7 +22,6 @@ from contbed.reacting_bed import solve
 from contbed.reacting_bed.equations.unknowns import conserved
 from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.inlet_series import constant
-from contbed.reacting_bed.local import Smoothing
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.schedule import Schedule
 from contbed.reacting_bed.stages import GAMMA

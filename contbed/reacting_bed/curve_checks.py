@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from contbed.materials.mixture import dippr102
-from contbed.materials.thermo import Shomate
+from contbed.chemistry.mixture import dippr102
+from contbed.chemistry.thermo import Shomate
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.schedule import boundaries_in_time

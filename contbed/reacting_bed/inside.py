@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.closures.reactions import R_GAS
+from contbed.chemistry.thermo import R_GAS
 from contbed.particle.interior import SURFACE_OVER_VOLUME, interior
 from contbed.particle.uptake import Level, breakthrough_error, moving_bed_error
 from contbed.plan_text import percent

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from contbed.closures.reactions_reforming import REACTIONS as REFORMING
+from contbed.chemistry.laws import STAGED, equations_of
+from contbed.chemistry.reforming import REACTIONS as REFORMING
 from contbed.errors import SceneError
 from contbed.materials.composition import names_in
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.laws import STAGED
 from contbed.reacting_bed.phase_checks import (
     Boundaries,
     Reactions,
@@ -20,7 +20,6 @@ from contbed.reacting_bed.phase_checks import (
 from contbed.reacting_bed.schedule import series_of
 from contbed.reacting_bed.streams import given_velocity
 from contbed.reacting_bed.substances import (
-    equations_of,
     fed_to,
     gases_named,
     phases_named,

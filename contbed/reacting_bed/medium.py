@@ -11,16 +11,16 @@ from typing import Any
 
 import numpy as np
 
+from contbed.chemistry.local import SHARPEST, Local, Smoothing
+from contbed.chemistry.thermo import R_GAS
 from contbed.closures.binding import BoundClosure, is_phase
 from contbed.closures.ranges import RangeUse
-from contbed.closures.reactions import R_GAS
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.closures import given, of_bed, of_phase
 from contbed.reacting_bed.equations.unknowns import LEAST_T, State
 from contbed.reacting_bed.gas_properties import Properties
 from contbed.reacting_bed.inlet_series import constant
-from contbed.reacting_bed.local import SHARPEST, Local, Smoothing
 from contbed.reacting_bed.streams import Streams, mean_conductivity, sauter_mean
 from contbed.reacting_bed.substances import Substances
 

@@ -26,12 +26,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.closures.reactions import R_GAS
+from contbed.chemistry.kinetics import Reaction
+from contbed.chemistry.local import Local
+from contbed.chemistry.thermo import R_GAS
 from contbed.errors import ConvergenceError
 from contbed.fem.ad.dual import Dual
 from contbed.particle.shells import shells
-from contbed.reacting_bed.kinetics import Reaction
-from contbed.reacting_bed.local import Local
 
 Array = NDArray[np.float64]
 # shares of the rates, from a pellet without gradients to its own

@@ -8,12 +8,12 @@ import math
 import re
 from collections.abc import Mapping
 
+from contbed.chemistry.laws import equations_of
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.streams import given_velocity
 from contbed.reacting_bed.substances import (
     constituents_of,
-    equations_of,
     fed_to,
     phases_named,
 )

@@ -7,17 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from contbed.chemistry.equation import Equation
+from contbed.chemistry.kinetics import site_of
+from contbed.chemistry.laws import equations_of
+from contbed.chemistry.species import Species
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.kinetics import site_of
 from contbed.reacting_bed.streams import sauter_mean, shares_of
 from contbed.reacting_bed.substances import (
-    Equation,
     PhaseSpecies,
-    Species,
     Substances,
     constituents_of,
-    equations_of,
     fed_to,
     phases_named,
     species_without_phases,

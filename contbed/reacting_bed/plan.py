@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.chemistry.effectiveness import effectiveness_of
 from contbed.errors import SceneError
-from contbed.particle.effectiveness import effectiveness_of
 from contbed.plan_text import plan_text
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.across import across

@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.closures.reactions import R_GAS
+from contbed.chemistry.kinetics import Reaction
+from contbed.chemistry.local import Local, Smoothing
+from contbed.chemistry.thermo import R_GAS
 from contbed.fem.line_dg import Ends, Line, System
 from contbed.fem.line_projection import projected
 from contbed.reacting_bed import scene as s
@@ -22,8 +24,6 @@ from contbed.reacting_bed.equations.parts import Parts
 from contbed.reacting_bed.equations.section import Section
 from contbed.reacting_bed.equations.unknowns import Layout, State, conserved
 from contbed.reacting_bed.inside import Choice, with_inside
-from contbed.reacting_bed.kinetics import Reaction
-from contbed.reacting_bed.local import Local, Smoothing
 from contbed.reacting_bed.medium import Medium
 from contbed.reacting_bed.pellets import Pellets
 from contbed.reacting_bed.phases import species_of

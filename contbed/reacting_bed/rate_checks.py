@@ -21,14 +21,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.chemistry.kinetics import Reaction
+from contbed.chemistry.thermo import R_GAS
 from contbed.closures.formula import parse_formula
-from contbed.closures.reactions import R_GAS
 from contbed.errors import SceneError
 from contbed.fem.ad.dual import Dual
 from contbed.materials.composition import mole_fractions
 from contbed.reacting_bed.amounts import allowed, along, at_rest
 from contbed.reacting_bed.equations.unknowns import State, conserved
-from contbed.reacting_bed.kinetics import Reaction
 from contbed.reacting_bed.problem import Problem
 from contbed.scene.toml_lines import KeyPath
 

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.balance import Balance
-from contbed.closures.reactions import R_GAS
-from contbed.materials.thermo import T_STANDARD, Equilibrium
+from contbed.chemistry.thermo import R_GAS, T_STANDARD, Equilibrium
 from contbed.reacting_bed.amounts import Least, below_zero, between_nodes, least
 from contbed.reacting_bed.equations.unknowns import State, conserved
 from contbed.reacting_bed.problem import Problem

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from contbed.reacting_bed.laws import IRON
+from contbed.chemistry.laws import IRON
 from contbed.reacting_bed.problem import Problem
 
 ATOMS = dict(zip(IRON, (2.0, 3.0, 1.0, 1.0), strict=True))  # of iron

@@ -28,16 +28,11 @@ from contbed.reacting_bed.boundary_scene import GasCondition as GasCondition
 from contbed.reacting_bed.boundary_scene import SolidCondition as SolidCondition
 from contbed.reacting_bed.renamed import RENAMED
 from contbed.reacting_bed.solids_scene import Adsorption as Adsorption
-from contbed.reacting_bed.solids_scene import Curve as Curve
 from contbed.reacting_bed.solids_scene import Inside as Inside
-from contbed.reacting_bed.solids_scene import MolarEnergy as MolarEnergy
-from contbed.reacting_bed.solids_scene import PositiveDiffusivity as PositiveDiffusivity
 from contbed.reacting_bed.solids_scene import Solid as Solid
-from contbed.reacting_bed.solids_scene import Substance as Substance
 from contbed.scene.mesh import MeshLine
 from contbed.scene.quantities import (
     Conductivity,
-    FiniteFloat,
     Fraction,
     Instant,
     Length,
@@ -54,6 +49,9 @@ from contbed.scene.quantities import (
     takes,
     unit,
 )
+from contbed.scene.reactions import PositiveDiffusivity as PositiveDiffusivity
+from contbed.scene.reactions import Reaction as Reaction
+from contbed.scene.reactions import Substance as Substance
 from contbed.scene.tables import (
     ConductivityOrClosure,
     CycleSettings,
@@ -64,7 +62,6 @@ from contbed.scene.tables import (
     SceneBase,
 )
 
-ActivationEnergy = Annotated[MolarEnergy, Field(ge=0)]
 Diffusivity = Annotated[float, *unit("m**2/s"), Field(ge=0)]
 DiffusivityOrName = Annotated[
     Annotated[PositiveDiffusivity, Tag("number")]
@@ -274,86 +271,6 @@ class Initial(Table):
     time: Instant | None = Field(
         None,
         description="of the rows of the file, where it has several; absent: the last",
-    )
-
-
-def text_or_number(value: Any) -> str:
-    """Return the `form` of a value in any unit, which is a text, or in SI."""
-    return "name" if isinstance(value, str) else form(value)
-
-
-Parameter = Annotated[
-    Annotated[FiniteFloat, Tag("number")] | Annotated[str, Tag("name")],
-    Discriminator(text_or_number),
-]
-
-
-PhaseOrPhases = Annotated[
-    Annotated[str, Tag("name")] | Annotated[tuple[str, ...], Tag("list")],
-    Discriminator(form),
-]
-
-
-class Reaction(Table):
-    """One reaction: a rate law by name with its constants, or a formula."""
-
-    equation: str | None = Field(
-        None, description='"CH4 + 12 Fe2O3 -> 8 Fe3O4 + CO2 + 2 H2O"; <-> if reversible'
-    )
-    law: str | None = Field(
-        None,
-        description="power, grain, grain_remaining, shrinking_core, or a law with a "
-        "name",
-    )
-    rate: str | None = Field(
-        None,
-        description="formula instead, of T, p_X, c_X, x_X, n_X, X, R and parameters",
-    )
-    unit: str | None = Field(
-        None, description="of the formula, such as kmol/kg/h; absent: SI of the basis"
-    )
-    parameters: dict[str, Parameter] = Field(
-        default_factory=dict, description='of the formula, {E = "49 kJ/mol"}'
-    )
-    A: Annotated[Number, Field(ge=0)] | None = Field(
-        None, description="of k = A T^b exp(-E/(R T)), in mol, m and s"
-    )
-    b: Number = Field(
-        0.0, description="exponent of the temperature in k = A T^b exp(-E/(R T))"
-    )
-    E: ActivationEnergy | None = Field(None, description="activation energy")
-    orders: dict[str, Number] | None = Field(
-        None, description="in concentrations; absent: 1 for each reactant gas"
-    )
-    solid: PhaseOrPhases | None = Field(
-        None,
-        description="phase, or list of phases, of [solids] in which it runs; absent: "
-        "those that hold what reacts",
-    )
-    basis: Literal["gas", "catalyst", "particle", "bed"] | None = Field(
-        None,
-        description="rate per m3 of gas, kg of catalyst, m3 of particles or of bed; "
-        "absent: gas, or particle",
-    )
-    factor: Positive = Field(
-        1.0, description="multiplies the rate, such as an effectiveness"
-    )
-    equilibrium_factor: Positive = Field(
-        1.0,
-        description="multiplies K of a reversible reaction, which comes from the "
-        "thermodynamics of its species",
-    )
-    grain_radius: Length | None = Field(
-        None, description="radius of the grains in the particles"
-    )
-    molar_density: Positive | None = Field(
-        None, description="of the reacting solid in a grain [mol/m3]"
-    )
-    active_share: Positive = Field(
-        1.0, description="share of the surface of grains that reacts"
-    )
-    diffusivity: PositiveDiffusivity | None = Field(
-        None, description="effective, in the product layer or particle"
     )
 
 

@@ -6,70 +6,23 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Field, model_validator
 
 from contbed.scene.quantities import (
     Conductivity,
     Density,
-    FiniteFloat,
     Length,
     Number,
-    Positive,
     Table,
     Temperature,
-    Viscosity,
     Whole,
-    form,
     unit,
 )
+from contbed.scene.reactions import MolarEnergy, PositiveDiffusivity, Substance
 from contbed.scene.solids import SolidPhase
 from contbed.scene.tables import NonNegativeOrClosure
 
-MolarMass = Annotated[float, *unit("kg/mol"), Field(gt=0)]
-MolarEnergy = Annotated[float, *unit("J/mol")]
-MolarEntropy = Annotated[float, *unit("J/mol/K")]
-MolarHeatCapacity = Annotated[float, *unit("J/mol/K"), Field(gt=0)]
 HeatCapacityOfSolid = Annotated[float, *unit("J/kg/K"), Field(gt=0)]
-Curve = Annotated[
-    tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1, max_length=4)
-]
-PositiveDiffusivity = Annotated[float, *unit("m**2/s"), Field(gt=0)]
-
-
-class Substance(Table):
-    """Data of one species; what is absent comes from its formula, the mechanism or
-    the thermodynamic tables.
-    """
-
-    elements: dict[str, Positive] | None = Field(
-        None, description="atoms, {C = 1, H = 4}; absent: from the name"
-    )
-    molar_mass: MolarMass | None = Field(None, description="absent: from the elements")
-    shomate: tuple[FiniteFloat, ...] | None = Field(
-        None,
-        min_length=5,
-        max_length=8,
-        description="A to H of the Shomate equation, T/1000 K, J/mol/K and kJ/mol; F "
-        "and G may be left out",
-    )
-    heat_capacity: MolarHeatCapacity | None = Field(
-        None, description="constant, instead of shomate"
-    )
-    enthalpy: MolarEnergy | None = Field(
-        None, description="of formation at 298.15 K, with heat_capacity or A to E"
-    )
-    entropy: MolarEntropy | None = Field(None, description="standard, at 298.15 K")
-    density: Density | None = Field(None, description="of a solid without pores")
-    viscosity: (
-        Annotated[Annotated[Viscosity, Tag("number")] | Curve, Discriminator(form)]
-        | None
-    ) = Field(
-        None, description="of a gas; a list is c1 to c4 of c1 T^c2/(1 + c3/T + c4/T^2)"
-    )
-    conductivity: (
-        Annotated[Annotated[Conductivity, Tag("number")] | Curve, Discriminator(form)]
-        | None
-    ) = Field(None, description="of a gas, as viscosity")
 
 
 class Adsorption(Table):

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.chemistry.local import FINEST, Smoothing
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed.cells import MOST_CELLS, halves, moved, next_cells
 from contbed.reacting_bed.equations.unknowns import conserved
-from contbed.reacting_bed.local import FINEST, Smoothing
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import rate_without_value, taken_to_the_end
 from contbed.reacting_bed.storage import Storage

@@ -23,10 +23,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.chemistry.local import Smoothing
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed import solve
 from contbed.reacting_bed.amounts import carried
-from contbed.reacting_bed.local import Smoothing
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.closures.reactions import R_GAS
+from contbed.chemistry.thermo import R_GAS
 from contbed.materials.composition import mole_fractions
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.inlet_series import constant

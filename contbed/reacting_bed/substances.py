@@ -7,97 +7,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from contbed.closures.reactions import stoichiometry
+from contbed.chemistry.laws import equations_of
+from contbed.chemistry.mixture import GasTransport, Mechanism, dippr102, fuller_pair
+from contbed.chemistry.species import (
+    Species,
+    condensed_names,
+    gas_species,
+    solid_species,
+)
+from contbed.chemistry.thermo import Thermo
 from contbed.errors import SceneError
 from contbed.materials.common import nearest
 from contbed.materials.composition import mole_fractions, names_in
-from contbed.materials.elements import elements_of, molar_mass_of
-from contbed.materials.mixture import GasTransport, Mechanism, dippr102, fuller_pair
-from contbed.materials.thermo import (
-    T_STANDARD,
-    ConstantHeatCapacity,
-    Shomate,
-    Thermo,
-    species_of,
-)
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.inlet_series import CompositionSeries
-from contbed.reacting_bed.laws import LAWS_WITH_EQUATION
 from contbed.scene.mechanism import find_mechanism
-
-# [J/mol/K] of a species without data in an isothermal bed, where it has no meaning
-INERT_CAPACITY = 1.0
-# coefficients after which F, the constant of the enthalpy, follows
-FORMATION_SHOMATE = 5
-
-
-@dataclass(frozen=True)
-class Equation:
-    """Moles of each species made per mole of a reaction, and whether it is
-    reversible.
-    """
-
-    stoichiometry: Mapping[str, float]
-    reversible: bool
-
-    @classmethod
-    def of(cls, text: str) -> Equation:
-        """Read "CH4 + 12 Fe2O3 -> 8 Fe3O4 + CO2 + 2 H2O"; SceneError says what is
-        wrong.
-        """
-        if text.replace("<->", "->").count("->") != 1:
-            raise SceneError(
-                'needs one arrow: "CO + H2O <-> CO2 + H2", or -> where it does not run '
-                "back"
-            )
-        try:
-            found = stoichiometry(text)
-        except ValueError as error:
-            raise SceneError(
-                f"cannot be read ({error}); write numbers before names, with spaces"
-            ) from None
-        if any(not name or " " in name for name in found):
-            raise SceneError(
-                'cannot be read; write it like "CH4 + 2 O2 -> CO2 + 2 H2O", with '
-                "spaces around +"
-            )
-        return cls(
-            {name: count for name, count in found.items() if count}, "<->" in text
-        )
-
-
-def equations_of(name: str, reaction: s.Reaction) -> dict[str, Equation]:
-    """Return the equations that a table of a reaction stands for, by name; a law
-    with stages has several.
-    """
-    if reaction.equation is not None:
-        return {name: Equation.of(reaction.equation)}
-    found = LAWS_WITH_EQUATION.get(reaction.law or "") or LAWS_WITH_EQUATION.get(
-        f"{name}.{reaction.law}"
-    )
-    if found is None:
-        raise SceneError("the equation is missing")
-    if isinstance(found, str):
-        return {name: Equation.of(found)}
-    return {f"{name}_{k + 1}": Equation.of(text) for k, text in enumerate(found)}
-
-
-@dataclass(frozen=True)
-class Species:
-    """Gases, and the constituents of the solids of one place, by name."""
-
-    gases: dict[str, Thermo]
-    solids: dict[str, Thermo]
-
-    @property
-    def all(self) -> dict[str, Thermo]:
-        """Gases and solids by name."""
-        return self.gases | self.solids
-
-    @property
-    def enthalpies(self) -> dict[str, Any]:
-        """Enthalpies of gases and solids by name, functions of T [K]."""
-        return {name: item.enthalpy for name, item in self.all.items()}
 
 
 @dataclass(frozen=True)
@@ -168,12 +92,16 @@ def constituents_of(phases: Mapping[str, s.Solid]) -> dict[str, s.Substance]:
     }
 
 
-def mechanism_of(scene: s.ReactingScene) -> Mechanism | None:
-    """Return the mechanism that a scene takes its gases from."""
-    gas = scene.gas
+def mechanism_of(gas: s.Mixture, base: Path) -> Mechanism | None:
+    """Return the mechanism that a scene takes its gases from.
+
+    Raises
+    ------
+    SceneError : it cannot be read
+    """
     if not isinstance(gas, s.GasCantera):
         return None
-    return Mechanism.read(find_mechanism(gas.mechanism, scene.origin.base))
+    return Mechanism.read(find_mechanism(gas.mechanism, base))
 
 
 def species_without_phases(
@@ -186,13 +114,17 @@ def species_without_phases(
     ------
     SceneError : data of a species are missing
     """
-    mechanism = mechanism_of(scene)
+    mechanism = mechanism_of(scene.gas, scene.origin.base)
     gas_names, solid_names = _names(scene, mechanism)
     needs_heat = scene.heat is not None
-    gases = {name: _gas(name, scene.gas, mechanism, needs_heat) for name in gas_names}
+    tables = scene.gas.species
+    gases = {
+        name: gas_species(name, tables.get(name), mechanism, needs_heat)
+        for name in gas_names
+    }
     data = constituents_of(scene.solids)
     solids = {
-        name: _constituent(name, data.get(name), needs_heat) for name in solid_names
+        name: solid_species(name, data.get(name), needs_heat) for name in solid_names
     }
     return Species(gases, solids), _transport(scene, gases, mechanism)
 
@@ -311,105 +243,6 @@ def _gases_in(
         series = isinstance(composition, CompositionSeries)
         found += composition.fractions(base)[0] if series else read(composition)
     return list(dict.fromkeys(found))
-
-
-def condensed_names() -> tuple[str, ...]:
-    """Return names of solids that Cantera's tables hold."""
-    try:
-        return tuple(_condensed())
-    except ImportError:
-        return ()
-
-
-def _condensed() -> dict[str, Any]:
-    """Return the solids of Cantera's tables by formula; the form that is stable at
-    the lowest temperature.
-    """
-    import cantera
-
-    out: dict[str, Any] = {}
-    for item in cantera.Species.list_from_file("nasa_condensed.yaml"):
-        name = (
-            item.name.split("(")[0]
-            if item.name.endswith(")") and not item.name.endswith("(L)")
-            else item.name
-        )
-        if name not in out or item.thermo.min_temp < out[name].thermo.min_temp:
-            out[name] = item
-    return out
-
-
-def _elements(name: str, table: s.Substance | None) -> dict[str, float]:
-    return (
-        dict(table.elements)
-        if table is not None and table.elements
-        else elements_of(name)
-    )
-
-
-def _from_table(name: str, table: s.Substance, needs_heat: bool) -> Thermo | None:
-    """Return a species from the data of its table, None where they give no
-    thermodynamics.
-    """
-    elements = _elements(name, table)
-    mass = table.molar_mass or molar_mass_of(elements)
-    if table.shomate is not None:
-        given = list(table.shomate)
-        if table.enthalpy is not None or len(given) == FORMATION_SHOMATE:
-            if table.enthalpy is None:
-                raise SceneError(
-                    f"{name}: shomate has no F; give F, or the enthalpy of formation "
-                    "as `enthalpy`"
-                )
-            zero = Shomate(name, elements, mass, (*given[:FORMATION_SHOMATE], 0.0))
-            F = (table.enthalpy - float(zero.enthalpy(T_STANDARD))) * 1e-3
-            given[FORMATION_SHOMATE : FORMATION_SHOMATE + 1] = [F]
-        return Shomate(name, elements, mass, tuple(given[:7]))
-    if table.heat_capacity is not None or (not needs_heat and table.enthalpy is None):
-        cp = table.heat_capacity or INERT_CAPACITY
-        return ConstantHeatCapacity(
-            name, elements, mass, cp, table.enthalpy or 0.0, table.entropy
-        )
-    return None
-
-
-def _gas(
-    name: str, given: s.Mixture, mechanism: Mechanism | None, needs_heat: bool
-) -> Thermo:
-    table = given.species.get(name)
-    if table is not None and (
-        mechanism is None
-        or table.shomate is not None
-        or table.heat_capacity is not None
-    ):
-        found = _from_table(name, table, needs_heat)
-        if found is not None:
-            return found
-    if mechanism is not None and name in mechanism.names:
-        return mechanism.species(name)
-    raise SceneError(
-        f"{name} has no thermodynamics: give shomate, or heat_capacity and enthalpy, "
-        f"in [gas.species.{name}]"
-    )
-
-
-def _constituent(name: str, table: s.Substance | None, needs_heat: bool) -> Thermo:
-    if table is not None:
-        found = _from_table(name, table, needs_heat)
-        if found is not None:
-            return found
-    tables = _condensed()
-    if name in tables:
-        elements = _elements(name, table)
-        mass = (table.molar_mass if table is not None else None) or molar_mass_of(
-            elements
-        )
-        return species_of(name, tables[name], mass, with_jumps=True)
-    table_name = f"[solids.NAME.constituent.{name}]"
-    raise SceneError(
-        f"{name} has no thermodynamics: give shomate, or heat_capacity and enthalpy, "
-        f"in {table_name}"
-    )
 
 
 def _transport(

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.closures.reactions import R_GAS
+from contbed.chemistry.thermo import R_GAS
 from contbed.errors import ConvergenceError
 from contbed.fem.line_projection import projected
 from contbed.reacting_bed.amounts import FINE, MISSED

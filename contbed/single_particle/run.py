@@ -15,7 +15,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from contbed.balance import Balance
-from contbed.closures.reactions import R_GAS
+from contbed.chemistry.thermo import R_GAS
 from contbed.errors import ConvergenceError
 from contbed.fields import header
 from contbed.materials.composition import mole_fractions

@@ -30,9 +30,9 @@ from pictures import plot_closure
 from verification import write_page as write_verification
 
 from contbed import closures, fields
+from contbed.chemistry.laws_of_gases import LAWS
+from contbed.chemistry.laws_of_solids import CHAR_LAWS
 from contbed.closures import arguments, registry
-from contbed.closures.reactions import LAWS
-from contbed.closures.reactions_solid import CHAR_LAWS
 from contbed.explain import editor
 from contbed.explain.catalogue import laws_by_name, models
 from contbed.explain.closure_keys import closure_keys

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import contbed as cb
-from contbed.closures.reactions import R_GAS
+from contbed.chemistry.thermo import R_GAS
 from contbed.particle.uptake import Level, breakthrough
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables

@@ -12,9 +12,10 @@ from contbed.bubbling_bed.chemistry import scene as t
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.chemistry.problem import fuel_data
 from contbed.bubbling_bed.solids import Solid
-from contbed.closures import devolatilisation as dv
-from contbed.closures import reactions as r
-from contbed.closures import reactions_solid as rs
+from contbed.chemistry import devolatilisation as dv
+from contbed.chemistry import laws_of_gases as r
+from contbed.chemistry import laws_of_solids as rs
+from contbed.chemistry.thermo import R_GAS
 from contbed.errors import SceneError
 from contbed.fem.ad.dual import Dual
 
@@ -236,7 +237,7 @@ def test_gasification_stands_still_in_equilibrium_and_is_held_by_the_film():
     )
     film = char(char_steam=1e15)
     D = rs.diffusion_in_nitrogen("H2O", 0.018015, 1150.0, 1e5)
-    flux = film.surface * 1.5 * D / (0.8 * 2e-3) * 0.3 * 1e5 / (r.R_GAS * 1150.0)
+    flux = film.surface * 1.5 * D / (0.8 * 2e-3) * 0.3 * 1e5 / (R_GAS * 1150.0)
     assert film.gasification_rate(
         "char_steam", 1150.0, 1150.0, {"H2O": 0.3, "CO": 0.0, "H2": 0.0}, 1e5
     ) == pytest.approx(flux)
@@ -286,7 +287,7 @@ def test_sulphate_gives_off_sulphur_dioxide_up_to_its_equilibrium():
     assert lime.reduction_rate(1123.15, p | {"CO": 1000.0}, 3.0) == pytest.approx(
         2e-7 * 1000.0 * 3.0, rel=1e-6
     )
-    growth = np.exp(57.8e3 * 4.184 / r.R_GAS * (1.0 / 1123.15 - 1.0 / 1200.0))
+    growth = np.exp(57.8e3 * 4.184 / R_GAS * (1.0 / 1123.15 - 1.0 / 1200.0))
     assert lime.reduction_rate(1200.0, p, 3.0) == pytest.approx(
         2e-7 * growth * 500.0 * 3.0, rel=1e-6
     )

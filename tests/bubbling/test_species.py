@@ -18,7 +18,7 @@ from contbed.bubbling_bed.chemistry.scene import SulphateReduction
 from contbed.bubbling_bed.equations.species import Gas, SourceTerms, Species
 from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
-from contbed.closures import reactions as r
+from contbed.chemistry import laws_of_gases as r
 from contbed.errors import SceneError
 from contbed.loading import from_dict
 

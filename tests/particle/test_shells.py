@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contbed.particle.effectiveness import sphere
+from contbed.chemistry.effectiveness import sphere
 from contbed.particle.shells import shells
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from contbed.chemistry import shrinking_core as core
 from contbed.fem.ad.dual import Dual
-from contbed.particle import shrinking_core as core
 from tests.particle.tables import rows
 
 

@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from contbed.chemistry import three_interfaces as three
 from contbed.fem.ad.dual import Dual
-from contbed.particle import three_interfaces as three
 from tests.particle.tables import rows
 
 R_GAS = 8.31446261815324

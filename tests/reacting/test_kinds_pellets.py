@@ -12,9 +12,9 @@ from several_solids import SHARES, split_pellets
 from solving import solved
 from test_pellets import D_A, REFORMER, R, left, pellets
 
+from contbed.chemistry.effectiveness import sphere
 from contbed.errors import SceneError
 from contbed.loading import from_dict
-from contbed.particle.effectiveness import sphere
 from contbed.plan_text import percent
 from contbed.reacting_bed.plan import plan
 

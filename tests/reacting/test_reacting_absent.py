@@ -34,7 +34,7 @@ gas = { velocity = 0.5, temperature = 300.0 }
 solids.sand = { velocity = 1e-3, temperature = 600.0 }
 ''')
 contbed.run(scene)
-new = ("reacting_bed", "fem.line_dg", "closures.formula", "materials.mixture", "materials.thermo", "materials.elements")
+new = ("reacting_bed", "fem.line_dg", "closures.formula", "chemistry")
 found = [name for name in sys.modules if name.startswith(tuple("contbed." + part for part in new))]
 sys.exit(", ".join(found) or (0 if scene.kind == "packed_bed" else scene.kind))
 """

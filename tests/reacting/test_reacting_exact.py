@@ -16,8 +16,8 @@ from reacting_bed_scenes import (
 )
 from solving import solved
 
+from contbed.chemistry.local import Smoothing
 from contbed.reacting_bed import solve
-from contbed.reacting_bed.local import Smoothing
 
 # of what enters: fluxes at the ends converge with order 7; cells follow a tolerance of
 # 1e-6 and reach 1e-8 and better

@@ -12,9 +12,9 @@ from reacting_bed_scenes import R_GAS, P, isothermal, species
 from solving import solved
 from test_pellets import D_A, REFORMER, R, left, pellets
 
+from contbed.chemistry.effectiveness import sphere
 from contbed.loading import from_dict
 from contbed.many.derivatives.gradients import gradient_of
-from contbed.particle.effectiveness import sphere
 from contbed.plan_text import percent
 from contbed.reacting_bed.plan import plan
 

@@ -10,8 +10,8 @@ from difflib import get_close_matches
 from contbed.bubbling_bed.chemistry import scene as t
 from contbed.bubbling_bed.solids import Fuel, Solid
 from contbed.bubbling_bed.tables import BubblingBed
-from contbed.closures.reactions import LAWS
-from contbed.closures.reactions_solid import CHAR_LAWS
+from contbed.chemistry.laws_of_gases import LAWS
+from contbed.chemistry.laws_of_solids import CHAR_LAWS
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.gas import GasCantera
@@ -77,7 +77,7 @@ def the_fuel_is_whole(solids: Solids) -> Mistakes:
 
 def _analysis(path: KeyPath, fuel: Fuel) -> Mistakes:
     """Check the analysis of one fuel."""
-    from contbed.closures import devolatilisation as dv
+    from contbed.chemistry import devolatilisation as dv
 
     dry = fuel.ultimate.model_dump()
     total = sum(dry.values()) + fuel.ash

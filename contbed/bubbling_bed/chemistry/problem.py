@@ -14,8 +14,8 @@ from contbed.bubbling_bed.chemistry import reactions as cr
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.equations import species as model
 from contbed.bubbling_bed.solids import Feed, Solid
-from contbed.closures import devolatilisation as dv
-from contbed.closures.reactions import R_GAS
+from contbed.chemistry import devolatilisation as dv
+from contbed.chemistry.thermo import R_GAS
 from contbed.materials.composition import mole_fractions
 
 CP_VOLATILES, CP_ASH = 1500.0, 1000.0  # [J/kg/K]

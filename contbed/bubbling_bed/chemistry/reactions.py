@@ -13,10 +13,10 @@ import numpy as np
 from contbed.bubbling_bed.chemistry import scene as t
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.equations.species import SourceTerms, State
-from contbed.closures import devolatilisation as dv
-from contbed.closures import reactions as r
-from contbed.closures import reactions_solid as rs
-from contbed.closures.reactions import R_GAS
+from contbed.chemistry import devolatilisation as dv
+from contbed.chemistry import laws_of_gases as r
+from contbed.chemistry import laws_of_solids as rs
+from contbed.chemistry.thermo import R_GAS
 
 CARBON = dv.ATOMIC["C"]
 # [Pa] over which the release of SO2 falls to 0 at equilibrium; beds hold 10 Pa of CO

@@ -13,8 +13,8 @@ from contbed.balance import Balance
 from contbed.bubbling_bed.chemistry import reactions as cr
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.chemistry.problem import Chemistry
-from contbed.closures import devolatilisation as dv
-from contbed.closures.reactions import LAWS
+from contbed.chemistry import devolatilisation as dv
+from contbed.chemistry.laws_of_gases import LAWS
 from contbed.errors import ConvergenceError
 from contbed.materials.common import share_outside
 from contbed.result import Result

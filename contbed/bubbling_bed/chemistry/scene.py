@@ -10,8 +10,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from contbed.closures.reactions import LAWS
-from contbed.closures.reactions_solid import CHAR_LAWS
+from contbed.chemistry.laws_of_gases import LAWS
+from contbed.chemistry.laws_of_solids import CHAR_LAWS
 from contbed.scene.quantities import Number, Seconds, Table, unit
 
 Factor = Annotated[Number, Field(gt=0)]

@@ -12,11 +12,10 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-from contbed.closures.devolatilisation import molar_mass
-from contbed.closures.reactions import R_GAS
+from contbed.chemistry.devolatilisation import molar_mass
+from contbed.chemistry.thermo import R_GAS, T_STANDARD, Species, species_of
 from contbed.errors import SceneError
 from contbed.materials.pointwise import pointwise
-from contbed.materials.thermo import T_STANDARD, Species, species_of
 
 __all__ = [
     "GASES",

@@ -254,7 +254,7 @@ class Species:
         return sources
 
     def _exchange(self, state: State, terms: SourceTerms) -> None:
-        from contbed.closures.reactions import R_GAS
+        from contbed.chemistry.thermo import R_GAS
 
         assert self.exchange is not None
         local, w = state.local, state.w

@@ -44,7 +44,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.closures.reactions import R_GAS
+from contbed.chemistry.thermo import R_GAS
 from contbed.reacting_bed.equations.losses import within
 from contbed.reacting_bed.equations.phase import Enthalpy, Phase
 from contbed.reacting_bed.equations.unknowns import LEAST_T, Layout, State

@@ -42,7 +42,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.closures.reactions import R_GAS
+from contbed.chemistry.thermo import R_GAS
 
 Array = NDArray[np.float64]
 # iterations, which are few: the error is squared near the root and falls from above

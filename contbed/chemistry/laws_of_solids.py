@@ -20,7 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from contbed.closures.reactions import R_GAS, Law
+from contbed.chemistry.laws_of_gases import Law
+from contbed.chemistry.thermo import R_GAS
 
 ATM, BAR = 101325.0, 1e5  # [Pa]
 

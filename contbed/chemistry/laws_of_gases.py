@@ -27,7 +27,9 @@ from typing import Any
 
 import numpy as np
 
-R_GAS = 8.31446261815324  # [J/mol/K]
+from contbed.chemistry.equation import stoichiometry
+from contbed.chemistry.thermo import R_GAS
+
 SMALL = 1e-5  # share of all molecules below which fractional orders are straight lines
 
 
@@ -89,17 +91,6 @@ class Law:
                     others = others * np.maximum(power(c, n, small), 0.0)
             total = total + others
         return self.constant(T) * total
-
-
-def stoichiometry(reaction: str) -> dict[str, float]:
-    """Moles made of each species by "CO + 0.5 O2 -> CO2"."""
-    out: dict[str, float] = {}
-    left, right = reaction.replace("<->", "->").split("->")
-    for side, sign in ((left, -1.0), (right, 1.0)):
-        for term in side.split(" + "):
-            count, _, name = term.strip().rpartition(" ")
-            out[name] = out.get(name, 0.0) + sign * (float(count) if count else 1.0)
-    return out
 
 
 def product(factors: Sequence[Any]) -> Any:

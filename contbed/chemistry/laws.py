@@ -4,9 +4,12 @@ that belong to them.
 
 from __future__ import annotations
 
-from contbed.closures.reactions import LAWS
-from contbed.closures.reactions_reforming import REACTIONS as REFORMING
-from contbed.particle.three_interfaces import TAKAHASHI
+from contbed.chemistry.equation import Equation
+from contbed.chemistry.laws_of_gases import LAWS
+from contbed.chemistry.reforming import REACTIONS as REFORMING
+from contbed.chemistry.three_interfaces import TAKAHASHI
+from contbed.errors import SceneError
+from contbed.scene.reactions import Reaction
 
 # three steps, per mole of the reducing gas
 _STAGES = (
@@ -40,3 +43,19 @@ NEEDS: dict[str, tuple[str, ...]] = {
 def known_laws(name: str) -> list[str]:
     """Return the laws that a reaction of this name may have."""
     return [*NEEDS, *REFORMING, *STAGED, *LAWS.get(name, {})]
+
+
+def equations_of(name: str, reaction: Reaction) -> dict[str, Equation]:
+    """Return the equations that a table of a reaction stands for, by name; a law
+    with stages has several.
+    """
+    if reaction.equation is not None:
+        return {name: Equation.of(reaction.equation)}
+    found = LAWS_WITH_EQUATION.get(reaction.law or "") or LAWS_WITH_EQUATION.get(
+        f"{name}.{reaction.law}"
+    )
+    if found is None:
+        raise SceneError("the equation is missing")
+    if isinstance(found, str):
+        return {name: Equation.of(found)}
+    return {f"{name}_{k + 1}": Equation.of(text) for k, text in enumerate(found)}

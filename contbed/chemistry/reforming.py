@@ -20,7 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from contbed.closures.reactions import R_GAS, product
+from contbed.chemistry.laws_of_gases import product
+from contbed.chemistry.thermo import R_GAS
 
 GASES = ("CH4", "H2O", "H2", "CO", "CO2")
 REACTIONS: dict[str, str] = {

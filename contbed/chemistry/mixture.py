@@ -10,15 +10,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from contbed.closures.reactions import R_GAS
+from contbed.chemistry.thermo import R_GAS, Species, Thermo, species_of
 from contbed.errors import SceneError
 from contbed.materials.common import polynomial
 from contbed.materials.gas import T_FIT, cantera_gas, recentred
-from contbed.materials.thermo import Species, Thermo, species_of
 
 TRACE = 1e-12  # mole fraction
 # diffusion volumes of Fuller, Schettler, Giddings 1966, as revised 1969: Poling,
@@ -175,8 +176,13 @@ class Mechanism:
     @classmethod
     def read(cls, mechanism: str) -> Mechanism:
         """Read a mechanism; SceneError says why it cannot be."""
-        gas, _ = cantera_gas(mechanism)
-        return cls(gas, tuple(gas.species_names))
+        path = Path(mechanism)
+        changed = path.stat().st_mtime_ns if path.is_file() else 0
+        return _read(mechanism, changed)
+
+    def atoms(self, name: str) -> dict[str, float]:
+        """Return the atoms of a species of the mechanism."""
+        return dict(self.gas.species(name).composition)
 
     def species(self, name: str) -> Species:
         """Return the thermodynamics of a species of the mechanism."""
@@ -209,6 +215,13 @@ class Mechanism:
         i, j = self.gas.species_index(first), self.gas.species_index(second)
         fit = recentred(self.gas.get_binary_diff_coeffs_polynomial(i, j), 1.0)
         return lambda T: T * (np.sqrt(T) * polynomial(fit, np.log(T * (1.0 / T_FIT))))
+
+
+@lru_cache(maxsize=4)
+def _read(mechanism: str, changed: int) -> Mechanism:
+    """Read a mechanism whose file was `changed` at a time; 0 of Cantera's own."""
+    gas, _ = cantera_gas(mechanism)
+    return Mechanism(gas, tuple(gas.species_names))
 
 
 def density(p: Any, molar_mass: Any, T: Any) -> Any:

@@ -14,17 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from contbed.closures import reactions as r
-from contbed.closures import reactions_reforming as reforming
+from contbed.chemistry import laws_of_gases as r
+from contbed.chemistry import reforming, shrinking_core, three_interfaces
+from contbed.chemistry.effectiveness import effectiveness_of
+from contbed.chemistry.equation import Equation
+from contbed.chemistry.laws import IRON, STAGED, equations_of
+from contbed.chemistry.laws_of_gases import LAWS
+from contbed.chemistry.local import Local
+from contbed.chemistry.species import Species
+from contbed.chemistry.thermo import R_GAS, Equilibrium
 from contbed.closures.formula import TINY, Formula, odd_power, parse_formula, power
-from contbed.closures.reactions import LAWS, R_GAS
-from contbed.materials.thermo import Equilibrium
-from contbed.particle import shrinking_core, three_interfaces
-from contbed.particle.effectiveness import effectiveness_of
-from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.laws import IRON, STAGED
-from contbed.reacting_bed.local import Local
-from contbed.reacting_bed.substances import Equation, Species, equations_of
+from contbed.scene.reactions import Reaction as ReactionTable
 
 BAR = 1e5
 SI_OF_BASIS = {
@@ -72,7 +72,7 @@ class Reaction:
 
 
 def reactions_of(
-    tables: Mapping[str, s.Reaction], species: Species, with_effectiveness: bool
+    tables: Mapping[str, ReactionTable], species: Species, with_effectiveness: bool
 ) -> list[Reaction]:
     """Return the reactions of tables in one place; one with stages gives one for each.
 
@@ -90,7 +90,7 @@ def reactions_of(
     return out
 
 
-def site_of(table: s.Reaction, equation: Equation, species: Species) -> str:
+def site_of(table: ReactionTable, equation: Equation, species: Species) -> str:
     """Return where a reaction runs, as the basis of its rate."""
     if table.basis is not None:
         return table.basis
@@ -105,7 +105,7 @@ def site_of(table: s.Reaction, equation: Equation, species: Species) -> str:
 
 def _one(
     name: str,
-    table: s.Reaction,
+    table: ReactionTable,
     equation: Equation,
     species: Species,
     with_effectiveness: bool,
@@ -155,7 +155,7 @@ def _one(
 
 
 def _gases_of(
-    table: s.Reaction, used: Mapping[str, float], gases: frozenset[str]
+    table: ReactionTable, used: Mapping[str, float], gases: frozenset[str]
 ) -> frozenset[str]:
     """Return the gases of an equation, of its orders and of its rate."""
     found = set(used)
@@ -185,7 +185,7 @@ def _per_bed(rate: Rate, basis: str, factor: float) -> Rate:
     return scaled
 
 
-def constant(table: s.Reaction, T: Any) -> Any:
+def constant(table: ReactionTable, T: Any) -> Any:
     """Return k = A T^b exp(-E/(R T))."""
     k = (
         (table.A or 0.0) * np.exp(-(table.E or 0.0) / R_GAS / T)
@@ -196,7 +196,7 @@ def constant(table: s.Reaction, T: Any) -> Any:
 
 
 def orders_of(
-    table: s.Reaction, equation: Equation, species: Species
+    table: ReactionTable, equation: Equation, species: Species
 ) -> dict[str, float]:
     """Return the orders of a reaction in its species; absent: the coefficients of
     gases on the left.
@@ -245,7 +245,7 @@ def _powers(at: Local, orders: Mapping[str, float]) -> Any:
 
 
 def _power(
-    table: s.Reaction, equation: Equation, equilibrium: Equilibrium, species: Species
+    table: ReactionTable, equation: Equation, equilibrium: Equilibrium, species: Species
 ) -> Rate:
     orders = orders_of(table, equation, species)
     gases = {
@@ -274,7 +274,7 @@ def _power(
 
 
 def _named(
-    name: str, table: s.Reaction, equation: Equation, equilibrium: Equilibrium
+    name: str, table: ReactionTable, equation: Equation, equilibrium: Equilibrium
 ) -> Rate:
     law = LAWS[name][str(table.law)]
 
@@ -346,7 +346,7 @@ def _key(equation: Equation, species: Species) -> tuple[str, float]:
     )
 
 
-def _grain(table: s.Reaction, equation: Equation, species: Species) -> Rate:
+def _grain(table: ReactionTable, equation: Equation, species: Species) -> Rate:
     """Return 3 n0 a k c^m (1 - X)^(2/3)/(n_g r_g), times another 1 - X for
     `grain_remaining`, per particle volume.
     """
@@ -374,7 +374,7 @@ def _grain(table: s.Reaction, equation: Equation, species: Species) -> Rate:
 
 
 def _shrinking_core(
-    table: s.Reaction, equation: Equation, equilibrium: Equilibrium, species: Species
+    table: ReactionTable, equation: Equation, equilibrium: Equilibrium, species: Species
 ) -> Rate:
     name, _, _ = solids_of(equation, species)
     gas, moles = _key(equation, species)
@@ -419,7 +419,7 @@ def _shrinking_core(
     return rate
 
 
-def _stages(table: s.Reaction, equations: Mapping[str, Equation]) -> list[Reaction]:
+def _stages(table: ReactionTable, equations: Mapping[str, Equation]) -> list[Reaction]:
     """Return the three steps of a pellet with three interfaces."""
     gas = STAGED[str(table.law)]
     data = three_interfaces.TAKAHASHI[gas]
@@ -459,7 +459,7 @@ def interface_volumes(n: Mapping[str, Any]) -> tuple[Any, Any, Any]:
 
 
 def _slowed(
-    rate: Rate, table: s.Reaction, equation: Equation, species: Species, basis: str
+    rate: Rate, table: ReactionTable, equation: Equation, species: Species, basis: str
 ) -> Rate:
     """Return a rate times the effectiveness of a sphere.
 
@@ -520,7 +520,7 @@ def sizes_of(at: Local) -> dict[str, Any]:
 
 
 def formula_of(
-    table: s.Reaction, basis: str
+    table: ReactionTable, basis: str
 ) -> tuple[Formula, dict[str, float], float]:
     """Return the formula of a rate, its parameters in SI and the factor of its unit."""
     from contbed.scene.units import base_value, factor_and_offset
@@ -537,7 +537,7 @@ def formula_of(
 
 
 def _formula(
-    table: s.Reaction, equation: Equation, basis: str, species: Species
+    table: ReactionTable, equation: Equation, basis: str, species: Species
 ) -> Rate:
     formula, parameters, factor = formula_of(table, basis)
     has_solid = any(

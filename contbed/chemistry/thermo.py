@@ -15,11 +15,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from contbed.closures.reactions import R_GAS
 from contbed.errors import SceneError
 from contbed.materials.common import integrated, polynomial
 from contbed.materials.pointwise import pointwise
 
+R_GAS = 8.31446261815324  # [J/mol/K]
 T_STANDARD = 298.15  # reference of heats of formation [K]
 # enthalpies at one temperature that are kept; a scene has some ten species and feeds
 MAX_KNOWN = 1024

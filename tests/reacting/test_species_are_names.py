@@ -1,0 +1,93 @@
+"""Species of a mechanism are names: their atoms are those of the mechanism, whatever
+formula a name looks like.
+"""
+
+import math
+from pathlib import Path
+
+import cantera
+import pytest
+
+import contbed as cb
+from contbed.errors import SceneError
+from contbed.loading import loads
+
+DATA = Path(__file__).parents[1] / "data"
+HEPTANE = """
+mesh = { type = "line", length = "0.5 m" }
+gas = { model = "cantera", mechanism = "hept.yaml", composition = "NC7H16:0.01, O2:0.21, N2:0.78", pressure = "2 bar" }
+solids.pellets = { density = 1200, diameter = "3 mm" }
+packed_bed.porosity = 0.4
+boundary.left.gas = { velocity = "0.5 m/s", temperature = "600 K" }
+output = { plots = false, fields = false }
+[heat]
+[reactions.r]
+equation = "NC7H16 + 11 O2 -> 7 CO2 + 8 H2O"
+A = 1e-3
+E = 0
+basis = "catalyst"
+"""
+# the names are also symbols of elements, boron, and of what is none
+ISOMERS = """
+phases:
+- {name: gas, thermo: ideal-gas, elements: [C, H, N, O], species: [{species: [A, B]}, {gri30.yaml/species: [N2]}],
+   transport: mixture-averaged, state: {T: 300.0, P: 1 atm}}
+species:
+"""
+ISOMER = """- name: %s
+  composition: {C: 2, H: 4}
+  thermo:
+    model: NASA7
+    temperature-ranges: [200.0, 1000.0, 3500.0]
+    data: [[4.0, 0.0, 0.0, 0.0, 0.0, %s, 0.0], [4.0, 0.0, 0.0, 0.0, 0.0, %s, 0.0]]
+  transport: {model: gas, geometry: nonlinear, diameter: 4.0, well-depth: 250.0}
+"""
+
+
+@pytest.mark.parametrize("more", [{}, {"elements.C": 7.0, "elements.H": 16.0}])
+def test_heptane_burns(more):
+    """All that burns is CO2 and steam, and the gas leaves with the enthalpy that it
+    had.
+    """
+    keys = {f"gas.species.NC7H16.{key}": value for key, value in more.items()}
+    result = cb.run(loads(HEPTANE, overrides=keys, base=DATA))
+    assert result.status == "ok"
+    q = result.qoi
+    burnt = q["extent_r_mol_m2s"]
+    assert q["out_CO2_mol_m2s"] == pytest.approx(7.0 * burnt, rel=1e-9)
+    assert q["out_H2O_mol_m2s"] == pytest.approx(8.0 * burnt, rel=1e-9)
+    names = ("NC7H16", "O2", "N2", "CO2", "H2O")
+    gas = cantera.Solution(str(DATA / "hept.yaml"))
+    gas.TPX = 600.0, 2e5, "NC7H16:0.01, O2:0.21, N2:0.78"
+    entering = gas.enthalpy_mass
+    gas.HPX = entering, 2e5, {name: q[f"x_{name}_out"] for name in names}
+    assert q["T_fluid_out_K"] == pytest.approx(gas.T, rel=1e-6)
+
+
+def test_what_does_not_balance_is_named_by_the_atoms_of_the_mechanism():
+    wrong = HEPTANE.replace("7 CO2", "6 CO2")
+    with pytest.raises(SceneError, match=r"r\.equation = .*loses 1 atoms of C"):
+        loads(wrong, base=DATA)
+
+
+def test_a_name_with_a_remark_is_a_species():
+    """CH2(S) is singlet methylene, and holds no sulphur."""
+    relaxed = HEPTANE.replace("NC7H16 + 11 O2 -> 7 CO2 + 8 H2O", "CH2(S) -> CH2")
+    scene = loads(relaxed.replace("NC7H16:0.01", "CH2(S):0.01"), base=DATA)
+    assert cb.run(scene).qoi["x_CH2_out"] > 0.0
+
+
+def test_isomers_of_any_name(tmp_path):
+    """A -> B of first order at one temperature: what is left falls exponentially."""
+    one, other = (ISOMER % (name, h, h) for name, h in (("A", 6e3), ("B", 5e3)))
+    (tmp_path / "isomers.yaml").write_text(ISOMERS + one + other, encoding="utf-8")
+    text = HEPTANE.replace("[heat]", "").replace("hept.yaml", "isomers.yaml")
+    text = text.replace("NC7H16:0.01, O2:0.21, N2:0.78", "A:0.01, N2:0.99")
+    text = text.replace("NC7H16 + 11 O2 -> 7 CO2 + 8 H2O", "A -> B")
+    text = text.replace(
+        "porosity = 0.4", 'porosity = 0.4\npacked_bed.pressure_drop = "none"'
+    )
+    q = cb.run(loads(text, base=tmp_path)).qoi
+    left = math.exp(-1e-3 * 1200.0 * (1.0 - 0.4) * 0.5 / 0.5)
+    assert q["conversion_A"] == pytest.approx(1.0 - left, rel=1e-6)
+    assert q["x_B_out"] == pytest.approx(0.01 * (1.0 - left), rel=1e-6)
