@@ -141,6 +141,8 @@ class Energy:
         it: a step or, after a much longer one, what is left of that, as hurry would
         make the next step shorter still
     p0 [Pa] : thermodynamic pressure
+    layers (nc, columns) [K] : of heat.wall_layer, beside walls of a given temperature
+    wall_heat (nf,) [J] : from walls into the bed since the start; None without
     """
 
     T_gas: Array
@@ -152,6 +154,8 @@ class Energy:
     expansion: Array
     closing: float
     p0: float
+    layers: Array | None = None
+    wall_heat: Array | None = None
     account: HeatAccount = NO_HEAT
 
 

@@ -599,7 +599,7 @@ def test_a_pulse_brings_what_was_given_and_ends():
         run.bed.state.fluxes.total[jet], -1.5 * run.bed.model.grid.geometry.area[jet]
     )
     np.testing.assert_allclose(
-        run.bed.model.heat.T_gas[jet - run.bed.model.grid.interior], 300.0
+        run.bed.model.heat.at_faces.T_gas[jet - run.bed.model.grid.interior], 300.0
     )
 
 

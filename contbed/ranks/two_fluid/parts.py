@@ -39,7 +39,7 @@ from contbed.two_fluid.state import flatten, rebuild
 from contbed.two_fluid.timing import Timer
 
 if TYPE_CHECKING:
-    from contbed.two_fluid.heat.model import HeatModel
+    from contbed.two_fluid.heat.model import AtFaces, HeatModel
 
 # of the flattened state; all other arrays list cells
 OF_FACES = (
@@ -47,6 +47,7 @@ OF_FACES = (
     "state.fluxes.total",
     "state.fluxes.moved",
     "state.memory.face_residual",
+    "state.energy.wall_heat",
 )
 
 
@@ -100,13 +101,9 @@ def taken(edge: Edge, faces: Any) -> Edge:
     return Edge(gas, solid, **shared)
 
 
-def taken_heat(heat: HeatModel, faces: Any) -> tuple[Array, ...]:
-    """Return the conditions of heat of some boundary faces, in the order of
-    `HeatModel`.
-    """
-    return tuple(
-        values[faces] for values in (heat.T_gas, heat.T_solid, heat.wall, heat.flux)
-    )
+def taken_heat(heat: HeatModel, faces: Any) -> AtFaces:
+    """Return the conditions of heat of some boundary faces."""
+    return type(heat.at_faces)(*(values[faces] for values in heat.at_faces))
 
 
 def make(
@@ -162,10 +159,10 @@ def make(
     heat = None
     if outside_heat is not None:
         from contbed.two_fluid.heat import plan as heat_planning
-        from contbed.two_fluid.heat.model import HeatModel
+        from contbed.two_fluid.heat.model import heat_model
 
-        heat = HeatModel(
-            heat_planning.physics(about.scene, compiled.bound), *outside_heat
+        heat = heat_model(
+            grid, heat_planning.physics(about.scene, compiled.bound), outside_heat
         )
     model = Model(
         grid,
@@ -239,11 +236,8 @@ def impose_heat(all_ranks: RankGroup, root: Any, key: int) -> None:
     bed = all_ranks.objects[key].simulation
     heat = bed.model.heat
     assert heat is not None
-    T_gas, T_solid, wall, flux = all_ranks.comm.scatter(root)
-    bed.model = replace(
-        bed.model,
-        heat=replace(heat, T_gas=T_gas, T_solid=T_solid, wall=wall, flux=flux),
-    )
+    at_faces = all_ranks.comm.scatter(root)
+    bed.model = replace(bed.model, heat=replace(heat, at_faces=at_faces))
 
 
 def own_cells(all_ranks: RankGroup, root: Any, key: int) -> Any:

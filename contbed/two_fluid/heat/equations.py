@@ -18,6 +18,7 @@ the equation of pressure keeps,
 doi:10.1080/00102208508960376). What the last step left open between mass, temperature
 and volume joins the divergence, so that it does not add up.
 
+Walls of a given temperature heat a layer that cells need not resolve (wall_layer.py).
 Convection is explicit and limited to second order, conduction implicit, first order in
 time. Exchange weighs the new and the old difference of the temperatures by
 w = 1/(1 - exp(-z)) - 1/z, z = dt (sum of the rates of both phases): exact for constant
@@ -29,6 +30,7 @@ Mass and heat change by the fluxes of faces alone, so both close to rounding.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -46,11 +48,28 @@ from contbed.two_fluid.heat.implicit import (
     sums_over_faces,
 )
 from contbed.two_fluid.heat.model import HeatModel
+from contbed.two_fluid.heat.wall_layer import Surroundings
+from contbed.two_fluid.heat.walls import FromWalls, after_step, from_walls
 from contbed.two_fluid.linear.cg import EXPLICIT_SHARE
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.operators import gradient, predictor_half_step
 from contbed.two_fluid.state import Energy, HeatAccount, State, check_finite
 from contbed.two_fluid.timing import phase
+
+
+class Conduction(NamedTuple):
+    """What is conducted in a step.
+
+    links (nf, 2) [J/K] : conductance of each face times dt; None if it is so small
+        beside the content of the cells that explicit conduction is stable
+    taken [J] : by own cells, from walls if all ranks are added up
+    walls : None without walls of a given temperature
+    """
+
+    links: Array | None = None
+    taken: float = 0.0
+    walls: FromWalls | None = None
+
 
 ROUNDING = 1e-9  # share of a sub-cycle by which a number of them may be off
 # share of its volume [-] that a step may leave open in a cell of ideal gas, as the
@@ -84,6 +103,8 @@ def initial_energy(state: State, heat: HeatModel, model: Model) -> Energy:
         expansion=np.zeros(nc),
         closing=0.0,
         p0=heat.physics.pressure,
+        layers=np.zeros((nc, heat.columns)) if heat.columns else None,
+        wall_heat=np.zeros(model.grid.face_count) if heat.has_walls else None,
     )
     return fill_with_gas(start, state.eps_s, heat, model)
 
@@ -220,8 +241,10 @@ def _sub_cycle(
         (p.cp_gas * mass * volume, p.cp_solid * rho_s * s * volume), axis=1
     )
     rates = np.stack((p.cp_gas * moved_g, p.cp_solid * moved_s), axis=1)
-    walls = _heat_walls(s, rates, heat, dt, model)
-    links, conducted = _conduct(energy, s, content, rates, heat, dt, model)
+    given = _heat_walls(s, rates, heat, dt, model)
+    carried = p.cp_gas * gas + p.cp_solid * solid
+    conduction = _conduct(energy, s, content, rates, carried, heat, dt, model)
+    links = conduction.links
     lift = divided_or_zero(dt * rates, content)
     at_gas, at_solid = add_exchange(state, energy, s, content, lift, heat, dt, model)
     exchange = Exchange(content, links, at_gas, at_solid)
@@ -247,12 +270,20 @@ def _sub_cycle(
         rho_ratio=_density_ratio(mass, s, heat, model),
         p0=p0,
         account=_book(
-            energy.account, dt, gas, heat_flux, walls + conducted - lost, model
+            energy.account,
+            dt,
+            gas,
+            heat_flux,
+            given + conduction.taken - lost,
+            model,
         ),
     )
+    new = _with_walls(new, conduction, change, heat, dt, model)
     model.grid.halo.exchange(
         new.T_gas, new.T_solid, new.mass, new.rate_gas, new.rate_solid, new.rho_ratio
     )
+    if new.layers is not None:
+        model.grid.halo.exchange(new.layers)
     _check_temperatures(state, new, model)
     if not heat.ideal:
         return new, moved.flux_gas, s, s
@@ -280,7 +311,7 @@ def _face_temperatures(
     for T, entering, rate, u, flux, first_order, eps_s in (
         (
             energy.T_gas,
-            heat.T_gas,
+            heat.at_faces.T_gas,
             energy.rate_gas,
             state.u_gas,
             moved.flux_gas,
@@ -289,7 +320,7 @@ def _face_temperatures(
         ),
         (
             energy.T_solid,
-            heat.T_solid,
+            heat.at_faces.T_solid,
             energy.rate_solid,
             state.u_solid,
             moved.flux,
@@ -331,10 +362,12 @@ def _heat_walls(
     cells, area = model.boundary_cells, model.grid.geometry.area[model.grid.interior :]
     s = eps_s[cells]
     np.add.at(
-        rates, cells, (heat.flux * area)[:, None] * np.stack((1.0 - s, s), axis=1)
+        rates,
+        cells,
+        (heat.at_faces.flux * area)[:, None] * np.stack((1.0 - s, s), axis=1),
     )
     own = model.grid.halo.edges
-    return dt * float(heat.flux[own] @ area[own])
+    return dt * float(heat.at_faces.flux[own] @ area[own])
 
 
 def _conduct(
@@ -342,35 +375,81 @@ def _conduct(
     eps_s: Array,
     content: Array,
     rates: Array,
+    carried: Array,
     heat: HeatModel,
     dt: float,
     model: Model,
-) -> tuple[Array | None, float]:
-    """Add what is conducted now to `rates` (nc, 2) [W].
-
-    Return the conductance of each face times dt (nf, 2) [J/K], None if it is so small
-    beside the `content` of the cells that explicit conduction is stable; and the
-    heat [J] that own cells take, from walls if all ranks are added up.
+) -> Conduction:
+    """Add what is conducted now to `rates` (nc, 2) [W]; gas and particles have moved
+    the heat capacity `carried` (nf,) [W/K].
     """
     if heat.physics.conductivity is None:
-        return None, 0.0
-    g, halo, taken = model.grid.geometry, model.grid.halo, 0.0
+        return Conduction()
+    g, halo = model.grid.geometry, model.grid.halo
     k_gas, k_solid = heat.physics.conductivity(eps_s, energy.T_gas, energy.T_solid)
     # the few particles of a nearly empty cell hold too little heat to conduct any
     k_solid = k_solid * np.minimum(1.0, eps_s / FEW_PARTICLES)
-    links = np.empty((len(g.left), 2))
-    for k, (conductivity, T) in enumerate(
-        ((k_gas, energy.T_gas), (k_solid, energy.T_solid))
-    ):
-        grad = _slope(T, heat.wall, None if k == 0 else eps_s, model)[1]
-        out, one = np.zeros((len(T), 1)), np.empty((len(g.left), 1))
-        conduct(g, conductivity, T, heat.wall, grad, out, one)
-        rates[:, k] += out[:, 0]
-        links[:, k] = dt * one[:, 0]
-        # what cells give each other cancels in the sum
-        taken += dt * float(out[halo.cells].sum())
+    links, nowhere = (
+        np.empty((len(g.left), 2)),
+        np.full_like(heat.at_faces.wall, np.nan),
+    )
+    T, out = np.stack((energy.T_gas, energy.T_solid), axis=1), np.zeros_like(rates)
+    grad = np.empty((0, 1, g.normal.shape[1]))
+    for n, conductivity in enumerate((k_gas, k_solid)):
+        if g.skewed:
+            fraction = eps_s if n else None
+            grad = _slope(T[:, n], heat.at_faces.wall, fraction, model)[1]
+        into, link = np.zeros((len(T), 1)), np.empty((len(g.left), 1))
+        conduct(g, conductivity, T[:, n], nowhere, grad, into, link)
+        out[:, n], links[:, n] = into[:, 0], link[:, 0]
+    walls = None
+    if heat.columns:
+        count = len(heat.layers.face)
+        at = Surroundings(
+            k_gas + k_solid,
+            content,
+            T,
+            links,
+            out,
+            carried,
+            heat.at_faces.wall[heat.layers.face - model.grid.interior],
+            np.zeros(count),
+            np.zeros(count),
+            0.0,
+        )
+        walls = from_walls(at, k_gas, energy, heat, dt, model)
+        np.add.at(out, heat.layers.cell, walls.rate)
+        links[heat.layers.face] = walls.link
+    rates += out
+    links *= dt
     stiff = (sums_over_faces(links, model) > EXPLICIT_SHARE * content)[halo.cells].any()
-    return links if halo.any(bool(stiff)) else None, taken
+    # what cells give each other cancels in the sum
+    taken = dt * float(out[halo.cells].sum())
+    return Conduction(links if halo.any(bool(stiff)) else None, taken, walls)
+
+
+def _with_walls(
+    energy: Energy,
+    conduction: Conduction,
+    change: Array,
+    heat: HeatModel,
+    dt: float,
+    model: Model,
+) -> Energy:
+    """Return the state with layers and heat of walls after a step in which temperatures
+    have changed by `change` (nc, 2) [K].
+    """
+    if energy.wall_heat is None:
+        return energy
+    wall_heat = energy.wall_heat.copy()
+    edges = slice(model.grid.interior, None)
+    wall_heat[edges] += dt * heat.at_faces.flux * model.grid.geometry.area[edges]
+    layers = energy.layers
+    if conduction.walls is not None:
+        falls = None if conduction.links is None else change
+        layers, taken = after_step(energy, conduction.walls, falls, heat, model)
+        wall_heat[heat.layers.face] += dt * taken
+    return replace(energy, layers=layers, wall_heat=wall_heat)
 
 
 def _pressure_rise(

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.heat.wall_layer import WallLayers, wall_layers
 
 
 @dataclass(frozen=True)
@@ -49,19 +50,33 @@ class Thermal:
     flux: float = 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class HeatModel:
-    """Physics, and conditions on boundary faces (nb,).
+class AtFaces(NamedTuple):
+    """Conditions of heat on boundary faces (nb,).
 
     Temperatures [K] of gas and solids that enter and of walls, not a number where there
     is none, and the flux [W/m2] into the bed.
     """
 
-    physics: Physics
     T_gas: Array
     T_solid: Array
     wall: Array
     flux: Array
+
+
+@dataclass(frozen=True, eq=False)
+class HeatModel:
+    """Physics, and conditions on boundary faces.
+
+    layers, columns : beside walls of a given temperature, and the number of columns
+        that a state has for these; 0 if there is no such wall, here or on other ranks
+    has_walls : whether any wall, here or there, gives or takes heat
+    """
+
+    physics: Physics
+    at_faces: AtFaces
+    layers: WallLayers
+    columns: int
+    has_walls: bool
 
     @property
     def ideal(self) -> bool:
@@ -84,4 +99,11 @@ def build_heat(
             if given is not None:
                 values[at] = given
         flux[at] = c.flux
-    return HeatModel(physics, T_gas, T_solid, wall, flux)
+    return heat_model(grid, physics, AtFaces(T_gas, T_solid, wall, flux))
+
+
+def heat_model(grid: Grid, physics: Physics, at_faces: AtFaces) -> HeatModel:
+    """Model of heat with conditions on boundary faces."""
+    heated = ~np.isnan(at_faces.wall)
+    has_walls = grid.halo.any(bool(heated.any() or at_faces.flux.any()))
+    return HeatModel(physics, at_faces, *wall_layers(grid, heated), has_walls)
