@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from contbed.closures.binding import is_phase, named
 from contbed.closures.fluid_conducts import fluid_conducts_twice
+from contbed.course.schedule import series_of
 from contbed.errors import SceneError
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import GIVES, OF_HEAT, bound, places
@@ -19,7 +20,7 @@ from contbed.packed_bed.inlets import (
     velocity_key,
     velocity_vector,
 )
-from contbed.packed_bed.schedule import KELVIN, series_of
+from contbed.packed_bed.schedule import KELVIN
 from contbed.packed_bed.schedule_checks import (
     NAMES,
     PHASES,
@@ -537,7 +538,7 @@ def a_cycle_changes_something(
     if time is None or time.cycle is None:
         return
     yield from a_cycle_fits_its_series(
-        series_of(boundary), time, "a velocity or a temperature", see
+        series_of(boundary, ("boundary",)), time, "a velocity or a temperature", see
     )
     if not isinstance(mesh, MeshLine):
         yield (

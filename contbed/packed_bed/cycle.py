@@ -50,7 +50,7 @@ def find_cycle(
 
     Parameters
     ----------
-    problems : of the parts of a period, each with its piece
+    problems : of the parts of a period, each with its interval
     tolerance : largest change over one period, over the span of temperatures
     keep : is called with the state from which each further period begins, and the state
         that is found
@@ -87,11 +87,13 @@ def _period(problems: Sequence[Any], cycle: Cycle, policy: Policy, fresh: bool) 
     """
     history = History(cycle.state)
     for k, problem in enumerate(problems):
-        piece = problem.piece
-        enter(problem, history, policy, None if piece.jumps or k == 0 else history.size)
+        interval = problem.interval
+        enter(
+            problem, history, policy, None if interval.jumps or k == 0 else history.size
+        )
         levels = None if fresh else cycle.levels[k]
         taken = []
-        for step in steps_of(problem, history, policy, piece.end, levels):
+        for step in steps_of(problem, history, policy, interval.end, levels):
             history.state, history.time = step.states[-1], step.end
             history.tick, history.level = step.tick + 2**step.level, step.next_level
             taken.append(step.level)

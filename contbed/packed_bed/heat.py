@@ -22,7 +22,7 @@ from contbed.packed_bed.heat_coefficients import HeatCoefficients, Motion
 from contbed.packed_bed.inside import modes
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.radiation import coupling
-from contbed.packed_bed.schedule import Piece, initial_range, initial_values
+from contbed.packed_bed.schedule import ScheduleInterval, initial_range, initial_values
 from contbed.solvers.condensed import Modes
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
@@ -40,8 +40,8 @@ class HeatProblem:
 
     `linear` is true for constant properties; `fixed` and `fixed_values` are the
     prescribed temperatures, `idle` names those that nothing carries into the bed and
-    that are left out. In a `piece` of a run in which values change with time, `at` puts
-    those of a time in place. `system` is that of the same problem with other values on
+    that are left out. In an `interval` of a run in which values change with time,
+    `set_time` puts those of a time in place. `system` is that of the same problem with other values on
     this mesh.
     """
 
@@ -52,16 +52,11 @@ class HeatProblem:
         medium: Medium,
         motion: Motion,
         section: float = 1.0,
-        piece: Piece | None = None,
+        interval: ScheduleInterval | None = None,
         system: Any = None,
     ):
-        self.scene, self.mesh, self.medium, self.motion, self.piece = (
-            scene,
-            mesh,
-            medium,
-            motion,
-            piece,
-        )
+        self.scene, self.mesh, self.medium = scene, mesh, medium
+        self.motion, self.interval = motion, interval
         self.degree = degree = scene.solver.degree
         order = (
             2 * degree + (1 if mesh.axisymmetric else 0) + (0 if medium.constant else 2)
@@ -138,42 +133,39 @@ class HeatProblem:
         )
 
     @property
-    def changes(self) -> bool:
+    def time_dependent(self) -> bool:
         """Whether temperatures or fluxes of boundaries change with time."""
-        return self.piece is not None and self.piece.changes
+        return self.interval is not None and bool(self.interval.schedule)
 
-    def at(self, time: float) -> None:
+    def set_time(self, time: float) -> None:
         """Put the temperatures and fluxes of boundaries at a time [s] in place."""
-        if self.changes:
-            self.put(self.shares(time))
+        if self.time_dependent:
+            self.apply_boundary_values(self.interpolation_weights(time))
 
-    def shares(self, time: float) -> Any:
+    def interpolation_weights(self, time: float) -> Any:
         """Return how far the boundaries have come at a time [s] to other values, see
-        `Piece`.
+        `ScheduleInterval`.
         """
-        assert self.piece is not None
-        return self.piece.shares(time)
+        assert self.interval is not None
+        return self.interval.interpolation_weights(time)
 
-    def put(self, shares: Any) -> None:
-        """Put temperatures and fluxes of boundaries in place that have come so far
-        to other values.
-        """
-        assert self.piece is not None
-        walls = []
+    def apply_boundary_values(self, weights: Any) -> None:
+        """Put temperatures and fluxes of boundaries at interpolation weights in place."""
+        assert self.interval is not None
+        boundary, walls = self.interval.boundary(weights), []
         for name, part, wall in self.walls:
             phase = wall.name.removeprefix("T_")
-            condition = self.piece.condition(name, phase, shares)
-            if condition is not None:
-                wall = replace(
-                    wall, **self.build.given(phase, condition, wall.inflow is not None)
-                )
+            table = boundary.get(name)
+            if table is not None and (condition := table.thermal(phase)) is not None:
+                values = self.build.given(phase, condition, wall.inflow is not None)
+                wall = replace(wall, **values)
             walls.append((name, part, wall))
         self.walls = walls
         self._boundary = self._crossed()
         for nodes, name, phase in self._prescribed:
-            condition = self.piece.condition(name, phase, shares)
-            if condition is not None:
-                self.fixed_values[nodes] = condition.fixed_temperature
+            prescribed = boundary[name].condition(phase)
+            assert prescribed is not None
+            self.fixed_values[nodes] = prescribed.fixed_temperature
 
     def _span(self) -> tuple[float, float]:
         found: list[Any] = [
@@ -190,8 +182,8 @@ class HeatProblem:
             base = self.scene.origin.base
             for phase in PHASES:
                 found += initial_range(self.scene.initial.given(phase), phase, base)
-        if self.piece is not None:
-            found += self.piece.temperatures
+        if self.interval is not None:
+            found += self.interval.temperatures
         return min(found), max(found)
 
     def _fixed(self) -> tuple[Any, Any, Any, list[tuple[Any, str, str]]]:

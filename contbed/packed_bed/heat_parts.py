@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from contbed.course.schedule import Schedule
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.inside import Inside
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.radiation import described_level
-from contbed.packed_bed.schedule import Schedule
 
 # Nusselt numbers that hold with the dispersion that the same data were evaluated with:
 # without, fronts are too steep

@@ -78,7 +78,7 @@ def transient(
         from contbed.packed_bed.local_flow import FlowOverTime
 
         local = FlowOverTime(result, flow)
-    pieces = plan.pieces()
+    intervals = plan.intervals()
     if scene.time.cycle is not None:
         with (
             result.timed("cycle"),
@@ -86,7 +86,7 @@ def transient(
         ):
             cycle = _cycle(
                 plan,
-                pieces,
+                intervals,
                 flow,
                 result,
                 None if history is None else history.state,
@@ -101,42 +101,44 @@ def transient(
     # of those that have passed only the last is needed, for the results
     if history is not None and cycle is None:
         reached = history.time * (1 + 1e-12)
-        pieces = [
-            piece for piece in pieces if piece is None or piece.end > reached
-        ] or pieces[-1:]
+        intervals = [
+            interval
+            for interval in intervals
+            if interval is None or interval.end > reached
+        ] or intervals[-1:]
     try:
         with Progress(scene.time.end, "s", quiet) as progress:
-            for k, piece in enumerate(pieces):
-                if piece is not None:
-                    plan = plan.within(piece)
-                problem = heat_problem(plan, flow, result, piece)
+            for k, interval in enumerate(intervals):
+                if interval is not None:
+                    plan = plan.within(interval)
+                problem = heat_problem(plan, flow, result, interval)
                 with result.timed("heat"):
                     history = history or History(problem.begin(plan.policy))
                     if (
-                        piece is not None
-                        and (cycle or piece.start > 0.0)
-                        and history.time <= piece.start * (1 + 1e-12)
+                        interval is not None
+                        and (cycle or interval.start > 0.0)
+                        and history.time <= interval.start * (1 + 1e-12)
                     ):
                         enter(
                             problem,
                             history,
                             plan.policy,
-                            None if piece.jumps else history.size,
+                            None if interval.jumps else history.size,
                         )
                     before, steps = streamed(history), len(history.levels)
                 known = levels if cycle is None else cycle.levels
-                end = scene.time.end if piece is None else piece.end
+                end = scene.time.end if interval is None else interval.end
                 if local is not None:
                     local.steps, local.known = [], None if flows is None else flows[k]
                     if start is not None and k == 0:
                         local.restore(problem, start[0])
-                    begins = history.time <= (0.0 if piece is None else piece.start) * (
-                        1 + 1e-12
-                    )
+                    begins = history.time <= (
+                        0.0 if interval is None else interval.start
+                    ) * (1 + 1e-12)
                     if begins or local.outdated(plan, problem, history.state, 0):
                         local.solve(plan, problem, history.state, 0)
                     problem = heat_problem(
-                        plan, local.flow, result, piece, problem.system
+                        plan, local.flow, result, interval, problem.system
                     )
                 while True:
                     with result.timed("heat"):
@@ -164,7 +166,7 @@ def transient(
                     if history.time >= end * (1 - 1e-12):
                         break
                     problem = heat_problem(
-                        plan, local.flow, result, piece, problem.system
+                        plan, local.flow, result, interval, problem.system
                     )
                 taken.append(history.levels[steps:])
                 heats.append(streamed(history) - before)
@@ -179,12 +181,12 @@ def transient(
             with result.timed("results"):
                 if local is not None:
                     local.report(plan, line)
-                if cycle is not None and len(heats) == len(pieces):
+                if cycle is not None and len(heats) == len(intervals):
                     result.qoi |= {
                         "cycle_periods": cycle.periods,
                         "cycle_change_K": cycle.residual,
                     }
-                    result.qoi |= exchanged(heats, _most(plan, pieces))
+                    result.qoi |= exchanged(heats, _most(plan, intervals))
                 if history.steps:
                     fluxes, reactions = (
                         integrated_fluxes(problem, history),
@@ -215,7 +217,7 @@ def _outdated(
 
 def _cycle(
     plan: Plan,
-    pieces: Any,
+    intervals: Any,
     flow: Any,
     result: Result,
     guess: Any,
@@ -229,22 +231,24 @@ def _cycle(
     time = plan.scene.time
     assert time is not None and time.cycle is not None
     problems = []
-    for piece in pieces:
-        plan = plan.within(piece)
-        problems.append(heat_problem(plan, flow, result, piece))
+    for interval in intervals:
+        plan = plan.within(interval)
+        problems.append(heat_problem(plan, flow, result, interval))
     start = problems[0].begin(plan.policy) if guess is None else guess
     return find_cycle(problems, start, plan.policy, time.cycle.tolerance, keep)
 
 
-def _most(plan: Plan, pieces: Any) -> list[float]:
+def _most(plan: Plan, intervals: Any) -> list[float]:
     """Return the heat that the fluid of each part could leave in the bed between the
     inlet temperatures [J].
     """
     conditions = [
-        c
-        for piece in pieces
-        for scene in (piece.first, *piece.others)
-        for c in scene.boundary.values()
+        condition
+        for interval in intervals
+        for weight in (0.0, 1.0)
+        for condition in interval.boundary(
+            weight * np.ones(len(interval.other))
+        ).values()
     ]
     inlets = [
         c.gas.temperature or c.gas.fixed_temperature
@@ -253,10 +257,10 @@ def _most(plan: Plan, pieces: Any) -> list[float]:
     ]
     entering = [T for T in inlets if T is not None]
     if not entering:
-        return [0.0] * len(pieces)
+        return [0.0] * len(intervals)
     found = []
-    for piece in pieces:
-        part = plan.within(piece)
+    for interval in intervals:
+        part = plan.within(interval)
         enthalpy = part.medium.fluid.enthalpy
         flow = (
             float(np.abs(part.velocity[part.mesh.axis]))
@@ -264,5 +268,5 @@ def _most(plan: Plan, pieces: Any) -> list[float]:
             * part.medium.mass_flux_scale()
         )
         rise = float(enthalpy(max(entering)) - enthalpy(min(entering)))
-        found.append(flow * rise * (piece.end - piece.start))
+        found.append(flow * rise * (interval.end - interval.start))
     return found

@@ -11,7 +11,7 @@ rates predict.
 
 from __future__ import annotations
 
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from contbed.course.schedule import Schedule
 from contbed.errors import SceneError
 from contbed.mesh.build import build, moved, require_names
 from contbed.mesh.grading import finest
@@ -39,12 +40,18 @@ from contbed.packed_bed.recognition import (
     tracks_fronts,
     velocities,
 )
-from contbed.packed_bed.schedule import PHASES, VELOCITY, Piece, Schedule
+from contbed.packed_bed.schedule import (
+    PHASES,
+    VELOCITY,
+    ScheduleInterval,
+    flow_changes,
+    kinks_passed,
+    other_values,
+)
 from contbed.packed_bed.schedule_checks import require_flow
 from contbed.packed_bed.sides import lines_of, on_a_line
 from contbed.plan_text import plan_text
 from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
-from contbed.scene.values import with_value
 from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
 
@@ -169,7 +176,7 @@ class Plan:
 
         return replace(self, mesh=refined(self.mesh, error))
 
-    def pieces(self) -> Sequence[Piece | None]:
+    def intervals(self) -> Sequence[ScheduleInterval | None]:
         """Return the parts of a transient between jumps and kinks that matter; one
         None where nothing changes.
         """
@@ -177,42 +184,37 @@ class Plan:
         if not schedule or time is None:
             return [None]
         temperatures, found, flow_since = tuple(schedule.temperatures()), [], 0.0
-        small, every = schedule.small(self.scene), schedule.cuts(time.end)
-        for start, end in pairwise(
-            every if small is None else schedule.cuts(time.end, small)
-        ):
+        small, every = kinks_passed(schedule, self.scene), schedule.cuts(time.end)
+        cuts = every if small is None else schedule.cuts(time.end, small)
+        for start, end in pairwise(cuts):
             if schedule.jumps(start, VELOCITY):
                 flow_since = start
-            first, ways = (
-                schedule.frozen(self.scene, start),
-                schedule.ways(start, end, every),
-            )
-            others = [with_value(first, path, other) for path, _, _, other in ways] or [
-                schedule.frozen(self.scene, end, before=True)
-            ]
+            inner = every[bisect_right(every, start) : bisect_left(every, end)]
+            other = other_values(schedule, start, end, inner)
+            series = {path: schedule.samples[path] for path in other}
             found.append(
-                Piece(
+                ScheduleInterval(
                     start,
                     end,
-                    self._as_solved(first),
-                    tuple(self._as_solved(other) for other in others),
+                    self._as_solved(schedule.frozen(self.scene, start)),
+                    Schedule(series),
+                    other,
+                    small if small and inner else {},
                     temperatures,
                     schedule.jumps(start),
                     flow_since,
-                    tuple(ways),
-                    small or {},
                 )
             )
         return found
 
-    def within(self, piece: Piece) -> Plan:
+    def within(self, interval: ScheduleInterval) -> Plan:
         """Return the plan with the velocities of a part of the run, on the same mesh.
 
         The mass flux is that of the inlet temperature when the velocity took its value.
         """
-        target = piece.first
+        target = interval.scene
         velocity, solid = velocities(target)
-        since = self.schedule.frozen(self.scene, piece.flow_since)
+        since = self.schedule.frozen(self.scene, interval.flow_since)
         medium = Medium.of(
             target, inlet_temperature(since), bed_diameter(self.scene.mesh)
         )
@@ -233,16 +235,16 @@ class Plan:
         """Return the plan with the velocities at each of these times [s], at a jump
         with those before it.
         """
-        if not self.schedule.flows:
+        if not flow_changes(self.schedule):
             return [self] * len(times)
-        pieces = [piece for piece in self.pieces() if piece is not None]
-        ends, plans = [piece.end * (1 + 1e-12) for piece in pieces], {}
+        intervals = [each for each in self.intervals() if each is not None]
+        ends, plans = [each.end * (1 + 1e-12) for each in intervals], {}
         found = []
         for time in times:
-            piece = pieces[min(bisect_left(ends, time), len(pieces) - 1)]
-            if piece.flow_since not in plans:
-                plans[piece.flow_since] = self.within(piece)
-            found.append(plans[piece.flow_since])
+            interval = intervals[min(bisect_left(ends, time), len(intervals) - 1)]
+            if interval.flow_since not in plans:
+                plans[interval.flow_since] = self.within(interval)
+            found.append(plans[interval.flow_since])
         return found
 
     def _as_solved(self, frozen: s.Scene) -> s.Scene:
@@ -455,7 +457,7 @@ def _changes_of_flow(schedule: Schedule, scene: s.Scene) -> list[float]:
     """Return the times at which a velocity takes values that it has not had before,
     the first 0 [s].
     """
-    if not schedule.flows or scene.time is None:
+    if not flow_changes(schedule) or scene.time is None:
         return [0.0]
     found: dict[Any, float] = {}
     for time in schedule.cuts(scene.time.end)[:-1]:

@@ -11,9 +11,8 @@ it is cut at every kink.
 
 from __future__ import annotations
 
-from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,10 +20,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.course.schedule import Schedule
 from contbed.packed_bed import scene as s
-from contbed.scene.boundary import conditions_of
-from contbed.scene.schedule import SeriesByKey
-from contbed.scene.series import SAME, ProfileFile, Samples, Series
+from contbed.scene.series import ProfileFile
 from contbed.scene.toml_lines import KeyPath
 from contbed.scene.values import with_value
 
@@ -36,199 +34,96 @@ KELVIN = ("fixed_temperature", "temperature", "ambient")  # those that are tempe
 PHASES = ("fluid", "solid")
 
 
-def series_of(boundary: Mapping[str, s.Boundary]) -> Iterator[tuple[KeyPath, Series]]:
-    """Yield key and series of everything that changes with time."""
-    for path, _, condition in conditions_of(boundary):
-        for key in (VELOCITY, *VALUES):
-            if isinstance(series := getattr(condition, key), Series):
-                yield (*path, key), series
-
-
 @dataclass(frozen=True)
-class Piece:
+class ScheduleInterval:
     """A part of a run in which velocities are constant.
 
-    start, end : [s]; first : the scene frozen just after the start
-    others : scenes of which `shares` of a time are added to it, as values less those of
-        the first: the scene just before the end where all is linear in time, else for
-        each series that changes the scene with another value of it
-    ways : of each of these series its key, its samples, the value at the start and the
-        other one; none if all is linear
-    small : sizes of kinks that a step may pass by key, where there are some
-    temperatures : all that the series of the run hold [K]
+    start, end : [s]; scene : frozen just after the start
+    schedule : the series of temperatures and fluxes that change in it
+    other : of each the value that differs most from that at the start
+    small : sizes of kinks that a step may pass by key; none where all is linear in time
+    temperatures : all of the series of the run [K]
     jumps : whether a value jumps at the start; flow_since : when the velocities took
         their values [s]
     """
 
     start: float
     end: float
-    first: s.Scene
-    others: tuple[s.Scene, ...]
+    scene: s.Scene
+    schedule: Schedule
+    other: Mapping[KeyPath, float]
+    small: Mapping[KeyPath, float]
     temperatures: tuple[float, ...]
     jumps: bool
     flow_since: float
-    ways: tuple[tuple[KeyPath, Samples, float, float], ...] = ()
-    small: Mapping[KeyPath, float] = field(default_factory=dict)
 
-    @property
-    def changes(self) -> bool:
-        """Whether anything changes between the cuts."""
-        return any(self.first.boundary != other.boundary for other in self.others)
+    def resolves(self, start: float, end: float, stages: tuple[float, ...]) -> bool:
+        """Return whether a step between two times [s] misses less than is small."""
+        return not self.small or self.schedule.sees(start, end, stages, self.small)
 
-    @property
-    def sees(self) -> Callable[[float, float], bool] | None:
-        """Whether a step between two times [s] misses less than is small; None where
-        all is linear in time.
+    @cached_property
+    def first(self) -> dict[KeyPath, float]:
+        """Values at the start, by key."""
+        samples = self.schedule.samples.items()
+        return {path: float(each.at(self.start)) for path, each in samples}
+
+    def interpolation_weights(self, time: float) -> Array:
+        """Return how far each series has come at a time [s] from its first to its other
+        value.
         """
-        if not self.ways:
-            return None
-        from contbed.solvers.timestep import STAGES  # a steady run has no steps
-
-        bent = SeriesByKey({path: samples for path, samples, *_ in self.ways})
-        return lambda start, end: bent.sees(start, end, STAGES, self.small)
-
-    def shares(self, time: float) -> Array:
-        """Return how far values at a time [s] have come from the first to the others
-        (len(others),).
-        """
-        if not self.ways:
-            return np.array([(time - self.start) / (self.end - self.start)])
         return np.array(
             [
-                (samples.at(time, True, self.start) - first) / (other - first)
-                for _, samples, first, other in self.ways
+                (samples.at(time, True, self.start) - self.first[path])
+                / (self.other[path] - self.first[path])
+                for path, samples in self.schedule.samples.items()
             ]
         )
 
-    def condition(
-        self, boundary: str, phase: str, shares: Array
-    ) -> s.PhaseCondition | None:
-        """Return the thermal condition of one phase on one boundary at shares of the
-        others.
-        """
-        first, *others = (
-            _thermal(each, boundary, phase) for each in (self.first, *self.others)
-        )
-        changed = [
-            (share, other)
-            for share, other in zip(shares, others, strict=True)
-            if other != first
-        ]
-        if first is None or not changed:
-            return first
-        values = {
-            key: start
-            + sum(
-                float(share) * (getattr(other, key) - start) for share, other in changed
-            )
-            for key in VALUES
-            if (start := getattr(first, key)) is not None
-        }
-        found: s.PhaseCondition = first.model_copy(update=values)
-        return found
+    def boundary(self, weights: Array) -> Mapping[str, s.Boundary]:
+        """Return the [boundary] tables with values at interpolation weights."""
+        found: Any = dict(self.scene.boundary)
+        for path, weight in zip(self.first, weights, strict=True):
+            first, other = self.first[path], self.other[path]
+            value = first + float(weight) * (other - first)
+            found = with_value(found, path[1:], value)
+        return found  # type: ignore[no-any-return]
 
 
-def _thermal(scene: s.Scene, boundary: str, phase: str) -> s.PhaseCondition | None:
-    table = scene.boundary.get(boundary)
-    return None if table is None else table.thermal(phase)
+def other_values(
+    schedule: Schedule, start: float, end: float, inner: Sequence[float]
+) -> dict[KeyPath, float]:
+    """Return of each temperature and flux that changes between two cuts the value that
+    differs most from the first, by key; `inner` are the kinks between [s].
+    """
+    found = {}
+    for path, samples in schedule.samples.items():
+        if path[-1] == VELOCITY:
+            continue
+        values = np.array([samples.at(time, True, start) for time in (*inner, end)])
+        other = float(values[np.abs(values - samples.at(start)).argmax()])
+        if other != samples.at(start):
+            found[path] = other
+    return found
 
 
-@dataclass(frozen=True)
-class Schedule(SeriesByKey):
-    """The series of a packed bed."""
-
-    @classmethod
-    def of(cls, boundary: Mapping[str, s.Boundary], base: Path) -> Schedule:
-        """Read the series of a scene in the folder `base`.
-
-        Raises
-        ------
-        SceneError : a series cannot be used
-        """
-        return cls({path: series.samples(base) for path, series in series_of(boundary)})
-
-    def small(self, scene: s.Scene) -> dict[KeyPath, float] | None:
-        """Return the sizes of kinks that a step may pass in a transient scene, None for
-        none of them.
-
-        What errors refer to is here the range of the temperatures that change, with
-        those at the start, and the largest heat flux.
-        """
-        time, base = scene.time, scene.origin.base
-        if time is None or time.step is not None or time.cycle is not None:
-            return None
-        starts = [
-            T
-            for phase in PHASES
-            for T in initial_range(scene.initial.given(phase), phase, base)
-        ]
-        span = float(np.ptp([*self.temperatures(), *starts]))
-        sizes = {
-            path: float(np.abs(values.values).max())
-            for path, values in self.samples.items()
-        }
-        sizes |= {path: span for path in sizes if path[-1] in KELVIN}
-        return self.passed(sizes, time.tolerance)
-
-    def ways(
-        self, start: float, end: float, cuts: Sequence[float]
-    ) -> list[tuple[KeyPath, Samples, float, float]]:
-        """Return the series that bend between two cuts, see `Piece`; `cuts` are all
-        jumps and kinks [s].
-        """
-        inner = cuts[
-            bisect_right(cuts, start * (1.0 + SAME)) : bisect_left(
-                cuts, end * (1.0 - SAME)
-            )
-        ]
-        found: list[tuple[KeyPath, Samples, float, float]] = []
-        for path, samples in self.samples.items() if inner else ():
-            first = samples.at(start)
-            values = np.array([samples.at(time, True, start) for time in (*inner, end)])
-            if path[-1] != VELOCITY and np.any(values != first):
-                found.append(
-                    (
-                        path,
-                        samples,
-                        float(first),
-                        float(values[np.abs(values - first).argmax()]),
-                    )
-                )
-        return found
-
-    @cached_property
-    def flows(self) -> bool:
-        """Whether a velocity changes."""
-        return any(path[-1] == VELOCITY for path in self.samples)
-
-    def frozen_boundary(
-        self, boundary: dict[str, s.Boundary], time: float, before: bool = False
-    ) -> Any:
-        """Return the [boundary] tables at a time, just after or `before` a jump."""
-        found: Any = dict(boundary)
-        for path, values in self.samples.items():
-            found = with_value(found, path[1:], _plain(values.at(time, before)))
-        return found
-
-    def frozen(self, scene: s.Scene, time: float, before: bool = False) -> s.Scene:
-        """Return the scene with the values at a time, just after or `before` a jump."""
-        if not self:
-            return scene
-        return scene.model_copy(
-            update={"boundary": self.frozen_boundary(scene.boundary, time, before)}
-        )
-
-    def temperatures(self) -> list[float]:
-        """Return all temperatures of the series [K]."""
-        found = (
-            values.values for path, values in self.samples.items() if path[-1] in KELVIN
-        )
-        return [float(T) for values in found for T in values]
+def kinks_passed(schedule: Schedule, scene: s.Scene) -> dict[KeyPath, float] | None:
+    """Return the sizes of kinks that a step may pass in a transient scene, None for
+    none of them.
+    """
+    time, base = scene.time, scene.origin.base
+    if time is None or time.step is not None or time.cycle is not None:
+        return None
+    starts = [
+        T
+        for phase in PHASES
+        for T in initial_range(scene.initial.given(phase), phase, base)
+    ]
+    return schedule.small(time.tolerance, starts)
 
 
-def _plain(value: Any) -> Any:
-    """Return a value of a series as a number, a velocity with components as a tuple."""
-    return tuple(value.tolist()) if getattr(value, "ndim", 0) else float(value)
+def flow_changes(schedule: Schedule) -> bool:
+    """Return whether a velocity changes."""
+    return any(path[-1] == VELOCITY for path in schedule.samples)
 
 
 def initial_range(

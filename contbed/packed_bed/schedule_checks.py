@@ -5,13 +5,14 @@ checks at each of their times.
 from __future__ import annotations
 
 import inspect
-from functools import wraps
+from functools import partial, wraps
 from typing import Any
 
+from contbed.course.schedule import boundaries_in_time, series_of
 from contbed.errors import SceneError
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.inlets import enters, velocity_key, velocity_vector
-from contbed.packed_bed.schedule import VELOCITY, Schedule, series_of
+from contbed.packed_bed.schedule import VELOCITY
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.mesh import Mesh, MeshFile
 from contbed.scene.profile import outside_of_the_bed, short_of_an_end
@@ -29,7 +30,7 @@ def series_are_usable(
     boundary: Boundaries, time: s.Time | None, see: See, origin: Origin
 ) -> Mistakes:
     """Check that series can be read, begin at 0 and last as long as the run."""
-    for path, series in series_of(boundary):
+    for path, series in series_of(boundary, ("boundary",)):
         yield from series_is_usable(path, series, time, see, origin)
 
 
@@ -104,41 +105,19 @@ def at_each_time(check: Check) -> Check:
     """Return a check of a scene whose series are replaced by the values of each of
     their times, one after another.
     """
-    signature = inspect.signature(check)
-    takes_origin = "origin" in signature.parameters
 
     @wraps(check)
-    def each(**given: Any) -> Mistakes:
-        origin = given["origin"]
-        boundary = given["boundary"]
-        if not takes_origin:
-            del given["origin"]
-        try:
-            schedule = Schedule.of(boundary, origin.base)
-        except SceneError:
-            return  # `series_are_usable` says so
-        if not schedule:
-            yield from check(**given)
-            return
-        said = set()
-        for moment in sorted(
-            {float(t) for samples in schedule.samples.values() for t in samples.times}
-        ):
-            frozen = schedule.frozen_boundary(boundary, moment)
-            given["boundary"] = _without_idle_inflow(frozen, given.get("mesh"))
-            for mistake in check(**given):
-                if mistake not in said:
-                    said.add(mistake)
-                    yield mistake
+    def each(origin: Origin, boundary: Boundaries, **given: Any) -> Mistakes:
+        entering = partial(_without_idle_inflow, mesh=given.get("mesh"))
+        for now in boundaries_in_time(boundary, origin, entering):
+            yield from check(boundary=now, **given)
 
-    if not takes_origin:
-        extra = inspect.Parameter(
-            "origin", inspect.Parameter.KEYWORD_ONLY, annotation=Origin
-        )
-        signature = signature.replace(
-            parameters=[*signature.parameters.values(), extra]
-        )
-    each.__signature__ = signature  # type: ignore[attr-defined]
+    signature = inspect.signature(check)
+    extra = inspect.Parameter(
+        "origin", inspect.Parameter.KEYWORD_ONLY, annotation=Origin
+    )
+    parameters = [*signature.parameters.values(), extra]
+    each.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
     return each
 
 

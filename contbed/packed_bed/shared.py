@@ -14,7 +14,7 @@ from contbed.balance import HELD_SHARE, Balance
 from contbed.errors import ConvergenceError
 from contbed.fem.probe import Line
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.schedule import Piece
+from contbed.packed_bed.schedule import ScheduleInterval
 from contbed.result import Result, outside
 from contbed.scene.boundary import conditions_of
 
@@ -43,7 +43,7 @@ def heat_problem(
     plan: Plan,
     flow: Any,
     result: Result,
-    piece: Piece | None = None,
+    interval: ScheduleInterval | None = None,
     system: Any = None,
 ) -> Any:
     """Return the problem of the temperatures in a flow; `system` is that of an
@@ -55,7 +55,7 @@ def heat_problem(
     with result.timed("heat setup"):
         motion = Motion(plan.velocity, plan.velocity_solid, flow)
         problem = HeatProblem(
-            plan.solved, plan.mesh, plan.medium, motion, plan.section, piece, system
+            plan.solved, plan.mesh, plan.medium, motion, plan.section, interval, system
         )
     result.warnings += [text for text in problem.idle if text not in result.warnings]
     return problem

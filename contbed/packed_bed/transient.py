@@ -7,6 +7,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -245,7 +246,7 @@ def steps_of(
     time = problem.scene.time
     assert time is not None
     low, high = problem.T_span
-    solver = problem.scene.solver
+    solver, interval = problem.scene.solver, problem.interval
     # temperatures count from it, intraparticle modes from 0
     uniform = np.zeros(problem.system.size)
     uniform[problem.heats] = low
@@ -268,20 +269,20 @@ def steps_of(
             "weights": problem.weights,
         },
         levels=levels,
-        sees=None if problem.piece is None else problem.piece.sees,
+        sees=None if interval is None else partial(interval.resolves, stages=STAGES),
     )
 
 
 def enter(
     problem: HeatProblem, history: History, policy: Policy, size: float | None
 ) -> None:
-    """Begin a piece of a run: prescribed temperatures take their values after a jump,
+    """Begin a interval of a run: prescribed temperatures take their values after a jump,
     and give the heat that it takes.
 
     `size` is the first step [s] where nothing jumps; None for the shortest.
     """
-    assert problem.piece is not None
-    problem.at(problem.piece.start)
+    assert problem.interval is not None
+    problem.set_time(problem.interval.start)
     state = np.array(history.state)
     state[problem.fixed] = problem.fixed_values
     state = problem.consistent(state, policy)
@@ -292,7 +293,7 @@ def enter(
     after.reaction = after.reaction + gain * parts / max(
         float(parts.sum()), np.finfo(float).tiny
     )
-    after.climb(problem.piece.end, size)
+    after.climb(problem.interval.end, size)
     vars(history).update(vars(after))
 
 
@@ -321,9 +322,9 @@ def _account(problem: HeatProblem, history: History, step: Any) -> None:
     history.mean = history.mean + sum(
         w * state for w, state in zip(weights, step.states, strict=True)
     )
-    if not problem.linear or problem.piece is not None:
+    if not problem.linear or problem.interval is not None:
         for w, state, share in zip(weights, step.states, STAGES, strict=True):
-            problem.at(step.start + share * step.size)
+            problem.set_time(step.start + share * step.size)
             for name, parts in problem.fluxes(state).items():
                 for kind, value in parts.items():
                     history.flux[f"{name}.{kind}"] = (
@@ -345,7 +346,7 @@ def integrated_fluxes(
 
     Linear fluxes are those of the mean state times the duration.
     """
-    if problem.linear and problem.piece is None:
+    if problem.linear and problem.interval is None:
         fluxes = problem.fluxes(history.mean / history.time)
         return {
             name: {kind: value * history.time for kind, value in parts.items()}

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from contbed.chemistry.local import Smoothing
 from contbed.chemistry.thermo import R_GAS
+from contbed.course.schedule import Schedule
 from contbed.errors import ConvergenceError
 from contbed.materials.composition import mole_fractions
 from contbed.reacting_bed import scene as s
@@ -23,7 +24,7 @@ from contbed.reacting_bed.equations.unknowns import conserved
 from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.problem import Problem
-from contbed.reacting_bed.schedule import Schedule
+from contbed.reacting_bed.schedule import kinks_passed
 from contbed.reacting_bed.stages import GAMMA
 from contbed.reacting_bed.storage import Storage
 from contbed.scene.toml_lines import KeyPath
@@ -139,7 +140,7 @@ class Course:
     @cached_property
     def small(self) -> dict[KeyPath, float]:
         """Sizes of kinks of the series that a step may pass."""
-        return self.schedule.small(self.scene)
+        return kinks_passed(self.schedule, self.scene)
 
     @cached_property
     def cuts(self) -> list[float]:

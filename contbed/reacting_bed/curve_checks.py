@@ -9,9 +9,10 @@ from typing import Any
 
 from contbed.chemistry.mixture import dippr102
 from contbed.chemistry.thermo import Shomate
+from contbed.course.schedule import boundaries_in_time
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.inlet_series import constant
-from contbed.reacting_bed.schedule import boundaries_in_time
+from contbed.reacting_bed.schedule import entering
 from contbed.scene.checking import Mistakes
 from contbed.scene.toml_lines import KeyPath, Origin
 
@@ -81,7 +82,7 @@ def _temperatures(boundary: Boundaries, origin: Origin) -> list[float]:
     series [K].
     """
     given: list[Any] = []
-    for now in boundaries_in_time(boundary, origin):
+    for now in boundaries_in_time(boundary, origin, entering):
         for table in now.values():
             if table.gas is not None:
                 given += [table.gas.temperature, table.gas.fixed_temperature]

@@ -8,6 +8,7 @@ composition = { file = "feed.csv" }      with columns t [min], N2 [1], CO2 [%], 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
@@ -106,8 +107,8 @@ class CompositionSeries(Series):
 
     def samples(self, base: Path) -> Samples:
         """Return times and mole fractions (times, species); see `fractions`."""
-        _, times, table, where = self.fractions(base)
-        return self.checked(times, table, where)
+        names, times, table, where = self.fractions(base)
+        return replace(self.checked(times, table, where), species=names)
 
 
 def constant(value: Any) -> float:

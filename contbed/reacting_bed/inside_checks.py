@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 
 from contbed.chemistry.laws import STAGED, equations_of
 from contbed.chemistry.reforming import REACTIONS as REFORMING
+from contbed.course.schedule import series_of
 from contbed.errors import SceneError
 from contbed.materials.composition import names_in
 from contbed.reacting_bed import scene as s
@@ -17,7 +18,6 @@ from contbed.reacting_bed.phase_checks import (
     Solids,
     reactions_in,
 )
-from contbed.reacting_bed.schedule import series_of
 from contbed.reacting_bed.streams import given_velocity
 from contbed.reacting_bed.substances import (
     fed_to,
@@ -253,7 +253,7 @@ def uptake_has_a_meaning(
                     f"boundary.NAME.solids.{phase}.velocity",
                 )
         return
-    changes = list(series_of({"boundary": boundary}))
+    changes = list(series_of(boundary))
     if initial.gas.composition is None and initial.file is None and not changes:
         yield (
             ("initial", "gas", "composition"),

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.chemistry.effectiveness import effectiveness_of
+from contbed.course.schedule import Schedule
 from contbed.errors import SceneError
 from contbed.plan_text import plan_text
 from contbed.reacting_bed import scene as s
@@ -23,7 +24,7 @@ from contbed.reacting_bed.pellet_level import decided, undecided
 from contbed.reacting_bed.phases import described_phases, species_of
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import require_rates
-from contbed.reacting_bed.schedule import Schedule, tables_of
+from contbed.reacting_bed.schedule import kinks_passed, shortest_interval
 from contbed.reacting_bed.solve import FIRST_CELLS
 from contbed.reacting_bed.time_cells import FEWEST, SHORTEST
 from contbed.scene.toml_lines import KeyPath, Origin
@@ -151,7 +152,7 @@ def _built(scene: s.ReactingScene) -> tuple[Schedule, Problem]:
     """Return the series and the problem at the start, whose equations have been
     evaluated as everything enters.
     """
-    schedule = Schedule.of(tables_of(scene), scene.origin.base)
+    schedule = Schedule.of(scene.boundary, scene.origin.base)
     problem = _at_start(scene, schedule)
     with np.errstate(all="ignore"):
         problem.bed(problem.first_point(), [0.0] * len(problem.layout.names), 0.0)
@@ -166,7 +167,8 @@ def _with_other_gases(
     there or not.
     """
     known = {_gases_there(problem)}
-    for moment in schedule.moments() if schedule.species else ():
+    composed = any(samples.species for samples in schedule.samples.values())
+    for moment in schedule.moments() if composed else ():
         at = problem.within(schedule.frozen(scene, moment))
         if (there := _gases_there(at)) not in known:
             known.add(there)
@@ -189,10 +191,10 @@ def _gas_storage(
         problem.within(schedule.frozen(scene, moment)).gas_residence
         for moment in moments
     )
-    shortest = schedule.shortest(scene, together=SHORT_RESIDENCE * delay)
+    shortest = shortest_interval(schedule, scene, SHORT_RESIDENCE * delay)
     what = (
         "the run"
-        if len(schedule.cuts(time.end, schedule.small(scene))) == 2
+        if len(schedule.cuts(time.end, kinks_passed(schedule, scene))) == 2
         else "the shortest time between changes of the streams"
     )
     size = f"the gas stays for {delay:.3g} s, {delay / shortest:.2g} of {what}"
@@ -375,6 +377,6 @@ def _lists(
         keys = ", ".join(
             ".".join(str(part) for part in path) for path in schedule.samples
         )
-        pieces = len(schedule.cuts(scene.time.end, schedule.small(scene))) - 1
+        pieces = len(schedule.cuts(scene.time.end, kinks_passed(schedule, scene))) - 1
         built.append(("time series", f"{keys}, in {pieces} pieces"))
     return built, skipped

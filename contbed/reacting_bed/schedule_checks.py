@@ -7,9 +7,9 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
+from contbed.course.schedule import series_of
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.schedule import series_of
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.series_checks import a_cycle_fits_its_series, series_is_usable
 from contbed.scene.toml_lines import Origin
@@ -26,7 +26,7 @@ def series_are_usable(
     """Check that series can be read, begin at 0 and last as long as the run, and
     that the gas never stops.
     """
-    for path, series in series_of({"boundary": boundary}):
+    for path, series in series_of(boundary, ("boundary",)):
         found = list(series_is_usable(path, series, time, see, origin))
         yield from found
         if path[-1] in FLOWS and not found:
@@ -66,7 +66,7 @@ def a_cycle_changes_something(
     """Check that a cycle has series, of which it is an integer number of periods."""
     what = "a composition, a flow, or a temperature of what enters or of the wall"
     yield from a_cycle_fits_its_series(
-        series_of({"boundary": boundary}), time, what, see
+        series_of(boundary, ("boundary",)), time, what, see
     )
 
 

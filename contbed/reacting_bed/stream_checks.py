@@ -4,8 +4,9 @@ stand where streams enter.
 
 from __future__ import annotations
 
+from contbed.course.schedule import boundaries_in_time
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.schedule import boundaries_in_time
+from contbed.reacting_bed.schedule import entering
 from contbed.reacting_bed.streams import (
     INWARD,
     Boundaries,
@@ -99,7 +100,7 @@ def streams_have_a_state(
     else, at each time of series.
     """
     if flow_of_gas(boundary)[0]:  # else `one_end_gives_each_flow` says so
-        for now in boundaries_in_time(boundary, origin):
+        for now in boundaries_in_time(boundary, origin, entering):
             yield from _streams_have_a_state(
                 now, gas, solids, heat is not None, closures, see
             )

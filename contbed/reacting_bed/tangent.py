@@ -13,13 +13,12 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
+from contbed.course.schedule import Schedule
 from contbed.errors import UnlikeError
 from contbed.fem.line_blocks import Factors
-from contbed.reacting_bed.plan import tables_of
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.results import fill
 from contbed.reacting_bed.scene import ReactingScene
-from contbed.reacting_bed.schedule import Schedule
 from contbed.result import Result
 from contbed.solvers.tangent import STEP
 
@@ -66,7 +65,7 @@ class Tangent:
 
     def _problem(self, scene: ReactingScene) -> Problem:
         base = self.problem
-        frozen = Schedule.of(tables_of(scene), scene.origin.base).frozen(scene, 0.0)
+        frozen = Schedule.of(scene.boundary, scene.origin.base).frozen(scene, 0.0)
         if base.layout.pressure != (frozen.packed_bed.pressure_drop == "ergun"):
             drop = "ergun" if base.layout.pressure else "none"
             frozen = frozen.with_table("packed_bed", pressure_drop=drop)

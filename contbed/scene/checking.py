@@ -44,4 +44,5 @@ def mistakes(
             for name, value in given.items()
         ):
             found += check(**given)
-    return found
+    # one found at several times of the series is one
+    return list(dict.fromkeys(found))

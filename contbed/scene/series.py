@@ -129,7 +129,7 @@ class Series(Table):
                 f"{where[-1]}{times[-1]:g} s lies beyond the period of {self.period:g} "
                 "s"
             )
-        return Samples(times, values, self.form, self.period)
+        return Samples(times, values, self.form, self.period, self.quantity)
 
 
 class TemperatureSeries(Series):
@@ -160,12 +160,28 @@ class VelocitySeries(Series):
 class Samples:
     """Times [s] and values in SI of a series, the first time 0; values (times,) or
     (times, dimension).
+
+    `quantity` is the unit; `species` are the columns of a series of compositions.
     """
 
     times: Array
     values: Array
     form: str
     period: float | None
+    quantity: str = "1"
+    species: tuple[str, ...] = ()
+
+    @property
+    def size(self) -> float:
+        """Largest value; 1 for mole fractions."""
+        return 1.0 if self.species else float(np.abs(self.values).max())
+
+    def plain(self, value: Any) -> Any:
+        """Return one value as a scene writes it: a number, a vector or a composition."""
+        if self.species:
+            pairs = zip(self.species, value.tolist(), strict=True)
+            return ", ".join(f"{name}:{x!r}" for name, x in pairs)
+        return tuple(value.tolist()) if np.ndim(value) else float(value)
 
     def at(self, time: float, before: bool = False, since: float = 0.0) -> Any:
         """Return the value at a time, at a jump that after it, or `before` it and those

@@ -90,7 +90,7 @@ class Sphere:
     face of each per mass of fresh particle [1/s], then the temperature of the surface.
     """
 
-    linear, changes, inside = False, True, None
+    linear, time_dependent, nodal_modes = False, True, None
 
     def __init__(self, material: Material, surface: Surface, shells: int, span: float):
         self.material, self.surface, self.shells = material, surface, shells
@@ -107,7 +107,7 @@ class Sphere:
         self.weights[shells : (self.count + 1) * shells] = span
         self.time = 0.0
 
-    def at(self, time: float) -> None:
+    def set_time(self, time: float) -> None:
         """Put the surroundings of a time [s] in place."""
         self.time = time
 

@@ -16,13 +16,12 @@ from scipy.optimize import brentq
 
 from contbed.balance import Balance
 from contbed.chemistry.thermo import R_GAS
+from contbed.course.schedule import Schedule
 from contbed.errors import ConvergenceError
 from contbed.fields import header
 from contbed.materials.composition import mole_fractions
 from contbed.output.progress import Progress
 from contbed.result import Result, timed
-from contbed.scene.schedule import SeriesByKey
-from contbed.scene.series import Series
 from contbed.scene.toml_lines import Origin
 from contbed.single_particle.equations import SCALE_HEAT, Material, Sphere, Surface
 from contbed.single_particle.plan import Plan
@@ -66,23 +65,8 @@ def material_of(scene: SingleParticleScene) -> Material:
     )
 
 
-def series_of(scene: SingleParticleScene) -> SeriesByKey:
-    """Return the series of a scene, by key."""
-    given = {
-        key: getattr(scene.surface, key) for key in ("fixed_temperature", "ambient")
-    }
-    found = {
-        key: value.samples(scene.origin.base)
-        for key, value in given.items()
-        if isinstance(value, Series)
-    }
-    return SeriesByKey(
-        {("boundary", SURFACE, key): samples for key, samples in found.items()}
-    )
-
-
 def surface_of(
-    scene: SingleParticleScene, series: SeriesByKey, since: float = 0.0
+    scene: SingleParticleScene, series: Schedule, since: float = 0.0
 ) -> Surface:
     """Return the condition at the surface from a jump or kink of the series to the
     next, `since` the former [s].
@@ -105,13 +89,13 @@ def surface_of(
 
 
 def _pieces(
-    problem: Sphere, state: Any, plan: Plan, series: SeriesByKey, span: float
+    problem: Sphere, state: Any, plan: Plan, series: Schedule, span: float
 ) -> Iterator[Step]:
     """Yield the time steps, none of which crosses a jump of the surroundings, or a
     kink beyond its error.
     """
     scene, size, tolerance = plan.scene, 0.0, plan.scene.time.tolerance
-    small = series.passed(dict.fromkeys(series.samples, span), tolerance)
+    small = series.small(tolerance, [problem.material.start])
     options = {
         "tolerance": scene.solver.newton_tolerance,
         "iterations": scene.solver.newton_iterations,
@@ -119,7 +103,7 @@ def _pieces(
     for start, end in pairwise(series.cuts(scene.time.end, small)):
         problem.surface = surface_of(scene, series, start)
         if start > 0.0:
-            problem.at(start)
+            problem.set_time(start)
             state = problem.with_surface(state)
         level = (
             level_of(size, end - start) if size and not series.jumps(start) else None
@@ -158,7 +142,8 @@ def run(
     ConvergenceError : a time step fails
     """
     scene = plan.scene
-    material, series = material_of(scene), series_of(scene)
+    material = material_of(scene)
+    series = Schedule.of(scene.boundary, scene.origin.base)
     surface, end = surface_of(scene, series), scene.time.end
     moments = sorted(
         {*(scene.time.times or np.linspace(0.0, end, ROWS + 1).tolist()), end}
@@ -185,7 +170,7 @@ def run(
                         step.states[-1] if moment >= step.end else step.at(moment)
                     )
             for weight, share, stage in zip(WEIGHTS, STAGES, step.states, strict=True):
-                problem.at(step.start + share * step.size)
+                problem.set_time(step.start + share * step.size)
                 rates = np.array([*problem.heat_in(stage), stage[gas]])
                 sums += weight * step.size * rates
                 exchanged += weight * step.size * abs(rates[0])

@@ -65,22 +65,22 @@ class BoundaryProblem(Problem, Protocol):
     fixed_values: Any
 
     @property
-    def changes(self) -> bool:
+    def time_dependent(self) -> bool:
         """Whether boundary values change with time."""
 
-    def at(self, time: float) -> None:
+    def set_time(self, time: float) -> None:
         """Put the boundary values of a time [s] in place."""
 
 
 class LinearProblem(BoundaryProblem, Protocol):
     """A linear problem whose boundary values come to others along straight lines."""
 
-    def shares(self, time: float) -> Any:
+    def interpolation_weights(self, time: float) -> Any:
         """Return how far boundary values have come at a time [s] to each of the
         others (n,).
         """
 
-    def put(self, shares: Any) -> None:
+    def apply_boundary_values(self, weights: Any) -> None:
         """Put the boundary values in place that have come so far to others."""
 
 
@@ -258,17 +258,17 @@ class _Affine:
 
     def __init__(self, problem: LinearProblem, origin: Any, start: float):
         self.fixed, self.weights, self.origin = problem.fixed, problem.weights, origin
-        self.changes = problem.changes
+        self.time_dependent = problem.time_dependent
         self._others: list[tuple[Any, Any]] = []
-        if problem.changes:
-            self._shares = problem.shares
-            every = np.eye(len(problem.shares(start)))
-            for shares in every:
-                problem.put(shares)
+        if problem.time_dependent:
+            self._weights = problem.interpolation_weights
+            every = np.eye(len(problem.interpolation_weights(start)))
+            for weights in every:
+                problem.apply_boundary_values(weights)
                 self._others.append(
                     (problem.steady(origin, False)[0], np.array(problem.fixed_values))
                 )
-            problem.put(np.zeros(len(every)))
+            problem.apply_boundary_values(np.zeros(len(every)))
         self._steady = problem.steady(origin, True)
         self._first = self._steady[0], np.array(problem.fixed_values)
         self._content = problem.content(origin, True)
@@ -289,11 +289,11 @@ class _Affine:
         """Steady residual of the uniform state."""
         return self._steady[0]
 
-    def at(self, time: float) -> None:
-        if self.changes:
+    def set_time(self, time: float) -> None:
+        if self.time_dependent:
             vector, self.fixed_values = self._first
             for share, (other, fixed) in zip(
-                self._shares(time), self._others, strict=True
+                self._weights(time), self._others, strict=True
             ):
                 vector = vector + share * (other - self._first[0])
                 self.fixed_values = self.fixed_values + share * (fixed - self._first[1])
@@ -326,13 +326,13 @@ class _LineStages:
         """Put the boundary values of a time [s] in place; return the steady residual of
         the origin.
         """
-        self.problem.at(time)
+        self.problem.set_time(time)
         return self.problem.vector[self.order]
 
     def _prescribed(self, values: Any) -> Any:
         """Return values with the prescribed ones of the last `_vector` in place."""
         problem = self.problem
-        if problem.changes:
+        if problem.time_dependent:
             values = values.copy()
             change = problem.fixed_values - problem.origin[problem.fixed]
             values[self.back[problem.fixed]] = change
@@ -410,17 +410,17 @@ class _Stages:
         problem, fixed = self.problem, self.problem.fixed
         start, end = moments
         if self.last is None or self.last[0] is not state:
-            problem.at(start)
+            problem.set_time(start)
             self.last = (
                 state,
                 problem.content(state, False)[0],
                 problem.steady(state, False)[0],
             )
         _, content, steady = self.last
-        problem.at(start + GAMMA * dt)
+        problem.set_time(start + GAMMA * dt)
         first = self._solve(state, content - D * dt * steady, dt, level)
         steady_first = problem.steady(first, False)[0]
-        problem.at(end)
+        problem.set_time(end)
         last = self._solve(first, content - W * dt * (steady + steady_first), dt, level)
         steady_last = problem.steady(last, False)[0]
         defect = -dt * (
@@ -467,7 +467,7 @@ class _Stages:
 
     def _solve(self, guess: Any, rhs: Any, dt: float, level: int) -> Any:
         assemble = self._system(dt)
-        if self.problem.changes:
+        if self.problem.time_dependent:
             guess = guess.copy()
             guess[self.problem.fixed] = self.problem.fixed_values
         if self.problem.linear:

@@ -10,9 +10,9 @@ from reacting_bed_scenes import T, bilinear, fixed_bed, heated, schumann
 from scipy.integrate import quad
 
 import contbed
+from contbed.course.schedule import Schedule
 from contbed.errors import SceneError
 from contbed.loading import from_dict
-from contbed.scene.schedule import SeriesByKey
 from contbed.scene.series import Samples
 
 # of the span: steps to a local tolerance of 1e-4; the largest error found is 4e-5
@@ -100,7 +100,7 @@ def test_between_two_near_jumps_there_is_what_holds_since_the_first(later, perio
     samples = Samples(
         np.array([0.0, 1.0, 1.0 + later]), np.array([1.0, 2.0, 3.0]), "step", period
     )
-    schedule = SeriesByKey({("boundary", "left", "gas", "velocity"): samples})
+    schedule = Schedule({("boundary", "left", "gas", "velocity"): samples})
     first, second = schedule.cuts(3.0)[1:3]
     for share in (0.3, 1.0):  # the stages of a step
         assert (
@@ -118,7 +118,7 @@ def test_kinks_of_two_series_whose_times_differ_by_rounding_are_no_jumps():
     """
     times, values = 0.1 * np.arange(101), np.sin(np.arange(101.0))
     summed = np.cumsum(np.append(0.0, np.full(100, 0.1)))
-    schedule = SeriesByKey(
+    schedule = Schedule(
         {
             ("a",): Samples(times, values, "linear", None),
             ("b",): Samples(summed, values[::-1], "linear", None),
@@ -126,7 +126,7 @@ def test_kinks_of_two_series_whose_times_differ_by_rounding_are_no_jumps():
     )
     cuts = schedule.cuts(10.0)
     assert len(cuts) == 101 and not any(schedule.jumps(time) for time in cuts[1:-1])
-    step = SeriesByKey({("a",): Samples(times, values, "step", None)})
+    step = Schedule({("a",): Samples(times, values, "step", None)})
     assert all(step.jumps(time) for time in step.cuts(10.0)[1:-1])
 
 

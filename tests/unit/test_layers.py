@@ -34,6 +34,7 @@ LAYERS = (
     ("dem", "two_fluid", "radiation"),
     ("result",),
     ("engine",),
+    ("course",),
     ("models", "plan_text", "balance", "output"),
     ("fem", "mesh"),
     ("chemistry",),

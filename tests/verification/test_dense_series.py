@@ -11,8 +11,8 @@ import pytest
 import contbed as cb
 from contbed.loading import from_dict
 from contbed.models import plan
+from contbed.packed_bed import plan as packed_plan
 from contbed.packed_bed import transient
-from contbed.packed_bed.schedule import Schedule
 
 END, POINTS = 6000.0, 151
 TIMES = np.linspace(0.0, END, POINTS)
@@ -113,11 +113,11 @@ def test_kinks_that_are_small_are_passed(monkeypatch, scene):
     steps.
     """
     passed = found(scene)
-    pieces = plan(from_dict(scene)).pieces()
-    assert len(pieces) == 1 and len(pieces[0].ways) == str(scene["boundary"]).count(
-        "times"
-    )
-    monkeypatch.setattr(Schedule, "small", lambda *_: None)
+    intervals = plan(from_dict(scene)).intervals()
+    assert len(intervals) == 1 and len(intervals[0].other) == str(
+        scene["boundary"]
+    ).count("times")
+    monkeypatch.setattr(packed_plan, "kinks_passed", lambda *_: None)
     cut = found(scene)
     assert passed.qoi["time_steps"] < 0.2 * cut.qoi["time_steps"]
     for name in ("T_fluid [K]", "T_solid [K]"):
@@ -131,7 +131,7 @@ def test_errors_follow_the_tolerance(monkeypatch):
     for tolerance in (1e-2, 1e-3):
         scene = bed(time={"tolerance": tolerance})
         errors.append(found(scene).profiles["T_fluid [K]"])
-    monkeypatch.setattr(Schedule, "small", lambda *_: None)
+    monkeypatch.setattr(packed_plan, "kinks_passed", lambda *_: None)
     exact = found(bed(time={"tolerance": 1e-6})).profiles["T_fluid [K]"]
     loose, tight = (np.abs(T - exact).max() for T in errors)
     assert tight < 0.25 * loose
@@ -153,9 +153,9 @@ def test_a_step_does_not_jump_over_what_it_does_not_see(monkeypatch):
             "times": [20800.0, 21200.0, 22000.0, 30000.0],
         },
     )
-    assert len(plan(from_dict(scene)).pieces()) == 1
+    assert len(plan(from_dict(scene)).intervals()) == 1
     passed = found(scene)
-    monkeypatch.setattr(Schedule, "small", lambda *_: None)
+    monkeypatch.setattr(packed_plan, "kinks_passed", lambda *_: None)
     cut = found(scene)
     assert np.ptp(cut.profiles["T_fluid [K]"]) > 10.0
     np.testing.assert_allclose(
@@ -178,9 +178,9 @@ def test_no_step_crosses_a_jump_or_a_kink_that_matters():
             }
         },
     )
-    pieces = plan(from_dict(scene)).pieces()
-    assert [piece.start for piece in pieces] == [0.0, 2000.0, 3333.0]
-    assert [piece.jumps for piece in pieces[1:]] == [False, True]
+    intervals = plan(from_dict(scene)).intervals()
+    assert [interval.start for interval in intervals] == [0.0, 2000.0, 3333.0]
+    assert [interval.jumps for interval in intervals[1:]] == [False, True]
     times = found(scene).tables["outlet"]["t [s]"]
     for moment in (2000.0, 3333.0):
         assert np.abs(times - moment).min() < 1e-9
@@ -192,7 +192,7 @@ def test_steps_of_one_length_and_cycles_meet_every_kink(time):
     scene = bed()
     del scene["time"]["tolerance"]
     scene["time"] |= time
-    assert len(plan(from_dict(scene)).pieces()) == POINTS - 1
+    assert len(plan(from_dict(scene)).intervals()) == POINTS - 1
 
 
 def test_a_run_goes_on_between_kinks(tmp_path, monkeypatch):

@@ -11,10 +11,10 @@ from moving_beds import started
 from scipy.integrate import solve_ivp
 
 import contbed as cb
+from contbed.course.schedule import Schedule
 from contbed.errors import SceneError
 from contbed.explain.sheets import explain
 from contbed.loading import from_dict
-from contbed.scene.schedule import SeriesByKey
 from contbed.scene.series import Samples
 
 SLAB = {
@@ -343,7 +343,7 @@ def test_what_a_step_does_not_see_of_a_series(period):
     if period is not None:
         assert curved.kink(24.0) == pytest.approx([1.0, 0.0])
         assert curved.unseen(21.0, 29.0, (0.0, 1.0)) == pytest.approx([16.0, 0.0])
-    spike = SeriesByKey(
+    spike = Schedule(
         {
             ("a",): curved,
             ("b",): Samples(np.array([0.0, 3.0]), np.array([1.0, 2.0]), "step", period),

@@ -33,10 +33,10 @@ class Problem:
     fixed: Any = field(default_factory=lambda: np.empty(0, dtype=int))
     weights: Any = 1.0
     fixed_values: Any = 0.0
-    changes: bool = False
-    inside: Any = None
+    time_dependent: bool = False
+    nodal_modes: Any = None
 
-    def at(self, time: float) -> None:
+    def set_time(self, time: float) -> None:
         """Nothing changes with time."""
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
