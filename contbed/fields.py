@@ -965,19 +965,23 @@ _RESULTS = (
         "largest change of a temperature over the period of a cycle",
     ),
     Field(
-        "heat_charged_J", "Q_+", "J", "heat that streams leave in the bed in a period"
+        "heat_charged_J",
+        "Q_+",
+        "J",
+        "heat that streams leave in the bed over the parts of a run in which they do",
     ),
     Field(
         "heat_discharged_J",
         "Q_-",
         "J",
-        "heat that streams take out of the bed in a period",
+        "heat that streams take out of the bed over the parts of a run in which they "
+        "do",
     ),
     Field(
         "storage_efficiency",
         r"\eta",
         "1",
-        "heat taken out over heat left in the bed in a period",
+        "heat discharged over heat charged",
     ),
     Field(
         "effectiveness_charge",
@@ -990,6 +994,66 @@ _RESULTS = (
         r"\varepsilon_-",
         "1",
         "heat taken over what the stream could take out",
+    ),
+    Field(
+        "heat_lost_J",
+        r"Q_\mathrm{lost}",
+        "J",
+        "heat that leaves a store other than with the fluid: through walls, by radiation "
+        "and by conduction at its ends",
+    ),
+    Field(
+        "heat_lost_at_rest_J",
+        r"Q_\mathrm{rest}",
+        "J",
+        "part of the heat lost while no fluid flows",
+    ),
+    Field(
+        "heat_stored_J",
+        r"\Delta Q",
+        "J",
+        "heat that a store holds more than at the start",
+    ),
+    Field(
+        "storage_capacity_J",
+        "Q_C",
+        "J",
+        "heat of a store between the lowest and highest temperature of the streams, "
+        "without a cycle also of its start",
+    ),
+    Field(
+        "utilisation",
+        r"\phi",
+        "1",
+        "heat discharged, of a store that is only charged the change of what it holds, "
+        "over its capacity",
+    ),
+    Field(
+        "exergy_charged_J",
+        "E_+",
+        "J",
+        "exergy that streams leave in the bed over the parts of a run in which they do, "
+        "from packed_bed.dead_state and without that of pressure",
+    ),
+    Field(
+        "exergy_discharged_J",
+        "E_-",
+        "J",
+        "exergy that streams take out of the bed over the parts of a run in which they "
+        "do",
+    ),
+    Field(
+        "exergy_efficiency",
+        r"\eta_E",
+        "1",
+        "exergy discharged over exergy charged",
+    ),
+    Field(
+        "thermocline_m",
+        r"\delta",
+        "m",
+        "length over which the solid of a store goes from 10 to 90 % of the span of "
+        "temperatures, at the end",
     ),
     Field(
         "T_solid_mean_K",

@@ -99,26 +99,3 @@ def _period(problems: Sequence[Any], cycle: Cycle, policy: Policy, fresh: bool) 
             taken.append(step.level)
         cycle.levels[k] = taken
     return history.state
-
-
-def exchanged(net: Sequence[float], most: Sequence[float]) -> dict[str, float]:
-    """Return quantities of a storage cycle.
-
-    Parameters
-    ----------
-    net : heat that the fluid leaves in the bed in each part of a period [J]
-    most : what it could leave or take there between the inlet temperatures [J]
-    """
-    charged, taken = sum(q for q in net if q > 0.0), -sum(q for q in net if q < 0.0)
-    could = [
-        sum(m for q, m in zip(net, most, strict=True) if sign * q > 0.0)
-        for sign in (1.0, -1.0)
-    ]
-    out = {"heat_charged_J": charged, "heat_discharged_J": taken}
-    if min(charged, taken, *could) > 0.0:
-        out |= {
-            "storage_efficiency": taken / charged,
-            "effectiveness_charge": charged / could[0],
-            "effectiveness_discharge": taken / could[1],
-        }
-    return out

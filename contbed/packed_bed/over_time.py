@@ -9,8 +9,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from contbed.fem.probe import Line
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.shared import Solved, check_state, heat_balance, heat_problem
@@ -39,14 +37,14 @@ def transient(
     """
     from contbed.output import checkpoint
     from contbed.output.progress import Progress
-    from contbed.packed_bed.cycle import exchanged
+    from contbed.packed_bed.of_stores import store_findings
     from contbed.packed_bed.results import transient_findings
     from contbed.packed_bed.transient import (
         History,
+        by_streams,
         enter,
         integrated_fluxes,
         run_transient,
-        streamed,
     )
     from contbed.scene.identity import identity
 
@@ -95,7 +93,6 @@ def transient(
         history, start, folder = History(cycle.state), None, None
     elif history is not None:
         history = history.fitted(scene.time, scene.origin)
-    heats: list[float] = []
     taken: list[list[int]] = []
     renewed: list[list[int]] = []
     # of those that have passed only the last is needed, for the results
@@ -125,7 +122,7 @@ def transient(
                             plan.policy,
                             None if interval.jumps else history.size,
                         )
-                    before, steps = streamed(history), len(history.levels)
+                    steps = len(history.levels)
                 known = levels if cycle is None else cycle.levels
                 end = scene.time.end if interval is None else interval.end
                 if local is not None:
@@ -169,7 +166,6 @@ def transient(
                         plan, local.flow, result, interval, problem.system
                     )
                 taken.append(history.levels[steps:])
-                heats.append(streamed(history) - before)
                 if local is not None:
                     renewed.append(local.steps)
         if whole and cycle is None:
@@ -181,12 +177,11 @@ def transient(
             with result.timed("results"):
                 if local is not None:
                     local.report(plan, line)
-                if cycle is not None and len(heats) == len(intervals):
+                if cycle is not None:
                     result.qoi |= {
                         "cycle_periods": cycle.periods,
                         "cycle_change_K": cycle.residual,
                     }
-                    result.qoi |= exchanged(heats, _most(plan, intervals))
                 if history.steps:
                     fluxes, reactions = (
                         integrated_fluxes(problem, history),
@@ -198,6 +193,9 @@ def transient(
                         fluxes, reactions, source, history.gain, "J", held
                     )
                 transient_findings(plan, line, problem, history, result)
+                if history.steps:
+                    totals = by_streams(fluxes, reactions)
+                    store_findings(plan, problem, history, totals, result)
                 if history.snapshots:
                     # closures as used at the last output
                     problem.steady(history.snapshots[-1], False)
@@ -236,37 +234,3 @@ def _cycle(
         problems.append(heat_problem(plan, flow, result, interval))
     start = problems[0].begin(plan.policy) if guess is None else guess
     return find_cycle(problems, start, plan.policy, time.cycle.tolerance, keep)
-
-
-def _most(plan: Plan, intervals: Any) -> list[float]:
-    """Return the heat that the fluid of each part could leave in the bed between the
-    inlet temperatures [J].
-    """
-    conditions = [
-        condition
-        for interval in intervals
-        for weight in (0.0, 1.0)
-        for condition in interval.boundary(
-            weight * np.ones(len(interval.other))
-        ).values()
-    ]
-    inlets = [
-        c.gas.temperature or c.gas.fixed_temperature
-        for c in conditions
-        if c.gas is not None
-    ]
-    entering = [T for T in inlets if T is not None]
-    if not entering:
-        return [0.0] * len(intervals)
-    found = []
-    for interval in intervals:
-        part = plan.within(interval)
-        enthalpy = part.medium.fluid.enthalpy
-        flow = (
-            float(np.abs(part.velocity[part.mesh.axis]))
-            * part.section
-            * part.medium.mass_flux_scale()
-        )
-        rise = float(enthalpy(max(entering)) - enthalpy(min(entering)))
-        found.append(flow * rise * (interval.end - interval.start))
-    return found

@@ -133,6 +133,10 @@ class PackedBed(Table):
         description="fixed Reynolds number for the closures instead of the one from "
         "velocities and properties",
     )
+    dead_state: Temperature = Field(
+        298.15,
+        description="temperature of the surroundings, at which a stream has no exergy",
+    )
 
 
 class Inside(Table):

@@ -91,7 +91,7 @@ def _leaves(part: Any, wall: Any) -> bool:
 
 def outlet_table(rows: list[tuple[float, ...]]) -> dict[str, NDArray[np.float64]]:
     """Return the outlet over time by column, without phases that never leave."""
-    values = np.array(rows).reshape(len(rows), 1 + len(PHASES)).T
+    values = np.array([row[: 1 + len(PHASES)] for row in rows]).T
     columns = {"t [s]": values[0]} | {
         f"T_{phase}_out [K]": T for phase, T in zip(PHASES, values[1:], strict=True)
     }

@@ -35,7 +35,8 @@ class History:
     temperatures conduct in by boundary, `flux` of the boundary fluxes where properties
     or boundary values vary, `gain` of the content; `ranges` is the record of how
     closures were used, see `Medium.state`; `outlet` holds time and outlet temperatures
-    of each step, see `Outlets`; `levels` are the sizes of the steps of this process.
+    of each step, see `Outlets`, and the heat so far, see `by_streams`; `levels` are the
+    sizes of the steps of this process.
     """
 
     state: Any
@@ -222,7 +223,8 @@ def run_transient(
         if not problem.linear:
             problem.medium.record()
             after.ranges = problem.medium.state()
-        history.outlet.append(outlets(step.end, step.states[-1]))
+        passed = by_streams(fluxes_of(after), {"": float(np.sum(after.reaction))})
+        history.outlet.append((*outlets(step.end, step.states[-1]), *passed))
         # at once, so that an interrupt never leaves half a step
         vars(history).update(vars(after))
         history.levels.append(step.level)
@@ -332,11 +334,14 @@ def _account(problem: HeatProblem, history: History, step: Any) -> None:
                     )
 
 
-def streamed(history: History) -> float:
-    """Return the heat that streams of the fluid have left in the bed so far, where
-    values change with time [J].
-    """
-    return sum(value for key, value in history.flux.items() if key.endswith(".T_fluid"))
+def by_streams(
+    fluxes: dict[str, dict[str, float]], reactions: dict[str, float]
+) -> tuple[float, float]:
+    """Return the heat into the bed by streams of the fluid, and otherwise [J]."""
+    kinds = [pair for parts in fluxes.values() for pair in parts.items()]
+    left = sum(value for kind, value in kinds if kind == "T_fluid")
+    other = sum(value for kind, value in kinds if kind != "T_fluid")
+    return left, other + sum(reactions.values())
 
 
 def integrated_fluxes(
@@ -352,6 +357,11 @@ def integrated_fluxes(
             name: {kind: value * history.time for kind, value in parts.items()}
             for name, parts in fluxes.items()
         }
+    return fluxes_of(history)
+
+
+def fluxes_of(history: History) -> dict[str, dict[str, float]]:
+    """Return the heat through each boundary so far, where values change [J]."""
     out: dict[str, dict[str, float]] = {}
     for key, value in history.flux.items():
         name, kind = key.rsplit(".", 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from typing import Annotated, ClassVar, Literal
 
@@ -172,17 +173,17 @@ class MeshFile(Table):
 
 
 def power_units(names: Iterable[str], mesh: Mesh) -> dict[str, str]:
-    """Return the unit of each heat flow among named results: per area of section on
-    a line, per depth in a plane.
+    """Return the unit of each heat, heat flow and exergy among named results: per area
+    of section on a line, per depth in a plane.
     """
     round_bed = isinstance(mesh, MeshAxisymmetric) or getattr(
         mesh, "axisymmetric", False
     )
-    unit = "W" if round_bed else {1: "W/m2", 2: "W/m", 3: "W"}[mesh.dimension]
+    per = "" if round_bed else {1: "/m2", 2: "/m", 3: ""}[mesh.dimension]
     return {
-        name: unit
+        name: name[-1] + per
         for name in names
-        if name == "duty_W" or (name.startswith("heat_") and name.endswith("_W"))
+        if name == "duty_W" or re.fullmatch("(heat|exergy|storage)_.*_[JW]", name)
     }
 
 

@@ -9,7 +9,6 @@ import pytest
 
 from contbed.errors import SceneError
 from contbed.loading import load
-from contbed.packed_bed.cycle import exchanged
 from contbed.runner import run
 from contbed.solvers.anderson import Anderson
 from tests.particle.tables import rows
@@ -141,15 +140,6 @@ def test_anderson_solves_a_linear_problem_in_as_many_steps_as_it_has_unknowns():
     for _ in range(8):
         state = accelerate(state, matrix @ state + shift)
     assert state == pytest.approx(np.linalg.solve(np.eye(6) - matrix, shift), rel=1e-7)
-
-
-def test_quantities_of_a_cycle():
-    found = exchanged([10.0, -1.0, -8.0, 0.0], [20.0, 2.0, 16.0, 5.0])
-    assert found["storage_efficiency"] == pytest.approx(0.9)
-    assert (
-        found["effectiveness_charge"] == 0.5 and found["effectiveness_discharge"] == 0.5
-    )
-    assert exchanged([5.0], [10.0]) == {"heat_charged_J": 5.0, "heat_discharged_J": 0}
 
 
 def test_a_cycle_without_series_is_refused(tmp_path):
