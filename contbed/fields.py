@@ -1025,8 +1025,8 @@ _RESULTS = (
         "utilisation",
         r"\phi",
         "1",
-        "heat discharged, of a store that is only charged the change of what it holds, "
-        "over its capacity",
+        "largest change of the heat that a store holds from one change of its streams "
+        "to another, over its capacity",
     ),
     Field(
         "exergy_charged_J",

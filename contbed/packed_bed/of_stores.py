@@ -113,9 +113,9 @@ def used(parts: Sequence[Part], gain: float, capacity: float) -> dict[str, float
     resting = [part.lost for part in parts if not part.flows]
     if resting:
         out["heat_lost_at_rest_J"] = sum(resting)
-    taken = -sum(part.left for part in parts if part.left < 0.0)
+    held = np.cumsum([0.0, *(part.left - part.lost for part in parts)])
     if capacity > 0.0:
-        out["utilisation"] = (taken or abs(gain)) / capacity
+        out["utilisation"] = float(np.ptp(held)) / capacity
     return out
 
 
@@ -151,11 +151,15 @@ def thermocline(x: Array, T: Array, span: tuple[float, float]) -> float | None:
 
 
 def _intervals(plan: Plan) -> Intervals:
-    """Return the parts of a run with the plan of each."""
-    return [
-        (interval, plan if interval is None else plan.within(interval))
-        for interval in plan.intervals()
-    ]
+    """Return the parts of a run with the plan of the flow in each."""
+    found: Intervals = []
+    flows: dict[float, Plan] = {}
+    for interval in plan.intervals():
+        since = 0.0 if interval is None else interval.flow_since
+        if since not in flows:
+            flows[since] = plan if interval is None else plan.within(interval)
+        found.append((interval, flows[since]))
+    return found
 
 
 def _temperatures(plan: Plan, intervals: Intervals) -> list[float] | None:

@@ -186,20 +186,27 @@ class Plan:
         temperatures, found, flow_since = tuple(schedule.temperatures()), [], 0.0
         small, every = kinks_passed(schedule, self.scene), schedule.cuts(time.end)
         cuts = every if small is None else schedule.cuts(time.end, small)
+        names = {self.as_written(name): name for name in self.mesh.boundaries}
+        solved = {
+            path: (path[0], names.get(str(path[1]), path[1]), *path[2:])
+            for path in schedule.samples
+        }
         for start, end in pairwise(cuts):
             if schedule.jumps(start, VELOCITY):
                 flow_since = start
             inner = every[bisect_right(every, start) : bisect_left(every, end)]
-            other = other_values(schedule, start, end, inner)
-            series = {path: schedule.samples[path] for path in other}
+            changed = other_values(schedule, start, end, inner)
+            series = {solved[path]: schedule.samples[path] for path in changed}
             found.append(
                 ScheduleInterval(
                     start,
                     end,
                     self._as_solved(schedule.frozen(self.scene, start)),
                     Schedule(series),
-                    other,
-                    small if small and inner else {},
+                    {solved[path]: value for path, value in changed.items()},
+                    {solved[path]: size for path, size in (small or {}).items()}
+                    if inner
+                    else {},
                     temperatures,
                     schedule.jumps(start),
                     flow_since,
