@@ -29,7 +29,7 @@ from contbed.bubbling_bed.closures import (
 )
 from contbed.bubbling_bed.equations import coefficients as model
 from contbed.bubbling_bed.equations import flow as bubbling_flow
-from contbed.chemistry.laws_of_solids import diffusion_in_nitrogen
+from contbed.chemistry.char_and_lime import diffusion_in_nitrogen
 from contbed.closures.bubbles import GRAVITY
 from contbed.materials.common import integrated, polynomial
 from contbed.scene.toml_lines import KeyPath

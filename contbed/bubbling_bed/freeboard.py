@@ -98,6 +98,7 @@ class FreeboardProblem:
             self.computed.gas.pressure,
             mass / sum(moles.values()),
             per_kg,
+            gases,
         )
 
     def state(self, u: Any) -> tuple[dict[str, Any], Any, Any]:

@@ -4,9 +4,11 @@ where nothing is left.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
+
+from contbed.chemistry.thermo import R_GAS
 
 # share of a solid that is left, below which powers of it are straight lines
 FINEST = 1e-7
@@ -41,3 +43,16 @@ class Local:
     catalyst: float  # mass of particles per volume of bed [kg/m3]
     films: Mapping[str, Any]  # coefficient of each gas [m/s]; empty without films
     small: Smoothing = SHARPEST
+
+    @property
+    def all_gases(self) -> Any:
+        """Concentration of all gases [mol/m3]."""
+        return self.p / (R_GAS * self.T)
+
+    @property
+    def all_solids(self) -> Any:
+        """Moles of all solids [mol/m3 bed]."""
+        return sum(self.n.values())
+
+
+Rate = Callable[[Local], Any]

@@ -9,13 +9,15 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 
 from contbed import closures, fields
-from contbed.chemistry.laws_of_gases import LAWS, Law
-from contbed.chemistry.laws_of_solids import (
+from contbed.chemistry.char_and_lime import (
     CALCINATION,
     CHAR_LAWS,
     SULPHATE_REDUCTION,
     SULPHATION,
 )
+from contbed.chemistry.laws import every
+from contbed.chemistry.laws.gases import BY_REACTION
+from contbed.chemistry.power_law import PowerLaw
 from contbed.closures import arguments, registry
 from contbed.explain.terms import TERMS
 from contbed.models import MODELS, Model
@@ -105,9 +107,13 @@ def _below(
     for key, node in table.get("properties", {}).items():
         yield (*path, key), node
         for option in schema.options(node):
+            tables = [((*path, key), option)]
             inner = option.get("additionalProperties")
-            name = (*path, key, "NAME") if isinstance(inner, dict) else (*path, key)
-            for below in schema.options(inner) if isinstance(inner, dict) else [option]:
+            if isinstance(inner, dict):
+                tables += [
+                    ((*path, key, "NAME"), below) for below in schema.options(inner)
+                ]
+            for name, below in tables:
                 title = str(below.get("title", ""))
                 if (
                     "properties" in below
@@ -137,40 +143,36 @@ def kinds() -> list[str]:
     return sorted({registry.sheet(name).kind for name in closures.names()})
 
 
-def laws() -> dict[str, dict[str, Law]]:
-    """Return the rate laws of each reaction of a bubbling bed, the default first."""
+def laws() -> dict[str, dict[str, PowerLaw]]:
+    """Return the rate laws with published constants of each reaction, the default
+    first.
+    """
     lime = {
         "calcination": CALCINATION,
         "sulphation": SULPHATION,
         "sulphate_reduction": SULPHATE_REDUCTION,
     }
     return {
-        **LAWS,
+        **BY_REACTION,
         **CHAR_LAWS,
         **{name: {law.name: law} for name, law in lime.items()},
     }
 
 
 def laws_by_name() -> dict[str, tuple[str, ...]]:
-    """Return the equations of the rate laws that a reacting bed names,
-    `[reactions.NAME] law`.
-    """
-    from contbed.chemistry.laws import LAWS_WITH_EQUATION
-
-    found = {
-        name: (text,) if isinstance(text, str) else text
-        for name, text in LAWS_WITH_EQUATION.items()
+    """Return the equations of the rate laws that any reaction may name."""
+    return {
+        name: law.equations
+        for name, law in every().items()
+        if law.equations and "." not in name
     }
-    return {name: equations for name, equations in found.items() if "." not in name}
 
 
 def own_laws() -> dict[str, tuple[str, ...]]:
-    """Return the rate laws of reacting beds whose constants the scene gives, each
-    with the keys that it needs.
+    """Return the rate laws whose constants the scene gives, with the keys that each
+    needs.
     """
-    from contbed.chemistry.laws import NEEDS
-
-    return dict(NEEDS)
+    return {name: law.needs for name, law in every().items() if law.needs}
 
 
 def group(word: str) -> str | None:
@@ -204,10 +206,10 @@ def sections(name: str) -> dict[str, list[str]]:
             "reactions and their rate laws": _lines(
                 {key: ", ".join(found) for key, found in laws().items()}
             ),
-            "rate laws of reacting beds": _lines(
+            "rate laws of any reaction": _lines(
                 {key: equations[0] for key, equations in laws_by_name().items()}
             ),
-            "rate laws of reacting beds with constants of the scene": _lines(
+            "rate laws with constants of the scene": _lines(
                 {
                     key: f"needs {', '.join(needed)}"
                     for key, needed in own_laws().items()

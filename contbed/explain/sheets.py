@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 
 from contbed import closures, fields
-from contbed.chemistry.laws_of_gases import Law
+from contbed.chemistry.power_law import PowerLaw
 from contbed.closures import arguments, registry
 from contbed.errors import SceneError
 from contbed.explain import catalogue
@@ -233,12 +233,10 @@ def _law_sheets(name: str) -> Iterator[str]:
         yield "\n".join([head, *(line for law in of for line in _law(of[law]))])
     for reaction, of in laws().items():
         if name in of:
-            yield "\n".join(
-                [f"{name} - rate law of {reaction} in bubbling beds", *_law(of[name])]
-            )
+            yield "\n".join([f"{name} - rate law of {reaction}", *_law(of[name])])
 
 
-def _law(law: Law) -> list[str]:
+def _law(law: PowerLaw) -> list[str]:
     low, high = law.T_range
     return [
         f"    {law.name}: {law.reaction} [{law.unit}], {low:g} to {high:g} K",
@@ -250,7 +248,7 @@ def _named_law_sheets(name: str) -> Iterator[str]:
     if equations := laws_by_name().get(name):
         yield "\n".join(
             [
-                f"{name} - rate law of a reacting bed",
+                f"{name} - rate law",
                 *(f"    {equation}" for equation in equations),
             ]
         )
@@ -258,7 +256,7 @@ def _named_law_sheets(name: str) -> Iterator[str]:
 
 def _own_law_sheets(name: str) -> Iterator[str]:
     if needed := own_laws().get(name):
-        yield f"{name} - rate law of reacting beds, constants of the scene: [reactions.NAME] needs {', '.join(needed)}"
+        yield f"{name} - rate law, constants of the scene: [reactions.NAME] needs {', '.join(needed)}"
 
 
 def _group_sheets(name: str) -> Iterator[str]:

@@ -93,15 +93,15 @@ def _reactions(scene: s.ReactingScene, species: Substances) -> list[Reaction]:
     """
     found: list[Reaction] = []
     for name, running in places(scene, species.plain).items():
-        tables = {name: scene.reactions[name]}
+        table = scene.reactions[name]
         if not running:
-            found += reactions_of(tables, species.plain, False)
+            found += reactions_of(name, table, species.plain)
         for phase in running:
             own, with_effectiveness = (
                 species.phases[phase],
                 scene.solids[phase].inside.mass == "effectiveness",
             )
-            for each in reactions_of(tables, own, with_effectiveness):
+            for each in reactions_of(name, table, own, with_effectiveness):
                 full = own.full(each.name) if len(running) > 1 else each.name
                 found.append(replace(each, name=full, phase=phase, alone=each.name))
     for phase in scene.solids:

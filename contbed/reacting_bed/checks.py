@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from contbed.chemistry.equation import unbalanced
-from contbed.chemistry.kinetics import SI_OF_BASIS
-from contbed.chemistry.laws import NEEDS, equations_of, known_laws
+from contbed.chemistry.checks import reaction_is_whole
+from contbed.chemistry.laws import find_law
+from contbed.chemistry.rate_formula import SI_OF_BASIS
 from contbed.chemistry.species import atoms_of
 from contbed.closures.binding import is_phase, named
 from contbed.closures.fluid_conducts import fluid_conducts_twice
@@ -80,10 +80,12 @@ def compositions_sum_to_one(
             yield path, str(error)
 
 
-def equations_balance(
+def reactions_are_whole(
     reactions: Reactions, gas: s.Mixture, solids: Solids, origin: Origin
 ) -> Mistakes:
-    """Check that every reaction has an equation whose elements balance."""
+    """Check that reactions have equations that balance, and one law with what it
+    needs.
+    """
     if not reactions:
         return
     try:
@@ -92,68 +94,16 @@ def equations_balance(
         yield ("gas", "mechanism"), str(error)
         return
     tables = {**gas.species, **constituents_of(solids)}
+    solids_react = any(table.composition is not None for table in solids.values())
     for name, table in reactions.items():
-        path: KeyPath = (
-            ("reactions", name)
-            if table.equation is None
-            else ("reactions", name, "equation")
+        yield from reaction_is_whole(
+            name, table, lambda each: atoms_of(each, tables.get(each), mechanism)
         )
-        try:
-            equations = equations_of(name, table)
-        except SceneError as error:
-            if table.law is None or table.law in NEEDS:
-                yield path, str(error)
-            continue
-        for equation in equations.values():
-            for text in unbalanced(
-                equation.stoichiometry,
-                lambda each: atoms_of(each, tables.get(each), mechanism),
-            ):
-                yield path, text
-
-
-def laws_have_what_they_need(reactions: Reactions, solids: Solids) -> Mistakes:
-    """Check that every reaction has one law, known and with its constants, or a
-    formula.
-    """
-    for name, table in reactions.items():
-        if table.rate is not None:
-            if table.law is not None or table.A is not None:
-                yield (
-                    ("reactions", name, "rate"),
-                    "a formula is the whole rate; remove law, A, E and orders, or rate",
-                )
-            continue
-        law = table.law or "power"
-        if law not in known_laws(name):
+        law = find_law(name, table)
+        if law is not None and law.of_solids and not solids_react:
             yield (
                 ("reactions", name, "law"),
-                f"unknown rate law; {nearest(law, known_laws(name))}",
-            )
-            continue
-        for key in NEEDS.get(law, ()):
-            if getattr(table, key) is None:
-                what = (
-                    "the activation energy, 0 for a rate that does not depend on "
-                    "temperature"
-                    if key == "E"
-                    else key
-                )
-                yield ("reactions", name, key), f"missing; the law {law} needs {what}"
-        of_solids = law in (
-            "grain",
-            "grain_remaining",
-            "shrinking_core",
-        ) or law.startswith("three_interfaces")
-        if of_solids and all(table.composition is None for table in solids.values()):
-            yield (
-                ("reactions", name, "law"),
-                f"{law} needs solids that react: give solids.NAME.composition",
-            )
-        if table.basis is not None and law not in ("power",):
-            yield (
-                ("reactions", name, "basis"),
-                f"has no meaning with the law {law}, whose rate has its own",
+                f"{table.law} needs solids that react: give solids.NAME.composition",
             )
 
 
@@ -399,8 +349,7 @@ CHECKS: tuple[Check, ...] = (
     stream_checks.boundaries_exist,
     stream_checks.one_end_gives_each_flow,
     the_parameter_is_a_number,
-    equations_balance,
-    laws_have_what_they_need,
+    reactions_are_whole,
     formulas_can_be_read,
     orders_name_species,
     phase_checks.steady_states_exist,

@@ -6,8 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from contbed.chemistry.laws import STAGED, equations_of
-from contbed.chemistry.reforming import REACTIONS as REFORMING
+from contbed.chemistry.laws import equations_of, find_law, is_catalytic
 from contbed.course.schedule import series_of
 from contbed.errors import SceneError
 from contbed.materials.composition import names_in
@@ -126,7 +125,7 @@ def _species_in_particles(reactions: Reactions, solid: s.Solid) -> dict[str, set
         name: named
         for name, named in species.items()
         if reactions[name].basis in ("catalyst", "particle")
-        or reactions[name].law in REFORMING
+        or is_catalytic(name, reactions[name])
         or named & constituents
     }
 
@@ -154,15 +153,15 @@ def adsorbed_gases_react_by_their_concentrations(
     said: set[tuple[str, str]] = set()
     for phase, name, gas in _reacting_though_adsorbed(solids, reactions):
         table, inside = reactions[name], solids[phase].inside
-        law, path = table.law or "power", ("reactions", name)
+        law, path = find_law(name, table), ("reactions", name)
         resolved = inside.mass == "interior" or (
             inside.mass != "none" and bool(inside.diffusivity)
         )
         text = f"{gas} is adsorbed by the particles in which it reacts"
         mistake = ""
-        if law == "shrinking_core" or law in STAGED:
+        if law is not None and law.own_film:
             mistake = (
-                f"{text}, and {law} has a film and a layer of its own; give a rate by "
+                f"{text}, and {table.law} has a film and a layer of its own; give a rate by "
                 "concentrations, or name the "
                 f"phase in which it runs, reactions.{name}.solid, and that which "
                 "adsorbs"

@@ -8,7 +8,7 @@ import math
 import re
 from collections.abc import Mapping
 
-from contbed.chemistry.laws import equations_of
+from contbed.chemistry.laws import equations_of, is_catalytic
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.streams import given_velocity
@@ -218,7 +218,7 @@ def _density_is_missing(
         )
         return
     for name, each in reactions.items():
-        per_mass = each.basis == "catalyst" or str(each.law).startswith("xu_froment")
+        per_mass = each.basis == "catalyst" or is_catalytic(name, each)
         runs_here = len(solids) == 1 or phase in phases_named(each)
         if per_mass and runs_here:
             yield path, f"missing; the rate of reactions.{name} is per mass of catalyst"

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from contbed.chemistry.equation import Equation
-from contbed.chemistry.kinetics import site_of
+from contbed.chemistry.kinetics import basis_of
 from contbed.chemistry.laws import equations_of
 from contbed.chemistry.species import Species
 from contbed.errors import SceneError
@@ -47,7 +47,7 @@ def places(scene: s.ReactingScene, species: Species) -> dict[str, tuple[str, ...
     }
     at_particles = {
         name: any(
-            _is_at_particles(scene.reactions[name], equation, species)
+            _is_at_particles(name, scene.reactions[name], equation, species)
             for equation in found
         )
         for name, found in equations.items()
@@ -70,9 +70,11 @@ def places(scene: s.ReactingScene, species: Species) -> dict[str, tuple[str, ...
     }
 
 
-def _is_at_particles(table: s.Reaction, equation: Equation, species: Species) -> bool:
-    has_solids = any(name in species.solids for name in equation.stoichiometry)
-    return has_solids or site_of(table, equation, species) != "gas"
+def _is_at_particles(
+    name: str, table: s.Reaction, equation: Equation, species: Species
+) -> bool:
+    has_solids = any(each in species.solids for each in equation.stoichiometry)
+    return has_solids or basis_of(name, table, equation, species) != "gas"
 
 
 def _running(

@@ -7,10 +7,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from contbed.chemistry.laws import IRON
+from contbed.chemistry.laws.three_interfaces import IRON
 from contbed.reacting_bed.problem import Problem
 
-ATOMS = dict(zip(IRON, (2.0, 3.0, 1.0, 1.0), strict=True))  # of iron
 OXYGEN = dict(zip(IRON, (3.0, 4.0, 1.0, 0.0), strict=True))
 
 
@@ -18,7 +17,7 @@ def of_iron(amounts: Mapping[str, float]) -> dict[str, float]:
     """Return metallization and degree of reduction of iron oxides, from moles or
     fluxes of each.
     """
-    iron = sum(ATOMS[name] * amounts.get(name, 0.0) for name in IRON)
+    iron = sum(atoms * amounts.get(name, 0.0) for name, atoms in IRON.items())
     oxygen = sum(OXYGEN[name] * amounts.get(name, 0.0) for name in IRON)
     return {
         "metallization": amounts["Fe"] / iron,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from contbed.chemistry.laws import equations_of
+from contbed.chemistry.laws import equations_of, law_of
 from contbed.chemistry.mixture import GasTransport, Mechanism, dippr102, fuller_pair
 from contbed.chemistry.species import (
     Species,
@@ -146,7 +146,8 @@ def _names(
         for e in equations_of(name, table).values()
     ]
     named = {name for equation in equations for name in equation.stoichiometry}
-    named |= {name for table in scene.reactions.values() for name in table.orders or {}}
+    for reaction, table in scene.reactions.items():
+        named |= {*(table.orders or {}), *law_of(reaction, table).gases}
     known_solids = set(fed) | set(constituents_of(phases))
     solids = [name for name in [*fed, *sorted(named)] if name in known_solids]
     gases: list[str] = []

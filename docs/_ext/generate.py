@@ -30,8 +30,8 @@ from pictures import plot_closure
 from verification import write_page as write_verification
 
 from contbed import closures, fields
-from contbed.chemistry.laws_of_gases import LAWS
-from contbed.chemistry.laws_of_solids import CHAR_LAWS
+from contbed.chemistry.char_and_lime import CHAR_LAWS
+from contbed.chemistry.laws.gases import BY_REACTION
 from contbed.closures import arguments, registry
 from contbed.explain import editor
 from contbed.explain.catalogue import laws_by_name, models
@@ -289,7 +289,7 @@ def correlations(folder: Path, figures: Path) -> None:
         toctree(*(f"closures/{kind}" for kind in kinds), hidden=True),
     )
     laws = []
-    for reaction, table_of in {**LAWS, **CHAR_LAWS}.items():
+    for reaction, table_of in {**BY_REACTION, **CHAR_LAWS}.items():
         rows = [
             [
                 code(law),
@@ -311,10 +311,10 @@ def correlations(folder: Path, figures: Path) -> None:
     page(
         folder / "rate_laws.md",
         "Rate laws",
-        "In a bubbling bed the first law of a reaction is the default; a reacting bed "
-        "names its laws.",
+        "`[reactions.NAME]` with the name of one of these reactions takes its first law, "
+        "or that of `law`.",
         *laws,
-        "## Of reacting beds",
+        "## For a reaction of any name",
         table(["law", "reaction"], named),
     )
     page(

@@ -1,7 +1,7 @@
 """Ore of several sizes, mixed, in a bed that gas passes: three interfaces in each
 particle, gas limited by equilibrium.
 
-Every size class has interfaces X_1 <= X_2 <= X_3 (`contbed.chemistry.three_interfaces`);
+Every size class has interfaces X_1 <= X_2 <= X_3 (`contbed.chemistry.laws.three_interfaces`);
 CO and H2 act side by side. Solids are mixed; the gas of the emulsion is mixed too, and
 at any moment as much is converted as enters and reacts:
 
@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from contbed.chemistry import three_interfaces as three
+from contbed.chemistry.laws import three_interfaces as three
 
 R_GAS = 8.31446261815324  # [J/mol/K]
 # [kg/mol]

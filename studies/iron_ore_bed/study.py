@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from contbed.chemistry import three_interfaces as three
+from contbed.chemistry.laws import three_interfaces as three
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 from studies.iron_ore_bed.model import Fitted, Ore, Run, reduce

@@ -4,7 +4,12 @@ from copy import deepcopy
 
 from bubbling_scenes import changed
 
+from contbed.bubbling_bed.chemistry import reactions as cr
+from contbed.bubbling_bed.chemistry import thermo
+from contbed.chemistry.kinetics import reactions_of
+from contbed.chemistry.species import Species
 from contbed.loading import from_dict
+from contbed.scene.reactions import Reaction
 
 COAL = {
     "moisture": 0.08,
@@ -97,3 +102,11 @@ def tube(composition, reactions, **changes):
         "output": {"plots": False, "fields": False},
     }  # fmt: skip
     return from_dict(changed(found, changes))
+
+
+def of_gases(name, factor=1.0, mixing=0.0):
+    """A reaction of gases with its first law, as a bubbling bed has it."""
+    table = Reaction(factor=factor)
+    species = Species({each: thermo.table()[each] for each in thermo.GASES}, {})
+    (reaction,) = reactions_of(name, table, species)
+    return cr.OfGases(reaction, mixing, 0.45)

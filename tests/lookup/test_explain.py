@@ -87,7 +87,7 @@ def test_every_key_is_found_by_its_last_part():
     [
         (["calcination"], "silcox: CaCO3 <-> CaO + CO2 [mol/m2/s/Pa], 900 to 1400 K"),
         (["sulphate_reduction"], "rate law of sulphate_reduction"),
-        (["howard"], "rate law of CO_oxidation in bubbling beds"),
+        (["howard"], "rate law of CO_oxidation"),
         (["shrinking_core"], "[reactions.NAME] needs A, E, diffusivity"),
         (
             ["closures"],

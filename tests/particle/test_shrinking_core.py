@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from contbed.chemistry import shrinking_core as core
+from contbed.chemistry.laws import shrinking_core as core
 from contbed.fem.ad.dual import Dual
 from tests.particle.tables import rows
 

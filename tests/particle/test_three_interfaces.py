@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from contbed.chemistry import three_interfaces as three
+from contbed.chemistry.laws import three_interfaces as three
 from contbed.fem.ad.dual import Dual
 from tests.particle.tables import rows
 

@@ -5,17 +5,21 @@ value is valid.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from difflib import get_close_matches
 
 from contbed.bubbling_bed.chemistry import scene as t
+from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.solids import Fuel, Solid
 from contbed.bubbling_bed.tables import BubblingBed
-from contbed.chemistry.laws_of_gases import LAWS
-from contbed.chemistry.laws_of_solids import CHAR_LAWS
+from contbed.chemistry.char_and_lime import CHAR_LAWS
+from contbed.chemistry.checks import reaction_is_whole
+from contbed.chemistry.laws import find_law, laws_of
+from contbed.chemistry.laws.gases import BY_REACTION
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.gas import GasCantera
-from contbed.scene.toml_lines import KeyPath
+from contbed.scene.mechanism import find_mechanism
+from contbed.scene.names import nearest
+from contbed.scene.toml_lines import KeyPath, Origin
 
 SUM = 2e-3  # by which shares of an analysis, printed with three digits, may miss one
 HOT = 0.5  # relative distance of a heating value from the correlation that is a mistake
@@ -55,15 +59,46 @@ def reactions_have_what_they_need(
 
 
 def _laws_are_known(reactions: t.Reactions) -> Mistakes:
-    """Check the names of rate laws."""
-    for name, laws in (LAWS | CHAR_LAWS).items():
+    """Check the names of rate laws of char."""
+    for name, laws in CHAR_LAWS.items():
         table = getattr(reactions, name)
-        if table is None or table.law is None or table.law in laws:
+        if table is not None and table.law is not None and table.law not in laws:
+            text = f"unknown rate law; {nearest(table.law, list(laws))}"
+            yield ("reactions", name, "law"), text
+
+
+def gas_reactions_are_whole(
+    reactions: t.Reactions | None,
+    gas: GasCantera | None,
+    solids: Solids,
+    origin: Origin,
+) -> Mistakes:
+    """Check that reactions of gases have equations that balance, laws and a place."""
+    if reactions is None or gas is None:
+        return
+    mechanism = find_mechanism(gas.mechanism, origin.base)
+
+    def atoms(name: str) -> Mapping[str, float]:
+        return thermo.gas(name, mechanism).composition
+
+    for name, table in reactions.of_gases.items():
+        path = ("reactions", name)
+        if table.model_fields_set <= {"factor"} and not laws_of(name):
+            known = [*t.Reactions.model_fields, *BY_REACTION]
+            text = f"unknown reaction without an equation; {nearest(name, known)}"
+            yield path, text
             continue
-        near = get_close_matches(table.law, laws, n=1)
-        hint = f"; did you mean '{near[0]}'?" if near else ""
-        text = f"unknown rate law; there are {', '.join(laws)}{hint}"
-        yield ("reactions", name, "law"), text
+        yield from reaction_is_whole(name, table, atoms)
+        law = find_law(name, table)
+        if law is not None and law.of_solids:
+            yield (*path, "law"), "is of solids that react, which this model lacks"
+        if table.basis == "bed":
+            yield (*path, "basis"), "give gas, or catalyst or particle with a solid"
+        if table.solid is not None and table.solid not in solids:
+            yield (
+                (*path, "solid"),
+                f"no such phase; {nearest(str(table.solid), list(solids))}",
+            )
 
 
 def the_fuel_is_whole(solids: Solids) -> Mistakes:
@@ -163,27 +198,10 @@ def fuel_and_limestone_are_fed(solids: Solids, see: See) -> Mistakes:
             yield ("solids", name, "limestone"), f"is the fuel already; see {fuel}"
 
 
-def gases_react(reactions: t.Reactions | None, gas: GasCantera | None) -> Mistakes:
-    """Check that the reactions know the gases that enter."""
-    if reactions is None or gas is None:
-        return
-    from contbed.bubbling_bed.chemistry.thermo import GASES
-    from contbed.materials.composition import mole_fractions
-
-    try:
-        entering = mole_fractions(gas.composition)
-    except SceneError:
-        return  # reported by another check
-    for name in entering:
-        if name not in GASES:
-            text = f"reactions know no {name}; they know {', '.join(GASES)}"
-            yield ("gas", "composition"), text
-
-
 CHECKS: tuple[Callable[..., Mistakes], ...] = (
     reactions_have_what_they_need,
     the_fuel_is_whole,
     what_is_fed_leaves,
     fuel_and_limestone_are_fed,
-    gases_react,
+    gas_reactions_are_whole,
 )

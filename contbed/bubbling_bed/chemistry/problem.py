@@ -4,7 +4,7 @@ feeds, enthalpies.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,8 +15,14 @@ from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.equations import species as model
 from contbed.bubbling_bed.solids import Feed, Solid
 from contbed.chemistry import devolatilisation as dv
-from contbed.chemistry.thermo import R_GAS
+from contbed.chemistry import kinetics
+from contbed.chemistry.laws import equations_of, law_of
+from contbed.chemistry.species import Species
+from contbed.chemistry.thermo import R_GAS, T_STANDARD, Thermo
+from contbed.errors import SceneError
 from contbed.materials.composition import mole_fractions
+from contbed.scene.mechanism import find_mechanism
+from contbed.scene.reactions import Reaction
 
 CP_VOLATILES, CP_ASH = 1500.0, 1000.0  # [J/kg/K]
 LEAST = 1e-6  # surface that a fuel has even when there is none of it [m2/m]
@@ -53,7 +59,7 @@ def fuel_data(solid: Solid) -> FuelData:
     daf = {name: share / total for name, share in daf.items()}
     higher = fuel.heating_value or dv.heating_value_channiwala(dry, fuel.ash)
     amounts = {name: share / dv.ATOMIC[name] for name, share in daf.items()}
-    species, T0 = thermo.table(), thermo.T_STANDARD
+    species, T0 = thermo.table(), T_STANDARD
     burnt = {"CO2": amounts["C"], "H2O(l)": 0.5 * amounts["H"], "SO2": amounts["S"]}
     formation = sum(
         n * float(species[name].enthalpy(T0)) for name, n in burnt.items()
@@ -87,15 +93,62 @@ def gaussian(feed: Feed, height: float) -> Callable[[Any], Any]:
     return lambda z: scale * np.exp(-0.5 * ((z - feed.height) / feed.width) ** 2)
 
 
+def gas_reactions(scene: Any) -> list[cr.OfGases]:
+    """Return the reactions of gases that the scene switches on.
+
+    Raises
+    ------
+    SceneError : data of a gas are missing, or it is not clear in which particles a
+        reaction runs
+    """
+    tables: dict[str, Reaction] = scene.reactions.of_gases
+    found = []
+    for name, table in tables.items():
+        law = law_of(name, table)
+        ((_, equation),) = equations_of(name, table).items()
+        named = {*equation.stoichiometry, *(table.orders or {}), *law.gases}
+        gases = {each: species_of(scene, each) for each in sorted(named)}
+        (reaction,) = kinetics.reactions_of(name, table, Species(gases, {}))
+        place = _place(scene, name, table) if reaction.site == "particle" else None
+        found.append(
+            cr.OfGases(
+                reaction,
+                scene.bubbling_bed.mixing_time,
+                1.0 - scene.bubbling_bed.solids_fraction,
+                place,
+            )
+        )
+    return found
+
+
+def species_of(scene: Any, name: str) -> Thermo:
+    """Return the thermodynamics of a gas of the scene.
+
+    Raises
+    ------
+    SceneError : there are none
+    """
+    return thermo.gas(name, find_mechanism(scene.mixture.mechanism, scene.origin.base))
+
+
+def _place(scene: Any, name: str, table: Reaction) -> cr.Place:
+    """Return the particles in which a reaction of gases runs."""
+    phase = table.solid if isinstance(table.solid, str) else None
+    if phase is None and len(scene.present) == 1:
+        phase = next(iter(scene.present))
+    if phase is None or phase not in scene.present:
+        raise SceneError(
+            f"{scene.origin.at(('reactions', name))}: reactions.{name}.solid: it runs "
+            f"in particles; name one phase, of {', '.join(scene.present)}"
+        )
+    solid = scene.solids[phase]
+    return cr.Place(phase, solid.volume_share, solid.diameter, solid.density)
+
+
 def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
     """Return all reactions that the scene switches on."""
     table = scene.reactions
-    out: list[Any] = [
-        cr.Homogeneous(
-            name, cr.law_of(name, item), item.factor, scene.bubbling_bed.mixing_time
-        )
-        for name, item in table.homogeneous.items()
-    ]
+    out: list[Any] = list(gas_reactions(scene))
     if (name := scene.fuel) is not None and data is not None:
         fuel = scene.solids[name].fuel
         if table.drying is not None and data.moisture:
@@ -154,21 +207,21 @@ def gases_of(
         running += found
         for item in found:
             there |= _makes(item)
-    return tuple(name for name in thermo.GASES if name in there), tuple(
-        item for item in reactions if item in running
-    )
+    known = [name for name in thermo.GASES if name in there]
+    others = sorted(there - set(known))
+    return (*known, *others), tuple(item for item in reactions if item in running)
 
 
 def _needs(item: Any) -> set[str]:
-    if isinstance(item, cr.Homogeneous):
-        made = {name for name, count in item.law.stoichiometry.items() if count < 0}
-        return made | set(item.law.orders)
-    return set()
+    if not isinstance(item, cr.OfGases):
+        return set()
+    moles = item.reaction.stoichiometry
+    return {name for name in item.reaction.gases if moles.get(name, 0.0) <= 0.0}
 
 
 def _makes(item: Any) -> set[str]:
-    if isinstance(item, cr.Homogeneous):
-        return set(item.law.stoichiometry)
+    if isinstance(item, cr.OfGases):
+        return set(item.reaction.stoichiometry)
     if isinstance(item, cr.Drying):
         return {"H2O"}
     if isinstance(item, cr.Devolatilisation):
@@ -200,7 +253,8 @@ class Mixture:
     entering: Any
     pressure: float
     molar_mass: Any
-    mole: dict[str, Any]  # moles per kg of mixture
+    mole: Mapping[str, Any]  # moles per kg of mixture
+    gases: Mapping[str, Thermo]
 
     def density(self, T: Any) -> Any:
         """Return the density [kg/m3]."""
@@ -216,13 +270,13 @@ class Mixture:
 
     def heat_capacity(self, T: Any) -> Any:
         """Return the heat capacity [J/kg/K]."""
-        species = thermo.table()
-        return sum(n * species[name].heat_capacity(T) for name, n in self.mole.items())
+        gases = self.gases
+        return sum(n * gases[name].heat_capacity(T) for name, n in self.mole.items())
 
     def enthalpy(self, T: Any) -> Any:
         """Return the enthalpy, heat of formation included [J/kg]."""
-        species = thermo.table()
-        return sum(n * species[name].enthalpy(T) for name, n in self.mole.items())
+        gases = self.gases
+        return sum(n * gases[name].enthalpy(T) for name, n in self.mole.items())
 
 
 @dataclass(frozen=True)
@@ -294,7 +348,9 @@ class Chemistry:
             )
             mole = {name: x / mean for name, x in self.part.inlet.items()}
             return {
-                phase: Mixture(entering, self.part.pressure, mean, mole)
+                phase: Mixture(
+                    entering, self.part.pressure, mean, mole, self.part.gases
+                )
                 for phase in self.part.phases
             }
         state = self.part.state(u, None)
@@ -307,6 +363,7 @@ class Chemistry:
                     name: w / self.part.gases[name].molar_mass
                     for name, w in state.w[phase].items()
                 },
+                self.part.gases,
             )
             for phase in self.part.phases
         }
@@ -324,17 +381,9 @@ def chemistry(scene: Any, mixing: dict[str, Any], exchange: Any) -> Chemistry:
     idle = tuple(
         item.name
         for item in wanted
-        if isinstance(item, cr.Homogeneous) and item not in running
+        if isinstance(item, cr.OfGases) and item not in running
     )
-    species = thermo.table()
-    gases = {
-        name: model.Gas(
-            species[name].molar_mass,
-            species[name].enthalpy,
-            species[name].heat_capacity,
-        )
-        for name in names
-    }
+    gases = {name: species_of(scene, name) for name in names}
     bed = scene.bubbling_bed
     drain = bed.drain
     velocity = (
@@ -342,7 +391,7 @@ def chemistry(scene: Any, mixing: dict[str, Any], exchange: Any) -> Chemistry:
         if drain is None
         else bed.height / drain.time * (1.0 if drain.end == "top" else -1.0)
     )
-    mean = sum(species[name].molar_mass * x for name, x in inlet.items())
+    mean = sum(gases[name].molar_mass * x for name, x in inlet.items())
     moles = scene.gas_flow / mean
     solids, ash = _solids(scene, data, running, inlet, moles)
     part = model.Species(
@@ -454,7 +503,7 @@ def _solids(
 
 
 def _linear(formation: float, heat_capacity: float) -> Callable[[Any], Any]:
-    return lambda T: formation + heat_capacity * (T - thermo.T_STANDARD)
+    return lambda T: formation + heat_capacity * (T - T_STANDARD)
 
 
 def _burnout(scene: Any, running: tuple[Any, ...], inlet: dict[str, float]) -> float:

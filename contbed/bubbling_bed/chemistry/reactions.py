@@ -4,7 +4,7 @@ for their arguments.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -13,15 +13,21 @@ import numpy as np
 from contbed.bubbling_bed.chemistry import scene as t
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.equations.species import SourceTerms, State
+from contbed.chemistry import char_and_lime as rs
 from contbed.chemistry import devolatilisation as dv
-from contbed.chemistry import laws_of_gases as r
-from contbed.chemistry import laws_of_solids as rs
+from contbed.chemistry.char_and_lime import BAR
+from contbed.chemistry.kinetics import Reaction
+from contbed.chemistry.local import Local
+from contbed.chemistry.power_law import SMALL, PowerLaw, power, product
 from contbed.chemistry.thermo import R_GAS
 
 CARBON = dv.ATOMIC["C"]
 # [Pa] over which the release of SO2 falls to 0 at equilibrium; beds hold 10 Pa of CO
 # and more
 SMALL_CO = 0.1
+# [bar2] of pressures of products over K, (1e-6 atm)^2, below which a root of it is a
+# straight line
+TRACE = 1.01325e-6**2
 OF_LIME = {
     "calcination": rs.CALCINATION,
     "sulphation": rs.SULPHATION,
@@ -29,17 +35,15 @@ OF_LIME = {
 }
 
 
-def law_of(name: str, table: Any) -> r.Law:
-    """Return the rate law of a reaction."""
-    laws = (r.LAWS | rs.CHAR_LAWS)[name]
+def law_of(name: str, table: t.CharReaction) -> PowerLaw:
+    """Return the rate law of a reaction of char."""
+    laws = rs.CHAR_LAWS[name]
     return laws[table.law] if table.law is not None else next(iter(laws.values()))
 
 
-def equilibrium_quotient(law: r.Law, T: Any, p: dict[str, Any]) -> Any:
-    """Return the product of the pressures of the products over K.
-
-    The unit is atm to the order of the reactants, which are those of the equilibrium
-    constant K.
+def equilibrium_quotient(law: PowerLaw, T: Any, p: dict[str, Any]) -> Any:
+    """Return the product of the pressures of the products [bar] over K, in bar to
+    the order of the reactants.
     """
     made = [
         p[name]
@@ -47,53 +51,91 @@ def equilibrium_quotient(law: r.Law, T: Any, p: dict[str, Any]) -> Any:
         if name in p
         for _ in range(round(max(count, 0.0)))
     ]
-    return np.exp(-thermo.ln_equilibrium(law.stoichiometry, T)) * r.product(made)
+    return np.exp(-thermo.equilibrium(law.stoichiometry).ln_K(T)) * product(made)
 
 
 @dataclass(frozen=True)
-class Homogeneous:
-    """A gas reaction in each phase; the rate is multiplied by `factor`, and limited
-    by the `mixing` time.
+class Place:
+    """The particles in which reactions of gases run.
+
+    species : the solid phase
+    share : of the volume of all particles
     """
 
-    name: str
-    law: r.Law
-    factor: float
-    mixing: float = 0.0  # time [s]
+    species: str
+    share: float
+    diameter: float
+    density: float
+
+
+@dataclass(frozen=True)
+class OfGases:
+    """A reaction of gases, in the gas of each phase, or in particles of the emulsion.
+
+    mixing : time in which gases mix, which limits the rate [s]
+    voidage : of the emulsion
+    """
+
+    reaction: Reaction
+    mixing: float
+    voidage: float
+    place: Place | None = None
+
+    @property
+    def name(self) -> str:
+        """Key of the scene."""
+        return self.reaction.name
 
     @property
     def names(self) -> tuple[str, ...]:
         """Keys of the scene."""
-        return (self.name,)
+        return (self.reaction.name,)
 
     def __call__(self, state: State, terms: SourceTerms) -> None:
-        """Add the reaction in the gas of each phase."""
-        for phase, x in state.x.items():
-            T = state.T[phase]
-            molar = state.pressure / (R_GAS * T)
-            concentration = {
-                name: x[name] * molar
-                for name in {**self.law.stoichiometry, **self.law.orders}
-            }
-            rate = self.rate(T, concentration, state.pressure)
-            terms.homogeneous(phase, self.law.stoichiometry, state.volume[phase] * rate)
+        """Add the reaction in the gas of each phase, or in the particles."""
+        moles = self.reaction.stoichiometry
+        if self.place is not None:
+            T = state.T[self.place.species]
+            rate = self._per_height(state, "emulsion", T)
+            made = {name: count * rate for name, count in moles.items()}
+            terms.particle(self.place.species, made, {}, state)
+            return
+        for phase in state.x:
+            rate = self._per_height(state, phase, state.T[phase])
+            terms.homogeneous(phase, moles, rate)
 
-    def rate(self, T: Any, concentration: dict[str, Any], pressure: float) -> Any:
-        """Return the net rate [mol/m3/s]."""
-        small = r.SMALL * pressure / (R_GAS * T)
-        frequency = self.factor * self.law.frequency(T, concentration, small)
-        slowed = self.factor / (1.0 + self.mixing * frequency)
-        if not self.law.reversible:
-            return slowed * self.law.rate(T, concentration, small)
-        # both of first order: k (prod of reactants - prod of products/K), in
-        # concentrations
-        unit = R_GAS * T / thermo.P_STANDARD
-        forward = r.product([concentration[name] for name in self.law.orders])
-        p = {name: c * unit for name, c in concentration.items()}
-        backward = equilibrium_quotient(self.law, T, p) * unit ** -sum(
-            self.law.orders.values()
-        )
-        return slowed * self.law.constant(T) * (forward - backward)
+    def _per_height(self, state: State, phase: str, T: Any) -> Any:
+        """Return the rate at temperature T in a phase [mol/s/m]."""
+        molar = state.pressure / (R_GAS * state.T[phase])
+        x = state.x[phase]
+        c = {name: share * molar for name, share in x.items()}
+        rate = self.rate(T, c, state.pressure, x)
+        return state.volume[phase] * rate
+
+    def rate(self, T: Any, c: Mapping[str, Any], p: float, x: Mapping[str, Any]) -> Any:
+        """Return the net rate per volume of gas [mol/m3/s] at concentrations c."""
+        place = self.place
+        solids = radius = catalyst = 0.0
+        if place is not None:
+            solids = place.share * (1.0 - self.voidage) / self.voidage
+            radius, catalyst = 0.5 * place.diameter, solids * place.density
+        at = Local(T, p, c, x, {}, 1.0, solids, radius, catalyst, {})
+        rate = self.reaction.rate(at)
+        if not self.mixing or place is not None:
+            return rate
+        return rate / (1.0 + self.mixing * self._frequency(at, rate))
+
+    def _frequency(self, at: Local, rate: Any) -> Any:
+        """Return the rate over the amount of the scarcest gas that it takes [1/s]."""
+        if self.reaction.frequency is not None:
+            return self.reaction.frequency(at)
+        small = SMALL * at.all_gases
+        total: Any = 0.0
+        for name, count in self.reaction.stoichiometry.items():
+            c = at.c[name]
+            if count < 0.0:
+                total = total + np.abs(rate) * (-count) / (c * c + small * small) ** 0.5
+        return total
 
 
 @dataclass(frozen=True)
@@ -141,7 +183,7 @@ class Char:
     density: float
     model: str
     sherwood: float
-    reactions: dict[str, tuple[r.Law, t.Reaction]]
+    reactions: dict[str, tuple[PowerLaw, t.CharReaction]]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -189,26 +231,22 @@ class Char:
         law, table = self.reactions[name]
         ((agent, order),) = law.orders.items()
         count = -law.stoichiometry[agent]
-        pressure = x[agent] * (p / rs.BAR)
-        small = r.SMALL * p / rs.BAR
+        pressure = x[agent] * (p / BAR)
+        small = SMALL * p / BAR
         slope = (
             table.factor
             * law.constant(T)
             * (pressure * pressure + small * small) ** (0.5 * (order - 1.0))
         )
         mean = 0.5 * (T + T_gas)
-        film = (
-            self.surface * self.film(agent, mean, p) * (rs.BAR / R_GAS) / mean / count
-        )
-        atm = {key: value * (p / thermo.P_STANDARD) for key, value in x.items()}
-        back = equilibrium_quotient(law, T, atm)
+        film = self.surface * self.film(agent, mean, p) * (BAR / R_GAS) / mean / count
+        bar = {key: value * (p / BAR) for key, value in x.items()}
+        back = equilibrium_quotient(law, T, bar)
         # K = prod p_made / p_agent^count, so the agent's pressure in equilibrium is
         # back^(1/count)
         if count != 1.0:
-            back = r.power(back, 1.0 / count, 1e-12)
-        return rs.in_series(slope, film) * (
-            pressure - back * (thermo.P_STANDARD / rs.BAR)
-        )
+            back = power(back, 1.0 / count, TRACE)
+        return rs.in_series(slope, film) * (pressure - back)
 
     def __call__(self, state: State, terms: SourceTerms) -> None:
         """Add combustion and gasification of char."""
@@ -285,7 +323,7 @@ class Lime:
                 self.species, {"CO2": rate}, {"CaCO3": -rate, "CaO": rate}, state
             )
         if self.sulphation is not None:
-            small = r.SMALL * p / (R_GAS * T_gas)
+            small = SMALL * p / (R_GAS * T_gas)
             SO2, O2 = (x[name] * p / (R_GAS * T_gas) for name in ("SO2", "O2"))
             rate = self.sulphation_rate(
                 T, SO2, state.solid["CaO"], state.solid["CaSO4"]
@@ -306,7 +344,7 @@ class Lime:
     def calcination_rate(self, T: Any, p_CO2: Any, CaCO3: Any, CaO: Any) -> Any:
         """Return the net rate at which amounts of solids form CaO [amount/s]."""
         law = rs.CALCINATION
-        equal = np.exp(thermo.ln_equilibrium(law.stoichiometry, T)) * thermo.P_STANDARD
+        equal = np.exp(thermo.equilibrium(law.stoichiometry).ln_K(T)) * BAR
         over = rs.positive(equal - p_CO2, 1.0)
         k = (
             (self.calcination or 0.0)
@@ -337,8 +375,8 @@ class Lime:
         equal = (
             p["CO2"]
             * p["SO2"]
-            * np.exp(-thermo.ln_equilibrium(law.stoichiometry, T))
-            / thermo.P_STANDARD
+            * np.exp(-thermo.equilibrium(law.stoichiometry).ln_K(T))
+            / BAR
         )
         return (
             (self.reduction or 0.0)
@@ -348,13 +386,14 @@ class Lime:
         )
 
 
-def used_laws(reactions: tuple[Any, ...]) -> Iterator[tuple[str, str, r.Law]]:
+def used_laws(reactions: tuple[Any, ...]) -> Iterator[tuple[str, str, PowerLaw]]:
     """Yield (reaction, phase whose temperature counts, law) of all reactions that
     run.
     """
     for item in reactions:
-        if isinstance(item, Homogeneous):
-            yield item.name, "gas", item.law
+        if isinstance(item, OfGases):
+            if (law := item.reaction.published) is not None:
+                yield item.name, "gas", law
         elif isinstance(item, Char):
             for name, (law, _) in item.reactions.items():
                 yield name, item.species, law

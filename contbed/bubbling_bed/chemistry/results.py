@@ -14,7 +14,7 @@ from contbed.bubbling_bed.chemistry import reactions as cr
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.chemistry.problem import Chemistry
 from contbed.chemistry import devolatilisation as dv
-from contbed.chemistry.laws_of_gases import LAWS
+from contbed.chemistry.thermo import T_STANDARD, Thermo
 from contbed.errors import ConvergenceError
 from contbed.materials.common import share_outside
 from contbed.result import Result
@@ -181,7 +181,7 @@ def contents(chemistry: Chemistry) -> dict[str, dict[str, float]]:
     """Return the elements in a mole of each gas and solid, and in a kg of volatiles."""
     species = thermo.table()
     out: dict[str, dict[str, float]] = {
-        name: dict(species[name].composition) for name in chemistry.part.gases
+        name: dict(gas.composition) for name, gas in chemistry.part.gases.items()
     }
     out |= {
         name: dict(species[SOLIDS[name]].composition)
@@ -202,7 +202,8 @@ def _elements(
     result: Result,
 ) -> None:
     inside = contents(chemistry)
-    for element in ELEMENTS:
+    others = {element for atoms in inside.values() for element in atoms}
+    for element in (*ELEMENTS, *sorted(others - set(ELEMENTS))):
         brought, taken = (
             sum(
                 amount * inside[name].get(element, 0.0)
@@ -217,19 +218,16 @@ def _elements(
             ).as_dict()
 
 
-def heating_value(name: str) -> float:
+def heating_value(fuel: Thermo) -> float:
     """Return the lower heating value at 298.15 K [J/mol]."""
-    species, T0 = thermo.table(), thermo.T_STANDARD
-    atoms = species[name].composition
+    species, T0, atoms = thermo.table(), T_STANDARD, fuel.composition
     burnt = {
         "CO2": atoms.get("C", 0.0),
         "H2O": 0.5 * atoms.get("H", 0.0),
         "SO2": atoms.get("S", 0.0),
     }
-    return float(
-        species[name].enthalpy(T0)
-        - sum(n * species[key].enthalpy(T0) for key, n in burnt.items())
-    )
+    left = sum(n * species[key].enthalpy(T0) for key, n in burnt.items())
+    return float(fuel.enthalpy(T0) - left)
 
 
 FUELS = ("CO", "H2", "CH4", "C6H6", "H2S")
@@ -247,13 +245,18 @@ def _fuel(
         if name in drained
     )
     qoi["carbon_conversion"] = 1.0 - carbon / data.elements["C"]
-    in_gas = sum(leaving.get(name, 0.0) * heating_value(name) for name in FUELS)
-    unburnt = drained.get("char", 0.0) * heating_value("C")
+    gases, coke = chemistry.part.gases, heating_value(thermo.table()["C"])
+    burning = [name for name in (*FUELS, *gases) if name in gases]
+    in_gas = sum(
+        leaving[name] * heating_value(gases[name])
+        for name in dict.fromkeys(burning)
+        if name in FUELS or name not in thermo.GASES
+    )
+    unburnt = drained.get("char", 0.0) * coke
     per_kg = 0.0
     if data.volatiles is not None:
-        per_kg = data.lower - (1.0 - data.volatile / data.rate) / dv.ATOMIC[
-            "C"
-        ] * heating_value("C")
+        fixed = 1.0 - data.volatile / data.rate
+        per_kg = data.lower - fixed / dv.ATOMIC["C"] * coke
         per_kg *= data.rate / data.volatile
     unburnt += drained.get("volatiles", 0.0) * per_kg
     qoi["fuel_power_W"] = power
@@ -355,7 +358,7 @@ def _warnings(
                 f"{100 * outside:.3g} % of the height, "
                 f"{T.min():.4g} to {T.max():.4g} K, declared {low:g} to {high:g} K"
             )
-        kind = "gas reaction" if name in LAWS else "reaction of particles"
+        kind = "gas reaction" if where == "gas" else "reaction of particles"
         result.closures.append(
             {
                 "name": f"{name}: {law.name}",

@@ -1,18 +1,20 @@
 """Table [reactions] of a bubbling bed, which needs boundary.bottom.gas.mass_flow.
 
-Gas enters with gas.composition. A reaction whose table is absent does not run, and a
-gas that neither enters nor is made by any reaction is no unknown.
+Gas enters with gas.composition. Drying, release of volatiles, char and limestone have
+tables of their own; all other names are reactions of gases, by a rate law or an
+equation as in every model. A reaction whose table is absent does not run, and a gas
+that neither enters nor is made by any reaction is no unknown.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
-from contbed.chemistry.laws_of_gases import LAWS
-from contbed.chemistry.laws_of_solids import CHAR_LAWS
+from contbed.chemistry.char_and_lime import CHAR_LAWS
 from contbed.scene.quantities import Number, Seconds, Table, unit
+from contbed.scene.reactions import Reaction
 
 Factor = Annotated[Number, Field(gt=0)]
 
@@ -23,8 +25,8 @@ class Timed(Table):
     time: Seconds = Field(description="mean time in a particle")
 
 
-class Reaction(Table):
-    """A reaction with a rate law."""
+class CharReaction(Table):
+    """A reaction of char."""
 
     law: str | None = Field(
         None, description="rate law by name; absent: the first of the list"
@@ -32,7 +34,7 @@ class Reaction(Table):
     factor: Factor = Field(1.0, description="multiplies the rate")
 
 
-class CharCombustion(Reaction):
+class CharCombustion(CharReaction):
     """Char with O2."""
 
     products: Literal["arthur", "CO2", "CO"] = Field(
@@ -71,29 +73,23 @@ class SulphateReduction(Table):
 class Reactions(Table):
     """Reactions that run."""
 
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Reaction] = Field(init=False)
+
     drying: Timed | None = None
     devolatilisation: Timed | None = None
     char_combustion: CharCombustion | None = None
-    char_steam: Reaction | None = None
-    char_CO2: Reaction | None = None
-    char_H2: Reaction | None = None
-    CO_oxidation: Reaction | None = None
-    H2_oxidation: Reaction | None = None
-    CH4_oxidation: Reaction | None = None
-    tar_oxidation: Reaction | None = None
-    H2S_oxidation: Reaction | None = None
-    water_gas_shift: Reaction | None = None
-    reforming: Reaction | None = None
+    char_steam: CharReaction | None = None
+    char_CO2: CharReaction | None = None
+    char_H2: CharReaction | None = None
     calcination: Calcination | None = None
     sulphation: Sulphation | None = None
     sulphate_reduction: SulphateReduction | None = None
 
     @property
-    def homogeneous(self) -> dict[str, Reaction]:
-        """Those within the gas."""
-        return {
-            name: item for name in LAWS if (item := getattr(self, name)) is not None
-        }
+    def of_gases(self) -> dict[str, Reaction]:
+        """Those of gases, by name."""
+        return dict(self.__pydantic_extra__ or {})
 
     @property
     def of_char(self) -> dict[str, Reaction]:

@@ -12,22 +12,12 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-from contbed.chemistry.devolatilisation import molar_mass
-from contbed.chemistry.thermo import R_GAS, T_STANDARD, Species, species_of
+from contbed.chemistry.elements import molar_mass_of
+from contbed.chemistry.mixture import Mechanism
+from contbed.chemistry.thermo import Equilibrium, Species, Thermo, species_of
 from contbed.errors import SceneError
-from contbed.materials.pointwise import pointwise
+from contbed.materials.common import nearest
 
-__all__ = [
-    "GASES",
-    "P_STANDARD",
-    "SOLIDS",
-    "T_STANDARD",
-    "heat_of_reaction",
-    "ln_equilibrium",
-    "table",
-]
-
-P_STANDARD = 101325.0  # of Cantera's data for these species [Pa]
 GASES = ("O2", "N2", "CO2", "CO", "H2O", "H2", "CH4", "C6H6", "H2S", "SO2")
 SOLIDS = {
     "C": "C(gr)",
@@ -38,9 +28,8 @@ SOLIDS = {
 }
 
 
-@lru_cache(maxsize=1)
-def table() -> dict[str, Species]:
-    """Return all species by name; solids by their formula, liquid water as H2O(l)."""
+def _file(name: str) -> dict[str, Any]:
+    """Return the species of a file of Cantera by name."""
     try:
         import cantera
     except ImportError as error:
@@ -49,39 +38,43 @@ def table() -> dict[str, Species]:
             f"be imported ({error}); "
             "install it (pip install cantera)"
         ) from error
-    gas = {item.name: item for item in cantera.Species.list_from_file("nasa_gas.yaml")}
-    solid = {
-        item.name: item
-        for item in cantera.Species.list_from_file("nasa_condensed.yaml")
-    }
-    found = {name: gas[name] for name in GASES} | {
-        name: solid[other] for name, other in SOLIDS.items()
-    }
-    return {
-        name: species_of(name, item, molar_mass(item.composition))
-        for name, item in found.items()
-    }
+    return {item.name: item for item in cantera.Species.list_from_file(name)}
 
 
-def ln_equilibrium(stoichiometry: Mapping[str, float], T: Any) -> Any:
-    """Return ln K of activities, gases at p/1 atm, solids pure; its slope is that of
-    van 't Hoff.
+def _species(name: str, item: Any) -> Species:
+    return species_of(name, item, molar_mass_of(item.composition))
+
+
+@lru_cache(maxsize=1)
+def table() -> dict[str, Species]:
+    """Return all species by name; solids by their formula, liquid water as H2O(l)."""
+    gases, solids = _file("nasa_gas.yaml"), _file("nasa_condensed.yaml")
+    found = {name: gases[name] for name in GASES}
+    found |= {name: solids[other] for name, other in SOLIDS.items()}
+    return {name: _species(name, item) for name, item in found.items()}
+
+
+def equilibrium(stoichiometry: Mapping[str, float]) -> Equilibrium:
+    """Return the equilibrium of a reaction of species of the table."""
+    return Equilibrium(stoichiometry, table(), frozenset(GASES))
+
+
+def gas(name: str, mechanism: str) -> Thermo:
+    """Return a gas of the table, else of the mechanism, else of Cantera's data.
+
+    Raises
+    ------
+    SceneError : there is none of this name
     """
-    species = table()
-
-    def value(T: Any) -> Any:
-        return -sum(
-            count * species[name].gibbs(T) for name, count in stoichiometry.items()
-        ) / (R_GAS * T)
-
-    return pointwise(
-        value, lambda T: heat_of_reaction(stoichiometry, T) / (R_GAS * T * T), T
-    )
-
-
-def heat_of_reaction(stoichiometry: Mapping[str, float], T: Any) -> Any:
-    """Return the heat of reaction [J/mol], negative where heat is released."""
-    species = table()
-    return sum(
-        count * species[name].enthalpy(T) for name, count in stoichiometry.items()
+    if name in GASES:
+        return table()[name]
+    found = Mechanism.read(mechanism)
+    if name in found.names:
+        return found.species(name)
+    data = _file("nasa_gas.yaml")
+    if name in data:
+        return _species(name, data[name])
+    raise SceneError(
+        f"{name} is neither a gas of {mechanism} nor of nasa_gas.yaml"
+        f"{nearest(name, [*GASES, *found.names])}"
     )

@@ -35,21 +35,11 @@ from typing import Any
 
 import numpy as np
 
+from contbed.chemistry.thermo import R_GAS, Thermo
 from contbed.fem.stabilisation import tau
 
 HEAT = 4e5  # [J/mol]
 Pointwise = Any
-
-
-@dataclass(frozen=True)
-class Gas:
-    """One gas: molar mass [kg/mol], enthalpy [J/mol] and heat capacity [J/mol/K] as
-    functions of T.
-    """
-
-    molar_mass: float
-    enthalpy: Callable[[Any], Any]
-    heat_capacity: Callable[[Any], Any]
 
 
 @dataclass(frozen=True)
@@ -170,7 +160,7 @@ class Species:
     of `Local` [1/s].
     """
 
-    gases: dict[str, Gas]
+    gases: Mapping[str, Thermo]
     phases: tuple[str, ...]
     inlet: dict[str, float]
     pressure: float
@@ -254,8 +244,6 @@ class Species:
         return sources
 
     def _exchange(self, state: State, terms: SourceTerms) -> None:
-        from contbed.chemistry.thermo import R_GAS
-
         assert self.exchange is not None
         local, w = state.local, state.w
         T = 0.5 * (state.T["emulsion"] + state.T["bubble"])

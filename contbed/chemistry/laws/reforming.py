@@ -16,11 +16,14 @@ Source: Xu, Froment 1989, AIChE J. 35, 88-96, doi:10.1002/aic.690350109; constan
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from contbed.chemistry.laws_of_gases import product
+from contbed.chemistry.local import Local, Rate
+from contbed.chemistry.power_law import product
+from contbed.chemistry.rate_law import BAR, Case, RateLaw
 from contbed.chemistry.thermo import R_GAS
 
 GASES = ("CH4", "H2O", "H2", "CO", "CO2")
@@ -81,3 +84,22 @@ def rate(name: str, T: Any, p: Mapping[str, Any], K: Any) -> Any:
         )
     den = denominator(T, p)
     return k * driving / (below * den * den)
+
+
+def _rate(name: str, case: Case) -> Rate:
+    def per_catalyst(at: Local) -> Any:
+        p = {key: at.x[key] * at.p / BAR for key in GASES}
+        return rate(name, at.T, p, np.exp(case.equilibrium.ln_K(at.T)))
+
+    return per_catalyst
+
+
+LAWS = {
+    name: RateLaw(
+        partial(_rate, name),
+        equations=(equation,),
+        basis="catalyst",
+        gases=GASES,
+    )
+    for name, equation in REACTIONS.items()
+}

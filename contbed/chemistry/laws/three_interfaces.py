@@ -30,11 +30,15 @@ et al. 1986 as used by Yu et al. 2021 and in a public shaft furnace model.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
+from contbed.chemistry.laws.shrinking_core import remaining_radius
+from contbed.chemistry.local import Local
+from contbed.chemistry.rate_law import Case, RateLaw
 
 R_KINETICS = 8.314e-3  # [kJ/mol/K], with which the constants below were fitted
 CM, CM2 = 1e-2, 1e-4  # [m] and [m2]: constants below are in cm/s and cm2/s
@@ -219,3 +223,53 @@ def _solve(X: Three, R: Any, gas: Gas, at: Constants, active: Three) -> Three:
     c3 = gas.reducing - resistance * v
     c2 = c3 - x2 * (1.0 - far) * R / at.D[1] * (s2 * c3 - d2) / past2
     return h1 * (c2 - e1), h2 * (c2 - e2), h3 * (c3 - e3)
+
+
+# per mole of the reducing gas
+STAGES = (
+    "{0} + 3 Fe2O3 -> 2 Fe3O4 + {1}",
+    "{0} + Fe3O4 -> 3 FeO + {1}",
+    "{0} + FeO -> Fe + {1}",
+)
+IRON = {"Fe2O3": 2.0, "Fe3O4": 3.0, "FeO": 1.0, "Fe": 1.0}  # atoms of iron
+
+
+def interface_volumes(n: Mapping[str, Any]) -> Three:
+    """Return the shares of the iron inside of the three interfaces."""
+    hematite, magnetite, wustite, iron = (
+        n[name] * atoms for name, atoms in IRON.items()
+    )
+    total = hematite + magnetite + wustite + iron
+    return (
+        hematite / total,
+        (hematite + magnetite) / total,
+        (hematite + magnetite + wustite) / total,
+    )
+
+
+def _rates(case: Case, data: Reduction) -> Callable[[Local], list[Any]]:
+    """Return the rates of the three steps, which share their work."""
+
+    def rates(at: Local) -> list[Any]:
+        left = interface_volumes(at.n)
+        X = _three([remaining_radius(share, at.small.solids) for share in left])
+        film = at.films.get(data.reducing, np.inf)
+        around = Gas(at.c[data.reducing], at.c[data.oxidised], film)
+        guard = max(GUARD, at.small.solids)
+        taken = interface_rates(X, at.radius, around, data.constants(at.T), guard)
+        scale = (3.0 / at.radius) * case.table.factor * at.solids
+        return [w * x * x * scale for w, x in zip(taken, X, strict=True)]
+
+    return rates
+
+
+def _law(data: Reduction) -> RateLaw:
+    return RateLaw(
+        lambda case: _rates(case, data),
+        equations=tuple(text.format(data.reducing, data.oxidised) for text in STAGES),
+        own_film=True,
+        of_solids=True,
+    )
+
+
+LAWS = {f"three_interfaces_{gas}": _law(data) for gas, data in TAKAHASHI.items()}

@@ -28,6 +28,10 @@ from typing import Any
 
 import numpy as np
 
+from contbed.chemistry.local import Local, Rate
+from contbed.chemistry.rate_law import Case, RateLaw
+from contbed.closures.formula import power
+
 # of the reacting solid that is left, below which fractional powers are straight lines
 SMALL = 1e-6
 
@@ -118,3 +122,49 @@ def grain_rate(left: Any, tau_reaction: Any, small: float = SMALL) -> Any:
     not matter. Below `small` the power is a straight line through 0, odd.
     """
     return 3.0 * left * (left * left + small * small) ** (-1.0 / 6.0) / tau_reaction
+
+
+def _shrinking_core(case: Case) -> Rate:
+    """Return the rate of moles per volume of particles, by the law of the module."""
+    gas, moles = case.first_gas
+
+    def rate_of(at: Local) -> Any:
+        left = at.n[case.solid] / case.fresh(at)
+        # not above 1, where the resistance of a product layer would be negative
+        q = np.minimum(remaining_radius(left, at.small.solids), 1.0)
+        k = case.constant(at.T)
+        driving = at.c[gas]
+        if case.equation.reversible:
+            K = case.equilibrium_constant(at.T)
+            back: Any = 1.0
+            for key, n in case.gases.items():
+                if key != gas:
+                    back = back * power(at.c[key], n)
+            driving = (driving - power(back, 1.0 / moles) / K ** (1.0 / moles)) / (
+                1.0 + 1.0 / K
+            )
+            k = k * (1.0 + 1.0 / K)
+        tau = times(
+            at.radius,
+            1.0,
+            1.0,
+            gas_per_solid=1.0,
+            film=at.films.get(gas, np.inf),
+            diffusivity=case.table.diffusivity,
+            constant=k,
+        )
+        # tau for one mole of solid per volume and unit concentration: their product is
+        # the gas taken per volume
+        return driving * rate(q, tau) / moles
+
+    return rate_of
+
+
+LAWS = {
+    "shrinking_core": RateLaw(
+        _shrinking_core,
+        needs=("A", "E", "diffusivity"),
+        own_film=True,
+        of_solids=True,
+    )
+}

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.chemistry.laws_of_gases import Law
+from contbed.chemistry.power_law import PowerLaw
 from contbed.chemistry.thermo import R_GAS
 
 ATM, BAR = 101325.0, 1e5  # [Pa]
@@ -36,15 +36,15 @@ class Population:
 
 POPULATIONS = {"shrinking": Population(8.0, 0.8), "density": Population(12.0, 1.0)}
 
-CHAR_LAWS: dict[str, dict[str, Law]] = {
+CHAR_LAWS: dict[str, dict[str, PowerLaw]] = {
     "char_combustion": {
-        "field": Law(
+        "field": PowerLaw(
             "field", "C + O2 -> CO2", 595.0, 1.0, 17967.0, {"O2": 1.0}, (950.0, 1650.0),
             "Field 1969, Combust. Flame 13, 237-252, doi:10.1016/0010-2180(69)90002-9", unit="m/s of carbon",
         ),
     },
     "char_steam": {
-        "barrio": Law(
+        "barrio": PowerLaw(
             "barrio", "C + H2O <-> CO + H2", 2.62e8, 0.0, 237e3 / R_GAS, {"H2O": 0.57}, (1020.0, 1225.0),
             "Barrio, Gobel, Risnes, Henriksen, Hustad, Sorensen 2001, in Bridgwater "
             "(ed.), Progress in Thermochemical "
@@ -52,7 +52,7 @@ CHAR_LAWS: dict[str, dict[str, Law]] = {
         ),
     },
     "char_CO2": {
-        "barrio": Law(
+        "barrio": PowerLaw(
             "barrio", "C + CO2 <-> 2 CO", 3.1e6, 0.0, 215e3 / R_GAS, {"CO2": 0.38}, (1020.0, 1275.0),
             "Barrio, Hustad 2001, in Bridgwater (ed.), Progress in Thermochemical "
             "Biomass Conversion, 47-60, "
@@ -60,7 +60,7 @@ CHAR_LAWS: dict[str, dict[str, Law]] = {
         ),
     },
     "char_H2": {
-        "wen": Law(
+        "wen": PowerLaw(
             "wen", "C + 2 H2 <-> CH4", float(np.exp(-7.087)) / (ATM / BAR), 0.0, 8078.0, {"H2": 1.0}, (900.0, 1400.0),
             "Wen, Chen, Onozaki 1982, DOE/MC/16474-1390", unit="1/s of carbon, bar",
         ),
@@ -68,7 +68,7 @@ CHAR_LAWS: dict[str, dict[str, Law]] = {
 }  # fmt: skip
 """Combustion per outer surface [m/s]; gasification per carbon, partial pressures in bar [1/s]."""
 
-CALCINATION = Law(
+CALCINATION = PowerLaw(
     "silcox",
     "CaCO3 <-> CaO + CO2",
     1.22 / ATM,
@@ -81,7 +81,7 @@ CALCINATION = Law(
     unit="mol/m2/s/Pa",
 )
 
-SULPHATION = Law(
+SULPHATION = PowerLaw(
     "borgwardt",
     "CaO + SO2 + 0.5 O2 -> CaSO4",
     490.0,
@@ -95,7 +95,7 @@ SULPHATION = Law(
 )
 
 T_850C = 1123.15  # [K]
-SULPHATE_REDUCTION = Law(
+SULPHATE_REDUCTION = PowerLaw(
     "kikuchi",
     "CaSO4 + CO <-> CaO + SO2 + CO2",
     float(np.exp(57.8e3 * 4.184 / R_GAS / T_850C)),

@@ -1,0 +1,45 @@
+"""Grains throughout a porous particle that react at their surface.
+
+    r = 3 n0 a k c^m (1 - X)^(2/3)/(n_g r_g)      per volume of particles
+
+`grain_remaining` has another factor 1 - X. n0 moles of fresh solid per volume, n_g per
+volume of a grain of radius r_g, a the share of its surface that reacts.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from contbed.chemistry.local import Local, Rate
+from contbed.chemistry.rate_law import Case, RateLaw, powers
+from contbed.closures.formula import odd_power
+
+
+def _grain(case: Case, exponent: float) -> Rate:
+    table = case.table
+    per_area = float(table.molar_density or 1.0) * float(table.grain_radius or 1.0)
+    scale = 3.0 * table.active_share / per_area
+
+    def rate(at: Local) -> Any:
+        fresh = case.fresh(at)
+        left = at.n[case.solid] / fresh
+        return (
+            case.constant(at.T)
+            * powers(at, case.orders)
+            * odd_power(left, exponent, at.small.solids)
+            * fresh
+            * (scale / at.solids)
+        )
+
+    return rate
+
+
+_NEEDS = ("A", "E", "grain_radius", "molar_density")
+LAWS = {
+    "grain": RateLaw(
+        lambda case: _grain(case, 2.0 / 3.0), needs=_NEEDS, of_solids=True
+    ),
+    "grain_remaining": RateLaw(
+        lambda case: _grain(case, 2.0 / 3.0 + 1.0), needs=_NEEDS, of_solids=True
+    ),
+}

@@ -1,0 +1,36 @@
+"""Concentrations to a power, with the constants of the scene.
+
+r = A T^b exp(-E/(R T)) prod_i c_i^(n_i) (1 - Q/K)      K of reversible reactions alone
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from contbed.chemistry.local import Local, Rate
+from contbed.chemistry.rate_law import Case, RateLaw, powers
+from contbed.closures.formula import power
+
+
+def _power(case: Case) -> Rate:
+    left = {name: -n for name, n in case.gases.items() if n < 0}
+    right = {name: n for name, n in case.gases.items() if n > 0}
+    elementary = case.orders == left
+
+    def rate(at: Local) -> Any:
+        k = case.constant(at.T)
+        forward = powers(at, case.orders)
+        if not case.equation.reversible:
+            return k * forward
+        K = case.equilibrium_constant(at.T)
+        if elementary:
+            return k * (forward - powers(at, right) / K)
+        made: Any = 1.0
+        for name, n in case.gases.items():
+            made = made * power(at.c[name], n)
+        return k * forward * (1.0 - made / K)
+
+    return rate
+
+
+LAWS = {"power": RateLaw(_power, needs=("A", "E"))}

@@ -1,0 +1,168 @@
+"""What a rate law is: a function that turns the table of a reaction into its rate, and
+what it needs for that.
+
+The modules of `chemistry.laws` hold the laws. A new one is a new entry in a dictionary
+`LAWS` there, or a new module with one: every model then has it under its name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from contbed.chemistry.equation import Equation
+from contbed.chemistry.local import Local, Rate
+from contbed.chemistry.power_law import PowerLaw, product
+from contbed.chemistry.species import Species
+from contbed.chemistry.thermo import R_GAS, Equilibrium
+from contbed.closures.formula import TINY, odd_power
+from contbed.scene.reactions import Reaction
+
+BAR = 1e5  # [Pa]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One reaction of a scene, as a rate law sees it.
+
+    name : key in [reactions]
+    table : its constants
+    species : gases and solids of the place where it runs
+    """
+
+    name: str
+    table: Reaction
+    equation: Equation
+    species: Species
+
+    @property
+    def basis(self) -> str:
+        """Per what its rate is where its law does not say."""
+        moles = self.equation.stoichiometry
+        of_solids = any(name in self.species.solids for name in moles)
+        return self.table.basis or ("particle" if of_solids else "gas")
+
+    @cached_property
+    def gases(self) -> dict[str, float]:
+        """Moles made of each gas."""
+        return {
+            name: n
+            for name, n in self.equation.stoichiometry.items()
+            if name in self.species.gases
+        }
+
+    @cached_property
+    def orders(self) -> dict[str, float]:
+        """Orders in species; where none are given the coefficients of gases on the
+        left.
+        """
+        if self.table.orders is not None:
+            return dict(self.table.orders)
+        return {name: -n for name, n in self.gases.items() if n < 0}
+
+    @cached_property
+    def equilibrium(self) -> Equilibrium:
+        """Its equilibrium by the thermodynamics of its species."""
+        return Equilibrium(
+            self.equation.stoichiometry,
+            self.species.all,
+            frozenset(self.species.gases),
+            self.table.equilibrium_factor,
+        )
+
+    def equilibrium_constant(self, T: Any) -> Any:
+        """Return K in concentrations of gases [mol/m3], to the power that the
+        equation asks for.
+        """
+        moles = sum(self.gases.values())
+        return np.exp(self.equilibrium.ln_K(T)) * (BAR / (R_GAS * T)) ** moles
+
+    def constant(self, T: Any) -> Any:
+        """Return k = A T^b exp(-E/(R T))."""
+        table = self.table
+        k: Any = table.A or 0.0
+        if table.E:
+            k = k * np.exp(-table.E / R_GAS / T)
+        return k * T**table.b if table.b else k
+
+    @cached_property
+    def first_gas(self) -> tuple[str, float]:
+        """The first gas on the left, which a rate of first order refers to, and its
+        coefficient.
+        """
+        return next((name, -n) for name, n in self.gases.items() if n < 0)
+
+    @cached_property
+    def solid(self) -> str:
+        """The solid that reacts."""
+        return next(
+            name
+            for name, n in self.equation.stoichiometry.items()
+            if n < 0 and name in self.species.solids
+        )
+
+    def fresh(self, at: Local) -> Any:
+        """Return the moles of the reacting solid, with what has reacted of it
+        already [mol/m3 bed].
+        """
+        moles = self.equation.stoichiometry
+        made = {
+            name: n
+            for name, n in moles.items()
+            if n > 0 and name in self.species.solids
+        }
+        count, all_made = -moles[self.solid], sum(made.values())
+        total = at.n[self.solid]
+        # several products count by their share of the moles that are made
+        for name, n in made.items():
+            total = total + at.n[name] * (count / n) * (n / all_made)
+        return total
+
+
+def powers(at: Local, orders: Mapping[str, float]) -> Any:
+    """Return the product of amounts to their orders, of which at most one may be
+    negative.
+    """
+    factors = []
+    for name, n in orders.items():
+        amount = at.c[name] if name in at.c else at.n[name]
+        if n != 1.0:
+            small: Any = TINY
+            if at.small.amounts and 0.0 < n < 1.0:
+                small = at.small.amounts * (
+                    at.all_gases if name in at.c else at.all_solids
+                )
+            amount = odd_power(amount, n, small)
+        factors.append(amount)
+    return product(factors)
+
+
+@dataclass(frozen=True)
+class RateLaw:
+    """A rate law that scenes name.
+
+    rate : gives the rate per `basis` of the state, all rates where it has several
+        equations
+    equations : of the law; none where the scene gives the equation
+    needs : keys of the table without which it cannot be
+    basis : per what its rate is; None: the scene says, or where its species are
+    gases : that its rate depends on beside those of its equation
+    frequency : rate over the amount of the scarcest gas [1/s]; None: by the rate
+    own_film : whether it contains the film around particles
+    of_solids : whether it needs solids that react
+    published : constants with range and source
+    """
+
+    rate: Callable[[Case], Any]
+    equations: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ()
+    basis: str | None = None
+    gases: tuple[str, ...] = ()
+    frequency: Rate | None = None
+    own_film: bool = False
+    of_solids: bool = False
+    published: PowerLaw | None = None

@@ -1,0 +1,78 @@
+"""Reactions by equation, law or formula in a bubbling bed, as in every other model."""
+
+import numpy as np
+import pytest
+from reacting_scenes import tube
+
+import contbed as cb
+from contbed.errors import SceneError
+
+T, P, R = 1200.0, 101325.0, 8.31446261815324
+MIXTURE = "CO:0.001, H2O:0.5, N2:0.499"
+SHIFT = {"equation": "CO + H2O -> CO2 + H2", "A": 0.05, "E": 0.0, "orders": {"CO": 1.0}}
+
+
+def left(rate_per_volume_of_bed):
+    """Share of a trace that is left after a tube of 0.05 m3, by plug flow."""
+    mass = 0.001 * 28.01e-3 + 0.5 * 18.015e-3 + 0.499 * 28.014e-3
+    flow = 0.02 / mass * R * T / P
+    return np.exp(-rate_per_volume_of_bed * 0.05 / flow)
+
+
+def solved(reactions, composition=MIXTURE):
+    result = cb.run(tube(composition, reactions))
+    assert result.status == "ok", result.warnings
+    for name, balance in result.balances.items():
+        assert balance["relative_residual"] < 1e-9, name
+    return result.qoi
+
+
+def test_an_equation_with_constants():
+    q = solved({"shift": SHIFT})
+    share = q["x_CO_wet"] / (q["x_CO_wet"] + q["x_CO2_wet"])
+    assert share == pytest.approx(left(0.05 * 0.45), rel=1e-3)
+    formula = {"equation": SHIFT["equation"], "rate": "0.05*c_CO"}
+    assert solved({"shift": formula})["x_CO_wet"] == pytest.approx(
+        q["x_CO_wet"], rel=1e-9
+    )
+
+
+def test_a_rate_per_mass_of_particles():
+    """The particles of a bed without bubbles fill 0.55 of it, at 2600 kg/m3."""
+    per_kg = 2.0e-5
+    q = solved({"shift": SHIFT | {"basis": "catalyst", "A": per_kg}})
+    share = q["x_CO_wet"] / (q["x_CO_wet"] + q["x_CO2_wet"])
+    assert share == pytest.approx(left(per_kg * 2600.0 * 0.55), rel=1e-3)
+
+
+def test_a_law_of_catalysts_that_packed_beds_have():
+    q = solved(
+        {"xu": {"law": "xu_froment_shift", "factor": 1e-3}},
+        "CO:0.1, H2O:0.4, H2:0.1, CH4:0.1, CO2:0.1, N2:0.2",
+    )
+    assert q["x_H2_wet"] > 0.101
+
+
+def test_gases_of_the_mechanism():
+    """Ethane to ethylene: neither is among the gases that burn in the model's own
+    laws.
+    """
+    crack = {"equation": "C2H6 -> C2H4 + H2", "A": 1.0, "E": 0.0}
+    q = solved({"crack": crack}, "C2H6:0.01, N2:0.99")
+    assert q["x_C2H4_wet"] == pytest.approx(q["x_H2_wet"], rel=1e-9)
+    assert q["x_C2H4_wet"] > 1e-4
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        (SHIFT | {"equation": "CO + H2O -> CO2"}, "loses 2 atoms of H"),
+        (SHIFT | {"basis": "bed"}, "give gas, or catalyst or particle"),
+        ({"law": "grain", "equation": "CO + H2O -> CO2 + H2"}, "solids that react"),
+        (SHIFT | {"equation": "CO + XY -> CO2"}, "XY is neither a gas of"),
+        (SHIFT | {"basis": "catalyst", "solid": "sand"}, "no such phase"),
+    ],
+)
+def test_mistakes(table, said):
+    with pytest.raises(SceneError, match=said):
+        tube(MIXTURE, {"shift": table})
