@@ -52,7 +52,7 @@ from contbed.scene.quantities import (
     form,
     given_one,
 )
-from contbed.scene.tables import NamedOrFile, Output, SceneBase
+from contbed.scene.tables import NamedOrFile, NewtonSolver, Output, SceneBase
 
 NamedClosure = Annotated[NamedOrFile, Discriminator(form)]
 
@@ -173,7 +173,7 @@ class Mesh(Table):
     )
 
 
-class Solver(Table):
+class Solver(NewtonSolver):
     """Numerics; the defaults suit nearly all scenes."""
 
     degree: Order = Field(3, description="polynomial degree of all fields")
@@ -181,18 +181,9 @@ class Solver(Table):
         1e-6,
         description="target error of automatic meshes, relative to the temperatures",
     )
-    newton_tolerance: Fraction = Field(
-        1e-10,
-        description="residual norm, relative to the scale of the equations, at which "
-        "Newton's method has converged",
-    )
     newton_iterations: Whole = Field(
         60, ge=1, le=1000, description="most iterations of Newton's method"
     )
-    balance_tolerance: Positive = Field(
-        1e-10, description="largest relative residual of a balance that a run accepts"
-    )
-    strict: Switch = Field(False, description="a closure out of its range is an error")
     memory_GB: Positive | None = Field(
         None, description="refuse a factorisation predicted above this"
     )

@@ -45,7 +45,7 @@ from contbed.scene.quantities import (
     unit,
 )
 from contbed.scene.solids import one_solid
-from contbed.scene.tables import Named, NamedOrFile, SceneBase
+from contbed.scene.tables import BalancedRun, Named, NamedOrFile, SceneBase
 
 Width = Annotated[tuple[Length, Length], Field(description="of the bed in x and y")]
 Speed = Annotated[float, *unit("m/s"), Field(ge=0)]
@@ -255,16 +255,12 @@ class GasOutput(Table):
     )
 
 
-class GasSolver(Table):
+class GasSolver(BalancedRun):
     """Tolerances."""
 
-    balance_tolerance: Positive = Field(
-        1e-10, description="largest relative residual of a balance that a run accepts"
-    )
     pressure_tolerance: Annotated[Number, Field(gt=0, lt=1e-2)] = Field(
         1e-7, description="relative residual of the pressure equation"
     )
-    strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
 class GasScene(SceneBase):

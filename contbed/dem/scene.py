@@ -39,7 +39,7 @@ from contbed.scene.quantities import (
     unit,
 )
 from contbed.scene.solids import SolidPhase, one_solid
-from contbed.scene.tables import SceneBase
+from contbed.scene.tables import BalancedRun, SceneBase
 
 Area = Annotated[float, *unit("m**2"), Field(gt=0)]
 Above = Annotated[float, *unit("W/m/K"), Field(gt=0)]
@@ -250,15 +250,6 @@ class Radiation(Table):
     )
 
 
-class Solver(Table):
-    """Tolerances."""
-
-    balance_tolerance: Positive = Field(
-        1e-10, description="largest relative residual of a balance that a run accepts"
-    )
-    strict: Switch = Field(False, description="a closure out of its range is an error")
-
-
 class Output(Table):
     """What a run writes besides summary.json."""
 
@@ -280,7 +271,7 @@ class ParticleScene(SceneBase):
     )
     gas: Gas | None = Field(None, description="absent: a vacuum")
     radiation: Radiation | None = None
-    solver: Solver = Solver()
+    solver: BalancedRun = BalancedRun()
     output: Output = Output()
 
     @property

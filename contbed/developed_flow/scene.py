@@ -20,11 +20,9 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from contbed.scene import gas as gases
 from contbed.scene.quantities import (
     Density,
-    Fraction,
     Length,
     Number,
     Order,
-    Positive,
     Switch,
     Table,
     Whole,
@@ -32,7 +30,7 @@ from contbed.scene.quantities import (
     unit,
 )
 from contbed.scene.solids import SolidPhase, one_solid
-from contbed.scene.tables import SceneBase
+from contbed.scene.tables import NewtonSolver, SceneBase
 from contbed.two_fluid.conditions import Flux
 from contbed.two_fluid.renames import CLOSURES, SOLID
 from contbed.two_fluid.scene import ConstantsAt, Named
@@ -191,7 +189,7 @@ class Output(Table):
     fields: Switch = Field(True, description="write fields for ParaView (.vtu)")
 
 
-class Solver(Table):
+class Solver(NewtonSolver):
     """Numerics."""
 
     cells: Whole = Field(
@@ -201,18 +199,9 @@ class Solver(Table):
     branches: Switch = Field(
         False, description="follow solutions over the velocity to find others of it"
     )
-    newton_tolerance: Fraction = Field(
-        1e-10,
-        description="residual norm, relative to the scale of the equations, at which "
-        "Newton's method has converged",
-    )
     newton_iterations: Whole = Field(
         60, ge=1, le=1000, description="most iterations of Newton's method"
     )
-    balance_tolerance: Positive = Field(
-        1e-10, description="largest relative residual of a balance that a run accepts"
-    )
-    strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
 class DevelopedScene(SceneBase):

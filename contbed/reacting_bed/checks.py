@@ -47,6 +47,7 @@ from contbed.reacting_bed.substances import (
     mechanism_of,
 )
 from contbed.scene.checking import Check, Mistakes, See
+from contbed.scene.mesh import MeshLine
 from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.scene.units import base_value, factor_and_offset
@@ -200,7 +201,7 @@ def orders_name_species(
 
 
 def walls_pass_heat(
-    boundary: Boundaries, heat: s.Heat | None, mesh: s.Line, packed_bed: s.PackedBed
+    boundary: Boundaries, heat: s.Heat | None, mesh: MeshLine, packed_bed: s.PackedBed
 ) -> Mistakes:
     """Check that a wall has a bed with temperatures and a diameter, and by name the
     bed beside it.
@@ -229,7 +230,7 @@ def walls_pass_heat(
 
 def sections_can_be_resolved(
     packed_bed: s.PackedBed,
-    mesh: s.Line,
+    mesh: MeshLine,
     heat: s.Heat | None,
     closures: s.Closures,
     boundary: Boundaries,
@@ -290,7 +291,7 @@ def closures_exist(
                 yield path, str(error)
 
 
-def positions_are_inside(mesh: s.Line, output: Any, see: See) -> Mistakes:
+def positions_are_inside(mesh: MeshLine, output: Any, see: See) -> Mistakes:
     """Check that profile positions lie in the bed."""
     for k, x in enumerate(output.positions):
         if not 0.0 <= x <= mesh.length:

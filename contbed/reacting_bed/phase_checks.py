@@ -18,6 +18,7 @@ from contbed.reacting_bed.substances import (
     phases_named,
 )
 from contbed.scene.checking import Check, Mistakes, See
+from contbed.scene.mesh import MeshLine
 from contbed.scene.names import nearest
 
 Solids = dict[str, s.Solid]
@@ -63,7 +64,7 @@ def stoichiometry(name: str, table: s.Reaction) -> Mapping[str, float]:
         return {}
 
 
-def phases_fill_the_bed(solids: Solids, mesh: s.Line, see: See) -> Mistakes:
+def phases_fill_the_bed(solids: Solids, mesh: MeshLine, see: See) -> Mistakes:
     """Check names, shares and sizes of solid phases, and that each constituent has
     its data once.
     """

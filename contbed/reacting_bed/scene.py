@@ -35,12 +35,9 @@ from contbed.scene.quantities import (
     Conductivity,
     Fraction,
     Instant,
-    Length,
     Number,
-    Positive,
     Pressure,
     Seconds,
-    Switch,
     Table,
     Temperature,
     Viscosity,
@@ -56,6 +53,7 @@ from contbed.scene.tables import (
     ConductivityOrClosure,
     CycleSettings,
     NamedOrFile,
+    NewtonSolver,
     NonNegativeOrClosure,
     Output,
     PermeabilityOrClosure,
@@ -74,16 +72,6 @@ DispersionOfMass = Annotated[
 
 MASS_DISPERSION = takes("mass_dispersion")
 CONDUCTIVITY = takes("conductivity")
-
-
-class Line(MeshLine):
-    """The bed along x; of a tube with a wall or a section also its diameter."""
-
-    diameter: Length | None = Field(
-        None,
-        description="inner diameter of a tube, distance of two walls, or side of a "
-        "duct; absent: no wall",
-    )
 
 
 class Mixture(Table):
@@ -314,7 +302,7 @@ class Time(Table):
     )
 
 
-class Solver(Table):
+class Solver(NewtonSolver):
     """Numerics; the defaults suit nearly all scenes."""
 
     degree: Annotated[Whole, Field(ge=1, le=5)] = Field(
@@ -336,18 +324,9 @@ class Solver(Table):
         "cells follow its fronts, absent: "
         "cells stay as they are",
     )
-    newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = Field(
-        1e-10,
-        description="residual norm, relative to the scale of the equations, at which "
-        "Newton's method has converged",
-    )
     newton_iterations: Whole = Field(
         40, ge=1, le=1000, description="most iterations of Newton's method"
     )
-    balance_tolerance: Positive = Field(
-        1e-10, description="largest relative residual of a balance that a run accepts"
-    )
-    strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
 class ReactingScene(SceneBase):
@@ -356,7 +335,7 @@ class ReactingScene(SceneBase):
     kind: ClassVar[str] = "reacting_bed"
     renamed: ClassVar[Mapping[str, str]] = RENAMED
 
-    mesh: Line
+    mesh: MeshLine
     gas: Gas
     solids: dict[str, Solid] = Field(
         min_length=1, description="solid phases that fill the bed, by name"

@@ -11,6 +11,7 @@ from contbed.course.schedule import series_of
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
 from contbed.scene.checking import Mistakes, See
+from contbed.scene.mesh import MeshLine
 from contbed.scene.series_checks import a_cycle_fits_its_series, series_is_usable
 from contbed.scene.toml_lines import Origin
 
@@ -71,7 +72,7 @@ def a_cycle_changes_something(
 
 
 def initial_profiles_fit_the_bed(
-    mesh: s.Line, initial: s.Initial, see: See, origin: Origin
+    mesh: MeshLine, initial: s.Initial, see: See, origin: Origin
 ) -> Mistakes:
     """Check that the file of the state at the start can be read and lies within the
     bed; the plan reads its columns.
@@ -91,7 +92,7 @@ def initial_profiles_fit_the_bed(
 
 
 def initial_profiles_reach_both_ends(
-    mesh: s.Line, initial: s.Initial, see: See, origin: Origin
+    mesh: MeshLine, initial: s.Initial, see: See, origin: Origin
 ) -> Mistakes:
     """Look for a file of the state at the start that leaves much of the bed at its
     first or last row.
@@ -107,7 +108,7 @@ def initial_profiles_reach_both_ends(
 
 
 def cells_can_follow(
-    mesh: s.Line, solver: s.Solver, time: s.Time | None, see: See
+    mesh: MeshLine, solver: s.Solver, time: s.Time | None, see: See
 ) -> Mistakes:
     """Check that cells which follow errors are not refined by hand, and in time that
     nothing holds them.

@@ -19,6 +19,7 @@ from contbed.scene.quantities import (
 )
 
 REGION = "bed"  # the only region of a built-in mesh
+SIDE = "wall"  # the boundary beside a line, of a bed with a diameter
 GRADED = "grade the given number of cells to the layer widths; uniform otherwise"
 
 
@@ -39,6 +40,11 @@ class MeshLine(Table):
     graded: Switch = Field(False, description=GRADED)
     refine: Whole = Field(
         0, ge=0, le=12, description="uniform refinements after construction"
+    )
+    diameter: Length | None = Field(
+        None,
+        description="inner diameter of a tube, distance of two walls, or side of a "
+        "duct; needed with [boundary.wall]; absent: no wall",
     )
 
     @property

@@ -107,7 +107,29 @@ WallCoefficientOrClosure = Annotated[
 ]
 
 
-class Solver(Table):
+class BalancedRun(Table):
+    """What a run must keep to be accepted."""
+
+    balance_tolerance: Positive = Field(
+        1e-10, description="largest relative residual of a balance that a run accepts"
+    )
+    strict: Switch = Field(False, description="a closure out of its range is an error")
+
+
+class NewtonSolver(BalancedRun):
+    """Newton's method, and what a run must keep."""
+
+    newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = Field(
+        1e-10,
+        description="residual norm, relative to the scale of the equations, at which "
+        "Newton's method has converged",
+    )
+    newton_iterations: Whole = Field(
+        30, ge=1, le=1000, description="most iterations of Newton's method"
+    )
+
+
+class Solver(NewtonSolver):
     """Numerics; the defaults suit nearly all scenes."""
 
     degree: Order = Field(2, description="polynomial degree of the temperatures")
@@ -132,18 +154,6 @@ class Solver(Table):
         True,
         description="solve a plug-flow scene with adiabatic walls in one dimension",
     )
-    newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = Field(
-        1e-10,
-        description="residual norm, relative to the scale of the equations, at which "
-        "Newton's method has converged",
-    )
-    newton_iterations: Whole = Field(
-        30, ge=1, le=1000, description="most iterations of Newton's method"
-    )
-    balance_tolerance: Positive = Field(
-        1e-10, description="largest relative residual of a balance that a run accepts"
-    )
-    strict: Switch = Field(False, description="a closure out of its range is an error")
     memory_GB: Positive | None = Field(
         None,
         description="refuse a factorisation predicted above this; 60 % of the free "

@@ -39,7 +39,7 @@ from contbed.scene.quantities import (
 )
 from contbed.scene.series import TemperatureOrSeries
 from contbed.scene.solids import SolidPhase
-from contbed.scene.tables import SceneBase
+from contbed.scene.tables import NewtonSolver, SceneBase
 
 SURFACE = "surface"  # the only boundary
 
@@ -167,21 +167,12 @@ class Output(Table):
     fields: ClassVar[bool] = False
 
 
-class Solver(Table):
+class Solver(NewtonSolver):
     """Numerics."""
 
-    newton_tolerance: Fraction = Field(
-        1e-10,
-        description="residual norm, relative to the scale of the equations, at which "
-        "Newton's method has converged",
-    )
-    newton_iterations: Whole = Field(
-        30, ge=1, le=1000, description="most iterations of Newton's method"
-    )
     balance_tolerance: Positive = Field(
         1e-9, description="largest relative residual of a balance that a run accepts"
     )
-    strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
 class SingleParticleScene(SceneBase):

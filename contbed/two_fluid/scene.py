@@ -33,7 +33,6 @@ from contbed.scene.quantities import (
     Length,
     Number,
     Position,
-    Positive,
     Pressure,
     Seconds,
     Switch,
@@ -44,7 +43,7 @@ from contbed.scene.quantities import (
     unit,
 )
 from contbed.scene.solids import SolidPhase, one_solid
-from contbed.scene.tables import NonNegativeOrClosure, SceneBase
+from contbed.scene.tables import BalancedRun, NonNegativeOrClosure, SceneBase
 from contbed.two_fluid.conditions import Boundary, Initial, Inlet
 from contbed.two_fluid.renames import RENAMED
 
@@ -275,15 +274,6 @@ class Output(Table):
     )
 
 
-class Solver(Table):
-    """Tolerances."""
-
-    balance_tolerance: Positive = Field(
-        1e-10, description="largest relative residual of a balance that a run accepts"
-    )
-    strict: Switch = Field(False, description="a closure out of its range is an error")
-
-
 class TwoFluidScene(SceneBase):
     """Gas and particles as two fluids."""
 
@@ -310,7 +300,7 @@ class TwoFluidScene(SceneBase):
     heat: Heat | None = None
     time: Time
     output: Output = Output()
-    solver: Solver = Solver()
+    solver: BalancedRun = BalancedRun()
 
     @property
     def solid(self) -> Solid:
