@@ -31,6 +31,7 @@ from contbed.packed_bed.results import steady_findings
 from contbed.packed_bed.run import steady_balance
 from contbed.packed_bed.shared import overshoot, report_flow, solved_flow
 from contbed.result import Result
+from contbed.solvers.anderson import Anderson
 from contbed.solvers.tangent import STEP, Response, with_prescribed
 
 TURNS = 40  # of flow and temperatures, each with the other's last change
@@ -216,12 +217,9 @@ class Steady:
     def _coupled(self, ends: list[_End]) -> None:
         """Find the responses of flow and temperatures to each other, in turn.
 
-        The turns are a linear iteration; each starts from the combination of those
-        before that leaves the smallest change (Anderson 1965,
-        doi:10.1145/321296.321305).
+        The turns are a linear iteration, accelerated by Anderson's method.
         """
-        tried: list[Any] = []
-        found: list[Any] = []
+        accelerate = Anderson()
         for _ in range(TURNS):
             before = np.concatenate([end.state for end in ends])
             self._move_flow(ends)
@@ -232,10 +230,7 @@ class Steady:
                 SETTLED * response, ROUNDING * np.abs(after).max()
             ):
                 return
-            tried.append(after - before)
-            found.append(after)
-            low, high = np.split(_combined(tried, found), 2)
-            ends[0].state, ends[1].state = low, high
+            ends[0].state, ends[1].state = np.split(accelerate(before, after), 2)
         raise ConvergenceError(
             f"the responses of flow and temperatures to a key do not settle in {TURNS} "
             "turns; use contbed sweep"
@@ -298,20 +293,6 @@ class Steady:
         )
         for end, state, residual in zip(ends, states, residuals, strict=True):
             end.state, end.residual = state, residual
-
-
-def _combined(changes: list[Any], states: list[Any]) -> Any:
-    """Return the combination of states, of weights that sum to one, whose changes
-    are the smallest.
-    """
-    if len(states) == 1:
-        return states[0]
-    differences = np.array([change - changes[-1] for change in changes[:-1]]).T
-    weights = np.linalg.lstsq(differences, -changes[-1], rcond=None)[0]
-    total = states[-1].copy()
-    for weight, state in zip(weights, states[:-1], strict=True):
-        total += weight * (state - states[-1])
-    return total
 
 
 def _require_alike(problem: HeatProblem, base: HeatProblem) -> None:
