@@ -18,6 +18,7 @@ from contbed.result import Result, outside
 
 Array = NDArray[np.float64]
 UNDERSHOT = 1e-6  # share of the whole below zero that is counted
+DRY = 1e-9  # share of the gas beside steam below which there is no dry gas
 BETWEEN = 2  # positions of profiles inside of each cell
 
 
@@ -210,11 +211,10 @@ def _gas(
         if name in takes_part and entering and abs(leaving[name]) < abs(entering):
             qoi[f"conversion_{name}"] = 1.0 - leaving[name] / abs(entering)
     water = leaving.get("H2O", 0.0)
-    if water:
+    dry = total - water
+    if water and dry > DRY * total:
         qoi |= {
-            f"x_{name}_dry": n / (total - water)
-            for name, n in leaving.items()
-            if name != "H2O"
+            f"x_{name}_dry": n / dry for name, n in leaving.items() if name != "H2O"
         }
     qoi["gas_out_mol_m2s"] = total
     qoi["mass_flux_out_kg_m2s"] = sum(

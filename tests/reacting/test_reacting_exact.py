@@ -17,7 +17,9 @@ from reacting_bed_scenes import (
 from solving import solved
 
 from contbed.chemistry.local import Smoothing
+from contbed.loading import loads
 from contbed.reacting_bed import solve
+from contbed.runner import run
 
 # of what enters: fluxes at the ends converge with order 7; cells follow a tolerance of
 # 1e-6 and reach 1e-8 and better
@@ -150,3 +152,21 @@ def test_what_smooth_powers_change_is_estimated(shares, within):
     assert solve.smoothing_changes(smooth, u, solve.Report()) == pytest.approx(
         change, rel=within
     )
+
+
+def test_pure_steam_has_no_dry_composition():
+    """Nothing but water leaves, so that fractions of the dry gas mean nothing."""
+    found = run(
+        loads(
+            """
+mesh = { type = "line", length = 0.6 }
+gas = { model = "cantera", composition = "H2O:1" }
+solids.s = { density = 2200, heat_capacity = 1000, diameter = 0.04 }
+packed_bed.porosity = 0.4
+boundary.left.gas = { velocity = 0.5, temperature = 423 }
+reactions.none = { equation = "2 H2O -> 2 H2 + O2", law = "power", A = 0, E = 0 }
+"""
+        )
+    )
+    assert found.qoi["x_H2O_out"] == pytest.approx(1.0, rel=1e-12)
+    assert not [name for name in found.qoi if name.endswith("_dry")]
