@@ -43,7 +43,7 @@ from contbed.radiation.thickness import rosseland_is_thick, rosseland_rests
 from contbed.scene.boundary import conditions_of
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.gas import Gas, GasCantera, GasConstant, GasCoolProp
-from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile, MeshLine
+from contbed.scene.mesh import SIDE, Mesh, MeshAxisymmetric, MeshFile, MeshLine
 from contbed.scene.mesh_checks import (
     mesh_file_exists,
     names_exist,
@@ -547,6 +547,24 @@ def a_cycle_changes_something(
         )
 
 
+def the_side_of_a_line_passes_heat(mesh: Mesh, boundary: Boundaries) -> Mistakes:
+    """Check that the side of a line passes heat, and nothing else."""
+    side = boundary.get(SIDE) if isinstance(mesh, MeshLine) else None
+    if side is None:
+        return
+    for key in ("type", "radiation"):
+        if getattr(side, key) is not None:
+            yield ("boundary", SIDE, key), "has no meaning on the side of a line"
+    for path, _, condition in conditions_of({SIDE: side}):
+        for key in ("velocity", "temperature", "fixed_temperature"):
+            if getattr(condition, key) is not None:
+                yield (
+                    (*path, key),
+                    "heat alone passes through the side of a line; give coefficient "
+                    "and ambient, or heat_flux",
+                )
+
+
 def closures_exist(
     mesh: Mesh,
     closures: s.Closures,
@@ -571,13 +589,14 @@ def closures_exist(
             continue
         if (
             isinstance(mesh, MeshLine)
+            and mesh.diameter is None
             and "D_bed" in found.takes
             and not isinstance(spec, ClosureFile)
         ):
             name = spec if isinstance(spec, str) else spec.name
             yield (
                 path,
-                f"needs the diameter of the bed, which a line does not have: {{name = "
+                f"needs the diameter of the bed; give mesh.diameter, or {{name = "
                 f'"{name}", D_bed = ...}}',
             )
 
@@ -610,6 +629,7 @@ CHECKS: tuple[Check, ...] = (
     a_steady_temperature_is_determined,
     the_inside_of_particles_fits_the_scene,
     a_cycle_changes_something,
+    the_side_of_a_line_passes_heat,
     closures_exist,
 )
 

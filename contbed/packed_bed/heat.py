@@ -23,6 +23,7 @@ from contbed.packed_bed.inside import modes
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.radiation import coupling
 from contbed.packed_bed.schedule import ScheduleInterval, initial_range, initial_values
+from contbed.scene.mesh import SIDE, MeshLine
 from contbed.solvers.condensed import Modes
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
@@ -85,13 +86,18 @@ class HeatProblem:
             scene, mesh, medium, motion, self.system, self.radiation
         )
         self.coefficients = self.build.of(cells)
-        self._interior: list[Any] = [(two_energy.residual, cells, self.coefficients)]
         self._storage: list[Any] = [(two_energy.storage, cells, self.coefficients)]
+        self.boundaries = list(mesh.boundaries)
+        self.perimeter = 0.0  # area of the side of a line per volume [1/m]
+        if isinstance(scene.mesh, MeshLine) and SIDE in scene.boundary:
+            assert scene.mesh.diameter is not None  # `checks` sees to it
+            self.perimeter = 4.0 / scene.mesh.diameter
+            self.boundaries.append(SIDE)
         self.walls = [
             (name, part, self.build.wall(name, phase, part))
-            for name in mesh.boundaries
+            for name in self.boundaries
             for phase in PHASES
-            for part in self.system.boundary(name)
+            for part in self._parts(name)
         ]
         self._carried = [
             (two_energy.boundary, part, wall)
@@ -100,25 +106,42 @@ class HeatProblem:
             for mode in self.modes
             if (wall := self.build.mode_wall(mode, part)) is not None
         ]
-        self._boundary = self._crossed()
         self._radiating: list[Any] = []
         if self.radiation is not None:
-            self._interior.append(self.radiation.interior(cells))
             self._radiating = self.radiation.boundaries(mesh, self.system)
+            self._radiating.append(self.radiation.interior(cells))
+        self._balances = self._forms()
         self.idle: list[str] = []
         self.fixed, self.fixed_values, self.fixed_owner, self._prescribed = (
             self._fixed()
         )
 
-    def _crossed(self) -> list[Any]:
-        """Return the forms of all boundaries that heat crosses, with the values in
-        place.
+    def _forms(self) -> list[Any]:
+        """Return the forms of the cells and of all boundaries that heat crosses, with
+        the values in place.
         """
+        sides = tuple(wall for name, _, wall in self.walls if self._is_side(name))
+        interior = replace(self.coefficients, sides=sides, perimeter=self.perimeter)
         return [
-            (two_energy.boundary, part, wall)
-            for _, part, wall in self.walls
-            if wall.crossed
-        ] + self._carried
+            (two_energy.residual, self.system.cells, interior),
+            *(
+                (two_energy.boundary, part, wall)
+                for name, part, wall in self.walls
+                if wall.crossed and not self._is_side(name)
+            ),
+            *self._carried,
+        ]
+
+    def _is_side(self, boundary: str) -> bool:
+        """Return whether a boundary is the side of a line."""
+        return bool(self.perimeter) and boundary == SIDE
+
+    def _parts(self, boundary: str) -> list[Domain]:
+        """Return the domains of a boundary; of the side of a line all cells."""
+        if self._is_side(boundary):
+            return [self.system.cells]
+        parts: list[Domain] = self.system.boundary(boundary)
+        return parts
 
     @property
     def heats(self) -> slice:
@@ -161,7 +184,7 @@ class HeatProblem:
                 wall = replace(wall, **values)
             walls.append((name, part, wall))
         self.walls = walls
-        self._boundary = self._crossed()
+        self._balances = self._forms()
         for nodes, name, phase in self._prescribed:
             prescribed = boundary[name].condition(phase)
             assert prescribed is not None
@@ -227,7 +250,7 @@ class HeatProblem:
         parts = []
         for number, (_, name, phase, value) in enumerate(found):
             places = np.flatnonzero(part == number)
-            values[places], owners[places] = value, self.mesh.boundaries.index(name)
+            values[places], owners[places] = value, self.boundaries.index(name)
             parts.append((places, name, phase))
         return unique, values, owners, parts
 
@@ -276,9 +299,7 @@ class HeatProblem:
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Assemble the residual of the steady balances and its Jacobian."""
-        return self.system.assemble(
-            self._interior + self._boundary + self._radiating, state, jacobian
-        )
+        return self.system.assemble(self._balances + self._radiating, state, jacobian)
 
     def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Assemble the tested heat content and its Jacobian."""
@@ -487,14 +508,17 @@ class HeatProblem:
         T_ref = self.T_span[0]
         out = {
             name: {"T_fluid": 0.0, "T_solid": 0.0, "wall": 0.0}
-            for name in self.mesh.boundaries
+            for name in self.boundaries
         }
         for name, part, wall in self.walls:
             if wall.mass_flux is not None:
                 out[name][wall.name] -= self._integral(
                     _stream_above(T_ref), part, wall, state
                 )
-            out[name]["wall"] += self._integral(two_energy.supplied, part, wall, state)
+            supplied = self._integral(two_energy.supplied, part, wall, state)
+            out[name]["wall"] += supplied * (
+                self.perimeter if self._is_side(name) else 1.0
+            )
         if self.radiation is not None:
             for name, value in self.radiation.fluxes(
                 self.mesh, self.system, state
@@ -519,11 +543,11 @@ class HeatProblem:
     def reaction_sums(self, reaction: Any) -> dict[str, float]:
         """Sum of the reactions at the prescribed nodes, by boundary."""
         sums = np.bincount(
-            self.fixed_owner, weights=reaction, minlength=len(self.mesh.boundaries)
+            self.fixed_owner, weights=reaction, minlength=len(self.boundaries)
         )
         return {
             name: float(value)
-            for name, value in zip(self.mesh.boundaries, sums, strict=True)
+            for name, value in zip(self.boundaries, sums, strict=True)
         }
 
     def source(self) -> float:

@@ -21,6 +21,7 @@ from contbed.packed_bed import scene as s
 from contbed.packed_bed.equations import two_energy
 from contbed.packed_bed.inside import Mode, modes
 from contbed.packed_bed.medium import Medium
+from contbed.scene.mesh import SIDE
 
 if TYPE_CHECKING:
     from contbed.packed_bed.flow import Flow
@@ -231,7 +232,7 @@ class HeatCoefficients:
         material = getattr(self.medium, phase)
         velocity = self._velocity(phase, where)
         flux = None
-        if velocity is not None:
+        if velocity is not None and name != SIDE:
             normal = plain(Ops.dot(velocity, where.n))
             if np.abs(normal).max() > 1e-12 * max(
                 np.abs(plain(v)).max() for v in velocity.items

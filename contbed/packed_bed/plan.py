@@ -51,7 +51,7 @@ from contbed.packed_bed.schedule import (
 from contbed.packed_bed.schedule_checks import require_flow
 from contbed.packed_bed.sides import lines_of, on_a_line
 from contbed.plan_text import plan_text
-from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
+from contbed.scene.mesh import SIDE, MeshAxisymmetric, MeshFile, MeshLine
 from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
 
@@ -345,7 +345,9 @@ class Plan:
 
     def __str__(self) -> str:
         run = "the first mesh" if self.balanced else "a steady scene"
-        more = [] if self.fronts else [advice(self.unknowns(), self.policy, run)]
+        unknowns, more = self.unknowns(), []
+        if unknowns and not self.fronts:
+            more.append(advice(unknowns, self.policy, run))
         text = (
             lifted(self, np.array([self.medium.T_fluid_in]))
             if self.medium is not None
@@ -392,9 +394,12 @@ def plan(scene: s.Scene) -> Plan:
         grids[0] if len(grids) == 1 else _finest_each(grids),
         str(scene.origin.base),
     )
-    require_names(
-        target.origin, mesh, {"boundary": target.boundary, "region": target.region}
-    )
+    ends = [
+        name
+        for name in target.boundary
+        if name != SIDE or not isinstance(grid, MeshLine)
+    ]
+    require_names(target.origin, mesh, {"boundary": ends, "region": target.region})
     automatic = (
         not isinstance(grid, MeshFile) and grid.cells is None and not grid.refine
     )
@@ -432,9 +437,7 @@ def plan(scene: s.Scene) -> Plan:
     (skipped if plug else built).append(
         (
             "porous flow",
-            "plug flow: no no-slip wall, uniform inlet"
-            if plug
-            else "Taylor-Hood, Newton",
+            _described_plug(scene, medium) if plug else "Taylor-Hood, Newton",
         )
     )
     for item, text, is_built in parts_of_heat(
@@ -458,6 +461,14 @@ def plan(scene: s.Scene) -> Plan:
         schedule,
         inside,
     )
+
+
+def _described_plug(scene: s.Scene, medium: Medium) -> str:
+    """Return why no flow is solved, and what is found of it without temperatures."""
+    text = "plug flow: no no-slip wall, uniform inlet"
+    if scene.heat is not None:
+        return text
+    return f"{text}; pressure drop by its resistance at {medium.T_fluid_in:g} K"
 
 
 def _changes_of_flow(schedule: Schedule, scene: s.Scene) -> list[float]:

@@ -67,13 +67,15 @@ def inlet_temperature(scene: s.Scene) -> float:
 
 
 def bed_diameter(mesh: MeshSettings) -> float:
-    """Return the hydraulic diameter of a built-in bed [m]; a line has no walls."""
+    """Return the hydraulic diameter of a built-in bed [m]; infinite without walls."""
     if isinstance(mesh, MeshRectangle):
         return 2.0 * mesh.height
     if isinstance(mesh, MeshAxisymmetric):
         return 2.0 * mesh.radius
     if isinstance(mesh, MeshBox):
         return 2.0 * mesh.width * mesh.height / (mesh.width + mesh.height)
+    if isinstance(mesh, MeshLine) and mesh.diameter is not None:
+        return mesh.diameter
     return float("inf")
 
 
@@ -82,10 +84,8 @@ def reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
     varies across the bed.
     """
     mesh = scene.mesh
-    if (
-        isinstance(mesh, MeshFile | MeshLine)
-        or scene.heat is None
-        or (mesh.cells is not None and mesh.refine)
+    if isinstance(mesh, MeshFile | MeshLine) or (
+        mesh.cells is not None and mesh.refine
     ):
         return None
     axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0

@@ -209,31 +209,16 @@ def _stream(
     space = problem.system.fields["T_fluid"][0]
     _tell_if_lifted(plans, fluid, result)
     if plan.plug and any(velocities):
-        # from end to end, also where profiles are wanted at a few positions only
-        x = line.positions
-        if plan.scene.output.positions:
-            whole = line_along(plan.mesh, across=plan.scene.output.across)
-            x = whole.positions
+        whole = _end_to_end(plan, line)
+        if whole is not line:
             fluid = [
                 whole.probe(space, problem.system.part(state, "T_fluid"))
                 for state in states
             ]
-        streams = [
-            along_bed(each.medium, x, T, each.velocity, each.velocity_solid, axis)
-            for each, T in zip(plans, fluid, strict=True)
-        ]
-        for name, column in (("u", "u"), ("rho_fluid", "density"), ("p", "pressure")):
-            values = [getattr(stream, column) for stream in streams]
-            if x is not line.positions:
-                values = [np.interp(line.positions, x, value) for value in values]
-            result.profiles[header(name)] = np.concatenate(values)
-        last = streams[-1]
+        u = _along(plans, line, whole.positions, fluid, result)
         if velocities[-1]:
-            result.qoi["pressure_drop_Pa"] = float(
-                abs(last.pressure[-1] - last.pressure[0])
-            )
             mean = (
-                _integral(1.0 / np.abs(last.u), x)
+                _integral(1.0 / np.abs(u), whole.positions)
                 if not _crosses(plan)
                 else _mean_stay(medium, problem, states[-1])
             )
@@ -242,6 +227,50 @@ def _stream(
         density = np.broadcast_to(medium.fluid.density(fluid[-1]), fluid[-1].shape)
         if header("u") in result.profiles:
             result.profiles[header("rho_fluid")] = density
+
+
+def _end_to_end(plan: Plan, line: Line) -> Line:
+    """Return a line through the whole bed, also where profiles are wanted at a few
+    positions only.
+    """
+    if not plan.scene.output.positions:
+        return line
+    return line_along(plan.mesh, across=plan.scene.output.across)
+
+
+def _along(plans: list[Plan], line: Line, x: Any, fluid: Any, result: Result) -> Any:
+    """Report velocity, density and pressure along the bed by the temperatures of the
+    fluid at x [m], one row for each plan; return the velocities of the last [m/s].
+    """
+    axis = plans[-1].mesh.axis
+    streams = [
+        along_bed(each.medium, x, T, each.velocity, each.velocity_solid, axis)
+        for each, T in zip(plans, fluid, strict=True)
+    ]
+    for name, column in (("u", "u"), ("rho_fluid", "density"), ("p", "pressure")):
+        values = [getattr(stream, column) for stream in streams]
+        if x is not line.positions:
+            values = [np.interp(line.positions, x, value) for value in values]
+        result.profiles[header(name)] = np.concatenate(values)
+    last = streams[-1]
+    if plans[-1].velocity[axis]:
+        drop = abs(last.pressure[-1] - last.pressure[0])
+        result.qoi["pressure_drop_Pa"] = float(drop)
+    return last.u
+
+
+def plug_findings(plan: Plan, line: Line, result: Result) -> None:
+    """Fill in what plug flow gives without temperatures: velocity, density and
+    pressure along the bed, pressure drop and residence time.
+    """
+    x = _end_to_end(plan, line).positions
+    T = np.full(len(x), plan.medium.T_fluid_in)
+    _tell_if_lifted([plan], [T], result)
+    result.profiles = {header(plan.coordinate): line.positions}
+    u = _along([plan], line, x, [T], result)
+    porosity = plan.scene.packed_bed.porosity
+    result.qoi["residence_time_s"] = porosity * _integral(1.0 / np.abs(u), x)
+    result.closures = [use.to_dict() for use in plan.medium.ranges()]
 
 
 def _crosses(plan: Plan) -> bool:

@@ -79,7 +79,7 @@ def _line_and_flow(plan: Plan, before: Any, result: Result) -> tuple[Line, Any]:
     """
     scene, flow = plan.scene, None
     # before a matrix is assembled, which may take most
-    plan.policy.check_memory(max(plan.unknowns().values()))
+    plan.policy.check_memory(max(plan.unknowns().values(), default=0))
     # before anything is solved, as a line that leaves the mesh is a mistake of the
     # scene
     line = line_along(plan.mesh, scene.output.positions, scene.output.across)
@@ -107,9 +107,16 @@ def on_one_mesh(
     -------
     the plan on a better mesh, None where this one is kept; the flow and the estimated errors on this mesh
     """
+    from contbed.packed_bed.results import plug_findings
+
     line, flow = _line_and_flow(plan, flow, result)
     if plan.scene.heat is None:
-        better, estimate = _better(plan, flow, None, None, before, last, result)
+        better, estimate = None, None
+        if flow is None:
+            with result.timed("results"):
+                plug_findings(plan, line, result)
+        else:
+            better, estimate = _better(plan, flow, None, None, before, last, result)
         result.solved = Solved(line, None, None, flow)
     else:
         better, estimate = _steady(

@@ -7,7 +7,7 @@ as frozen pydantic models in SI.
     [packed_bed]       porosity
     [closures]         resistance to flow, exchange, conductivities, dispersion
     [heat]             two energy equations, one for each phase; absent: the flow alone
-    [boundary.NAME]    gas.KEY, solids.NAME.KEY, radiation
+    [boundary.NAME]    gas.KEY, solids.NAME.KEY, radiation; of the wall beside a line coefficient, ambient
     [initial], [time]  a transient run; absent: a steady state
 
 A plain number is SI; a string may carry a unit ("3 mm", "100 degC") and is converted
@@ -21,11 +21,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from contbed.packed_bed.renamed import RENAMED
 from contbed.radiation.scene import RadiatingSolid, Radiation, RadiationCondition, Tubes
-from contbed.scene.boundary import ThermalCondition
+from contbed.scene.boundary import ThermalCondition, WallHeat
 from contbed.scene.gas import Gas
 from contbed.scene.mesh import Mesh, MeshFile
 from contbed.scene.quantities import (
@@ -213,9 +213,10 @@ Side = Annotated[
 ]
 
 
-class Boundary(Table):
+class Boundary(WallHeat):
     """Conditions on one named boundary; what is absent is adiabatic, and a
-    frictionless wall for the flow.
+    frictionless wall for the flow. `coefficient`, `ambient` and `heat_flux` are those
+    of the gas.
     """
 
     type: Side | None = Field(
@@ -228,9 +229,21 @@ class Boundary(Table):
     )
     radiation: RadiationCondition | None = Field(None, description="absent: a mirror")
 
+    @model_validator(mode="after")
+    def _gas_once(self) -> Boundary:
+        if self.gas is not None and self.passes_heat:
+            raise ValueError("give heat through the wall here or in gas, not in both")
+        return self
+
     def condition(self, phase: str) -> PhaseCondition | None:
         """Return the table of a phase, "fluid" or "solid"; None if there is none."""
-        return self.gas if phase == "fluid" else next(iter(self.solids.values()), None)
+        if phase == "solid":
+            return next(iter(self.solids.values()), None)
+        if not self.passes_heat:
+            return self.gas
+        keys = ("coefficient", "ambient", "heat_flux")
+        given = {key: getattr(self, key) for key in keys}
+        return PhaseCondition.model_construct(**given)
 
     def thermal(self, phase: str) -> PhaseCondition | None:
         """Return the thermal condition of a phase, "fluid" or "solid"; None if it is
@@ -248,7 +261,9 @@ class Boundary(Table):
         """Return the key of the table of a phase, "fluid" or "solid", below that of
         the boundary.
         """
-        return ("gas",) if phase == "fluid" else ("solids", *list(self.solids)[:1])
+        if phase == "solid":
+            return ("solids", *list(self.solids)[:1])
+        return () if self.passes_heat else ("gas",)
 
 
 class Release(Table):

@@ -11,7 +11,12 @@ from typing import Any
 from contbed.course.schedule import boundaries_in_time, series_of
 from contbed.errors import SceneError
 from contbed.packed_bed import scene as s
-from contbed.packed_bed.inlets import enters, velocity_key, velocity_vector
+from contbed.packed_bed.inlets import (
+    enters,
+    given_velocity,
+    velocity_key,
+    velocity_vector,
+)
 from contbed.packed_bed.schedule import VELOCITY
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.mesh import Mesh, MeshFile
@@ -35,8 +40,8 @@ def series_are_usable(
 
 
 def require_flow(scene: s.Scene) -> None:
-    """Refuse plug flow without [heat], and a flow that changes with time where no-slip
-    walls shape it.
+    """Refuse a bed at rest without [heat], and a flow that changes with time where
+    no-slip walls shape it.
 
     Raises
     ------
@@ -44,11 +49,11 @@ def require_flow(scene: s.Scene) -> None:
     """
     text = ""
     plug = all(conditions.type != "no_slip" for conditions in scene.boundary.values())
-    if plug and scene.heat is None:
-        text = (
-            'nothing to solve: no wall has type = "no_slip" and there is no [heat] '
-            "table"
-        )
+    given = given_velocity(scene.boundary, "fluid")
+    velocity = 0.0 if given is None else given[1]
+    moves = any(velocity) if isinstance(velocity, tuple) else velocity
+    if plug and scene.heat is None and not moves:
+        text = "nothing to solve: the gas is at rest and there is no [heat] table"
     if not plug and any(path[-1] == VELOCITY for path, _ in series_of(scene.boundary)):
         text = (
             "velocities that change with time are for plug flow, and a wall has type = "

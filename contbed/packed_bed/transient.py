@@ -145,7 +145,7 @@ class History:
         """Return the heat that prescribed temperatures have conducted in so far by
         boundary [J].
         """
-        names = problem.mesh.boundaries
+        names = problem.boundaries
         return dict(
             zip(names, np.broadcast_to(self.reaction, len(names)).tolist(), strict=True)
         )

@@ -12,9 +12,9 @@ from contbed.reacting_bed.inlet_series import (
     MolarFluxOrSeries,
     SpeedOrSeries,
 )
-from contbed.scene.quantities import Table, takes
-from contbed.scene.series import HeatFluxOrSeries, TemperatureOrSeries
-from contbed.scene.tables import WallCoefficientOrClosure
+from contbed.scene.boundary import WallHeat
+from contbed.scene.quantities import Table
+from contbed.scene.series import TemperatureOrSeries
 
 FLOWS = ("velocity", "mass_flux", "molar_flux")  # ways to give the flow of the gas
 
@@ -63,7 +63,7 @@ class SolidCondition(Table):
     )
 
 
-class Boundary(Table):
+class Boundary(WallHeat):
     """What enters at `left` or `right`; heat through the `wall`, into the gas (two
     temperatures) or the bed (one).
     """
@@ -72,23 +72,3 @@ class Boundary(Table):
     solids: dict[str, SolidCondition] = Field(
         default_factory=dict, description="by name"
     )
-    coefficient: WallCoefficientOrClosure | None = Field(
-        None,
-        description="of the wall on its inner area, to `ambient`; by name with "
-        "packed_bed.section",
-        json_schema_extra=takes("wall"),
-    )
-    ambient: TemperatureOrSeries | None = Field(
-        None, description="temperature of the surroundings of the wall"
-    )
-    heat_flux: HeatFluxOrSeries | None = Field(
-        None, description="of the wall into the bed, on its inner area"
-    )
-
-    @model_validator(mode="after")
-    def _one_way(self) -> Boundary:
-        if self.coefficient is not None and self.heat_flux is not None:
-            raise ValueError("give coefficient and ambient, or heat_flux")
-        if (self.coefficient is None) != (self.ambient is None):
-            raise ValueError("coefficient and ambient belong together")
-        return self

@@ -7,8 +7,6 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
-from contbed.scene.checking import Mistakes
-from contbed.scene.names import nearest
 from contbed.scene.quantities import Emissivity, Table, takes
 from contbed.scene.series import HeatFluxOrSeries, TemperatureOrSeries
 from contbed.scene.tables import WallCoefficientOrClosure
@@ -61,19 +59,43 @@ class ThermalCondition(Table):
         return any(getattr(self, name) is not None for name in THERMAL)
 
 
+class WallHeat(Table):
+    """Heat through a wall into the gas, or into the bed of one temperature."""
+
+    coefficient: WallCoefficientOrClosure | None = Field(
+        None,
+        description="of the wall on its inner area, to `ambient`; beside species "
+        "by name with packed_bed.section",
+        json_schema_extra=takes("wall"),
+    )
+    ambient: TemperatureOrSeries | None = Field(
+        None, description="temperature of the surroundings of the wall"
+    )
+    heat_flux: HeatFluxOrSeries | None = Field(
+        None, description="of the wall into the bed, on its inner area"
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> WallHeat:
+        if self.coefficient is not None and self.heat_flux is not None:
+            raise ValueError("give coefficient and ambient, or heat_flux")
+        if (self.coefficient is None) != (self.ambient is None):
+            raise ValueError("coefficient and ambient belong together")
+        return self
+
+    @property
+    def passes_heat(self) -> bool:
+        """Whether the wall has a coefficient or a flux."""
+        return self.coefficient is not None or self.heat_flux is not None
+
+
 def conditions_of(boundary: Mapping[str, Any]) -> Iterator[tuple[KeyPath, str, Any]]:
     """Yield the path, the phase and the table of each condition of a phase; the
     phase is "gas" or a solid's name.
     """
     for side, table in boundary.items():
-        if table.gas is not None:
-            yield ("boundary", side, "gas"), "gas", table.gas
+        gas = table.condition("fluid")
+        if gas is not None:
+            yield ("boundary", side, *table.key("fluid")), "gas", gas
         for name, condition in table.solids.items():
             yield ("boundary", side, "solids", name), name, condition
-
-
-def solids_exist(boundary: Mapping[str, Any], solids: Mapping[str, Any]) -> Mistakes:
-    """Check that boundaries name solids that the scene has."""
-    for path, phase, _ in conditions_of(boundary):
-        if phase != "gas" and phase not in solids:
-            yield path, f"no such solid; {nearest(phase, list(solids))}"

@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from contbed.scene.checking import Mistakes, See
-from contbed.scene.mesh import REGION, Mesh, MeshAxisymmetric, MeshFile
+from contbed.scene.mesh import REGION, SIDE, Mesh, MeshAxisymmetric, MeshFile, MeshLine
 from contbed.scene.tables import Output
 from contbed.scene.toml_lines import Origin
 
@@ -23,6 +23,8 @@ def names_exist(
     if isinstance(mesh, MeshFile):
         return
     known = [name for pair in mesh.sides for name in pair if name != "axis"]
+    if isinstance(mesh, MeshLine) and mesh.diameter is not None:
+        known.append(SIDE)
     for name in boundary:
         if name == "axis" and isinstance(mesh, MeshAxisymmetric):
             yield (
@@ -35,6 +37,8 @@ def names_exist(
                 f"a mesh of type '{mesh.type}' has no such boundary; it has "
                 f"{', '.join(known)}"
             )
+            if name == SIDE and isinstance(mesh, MeshLine):
+                text += ", and with mesh.diameter a wall"
             near = get_close_matches(name.lower(), known, n=1)
             yield (
                 ("boundary", name),
@@ -116,5 +120,9 @@ def the_line_of_profiles_fits_the_mesh(
 
 
 def boundaries_exist(mesh: Mesh, boundary: Mapping[str, Any]) -> Mistakes:
-    """Check that a built-in mesh has the boundaries that the scene names."""
+    """Check that a built-in mesh has the boundaries that the scene names, of a line
+    both ends.
+    """
+    if isinstance(mesh, MeshLine) and mesh.diameter is not None:
+        yield ("mesh", "diameter"), "has no meaning in a layer without walls; remove it"
     yield from names_exist(mesh, boundary, {})

@@ -109,11 +109,11 @@ def test_each_command_has_a_help_of_one_line(capsys):
 
 
 def test_check(scene, capsys):
+    scene.write_text(SCENE.replace("velocity = 0.1", "velocity = 0"))
     assert cli.main(["check", "scene.toml"]) == 2
     assert capsys.readouterr().err == (
-        "scene.toml:16: boundary.left.gas.velocity: nothing to solve: no wall has type "
-        '= "no_slip" and there is no '
-        "[heat] table\n"
+        "scene.toml:16: boundary.left.gas.velocity: nothing to solve: the gas is at "
+        "rest and there is no [heat] table\n"
     )
     scene.write_text(STEADY)
     assert cli.main(["check", "scene.toml"]) == 0

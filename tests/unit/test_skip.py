@@ -310,12 +310,12 @@ def test_a_phase_at_rest_has_no_stream():
         and posed.coefficients.solid.tau is None
     )
     # the fluid enters and leaves, and no wall of the solid carries a term
-    assert [wall.name for _, _, wall in posed._boundary] == ["T_fluid", "T_fluid"]
+    assert [wall.name for _, _, wall in posed._balances[1:]] == ["T_fluid", "T_fluid"]
 
 
 def test_adiabatic_ends_have_no_boundary_term():
     posed = problem(plan(boundary={"left": {"gas": {"fixed_temperature": 300.0}}}))
-    assert posed._boundary == []
+    assert posed._balances[1:] == []
 
 
 def test_without_radiation_there_is_no_incident_radiation():

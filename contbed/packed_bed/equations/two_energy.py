@@ -4,6 +4,8 @@ non-equilibrium).
     d(eps rho_f h_f)/dt     + div(G_f h_f) = div(K_ff grad T_f + K_fs grad T_s) + h a (T_s - T_f) + q_f
     d((1-eps) rho_s h_s)/dt + div(G_s h_s) = div(K_ss grad T_s + K_fs grad T_f) - h a (T_s - T_f) + q_s
 
+On a line the heat q_w (4/D) through the side of a tube is added to the gain of a phase.
+
 T        temperature [K]                       h_f, h_s  enthalpy [J/kg], dh = c_p dT
 G        superficial mass flux [kg/m2/s]       h a       volumetric exchange coefficient [W/m3/K]
 K_ff     fluid conductivity with dispersion    K_ss      solid conductivity [W/m/K]
@@ -95,6 +97,9 @@ class Coefficients:
     modes: tuple[Mode, ...] = ()
     # (1-eps) rho_s as a function of T_solid [kg/m3], for the modes
     capacity: Any = None
+    # heat through the side of a line, and the area of the side per volume [1/m]
+    sides: tuple[Wall, ...] = ()
+    perimeter: float = 0.0
 
 
 def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
@@ -107,13 +112,15 @@ def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
         surface = surface + getattr(unknowns, mode.name)
     transfer = c.exchange(fluid, solid) * (surface - fluid)
     cross = None if c.cross is None else c.cross(0.5 * (fluid + solid))
-    total = _balance(
-        fluid, solid, tests.T_fluid, transfer + c.fluid.source, c.fluid, cross, o
-    )
-    gain = c.solid.source - transfer
+    gains = {"T_fluid": transfer + c.fluid.source, "T_solid": c.solid.source - transfer}
     if c.radiated is not None:
-        gain = gain + c.radiated(unknowns)
-    total = total + _balance(solid, fluid, tests.T_solid, gain, c.solid, cross, o)
+        gains["T_solid"] = gains["T_solid"] + c.radiated(unknowns)
+    for wall in c.sides:
+        gains[wall.name] = gains[wall.name] + c.perimeter * supplied(unknowns, wall, o)
+    total = _balance(fluid, solid, tests.T_fluid, gains["T_fluid"], c.fluid, cross, o)
+    total = total + _balance(
+        solid, fluid, tests.T_solid, gains["T_solid"], c.solid, cross, o
+    )
     for mode in c.modes:
         total = total + _mode(unknowns, tests, transfer, mode, c.solid, o)
     return total
