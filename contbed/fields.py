@@ -518,6 +518,52 @@ _RESULTS = (
         "approach to equilibrium of a reaction in the gas that leaves",
     ),
     Field(
+        "equilibrium_approach_NAME_K",
+        r"\Delta T_\mathrm{eq}",
+        "K",
+        "temperature of a reaction where the gas leaves over that at which this gas "
+        "would be in equilibrium",
+    ),
+    Field(
+        "selectivity_NAME",
+        "S",
+        "1",
+        "of CO_C: atoms of C in the CO that is made over those in the gases that are "
+        "used up, where no solid takes or gives C",
+    ),
+    Field(
+        "yield_NAME",
+        "Y",
+        "1",
+        "of CO_C: atoms of C in the CO that is made over those fed in the gases that "
+        "are used up, where no solid takes or gives C",
+    ),
+    Field(
+        "space_time_yield_NAME_mol_m3s",
+        r"\dot n_V",
+        "mol/m3/s",
+        "gas that is made, leaving less entering, per volume of the bed",
+    ),
+    Field(
+        "GHSV_1_h",
+        r"\mathrm{GHSV}",
+        "1/h",
+        "volume of gas fed per hour, at 273.15 K and 101325 Pa, over that of the bed",
+    ),
+    Field(
+        "WHSV_1_h",
+        r"\mathrm{WHSV}",
+        "1/h",
+        "mass of gas fed per hour over that of the particles in which gases react",
+    ),
+    Field(
+        "hot_spot_K",
+        r"T_\mathrm{max}",
+        "K",
+        "largest temperature of gas and particles in a bed with reactions",
+    ),
+    Field("hot_spot_m", "x", "m", "place of the hot spot along the bed"),
+    Field(
         "metallization",
         r"\eta_\mathrm{Fe}",
         "1",

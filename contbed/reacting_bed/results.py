@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.balance import Balance
-from contbed.chemistry.thermo import R_GAS, T_STANDARD, Equilibrium
+from contbed.chemistry.thermo import R_GAS, T_STANDARD
+from contbed.reacting_bed import of_reactors
 from contbed.reacting_bed.amounts import Least, below_zero, between_nodes, least
 from contbed.reacting_bed.equations.unknowns import State, conserved
 from contbed.reacting_bed.problem import Problem
@@ -153,6 +154,11 @@ def fill(
         _across(result)
     if passed is None:
         _balances(problem, u, fluxes, result)
+    if passed is None and problem.reactions:
+        leaving = {
+            name: result.qoi[f"out_{name}_mol_m2s"] for name in problem.streams.gas
+        }
+        result.qoi |= of_reactors.made_and_used(problem, leaving)
     _remarks(problem, u, result, passed)
 
 
@@ -304,15 +310,14 @@ def _extents(
                 end,
             )
             pressures = {
-                name: max(_at(state.x[name] * state.p, end), 1e-300) / 1e5
-                for name in gases
+                name: max(_at(state.x[name] * state.p, end), 1e-295) for name in gases
             }
-            Q = sum(n * np.log(pressures[name]) for name, n in gases.items())
-            factor = problem.scene.reactions[reaction.key].equilibrium_factor
-            K = Equilibrium(gases, problem.species.all, frozenset(gases), factor).ln_K(
-                T
-            )
-            result.qoi[f"Q_over_K_{reaction.name}"] = float(np.exp(Q - K))
+            result.qoi |= of_reactors.equilibrium(problem, reaction, T, pressures)
+    if problem.reactions:
+        points = inner, problem.line.points.ravel()
+        both_ends = state, problem.line.vertices[[0, -1]]
+        result.qoi |= of_reactors.hot_spot(problem, points, both_ends)
+        result.qoi |= of_reactors.space_velocities(problem)
 
 
 def _balances(

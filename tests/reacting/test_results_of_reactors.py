@@ -1,0 +1,101 @@
+"""Selectivity, yield, space velocities, hot spot and approach to equilibrium of reacting
+beds against closed forms and hand calculations.
+"""
+
+import numpy as np
+import pytest
+from reacting_bed_scenes import MOLAR, R_GAS, P, T, equilibrium, ignition, isothermal
+from solving import solved
+
+from contbed.chemistry.thermo import Equilibrium
+from contbed.reacting_bed.of_reactors import temperature_of
+
+GASES = {
+    name: {"elements": elements, "molar_mass": mass}
+    for name, elements, mass in (
+        ("CO", {"C": 1, "O": 1}, 0.028),
+        ("H2", {"H": 2}, 0.002),
+        ("CH4", {"C": 1, "H": 4}, 0.016),
+        ("H2O", {"H": 2, "O": 1}, 0.018),
+        ("CO2", {"C": 1, "O": 2}, 0.044),
+        ("N2", {"N": 2}, 0.028),
+    )
+}
+
+
+def parallel(k_methane, k_shift):
+    """CO becomes CH4 and CO2 side by side in plug flow, both of first order in CO
+    between much N2.
+    """
+    scene = isothermal("CO:1e-6, H2:1, H2O:1, N2:2", GASES)
+    scene["reactions"] = {
+        "methane": {"equation": "CO + 3 H2 -> CH4 + H2O", "A": k_methane / 0.4},
+        "shift": {"equation": "CO + H2O -> CO2 + H2", "A": k_shift / 0.4},
+    }
+    for reaction in scene["reactions"].values():
+        reaction |= {"E": 0.0, "orders": {"CO": 1.0}}
+    scene["solids"]["particles"] |= {"density": 1500.0}
+    return scene
+
+
+def test_parallel_reactions_of_first_order():
+    """Plug flow of 0.5 m/s over 1 m: X = 1 - exp(-(k1 + k2) L/u), selectivities of C
+    k1/(k1 + k2) and k2/(k1 + k2), yields X times these.
+    """
+    qoi = solved(parallel(0.6, 0.2)).qoi
+    conversion = 1.0 - np.exp(-0.8 / 0.5)
+    assert qoi["conversion_CO"] == pytest.approx(conversion, rel=1e-5)
+    for name, share in (("CH4", 0.75), ("CO2", 0.25)):
+        assert qoi[f"selectivity_{name}_C"] == pytest.approx(share, rel=1e-8)
+        expected = conversion * share
+        assert qoi[f"yield_{name}_C"] == pytest.approx(expected, rel=1e-5)
+    made = conversion * 0.75 * 0.5 * MOLAR * 1e-6 / (4.0 + 1e-6)
+    assert qoi["space_time_yield_CH4_mol_m3s"] == pytest.approx(made, rel=1e-5)
+    # with excess of H2 and H2O only CO and H2 are used up: O of CO goes to H2O and CO2
+    assert "yield_N2_N" not in qoi
+
+
+def test_space_velocities_by_hand():
+    """0.5 m/s at 500 K and 1 bar over 1 m; rates in the gas need no mass of it."""
+    scene = parallel(0.6, 0.2)
+    qoi = solved(scene).qoi
+    hourly = 3600.0 * 0.5 * (P / 101325.0) * (273.15 / T)
+    assert qoi["GHSV_1_h"] == pytest.approx(hourly, rel=1e-12)
+    assert "WHSV_1_h" not in qoi and "hot_spot_K" not in qoi
+    scene["reactions"]["shift"]["basis"] = "catalyst"
+    qoi = solved(scene).qoi
+    mean = (0.002 + 0.018 + 2 * 0.028) / 4.0
+    weight = 0.6 * 1500.0
+    expected = 3600.0 * 0.5 * MOLAR * mean / weight
+    assert qoi["WHSV_1_h"] == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_bed_in_equilibrium_has_no_approach():
+    equations = {"shift": "CO + H2O <-> CO2 + H2"}
+    qoi = solved(equilibrium("CO:1, H2O:2, N2:1", 1e5, 900.0, equations)).qoi
+    assert qoi["equilibrium_approach_shift_K"] == pytest.approx(0.0, abs=1e-5)
+
+
+def test_the_temperature_of_equilibrium_of_constant_heats():
+    """ln K = (T dS - dH)/(R T) with dH = -40 kJ/mol and dS = -40 J/mol/K."""
+
+    class Constant:
+        standard_pressure = 1e5
+
+        def enthalpy(self, T):
+            return -40e3 + 0.0 * T
+
+        def gibbs(self, T):
+            return -40e3 + 40.0 * T
+
+    law = Equilibrium({"B": 1.0}, {"B": Constant()}, frozenset("B"))
+    Q = 1.5
+    expected = 40e3 / (R_GAS * Q + 40.0)
+    assert temperature_of(law, Q, 800.0) == pytest.approx(expected, rel=1e-10)
+    assert temperature_of(law, -1e3, 800.0) is None
+
+
+def test_the_hot_spot_of_an_adiabatic_bed_is_its_end():
+    qoi = solved(ignition(8.0, 8.0, 0.3, 6.0, 0.5)).qoi
+    assert qoi["hot_spot_K"] == pytest.approx(qoi["T_fluid_out_K"], rel=1e-12)
+    assert qoi["hot_spot_m"] == 1.0
