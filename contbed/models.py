@@ -101,12 +101,15 @@ class Model:
         return Path(__file__).parent / self.package / "template.toml"
 
     def sheets(self) -> dict[str, Path]:
-        """Return the file of each set of equations by name, without importing it."""
-        folder = Path(__file__).parent / self.package
-        return {
-            name: folder / f"{module.replace('.', '/')}.py"
-            for name, module in self.equations.items()
-        }
+        """Return the file of each set of equations by name, without importing it;
+        with a slash it is that of another room.
+        """
+        rooms = Path(__file__).parent
+        found = {}
+        for name, module in self.equations.items():
+            folder = rooms if "/" in module else rooms / self.package
+            found[name] = folder / f"{module.replace('.', '/')}.py"
+        return found
 
 
 def _has(*tables: str) -> Callable[[Mapping[str, Any]], bool]:
@@ -257,7 +260,7 @@ MODELS: dict[str, Model] = {
         _reacts,
         {
             "reacting_bed": "equations.bed",
-            "gas_inside_particles": "equations.inside",
+            "gas_inside_particles": "particle/adsorption",
             "reacting_section": "equations.section",
             "amounts_above_zero": "limited",
             "amounts_above_zero_in_time": "bounded",

@@ -24,12 +24,7 @@ import numpy as np
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.medium import Medium
 from contbed.particle.interior import interior
-from contbed.particle.uptake import (
-    Level,
-    breakthrough_error,
-    moving_bed_error,
-    steady_error,
-)
+from contbed.particle.level import SHAPES, Passage
 from contbed.plan_text import percent
 
 # of what leaves over the span, by which a level may miss where solver.accuracy is
@@ -41,7 +36,6 @@ USUAL_POINTS = 3  # where temperatures inside are asked for and their number is 
 # transfer units for which errors are predicted where the length or the flow is not
 # known
 USUAL_UNITS = 20.0
-SHAPES = {"spheres": "sphere", "rods": "cylinder"}
 NAMES = {
     "lumped": "lumped particles, external film only",
     "effective": "lumped particles, film coefficient corrected for intraparticle "
@@ -84,18 +78,13 @@ class Candidate:
 class Inside:
     """Level and the numbers that chose it.
 
-    biot : h R/k_s at the temperature of the inlet; units : h a L/(G c)
-    fourier : alpha L/(v R^2) of moving particles, None at rest; gamma : heat capacity
-        flow of solids over fluid, signed
+    passage : at the temperature of the inlet
     chosen : the level that is taken; candidates : all that this scene may take, from
         few unknowns to many
     accuracy : largest predicted error that the plan accepts
     """
 
-    biot: float
-    units: float
-    fourier: float | None
-    gamma: float
+    passage: Passage
     chosen: Candidate
     candidates: tuple[Candidate, ...]
     accuracy: float
@@ -112,10 +101,11 @@ class Inside:
 
     def __str__(self) -> str:
         model = NAMES[self.level].format(points=self.chosen.points)
-        residence = "" if self.fourier is None else f", Fo = {self.fourier:.3g}"
+        fourier = self.passage.fourier
+        residence = "" if fourier is None else f", Fo = {fourier:.3g}"
         within = self.chosen.error <= self.accuracy
         sentences = [
-            f"{model} (Bi = {self.biot:.3g}{residence})",
+            f"{model} (Bi = {self.passage.biot:.3g}{residence})",
             f"Predicted outlet error {percent(self.chosen.error)}, "
             f"{'within' if within else 'above'} "
             f"solver.accuracy = {100.0 * self.accuracy:g} %",
@@ -210,56 +200,30 @@ def inside_of(
     if scene.time is not None:
         last = scene.time.end * exchange / (solid_share * capacity) / units
 
-    def error(level: Level) -> float:
-        return _error(
-            level,
-            units,
-            biot,
-            fourier,
-            gamma,
-            SHAPES[scene.solid.shape],
-            last,
-            scene.time is None,
-        )
-
+    passage = Passage(
+        biot,
+        units,
+        SHAPES[scene.solid.shape],
+        fourier,
+        gamma,
+        last,
+        steady=scene.time is None,
+    )
     wanted = scene.solid.inside
     stated: str = "lumped" if wanted is None else wanted.heat
     asked = None if wanted is None else wanted.points
     tried = (asked,) if asked else (USUAL_POINTS,) if stated == "interior" else POINTS
     found = [
-        Candidate("lumped", 0, error("lumped")),
-        Candidate("effective", 0, error("effective")),
+        Candidate("lumped", 0, passage.error("lumped")),
+        Candidate("effective", 0, passage.error("effective")),
     ]
     if scene.radiation is None:
-        found += [Candidate("interior", points, error(points)) for points in tried]
+        found += [
+            Candidate("interior", points, passage.error(points)) for points in tried
+        ]
     candidates, accuracy = tuple(found), scene.solver.accuracy or ACCURACY
     named = tuple(each for each in candidates if stated in ("auto", each.level))
-    return Inside(
-        biot, units, fourier, gamma, cheapest(named, accuracy), candidates, accuracy
-    )
-
-
-def _error(
-    level: Level,
-    units: float,
-    biot: float,
-    fourier: float | None,
-    gamma: float,
-    shape: str,
-    last: float,
-    steady: bool,
-) -> float:
-    """Return the predicted error of a level; a transient moving bed starts as one at
-    rest and ends steady.
-    """
-    moving = fourier is not None and gamma != 0.0
-    if steady and not moving:
-        return steady_error(units, biot, level, shape)
-    errors = [] if steady else [breakthrough_error(units, biot, level, shape, last)]
-    if moving:
-        assert fourier is not None
-        errors.append(moving_bed_error(gamma, biot, fourier, level, shape))
-    return max(errors)
+    return Inside(passage, cheapest(named, accuracy), candidates, accuracy)
 
 
 def resolved(scene: s.Scene, inside: Inside | None) -> s.Scene:

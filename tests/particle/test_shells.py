@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contbed.chemistry.effectiveness import sphere
 from contbed.particle.shells import shells
+from tests.particle.tables import sphere
 
 
 @pytest.mark.parametrize(

@@ -159,7 +159,7 @@ def test_gases_compete_for_sites():
 
 
 def test_isotherms_follow_the_temperature():
-    from contbed.reacting_bed.equations.inside import Isotherm
+    from contbed.particle.adsorption import Isotherm
 
     isotherm = Isotherm(2e-5, None, -2e4, 300.0)
     # d ln H/dT = dH/(R T2)

@@ -26,9 +26,9 @@ from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.output.tables import write_table
+from contbed.particle.adsorption import Inside, Isotherm
 from contbed.particle.interior import interior
 from contbed.reacting_bed.course import Course
-from contbed.reacting_bed.equations.inside import Inside, Isotherm
 
 RESIDENCE = 0.8  # [s] of the gas of `isothermal` in its pores
 # steps to a local tolerance of 1e-4, of one order more than their estimate

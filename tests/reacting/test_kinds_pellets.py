@@ -12,11 +12,11 @@ from several_solids import SHARES, split_pellets
 from solving import solved
 from test_pellets import D_A, REFORMER, R, left, pellets
 
-from contbed.chemistry.effectiveness import sphere
 from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.plan_text import percent
 from contbed.reacting_bed.plan import plan
+from tests.particle.tables import sphere
 
 # of two solutions of the same equations, whose Newton's methods end at 1e-10
 ROUNDING = 1e-9

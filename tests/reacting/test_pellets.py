@@ -11,13 +11,13 @@ import pytest
 from reacting_bed_scenes import isothermal, species
 
 import contbed
-from contbed.chemistry.effectiveness import sphere
 from contbed.errors import SceneError
 from contbed.fem.ad.dual import Dual
 from contbed.loading import from_dict
 from contbed.many.derivatives.gradients import gradient
 from contbed.plan_text import percent
 from contbed.reacting_bed.plan import plan
+from tests.particle.tables import sphere
 
 D_A, D_B, R = 2e-6, 5e-6, 1.5e-3
 

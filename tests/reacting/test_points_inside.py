@@ -17,8 +17,8 @@ from scipy.linalg import expm
 from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.particle.interior import interior
+from contbed.particle.level import SHAPES
 from contbed.reacting_bed.course import Course
-from contbed.reacting_bed.inside import SHAPES
 from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.transient import begin, march
 

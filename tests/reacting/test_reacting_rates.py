@@ -9,10 +9,10 @@ import pytest
 from reacting_bed_scenes import danckwerts, isothermal, species
 
 import contbed
-from contbed.chemistry.effectiveness import overall, sphere
 from contbed.closures.formula import parse_formula
 from contbed.fem.ad.dual import Dual
 from contbed.loading import from_dict
+from tests.particle.tables import overall, sphere
 
 
 def catalytic(**reaction):

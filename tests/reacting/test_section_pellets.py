@@ -12,11 +12,11 @@ from reacting_bed_scenes import R_GAS, P, isothermal, species
 from solving import solved
 from test_pellets import D_A, REFORMER, R, left, pellets
 
-from contbed.chemistry.effectiveness import sphere
 from contbed.loading import from_dict
 from contbed.many.derivatives.gradients import gradient_of
 from contbed.plan_text import percent
 from contbed.reacting_bed.plan import plan
+from tests.particle.tables import sphere
 
 SHELLS = 1e-5  # of what leaves: points inside err by 3e-6 of the effectiveness
 RADIUS, CP, T_IN, T_WALL, E = 0.05, 30.0, 500.0, 420.0, 6e4

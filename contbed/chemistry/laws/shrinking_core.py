@@ -1,5 +1,4 @@
-"""Conversion of a particle of constant size: one sharp interface that moves inwards, or
-grains throughout.
+"""Conversion of a particle of constant size: one sharp interface that moves inwards.
 
 Film, product layer ("ash") and reaction at the interface follow each other; with
 q = (1 - X)^(1/3), the radius of the interface over that of the particle,
@@ -76,28 +75,12 @@ def times(
     )
 
 
-def time(X: Any, tau: Times) -> Any:
-    """Time at which conversion X is reached [s], in constant gas.
-
-    >>> round(float(time(0.5, Times(0.2, 0.5, 0.3))), 12)
-    0.216949054784
-    """
-    q = (1.0 - X) ** (1.0 / 3.0)
-    gone = X / (1.0 + q + q * q)  # 1 - q without cancellation
-    return tau.film * X + tau.ash * gone * gone * (1.0 + 2.0 * q) + tau.reaction * gone
-
-
 def rate(q: Any, tau: Times) -> Any:
     """Rate of conversion dX/dt [1/s] with the interface at q of the radius; odd, so
     that a negative rest recovers.
     """
     size = np.abs(q)
     return 3.0 * q * size * per_area(size, tau)
-
-
-def interface_speed(q: Any, tau: Times) -> Any:
-    """Return dq/dt [1/s], finite at q = 0 where reaction takes any time."""
-    return -per_area(q, tau)
 
 
 def per_area(q: Any, tau: Times) -> Any:
@@ -112,16 +95,6 @@ def remaining_radius(left: Any, small: float = SMALL) -> Any:
     pulls back.
     """
     return left * (left * left + small * small) ** (-1.0 / 3.0)
-
-
-def grain_rate(left: Any, tau_reaction: Any, small: float = SMALL) -> Any:
-    """Rate dX/dt = 3 left^(2/3)/tau [1/s] of grains that react at their surface, with
-    the share of solid `left`.
-
-    tau_reaction = b r_grain n/(k c), n per volume of grain; the particle's size does
-    not matter. Below `small` the power is a straight line through 0, odd.
-    """
-    return 3.0 * left * (left * left + small * small) ** (-1.0 / 6.0) / tau_reaction
 
 
 def _shrinking_core(case: Case) -> Rate:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.reacting_bed.equations.inside import Inside
+from contbed.particle.adsorption import Inside
 from contbed.reacting_bed.equations.unknowns import LEAST_T, PhaseLayout, State
 
 Enthalpy = Callable[[Any], Any]
