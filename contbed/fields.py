@@ -564,6 +564,47 @@ _RESULTS = (
     ),
     Field("hot_spot_m", "x", "m", "place of the hot spot along the bed"),
     Field(
+        "breakthrough_NAME_s",
+        "t_b",
+        "s",
+        "of 5_CO2: time at which the mole fraction of CO2 that leaves an adsorbing bed "
+        "reaches 5 % of that which enters, before its streams change",
+    ),
+    Field(
+        "mass_transfer_zone_NAME_m",
+        r"L_\mathrm{MTZ}",
+        "m",
+        "length of the bed times the time from 5 to 95 % of breakthrough over that to "
+        "50 %",
+    ),
+    Field(
+        "capacity_used_NAME",
+        r"\phi",
+        "1",
+        "what the bed has taken up of a gas at 5 % of breakthrough over that at 95 %",
+    ),
+    Field(
+        "purity_NAME",
+        "x",
+        "1",
+        "share of a gas in all that leaves in the part of a cycle of adsorption in which "
+        "that share is largest; parts lie between changes of the streams",
+    ),
+    Field(
+        "recovery_NAME",
+        "R",
+        "1",
+        "moles of a gas that leave in the part of a cycle in which it is purest, over "
+        "those that enter in the whole cycle",
+    ),
+    Field(
+        "productivity_NAME_mol_kgs",
+        r"\dot n_m",
+        "mol/kg/s",
+        "moles of a gas that leave in the part of a cycle in which it is purest, per "
+        "mass of particles and time of the cycle",
+    ),
+    Field(
         "metallization",
         r"\eta_\mathrm{Fe}",
         "1",

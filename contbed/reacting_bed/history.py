@@ -42,6 +42,7 @@ NUMBERS = (
 )
 EXTENTS, KEPT = "extents_", "kept_"  # begin names of arrays of a checkpoint
 PRESSURE = "pressure"
+FLOW = "flow"  # column of the outlet: moles of the gas that leaves, along x [mol/m2/s]
 
 
 @dataclass(frozen=True)
@@ -176,8 +177,10 @@ class History:
         return replace(self, kept={**self.kept, time: (self.vertices, self.u)})
 
     def table(self) -> dict[str, Array]:
-        """Return the outlet over time by column."""
-        return dict(zip(self.columns, np.array(self.outlet).T, strict=True))
+        """Return the outlet over time by column, without the flow of the gas."""
+        found = dict(zip(self.columns, np.array(self.outlet).T, strict=True))
+        found.pop(FLOW, None)
+        return found
 
 
 def output_times(time: Time) -> Sequence[float]:

@@ -27,7 +27,7 @@ from contbed.reacting_bed import results, solve
 from contbed.reacting_bed.amounts import finer, least
 from contbed.reacting_bed.bounded import Bounded, bounded, of_next
 from contbed.reacting_bed.course import FIRST_STEP, SHORTEST_STEP, Course
-from contbed.reacting_bed.history import SAME, History, output_times
+from contbed.reacting_bed.history import FLOW, SAME, History, output_times
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import rate_without_value, taken_though_absent
 from contbed.reacting_bed.stages import GAMMA
@@ -473,6 +473,5 @@ def outlet(problem: Problem, u: Array, fluxes: Array, time: float) -> dict[str, 
     total = sum(gas.values())
     state = results.values_at(problem, u, problem.line.vertices[[0, -1]])
     T = float(np.broadcast_to(state.T_fluid, (2,))[end])
-    return {"t [s]": time, "T_fluid [K]": T} | {
-        f"x_{k} [1]": float(g / total) for k, g in gas.items()
-    }
+    fractions = {f"x_{name} [1]": float(g / total) for name, g in gas.items()}
+    return {"t [s]": time, "T_fluid [K]": T} | fractions | {FLOW: float(total)}

@@ -13,6 +13,7 @@ from contbed.reacting_bed.cells import aim
 from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.equations.unknowns import conserved
 from contbed.reacting_bed.history import History
+from contbed.reacting_bed.of_columns import column_findings
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage
 from contbed.reacting_bed.time_cells import SHORTEST
@@ -40,6 +41,7 @@ def fill(course: Course, history: History, result: Result) -> None:
         key: np.concatenate([c[key] for _, c in tables]) for key in tables[0][1]
     }
     result.tables["outlet"] = history.table()
+    result.qoi |= column_findings(course, history)
     result.qoi |= {
         "time_steps": history.steps,
         "time_reached_s": history.time,

@@ -1,0 +1,81 @@
+"""Breakthrough, mass-transfer zone and what cycles separate, against closed forms."""
+
+import numpy as np
+import pytest
+from adsorption_scenes import DENSITY, EPS, SPEED, TRACE, adsorber, constant_pattern
+from reacting_bed_scenes import MOLAR
+from solving import solved
+
+from contbed.particle.uptake import breakthrough
+
+LEVELS = np.array([1.0, 5.0, 50.0, 95.0])
+
+
+def found_times(qoi):
+    return [qoi[f"breakthrough_{level:g}_A_s"] for level in LEVELS]
+
+
+def test_a_straight_isotherm_breaks_through_as_its_closed_form():
+    units, K = 20.0, 200.0
+    scene, unit = adsorber(K, units, 0.1)
+    scene["solids"]["particles"]["inside"] = {"adsorption": "interior"}
+    scene["time"] |= {"end": 45.0 * unit, "tolerance": 1e-4}
+    scene["mesh"]["cells"] = 12
+    qoi = solved(scene).qoi
+    eta = np.linspace(1.0, 45.0, 4401)
+    curve = breakthrough(units, eta, 0.1, "interior")
+    times = np.interp(0.01 * LEVELS, curve, eta) * unit
+    assert found_times(qoi) == pytest.approx(times, rel=2e-3)
+    zone = (times[3] - times[1]) / times[2]  # of 1 m
+    assert qoi["mass_transfer_zone_A_m"] == pytest.approx(zone, rel=5e-3)
+    kept = np.concatenate([[1.0], 1.0 + np.cumsum(0.01 * (1.0 - curve[1:]))])
+    used, whole = np.interp(times[[1, 3]] / unit, eta, kept)
+    assert qoi["capacity_used_A"] == pytest.approx(used / whole, rel=3e-3)
+
+
+def test_a_langmuir_front_has_the_length_of_its_constant_pattern():
+    units, capacity = 12.0, 1.25
+    scene, unit = adsorber(200.0, units, 1.0, capacity)
+    scene["solids"]["particles"]["inside"] = {"adsorption": "film"}
+    scene["time"] |= {"end": 1.7 * units * unit, "tolerance": 1e-3}
+    scene["mesh"]["cells"] = 6
+    qoi = solved(scene).qoi
+    r = 1.0 - 1.0 / capacity
+    times = (units + constant_pattern(0.01 * LEVELS[1:], r)) * unit
+    assert found_times(qoi)[1:] == pytest.approx(times, rel=2e-3)
+    assert "purity_A" not in qoi
+
+
+def test_a_run_that_ends_early_has_the_levels_that_it_reached():
+    scene, unit = adsorber(200.0, 12.0, 1.0, 1.25)
+    scene["solids"]["particles"]["inside"] = {"adsorption": "film"}
+    scene["time"] |= {"end": 10.0 * unit, "tolerance": 1e-3}
+    scene["mesh"]["cells"] = 6
+    qoi = solved(scene).qoi
+    assert "breakthrough_5_A_s" in qoi and "breakthrough_95_A_s" not in qoi
+    assert "mass_transfer_zone_A_m" not in qoi
+
+
+def test_a_cycle_of_a_bed_that_takes_up_next_to_nothing():
+    """What leaves is what enters: all of A in the first third of the cycle, N purest in
+    the rest of it.
+    """
+    scene, _ = adsorber(1e-4, 5.0, 1.0)
+    scene["solids"]["particles"]["inside"] = {"adsorption": "film"}
+    feed = ["A:1e-6, N:0.999999", "N:1"]
+    scene["boundary"]["left"]["gas"]["composition"] = {
+        "times": [0.0, 100.0],
+        "values": feed,
+        "form": "step",
+    }
+    scene["time"] |= {"end": 300.0, "cycle": {}}
+    scene["mesh"]["cells"] = 4
+    qoi = solved(scene).qoi
+    assert qoi["purity_A"] == pytest.approx(TRACE, rel=1e-4)
+    assert qoi["recovery_A"] == pytest.approx(1.0, rel=1e-4)
+    assert qoi["purity_N"] == pytest.approx(1.0, rel=1e-9)
+    assert qoi["recovery_N"] == pytest.approx(2.0 / 3.0, rel=1e-5)
+    moles = 100.0 * SPEED * MOLAR * TRACE
+    mass = (1.0 - EPS) * DENSITY
+    expected = moles / (mass * 300.0)
+    assert qoi["productivity_A_mol_kgs"] == pytest.approx(expected, rel=1e-4)
