@@ -182,6 +182,13 @@ _FIELDS = (
         "beside it",
     ),
     Field(
+        "heat_NAME",
+        "Q",
+        "J",
+        "heat from a wall into the bed since the start; per m2 on a line, per m in a "
+        "plane",
+    ),
+    Field(
         "heat_tube",
         "Q",
         "W",
@@ -368,6 +375,20 @@ _RESULTS = (
         r"Q",
         "W",
         "heat into the bed through a boundary; per m2 on a line, per m in a plane",
+    ),
+    Field(
+        "heat_NAME_error",
+        r"\Delta Q/Q",
+        "1",
+        "estimate of the error that the mesh leaves in the heat of a wall: the change "
+        "if all that enters the cells beside it mixed with what it has heated there",
+    ),
+    Field(
+        "coefficient_NAME_W_m2K",
+        "h",
+        "W/m2/K",
+        "mean heat flux of a wall over the difference between its temperature and the "
+        "mean one of the particles, of the gas where there are none",
     ),
     Field(
         "duty_W",

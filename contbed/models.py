@@ -196,7 +196,11 @@ MODELS: dict[str, Model] = {
         "two_fluid",
         "TwoFluidScene",
         _has("two_fluid"),
-        {"two_fluid": "equations"},
+        {
+            "two_fluid": "equations",
+            "two_fluid_heat": "heat.equations",
+            "two_fluid_walls": "heat.wall_layer",
+        },
         compiles=True,
         scatters=True,
     ),

@@ -37,6 +37,9 @@ ARGUMENTS: dict[str, Argument] = {
     "albedo": Argument("-", "K_s / beta", "[0, 1]"),
     "angle": Argument("rad", "angle of internal friction", "(0, 1.5)"),
     "area": Argument("m2", "area of plate for one orifice", "(0, inf)"),
+    "contact_time": Argument(
+        "s", "mean time that particles stay at the wall", "(0, inf)"
+    ),
     "cp_1": Argument("J/kg/K", "heat capacity of kind 1", "(0, inf)"),
     "cp_2": Argument("J/kg/K", "heat capacity of kind 2", "(0, inf)"),
     "cp_gas": Argument("J/kg/K", "heat capacity of the gas", "(0, inf)"),

@@ -18,6 +18,10 @@ _ZABRODSKY = (
     "Zabrodsky 1966, Hydrodynamics and Heat Transfer in Fluidized Beds, MIT "
     "Press, Cambridge"
 )
+_PACKETS = (
+    "Mickley, Fairbanks 1955, AIChE J. 1, 374-384, doi:10.1002/aic.690010317; Kunii, "
+    "Levenspiel 1991, Fluidization Engineering, 2nd ed., chapter 13, Butterworth"
+)
 _MARTIN = "Martin 1984, Chem. Eng. Process. 18, 157-169 and 199-223"
 
 
@@ -101,6 +105,48 @@ def bed_tube_molerus_laminar(
     """
     length = (mu / (GRAVITY**0.5 * (rho_solid - rho_gas))) ** (2 / 3)
     return 0.09 / length / (1.0 / k_gas + 1.0 / (cp_gas * mu))
+
+
+@closure(
+    kind="bed_tube",
+    unit="W/m2/K",
+    ranges={"contact_time": (1e-3, 1e2)},
+    source=_PACKETS,
+    bounds={"gap": "[0, inf)"},
+)
+def bed_tube_kunii_levenspiel_packet(
+    k_stagnant: Value,
+    eps: Value,
+    d_p: Value,
+    rho_gas: Value,
+    cp_gas: Value,
+    k_gas: Value,
+    rho_solid: Value,
+    cp_solid: Value,
+    contact_time: Value,
+    gap: float = 0.1,
+) -> Value:
+    """Mickley and Fairbanks (1955): packets of particles and gas that stay at the wall
+    for a time, behind the gas before the first particles.
+
+        1 / h = (pi contact_time / (4 k_stagnant C))^(1/2) + gap d_p / k_gas
+        C = (1 - eps) rho_solid cp_solid + eps rho_gas cp_gas
+
+    gap : [-] thickness of the gas at the wall over the particle diameter
+
+    Fitted to: nothing but `gap`, d_p/10 by Xavier and Davidson (1985)
+    Limits: contact_time -> 0: k_gas / (gap d_p). eps -> 1: packets of gas.
+    Source: As in Kunii and Levenspiel (1991), from secondary sources, not checked
+        against it. The share of time in which bubbles are at the wall is left out.
+
+    >>> h = bed_tube_kunii_levenspiel_packet(k_stagnant=0.16, eps=0.42, d_p=5e-4, rho_gas=1.2, cp_gas=1005.0,
+    ...                                      k_gas=0.026, rho_solid=2600.0, cp_solid=800.0, contact_time=0.5)
+    >>> round(float(h), 3)
+    298.586
+    """
+    C = (1.0 - eps) * rho_solid * cp_solid + eps * rho_gas * cp_gas
+    packets = (np.pi * contact_time / (4.0 * k_stagnant * C)) ** 0.5
+    return 1.0 / (packets + gap * d_p / k_gas)
 
 
 @closure(

@@ -89,6 +89,11 @@ def bound(scene: t.TwoFluidScene) -> Bound:
         for key, kind in HEAT_KINDS.items():
             if named(spec := getattr(scene.closures, key)):
                 found[kind] = bind(spec, kind, GIVES[kind], base)
+        from contbed.two_fluid.heat import wall_laws as walls
+
+        for place, spec in walls.coefficients(scene).items():
+            if named(spec):
+                found[walls.kind_at(place)] = bind(spec, walls.KIND, walls.GIVES, base)
     return found
 
 
@@ -238,6 +243,9 @@ def constants(scene: t.TwoFluidScene) -> dict[str, Any]:
             "k_solid": solid.conductivity,
             "Pr": heat_capacity * fluid.viscosity / k,
         }
+        from contbed.two_fluid.heat import wall_laws as walls
+
+        found |= walls.constants(scene)
     return found
 
 
@@ -273,6 +281,20 @@ def known(bed: Simulation, scene: t.TwoFluidScene) -> dict[str, Any]:
     }
     if bed.state.energy is not None:
         found["T"] = bed.state.energy.T_solid[there]
+        found |= _at_walls(bed, scene, there)
     if bed.model.closures.wall_froude is not None:
         found["wall_froude"] = bed.model.closures.wall_froude[there]
     return found
+
+
+def _at_walls(bed: Simulation, scene: t.TwoFluidScene, there: Any) -> dict[str, Any]:
+    """Arguments of closures of walls at the present state."""
+    from contbed.two_fluid.heat import wall_laws as walls
+
+    energy, heat = bed.state.energy, bed.model.heat
+    assert energy is not None and heat is not None
+    if not heat.physics.wall_laws or heat.physics.conductivity is None:
+        return {}
+    s, T = bed.state.eps_s[there], energy.T_solid[there]
+    k_gas, k_solid = heat.physics.conductivity(s, energy.T_gas[there], T)
+    return walls.local(s, T, k_gas + k_solid, scene)

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from contbed.scene.quantities import (
+    Emissivity,
     HeatFlux,
     Number,
     Position,
@@ -17,8 +18,10 @@ from contbed.scene.quantities import (
     Table,
     Temperature,
     Whole,
+    takes,
     unit,
 )
+from contbed.scene.tables import WallCoefficientOrClosure
 from contbed.scene.toml_lines import KeyPath
 
 Speed = Annotated[float, *unit("m/s")]
@@ -177,6 +180,15 @@ class Wall(Part):
     )
     heat_flux: HeatFlux | None = Field(
         None, description="into the bed; the phases share it by their fractions"
+    )
+
+    wall_heat: WallCoefficientOrClosure | None = Field(
+        None,
+        description="with a temperature: of this wall, as closures.wall_heat",
+        json_schema_extra=takes("bed_tube"),
+    )
+    emissivity: Emissivity | None = Field(
+        None, description="of the wall; absent: no radiation between it and particles"
     )
 
     @property

@@ -13,7 +13,7 @@
 
 with p_s = rho_s eps_s theta (1 + 2 (1 + e) eps_s g0) and friction near packing
 (Gidaspow 1994, Multiphase Flow and Fluidization, Academic Press). Heat is in
-heat/equations.py.
+heat/equations.py, that of walls in heat/wall_layer.py.
 
 Discretization: cell-centred finite volumes on any mesh, collocated. One step (step.py)
     is a projection method: solids

@@ -83,7 +83,7 @@ class TwoFluidPlan:
             from contbed.two_fluid.heat import plan as heat_planning
             from contbed.two_fluid.heat.model import build_heat
 
-            thermal = heat_planning.thermal(parts(scene))
+            thermal = heat_planning.thermal(parts(scene), scene)
             heat = build_heat(
                 self.grid, heat_planning.physics(scene, compiled.bound), thermal
             )

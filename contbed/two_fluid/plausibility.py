@@ -217,4 +217,8 @@ def judge(
             if drop > REFUSED * bound:
                 raise ConvergenceError(f"{text}; {REMEDY}")
             found.append(f"{text}; {REMEDY}")
+    if bed.model.heat is not None:
+        from contbed.two_fluid.heat import wall_results
+
+        found += wall_results.judge(bed)
     return found

@@ -68,11 +68,12 @@ def contents(bed: Simulation) -> dict[str, float]:
 
 def columns(bed: Simulation) -> tuple[str, ...]:
     """Headers of the rows over time."""
-    return (
-        COLUMNS
-        if bed.model.heat is None
-        else (*COLUMNS, *WITH_HEAT[: 4 + bed.model.heat.ideal])
-    )
+    if bed.model.heat is None:
+        return COLUMNS
+    from contbed.two_fluid.heat import wall_results
+
+    warm = WITH_HEAT[: 4 + bed.model.heat.ideal]
+    return (*COLUMNS, *warm, *wall_results.columns(bed))
 
 
 def row(bed: Simulation) -> list[float]:
@@ -110,12 +111,15 @@ def _temperatures(bed: Simulation, heat: Energy) -> list[float]:
         )
     )
     held = float(solid.sum())
+    from contbed.two_fluid.heat import wall_results
+
     return [
         float(gas @ heat.T_gas / gas.sum()),
         float(solid @ heat.T_solid) / held if held > 0.0 else np.nan,
         float(heat.T_gas.max()),
         hottest if hottest > 0.0 else np.nan,
         *([heat.p0] if bed.model.heat is not None and bed.model.heat.ideal else []),
+        *wall_results.row(bed),
     ]
 
 
@@ -301,7 +305,13 @@ def results(
         "pressure_drop [Pa]": last[1],
         "slip_velocity": _slip(bed),
     }
-    found |= dict(zip(WITH_HEAT, last[len(COLUMNS) :], strict=False))
+    if bed.model.heat is not None:
+        from contbed.two_fluid.heat import wall_results
+
+        warm = WITH_HEAT[: 4 + bed.model.heat.ideal]
+        found |= dict(zip(warm, last[len(COLUMNS) :], strict=False))
+        since = 0.0 if averages is None else averages.start
+        found |= wall_results.results(bed, rows, since)
     section = bed.model.grid.geometry.volume.sum() / np.ptp(plan.mesh.skfem.p[-1])
     found["weight_of_solids"] = float(scene.two_fluid.gravity * last[2] / section)
     found |= filters.results(scene)

@@ -15,6 +15,7 @@ import numpy as np
 
 from contbed.errors import ContbedError, ConvergenceError, SceneError
 from contbed.result import Result, timed
+from contbed.scene.mesh import power_units
 from contbed.two_fluid import plan as planning
 from contbed.two_fluid import plausibility, probes
 from contbed.two_fluid import results as findings
@@ -90,7 +91,9 @@ class Run:
             from contbed.two_fluid.heat import plan as heat_planning
 
             bed.impose_heat(
-                heat_planning.thermal(planning.parts(self.scene, bed.clock.time))
+                heat_planning.thermal(
+                    planning.parts(self.scene, bed.clock.time), self.scene
+                )
             )
         return True
 
@@ -349,6 +352,7 @@ def _fill_results(run: Run, result: Result) -> None:
         result.tables,
     )
     result.qoi |= found | counts | bed.traffic()
+    result.units |= power_units(result.qoi, run.scene.mesh)
 
 
 def _fill_closures(run: Run, result: Result) -> None:

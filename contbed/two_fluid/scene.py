@@ -28,6 +28,7 @@ from contbed.scene.mesh import Mesh
 from contbed.scene.quantities import (
     Conductivity,
     Density,
+    Emissivity,
     HeatCapacity,
     Instant,
     Length,
@@ -133,6 +134,14 @@ class Closures(Table):
         "gas.conductivity of it, particles the rest",
         json_schema_extra=takes("conductivity"),
     )
+    wall_heat: tables.WallCoefficientOrClosure = Field(
+        "penetration",
+        description="between walls of a given temperature and the bed: a number in "
+        'W/m2/K, a closure of it, or "penetration", conduction into the bed from the '
+        "time of contact on any mesh; its parameter gap is the gas before the first "
+        "particles over their diameter",
+        json_schema_extra=takes("bed_tube"),
+    )
 
 
 class ConstantsAt(Table):
@@ -205,6 +214,9 @@ class Solid(SolidPhase):
     )
     conductivity: Conductivity | None = Field(
         None, description="of a particle; for closures.conductivity_bed"
+    )
+    emissivity: Emissivity | None = Field(
+        None, description="of a particle; for radiation to walls that have one"
     )
     restitution: Annotated[Number, Field(gt=0, le=1)] = Field(
         0.9, description="coefficient of restitution between particles"

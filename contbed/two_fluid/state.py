@@ -125,6 +125,21 @@ class Counters(NamedTuple):
         )
 
 
+class WallMemory(NamedTuple):
+    """What walls have done since the start.
+
+    heat, heat_if_mixed (nf,) [J] : into the bed, and as it were if all that enters the
+        cell beside a wall mixed with the layer there at once
+    layers, mixed (nc, columns) [K] : temperatures of both, see heat.wall_layer; None
+        without walls of a given temperature
+    """
+
+    heat: Array
+    heat_if_mixed: Array
+    layers: Array | None
+    mixed: Array | None
+
+
 NOTHING, NO_HEAT, NEVER = Account(), HeatAccount(), Counters()
 
 
@@ -141,8 +156,7 @@ class Energy:
         it: a step or, after a much longer one, what is left of that, as hurry would
         make the next step shorter still
     p0 [Pa] : thermodynamic pressure
-    layers (nc, columns) [K] : of heat.wall_layer, beside walls of a given temperature
-    wall_heat (nf,) [J] : from walls into the bed since the start; None without
+    walls : None in a bed without walls that heat or cool
     """
 
     T_gas: Array
@@ -154,8 +168,7 @@ class Energy:
     expansion: Array
     closing: float
     p0: float
-    layers: Array | None = None
-    wall_heat: Array | None = None
+    walls: WallMemory | None = None
     account: HeatAccount = NO_HEAT
 
 

@@ -5,14 +5,17 @@ resolve.
 import numpy as np
 import pytest
 from core_closures import bed, closures, line, rectangle, shaken_mesh
-from scipy.special import erf
+from scipy.special import erf, erfcx
 
+import contbed as cb
+from contbed import closures as closure
+from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.mesh import build as meshing
 from contbed.models import plan
 from contbed.scene.mesh import MeshAxisymmetric, MeshBox
 from contbed.two_fluid import run as study
-from contbed.two_fluid.boundary import Inlet, Outlet, symmetry
+from contbed.two_fluid.boundary import Given, Inlet, Outlet, symmetry
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.heat.equations import stored_heat
 from contbed.two_fluid.heat.model import Physics, Thermal, build_heat
@@ -140,9 +143,9 @@ def test_each_wall_heats_and_cools_alike(name):
             heat = energy.account.walls
             gained = stored_heat(made.state, made.model) - start
             assert gained == pytest.approx(heat, rel=1e-9)
-            of_faces = energy.wall_heat[on.boundaries[side]].sum()
+            of_faces = energy.walls.heat[on.boundaries[side]].sum()
             assert of_faces == pytest.approx(heat, rel=1e-9)
-            assert np.count_nonzero(energy.wall_heat) == len(on.boundaries[side])
+            assert np.count_nonzero(energy.walls.heat) == len(on.boundaries[side])
             found.append(heat / area)
         assert found[0] == pytest.approx(-found[1], rel=1e-9)
         # corners of round beds give more than half a space
@@ -177,14 +180,14 @@ def test_steady_heat_is_linear(on, off):
     )
     for _ in range(30):
         made.step(1e4)
-    before = made.state.energy.wall_heat
+    before = made.state.energy.walls.heat
     made.step(1e4)
     energy = made.state.energy
     if on.dimension == 1:
         exact = 300.0 + 1e3 * on.centres[:, 0]
         np.testing.assert_allclose(energy.T_solid, exact, rtol=1e-8)
     faces = on.boundaries["right"]
-    rate = (energy.wall_heat - before)[faces].sum() / 1e4
+    rate = (energy.walls.heat - before)[faces].sum() / 1e4
     area = on.geometry.area[faces].sum()
     assert rate / area == pytest.approx(K * 100.0 / 0.1, rel=off)
 
@@ -236,3 +239,196 @@ def test_shaken_meshes_conduct_alike():
         made.advance(1.0)
         heat = made.state.energy.account.walls
         assert heat == pytest.approx(conducted(1.0, 100.0), rel=AT_REST)
+
+
+def in_scene(cells=10, **changes):
+    """Named results of the scene of a hot wall with some keys changed, by dotted
+    names.
+    """
+    made = scene(cells)
+    for path, value in changes.items():
+        *way, last = path.split("__")
+        table = made
+        for name in way:
+            table = table.setdefault(name, {})
+        table[last] = value
+    return made
+
+
+def test_results_of_a_wall():
+    """Heat in the mean, the coefficient on it, and what the mesh leaves uncertain:
+    nothing, at rest.
+    """
+    result = cb.run(from_dict(scene(20)))
+    found = result.qoi
+    assert found["heat_left_W"] == pytest.approx(39430.0, rel=AT_REST)
+    assert result.units["heat_left_W"] == "W/m2"
+    assert result.profiles["heat_left [J]"][-1] == pytest.approx(found["heat_left_W"])
+    warm = np.trapezoid(result.profiles["T_solid_mean [K]"], result.profiles["t [s]"])
+    expected = found["heat_left_W"] / (380.0 - warm)
+    assert found["coefficient_left_W_m2K"] == pytest.approx(expected, rel=1e-9)
+    assert found["heat_left_error"] < 1e-3
+    assert not result.warnings
+    assert "heat_right_W" not in found
+
+
+@pytest.mark.parametrize("place", ["closures__wall_heat", "boundary__left__wall_heat"])
+def test_a_coefficient_is_between_wall_and_cell(place):
+    """A number: heat h (T_wall - T) of the cell, exact with its capacity alone."""
+    made = in_scene(2, **{place: 200.0})
+    del made["closures"]["conductivity_bed"]
+    found = cb.run(from_dict(made))
+    # the cell of 0.05 m alone: gas and particles follow each other
+    capacity = 0.05 * (0.42 * 1.2 * 1005.0 + 0.58 * 2600.0 * 800.0)
+    exact = capacity * 80.0 * -np.expm1(-200.0 / capacity)
+    assert found.qoi["heat_left_W"] == pytest.approx(exact, rel=1e-3)
+    assert found.balances["heat"]["relative_residual"] < 1e-12
+
+
+def test_closures_of_walls_by_name():
+    """Packets: the coefficient that the function gives; a file gives its own."""
+    packets = {"name": "kunii_levenspiel_packet", "contact_time": 0.5}
+    result = cb.run(from_dict(in_scene(4, closures__wall_heat=packets)))
+    k = closure.conductivity_zehner_schluender(k_fluid=0.026, k_solid=1.0, eps=0.42)
+    h = closure.bed_tube_kunii_levenspiel_packet(
+        k_stagnant=k,
+        eps=0.42,
+        d_p=5e-4,
+        rho_gas=1.2,
+        cp_gas=1005.0,
+        k_gas=0.026,
+        rho_solid=2600.0,
+        cp_solid=800.0,
+        contact_time=0.5,
+    )
+    assert result.qoi["coefficient_left_W_m2K"] == pytest.approx(float(h), rel=0.02)
+    assert "bed_tube_kunii_levenspiel_packet" in {c["name"] for c in result.closures}
+    martin = {"name": "martin", "molar_mass": 0.029}
+    changes = {"boundary__left__wall_heat": martin, "two_fluid__gravity": 9.81}
+    loose = in_scene(4, **changes, initial__solids__beads__volume_fraction=0.45)
+    assert cb.run(from_dict(loose)).qoi["coefficient_left_W_m2K"] > 40.0
+
+
+def test_a_gap_resists():
+    """Half a space behind a resistance: q = h dT exp(a2) erfc(a), a = h sqrt(t/(k C))."""
+    gap = {"name": "penetration", "gap": 0.2}
+    thin = cb.run(from_dict(in_scene(10, closures__wall_heat=gap))).qoi["heat_left_W"]
+    fraction = 0.58 / 0.63  # of a packed bed
+    h, kC = 0.026 / (0.2 * 5e-4 * fraction), (39430.0 * np.sqrt(np.pi) / 160.0) ** 2
+    a = h / np.sqrt(kC)
+    exact = 80.0 * kC / h * (erfcx(a) - 1.0 + 2.0 * a / np.sqrt(np.pi))
+    assert thin == pytest.approx(exact, rel=AT_REST)
+
+
+def test_radiation_to_particles():
+    """Without conduction and with a coefficient of zero: sigma eps (T_wall^4 - T^4)."""
+    made = in_scene(
+        2,
+        closures__wall_heat=0.0,
+        boundary__left__temperature=1000.0,
+        boundary__left__emissivity=0.9,
+        solids__beads__emissivity=0.64,
+        time={"end": 0.1},
+    )
+    del made["closures"]["conductivity_bed"]
+    bed_emissivity = 2 * 0.8 / 1.8
+    both = 1.0 / (1.0 / 0.9 + 1.0 / bed_emissivity - 1.0)
+    exact = 5.670374419e-8 * both * (1000.0**4 - 300.0**4)
+    found = cb.run(from_dict(made)).qoi
+    assert found["heat_left_W"] == pytest.approx(exact, rel=1e-3)
+
+
+def test_radiation_and_conduction_on_any_mesh():
+    """A hot wall that also radiates: the same heat from coarse and fine cells."""
+    hot = {
+        "boundary__left__temperature": 1300.0,
+        "boundary__left__emissivity": 0.9,
+        "solids__beads__emissivity": 0.8,
+    }
+    found = [
+        cb.run(from_dict(in_scene(cells, **hot))).qoi["heat_left_W"]
+        for cells in (10, 160)
+    ]
+    assert found[0] == pytest.approx(found[1], rel=AT_REST)
+    cold = cb.run(from_dict(in_scene(10, boundary__left__temperature=1300.0))).qoi
+    assert found[0] > 1.05 * cold["heat_left_W"]
+
+
+def test_uncertain_mesh_warns():
+    """Particles that pass through the cell beside a wall: two ideas of how they renew
+    the layer differ where the cell is much deeper than it.
+    """
+    coarse, fine = (towards_the_wall(cells) for cells in (4, 128))
+    assert coarse > 0.1 > 0.03 > fine
+
+
+def towards_the_wall(cells, rate=1.0, depth=0.02):
+    """Estimate of the error beside a wall to which particles flow, and along which they
+    leave.
+    """
+    on = rectangle(depth, 0.02, (cells, 2))
+
+    def u(x):
+        return rate * np.stack((-x[:, 0], x[:, 1]), axis=1)
+
+    given = Given(u, u, lambda x: np.full(len(x), EPS_S), lambda x: np.zeros(len(x)))
+    sides = dict.fromkeys(("right", "top", "bottom"), given) | {"left": SLIP}
+    thermal = {"right": Thermal(300.0, 300.0), "left": Thermal(wall=400.0)}
+    thermal["bottom"] = Thermal(300.0, 300.0)
+    options = Options(dt_max=0.005, theta="frozen")
+    made = heated(on, sides, thermal, options=options)
+    velocity = u(on.centres)
+    made.start(
+        eps_s=EPS_S, u_gas=velocity, u_solid=velocity, T_gas=300.0, T_solid=300.0
+    )
+    made.advance(2.0)
+    before = made.state.energy.walls
+    made.advance(3.0)
+    walls = made.state.energy.walls
+    heat, if_mixed = (
+        (getattr(walls, key) - getattr(before, key)).sum()
+        for key in ("heat", "heat_if_mixed")
+    )
+    exact = 100.0 * 0.02 * K * np.sqrt(2.0 * rate * C / (np.pi * K))
+    print(cells, heat / exact, if_mixed / exact)
+    return (if_mixed - heat) / heat
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"closures__wall_heat": {"name": "penetration", "depth": 1}}, "no parameter"),
+        ({"closures__wall_heat": {"name": "penetration", "gap": -1}}, "thickness"),
+        ({"closures__wall_heat": "martin"}, "needs molar_mass"),
+        ({"closures__wall_heat": "martini"}, "bed_tube_martin"),
+        ({"boundary__right__wall_heat": 20.0}, "without temperature"),
+        ({"boundary__left__emissivity": 0.9}, "solids.beads.emissivity"),
+    ],
+)
+def test_mistakes_about_walls(changes, text):
+    with pytest.raises(SceneError, match=text):
+        from_dict(in_scene(4, **changes))
+
+
+def test_restart_with_layers_is_bit_for_bit(tmp_path):
+    """Stopped on the way: layers and heat of walls are in the checkpoint."""
+    made = in_scene(10, time={"end": 0.2, "sample": 0.05})
+    made["boundary"]["right"]["heat_flux"] = 1e3
+    whole = cb.run(from_dict(made), tmp_path / "whole")
+    keep, count = study._keep, []
+
+    def stop(*arguments):
+        keep(*arguments)
+        count.append(1)
+        if len(count) == 2:
+            raise KeyboardInterrupt
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(study, "_keep", stop)
+        with pytest.raises(KeyboardInterrupt):
+            cb.run(from_dict(made), tmp_path / "part")
+    rest = cb.run(from_dict(made), tmp_path / "part", restart=tmp_path / "part")
+    assert rest.balances == whole.balances
+    for key in ("heat_left_W", "heat_right_W", "heat_left_error"):
+        assert rest.qoi[key] == whole.qoi[key]
+    assert whole.qoi["heat_right_W"] == pytest.approx(1e3, rel=1e-12)

@@ -47,7 +47,8 @@ OF_FACES = (
     "state.fluxes.total",
     "state.fluxes.moved",
     "state.memory.face_residual",
-    "state.energy.wall_heat",
+    "state.energy.walls.heat",
+    "state.energy.walls.heat_if_mixed",
 )
 
 

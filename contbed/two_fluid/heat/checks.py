@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contbed.closures.binding import bind, named
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
+from contbed.scene.tables import Closure
 from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import GIVES, HEAT_KINDS, conducts
@@ -22,6 +23,15 @@ from contbed.two_fluid.conditions import (
     Wall,
     places,
 )
+from contbed.two_fluid.heat.wall_laws import (
+    EVERYWHERE,
+    GAP,
+    KIND,
+    PENETRATION,
+    is_layer,
+    specs,
+)
+from contbed.two_fluid.heat.wall_laws import GIVES as WALL_GIVES
 
 # [Pa] of an ideal gas; below, its mean free path is no longer small beside the
 # particles
@@ -51,16 +61,21 @@ def heat_is_complete(
                     ("boundary", name, "gas", "temperature"),
                     "missing; [heat] needs it",
                 )
+        if isinstance(part, Wall) and part.temperature is None:
+            for key in ("wall_heat", "emissivity"):
+                if getattr(part, key) is not None:
+                    yield ("boundary", name, key), "has no meaning without temperature"
         if isinstance(part, Wall) and part.temperature is not None:
             if part.heat_flux is not None:
                 yield (
                     ("boundary", name, "heat_flux"),
                     "give either temperature or heat_flux",
                 )
-            if not conducts(closures, two_fluid):
+            choice = closures.wall_heat if part.wall_heat is None else part.wall_heat
+            if is_layer(choice) and not conducts(closures, two_fluid):
                 text = (
-                    "heats nothing without closures.conductivity_bed, or "
-                    "two_fluid.conductivity_gas or _solids"
+                    "heats nothing without closures.conductivity_bed, "
+                    "two_fluid.conductivity_gas or _solids, or a number or closure for wall_heat"
                 )
                 yield ("boundary", name, "temperature"), text
     if time.order == 2:
@@ -77,9 +92,10 @@ def nothing_is_heated_without_heat(
         return
     given = [path for path, T in _temperatures(initial, boundary) if T is not None]
     given += [
-        ("boundary", name, "heat_flux")
+        ("boundary", name, key)
         for name in boundary
-        if getattr(boundary[name], "heat_flux", None)
+        for key in ("heat_flux", "wall_heat", "emissivity")
+        if getattr(boundary[name], key, None)
     ]
     for path in given:
         if "gas" not in path or gas.model == "constant":
@@ -120,7 +136,11 @@ def properties_of_heat_are_given(
 
 
 def closures_of_heat_exist(
-    heat: t.Heat | None, closures: t.Closures, two_fluid: t.TwoFluid, origin: Origin
+    heat: t.Heat | None,
+    closures: t.Closures,
+    two_fluid: t.TwoFluid,
+    boundary: dict[str, Boundary],
+    origin: Origin,
 ) -> Mistakes:
     """Check that the closures of heat exist and can be called."""
     if heat is None:
@@ -133,6 +153,7 @@ def closures_of_heat_exist(
             bind(chosen, kind, GIVES[kind], origin.base)
         except SceneError as error:
             yield ("closures", key), str(error)
+    yield from _wall_laws_exist(closures, boundary, origin)
     if (
         closures.conductivity_bed is not None
         and two_fluid.conductivity_gas + two_fluid.conductivity_solids > 0
@@ -142,6 +163,43 @@ def closures_of_heat_exist(
             "conductivity_solids"
         )
         yield ("closures", "conductivity_bed"), text
+
+
+def _wall_laws_exist(
+    closures: t.Closures, boundary: dict[str, Boundary], origin: Origin
+) -> Mistakes:
+    """Check what walls have."""
+    for place, spec in specs(closures, boundary).items():
+        path = ("boundary", place, "wall_heat")
+        where = ("closures", "wall_heat") if place == EVERYWHERE else path
+        if is_layer(spec):
+            extra = spec.model_extra or {} if isinstance(spec, Closure) else {}
+            gap = extra.get(GAP, 0.0)
+            if set(extra) - {GAP}:
+                yield where, f'"{PENETRATION}" has no parameter but {GAP}'
+            elif isinstance(gap, bool) or not isinstance(gap, int | float) or gap < 0.0:
+                yield where, f"{GAP} is a thickness over a diameter, found {gap!r}"
+        elif named(spec):
+            try:
+                bind(spec, KIND, WALL_GIVES, origin.base)
+            except SceneError as error:
+                yield where, str(error)
+
+
+def radiation_has_both_sides(
+    heat: t.Heat | None,
+    solids: dict[str, t.Solid],
+    boundary: dict[str, Boundary],
+) -> Mistakes:
+    """Check that a wall that radiates has particles that do."""
+    ((name, solid),) = solids.items()
+    if heat is None:
+        return
+    for side, part in boundary.items():
+        radiates = isinstance(part, Wall) and part.emissivity is not None
+        if radiates and solid.emissivity is None:
+            text = f"needs solids.{name}.emissivity"
+            yield ("boundary", side, "emissivity"), text
 
 
 def temperatures_are_possible(
@@ -184,6 +242,7 @@ HEAT_CHECKS = (
     nothing_is_heated_without_heat,
     properties_of_heat_are_given,
     closures_of_heat_exist,
+    radiation_has_both_sides,
     temperatures_are_possible,
 )
 """Checks of temperatures, also where there is no [heat]."""

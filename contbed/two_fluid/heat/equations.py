@@ -49,7 +49,7 @@ from contbed.two_fluid.heat.implicit import (
 )
 from contbed.two_fluid.heat.model import HeatModel
 from contbed.two_fluid.heat.wall_layer import Surroundings
-from contbed.two_fluid.heat.walls import FromWalls, after_step, from_walls
+from contbed.two_fluid.heat.walls import FromWalls, after_step, from_walls, memory
 from contbed.two_fluid.linear.cg import EXPLICIT_SHARE
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.operators import gradient, predictor_half_step
@@ -103,8 +103,7 @@ def initial_energy(state: State, heat: HeatModel, model: Model) -> Energy:
         expansion=np.zeros(nc),
         closing=0.0,
         p0=heat.physics.pressure,
-        layers=np.zeros((nc, heat.columns)) if heat.columns else None,
-        wall_heat=np.zeros(model.grid.face_count) if heat.has_walls else None,
+        walls=memory(heat, model),
     )
     return fill_with_gas(start, state.eps_s, heat, model)
 
@@ -278,12 +277,13 @@ def _sub_cycle(
             model,
         ),
     )
-    new = _with_walls(new, conduction, change, heat, dt, model)
+    if heat.has_walls:
+        both = _of_both(content, np.stack((new.T_gas, new.T_solid), axis=1))
+        falls = None if conduction.links is None else change
+        new = after_step(new, conduction.walls, falls, both, heat, dt, model)
     model.grid.halo.exchange(
         new.T_gas, new.T_solid, new.mass, new.rate_gas, new.rate_solid, new.rho_ratio
     )
-    if new.layers is not None:
-        model.grid.halo.exchange(new.layers)
     _check_temperatures(state, new, model)
     if not heat.ideal:
         return new, moved.flux_gas, s, s
@@ -383,10 +383,15 @@ def _conduct(
     """Add what is conducted now to `rates` (nc, 2) [W]; gas and particles have moved
     the heat capacity `carried` (nf,) [W/K].
     """
-    if heat.physics.conductivity is None:
+    conductivity = heat.physics.conductivity
+    if conductivity is None and not heat.columns:
         return Conduction()
     g, halo = model.grid.geometry, model.grid.halo
-    k_gas, k_solid = heat.physics.conductivity(eps_s, energy.T_gas, energy.T_solid)
+    k_gas, k_solid = (
+        conductivity(eps_s, energy.T_gas, energy.T_solid)
+        if conductivity is not None
+        else np.zeros((2, len(eps_s)))
+    )
     # the few particles of a nearly empty cell hold too little heat to conduct any
     k_solid = k_solid * np.minimum(1.0, eps_s / FEW_PARTICLES)
     links, nowhere = (
@@ -395,12 +400,12 @@ def _conduct(
     )
     T, out = np.stack((energy.T_gas, energy.T_solid), axis=1), np.zeros_like(rates)
     grad = np.empty((0, 1, g.normal.shape[1]))
-    for n, conductivity in enumerate((k_gas, k_solid)):
+    for n, k in enumerate((k_gas, k_solid)):
         if g.skewed:
             fraction = eps_s if n else None
             grad = _slope(T[:, n], heat.at_faces.wall, fraction, model)[1]
         into, link = np.zeros((len(T), 1)), np.empty((len(g.left), 1))
-        conduct(g, conductivity, T[:, n], nowhere, grad, into, link)
+        conduct(g, k, T[:, n], nowhere, grad, into, link)
         out[:, n], links[:, n] = into[:, 0], link[:, 0]
     walls = None
     if heat.columns:
@@ -415,9 +420,10 @@ def _conduct(
             heat.at_faces.wall[heat.layers.face - model.grid.interior],
             np.zeros(count),
             np.zeros(count),
-            0.0,
+            0.5 * model.materials.d_p,
+            False,
         )
-        walls = from_walls(at, k_gas, energy, heat, dt, model)
+        walls = from_walls(at, k_gas, eps_s, energy, heat, dt, model)
         np.add.at(out, heat.layers.cell, walls.rate)
         links[heat.layers.face] = walls.link
     rates += out
@@ -428,28 +434,10 @@ def _conduct(
     return Conduction(links if halo.any(bool(stiff)) else None, taken, walls)
 
 
-def _with_walls(
-    energy: Energy,
-    conduction: Conduction,
-    change: Array,
-    heat: HeatModel,
-    dt: float,
-    model: Model,
-) -> Energy:
-    """Return the state with layers and heat of walls after a step in which temperatures
-    have changed by `change` (nc, 2) [K].
-    """
-    if energy.wall_heat is None:
-        return energy
-    wall_heat = energy.wall_heat.copy()
-    edges = slice(model.grid.interior, None)
-    wall_heat[edges] += dt * heat.at_faces.flux * model.grid.geometry.area[edges]
-    layers = energy.layers
-    if conduction.walls is not None:
-        falls = None if conduction.links is None else change
-        layers, taken = after_step(energy, conduction.walls, falls, heat, model)
-        wall_heat[heat.layers.face] += dt * taken
-    return replace(energy, layers=layers, wall_heat=wall_heat)
+def _of_both(content: Array, T: Array) -> Array:
+    """Return the temperature (nc,) [K] of gas and particles together."""
+    both: Array = (content * T).sum(axis=1) / content.sum(axis=1)
+    return both
 
 
 def _pressure_rise(

@@ -12,6 +12,9 @@ from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.heat.wall_layer import WallLayers, wall_layers
 
+# number of the wall law that is the layer of wall_layer.py
+LAYER = -1.0
+
 
 @dataclass(frozen=True)
 class Physics:
@@ -24,6 +27,8 @@ class Physics:
         nothing is conducted
     density : "constant", or that of an "ideal_gas" which is the usual one at
         T_reference [K] and `pressure` [Pa]
+    wall_laws : h [W/m2/K] between walls and bed from eps_s, T_gas and the conductivity
+        of both phases
     """
 
     cp_gas: float
@@ -33,6 +38,7 @@ class Physics:
     density: Literal["constant", "ideal_gas"] = "constant"
     T_reference: float = 293.15
     pressure: float = 101325.0
+    wall_laws: tuple[Callable[[Array, Array, Array], Array], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -42,25 +48,35 @@ class Thermal:
     Temperatures [K] of gas and solids that enter, of a wall, or the flux [W/m2] into
     the bed, which the phases share by their fractions. What is not given is adiabatic;
     what comes back through an outlet has the temperature of the cell.
+    law : number of the wall law, or LAYER
+    gap [m2 K/W] : resistance of the contact between a wall and a packed bed
+    emissivity : of wall and bed together, 1/(1/eps_wall + 1/eps_bed - 1); 0 without
+        radiation
     """
 
     T_gas: float | None = None
     T_solid: float | None = None
     wall: float | None = None
     flux: float = 0.0
+    law: float = LAYER
+    gap: float = 0.0
+    emissivity: float = 0.0
 
 
 class AtFaces(NamedTuple):
     """Conditions of heat on boundary faces (nb,).
 
     Temperatures [K] of gas and solids that enter and of walls, not a number where there
-    is none, and the flux [W/m2] into the bed.
+    is none, and the flux [W/m2] into the bed; law, gap and emissivity as in `Thermal`.
     """
 
     T_gas: Array
     T_solid: Array
     wall: Array
     flux: Array
+    law: Array
+    gap: Array
+    emissivity: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,15 +107,21 @@ def build_heat(
     adiabatic.
     """
     nb = len(grid.geometry.left) - grid.interior
-    T_gas, T_solid, wall = (np.full(nb, np.nan) for _ in range(3))
-    flux = np.zeros(nb)
+    nowhere = Thermal()
+    values = AtFaces(*(np.full(nb, _at_face(nowhere, key)) for key in _OF_THERMAL))
     for name, c in conditions.items():
         at = grid.boundaries[name] - grid.interior
-        for values, given in ((T_gas, c.T_gas), (T_solid, c.T_solid), (wall, c.wall)):
-            if given is not None:
-                values[at] = given
-        flux[at] = c.flux
-    return heat_model(grid, physics, AtFaces(T_gas, T_solid, wall, flux))
+        for array, key in zip(values, _OF_THERMAL, strict=True):
+            array[at] = _at_face(c, key)
+    return heat_model(grid, physics, values)
+
+
+_OF_THERMAL = AtFaces._fields
+
+
+def _at_face(condition: Thermal, key: str) -> float:
+    value = getattr(condition, key)
+    return np.nan if value is None else float(value)
 
 
 def heat_model(grid: Grid, physics: Physics, at_faces: AtFaces) -> HeatModel:

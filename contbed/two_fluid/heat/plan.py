@@ -12,6 +12,7 @@ import numpy as np
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import Bound, conducts, constants
 from contbed.two_fluid.conditions import Inlet, Wall
+from contbed.two_fluid.heat import wall_laws
 from contbed.two_fluid.heat.model import Physics, Thermal
 
 FIELDS = ("T_gas", "T_solid")
@@ -56,6 +57,7 @@ def physics(scene: t.TwoFluidScene, closures: Bound) -> Physics:
         scene.gas.density_law,
         scene.gas.reference_temperature or scene.initial.gas.temperature or np.nan,
         scene.gas.pressure,
+        wall_laws.wall_laws(scene, closures, given),
     )
 
 
@@ -76,7 +78,7 @@ def initial(scene: t.TwoFluidScene, height: np.ndarray) -> dict[str, np.ndarray]
     return fields
 
 
-def thermal(parts: Mapping[str, Any]) -> dict[str, Thermal]:
+def thermal(parts: Mapping[str, Any], scene: t.TwoFluidScene) -> dict[str, Thermal]:
     """Heat at boundaries by their names."""
     found = {}
     for name, part in parts.items():
@@ -84,7 +86,10 @@ def thermal(parts: Mapping[str, Any]) -> dict[str, Thermal]:
             T_gas = part.gas.temperature
             found[name] = Thermal(T_gas, part.solid.temperature or T_gas)
         elif isinstance(part, Wall):
-            found[name] = Thermal(wall=part.temperature, flux=part.heat_flux or 0.0)
+            heated = part.temperature is not None
+            more = wall_laws.condition(name, part, scene) if heated else {}
+            flux = part.heat_flux or 0.0
+            found[name] = Thermal(wall=part.temperature, flux=flux, **more)
     return found
 
 

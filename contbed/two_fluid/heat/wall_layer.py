@@ -83,8 +83,9 @@ class Surroundings(NamedTuple):
     links (nf, 2) [W/K] : of conduction between cells; conducted (nc, 2) [W] by it
     carried (nf,) [W/K] : heat capacity that gas and particles move
     T_wall (nl,) [K]; resistance (nl,) [m2 K/W] : of the contact with the wall
-    radiation (nl,) [W/m2/K] : coefficient of radiation to the particles at the depth
-        `reach` [m]
+    radiation (nl,) [W/m2/K4] : q/(T_wall^4 - T^4) of radiation to the particles at the
+        depth `reach` [m]
+    mixes : whether all that enters a cell mixes with its layer at once
     """
 
     k: Array
@@ -97,6 +98,7 @@ class Surroundings(NamedTuple):
     resistance: Array
     radiation: Array
     reach: float
+    mixes: bool
 
 
 class Response(NamedTuple):
@@ -106,7 +108,8 @@ class Response(NamedTuple):
     still, driven (nl, n) : parts are at still + P driven beyond the old mean of the
         cell, and take the flux q = P conducts - given
     conducts [W/m2/K], given [W/m2] (nl,)
-    passes (nl,) : share of the heat that the cell passes on to those behind it
+    passes, radiant (nl,) : share of the heat that the cell passes on to those behind
+        it, and that comes by radiation
     """
 
     conductance: Array
@@ -116,6 +119,7 @@ class Response(NamedTuple):
     conducts: Array
     given: Array
     passes: Array
+    radiant: Array
 
 
 def wall_layers(grid: Grid, heated: Flags) -> tuple[WallLayers, int]:
@@ -203,7 +207,7 @@ def respond(
         still, driven = out.still[k], out.driven[k]
         still[:], driven[:] = 0.0, 0.0
         out.conductance[k] = out.flux[k] = out.conducts[k] = out.given[k] = 0.0
-        out.passes[k] = 0.0
+        out.passes[k] = out.radiant[k] = 0.0
         if at.k[c] <= 0.0 or content <= 0.0:
             continue
         link = left = came = pushed = 0.0
@@ -212,7 +216,7 @@ def respond(
             f = w.beside[i]
             flux = -w.outward[i] * at.carried[f]
             left -= flux
-            if w.opposite[i]:
+            if w.opposite[i] and not at.mixes:
                 pushed += flux
             elif flux > 0.0:
                 came += flux
@@ -236,6 +240,9 @@ def respond(
         seen = 0
         while seen < n - 1 and w.node[k, seen] < at.reach:
             seen += 1
+        warm = at.T[c, 1] + old[c, column + seen]
+        squares = at.T_wall[k] ** 2 + warm**2
+        radiation = at.radiation[k] * (at.T_wall[k] + warm) * squares
         for j in range(n):
             rate = conducts / w.thickness[k, j]
             diagonal[j] = 1.0 + came * before
@@ -257,8 +264,8 @@ def respond(
                 diagonal[j] += rate * link
                 still[j] += rate * (link * old[c, column + j] - drawn)
             if j == seen:
-                diagonal[j] += rate * at.radiation[k]
-                driven[j] += rate * at.radiation[k]
+                diagonal[j] += rate * radiation
+                driven[j] += rate * radiation
             diagonal[j] += lower[j] + upper[j]
         for j in range(1, n):
             share = lower[j] / diagonal[j - 1]
@@ -274,10 +281,10 @@ def respond(
             driven[j] /= diagonal[j]
             mean_still += w.share[k, j] * still[j]
             mean_driven += w.share[k, j] * driven[j]
-        out.conducts[k] = wall * (1.0 - driven[0]) + at.radiation[k] * (
-            1.0 - driven[seen]
-        )
-        out.given[k] = wall * still[0] + at.radiation[k] * still[seen]
+        radiant = radiation * (1.0 - driven[seen])
+        out.conducts[k] = wall * (1.0 - driven[0]) + radiant
+        out.radiant[k] = radiant / out.conducts[k]
+        out.given[k] = wall * still[0] + radiation * still[seen]
         out.conductance[k] = out.conducts[k] / (1.0 - mean_driven)
         out.flux[k] = out.conductance[k] * mean_still - out.given[k]
         stored = at.content[c, 0] * at.T[c, 0] + at.content[c, 1] * at.T[c, 1]

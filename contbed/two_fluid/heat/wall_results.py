@@ -1,0 +1,108 @@
+"""What a run reports of the heat of walls: since the start, as a mean, as a coefficient,
+and how far the mesh decides it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contbed.two_fluid.compiled import Array, Indices
+
+if TYPE_CHECKING:
+    from contbed.two_fluid.simulation import Simulation
+
+# share of the heat of a wall beyond which the run warns of its mesh
+DOUBTED_ERROR = 0.1
+
+
+def columns(bed: Simulation) -> tuple[str, ...]:
+    """Headers of the heat of walls since the start."""
+    return tuple(f"heat_{name} [J]" for name, _ in _walls(bed))
+
+
+def row(bed: Simulation) -> list[float]:
+    """Return the heat of each wall since the start [J]."""
+    return [float(heat.sum()) for heat, _ in _heats(bed).values()]
+
+
+def results(
+    bed: Simulation, rows: Mapping[str, Array], start: float
+) -> dict[str, float]:
+    """Return mean heat of walls since `start` [s], coefficients, and estimates of the
+    error of the mesh.
+    """
+    found: dict[str, float] = {}
+    late = rows["t [s]"] >= start
+    time = rows["t [s]"][late]
+    if len(time) < 2 or bed.model.heat is None:
+        return found
+    period = float(time[-1] - time[0])
+    warm = rows["T_solid_mean [K]"][late]
+    warm = np.where(np.isnan(warm), rows["T_gas_mean [K]"][late], warm)
+    mean = 0.5 * float((warm[1:] + warm[:-1]) @ np.diff(time)) / period
+    for name, faces in _walls(bed):
+        heat = rows[f"heat_{name} [J]"][late]
+        found[f"heat_{name}_W"] = power = float(heat[-1] - heat[0]) / period
+        found |= _coefficient(bed, name, faces, power, mean)
+        found[f"heat_{name}_error"] = _error(*_heats(bed)[name])
+    return found
+
+
+def judge(bed: Simulation) -> list[str]:
+    """Return warnings of walls whose heat the mesh decides."""
+    found = []
+    for name, heats in _heats(bed).items():
+        if (error := _error(*heats)) > DOUBTED_ERROR:
+            found.append(
+                f"boundary.{name}: the mesh beside it leaves its heat uncertain by "
+                f"about {error:.0%}: what enters the cells there renews the layer that "
+                "the wall heats; make these cells thinner"
+            )
+    return found
+
+
+def _walls(bed: Simulation) -> Iterator[tuple[str, Indices]]:
+    """Yield names and boundary faces of walls that heat or cool."""
+    heat, grid = bed.model.heat, bed.model.grid
+    if heat is None:
+        return
+    heats = ~np.isnan(heat.at_faces.wall) | (heat.at_faces.flux != 0.0)
+    for name, faces in grid.boundaries.items():
+        if heats[faces - grid.interior].any():
+            yield name, faces - grid.interior
+
+
+def _heats(bed: Simulation) -> dict[str, tuple[Array, Array]]:
+    """Return the heat of the faces of each wall [J] since the start, and as it were if
+    all that enters the cells there mixed with the layer.
+    """
+    energy, edges = bed.state.energy, len(bed.model.boundary_cells)
+    if energy is None or energy.walls is None:
+        return {}
+    # of ranks, boundary faces are the last of all faces
+    all_faces = energy.walls.heat[-edges:], energy.walls.heat_if_mixed[-edges:]
+    return {
+        name: (all_faces[0][faces], all_faces[1][faces]) for name, faces in _walls(bed)
+    }
+
+
+def _error(heat: Array, if_mixed: Array) -> float:
+    total = float(np.abs(heat).sum())
+    return abs(float((if_mixed - heat).sum())) / total if total > 0.0 else 0.0
+
+
+def _coefficient(
+    bed: Simulation, name: str, faces: Indices, power: float, T_bed: float
+) -> dict[str, float]:
+    """Return the coefficient [W/m2/K] of a wall of a given temperature on the mean
+    temperature of the bed; nothing where the two are the same.
+    """
+    assert bed.model.heat is not None
+    area = bed.model.grid.geometry.area[bed.model.grid.interior :][faces]
+    driving = float(area @ (bed.model.heat.at_faces.wall[faces] - T_bed))
+    if np.isnan(driving) or abs(driving) <= 1e-9 * T_bed * area.sum():
+        return {}
+    return {f"coefficient_{name}_W_m2K": float(power / driving)}
