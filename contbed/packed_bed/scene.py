@@ -32,7 +32,6 @@ from contbed.scene.quantities import (
     Conductivity,
     Fraction,
     HeatSource,
-    Instant,
     NonNegative,
     Seconds,
     Table,
@@ -45,12 +44,12 @@ from contbed.scene.series import TemperatureOrProfile, VelocityOrSeries
 from contbed.scene.solids import ConductivityOfSolid, HeatCapacityOfSolid
 from contbed.scene.tables import (
     ConductivityOrClosure,
-    CycleSettings,
     Named,
     NonNegativeOrClosure,
     NumberOrClosure,
     Output,
     PermeabilityOrClosure,
+    RunInTime,
     SceneBase,
     Solver,
 )
@@ -330,26 +329,14 @@ class Initial(Table):
         )
 
 
-class Time(Table):
+class Time(RunInTime):
     """A transient run; absent means steady."""
 
-    end: Seconds = Field(description="time at which the run ends")
-    times: tuple[Instant, ...] = Field(
-        (), description="output times; the end is always one"
-    )
     step: Seconds | None = Field(
         None, description="fixed step; error-controlled if absent"
     )
     tolerance: Fraction = Field(
         1e-4, description="local error over the span of temperatures"
-    )
-    cycle: CycleSettings | None = Field(
-        None,
-        description="the run is one period of a cyclic steady state; initial "
-        "temperatures are a guess",
-    )
-    checkpoint_every: Seconds = Field(
-        10.0, description="wall-clock time between checkpoints"
     )
 
 

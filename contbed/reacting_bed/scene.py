@@ -37,7 +37,6 @@ from contbed.scene.quantities import (
     Instant,
     Number,
     Pressure,
-    Seconds,
     Table,
     Temperature,
     Viscosity,
@@ -51,12 +50,12 @@ from contbed.scene.reactions import Reaction as Reaction
 from contbed.scene.reactions import Substance as Substance
 from contbed.scene.tables import (
     ConductivityOrClosure,
-    CycleSettings,
     NamedOrFile,
     NewtonSolver,
     NonNegativeOrClosure,
     Output,
     PermeabilityOrClosure,
+    RunInTime,
     SceneBase,
 )
 
@@ -281,24 +280,12 @@ class Continuation(Table):
     points: Annotated[Whole, Field(ge=3, le=10_000)] = Field(400, description="at most")
 
 
-class Time(Table):
+class Time(RunInTime):
     """A transient run; absent means steady."""
 
-    end: Seconds = Field(description="time at which the run ends")
-    times: tuple[Instant, ...] = Field(
-        (), description="output times; the end is always one"
-    )
     tolerance: Fraction = Field(
         1e-4,
         description="local error over typical sizes of the fields, of an order below",
-    )
-    cycle: CycleSettings | None = Field(
-        None,
-        description="the run is one period of a cyclic steady state; the state at the "
-        "start is a guess",
-    )
-    checkpoint_every: Seconds = Field(
-        10.0, description="wall-clock time between checkpoints"
     )
 
 

@@ -20,26 +20,38 @@ from contbed.scene.quantities import (
 
 REGION = "bed"  # the only region of a built-in mesh
 SIDE = "wall"  # the boundary beside a line, of a bed with a diameter
-GRADED = "grade the given number of cells to the layer widths; uniform otherwise"
 
 
-class MeshLine(Table):
+class _BuiltIn(Table):
+    """A mesh of a bed of simple shape."""
+
+    type: str
+    length: Length = Field(
+        description="length of the domain along x, for axisymmetric meshes along the "
+        "axis"
+    )
+    graded: Switch = Field(
+        False,
+        description="grade the given number of cells to the layer widths; uniform "
+        "otherwise",
+    )
+    refine: Whole = Field(
+        0,
+        ge=0,
+        le=12,
+        description="number of uniform refinements, each halves all cells",
+    )
+
+
+class MeshLine(_BuiltIn):
     """A bed along x from 0 to `length`; boundaries `left`, `right`."""
 
     dimension: ClassVar[int] = 1
     sides: ClassVar = (("left", "right"),)
     type: Literal["line"] = Field(description="built-in mesh of a line, along the flow")
-    length: Length = Field(
-        description="length of the domain along x, for axisymmetric meshes along the "
-        "axis"
-    )
     cells: Cells | None = Field(
         None,
         description="number of cells; automatic grading to the layer widths if absent",
-    )
-    graded: Switch = Field(False, description=GRADED)
-    refine: Whole = Field(
-        0, ge=0, le=12, description="uniform refinements after construction"
     )
     diameter: Length | None = Field(
         None,
@@ -53,7 +65,7 @@ class MeshLine(Table):
         return (self.length,)
 
 
-class MeshRectangle(Table):
+class MeshRectangle(_BuiltIn):
     """A planar channel, x along `length`, y along `height`; boundaries `left`,
     `right`, `bottom`, `top`.
     """
@@ -61,23 +73,12 @@ class MeshRectangle(Table):
     dimension: ClassVar[int] = 2
     sides: ClassVar = (("left", "right"), ("bottom", "top"))
     type: Literal["rectangle"] = Field(description="built-in mesh of a rectangle")
-    length: Length = Field(
-        description="length of the domain along x, for axisymmetric meshes along the "
-        "axis"
-    )
     height: Length = Field(description="height of the domain along y")
     cells: tuple[Cells, Cells] | None = Field(
         None, description="number of cells along x and y; absent: chosen by the plan"
     )
-    graded: Switch = Field(False, description=GRADED)
     shape: Literal["triangle", "quadrilateral"] = Field(
         "quadrilateral", description="shape of the cells"
-    )
-    refine: Whole = Field(
-        0,
-        ge=0,
-        le=8,
-        description="number of uniform refinements, each halves all cells",
     )
 
     @property
@@ -86,7 +87,7 @@ class MeshRectangle(Table):
         return (self.length, self.height)
 
 
-class MeshAxisymmetric(Table):
+class MeshAxisymmetric(_BuiltIn):
     """A cylinder in (r, z), z along `length`; boundaries `axis`, `wall`, `bottom`,
     `top`.
     """
@@ -96,23 +97,12 @@ class MeshAxisymmetric(Table):
     type: Literal["axisymmetric"] = Field(
         description="built-in mesh of a cylinder with axial symmetry"
     )
-    length: Length = Field(
-        description="length of the domain along x, for axisymmetric meshes along the "
-        "axis"
-    )
     radius: Length = Field(description="radius of the domain")
     cells: tuple[Cells, Cells] | None = Field(
         None, description="cells along r and along z"
     )
-    graded: Switch = Field(False, description=GRADED)
     shape: Literal["triangle", "quadrilateral"] = Field(
         "quadrilateral", description="shape of the cells"
-    )
-    refine: Whole = Field(
-        0,
-        ge=0,
-        le=8,
-        description="number of uniform refinements, each halves all cells",
     )
 
     @property
@@ -121,7 +111,7 @@ class MeshAxisymmetric(Table):
         return (self.radius, self.length)
 
 
-class MeshBox(Table):
+class MeshBox(_BuiltIn):
     """A box, x along `length`, y `width`, z `height`; boundaries `left right front
     back bottom top`.
     """
@@ -129,24 +119,13 @@ class MeshBox(Table):
     dimension: ClassVar[int] = 3
     sides: ClassVar = (("left", "right"), ("front", "back"), ("bottom", "top"))
     type: Literal["box"] = Field(description="built-in mesh of a box")
-    length: Length = Field(
-        description="length of the domain along x, for axisymmetric meshes along the "
-        "axis"
-    )
     width: Length = Field(description="width of the domain along y")
     height: Length = Field(description="height of the domain along z")
     cells: tuple[Cells, Cells, Cells] | None = Field(
         None, description="number of cells along x, y and z; absent: chosen by the plan"
     )
-    graded: Switch = Field(False, description=GRADED)
     shape: Literal["tetrahedron", "hexahedron"] = Field(
         "hexahedron", description="shape of the cells"
-    )
-    refine: Whole = Field(
-        0,
-        ge=0,
-        le=6,
-        description="number of uniform refinements, each halves all cells",
     )
 
     @property

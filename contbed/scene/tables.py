@@ -18,12 +18,14 @@ from contbed.scene.quantities import (
     Conductivity,
     FiniteFloat,
     Fraction,
+    Instant,
     NonNegative,
     Number,
     Order,
     Permeability,
     Position,
     Positive,
+    Seconds,
     Switch,
     Table,
     WallCoefficient,
@@ -171,6 +173,23 @@ class CycleSettings(Table):
         description="change over one period over the span of temperatures, in reacting "
         "beds also of amounts over those "
         "that enter",
+    )
+
+
+class RunInTime(Table):
+    """A transient run of a packed bed."""
+
+    end: Seconds = Field(description="time at which the run ends")
+    times: tuple[Instant, ...] = Field(
+        (), description="output times; the end is always one"
+    )
+    cycle: CycleSettings | None = Field(
+        None,
+        description="the run is one period of a cyclic steady state; the state at the "
+        "start is a guess",
+    )
+    checkpoint_every: Seconds = Field(
+        10.0, description="wall-clock time between checkpoints"
     )
 
 
