@@ -148,7 +148,7 @@ CASES = [
         "key of another mesh",
         "radius",
         "height",
-        [":6: mesh.height", "unknown key", "allowed: type, length, radius"],
+        [":6: mesh.height", "unknown key", "allowed: type, length, graded"],
     ),
     (
         "key in an inline table",
