@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Any, NamedTuple, TypeGuard, TypeVar
+from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,6 @@ PHASE = "conductivity_phase"
 
 Function = Callable[..., Any]
 Spec = str | Closure | ClosureFile
-State = TypeVar("State")
 _FACTORS: ContextVar[Mapping[str, float]] = ContextVar("factors of closures by kind")
 
 
@@ -85,11 +84,9 @@ class BoundClosure:
         value = self.function(**self._last)
         return value if self._factor == 1.0 else self._factor * value
 
-    def at(self, gives: Mapping[str, Callable[[State], Any]], state: State) -> Any:
-        """Return the value at a state of a model that gives its arguments as
-        functions of the state.
-        """
-        return self(**{key: gives[key](state) for key in self.takes})
+    def at(self, state: Any) -> Any:
+        """Return the value at a state of a model, whose attributes are the arguments."""
+        return self(**{key: getattr(state, key) for key in self.takes})
 
     def use(self, **known: Any) -> ranges.RangeUse:
         """Return the used ranges: those recorded, else those of `known` or, if that

@@ -5,13 +5,13 @@ see `scene.checking`.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
 
-from contbed.closures.binding import is_phase, named
-from contbed.closures.fluid_conducts import fluid_conducts_twice
+from contbed.closures.packed_beds import gas_conducts_twice, unusable
 from contbed.course.schedule import series_of
 from contbed.errors import SceneError
 from contbed.packed_bed import scene as s
-from contbed.packed_bed.closures import GIVES, OF_HEAT, bound, places
+from contbed.packed_bed.closures import OF_HEAT, bound, places
 from contbed.packed_bed.corners import prescribed_temperatures_agree_in_corners
 from contbed.packed_bed.inlets import (
     enters,
@@ -53,7 +53,7 @@ from contbed.scene.mesh_checks import (
 from contbed.scene.quantities import ClosureFile
 from contbed.scene.series import ProfileFile
 from contbed.scene.series_checks import a_cycle_fits_its_series
-from contbed.scene.tables import Closure, Solver
+from contbed.scene.tables import Solver
 from contbed.scene.toml_lines import KeyPath, Origin, dotted
 
 ENTERING = "temperature, or fixed_temperature"
@@ -575,30 +575,18 @@ def closures_exist(
     """Check that the closures exist and that the bed has the arguments that they
     need.
     """
-    for path, spec, kind in places(closures, heat, boundary):
-        if not named(spec):
-            continue
-        if kind == "conductivity" and is_phase(spec):
-            if isinstance(spec, Closure) and spec.model_extra:
-                yield path, f"{spec.name} has no parameters"
-            continue
-        try:
-            found = bound(spec, kind, origin.base)
-        except SceneError as error:
-            yield path, str(error)
-            continue
-        if (
-            isinstance(mesh, MeshLine)
-            and mesh.diameter is None
-            and "D_bed" in found.takes
-            and not isinstance(spec, ClosureFile)
-        ):
+
+    def bind(path: KeyPath, spec: Any, kind: str) -> None:
+        found = bound(spec, kind, origin.base)
+        narrow = isinstance(mesh, MeshLine) and mesh.diameter is None
+        if narrow and "D_bed" in found.takes and not isinstance(spec, ClosureFile):
             name = spec if isinstance(spec, str) else spec.name
-            yield (
-                path,
-                f"needs the diameter of the bed; give mesh.diameter, or {{name = "
-                f'"{name}", D_bed = ...}}',
+            raise SceneError(
+                "needs the diameter of the bed; give mesh.diameter, or {name = "
+                f'"{name}", D_bed = ...}}'
             )
+
+    yield from unusable(places(closures, heat, boundary), bind)
 
 
 CHECKS: tuple[Check, ...] = (
@@ -674,9 +662,7 @@ def the_gas_conducts_once(
     gas.
     """
     if heat is not None:
-        solids = ("closures", "conductivity_solids"), closures.conductivity_solids
-        gas = ("closures", "conductivity_gas"), closures.conductivity_gas
-        yield from fluid_conducts_twice(solids, gas, GIVES["conductivity"], origin.base)
+        yield from gas_conducts_twice(("closures",), closures, origin.base)
 
 
 WARNINGS: tuple[Check, ...] = (

@@ -4,7 +4,7 @@ gives them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from contbed.closures.binding import (
@@ -15,6 +15,7 @@ from contbed.closures.binding import (
     is_phase,
     named,
 )
+from contbed.closures.packed_beds import GIVES
 from contbed.packed_bed import scene as s
 from contbed.scene.boundary import conditions_of
 from contbed.scene.quantities import ClosureFile
@@ -31,13 +32,28 @@ OF_HEAT = (
 
 
 class At(NamedTuple):
-    """A state of a `Medium`: temperature of the fluid [K] and `speed(density)`, see
-    `Medium.reynolds`.
+    """What a `Medium` gives closures at a temperature of the fluid [K] and
+    `speed(density)`, see `Medium.reynolds`.
     """
 
     medium: Any
     T: Any
     speed: Any
+
+    @property
+    def eps(self) -> float:
+        """Porosity."""
+        return float(self.medium.scene.packed_bed.porosity)
+
+    @property
+    def d_p(self) -> float:
+        """Diameter of the particles [m]."""
+        return float(self.medium.scene.diameter)
+
+    @property
+    def D_bed(self) -> float:
+        """Hydraulic diameter of the bed [m]."""
+        return float(self.medium.bed_diameter)
 
     @property
     def Re(self) -> Any:
@@ -49,35 +65,26 @@ class At(NamedTuple):
         """Prandtl number of the fluid."""
         return self.medium.prandtl(self.T)
 
+    @property
+    def Pe(self) -> Any:
+        """Particle Peclet number."""
+        return self.Re * self.Pr
 
-Gives = Mapping[str, Callable[[At], Any]]
-_PACKING: Gives = {
-    "eps": lambda at: at.medium.scene.packed_bed.porosity,
-    "d_p": lambda at: at.medium.scene.diameter,
-}
-_STREAM: Gives = _PACKING | {  # type: ignore[operator]
-    "Re": lambda at: at.Re,
-    "Pr": lambda at: at.Pr,
-    "Pe": lambda at: at.Re * at.Pr,
-    "T": lambda at: at.T,
-    "D_bed": lambda at: at.medium.bed_diameter,
-    "k_fluid": lambda at: at.medium.fluid.conductivity(at.T),
-}
-_PHASES: Gives = {
-    "eps": _PACKING["eps"],
-    "k_fluid": _STREAM["k_fluid"],
-    "k_solid": lambda at: at.medium.solid.conductivity(at.T),
-}
-GIVES: Mapping[str, Gives] = {
-    "permeability": _PACKING,
-    "forchheimer": _PACKING,
-    "nusselt": _STREAM,
-    "dispersion": _STREAM,
-    "wall": {**_STREAM, "k_stagnant": lambda at: at.medium.stagnant(at.T)},
-    "conductivity": {**_PACKING, **_PHASES, "T": _STREAM["T"]},
-    "tortuosity": _PHASES,
-}
-"""The arguments that closures of each kind can have, as functions of the state."""
+    @property
+    def k_fluid(self) -> Any:
+        """Conductivity of the fluid [W/m/K]."""
+        return self.medium.fluid.conductivity(self.T)
+
+    @property
+    def k_solid(self) -> Any:
+        """Conductivity of the particles [W/m/K]."""
+        return self.medium.solid.conductivity(self.T)
+
+    @property
+    def k_stagnant(self) -> Any:
+        """Conductivity of both phases without flow [W/m/K]."""
+        return self.medium.stagnant(self.T)
+
 
 Bound = Mapping[tuple[str, Any], BoundClosure | BoundDispersion]
 

@@ -22,7 +22,7 @@ from contbed.closures.ranges import RangeUse
 from contbed.materials import ConstantFluid, Solid, gas_mixture, real_fluid
 from contbed.materials.pointwise import pointwise
 from contbed.packed_bed import scene as s
-from contbed.packed_bed.closures import GIVES, At, all_bound
+from contbed.packed_bed.closures import At, all_bound
 from contbed.scene.boundary import conditions_of
 from contbed.scene.gas import GasCantera, GasConstant, GasCoolProp
 from contbed.scene.library import material
@@ -259,9 +259,7 @@ class Medium:
         if isinstance(spec, s.Dispersion):
             return spec.axial, spec.transverse
         axial, transverse = self.closures["dispersion", spec]
-        return self._at(axial, "dispersion", T, speed), self._at(
-            transverse, "dispersion", T, speed
-        )
+        return self._at(axial, T, speed), self._at(transverse, T, speed)
 
     def content_fluid(self, T: Any) -> Any:
         """Return the heat content of the fluid per bed volume [J/m3].
@@ -335,20 +333,14 @@ class Medium:
         speed: Callable[[Any], Any] | None = None,
     ) -> Any:
         """Return a number of the scene, or the value of the closure that it names."""
-        return (
-            self._at(self.closures[kind, spec], kind, T, speed) if named(spec) else spec
-        )
+        if not named(spec):
+            return spec
+        return self._at(self.closures[kind, spec], T, speed)
 
-    def _at(
-        self,
-        closure: Any,
-        kind: str,
-        T: Any = None,
-        speed: Callable[[Any], Any] | None = None,
-    ) -> Any:
+    def _at(self, closure: Any, T: Any, speed: Callable[[Any], Any] | None) -> Any:
         """Return the value of a closure at a state."""
         self.used.add(closure)
-        return closure.at(GIVES[kind], At(self, T, speed))
+        return closure.at(At(self, T, speed))
 
 
 def _rosseland(scene: s.Scene) -> float | None:

@@ -10,14 +10,14 @@ from contbed.chemistry.checks import reaction_is_whole
 from contbed.chemistry.laws import find_law
 from contbed.chemistry.rate_formula import SI_OF_BASIS
 from contbed.chemistry.species import atoms_of
-from contbed.closures.binding import is_phase, named
-from contbed.closures.fluid_conducts import fluid_conducts_twice
+from contbed.closures.binding import named
 from contbed.closures.formula import parse_formula, require_names
+from contbed.closures.packed_beds import gas_conducts_twice, unusable
 from contbed.errors import SceneError
 from contbed.materials.composition import require_sum
 from contbed.reacting_bed import curve_checks, phase_checks, stream_checks
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.closures import GIVES, bound, places_of
+from contbed.reacting_bed.closures import bound, places_of
 from contbed.reacting_bed.inlet_series import SUM, CompositionSeries
 from contbed.reacting_bed.inside_checks import (
     adsorbed_gases_are_there,
@@ -278,17 +278,12 @@ def closures_exist(
     origin: Origin,
 ) -> Mistakes:
     """Check that closures are known, with their parameters, and get their arguments."""
-    for path, spec, kind in places_of(closures, packed_bed, solids, boundary):
-        if named(spec) and not (kind == "conductivity" and is_phase(spec)):
-            try:
-                bound(
-                    spec,
-                    kind,
-                    origin.base,
-                    "transverse" if "section" in path else "axial",
-                )
-            except SceneError as error:
-                yield path, str(error)
+
+    def bind(path: KeyPath, spec: Any, kind: str) -> object:
+        direction = "transverse" if "section" in path else "axial"
+        return bound(spec, kind, origin.base, direction)
+
+    yield from unusable(places_of(closures, packed_bed, solids, boundary), bind)
 
 
 def positions_are_inside(mesh: MeshLine, output: Any, see: See) -> Mistakes:
@@ -379,13 +374,10 @@ def the_gas_conducts_once(
     """
     if heat is None:
         return
-    tables: list[tuple[KeyPath, Any]] = [(("closures",), closures)]
+    yield from gas_conducts_twice(("closures",), closures, origin.base)
     if packed_bed.section is not None:
-        tables.append((("packed_bed", "section"), packed_bed.section))
-    for path, table in tables:
-        solid = (*path, "conductivity_solids"), table.conductivity_solids
-        gas = (*path, "conductivity_gas"), table.conductivity_gas
-        yield from fluid_conducts_twice(solid, gas, GIVES["conductivity"], origin.base)
+        path = ("packed_bed", "section")
+        yield from gas_conducts_twice(path, packed_bed.section, origin.base)
 
 
 WARNINGS: tuple[Check, ...] = (the_gas_conducts_once, initial_profiles_reach_both_ends)

@@ -8,21 +8,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from contbed.closures.binding import BoundClosure, bind, is_phase, named
+from contbed.closures.packed_beds import GIVES
 from contbed.reacting_bed import scene as s
 from contbed.scene.tables import Closure
 
-_PACKING = ("eps", "d_p")
-_STREAM = (*_PACKING, "Re", "Pr", "Pe", "T", "k_fluid", "D_bed")
-GIVES: Mapping[str, tuple[str, ...]] = {
-    "permeability": _PACKING,
-    "forchheimer": _PACKING,
-    "nusselt": _STREAM,
-    "dispersion": _STREAM,
-    "conductivity": ("eps", "d_p", "k_fluid", "k_solid", "T"),
-    "wall": (*_STREAM, "k_stagnant"),
-    "sherwood": (*_PACKING, "Re", "Sc"),
-    "mass_dispersion": (*_PACKING, "v", "D_gas"),
-}
 KIND_OF = {  # of closures whose key is not the name of their kind
     "conductivity_gas": "conductivity",
     "conductivity_solids": "conductivity",

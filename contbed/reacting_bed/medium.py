@@ -4,10 +4,10 @@ resistance, from the scene.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -59,6 +59,78 @@ class Transport:
         )
 
 
+class At(NamedTuple):
+    """What a bed or a solid phase gives closures: `closures`, the properties of the
+    gas, and the diffusivity of one gas [m2/s].
+    """
+
+    closures: Any
+    properties: Properties
+    D_gas: Any
+
+    @property
+    def eps(self) -> float:
+        """Porosity."""
+        return float(self.closures.porosity)
+
+    @property
+    def d_p(self) -> float:
+        """Diameter of the particles [m]."""
+        return float(self.closures.diameter)
+
+    @property
+    def D_bed(self) -> float:
+        """Diameter of the bed [m]; far more than that of the particles without one."""
+        width = self.closures.scene.mesh.diameter
+        return float(1e3 * self.d_p if width is None else width)
+
+    @property
+    def v(self) -> Any:
+        """Speed of the gas between the particles [m/s]."""
+        return np.abs(self.properties.state.u) / self.eps
+
+    @property
+    def T(self) -> Any:
+        """Temperature of the particles [K]."""
+        return self.properties.state.T_solid
+
+    @property
+    def Re(self) -> Any:
+        """Particle Reynolds number."""
+        return self.closures.reynolds(self.properties)
+
+    @property
+    def Pr(self) -> Any:
+        """Prandtl number."""
+        return self.properties.prandtl
+
+    @property
+    def Pe(self) -> Any:
+        """Particle Peclet number."""
+        return self.Re * self.Pr
+
+    @property
+    def Sc(self) -> Any:
+        """Schmidt number of the gas."""
+        properties = self.properties
+        return properties.viscosity / (properties.state.rho * self.D_gas)
+
+    @property
+    def k_fluid(self) -> Any:
+        """Conductivity of the gas [W/m/K]."""
+        return self.properties.k_fluid
+
+    @property
+    def k_solid(self) -> Any:
+        """Conductivity of the particles [W/m/K]."""
+        return self.closures.k_solid
+
+    @property
+    def k_stagnant(self) -> Any:
+        """Conductivity across the bed without dispersion [W/m/K]."""
+        return self.closures.stagnant(self.properties)
+
+
 @dataclass(frozen=True, eq=False)
 class Closures:
     """Closures and numbers of a scene by the key of each, evaluated at a state of a
@@ -81,30 +153,13 @@ class Closures:
         """Porosity of the bed."""
         return self.scene.packed_bed.porosity
 
-    def value(self, key: str, properties: Properties) -> Any:
-        """Return the value of a closure at a state; a number as it is."""
+    def value(self, key: str, properties: Properties, D: Any = None) -> Any:
+        """Return the value of a closure at a state, of one for a gas with its
+        diffusivity [m2/s]; a number as it is.
+        """
         if key not in self.bound:
             return self.specs[key]
-        closure = self.bound[key]
-        return closure(
-            **{name: self.argument(name, properties) for name in closure.takes}
-        )
-
-    def argument(self, name: str, properties: Properties) -> Any:
-        """Return an argument of a closure."""
-        width = self.scene.mesh.diameter
-        values: dict[str, Callable[[], Any]] = {
-            "eps": lambda: self.porosity,
-            "d_p": lambda: self.diameter,
-            "Re": lambda: self.reynolds(properties),
-            "Pr": lambda: properties.prandtl,
-            "Pe": lambda: self.reynolds(properties) * properties.prandtl,
-            "T": lambda: properties.state.T_solid,
-            "k_fluid": lambda: properties.k_fluid,
-            "k_solid": lambda: self.k_solid,
-            "D_bed": lambda: 1e3 * self.diameter if width is None else width,
-        }
-        return values[name]()
+        return self.bound[key].at(At(self, properties, D))
 
     def reynolds(self, properties: Properties) -> Any:
         """Return the Reynolds number of the particles, on the velocity relative to
@@ -209,13 +264,7 @@ class PhaseMedium(Closures):
         """Return the coefficient of the film of each gas [m/s]."""
         out = {}
         for name, D in zip(self.species.gases, properties.diffusivities, strict=True):
-            Sh = self.specs["sherwood"]
-            if "sherwood" in self.bound:
-                Sc = properties.viscosity / (properties.state.rho * D)
-                Re = self.reynolds(properties)
-                Sh = self.bound["sherwood"](
-                    eps=self.porosity, d_p=self.diameter, Re=Re, Sc=Sc
-                )
+            Sh = self.value("sherwood", properties, D)
             out[name] = Sh * D * (1.0 / self.diameter)
         return out
 
@@ -347,16 +396,6 @@ class Medium(Closures):
         }
         return Transport(conductivity_fluid=K_f, dispersion=dispersion, phases=phases)
 
-    def argument(self, name: str, properties: Properties) -> Any:
-        """Return an argument of a closure; that of the wall may take the stagnant
-        conductivity beside it.
-        """
-        return (
-            self.stagnant(properties)
-            if name == "k_stagnant"
-            else super().argument(name, properties)
-        )
-
     def stagnant(self, properties: Properties) -> Any:
         """Return the conductivity of gas and particles across the flow without
         dispersion [W/m/K].
@@ -427,13 +466,8 @@ class Medium(Closures):
             return None
         if key not in self.bound:
             return dict.fromkeys(self.species.gases, self.specs[key])
-        closure, v = self.bound[key], np.abs(properties.state.u) / self.porosity
-        return {
-            name: closure(eps=self.porosity, d_p=self.diameter, v=v, D_gas=D)
-            for name, D in zip(
-                self.species.gases, properties.diffusivities, strict=True
-            )
-        }
+        gases = zip(self.species.gases, properties.diffusivities, strict=True)
+        return {name: self.value(key, properties, D) for name, D in gases}
 
     def ranges(self) -> list[RangeUse]:
         """Return how each closure of the bed and of its solid phases was used in its

@@ -1,0 +1,75 @@
+"""Closures of packed beds, with species and without: the arguments that a bed gives
+them, and what is wrong with those that a scene names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from contbed.closures.binding import bind, is_phase, named
+from contbed.errors import SceneError
+from contbed.scene.checking import Mistakes
+from contbed.scene.tables import Closure
+from contbed.scene.toml_lines import KeyPath, dotted
+
+_PACKING = ("eps", "d_p")
+_STREAM = (*_PACKING, "Re", "Pr", "Pe", "T", "k_fluid", "D_bed")
+GIVES: Mapping[str, tuple[str, ...]] = {
+    "permeability": _PACKING,
+    "forchheimer": _PACKING,
+    "nusselt": _STREAM,
+    "dispersion": _STREAM,
+    "conductivity": (*_PACKING, "k_fluid", "k_solid", "T"),
+    "wall": (*_STREAM, "k_stagnant"),
+    "tortuosity": ("eps", "k_fluid", "k_solid"),
+    "sherwood": (*_PACKING, "Re", "Sc"),
+    "mass_dispersion": (*_PACKING, "v", "D_gas"),
+}
+
+
+def unusable(
+    places: Iterable[tuple[KeyPath, Any, str]],
+    bound: Callable[[KeyPath, Any, str], object],
+) -> Mistakes:
+    """Check that closures are known, with their parameters, and get their arguments.
+
+    Parameters
+    ----------
+    places : key, value and kind of each place that may name a closure
+    bound : returns the closure of a place
+    """
+    for path, spec, kind in places:
+        if not named(spec):
+            continue
+        if kind == "conductivity" and is_phase(spec):
+            if isinstance(spec, Closure) and spec.model_extra:
+                yield path, f"{spec.name} has no parameters"
+            continue
+        try:
+            bound(path, spec, kind)
+        except SceneError as error:
+            yield path, str(error)
+
+
+def gas_conducts_twice(path: KeyPath, table: Any, base: Path) -> Mistakes:
+    """Look in a table for a closure of the whole bed at rest, its gas included, beside
+    the conductivity of that gas, which is added.
+
+    Parameters
+    ----------
+    path : key of the table
+    base : folder of the scene
+    """
+    solids, gas = table.conductivity_solids, table.conductivity_gas
+    if not named(solids) or is_phase(solids) or not named(gas):
+        return
+    if "k_fluid" in bind(solids, "conductivity", GIVES["conductivity"], base).takes:
+        key = dotted((*path, "conductivity_gas"))
+        what = "eps k_gas" if is_phase(gas) else key
+        yield (
+            (*path, "conductivity_solids"),
+            f"is that of the whole bed at rest, its gas included, and {what} is added: "
+            f"the gas conducts twice; give {key} = 0",
+        )
