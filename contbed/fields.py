@@ -404,6 +404,20 @@ _RESULTS = (
         "duty over the most that streams of these inlets could exchange",
     ),
     Field(
+        "NTU",
+        r"\mathrm{NTU}",
+        "1",
+        "transfer units of an exchanger without conduction along its streams that is "
+        "as effective",
+    ),
+    Field(
+        "pinch_K",
+        r"\Delta T_\mathrm{min}",
+        "K",
+        "least difference of the temperatures of two streams along the bed",
+    ),
+    Field("pinch_m", "x", "m", "place of the pinch along the bed"),
+    Field(
         "heat_reference_K",
         r"T_0",
         "K",

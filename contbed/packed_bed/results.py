@@ -8,6 +8,7 @@ import numpy as np
 
 from contbed.fem.probe import Line, line_along
 from contbed.fields import header
+from contbed.packed_bed import of_heaters
 from contbed.packed_bed.heat import INSIDE
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.pressure import along_bed, lifted
@@ -148,7 +149,11 @@ def _exchanger(
         condition.fixed_temperature
         for *_, condition in conditions_of(plan.solved.boundary)
     )
-    if len(entering) < 2 or fixed:
+    if len(entering) < 2:
+        return
+    columns = (plan.coordinate, "T_fluid", "T_solid")
+    result.qoi |= of_heaters.pinch(*(result.profiles[header(key)] for key in columns))
+    if fixed:
         return
     temperatures = [T for _, T in entering.values()]
     contents = [
@@ -158,8 +163,8 @@ def _exchanger(
         )
         for phase, (flow, _) in entering.items()
     ]
-    if min(contents) > 0.0:
-        result.qoi["effectiveness"] = abs(duty) / min(contents)
+    opposite = float(plan.velocity @ plan.velocity_solid) < 0.0
+    result.qoi |= of_heaters.effectiveness(duty, contents, opposite)
 
 
 def _nodal(problem: Any, state: Any) -> dict[str, Any]:

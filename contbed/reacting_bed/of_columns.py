@@ -94,7 +94,8 @@ def separated(course: Course, rows: Mapping[str, Array]) -> dict[str, float]:
     """
     parts, gases = list(pairwise(course.cuts)), course.problem.layout.gases
     left = [_left(rows, gases, start, end) for start, end in parts]
-    fed = sum(_entered(course, gases, start, end) for start, end in parts)
+    entered = [_entered(course, gases, start, end) for start, end in parts]
+    fed = np.sum(entered, axis=0)
     streams, period = course.problem.streams, course.time.end
     mass = sum(streams.densities.values()) * course.scene.mesh.length
     found: dict[str, float] = {}
