@@ -20,6 +20,7 @@ from contbed.scene.checking import mistakes
 from contbed.scene.inputs import unusable_files
 from contbed.scene.names import near_names, nearest
 from contbed.scene.other_models import take_keys_of_others
+from contbed.scene.physical import temperatures_are_of_a_bed
 from contbed.scene.renames import take_former_keys
 from contbed.scene.size import too_large
 from contbed.scene.tables import SceneBase
@@ -173,6 +174,7 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     scene._origin = origin
     scene._ignored = ignored
     remarks = mistakes(parts, set(), origin, MODELS[kind].find("checks", "WARNINGS"))
+    remarks += temperatures_are_of_a_bed(parts)
     remarks.sort(key=lambda remark: origin.line(remark[0]))
     scene._warnings = tuple(_line(origin, values, path, text) for path, text in remarks)
     return scene

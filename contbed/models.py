@@ -73,8 +73,6 @@ class Model:
     scatters : whether its results scatter with the start of the particles, so that
         small changes cannot be
     distinguished
-    refuses_early : module and name of a function that refuses what a plan would, for
-        `contbed check`; empty: none
     """
 
     package: str
@@ -84,7 +82,6 @@ class Model:
     equations: Mapping[str, str]
     compiles: bool = False
     scatters: bool = False
-    refuses_early: str = ""
 
     def find(self, module: str, name: str) -> Any:
         """Import a module of the package and return its attribute `name`."""
@@ -223,7 +220,6 @@ MODELS: dict[str, Model] = {
             "freeboard": "equations.freeboard",
             "steam": "equations.steam",
         },
-        refuses_early="plan.coefficients",
     ),
     "particles_gas": Model(
         "cfd_dem",
@@ -272,7 +268,6 @@ MODELS: dict[str, Model] = {
             "cells_in_time_hold_the_same": "transfer",
             "cyclic_steady_state": "cycle",
         },
-        refuses_early="plan.require_buildable",
     ),
     "packed_bed": Model(
         "packed_bed",
@@ -284,7 +279,6 @@ MODELS: dict[str, Model] = {
             "porous_flow": "equations.porous_flow",
             "fronts": "equations.fronts",
         },
-        refuses_early="schedule_checks.require_flow",
     ),
 }
 
@@ -324,20 +318,6 @@ def kind_of(values: Mapping[str, Any]) -> str:
     kinds = [kind for kind, model in MODELS.items() if model.name == named]
     fits = [kind for kind in kinds or MODELS if MODELS[kind].means(values)]
     return fits[0] if fits else kinds[-1]
-
-
-def require_buildable(scene: Kind) -> None:
-    """Refuse what a plan would refuse, where this is known without solving or meshing
-    anything.
-
-    Raises
-    ------
-    SceneError : data that the scene needs are missing or cannot be used
-    """
-    model = model_of(scene)
-    if model.refuses_early:
-        module, _, name = model.refuses_early.partition(".")
-        model.find(module, name)(scene)
 
 
 def plan(scene: Any) -> Any:

@@ -314,6 +314,21 @@ def cells_are_larger_than_particles(particles: g.GasParticles) -> Mistakes:
             )
 
 
+def contacts_have_a_stiffness(
+    heat: g.GasHeat | None, particles: g.GasParticles, solids: Solids
+) -> Mistakes:
+    """Look for contacts that conduct as those of a soft simulation."""
+    name, solid = the_only(solids)
+    if heat is None or solid.youngs_modulus is not None:
+        return
+    yield (
+        ("solids", name, "youngs_modulus"),
+        f"missing; contacts conduct as those of the simulation at "
+        f"{particles.modulus:g} Pa, up to 30 times more than real ones. Give Young's "
+        "modulus of the material (glass 6.9e10 Pa), or a material of the library",
+    )
+
+
 def spheres_bear_the_bed(particles: g.GasParticles, solids: Solids) -> Mistakes:
     """Look for spheres so soft that the bed packs denser under its weight, and lets
     less gas through.
@@ -370,4 +385,5 @@ WARNINGS = (
     cells_lie_inside_of_the_bed,
     cells_are_larger_than_particles,
     spheres_bear_the_bed,
+    contacts_have_a_stiffness,
 )

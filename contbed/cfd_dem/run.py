@@ -24,9 +24,9 @@ from contbed.cfd_dem.results import fill
 from contbed.cfd_dem.scene import GasScene
 from contbed.cfd_dem.tubes import TubeAverage, TubeHeat
 from contbed.dem import extract
+from contbed.materials.constants import fluid_of
 from contbed.output.progress import Progress
 from contbed.result import Result, timed
-from contbed.scene.gas import GasConstant, GasCoolProp
 
 if TYPE_CHECKING:
     from contbed.output.checkpoint import Keeper
@@ -116,7 +116,7 @@ def build(plan: GasPlan) -> tuple[Bed, Solid]:
     closures = bound(scene)
     flow = Gas(
         plan.grid,
-        _fluid(scene),
+        fluid_of(scene.gas, scene.origin),
         closures["drag"],
         closures["nusselt"],
         T or scene.inlet.temperature,
@@ -214,27 +214,3 @@ def _fit_closure(plan: GasPlan, result: Result, folder: Path | None) -> None:
             folder / "closure.toml",
             {"scene": name, "scene_hash": scene_hash(scene), "of": table.of},
         )
-
-
-def _fluid(scene: GasScene) -> Any:
-    """Return the properties of the gas as functions of temperature."""
-    table = scene.gas
-    if isinstance(table, GasConstant):
-        from contbed.materials.constant import ConstantFluid
-
-        assert table.heat_capacity is not None and table.conductivity is not None
-        return ConstantFluid(
-            table.density, table.heat_capacity, table.viscosity, table.conductivity
-        )
-    if isinstance(table, GasCoolProp):
-        from contbed.materials.coolprop import real_fluid
-
-        return real_fluid(table.name, table.pressure, table.T_range)
-    from contbed.materials.gas import gas_mixture
-    from contbed.scene.mechanism import find_mechanism
-
-    return gas_mixture(
-        table.composition,
-        table.pressure,
-        find_mechanism(table.mechanism, scene.origin.base),
-    )

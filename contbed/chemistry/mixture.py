@@ -10,16 +10,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from contbed.chemistry.thermo import R_GAS, Species, Thermo, species_of
+from contbed.chemistry.thermo import R_GAS, Thermo, species_of
 from contbed.errors import SceneError
 from contbed.materials.common import polynomial
-from contbed.materials.gas import T_FIT, cantera_gas, recentred
+from contbed.materials.gas import T_FIT, cantera_gas, recentred, require_transport
 
 TRACE = 1e-12  # mole fraction
 # diffusion volumes of Fuller, Schettler, Giddings 1966, as revised 1969: Poling,
@@ -172,6 +172,7 @@ class Mechanism:
 
     gas: Any
     names: tuple[str, ...]
+    file: str
 
     @classmethod
     def read(cls, mechanism: str) -> Mechanism:
@@ -184,7 +185,18 @@ class Mechanism:
         """Return the atoms of a species of the mechanism."""
         return dict(self.gas.species(name).composition)
 
-    def species(self, name: str) -> Species:
+    @cached_property
+    def transport(self) -> Any:
+        """The gas of Cantera with its transport data.
+
+        Raises
+        ------
+        SceneError : the mechanism has none
+        """
+        require_transport(self.gas, self.file)
+        return self.gas
+
+    def species(self, name: str) -> Thermo:
         """Return the thermodynamics of a species of the mechanism."""
         index = self.gas.species_index(name)
         mass = float(self.gas.molecular_weights[index]) / 1000.0
@@ -194,7 +206,7 @@ class Mechanism:
         """Return the viscosity of a pure species [Pa s]."""
         index = self.gas.species_index(name)
         # of sqrt(mu)/T^(1/4)
-        fit = recentred(self.gas.get_viscosity_polynomial(index), 1.0)
+        fit = recentred(self.transport.get_viscosity_polynomial(index), 1.0)
 
         def value(T: Any) -> Any:
             root = polynomial(fit, np.log(T * (1.0 / T_FIT)))
@@ -205,7 +217,9 @@ class Mechanism:
     def conductivity(self, name: str) -> Property:
         """Return the conductivity of a pure species [W/m/K]."""
         fit = recentred(
-            self.gas.get_thermal_conductivity_polynomial(self.gas.species_index(name)),
+            self.transport.get_thermal_conductivity_polynomial(
+                self.gas.species_index(name)
+            ),
             1.0,
         )
         return lambda T: np.sqrt(T) * polynomial(fit, np.log(T * (1.0 / T_FIT)))
@@ -213,15 +227,15 @@ class Mechanism:
     def pair(self, first: str, second: str) -> Property:
         """Return D p [m2/s Pa] of a pair of species."""
         i, j = self.gas.species_index(first), self.gas.species_index(second)
-        fit = recentred(self.gas.get_binary_diff_coeffs_polynomial(i, j), 1.0)
+        fit = recentred(self.transport.get_binary_diff_coeffs_polynomial(i, j), 1.0)
         return lambda T: T * (np.sqrt(T) * polynomial(fit, np.log(T * (1.0 / T_FIT))))
 
 
 @lru_cache(maxsize=4)
 def _read(mechanism: str, changed: int) -> Mechanism:
     """Read a mechanism whose file was `changed` at a time; 0 of Cantera's own."""
-    gas, _ = cantera_gas(mechanism)
-    return Mechanism(gas, tuple(gas.species_names))
+    gas, _ = cantera_gas(mechanism, transport=False)
+    return Mechanism(gas, tuple(gas.species_names), mechanism)
 
 
 def density(p: Any, molar_mass: Any, T: Any) -> Any:

@@ -1,8 +1,8 @@
 """Enthalpy, heat capacity and entropy of single species as functions of temperature,
 heats of formation included.
 
-Three forms: NASA polynomials of Cantera's files, the Shomate equation, and a constant
-heat capacity. T [K] may be a number, an array or a dual number. Beyond the ends of its
+NASA polynomials of 7 and 9 coefficients, the Shomate equation, and a constant heat
+capacity. T [K] may be a number, an array or a dual number. Beyond the ends of its
 data a species keeps its heat capacity constant.
 """
 
@@ -15,11 +15,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from contbed.errors import SceneError
-from contbed.materials.common import integrated, polynomial
+from contbed.materials.common import R_GAS, integrated, polynomial
+from contbed.materials.forms import Ranges, forms_of, has_nasa7
 from contbed.materials.pointwise import pointwise
 
-R_GAS = 8.31446261815324  # [J/mol/K]
 T_STANDARD = 298.15  # reference of heats of formation [K]
 # enthalpies at one temperature that are kept; a scene has some ten species and feeds
 MAX_KNOWN = 1024
@@ -182,12 +181,13 @@ def _enthalpy(species: Species, T: float) -> Any:
 
 def species_of(
     name: str, item: Any, molar_mass: float, with_jumps: bool = False
-) -> Species:
+) -> Thermo:
     """Return a species of a Cantera file.
 
     Parameters
     ----------
-    item : cantera.Species with NASA 7-coefficient polynomials
+    item : cantera.Species with NASA polynomials of 7 or 9 coefficients, the Shomate
+        equation or a constant heat capacity
     molar_mass : [kg/mol]
     with_jumps : whether the values of the file are kept above the mid temperature,
         rather than continued
@@ -197,10 +197,8 @@ def species_of(
     SceneError : the data have another form
     """
     data = item.thermo
-    if getattr(data, "n_coeffs", 0) != 15:
-        raise SceneError(
-            f"{name} has no NASA 7-coefficient polynomials; take a mechanism with them"
-        )
+    if not has_nasa7(data):
+        return _other_form(name, item, molar_mass)
     c = data.coeffs
     T_mid, high, low = float(c[0]), c[1:8], c[8:15]
     cp = tuple(map(float, low[:5])), tuple(map(float, high[:5]))
@@ -318,6 +316,15 @@ class ConstantHeatCapacity:
         return self.enthalpy(T) - T * (
             (self.standard_entropy or 0.0) + self.cp * np.log(T / T_STANDARD)
         )
+
+
+def _other_form(name: str, item: Any, molar_mass: float) -> Ranges:
+    """Return a species of a Cantera file whose data are not two NASA polynomials of 7
+    coefficients.
+    """
+    ends, forms = forms_of(name, item.thermo)
+    pressure = float(item.thermo.reference_pressure)
+    return Ranges(name, dict(item.composition), molar_mass, forms, ends, pressure)
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,10 @@ from contbed.scene.names import nearest
 
 TINY = 1e-14  # below which a power that is no integer is a straight line
 LONGEST = 2000  # characters
+DEEPEST = 100  # of parts within each other
+_ALLOWED = (
+    "only numbers, names, + - * / ** and functions of one value may stand in a formula"
+)
 # "900 K"
 _WITH_UNIT = re.compile(r"(?<![\w.])\d+\.?\d*(?:[eE][+-]?\d+)? *([A-Za-z_%]\w*)")
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
@@ -116,7 +120,7 @@ def parse_formula(text: str) -> Formula:
         )
     try:
         tree = ast.parse(text.replace("^", "**").strip(), mode="eval").body
-    except (SyntaxError, ValueError, RecursionError) as error:
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         if (found := _WITH_UNIT.search(text)) and not iskeyword(found[1]):
             raise SceneError(
                 f"{found[0]!r}: a number in a formula has no unit; write it in SI"
@@ -131,7 +135,11 @@ def parse_formula(text: str) -> Formula:
     return Formula(text, frozenset(names), tree)
 
 
-def _check(node: ast.AST, names: set[str]) -> None:
+def _check(node: ast.AST, names: set[str], depth: int = 0) -> None:
+    """Raise SceneError for what is not allowed in a formula, and collect its names."""
+    if depth > DEEPEST:
+        raise SceneError(f"parts of a formula may be nested {DEEPEST} times at most")
+    depth += 1
     if isinstance(node, ast.Constant):
         if isinstance(node.value, bool) or not isinstance(node.value, int | float):
             raise SceneError(
@@ -140,10 +148,14 @@ def _check(node: ast.AST, names: set[str]) -> None:
     elif isinstance(node, ast.Name):
         names.add(node.id)
     elif isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
-        _check(node.left, names)
-        _check(node.right, names)
+        first, rest = _chain(node)
+        _check(first, names, depth)
+        for operator, part in rest:
+            if operator not in _OPERATORS:
+                raise SceneError(_ALLOWED)
+            _check(part, names, depth)
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
-        _check(node.operand, names)
+        _check(node.operand, names, depth)
     elif (
         isinstance(node, ast.Call)
         and isinstance(node.func, ast.Name)
@@ -161,12 +173,22 @@ def _check(node: ast.AST, names: set[str]) -> None:
                 f"found {len(node.args)}"
             )
         for argument in node.args:
-            _check(argument, names)
+            _check(argument, names, depth)
     else:
-        raise SceneError(
-            "only numbers, names, + - * / ** and functions of one value may stand in a "
-            "formula"
-        )
+        raise SceneError(_ALLOWED)
+
+
+def _chain(node: ast.BinOp) -> tuple[ast.expr, list[tuple[type, ast.expr]]]:
+    """Return the first part of a chain such as a + b - c, and its further parts, each
+    with the operator before it: Python nests them one within the other.
+    """
+    rest: list[tuple[type, ast.expr]] = [(type(node.op), node.right)]
+    first = node.left
+    if not isinstance(node.op, ast.Pow):
+        while isinstance(first, ast.BinOp) and not isinstance(first.op, ast.Pow):
+            rest.append((type(first.op), first.right))
+            first = first.left
+    return first, rest[::-1]
 
 
 def _value(node: Any, values: Mapping[str, Any]) -> Any:
@@ -180,7 +202,11 @@ def _combined(node: Any, values: Mapping[str, Any], value: Callable[[Any], Any])
     if isinstance(node, ast.Name):
         return values[node.id]
     if isinstance(node, ast.BinOp):
-        return _OPERATORS[type(node.op)](value(node.left), value(node.right))
+        first, rest = _chain(node)
+        result = value(first)
+        for operator, part in rest:
+            result = _OPERATORS[operator](result, value(part))
+        return result
     if isinstance(node, ast.UnaryOp):
         return (
             -value(node.operand)

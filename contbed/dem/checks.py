@@ -149,6 +149,25 @@ def packing_conducts(particles: p.Particles, solids: Solids) -> Mistakes:
         yield PATHS, f"{paths} end at flat walls; use cones, or a packing in a box"
 
 
+def contacts_have_a_stiffness(
+    particles: p.Particles, solids: Solids, see: See
+) -> Mistakes:
+    """Require Young's modulus of the material where contacts are of a simulation."""
+    name, solid = the_only(solids)
+    simulated = particles.simulated_modulus
+    if simulated is None or solid.youngs_modulus is not None:
+        return
+    text = (
+        "missing; give Young's modulus of the material (glass 6.9e10 Pa, alumina "
+        "4.16e11 Pa), or a material of the library. The contacts of the simulation, "
+        f"at {simulated:g} Pa, are too large and would conduct several times too "
+        "much. The same value as particles.modulus takes them as they are"
+    )
+    if particles.modulus is not None:
+        text += f"; see {see('particles.modulus')}"
+    yield ("solids", name, "youngs_modulus"), text
+
+
 def layers_are_apart(particles: p.Particles, see: See) -> Mistakes:
     """Require that the hot layer lies below the cold one and is hotter."""
     layers = particles.layers
@@ -317,6 +336,7 @@ CHECKS = (
     contact_is_small,
     packing_is_complete,
     packing_conducts,
+    contacts_have_a_stiffness,
     layers_are_apart,
     gas_is_there,
     closure_has_points,

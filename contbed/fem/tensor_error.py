@@ -146,12 +146,15 @@ def _line_errors(values: Array, weight: Array, h: Array, degree: int) -> Array:
         for j in range(degree + 1)
     )
     highest = highest / (h / degree) ** degree
-    following = np.abs(np.diff(highest, axis=-1)) / (0.5 * (h[1:] + h[:-1]))
-    first, last = _continued(following[..., :2]), _continued(following[..., :-3:-1])
-    following = np.maximum(
-        np.concatenate((first, following), axis=-1),
-        np.concatenate((following, last), axis=-1),
-    )
+    if count == 1:  # nothing shows how it changes: as much as it is
+        following = np.abs(highest) / h
+    else:
+        following = np.abs(np.diff(highest, axis=-1)) / (0.5 * (h[1:] + h[:-1]))
+        first, last = _continued(following[..., :2]), _continued(following[..., :-3:-1])
+        following = np.maximum(
+            np.concatenate((first, following), axis=-1),
+            np.concatenate((following, last), axis=-1),
+        )
     heavy = np.max([weight[..., start + j] for j in range(degree + 1)], axis=0)
     error: Array = (heavy * following).reshape(-1, count).max(axis=0)
     return np.asarray(INTERPOLATION[degree] * h ** (degree + 1) * error)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,8 @@ from contbed.errors import SceneError
 
 Range = tuple[float, float]
 
+R_GAS = 8.31446261815324  # [J/mol/K]
+FAR = 100.0  # [K] from its data a polynomial may take any value
 ROUNDING = 1e-9  # relative excess of a temperature that is no more than rounding
 
 
@@ -44,6 +46,26 @@ def share_outside(T: Any, T_range: Range) -> float:
     lo, hi = T_range
     inside = np.asarray((lo * (1 - ROUNDING) <= T) & (hi * (1 + ROUNDING) >= T))
     return 1.0 - float(np.count_nonzero(inside)) / inside.size if inside.size else 0.0
+
+
+def extrapolation(
+    name: str, heat_capacity: Callable[[float], Any], T_range: Range, T: Any
+) -> str:
+    """Return a warning on temperatures [K] outside of the data of a material, with the
+    change of its heat capacity there; empty where all lie inside.
+    """
+    low, high = T_range
+    coldest, hottest = float(np.min(T)), float(np.max(T))
+    end, edge = (coldest, low) if low - coldest > hottest - high else (hottest, high)
+    if abs(end - edge) <= ROUNDING * edge or low <= end <= high:
+        return ""
+    change = float(heat_capacity(end)) / float(heat_capacity(edge)) - 1.0
+    text = (
+        f"{name}: data from {low:g} to {high:g} K are extrapolated to {end:.6g} K, where "
+        f"the heat capacity differs by {abs(change):.2%} from that at {edge:g} K"
+    )
+    far = abs(end - edge) > FAR
+    return text + (f"; more than {FAR:g} K away they are not reliable" if far else "")
 
 
 def checked_range(T_range: Sequence[float], what: str) -> Range:

@@ -1,5 +1,5 @@
-"""The gas of a scene with constant properties: those given, or those of a material
-at one temperature.
+"""The gas of a scene: properties as functions of temperature, or as constants, those
+given or those at one temperature.
 """
 
 from __future__ import annotations
@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from contbed.errors import SceneError
+from contbed.materials.constant import ConstantFluid
 from contbed.scene.gas import GasCantera, GasConstant, GasCoolProp
+from contbed.scene.toml_lines import Origin
 
 
 class Constants(NamedTuple):
@@ -47,7 +49,7 @@ def constants_of(
 @lru_cache(maxsize=16)
 def _at(gas: GasCantera | GasCoolProp, T: float, base: Path) -> Constants:
     """Return the properties of a gas that varies with temperature."""
-    fluid = _fluid(gas, base)
+    fluid = _varying(gas, base)
     low, high = fluid.T_range
     if not low <= T <= high:
         raise SceneError(
@@ -63,8 +65,25 @@ def _at(gas: GasCantera | GasCoolProp, T: float, base: Path) -> Constants:
     return Constants(*(float(value) for value in properties))
 
 
-def _fluid(gas: GasCantera | GasCoolProp, base: Path) -> Any:
-    """Return a fluid of Cantera or CoolProp, which are imported only here."""
+def fluid_of(gas: GasConstant | GasCantera | GasCoolProp, origin: Origin) -> Any:
+    """Return the properties of the gas of a scene as functions of temperature; Cantera
+    and CoolProp are imported only when named.
+
+    Raises
+    ------
+    SceneError : with the line of the key, a fluid, mechanism or range that is not known
+    """
+    if isinstance(gas, GasConstant):
+        conductivity = 1.0 if gas.conductivity is None else gas.conductivity
+        return ConstantFluid(
+            gas.density, gas.heat_capacity or 1.0, gas.viscosity, conductivity
+        )
+    key = "name" if isinstance(gas, GasCoolProp) else "composition"
+    with origin.blamed("gas", key):
+        return _varying(gas, origin.base)
+
+
+def _varying(gas: GasCantera | GasCoolProp, base: Path) -> Any:
     if isinstance(gas, GasCoolProp):
         from contbed.materials.coolprop import real_fluid
 
@@ -73,5 +92,9 @@ def _fluid(gas: GasCantera | GasCoolProp, base: Path) -> Any:
     from contbed.scene.mechanism import find_mechanism
 
     return gas_mixture(
-        gas.composition, gas.pressure, find_mechanism(gas.mechanism, base)
+        gas.composition,
+        gas.pressure,
+        find_mechanism(gas.mechanism, base),
+        viscosity=gas.viscosity,
+        conductivity=gas.conductivity,
     )

@@ -4,9 +4,11 @@ smooth piecewise polynomials in T.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import chain
 from typing import Any, ClassVar
 
 import numpy as np
@@ -25,6 +27,7 @@ ACCEPTED = 1e-4
 NARROWEST = 0.01
 # K; a range may end at the boiling temperature as an error message prints it
 ROUNDING = 0.01
+INCOMPRESSIBLE = "INCOMP::"  # prefix of names of oils, salts and brines
 PROPERTIES = ("density", "heat_capacity", "viscosity", "conductivity")
 
 
@@ -78,11 +81,13 @@ class RealFluid:
 def real_fluid(
     name: str, pressure: float, T_range: Sequence[float] | None = None
 ) -> RealFluid:
-    """Tabulate a pure fluid from CoolProp: liquid, gas or supercritical.
+    """Tabulate a fluid from CoolProp: liquid, gas or supercritical.
 
     Parameters
     ----------
-    name : a CoolProp fluid such as "Water" or "CO2"; "steam" is the gas side of water
+    name : a CoolProp fluid such as "Water" or "CO2"; "steam" is the gas side of water;
+        a thermal oil or brine, "INCOMP::TVP1", "INCOMP::MEG-30%" (by mass); a mixture
+        with its mole fractions, "Nitrogen[0.79]&Oxygen[0.21]"
     pressure : [Pa]
     T_range : [K], on one side of the boiling temperature at this pressure; for "steam"
         the default is all of that side
@@ -93,9 +98,10 @@ def real_fluid(
     """
     p = checked_positive(pressure, f"{name}: pressure", "Pa")
     CoolProp, state = _state(name)
-    boiling = _boiling(CoolProp, state, p)
+    pure = not _is_incompressible(name) and "&" not in name
+    boiling = None if _is_incompressible(name) else _boiling(CoolProp, state, p)
     limits, phase = _one_phase(name, p, T_range, (state.Tmin(), state.Tmax()), boiling)
-    if limits[0] < (melting := _melting(CoolProp, state, p)):
+    if pure and limits[0] < (melting := _melting(CoolProp, state, p)):
         raise SceneError(
             f"{name}: {limits[0]:g} K is below Tmelt = {melting:g} K at {p:g} Pa; "
             "narrow T_range"
@@ -116,7 +122,7 @@ def real_fluid(
         except ValueError as error:
             raise SceneError(
                 f"{name}: CoolProp has no properties at {T:.6g} K and {p:g} Pa "
-                f"({error}); narrow T_range"
+                f"({error}); narrow T_range, or raise the pressure of a liquid"
             ) from error
 
     nodes, values, error, worst = _refined(
@@ -133,14 +139,38 @@ def real_fluid(
         name=name,
         T_range=limits,
         source=f"CoolProp {CoolProp.get_global_param_string('version')}, "
-        f"{state.fluid_names()[0]}",
+        f"{state.fluid_names()[0] if pure else name}",
         pressure=p,
         table_error=error,
         _tables=_tables(nodes, values, state.hmass()),
     )
 
 
+def _is_incompressible(name: str) -> bool:
+    """Return whether a name is one of CoolProp's oils, salts and brines, which do not
+    boil in its data.
+    """
+    return name.upper().startswith(INCOMPRESSIBLE)
+
+
+def _parts(name: str) -> tuple[str, str, list[float]]:
+    """Return backend, components and their fractions of a name; see `real_fluid`."""
+    if _is_incompressible(name):
+        solution = name[len(INCOMPRESSIBLE) :]
+        given = re.fullmatch(r"(.+?)(?:\[([\d.]+)\]|-([\d.]+)%)", solution)
+        if given is None:
+            return "INCOMP", solution, []
+        share = float(given[2]) if given[2] else float(given[3]) / 100.0
+        return "INCOMP", given[1], [share]
+    components = re.findall(r"([^&\[\]]+)\[([\d.]+)\]", name.removeprefix("HEOS::"))
+    if components:
+        names, shares = zip(*components, strict=True)
+        return "HEOS", "&".join(names), [float(share) for share in shares]
+    return "HEOS", "Water" if name.lower() == "steam" else name, []
+
+
 def _state(name: str) -> tuple[Any, Any]:
+    """Return CoolProp and a state of a fluid, see `real_fluid`."""
     try:
         from CoolProp import AbstractState, CoolProp
     except ImportError as error:
@@ -149,15 +179,44 @@ def _state(name: str) -> tuple[Any, Any]:
             f"imported ({error}); "
             "install it (pip install CoolProp) or give the fluid constant properties"
         ) from error
+    backend, components, shares = _parts(name)
     try:
-        return CoolProp, AbstractState(
-            "HEOS", "Water" if name.lower() == "steam" else name
-        )
+        state = AbstractState(backend, components)
+        if backend == "INCOMP" and shares:
+            state.set_mass_fractions(shares)
+        elif shares:
+            state.set_mole_fractions(shares)
     except ValueError as error:
-        known = [*CoolProp.FluidsList(), "steam", "CO2"]
+        lists = [
+            CoolProp.get_global_param_string(f"incompressible_list_{kind}").split(",")
+            for kind in ("pure", "solution")
+        ]
+        known = [
+            *CoolProp.FluidsList(),
+            "steam",
+            "CO2",
+            *(f"INCOMP::{fluid}" for fluid in chain(*lists)),
+        ]
         raise SceneError(
             f"no real fluid {name!r} in CoolProp{nearest(name, known)}"
         ) from error
+    needs_share = backend == "INCOMP" and not shares and _is_solution(components)
+    if needs_share or (backend == "HEOS" and shares and abs(sum(shares) - 1.0) > 1e-6):
+        text = (
+            f"give its mass fraction, such as {INCOMPRESSIBLE}{components}-30%"
+            if needs_share
+            else f"mole fractions sum to {sum(shares):g}, not to 1"
+        )
+        raise SceneError(f"{name}: {text}")
+    return CoolProp, state
+
+
+def _is_solution(name: str) -> bool:
+    """Return whether an incompressible fluid is a solution, of any fraction."""
+    from CoolProp import CoolProp
+
+    solutions = CoolProp.get_global_param_string("incompressible_list_solution")
+    return name in solutions.split(",")
 
 
 def _melting(CoolProp: Any, state: Any, p: float) -> float:
@@ -179,7 +238,10 @@ def _boiling(CoolProp: Any, state: Any, p: float) -> Range | None:
 
     None above the critical and below the triple pressure.
     """
-    if p >= state.p_critical() or p < state.trivial_keyed_output(CoolProp.iP_triple):
+    pure = len(state.fluid_names()) == 1
+    if pure and (
+        p >= state.p_critical() or p < state.trivial_keyed_output(CoolProp.iP_triple)
+    ):
         return None
     ends = []
     for quality in (0.0, 1.0):

@@ -25,6 +25,7 @@ from .common import (
     share_outside,
 )
 from .composition import mole_fractions
+from .forms import Ranges, forms_of, has_nasa7
 
 # K; the transport fits are re-expanded about it, where their terms no longer cancel
 T_FIT = 1000.0
@@ -57,17 +58,29 @@ class GasMixture:
     _wilke_pairs: tuple[tuple[int, int, float, float], ...] = field(repr=False)
     _conductivity_fits: tuple[tuple[float, ...], ...] = field(repr=False)
     _conductivity_mean: tuple[float, ...] = field(repr=False)
+    # of all species with their mole fractions, where one has no NASA polynomials of 7
+    # coefficients
+    _thermo: tuple[tuple[float, Ranges], ...] = field(default=(), repr=False)
+    # constants in place of transport data
+    _viscosity: float | None = field(default=None, repr=False)
+    _conductivity: float | None = field(default=None, repr=False)
 
     def density(self, T: Any) -> Any:
         """Return the density [kg/m3], p W / (R T)."""
         return self._density_T / T
 
     def heat_capacity(self, T: Any) -> Any:
-        """Return the heat capacity [J/kg/K] by NASA 7-coefficient polynomials."""
+        """Return the heat capacity [J/kg/K] by the thermodynamics of the species."""
+        if self._thermo:
+            molar = sum(x * each.heat_capacity(T) for x, each in self._thermo)
+            return molar / self.molar_mass
         return _by_range(self._T_mid, self._heat_capacity, T)
 
     def enthalpy(self, T: Any) -> Any:
         """Return the enthalpy [J/kg], heats of formation included."""
+        if self._thermo:
+            molar = sum(x * each.enthalpy(T) for x, each in self._thermo)
+            return molar / self.molar_mass
         return _by_range(self._T_mid, self._enthalpy, T)
 
     def viscosity(self, T: Any) -> Any:
@@ -78,6 +91,8 @@ class GasMixture:
         symmetric in each pair of species, mu = sqrt(T) sum_k w_k / (sum_j w_j
         (v_k + v_j)^2 / sqrt(8 (M_k + M_j))), which halves its cost.
         """
+        if self._viscosity is not None:
+            return self._viscosity
         L = np.log(T * (1.0 / T_FIT))
         v = [1.0 / polynomial(fit, L) for fit in self._viscosity_fits]
         x = self.mole_fractions.values()
@@ -97,6 +112,8 @@ class GasMixture:
         Mathur, Tondon and Saxena (1967), Mol. Phys. 12, 569,
         doi:10.1080/00268976700100731.
         """
+        if self._conductivity is not None:
+            return self._conductivity
         L = np.log(T * (1.0 / T_FIT))
         mean = polynomial(self._conductivity_mean, L)
         if len(self._conductivity_fits) == 1:
@@ -118,6 +135,8 @@ def gas_mixture(
     pressure: float,
     mechanism: str = "gri30.yaml",
     T_range: Sequence[float] | None = None,
+    viscosity: float | None = None,
+    conductivity: float | None = None,
 ) -> GasMixture:
     """Build an ideal gas mixture with the properties of Cantera's mixture-averaged
     transport.
@@ -127,8 +146,10 @@ def gas_mixture(
     composition : mole fractions, "N2:0.79, O2:0.21" or {"N2": 0.79, "O2": 0.21};
         normalised
     pressure : [Pa]
-    mechanism : a Cantera input file with ideal-gas thermodynamics and transport data
+    mechanism : a Cantera input file with ideal-gas thermodynamics, and transport data
+        unless viscosity and conductivity are given
     T_range : [K], within the range of the mechanism's fits, which is the default
+    viscosity, conductivity : constants [Pa s, W/m/K] in place of transport data
 
     Source
     ------
@@ -136,7 +157,9 @@ def gas_mixture(
     """
     x = mole_fractions(composition)
     p = checked_positive(pressure, "gas: pressure", "Pa")
-    gas, gas_constant = cantera_gas(mechanism)
+    gas, gas_constant = cantera_gas(
+        mechanism, viscosity is None or conductivity is None
+    )
     unknown = [s for s in x if s not in gas.species_names]
     if unknown:
         file = Path(mechanism).name
@@ -146,30 +169,50 @@ def gas_mixture(
                 for s in unknown
             ]
         )
-    limits = _limits(T_range, (gas.min_temp, gas.max_temp), mechanism)
     index = [gas.species_index(s) for s in x]
+    data = [gas.species(i).thermo for i in index]
+    fitted = max(each.min_temp for each in data), min(each.max_temp for each in data)
+    limits = _limits(T_range, fitted, mechanism)
     M = [float(gas.molecular_weights[i]) for i in index]
     molar_mass = sum(x_k * M_k for x_k, M_k in zip(x.values(), M, strict=True))
-    T_mid, heat_capacity, enthalpy = _nasa(
-        [gas.species(i) for i in index], list(x.values()), gas_constant / molar_mass
-    )
+    T_mid: tuple[float, ...] = ()
+    heat_capacity: tuple[tuple[float, ...], ...] = ()
+    enthalpy: tuple[tuple[float, ...], ...] = ()
+    thermo: tuple[tuple[float, Ranges], ...] = ()
+    if all(has_nasa7(each) for each in data):
+        T_mid, heat_capacity, enthalpy = _nasa(
+            [gas.species(i) for i in index], list(x.values()), gas_constant / molar_mass
+        )
+    else:
+        thermo = tuple(
+            (x_k, Ranges(name, {}, 1e-3 * M_k, forms, ends, pressure))
+            for (name, x_k), M_k, each in zip(x.items(), M, data, strict=True)
+            for ends, forms in [forms_of(name, each)]
+        )
     w = [x_k * math.sqrt(M_k) for x_k, M_k in zip(x.values(), M, strict=True)]
     pairs = []
     for k in range(len(M)):
         for j in range(k + 1, len(M)):
             s = 1.0 / math.sqrt(8.0 * (M[k] + M[j]))
             pairs.append((k, j, w[j] * s, w[k] * s))
-    mu_fits = [
-        recentred(gas.get_viscosity_polynomial(i), M_k**-0.25)
-        for i, M_k in zip(index, M, strict=True)
-    ]
-    k_fits = [recentred(gas.get_thermal_conductivity_polynomial(i), 1.0) for i in index]
-    k_mean = np.array(list(x.values())) @ np.array(k_fits)
+    mu_fits: list[tuple[float, ...]] = []
+    k_fits: list[tuple[float, ...]] = []
+    k_mean = np.empty(0)
+    if viscosity is None:
+        mu_fits = [
+            recentred(gas.get_viscosity_polynomial(i), M_k**-0.25)
+            for i, M_k in zip(index, M, strict=True)
+        ]
+    if conductivity is None:
+        k_fits = [
+            recentred(gas.get_thermal_conductivity_polynomial(i), 1.0) for i in index
+        ]
+        k_mean = np.array(list(x.values())) @ np.array(k_fits)
     return GasMixture(
         name=", ".join(f"{s}:{x_k:.6g}" for s, x_k in x.items()),
         T_range=limits,
-        source=f"Cantera, {Path(mechanism).name}: NASA7 and mixture-averaged transport "
-        "fits",
+        source=f"Cantera, {Path(mechanism).name}: thermodynamics and mixture-averaged "
+        "transport",
         pressure=p,
         molar_mass=molar_mass / 1000.0,
         mole_fractions=x,
@@ -182,6 +225,9 @@ def gas_mixture(
         _wilke_pairs=tuple(pairs),
         _conductivity_fits=tuple(k_fits),
         _conductivity_mean=tuple(k_mean.tolist()),
+        _thermo=thermo,
+        _viscosity=viscosity,
+        _conductivity=conductivity,
     )
 
 
@@ -198,9 +244,9 @@ def _by_range(
     return result
 
 
-def cantera_gas(mechanism: str) -> tuple[Any, float]:
-    """Return the ideal gas phase of a mechanism with mixture-averaged transport, and
-    the gas constant [J/kmol/K].
+def cantera_gas(mechanism: str, transport: bool = True) -> tuple[Any, float]:
+    """Return the ideal gas phase of a mechanism, with mixture-averaged `transport` if
+    wanted, and the gas constant [J/kmol/K].
     """
     try:
         import cantera
@@ -233,14 +279,27 @@ def cantera_gas(mechanism: str) -> tuple[Any, float]:
             "ideal-gas phase is needed, "
             "such as that of gri30.yaml; for real fluids use CoolProp"
         )
+    if transport:
+        require_transport(gas, mechanism)
+    return gas, float(cantera.gas_constant)
+
+
+def require_transport(gas: Any, mechanism: str) -> None:
+    """Give a gas of Cantera mixture-averaged transport.
+
+    Raises
+    ------
+    SceneError : the mechanism has no transport data
+    """
+    import cantera
+
     try:
         gas.transport_model = "mixture-averaged"
     except cantera.CanteraError as error:
         raise SceneError(
             f"gas: {mechanism} has no transport data ({_reason(error)}); use one that "
-            "has"
+            "has, or give gas.viscosity and gas.conductivity"
         ) from error
-    return gas, float(cantera.gas_constant)
 
 
 def _reason(error: Exception) -> str:
@@ -269,12 +328,6 @@ def _nasa(
     """Return mid temperatures, and the mixture's polynomials of heat capacity and
     enthalpy between them.
     """
-    for s in species:
-        if s.thermo.n_coeffs != 15:
-            raise SceneError(
-                f"gas: {s.name} has no NASA 7-coefficient polynomials; take a "
-                "mechanism with them"
-            )
     data = [s.thermo.coeffs for s in species]
     T_mid = tuple(sorted({float(c[0]) for c in data}))
     heat_capacity = []

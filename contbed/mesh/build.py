@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from typing import Any
 
 import numpy as np
 import skfem
@@ -32,7 +33,40 @@ from contbed.scene.toml_lines import Origin
 
 Array = NDArray[np.float64]
 
+LARGEST_BED = 30.0  # [m]; larger ones are seldom meant
 CELLS_ACROSS = 8  # least number of cells across a bed without prescribed cells
+
+
+def mesh_of(scene: Any, nodes: Sequence[Array] | None = None) -> Mesh:
+    """Build the mesh of a scene; mistakes in a file are reported at its key.
+
+    Raises
+    ------
+    SceneError : the file cannot be used
+    """
+    settings = scene.mesh
+    if not isinstance(settings, MeshFile):
+        return build(settings, nodes)
+    with scene.origin.blamed("mesh", "file"):
+        mesh = build(settings, nodes, str(scene.origin.base))
+    size = float(np.ptp(mesh.skfem.p, axis=1).max())
+    if size > LARGEST_BED:
+        unit, scale = ("millimetres", 1e-3) if size > 1e3 / 8 else ("centimetres", 1e-2)
+        scene.remark(
+            ("mesh", "file"),
+            f"the bed is {size:.4g} m large; if the file is in {unit}, set "
+            f"mesh.scale = {scale * settings.scale:g}",
+        )
+    diameters = [
+        d for each in getattr(scene, "solids", {}).values() if (d := each.diameter)
+    ]
+    if diameters and size < max(diameters):
+        scene.remark(
+            ("mesh", "file"),
+            f"the bed is {size:.4g} m large, less than a particle of "
+            f"{max(diameters):.4g} m; see mesh.scale",
+        )
+    return mesh
 
 
 def build(
@@ -170,6 +204,11 @@ def require_names(
             if name not in known:
                 near = get_close_matches(name, known, n=1)
                 hint = f"; did you mean '{near[0]}'?" if near else ""
+                if all(each.startswith(f"{kind}_") for each in known):
+                    hint += (
+                        "; the file names none: name Physical groups in gmsh, or use "
+                        "these names"
+                    )
                 where = origin.at((kind, name))
                 problems.append(
                     f"{where}: {kind}.{name}: the mesh has no such {kind}; it has "

@@ -10,10 +10,13 @@ from __future__ import annotations
 import contextlib
 import io
 import re
+import subprocess
+import sys
 import tempfile
 import warnings
 from collections import defaultdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import skfem
@@ -22,6 +25,8 @@ from contbed.errors import SceneError
 from contbed.mesh.check import Cells, assemble
 from contbed.scene.mesh import MeshFile
 
+_NAMES = re.compile(rb"\$PhysicalNames(.*?)\$EndPhysicalNames", re.DOTALL)
+LONGEST = 600.0  # [s] that gmsh may take for a geometry
 SYSTEM_LIBRARIES = "libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1"
 
 
@@ -62,7 +67,7 @@ def _run_gmsh(settings: MeshFile, source: Path, target: Path) -> None:
     """Mesh the geometry `source` into `target`."""
     file = settings.file
     try:
-        import gmsh
+        import gmsh  # noqa: F401
     except ImportError as error:
         raise SceneError(
             f"{file}: meshing a .geo needs gmsh ({error}); pip install gmsh, or give a "
@@ -75,31 +80,54 @@ def _run_gmsh(settings: MeshFile, source: Path, target: Path) -> None:
             f"{file}: gmsh needs the system library {library}, which is missing; "
             f"{remedy}"
         ) from None
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    size = 0.0 if settings.size is None else settings.size / settings.scale
+    command = [sys.executable, "-P", "-m", "contbed.mesh.geometry"]
+    command += [str(source), str(target), str(settings.dimension), repr(size)]
     try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.logger.start()
-        gmsh.open(str(source))
-        gmsh.option.setNumber("General.Terminal", 0)
-        for option in ("Mesh.SaveAll", "Mesh.SaveParametric"):
-            gmsh.option.setNumber(option, 0)
-        gmsh.option.setNumber("Mesh.ElementOrder", 1)
-        gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
-        if settings.size is not None:
-            for option in ("Mesh.MeshSizeMin", "Mesh.MeshSizeMax"):
-                gmsh.option.setNumber(option, settings.size / settings.scale)
-        gmsh.model.mesh.generate(settings.dimension)
-        gmsh.write(str(target))
-    except Exception as error:  # gmsh raises bare Exception
-        first = next(
-            (line for line in gmsh.logger.get() if line.startswith("Error")), str(error)
+        done = subprocess.run(
+            command,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=LONGEST,
         )
-        hint = f"run gmsh -{settings.dimension} on it"
+    except subprocess.TimeoutExpired:
         raise SceneError(
-            f"{file}: gmsh cannot mesh it: {_one_line(first)}; {hint}"
+            f"{file}: gmsh has not meshed it in {LONGEST:g} s; if that is no endless "
+            "loop, mesh it with gmsh and give the .msh"
         ) from None
-    finally:
-        gmsh.finalize()
+    if done.returncode or not target.is_file():
+        lines = done.stderr.strip().splitlines()
+        reason = lines[-1] if lines else f"its process ended with {done.returncode}"
+        hint = f"run gmsh -{settings.dimension} on it"
+        raise SceneError(f"{file}: gmsh cannot mesh it: {reason}; {hint}")
+
+
+def _as_utf8(data: bytes) -> tuple[bytes, bool]:
+    """Return a mesh with its names in UTF-8 without a byte order mark, and whether
+    that has changed it.
+
+    Names of other editors are taken as Windows-1252.
+    """
+    start = data.removeprefix(b"\xef\xbb\xbf")
+    names = _NAMES.search(start)
+    if names is not None:
+        try:
+            names[1].decode("utf-8")
+        except UnicodeDecodeError:
+            text = names[1].decode("cp1252", errors="replace").encode("utf-8")
+            start = start[: names.start(1)] + text + start[names.end(1) :]
+    return start, start is not data
+
+
+def _read(path: Path, data: bytes) -> Any:
+    """Read a mesh from bytes that differ from those of its file."""
+    import meshio
+
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / path.name
+        copy.write_bytes(data)
+        return meshio.gmsh.read(copy)
 
 
 def _one_line(text: object) -> str:
@@ -125,6 +153,7 @@ def _load(settings: MeshFile, path: Path) -> tuple[np.ndarray, dict[int, Cells]]
         )
     import meshio
 
+    data, encoded = _as_utf8(data)
     try:
         with (
             contextlib.redirect_stdout(io.StringIO()),
@@ -137,7 +166,7 @@ def _load(settings: MeshFile, path: Path) -> tuple[np.ndarray, dict[int, Cells]]
                 message="string or file could not be read",
                 category=DeprecationWarning,
             )
-            mesh = meshio.gmsh.read(path)
+            mesh = _read(path, data) if encoded else meshio.gmsh.read(path)
     # meshio lets any error of its parser through
     except (Exception, SystemExit) as error:
         reason = _one_line(error) or "meshio gives no reason"
@@ -147,7 +176,7 @@ def _load(settings: MeshFile, path: Path) -> tuple[np.ndarray, dict[int, Cells]]
             f"{hint}"
         ) from None
 
-    section = re.search(rb"\$PhysicalNames(.*?)\$EndPhysicalNames", data, re.DOTALL)
+    section = _NAMES.search(data)
     lines = re.findall(rb'(\d+)\s+(\d+)\s+"(.*?)"', section[1]) if section else []
     names = {
         (int(dim), int(tag)): name.decode(errors="replace") for dim, tag, name in lines

@@ -139,6 +139,10 @@ def load(folder: Path | str) -> tuple[Parts, Parts]:
     require_there(folder)
     path = Path(folder) / NAME
     try:
+        # what contbed writes is not packed: no file takes more memory than its size
+        with open(path, "rb") as stream, zipfile.ZipFile(stream) as entries:
+            if any(entry.compress_type for entry in entries.infolist()):
+                raise ValueError("it is packed, as no checkpoint of contbed is")
         with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
             arrays = {
                 name.removeprefix(_ARRAY): file[name]

@@ -10,6 +10,7 @@ from typing import Any
 from contbed.closures.packed_beds import gas_conducts_twice, unusable
 from contbed.course.schedule import series_of
 from contbed.errors import SceneError
+from contbed.materials.common import FAR
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import OF_HEAT, bound, places
 from contbed.packed_bed.corners import prescribed_temperatures_agree_in_corners
@@ -684,6 +685,23 @@ def _about_velocity(boundary: Boundaries, phase: str, see: See) -> str:
         key = "gas.velocity" if phase == "fluid" else "solids.NAME.velocity"
         return f"no boundary gives {key}"
     return f"see {see(velocity_key(boundary, phase))}"
+
+
+def require_properties(fluid: Any, scene: s.Scene) -> None:
+    """Refuse temperatures so far from the data of the gas that no property is left.
+
+    Raises
+    ------
+    SceneError : a property is not positive there, or the data are too far away
+    """
+    low, high = fluid.T_range
+    for path, T in _temperatures(["fluid"], scene.boundary, scene.initial):
+        of = (fluid.heat_capacity, fluid.viscosity, fluid.conductivity)
+        if low - FAR > T or not all(each(T) > 0.0 for each in of):
+            raise SceneError(
+                f"{scene.origin.at(path)}: {dotted(path)}: {T:g} K is too far from the "
+                f"data of {fluid.name}, {low:g} to {high:g} K"
+            )
 
 
 def _temperatures(

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,39 +18,17 @@ import numpy as np
 from contbed.closures import optics
 from contbed.closures.binding import BoundClosure, is_phase, named
 from contbed.closures.ranges import RangeUse
-from contbed.materials import ConstantFluid, Solid, gas_mixture, real_fluid
+from contbed.materials import Solid
+from contbed.materials.constants import fluid_of
 from contbed.materials.pointwise import pointwise
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import At, all_bound
 from contbed.scene.boundary import conditions_of
-from contbed.scene.gas import GasCantera, GasConstant, GasCoolProp
 from contbed.scene.library import material
-from contbed.scene.mechanism import find_mechanism
 
 _AREA = {"spheres": 6.0, "rods": 4.0}
 # conduction inside counts as d/(10 k_s) in series with the film of spheres
 _INSIDE = {"spheres": 10.0, "rods": 8.0}
-
-
-def fluid_of(settings: GasConstant | GasCantera | GasCoolProp, base: Path) -> Any:
-    """Return the fluid of a scene in the folder `base`; Cantera and CoolProp are
-    imported only when named.
-    """
-    if isinstance(settings, GasCantera):
-        return gas_mixture(
-            settings.composition,
-            settings.pressure,
-            find_mechanism(settings.mechanism, base),
-        )
-    if isinstance(settings, GasCoolProp):
-        return real_fluid(settings.name, settings.pressure, settings.T_range)
-    conductivity = 1.0 if settings.conductivity is None else settings.conductivity
-    return ConstantFluid(
-        settings.density,
-        settings.heat_capacity or 1.0,
-        settings.viscosity,
-        conductivity,
-    )
 
 
 def solid_of(settings: s.Solid) -> Solid | None:
@@ -104,7 +81,7 @@ class Medium:
         """
         return cls(
             scene,
-            fluid_of(scene.gas, scene.origin.base) if fluid is None else fluid,
+            fluid_of(scene.gas, scene.origin) if fluid is None else fluid,
             solid_of(scene.solid),
             T_fluid_in,
             bed_diameter,

@@ -21,11 +21,13 @@ import numpy as np
 
 from contbed.course.schedule import Schedule
 from contbed.errors import SceneError
-from contbed.mesh.build import build, moved, require_names
+from contbed.materials.constants import fluid_of
+from contbed.mesh.build import build, mesh_of, moved, require_names
 from contbed.mesh.grading import finest
 from contbed.mesh.mesh import Mesh
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.adapt import refinable
+from contbed.packed_bed.checks import require_properties
 from contbed.packed_bed.grading import nodes
 from contbed.packed_bed.heat_parts import parts_of_heat
 from contbed.packed_bed.inlets import velocity_vector
@@ -369,12 +371,14 @@ def plan(scene: s.Scene) -> Plan:
     if scene.time is not None:
         schedule = Schedule.of(scene.boundary, scene.origin.base)
         scene = schedule.frozen(scene, 0.0)
+    fluid = fluid_of(scene.gas, scene.origin)
+    require_properties(fluid, scene)
     scene, thick = cheapest(scene)
     built: list[tuple[str, str]] = []
     skipped: list[tuple[str, str]] = []
     inside = _inside(schedule, scene)
     scene = resolved(scene, inside)
-    medium = Medium.of(scene, inlet_temperature(scene), bed_diameter(scene.mesh))
+    medium = Medium.of(scene, inlet_temperature(scene), bed_diameter(scene.mesh), fluid)
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
     lines, sides = lines_of(flows, medium, bool(schedule))
     line = lines[0] if all(lines) else None
@@ -389,11 +393,7 @@ def plan(scene: s.Scene) -> Plan:
         for each, frozen in zip(lines, flows, strict=True)
     ]
     grids = [nodes(each, medium, *velocities(each), fronts) for each in targets]
-    mesh = build(
-        grid,
-        grids[0] if len(grids) == 1 else _finest_each(grids),
-        str(scene.origin.base),
-    )
+    mesh = mesh_of(target, grids[0] if len(grids) == 1 else _finest_each(grids))
     ends = [
         name
         for name in target.boundary

@@ -13,6 +13,7 @@ import numpy as np
 from contbed.balance import HELD_SHARE, Balance
 from contbed.errors import ConvergenceError
 from contbed.fem.probe import Line
+from contbed.materials.common import extrapolation
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.schedule import ScheduleInterval
 from contbed.result import Result, outside
@@ -157,13 +158,10 @@ def check_state(plan: Plan, problem: Any, states: list[Any], result: Result) -> 
     for phase in ("fluid", "solid"):
         material = getattr(plan.medium, phase)
         values = problem.system.part(states[-1], f"T_{phase}")
-        if (share := material.share_outside(values)) > 0:
-            low, high = material.T_range
-            result.warnings.append(
-                f"{material.name}: {share:.1%} of the points are outside {low:.6g} to "
-                f"{high:.6g} K, used "
-                f"{values.min():.6g} to {values.max():.6g} K"
-            )
+        if text := extrapolation(
+            material.name, material.heat_capacity, material.T_range, values
+        ):
+            result.warnings.append(text)
         _require_physical(phase, material, values)
     beyond = overshoot(plan, problem, states)
     if beyond is None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from contbed.mesh.build import build, moved, require_names
+from contbed.mesh.build import mesh_of, moved, require_names
 from contbed.mesh.mesh import Mesh
 from contbed.plan_text import plan_text
 from contbed.radiation.grading import nodes
@@ -116,7 +116,7 @@ class Plan:
         return replace(
             self,
             solved=scene,
-            mesh=build(scene.mesh, nodes(scene), str(scene.origin.base)),
+            mesh=mesh_of(scene, nodes(scene)),
         )
 
     def __str__(self) -> str:
@@ -135,7 +135,7 @@ def plan(scene: RadiationScene) -> Plan:
         from contbed.radiation.rosseland import choose
 
         scene, thick = choose(scene)
-    mesh = build(scene.mesh, nodes(scene), str(scene.origin.base))
+    mesh = mesh_of(scene, nodes(scene))
     require_names(scene.origin, mesh, {"boundary": scene.boundary})
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
     table = scene.radiation

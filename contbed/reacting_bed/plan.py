@@ -20,7 +20,7 @@ from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.across import across
 from contbed.reacting_bed.cells import aim
 from contbed.reacting_bed.course import follows
-from contbed.reacting_bed.pellet_level import decided, undecided
+from contbed.reacting_bed.pellet_level import decided
 from contbed.reacting_bed.phases import described_phases, species_of
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import require_rates
@@ -121,18 +121,6 @@ def plan(scene: s.ReactingScene) -> Plan:
                 )
             )
     return Plan(scene, problem, schedule, stores_gas, tuple(built), tuple(skipped))
-
-
-def require_buildable(scene: s.ReactingScene) -> None:
-    """Refuse what a plan refuses; a bed that a plan would solve to judge its pellets
-    has none inside here.
-
-    Raises
-    ------
-    SceneError : species, reactions or closures cannot be used
-    """
-    with _at_its_place(scene.origin):
-        _built(undecided(scene))
 
 
 @contextmanager

@@ -421,10 +421,20 @@ def _remarks(problem: Problem, u: Array, result: Result, found: Least | None) ->
         for phase, names in constituents_of(problem).items()
     ]
     for T, items in ranges:
-        for name, item in items.items():
-            low, high = item.T_range
-            if np.min(T) < low * (1 - 1e-3) or np.max(T) > high * (1 + 1e-3):
-                result.warnings.append(
-                    f"{name}: thermodynamics from {low:g} to {high:g} K, used "
-                    f"{np.min(T):.4g} to {np.max(T):.4g} K"
-                )
+        result.warnings += _beyond_data(T, items)
+
+
+def _beyond_data(T: Array, items: Mapping[str, Any]) -> list[str]:
+    """Return one warning for all species whose data end alike, where they are
+    extrapolated.
+    """
+    names: dict[tuple[float, float], list[str]] = {}
+    for name, item in items.items():
+        low, high = item.T_range
+        if np.min(T) < low * (1 - 1e-3) or np.max(T) > high * (1 + 1e-3):
+            names.setdefault(item.T_range, []).append(name)
+    return [
+        f"{', '.join(species)}: thermodynamics from {low:g} to {high:g} K, used from "
+        f"{np.min(T):.4g} to {np.max(T):.4g} K with the heat capacity at the nearer end"
+        for (low, high), species in names.items()
+    ]

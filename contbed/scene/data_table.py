@@ -140,10 +140,26 @@ def read_table(path: Path) -> DataTable:
     return _read(path, status.st_ino, status.st_mtime_ns, status.st_size)
 
 
+def decoded(data: bytes) -> str:
+    """Return the text of a file in UTF-8, with or without a byte order mark, or in
+    Windows-1252, as spreadsheets write it.
+
+    Raises
+    ------
+    UnicodeDecodeError : it is no text
+    """
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        if b"\0" in data:
+            raise
+        return data.decode("cp1252")
+
+
 @lru_cache(maxsize=64)
 def _read(path: Path, inode: int, changed: int, size: int) -> DataTable:
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = decoded(path.read_bytes())
     except (OSError, UnicodeDecodeError) as error:
         raise SceneError(f"{path.name}: cannot be read as text: {error}") from None
     names: tuple[str, ...] = ()

@@ -68,15 +68,24 @@ class GasCantera(Table):
         "gri30.yaml",
         description="Cantera mechanism with the species: a name or a YAML file",
     )
+    viscosity: Viscosity | None = Field(
+        None, description="constant; absent: of the transport data of the mechanism"
+    )
+    conductivity: Conductivity | None = Field(
+        None, description="constant; absent: of the transport data of the mechanism"
+    )
 
 
 class GasCoolProp(Table):
     """A real fluid at constant pressure from CoolProp."""
 
     model: Literal["coolprop"] = Field(
-        description="pure real fluid with properties by CoolProp"
+        description="real fluid with properties by CoolProp"
     )
-    name: str = Field(description="name of the fluid in CoolProp")
+    name: str = Field(
+        description="of the fluid in CoolProp: Water, steam, INCOMP::TVP1 (oil), "
+        "INCOMP::MEG-30% (brine), Nitrogen[0.79]&Oxygen[0.21]"
+    )
     pressure: Pressure = Field(101325.0, description="absolute pressure of the fluid")
     T_range: tuple[Temperature, Temperature] = Field(
         description="temperatures to tabulate, one phase only"

@@ -17,7 +17,12 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from contbed.scene.mechanism import code_in_mechanism, mechanism_file, mechanism_folders
+from contbed.scene.mechanism import (
+    aliases_that_multiply,
+    code_in_mechanism,
+    mechanism_file,
+    mechanism_folders,
+)
 from contbed.scene.quantities import Table
 from contbed.scene.toml_lines import KeyPath, Origin
 
@@ -98,6 +103,8 @@ def unusable_files(
         elif not origin.allow_large and _size(file, status) > LARGE_FILE:
             packed = ", unpacked" if file.suffix == ".gz" else ""
             yield path, f"is larger than {LARGE_FILE // 10**6} MB{packed}; {_ALLOW}"
+        elif path[-1] == "mechanism" and (found := aliases_that_multiply(file)):
+            yield path, found
         elif not origin.trust:
             for problem in _code(path, file, origin.base):
                 yield path, f"{problem}; {_TRUST}"

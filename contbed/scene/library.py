@@ -23,6 +23,14 @@ _CHASE = (
     "Chase 1998, NIST-JANAF Thermochemical Tables, 4th edition, as Shomate "
     "equation in the NIST WebBook, SRD 69"
 )
+_CALLISTER = (
+    "Callister 2007, Materials Science and Engineering, 7th edition, Wiley, tables "
+    "B.2 and B.3"
+)
+_BASS = (
+    "Bass 1995, AGU Reference Shelf 2, 45-63, doi:10.1029/RF002p0045, mean of all "
+    "directions (Hill)"
+)
 _HORAI = "Horai 1971, J. Geophys. Res. 76, 1278-1308, doi:10.1029/JB076i005p01278"
 
 
@@ -44,6 +52,9 @@ class Material:
     heat_capacity: Coefficients | None = None  # [J/kg/K]
     conductivity: Coefficients | None = None  # [W/m/K]
     viscosity: Coefficients | None = None  # [Pa s]
+    youngs_modulus: Coefficients | None = None  # [Pa]
+    poisson_ratio: Coefficients | None = None  # [-]
+    stiffness_source: str = ""  # of Young's modulus and Poisson's ratio, at 20 degC
     error: float = 0.0
 
     def at(self, T: float) -> dict[str, float]:
@@ -57,8 +68,7 @@ class Material:
         """Return the coefficients of the properties that there are, by the keys of a
         scene.
         """
-        names = ("density", "heat_capacity", "conductivity", "viscosity")
-        return {name: a for name in names if (a := getattr(self, name)) is not None}
+        return {name: a for name in _UNITS if (a := getattr(self, name)) is not None}
 
 
 _UNITS = {
@@ -66,7 +76,11 @@ _UNITS = {
     "heat_capacity": "J/kg/K",
     "conductivity": "W/m/K",
     "viscosity": "Pa s",
+    "youngs_modulus": "Pa",
+    "poisson_ratio": "-",
 }
+# keys that only some models need
+_OF_SOLIDS = ("youngs_modulus", "poisson_ratio")
 
 _ALL = (
     Material(
@@ -76,12 +90,16 @@ _ALL = (
         "doi:10.1111/j.1151-2916.1997.tb03074.x; NIST SRD 150",
         (3984.0,), (59.9293, 3.2644, -0.00353037, 1.74021e-06, -3.15663e-10),
         (67.007, -0.1562, 0.000157078, -7.17348e-08, 1.23675e-11), error=0.005,
+        youngs_modulus=(416e9,), poisson_ratio=(0.231,),
+        stiffness_source="NIST SRD 150",
     ),
     Material(
         "silica", "fused silica; the conductivity includes radiation through it", "solid", (300.0, 1200.0),
         f"{_INCROPERA}, table A.2, silicon dioxide, polycrystalline (fused silica)",
         (2220.0,), (-461.048, 6.72848, -0.0114565, 8.91137e-06, -2.56557e-09),
         (0.883934, 0.00240487, -3.32141e-06, 2.90146e-09), error=0.007,
+        youngs_modulus=(73e9,), poisson_ratio=(0.17,),
+        stiffness_source=_CALLISTER,
     ),
     Material(
         "sand", "grains of alpha quartz; the conductivity is that at 25 degC and falls "
@@ -89,11 +107,15 @@ _ALL = (
         (298.0, 847.0), f"cp: {_CHASE}; conductivity: {_HORAI}, mean of all "
                         "directions; density of the crystal",
         (2650.0,), (-99.399, 4.1821, -0.00539661, 2.80112e-06), (7.69,), error=0.001,
+        youngs_modulus=(95.6e9,), poisson_ratio=(0.08,),
+        stiffness_source=_BASS,
     ),
     Material(
         "steel", "stainless steel AISI 304", "solid", (300.0, 1500.0), f"{_INCROPERA}, "
                                                                        "table A.1",
         (7900.0,), (357.687, 0.513894, -0.000382372, 1.22926e-07), (9.86617, 0.0175964, -2.04084e-06), error=0.01,
+        youngs_modulus=(193e9,), poisson_ratio=(0.30,),
+        stiffness_source=_CALLISTER,
     ),
     Material(
         "iron_ore", "dense grains of hematite, Fe2O3; the conductivity is that at 25 "
@@ -101,10 +123,14 @@ _ALL = (
         (298.0, 950.0), f"cp: {_CHASE}; conductivity: {_HORAI}, hematite; density of "
                         "the mineral",
         (5260.0,), (214.135, 1.997, -0.00199508, 8.87077e-07), (11.28,), error=0.01,
+        youngs_modulus=(238e9,), poisson_ratio=(0.31,),
+        stiffness_source=_BASS,
     ),
     Material(
         "glass", "soda-lime glass, values at 300 K", "solid", (273.0, 373.0),
         f"{_INCROPERA}, table A.3, glass, plate (soda lime)", (2500.0,), (750.0,), (1.4,),
+        youngs_modulus=(69e9,), poisson_ratio=(0.23,),
+        stiffness_source=_CALLISTER,
     ),
     Material(
         "coal_ash", "mineral matter of coal; density and conductivity vary too much to "
@@ -164,10 +190,13 @@ def data_sheet(name: str) -> str:
                 f"    {key}: {text} {unit}; coefficients "
                 f"{', '.join(f'{a:g}' for a in properties[key])}"
             )
-        elif found.phase == "fluid" or key != "viscosity":
+        elif key not in _OF_SOLIDS and (found.phase == "fluid" or key != "viscosity"):
             lines.append(
                 f"    {key}: not in the library, to be given in the scene [{unit}]"
             )
     if found.error:
         lines.append(f"    polynomials within {100 * found.error:g} % of the source")
-    return "\n".join([*lines, f"    source: {found.source}"])
+    lines.append(f"    source: {found.source}")
+    if found.stiffness_source:
+        lines.append(f"    source of the stiffness: {found.stiffness_source}")
+    return "\n".join(lines)

@@ -11,8 +11,13 @@ import os
 import re
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 # the key as it is, or text that is written with escapes
+_ALIAS = re.compile(rb"(?:^|[\s\[{,:-])\*\w")
+_ANCHOR = re.compile(rb"(?:^|[\s\[{,:-])&\w")
+# nodes in memory for each that is written
+MOST_COPIES = 100
 _EXTENSIONS = re.compile(rb"extensions|\\")
 
 
@@ -52,6 +57,40 @@ def find_mechanism(name: str, base: Path) -> str:
     """
     path = mechanism_file(name, base)
     return name if path is None else str(path.absolute())
+
+
+def aliases_that_multiply(path: Path) -> str:
+    """Return what in a mechanism file would grow beyond all memory when it is read:
+    aliases of aliases; empty if nothing does.
+    """
+    data = path.read_bytes()
+    if _ALIAS.search(data) is None or _ANCHOR.search(data) is None:
+        return ""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
+
+    try:
+        node = YAML(typ="safe", pure=True).compose(data)
+    except YAMLError:
+        return ""  # whoever reads it says so
+    written: dict[int, int] = {}
+    if node is None or _expanded(node, written) <= MOST_COPIES * len(written):
+        return ""
+    return f"{path.name}: aliases of aliases multiply to more than a computer holds"
+
+
+def _expanded(node: Any, known: dict[int, int]) -> int:
+    """Return the number of nodes below one of a YAML file, those of aliases counted
+    each time; `known` are the numbers of those that are written.
+    """
+    if id(node) in known:
+        return known[id(node)]
+    known[id(node)] = 1
+    children = node.value if isinstance(node.value, list) else []
+    for child in children:
+        for each in child if isinstance(child, tuple) else (child,):
+            known[id(node)] += _expanded(each, known)
+    return known[id(node)]
 
 
 def code_in_mechanism(path: Path) -> str:

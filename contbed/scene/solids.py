@@ -27,7 +27,13 @@ ConductivityOfSolid = Annotated[
     Annotated[Conductivity, Tag("number")] | Polynomial, Discriminator(form)
 ]
 
-_FROM_MATERIAL = ("density", "heat_capacity", "conductivity")
+_FROM_MATERIAL = (
+    "density",
+    "heat_capacity",
+    "conductivity",
+    "youngs_modulus",
+    "poisson_ratio",
+)
 
 Phase = TypeVar("Phase")
 

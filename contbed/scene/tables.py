@@ -238,6 +238,12 @@ class SceneBase(Table):
         """
         return self._origin
 
+    def remark(self, path: KeyPath, text: str) -> None:
+        """Add a warning that is known only once a file of the scene has been read."""
+        where = f"{self.origin.at(path)}: {'.'.join(map(str, path))}"
+        if (line := f"{where}: {text}") not in self._warnings:
+            self._warnings = (*self._warnings, line)
+
     @property
     def warnings(self) -> tuple[str, ...]:
         """What the scene says that is possible but seldom meant, each with file,

@@ -8,7 +8,8 @@ import json
 import re
 import stat
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -67,6 +68,20 @@ class Origin:
         """Return "file:line" of a key, or "override"."""
         line = self.line(path)
         return f"{self.name}:{line}" if line else "override"
+
+    @contextmanager
+    def blamed(self, *path: str) -> Iterator[None]:
+        """Put the place of a key before errors of what it names, such as a file."""
+        try:
+            yield
+        except SceneError as error:
+            where = f"{self.at(path)}: {'.'.join(path)}: "
+            raise SceneError(
+                [
+                    text if text.startswith(f"{self.name}:") else where + text
+                    for text in error.problems
+                ]
+            ) from None
 
 
 def parse(text: str, name: str, base: Path = Path()) -> tuple[dict[str, Any], Origin]:

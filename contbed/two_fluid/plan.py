@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import SceneError
-from contbed.mesh.build import build
+from contbed.mesh.build import mesh_of
 from contbed.mesh.entities import renamed
 from contbed.mesh.mesh import Mesh
 from contbed.plan_text import plan_text
@@ -109,7 +109,7 @@ def plan(scene: t.TwoFluidScene, place: Place = ONE_PROCESS) -> TwoFluidPlan:
     ------
     SceneError : the mesh cannot be used, a boundary has no condition or does not exist
     """
-    mesh = _cut(build(scene.mesh, base=str(scene.origin.base)), scene)
+    mesh = _cut(mesh_of(scene), scene)
     cells, place = place.grid(scene, mesh, _pairs(scene))
     _require_resolved(scene, mesh, cells)
     known = conditions(scene, cells)

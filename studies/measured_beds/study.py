@@ -14,7 +14,8 @@ from contbed.loading import load
 from contbed.many.validate import case, score
 from contbed.many.validate.deviations import COVERAGE, Score
 from contbed.many.validate.score import Validated
-from contbed.packed_bed.medium import fluid_of, solid_of
+from contbed.materials.constants import fluid_of
+from contbed.packed_bed.medium import solid_of
 from contbed.runner import run
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
@@ -101,7 +102,7 @@ def heat_of_the_stone_bed(**changes: Any) -> tuple[float, float]:
     order = np.argsort(stone.points.x)
     x, T = stone.points.x[order], stone.points.value[order]
     z = np.linspace(0.0, scene.mesh.length, 2001)
-    material, air = solid_of(scene.solid), fluid_of(scene.gas, scene.origin.base)
+    material, air = solid_of(scene.solid), fluid_of(scene.gas, scene.origin)
     gained = material.enthalpy(np.interp(z, x, T)) - material.enthalpy(
         np.interp(z, start, T_start)
     )

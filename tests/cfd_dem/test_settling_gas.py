@@ -5,9 +5,9 @@ restart.
 import pytest
 
 import contbed as cb
-from contbed.cfd_dem.run import _fluid
 from contbed.errors import SceneError
 from contbed.loading import loads
+from contbed.materials.constants import fluid_of
 from tests.cfd_dem.test_probes import SCENE
 
 
@@ -103,7 +103,9 @@ def test_a_gas_by_constants_composition_or_name(gas, density):
         "conductivity = 0.026"
     )
     scene = loads(SCENE.replace(constants, gas))
-    assert float(_fluid(scene).density(300.0)) == pytest.approx(density, rel=1e-4)
+    assert float(fluid_of(scene.gas, scene.origin).density(300.0)) == pytest.approx(
+        density, rel=1e-4
+    )
 
 
 def test_a_start_temperature_belongs_to_an_energy_equation():

@@ -175,6 +175,7 @@ width = ["6 mm", "6 mm"]
 [solids.spheres]
 diameter = "2 mm"
 conductivity = 1.4
+youngs_modulus = "10 MPa"
 """
 LATTICE = SCENE.replace(
     "packing]\ncount = 70", 'lattice]\ntype = "sc"\ncontact_radius = "0.1 mm"'

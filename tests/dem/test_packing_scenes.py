@@ -35,6 +35,7 @@ seed = 3
 [solids.spheres]
 diameter = "2 mm"
 conductivity = 1.4
+youngs_modulus = 1e6
 
 [gas]
 conductivity = 0.026
@@ -149,7 +150,7 @@ def test_mistakes():
     ]
     area = BED + "[particles.layers]\nbottom = 0.002\ntop = 0.008\narea = 1e-5\n"
     assert problems(area) == [
-        "scene.toml:22: particles.layers.area = 1e-05: is that of the packing, 3.6e-05 "
+        "scene.toml:23: particles.layers.area = 1e-05: is that of the packing, 3.6e-05 "
         "m2; remove this line"
     ]
     both = BED + '[particles.lattice]\ntype = "sc"\ncontact_radius = 1e-4\n'
@@ -416,7 +417,7 @@ def test_refusals(monkeypatch):
     ):
         cb.run(loads(lattice), engine="lammps")
     with pytest.raises(
-        SceneError, match=r"scene.toml:14: .*another law of rolling .*set it to 0"
+        SceneError, match=r"scene.toml:15: .*another law of rolling .*set it to 0"
     ):
         cb.run(
             loads(BED.replace("[gas]", "rolling_friction = 0.1\n[gas]"), "scene.toml"),

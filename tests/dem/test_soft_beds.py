@@ -33,6 +33,7 @@ width = ["12 mm", "12 mm"]
 [solids.spheres]
 diameter = "2 mm"
 conductivity = 1.4
+youngs_modulus = "10 MPa"
 """
 GAS = (Path(cb.__file__).parent / "cfd_dem" / "template.toml").read_text()
 

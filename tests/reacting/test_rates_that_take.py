@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 import contbed
 from contbed.errors import ConvergenceError, SceneError
 from contbed.loading import from_dict
-from contbed.models import plan, require_buildable
+from contbed.models import plan
 from contbed.reacting_bed import rate_checks
 from contbed.reacting_bed.rate_checks import taken_though_absent, taken_to_the_end
 from contbed.reacting_bed.solve import Report, step
@@ -224,14 +224,14 @@ def test_rates_without_value_are_told_before_a_run_in_time(
     if enters is not None:
         scene["boundary"]["left"]["gas"]["composition"] = enters
     with pytest.raises(SceneError, match=said):
-        require_buildable(from_dict(scene))
+        plan(from_dict(scene))
 
 
 def test_a_gas_without_what_reacts_is_no_mistake():
     """A purge has neither A, of which the order is positive, nor B, of which it is
     negative.
     """
-    require_buildable(from_dict(in_time(ORDERS, "N:1")))
+    plan(from_dict(in_time(ORDERS, "N:1")))
 
 
 def test_a_rate_without_value_at_the_start_of_a_file_is_told(tmp_path):
@@ -302,7 +302,7 @@ def test_check_solves_nothing(monkeypatch):
         "r": {"equation": "A -> B", "A": 1.0, "E": 0.0, "basis": "particle"}
     }
     monkeypatch.setattr(pellet_level, "steady", lambda *_: pytest.fail("solved"))
-    require_buildable(from_dict(scene))
+    plan(from_dict(scene))
 
 
 def test_a_constant_rate_in_resolved_pellets():

@@ -22,6 +22,7 @@ closure = { ratios = [2, 5, 10, 20, 50] }
 [solids.spheres]
 diameter = "2 mm"
 conductivity = 1.4
+youngs_modulus = "10 MPa"
 [gas]
 conductivity = 0.026
 """

@@ -1,0 +1,84 @@
+"""Temperatures that no bed has: all that a scene gives, in whatever model, are looked
+at in one place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import Annotated, Any, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from contbed.scene.checking import Mistakes
+
+# data of gases end here, and no solid of a bed is left: tungsten melts at 3695 K
+HOTTEST = 3700.0
+# helium boils at 4.2 K, hydrogen at 20 K; gases and solids of a bed have no data there
+COLDEST = 20.0
+# differences of temperature, and ranges of data
+_NO_STATES = ("T_range", "tolerance", "step", "interval", "activation")
+
+
+def temperatures_are_of_a_bed(parts: Mapping[str, Any]) -> Mistakes:
+    """Look for temperatures that point to a wrong unit or a wrong number."""
+    for path, value in _temperatures(parts, ()):
+        if value > HOTTEST:
+            text = f"above {HOTTEST:g} K no solid of a bed is left"
+        elif value < COLDEST:
+            text = f"below {COLDEST:g} K no gas has data"
+        else:
+            continue
+        yield path, f"{value:.6g} K: {text}; is the unit right?"
+
+
+def _temperatures(
+    part: Any, path: tuple[str | int, ...]
+) -> Iterator[tuple[tuple[str | int, ...], float]]:
+    """Yield all temperatures [K] below a table with their paths."""
+    if isinstance(part, Mapping):
+        for name, value in part.items():
+            yield from _temperatures(value, (*path, name))
+    elif isinstance(part, BaseModel):
+        of_temperature = _keys_of_temperature(type(part))
+        for name in type(part).model_fields:
+            value = getattr(part, name)
+            if name in of_temperature:
+                numbers = value if isinstance(value, tuple) else (value,)
+                yield from (
+                    ((*path, name), float(number))
+                    for number in numbers
+                    if isinstance(number, int | float)
+                )
+            yield from _temperatures(value, (*path, name))
+    elif isinstance(part, tuple):
+        for index, value in enumerate(part):
+            if isinstance(value, BaseModel):
+                yield from _temperatures(value, (*path, index))
+
+
+@cache
+def _keys_of_temperature(model: type[BaseModel]) -> frozenset[str]:
+    """Return the keys of a table that are temperatures."""
+    return frozenset(
+        name
+        for name, field in model.model_fields.items()
+        if not any(word in name for word in _NO_STATES)
+        and (_in_kelvin(field.metadata, field) or _any_in_kelvin(field.annotation))
+    )
+
+
+def _in_kelvin(metadata: Any, field: Any = None) -> bool:
+    entries = [*metadata, field]
+    extras = [
+        entry.json_schema_extra for entry in entries if isinstance(entry, FieldInfo)
+    ]
+    return any(isinstance(each, dict) and each.get("unit") == "K" for each in extras)
+
+
+def _any_in_kelvin(annotation: Any) -> bool:
+    """Return whether any alternative of a type is a temperature."""
+    if get_origin(annotation) is Annotated and _in_kelvin(annotation.__metadata__):
+        return True
+    return any(_any_in_kelvin(each) for each in get_args(annotation))
