@@ -13,6 +13,7 @@ from contbed.two_fluid.boundary import Inlet, Outlet, Wall, assemble
 from contbed.two_fluid.end_pressure import end_pressure
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.fv.connections import connect
+from contbed.two_fluid.heat.wall_layer import NOWHERE, wall_layers
 from contbed.two_fluid.model import Materials, build_model
 from contbed.two_fluid.results import across
 from contbed.two_fluid.state import zero_state
@@ -161,6 +162,65 @@ def test_parts_are_those_of_the_grid(name, size):
                 assert len(sent)
                 np.testing.assert_array_equal(sent, received)
         assert part.sent.keys() == part.received.keys()
+
+
+def layers_by_face(on, w, faces, cells):
+    """What layers of a grid hold, by the number of their face in the whole one; those
+    beside other ranks' cells too.
+    """
+    found = {}
+    for k, face in enumerate(w.face):
+        around = slice(w.start[k], w.start[k + 1])
+        beyond = w.beyond_cell[around]
+        others = np.where(beyond == NOWHERE, NOWHERE, cells[beyond])
+        columns = (w.outward, w.opposite, w.beyond_column)
+        lists = (faces[w.beside[around]], others, *(each[around] for each in columns))
+        order = np.argsort(lists[0])
+        numbers = np.stack([each[order] for each in lists])
+        shape = np.stack((w.thickness[k], w.node[k], w.share[k]))
+        found[int(faces[face])] = int(w.column[k]), numbers, shape
+    return found
+
+
+@pytest.mark.parametrize("name", ["rectangles", "triangles", "round", "box"])
+def test_layers_beside_walls_are_those_of_the_grid(name):
+    """Of own cells each rank has the same layers, and finds the same ones beside them
+    beyond its own cells.
+    """
+    mesh, periodic = GRIDS[name]()
+    whole, division = grid.build(mesh, periodic), Division.of(connect(mesh, periodic))
+    edges = np.arange(whole.interior, whole.face_count)
+    heated = whole.geometry.normal[edges].sum(axis=1) > 0.0
+    everything = np.arange(whole.face_count)
+    layers, columns = wall_layers(whole, heated)
+    wanted = layers_by_face(whole, layers, everything, np.arange(len(whole.cells)))
+    assert columns in (20, 40, 60)
+    owner = (whole.centres[:, -1] > whole.centres[:, -1].mean()).astype(np.int64)
+    met = 0
+    for share in division.split(mesh.skfem, owner, 2):
+        part = share.part()
+        on = grid.Grid(
+            part.geometry,
+            part.grid_cells,
+            part.centres,
+            part.middles,
+            {},
+            {},
+            part.axisymmetric,
+            part.bandwidth,
+            False,
+            None,
+        )
+        mine = part.faces[on.interior :] - whole.interior
+        found = layers_by_face(
+            on, wall_layers(on, heated[mine])[0], part.faces, part.cells
+        )
+        for face in found.keys() & set(part.faces[part.own_faces].tolist()):
+            met += 1
+            assert found[face][0] == wanted[face][0]
+            for one, other in zip(found[face][1:], wanted[face][1:], strict=True):
+                np.testing.assert_array_equal(one, other)
+    assert met == heated.sum()
 
 
 def test_a_model_on_the_outline_has_the_same_conditions_and_ends():
