@@ -96,10 +96,9 @@ def _limit(problem: Problem) -> float | None:
 
 def _rates(problem: Problem, T: float) -> Any:
     bed = problem.bed
-    names = bed.layout.names
     values = [
-        T if name.startswith("T") else v
-        for name, v in zip(names, problem.first_point(), strict=True)
+        T if each.is_temperature else value
+        for each, value in zip(bed.layout.unknowns, problem.first_point(), strict=True)
     ]
     state = bed.state(values)
     return np.array([float(rate) for rate in bed.rates(state, bed.medium.at(state))])

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.reacting_bed.equations.unknowns import conserved
+from contbed.reacting_bed.equations.unknowns import Role
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.scene import ReactingScene
 
@@ -35,11 +35,11 @@ def carried(problem: Problem) -> Array:
     """Return what flux amounts of gases and solids have per value, 0 for what is no
     amount or is at rest (m,).
     """
-    of = problem.bed.velocity_of
-    speeds = {"g": lambda _: 1.0, "n": lambda name: abs(of(name))}
-    return np.array(
-        [speeds.get(name.split("_")[0], lambda _: 0.0)(name) for name in problem.names]
-    )
+    speeds = np.zeros(len(problem.unknowns))
+    speeds[problem.rows(Role.GAS)] = 1.0
+    for k in problem.rows(Role.SOLID):
+        speeds[k] = abs(problem.bed.velocity_of(problem.names[k]))
+    return speeds
 
 
 def at_rest(problem: Problem) -> NDArray[np.bool_]:
@@ -47,7 +47,9 @@ def at_rest(problem: Problem) -> NDArray[np.bool_]:
     of each other (m,).
     """
     of = problem.bed.velocity_of
-    return np.array([name.startswith("n_") and not of(name) for name in problem.names])
+    return np.array(
+        [each.role is Role.SOLID and not of(each.name) for each in problem.unknowns]
+    )
 
 
 def along(problem: Problem, u: Array) -> Array:
@@ -95,7 +97,7 @@ def between_nodes(problem: Problem, u: Array) -> Array:
 
 def least(problem: Problem, u: Array, time: float = math.nan) -> Least:
     """Return the least of all gases and solids of a state, those at rest included."""
-    rows = [k for k, name in enumerate(problem.names) if name.startswith(("g_", "n_"))]
+    rows = problem.rows(Role.GAS, Role.SOLID)
     low = lowest(problem, u)[rows]
     row, cell = divmod(int(low.argmin()), low.shape[1])
     x = float(problem.line.points[cell].mean())
@@ -123,12 +125,13 @@ def below_zero(problem: Problem, found: Least) -> str | None:
     time, limit = problem.scene.time, allowed(problem.scene)
     if not found.value < -limit:
         return None
-    name = problem.names[int(found.field)]
-    of, when, key = "gas" if name.startswith("g_") else "solids", "", "solver.tolerance"
+    field = problem.unknowns[int(found.field)]
+    of = "gas" if field.role is Role.GAS else "solids"
+    when, key = "", "solver.tolerance"
     if time is not None:
         when, key = f" at t = {found.time:.4g} s", "time.tolerance"
     return (
-        f"{conserved(name)} falls to {found.value:.2g} of the {of} at x = "
+        f"{field.species} falls to {found.value:.2g} of the {of} at x = "
         f"{found.x:.4g} m{when}, further below zero "
         f"than {key} = {limit:g}: use {finer(problem.scene)}, or a smaller {key}"
     )

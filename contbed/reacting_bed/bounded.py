@@ -212,7 +212,7 @@ def flattening(problem: Problem, dt: float) -> Array:
     """
     speeds, stored = carried(problem)[:, None], problem.bed.gas_pressure is not None
     of_gas = problem.gas_residence / problem.scene.mesh.length if stored else 0.0
-    held = np.where(_gas(problem), of_gas, 1.0)[:, None]
+    held = np.where(problem.is_gas, of_gas, 1.0)[:, None]
     found: Array = np.where(
         speeds > 0.0, speeds + held * problem.line.h / (GAMMA * dt), 0.0
     )
@@ -228,13 +228,9 @@ def of_next(problem: Problem, damping: Array, step: float, following: float) -> 
     with np.errstate(all="ignore"):
         share = flattening(problem, following) / flattening(problem, step)
     found: Array = (
-        np.where(~_gas(problem)[:, None] & (share < 1.0), share, 1.0) * damping
+        np.where(~problem.is_gas[:, None] & (share < 1.0), share, 1.0) * damping
     )
     return found
-
-
-def _gas(problem: Problem) -> NDArray[np.bool_]:
-    return np.array([name.startswith("g_") for name in problem.names])
 
 
 def _needed(damping: Array, look: _Look, flat: Array) -> Array:
@@ -266,7 +262,7 @@ def _later(problem: Problem, damping: Array, look: _Look, flat: Array) -> Array:
     """Return the damping of the next step."""
     if not damping.any():
         return damping
-    stored = _gas(problem)[:, None] & (problem.bed.gas_pressure is not None)
+    stored = problem.is_gas[:, None] & (problem.bed.gas_pressure is not None)
     enough = np.where(stored, ROOM_STORED, ROOM) * look.mean
     room = (look.low > enough) | (look.mean < problem.scene.solver.newton_tolerance)
     found = np.where(room, np.where(stored, 0.0, FALL) * damping, damping)

@@ -20,7 +20,7 @@ from contbed.errors import ConvergenceError
 from contbed.materials.composition import mole_fractions
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed import solve
-from contbed.reacting_bed.equations.unknowns import conserved
+from contbed.reacting_bed.equations.unknowns import Role
 from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.problem import Problem
@@ -178,20 +178,18 @@ class Course:
         u, moles = problem.start(T), sum(problem.streams.gas.values())
         if initial.gas.composition is not None:
             fractions = mole_fractions(initial.gas.composition)
-            for k, name in enumerate(problem.names):
-                if name.startswith("g_"):
-                    u[k] = fractions.get(name[2:], 0.0) * moles
+            for k in problem.rows(Role.GAS):
+                name = str(problem.unknowns[k].species)
+                u[k] = fractions.get(name, 0.0) * moles
         if self.initial is not None:
             self.initial.fill(problem, u)
         m = len(problem.layout.names)
-        for k, name in enumerate(problem.names):
+        for k in problem.rows(Role.POINT):
+            point = problem.unknowns[k]
             # particles begin in equilibrium with the gas around them
-            if name.startswith("a_") and (
-                self.initial is None
-                or self.initial.inside(name, problem.layout) is None
-            ):
+            if self.initial is None or self.initial.inside(point) is None:
                 first = k - k % m
-                gas = first + problem.layout.gases.index(str(conserved(name)))
+                gas = first + problem.layout.gases.index(str(point.species))
                 at = [
                     first + problem.layout.names.index(T)
                     for T in ("T_fluid", "T")

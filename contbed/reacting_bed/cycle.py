@@ -208,7 +208,10 @@ class Stored:
         rows = stored_rows(problem)
         gas = gas_of_rings(problem) if problem.bed.gas_pressure is not None else ()
         return cls(
-            rows, sizes, gas, np.array([problem.names[k].startswith("T") for k in rows])
+            rows,
+            sizes,
+            gas,
+            np.array([problem.unknowns[k].is_temperature for k in rows]),
         )
 
     def values(self, u: Array) -> Array:

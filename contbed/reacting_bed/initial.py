@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.equations.phase import Phase
-from contbed.reacting_bed.equations.unknowns import LEAST_T, Layout, State, conserved
+from contbed.reacting_bed.equations.unknowns import LEAST_T, Role, State, Unknown
 from contbed.reacting_bed.initial_rows import GAS, located, rows_of
 from contbed.reacting_bed.inlet_series import SUM
 from contbed.reacting_bed.problem import Problem
@@ -69,20 +69,20 @@ class Profile:
     def fill(self, problem: Problem, u: Array) -> None:
         """Replace what the file says in a state (m, N, p + 1)."""
         moles = sum(problem.streams.gas.values())
-        for k, name in enumerate(problem.names):
-            found: Any = self.temperatures.get(name, self.amounts.get(name))
-            if name.startswith("g_") and self.fractions:
-                found = self.fractions[name[2:]] * moles
-            elif name.startswith("a_"):
-                found = self.inside(name, problem.layout)
+        for k, each in enumerate(problem.unknowns):
+            found: Any = self.temperatures.get(each.name, self.amounts.get(each.name))
+            if each.role is Role.GAS and self.fractions:
+                found = self.fractions[str(each.species)] * moles
+            elif each.role is Role.POINT:
+                found = self.inside(each)
             if found is not None:
                 u[k] = np.interp(problem.line.points, self.rows.where, found)
 
-    def inside(self, name: str, layout: Layout) -> Array | None:
+    def inside(self, unknown: Unknown) -> Array | None:
         """Return an intraparticle unknown along the rows; None where the file does
         not say.
         """
-        return self.inner.get((str(conserved(name)), layout.owners[name]))
+        return self.inner.get((str(unknown.species), str(unknown.phase)))
 
     def described(self, problem: Problem, stores_gas: bool) -> str:
         """Return what the file gives, and what else the run begins with."""

@@ -23,7 +23,7 @@ from contbed.reacting_bed.assembled import bed_of, within
 from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.parts import Parts
 from contbed.reacting_bed.equations.section import Section
-from contbed.reacting_bed.equations.unknowns import Layout, State, conserved
+from contbed.reacting_bed.equations.unknowns import Layout, Role, State, Unknown
 from contbed.reacting_bed.inside import Choice, with_inside
 from contbed.reacting_bed.medium import Medium
 from contbed.reacting_bed.phases import species_of
@@ -32,6 +32,7 @@ from contbed.reacting_bed.substances import Substances
 
 Array = NDArray[np.float64]
 LARGE_T = 1e3  # [K], of the temperatures of most reactors
+OF_PARTICLES = (Role.SOLID, Role.POINT)
 LITTLE_DROP = 1e-3  # share of the pressure below which its drop is left out
 
 
@@ -194,8 +195,10 @@ class Problem:
         """Signs by which unknowns of gas count along its stream: its fluxes are
         negative to the left (m,).
         """
-        gas = 1.0 if self.streams.ahead else -1.0
-        return np.array([gas if name.startswith("g_") else 1.0 for name in self.names])
+        signs = np.ones(len(self.unknowns))
+        if not self.streams.ahead:
+            signs[self.rows(Role.GAS)] = -1.0
+        return signs
 
     @cached_property
     def section(self) -> Section | None:
@@ -215,6 +218,21 @@ class Problem:
     def names(self) -> tuple[str, ...]:
         """Names of all unknowns of the line: those of the layout, for each ring."""
         return self.layout.names * (1 if self.rings is None else self.rings.count)
+
+    @cached_property
+    def unknowns(self) -> tuple[Unknown, ...]:
+        """All unknowns of the line: those of the layout, for each ring."""
+        return self.layout.unknowns * (1 if self.rings is None else self.rings.count)
+
+    @property
+    def is_gas(self) -> NDArray[np.bool_]:
+        """Whether each unknown is the flux of a gas (m,)."""
+        return np.array([each.role is Role.GAS for each in self.unknowns])
+
+    def rows(self, *roles: Role) -> NDArray[np.intp]:
+        """Return the rows of the unknowns with these roles."""
+        found = [k for k, each in enumerate(self.unknowns) if each.role in roles]
+        return np.array(found, dtype=np.intp)
 
     def mean(self, values: Array) -> Array:
         """Return means over the section of unknowns or fluxes of the line, by the
@@ -238,19 +256,17 @@ class Problem:
         """
         return [
             k
-            for k, name in enumerate(self.names)
-            if name.startswith("s_")
-            or (name.startswith(("n_", "a_")) and not self.bed.velocity_of(name))
+            for k, (name, role, *_) in enumerate(self.unknowns)
+            if role is Role.FILM
+            or (role in OF_PARTICLES and not self.bed.velocity_of(name))
         ]
 
     @property
     def _directions(self) -> list[int]:
         gas = 1 if self.streams.ahead else -1
         solid = -1 if self.bed.velocity_solid < 0 else 1
-        return [
-            solid if name.startswith(("n_", "a_", "T_solid")) else gas
-            for name in self.names
-        ]
+        moved = (*OF_PARTICLES, Role.T_SOLID)
+        return [solid if each.role in moved else gas for each in self.unknowns]
 
     @property
     def _diffuses(self) -> list[bool]:
@@ -260,16 +276,13 @@ class Problem:
             closures.conductivity_gas is not None or closures.dispersion is not None
         )
         solid = heat and closures.conductivity_solids is not None
-        by_name = {"T": fluid or solid, "T_fluid": fluid}
-        by_name |= {
-            name: solid
-            for name in self.layout.temperatures
-            if name.startswith("T_solid")
+        by_role = {
+            Role.GAS: mass,
+            Role.T: fluid or solid,
+            Role.T_GAS: fluid,
+            Role.T_SOLID: solid,
         }
-        return [
-            mass if name.startswith("g_") else by_name.get(name, False)
-            for name in self.names
-        ]
+        return [by_role.get(each.role, False) for each in self.unknowns]
 
     @cached_property
     def entering(self) -> dict[str, float]:
@@ -285,7 +298,8 @@ class Problem:
         one |= {f"g_{name}": g for name, g in streams.gas.items()}
         for film, gas in self.layout.films.items():
             one[f"s_{film}"] = streams.gas[gas] / total * molar
-        clean = {name: 0.0 for name in self.layout.names if name.startswith("a_")}
+        unknowns = self.layout.unknowns
+        clean = {each.name: 0.0 for each in unknowns if each.role is Role.POINT}
         return one | clean | {f"n_{name}": n for name, n in streams.solid.items()}
 
     def _state_entering(self, warmer: float = 0.0) -> State:
@@ -319,7 +333,11 @@ class Problem:
         found |= {"T": gas + sum(solid), "T_fluid": gas, "p": streams.pressure}
         found |= dict(
             zip(
-                (name for name in names if name.startswith("T_solid")),
+                (
+                    each.name
+                    for each in self.layout.unknowns
+                    if each.role is Role.T_SOLID
+                ),
                 solid,
                 strict=False,
             )
@@ -335,18 +353,17 @@ class Problem:
         flux = [np.zeros(m), np.zeros(m)]
         value = [np.full(m, np.nan), np.full(m, np.nan)]
         fixed = gas_inlet(self.scene.boundary).fixed_temperature is not None
-        for k, name in enumerate(names):
+        for k, (name, role, *_) in enumerate(self.unknowns):
             end = 0 if ahead[k] else 1
+            with_gas = role in (Role.GAS, Role.T, Role.T_GAS)
             moves = (
-                name.startswith("g_")
-                or name in ("p", "T_fluid", "T")
-                or self.bed.velocity_of(name) != 0.0
+                with_gas or role is Role.PRESSURE or self.bed.velocity_of(name) != 0.0
             )
-            if name.startswith("s_"):
+            if role is Role.FILM:
                 continue
-            if fixed and (name.startswith("g_") or name in ("T", "T_fluid")):
+            if fixed and with_gas:
                 value[end][k] = self.entering[name]
-            elif moves or name.startswith("T_solid"):
+            elif moves or role is Role.T_SOLID:
                 given[end][k], flux[end][k] = True, at[k] if moves else 0.0
         return Ends((flux[0], flux[1]), (given[0], given[1]), (value[0], value[1]))
 
@@ -398,26 +415,39 @@ class Problem:
         """Molar flux of the gas that enters [mol/m2/s]."""
         return abs(sum(self.streams.gas.values()))
 
-    def _share(self, name: str) -> float:
-        """Return the mole fraction by which an unknown of a gas is measured."""
-        return self.peaks.get(conserved(name) or name, 1.0)
-
     @cached_property
     def sizes(self) -> Array:
         """Typical values of the unknowns (m,); of a constituent that of all in its
         solid phase.
         """
         molar = self.streams.pressure / (R_GAS * self.streams.T_gas)
-        one = {"g": self.moles, "p": self.streams.pressure, "s": molar, "a": molar}
+        by_role = {
+            Role.GAS: self.moles,
+            Role.PRESSURE: self.streams.pressure,
+            Role.FILM: molar,
+            Role.POINT: molar,
+        }
+        of_phase: dict[str, float] = {}
         for phase in self.species.phases.values():
             names = [phase.full(name) for name in phase.solids]
             total = max(sum(self.streams.solid[name] for name in names), 1e-30)
-            one |= {f"n_{name}": total for name in names}
+            of_phase |= dict.fromkeys(names, total)
         sizes = [
-            one.get(name, one.get(name.split("_")[0], LARGE_T)) * self._share(name)
-            for name in self.names
+            of_phase[str(each.species)]
+            if each.role is Role.SOLID
+            else by_role.get(each.role, LARGE_T)
+            for each in self.unknowns
         ]
-        return np.array(sizes, dtype=float)
+        return np.array(sizes, dtype=float) * self._shares
+
+    @property
+    def _shares(self) -> Array:
+        """Mole fractions by which gases that are adsorbed are measured, 1 of all
+        others (m,).
+        """
+        return np.array(
+            [self.peaks.get(each.conserved or "", 1.0) for each in self.unknowns]
+        )
 
     @cached_property
     def flux_sizes(self) -> Array:
@@ -427,20 +457,16 @@ class Problem:
             sum(self.streams.solid.values()), 1e-30
         )
         cp = 30.0  # [J/mol/K], of most gases
-        one = {
-            "g": moles,
-            "n": max(solids, 1e-9 * moles),
-            "p": self.streams.pressure,
-            "s": moles,
-            "a": moles,
+        by_role = {
+            Role.GAS: moles,
+            Role.SOLID: max(solids, 1e-9 * moles),
+            Role.PRESSURE: self.streams.pressure,
+            Role.FILM: moles,
+            Role.POINT: moles,
         }
         heat = moles * cp * LARGE_T + solids * 1e5
-        return np.array(
-            [
-                one.get(name.split("_")[0], heat) * self._share(name)
-                for name in self.names
-            ]
-        )
+        sizes = [by_role.get(each.role, heat) for each in self.unknowns]
+        return np.array(sizes, dtype=float) * self._shares
 
     def state(self, u: Array) -> State:
         """Return what follows from values of the unknowns (m, points)."""

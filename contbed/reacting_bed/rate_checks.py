@@ -28,7 +28,7 @@ from contbed.errors import SceneError
 from contbed.fem.ad.dual import Dual
 from contbed.materials.composition import mole_fractions
 from contbed.reacting_bed.amounts import allowed, along, at_rest
-from contbed.reacting_bed.equations.unknowns import State, conserved
+from contbed.reacting_bed.equations.unknowns import Role, State
 from contbed.reacting_bed.problem import Problem
 from contbed.scene.toml_lines import KeyPath
 
@@ -71,16 +71,11 @@ def amounts(problem: Problem) -> list[Amount]:
     """Return the gases, those at particles included, and the solids that move."""
     layout, out = problem.layout, []
     rest = at_rest(problem)
-    for row, name in enumerate(layout.names):
-        if (
-            (species := conserved(name)) is not None
-            and not name.startswith("a_")
-            and not rest[row]
-        ):
-            out.append(Amount(row, species, name.startswith("g_"), None))
-        elif name.startswith("s_"):
-            gas = layout.films[name.removeprefix("s_")]
-            out.append(Amount(row, gas, True, layout.owners[name]))
+    for row, (_, role, species, phase) in enumerate(layout.unknowns):
+        if role in (Role.GAS, Role.SOLID) and not rest[row]:
+            out.append(Amount(row, str(species), role is Role.GAS, None))
+        elif role is Role.FILM:
+            out.append(Amount(row, str(species), True, phase))
     return out
 
 
@@ -132,11 +127,9 @@ def _require_values(
     """
     entering = [part[:1, 0] for part in problem.start(T)[: len(problem.layout.names)]]
     whole = sum(gas.values())
-    for row, name in enumerate(problem.layout.names):
-        if name.startswith("g_"):
-            entering[row] = np.array(
-                [gas.get(name[2:], 0.0) / whole * sum(problem.streams.gas.values())]
-            )
+    moles = sum(problem.streams.gas.values())
+    for row, name in enumerate(problem.layout.gases):
+        entering[row] = np.array([gas.get(name, 0.0) / whole * moles])
     with np.errstate(all="ignore"):
         state = problem.bed.state(
             [Dual(value, {k: np.ones(1)}) for k, value in enumerate(entering)]

@@ -12,7 +12,7 @@ from contbed.balance import Balance
 from contbed.chemistry.thermo import R_GAS, T_STANDARD
 from contbed.reacting_bed import of_reactors
 from contbed.reacting_bed.amounts import Least, below_zero, between_nodes, least
-from contbed.reacting_bed.equations.unknowns import State, conserved
+from contbed.reacting_bed.equations.unknowns import State
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.results_solids import fill_phases
 from contbed.result import Result, outside
@@ -208,9 +208,7 @@ def _gas(
     takes_part = {
         name for reaction in problem.reactions for name in reaction.stoichiometry
     }
-    takes_part |= {
-        str(conserved(name)) for name in problem.layout.names if name.startswith("a_")
-    }
+    takes_part |= set(problem.layout.inside)
     for name, entering in streams.gas.items():
         qoi[f"out_{name}_mol_m2s"] = leaving[name]
         qoi[f"x_{name}_out"] = leaving[name] / total
@@ -324,17 +322,17 @@ def _balances(
     problem: Problem, u: Array, fluxes: Mapping[str, Array], result: Result
 ) -> None:
     """Add the balance of every element, and of energy with heats of formation."""
-    names, inward = problem.layout.names, (1.0, -1.0)
+    inward = (1.0, -1.0)
     elements = dict.fromkeys(
         e for item in problem.species.all.values() for e in item.composition
     )
     for element in elements:
         streams = []
-        for name in names:
-            if (key := conserved(name)) is not None:
+        for unknown in problem.layout.unknowns:
+            if (key := unknown.conserved) is not None:
                 atoms = problem.species.all[key].composition.get(element, 0.0)
                 streams += [
-                    sign * float(fluxes[name][k]) * atoms
+                    sign * float(fluxes[unknown.name][k]) * atoms
                     for k, sign in zip((0, -1), inward, strict=True)
                 ]
         entering = sum(value for value in streams if value > 0)
@@ -346,6 +344,7 @@ def _balances(
     temperatures = problem.layout.temperatures
     if not temperatures:
         return
+    names = problem.layout.names
     sources = dict(zip(names, problem.mean(problem.system.sources(u)), strict=True))
     wall = sum(sources[name] for name in temperatures)
     parts = [

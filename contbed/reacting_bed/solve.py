@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from contbed.chemistry.local import FINEST, Smoothing
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed.cells import MOST_CELLS, halves, moved, next_cells
-from contbed.reacting_bed.equations.unknowns import conserved
+from contbed.reacting_bed.equations.unknowns import Role
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import rate_without_value, taken_to_the_end
 from contbed.reacting_bed.storage import Storage
@@ -76,14 +76,15 @@ def limited(problem: Problem, u: Array, du: Array) -> float:
     were.
     """
     share = 1.0
-    for k, name in enumerate(problem.names):
+    for k, each in enumerate(problem.unknowns):
         step = du[k]
-        if name.startswith("T"):
+        if each.is_temperature:
             share = min(share, LARGEST_T / max(float(np.abs(step).max()), 1e-300))
         # isotherms are concave: Newton's method needs no shorter steps
-        elif not name.startswith("a_"):
-            typical = problem.moles if name.startswith("g_") else problem.sizes[k]
-            size = typical * (np.sign(u[k].mean()) if name.startswith("g_") else 1.0)
+        elif each.role is not Role.POINT:
+            gas = each.role is Role.GAS
+            typical = problem.moles if gas else problem.sizes[k]
+            size = typical * (np.sign(u[k].mean()) if gas else 1.0)
             size = np.where(size == 0.0, typical, size)
             there, fall = u[k] / size, -step / size
             room = LARGEST_SHARE * np.maximum(there, LEAST_SHARE * 10)
@@ -187,9 +188,9 @@ def failed(
             residual = residual + storage.residual(u)
         sizes = np.abs(residual).max(axis=2) / problem.flux_sizes[:, None]
     k, cell = divmod(int(sizes.argmax()), sizes.shape[1])
-    name = problem.names[k]
+    worst = problem.unknowns[k]
     where = (
-        f"it is worst for {conserved(name) or name.removeprefix('s_')} at x = "
+        f"it is worst for {worst.species or worst.name} at x = "
         f"{problem.line.vertices[cell]:.4g} m"
     )
     endless = taken_to_the_end(problem, u)

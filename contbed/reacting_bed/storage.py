@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from contbed.fem.ad.dual import Dual
 from contbed.reacting_bed.equations.bed import Bed
+from contbed.reacting_bed.equations.unknowns import Role
 from contbed.reacting_bed.problem import Problem
 
 Array = NDArray[np.float64]
@@ -23,28 +24,16 @@ def stored_rows(problem: Problem) -> NDArray[np.intp]:
     follow at once.
     """
     fills = problem.bed.gas_pressure is not None
-    warm = [name for name in problem.layout.temperatures if fills or name != "T_fluid"]
-    return np.array(
-        [
-            k
-            for k, name in enumerate(problem.names)
-            if name.startswith(("n_", "a_"))
-            or name in warm
-            or (fills and name.startswith("g_"))
-        ],
-        dtype=np.intp,
-    )
+    stored = {Role.SOLID, Role.POINT, Role.T, Role.T_SOLID}
+    if fills:
+        stored |= {Role.GAS, Role.T_GAS}
+    return problem.rows(*stored)
 
 
 def gas_of_rings(problem: Problem) -> tuple[NDArray[np.intp], ...]:
     """Return the rows of the gases of each ring, one ring in one dimension."""
-    gases = np.array(
-        [k for k, name in enumerate(problem.layout.names) if name.startswith("g_")]
-    )
-    return tuple(
-        first + gases
-        for first in range(0, len(problem.names), len(problem.layout.names))
-    )
+    count = 1 if problem.rings is None else problem.rings.count
+    return tuple(np.split(problem.rows(Role.GAS), count))
 
 
 class Storage:
@@ -96,20 +85,20 @@ class Storage:
                 for moles in phase.moles_inside(own)
             ]
         )
-        for k, name in enumerate(bed.layout.names):
-            if name.startswith("n_"):
+        for k, (_, role, species, phase) in enumerate(bed.layout.unknowns):
+            if role is Role.SOLID:
                 parts[k] = values[k]
-            elif name.startswith("g_") and gas:
-                parts[k] = gas[name[2:]]
-            elif name.startswith("a_"):
+            elif role is Role.GAS and species in gas:
+                parts[k] = gas[species]
+            elif role is Role.POINT:
                 parts[k] = next(inside)
-            elif name == "T_fluid":
+            elif role is Role.T_GAS:
                 parts[k] = heat
-            elif name == "T" or name.startswith("T_solid"):
-                of_solids = bed.heat_of_solids(state, name)
+            elif role in (Role.T, Role.T_SOLID):
+                of_solids = bed.heat_of_solids(state, phase)
                 parts[k] = NO_DATA * values[k]
                 if of_solids is not None:
-                    parts[k] = of_solids + (heat if name == "T" else 0.0)
+                    parts[k] = of_solids + (heat if role is Role.T else 0.0)
         return parts
 
     def bed_at(self, _: list[Any]) -> Bed:

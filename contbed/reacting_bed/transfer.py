@@ -27,7 +27,7 @@ from contbed.errors import ConvergenceError
 from contbed.fem.line_projection import projected
 from contbed.reacting_bed.amounts import FINE, MISSED
 from contbed.reacting_bed.equations.bed import Bed
-from contbed.reacting_bed.equations.unknowns import LEAST_T
+from contbed.reacting_bed.equations.unknowns import LEAST_T, Role
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage, gas_of_rings, stored_rows
 
@@ -103,8 +103,9 @@ def _above_zero(problem: Problem, held: Array) -> Array:
     nothing. Particles that adsorb keep what they hold, as their points are not bounded
     in steps either.
     """
-    solids = [k for k, name in enumerate(problem.names) if name.startswith("n_")]
-    gases = [k for k in stored_rows(problem) if problem.names[k].startswith("g_")]
+    solids = list(problem.rows(Role.SOLID))
+    fills = problem.bed.gas_pressure is not None
+    gases = list(problem.rows(Role.GAS)) if fills else []
     sizes = np.append(
         problem.sizes[solids], np.full(len(gases), np.abs(held[gases]).max(initial=0.0))
     )
@@ -134,9 +135,7 @@ def _regained(storage: Storage, u: Array, rows: NDArray[np.intp]) -> Array:
     """
     problem, shape = storage.problem, u[rows].shape
     sizes = problem.sizes[rows, None, None]
-    inner = np.array([problem.names[k].startswith("a_") for k in rows], dtype=bool)[
-        :, None, None
-    ]
+    inner = np.isin(rows, problem.rows(Role.POINT))[:, None, None]
     place = {int(k): at for at, k in enumerate(rows)}
     u, before = u.copy(), np.inf
     if not len(rows):

@@ -27,6 +27,7 @@ from contbed.reacting_bed import results, solve
 from contbed.reacting_bed.amounts import finer, least
 from contbed.reacting_bed.bounded import Bounded, bounded, of_next
 from contbed.reacting_bed.course import FIRST_STEP, SHORTEST_STEP, Course
+from contbed.reacting_bed.equations.unknowns import Role
 from contbed.reacting_bed.history import FLOW, SAME, History, output_times
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import rate_without_value, taken_though_absent
@@ -166,7 +167,7 @@ def _advice(course: Course, history: History) -> str:
         return (
             f"{without}: add a small amount to what it divides by, such as c_X + 1e-6"
         )
-    gases = [k for k, name in enumerate(problem.layout.names) if name.startswith("g_")]
+    gases = slice(len(problem.layout.gases))
     enters = abs(sum(problem.streams.gas.values()))
     u = turned(problem, history.u)
     taken = -float(problem.mean(problem.system.sources(u))[gases].sum())
@@ -459,7 +460,7 @@ def turned(problem: Problem, u: Array) -> Array:
     as hot as it was.
     """
     out, count = u.copy(), len(problem.names) // len(problem.layout.names)
-    gas = [k for k, name in enumerate(problem.names) if name.startswith("g_")]
+    gas = problem.rows(Role.GAS)
     out[gas] *= count * sum(problem.streams.gas.values()) / u[gas].sum(axis=0).mean()
     return out
 

@@ -11,7 +11,6 @@ from contbed.balance import HELD_SHARE, Balance
 from contbed.reacting_bed import results
 from contbed.reacting_bed.cells import aim
 from contbed.reacting_bed.course import Course
-from contbed.reacting_bed.equations.unknowns import conserved
 from contbed.reacting_bed.history import History
 from contbed.reacting_bed.of_columns import column_findings
 from contbed.reacting_bed.problem import Problem
@@ -88,14 +87,13 @@ def _balances(problem: Problem, history: History, result: Result) -> None:
     """
     held = contents(problem, history.u)
     gain = held - history.held
-    names = problem.layout.names
     inward = history.passed * np.array([1.0, -1.0])
     for element in dict.fromkeys(
         e for item in problem.species.all.values() for e in item.composition
     ):
-        atoms = np.zeros(len(names))
-        for k, name in enumerate(names):
-            if (species := conserved(name)) is not None:
+        atoms = np.zeros(len(gain))
+        for k, each in enumerate(problem.layout.unknowns):
+            if (species := each.conserved) is not None:
                 atoms[k] = problem.species.all[species].composition.get(element, 0.0)
         parts = (inward * atoms[:, None]).ravel()
         entering, leaving = parts[parts > 0].sum(), -parts[parts < 0].sum()
@@ -115,7 +113,8 @@ def _balances(problem: Problem, history: History, result: Result) -> None:
                 stored=stored,
                 scale=float(scale),
             ).as_dict()
-    heat = [k for k, name in enumerate(names) if name in problem.layout.temperatures]
+    unknowns = problem.layout.unknowns
+    heat = [k for k, each in enumerate(unknowns) if each.is_temperature]
     if heat:
         wall = float(history.sources[heat].sum())
         parts = inward[heat].ravel()

@@ -82,12 +82,15 @@ class Bed:
         """Return the state at points from the unknowns."""
         layout = self.layout
         values = dict(zip(layout.names, u, strict=True))
-        g = {name: values[f"g_{name}"] for name in layout.gases}
+        g = dict(zip(layout.gases, u, strict=False))
         T = values.get("T", self.T_in)
         T_fluid = values.get("T_fluid", T)
         p = values.get("p", self.p_in)
-        moles: Any = sum(g.values())
-        flux: Any = sum(self.masses[name] * g_k for name, g_k in g.items())
+        moles: Any = 0
+        flux: Any = 0
+        for name, g_k in g.items():
+            moles = moles + g_k
+            flux = flux + self.masses[name] * g_k
         molar = p / (R_GAS * np.maximum(T_fluid, LEAST_T))
         x = {name: g_k / moles for name, g_k in g.items()}
         c = {name: x_k * molar for name, x_k in x.items()}
@@ -485,15 +488,14 @@ class Bed:
         """Return each solid phase with the state as it sees it."""
         return [(phase, state.phases[name]) for name, phase in self.phases.items()]
 
-    def heat_of_solids(self, state: State, name: str) -> Any:
-        """Return the enthalpy of the solids in the balance of a
-        temperature [J/m3 bed]; None where data are missing.
+    def heat_of_solids(self, state: State, phase: str | None) -> Any:
+        """Return the enthalpy of a solid phase, None for all [J/m3 bed]; None where
+        data are missing.
         """
-        owner = self.layout.owners.get(name)
         pairs = [
             pair
             for pair in self.with_states(state)
-            if owner in (None, pair[0].layout.name)
+            if phase in (None, pair[0].layout.name)
         ]
         if not any(phase.stores_heat for phase, _ in pairs):
             return None

@@ -5,9 +5,54 @@ them at a point.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from enum import Enum
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
+
+
+class Role(Enum):
+    """What an unknown is; T of gas and solids at once, where they share one."""
+
+    GAS = "molar flux of a gas"
+    SOLID = "moles of a constituent"
+    T = "temperature"
+    T_GAS = "temperature of the gas"
+    T_SOLID = "temperature of a solid phase"
+    PRESSURE = "pressure"
+    FILM = "concentration at particles"
+    POINT = "concentration at a point in particles"
+
+
+TEMPERATURES = (Role.T, Role.T_GAS, Role.T_SOLID)
+AMOUNTS = (Role.GAS, Role.SOLID, Role.POINT)  # which count the moles of a species
+
+
+class Unknown(NamedTuple):
+    """One unknown.
+
+    species : gas, or constituent with the suffix of its phase; None of temperatures
+        and pressure
+    phase : solid phase that has it; None of those of the gas and the whole bed
+    """
+
+    name: str
+    role: Role
+    species: str | None = None
+    phase: str | None = None
+
+    @property
+    def conserved(self) -> str | None:
+        """The species whose moles it counts; None for temperatures, pressure and
+        films.
+        """
+        return self.species if self.role in AMOUNTS else None
+
+    @property
+    def is_temperature(self) -> bool:
+        """Whether it is a temperature."""
+        return self.role in TEMPERATURES
+
 
 # [K] below which properties are evaluated there, for states within an iteration
 LEAST_T = 50.0
@@ -48,16 +93,6 @@ class PhaseLayout:
         return tuple(name for points in self.of_points.values() for name in points)
 
     @cached_property
-    def names(self) -> tuple[str, ...]:
-        """Names of all unknowns that only this phase has."""
-        return (
-            *self.of_solids.values(),
-            self.temperature,
-            *self.of_films.values(),
-            *self.inner,
-        )
-
-    @cached_property
     def of_solids(self) -> dict[str, str]:
         """Unknown of each constituent."""
         return {name: self.full(f"n_{name}") for name in self.solids}
@@ -92,14 +127,34 @@ class Layout:
     phases: tuple[PhaseLayout, ...] = ()
 
     @cached_property
+    def unknowns(self) -> tuple[Unknown, ...]:
+        """All unknowns in their order."""
+        owners = {phase.temperature: phase.name for phase in self.phases}
+        roles = {"T": Role.T, "T_fluid": Role.T_GAS}
+        found = [Unknown(f"g_{name}", Role.GAS, name) for name in self.gases]
+        for phase in self.phases:
+            for name, full in phase.of_solids.items():
+                species = phase.full(name)
+                found.append(Unknown(full, Role.SOLID, species, phase.name))
+        for name in self.temperatures:
+            role = roles.get(name, Role.T_SOLID)
+            found.append(Unknown(name, role, None, owners.get(name)))
+        if self.pressure:
+            found.append(Unknown("p", Role.PRESSURE))
+        for phase in self.phases:
+            for name, full in phase.of_films.items():
+                found.append(Unknown(full, Role.FILM, name, phase.name))
+        for phase in self.phases:
+            for name, points in phase.of_points.items():
+                found += [
+                    Unknown(each, Role.POINT, name, phase.name) for each in points
+                ]
+        return tuple(found)
+
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of all unknowns."""
-        gases = (f"g_{name}" for name in self.gases)
-        solids = (name for phase in self.phases for name in phase.of_solids.values())
-        pressure = ("p",) if self.pressure else ()
-        films = (name for phase in self.phases for name in phase.of_films.values())
-        inner = (name for phase in self.phases for name in phase.inner)
-        return (*gases, *solids, *self.temperatures, *pressure, *films, *inner)
+        return tuple(each.name for each in self.unknowns)
 
     @cached_property
     def solids(self) -> tuple[str, ...]:
@@ -121,22 +176,12 @@ class Layout:
     @cached_property
     def owners(self) -> dict[str, str]:
         """The solid phase of each unknown that only one has."""
-        return {name: phase.name for phase in self.phases for name in phase.names}
+        return {
+            each.name: each.phase for each in self.unknowns if each.phase is not None
+        }
 
 
-def conserved(name: str) -> str | None:
-    """Return the species whose moles an unknown counts; None for temperatures,
-    pressure and films.
-    """
-    kind, _, rest = name.partition("_")
-    if kind == "a":  # a_GAS_POINT, or a_GAS_POINT_PHASE
-        gas, _, last = rest.rpartition("_")
-        return gas if last.isdigit() else gas.rpartition("_")[0]
-    return rest if kind in ("g", "n") else None
-
-
-@dataclass(frozen=True)
-class State:
+class State(NamedTuple):
     """What follows from the unknowns at points.
 
     n : moles of constituents that react [mol/m3 bed]
@@ -158,9 +203,9 @@ class State:
     x: Mapping[str, Any]
     c: Mapping[str, Any]
     rho: Any
-    films: Mapping[str, Any] = field(default_factory=dict)
-    inner: Mapping[str, Sequence[Any]] = field(default_factory=dict)
-    phases: Mapping[str, State] = field(default_factory=dict)
+    films: Mapping[str, Any]
+    inner: Mapping[str, Sequence[Any]]
+    phases: Mapping[str, State]
 
     def of(self, phase: str | None) -> State:
         """Return the state as a solid phase sees it, None for the gas."""
