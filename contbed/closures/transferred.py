@@ -5,7 +5,7 @@ A closure file is TOML that `contbed.dem.extract` writes and `contbed.closures.f
 reads:
 
     format = 1
-    kind = "conductivity"                # or "nusselt"
+    kind = "conductivity"                # or "nusselt", or "bed_tube"
     form = "log_polynomial"              # or "power", of a nusselt
     [variables]                          # in the order of the powers
     "k_solid/k_fluid" = {scale = "log", reference = 1.0}
@@ -23,10 +23,10 @@ Forms, both smooth inside of their range and differentiable by dual numbers:
     log_polynomial:  ln(y/unit) = sum of value * product of t_v^power,  t = ln(v/reference) or v - reference
     power:           Nu = base + a Re^b Pr^c, [parameters] base, a, b, c with value and interval
 
-with y = k and unit k_fluid for a conductivity, y = Nu and unit 1 for a nusselt. The
-range may bound further arguments on which the fit does not depend. It is declared, not
-enforced: like that of any closure its use outside is reported, or an error in strict
-mode.
+with y = k and unit k_fluid for a conductivity, y = Nu and unit 1 for a nusselt, y = h
+and unit 1 W/m2/K for a bed_tube. The range may bound further arguments on which the fit
+does not depend. It is declared, not enforced: like that of any closure its use outside
+is reported, or an error in strict mode.
 """
 
 from __future__ import annotations
@@ -41,10 +41,11 @@ import numpy as np
 from contbed.closures.sheet import Sheet
 
 FORMAT = 1
-UNITS = {"conductivity": "W/m/K", "nusselt": "-"}
+UNITS = {"conductivity": "W/m/K", "nusselt": "-", "bed_tube": "W/m2/K"}
 ARGUMENTS = {
     "conductivity": ("k_fluid", "k_solid", "eps", "T", "d_p"),
     "nusselt": ("Re", "Pr", "eps"),
+    "bed_tube": ("eps", "T", "d_p", "k_gas"),
 }
 
 

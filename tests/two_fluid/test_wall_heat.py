@@ -309,6 +309,35 @@ def test_closures_of_walls_by_name():
     assert cb.run(from_dict(loose)).qoi["coefficient_left_W_m2K"] > 40.0
 
 
+def test_a_closure_file_of_a_wall(tmp_path):
+    """h = 300 (eps/0.42) W/m2/K from particles."""
+    (tmp_path / "wall.toml").write_text(
+        """
+format = 1
+kind = "bed_tube"
+form = "log_polynomial"
+variables.eps = { scale = "log", reference = 0.42 }
+terms = [
+    { powers = [0], value = 5.703782, interval = [5.7, 5.8] },
+    { powers = [1], value = 1.0, interval = [0.9, 1.1] },
+]
+range.eps = [0.3, 0.6]
+residuals.points = 3
+provenance.scene = "a wall of spheres"
+"""
+    )
+    made = in_scene(2, closures__wall_heat={"file": "wall.toml"})
+    found = cb.run(from_dict(made, base=tmp_path)).qoi
+    assert found["coefficient_left_W_m2K"] == pytest.approx(300.0, rel=0.02)
+
+
+def test_thin_cells_beside_a_coefficient_warn():
+    """A coefficient stands for a layer of k/h = 0.8 mm."""
+    for cells, warns in ((40, False), (200, True)):
+        found = cb.run(from_dict(in_scene(cells, closures__wall_heat=200.0)))
+        assert any("thinner than the layer" in text for text in found.warnings) == warns
+
+
 def test_a_gap_resists():
     """Half a space behind a resistance: q = h dT exp(a2) erfc(a), a = h sqrt(t/(k C))."""
     gap = {"name": "penetration", "gap": 0.2}

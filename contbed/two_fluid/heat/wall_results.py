@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contbed.two_fluid.compiled import Array, Indices
+from contbed.two_fluid.heat.model import LAYER
 
 if TYPE_CHECKING:
     from contbed.two_fluid.simulation import Simulation
@@ -61,7 +62,33 @@ def judge(bed: Simulation) -> list[str]:
                 f"about {error:.0%}: what enters the cells there renews the layer that "
                 "the wall heats; make these cells thinner"
             )
-    return found
+    return found + [
+        f"boundary.{name}: {count} of {total} cells beside it are thinner than the layer "
+        "k/h that its coefficient stands for, and resist once more; make them thicker, or "
+        'take wall_heat = "penetration"'
+        for name, count, total in _thin_cells(bed)
+        if count > 0.5 * total
+    ]
+
+
+def _thin_cells(bed: Simulation) -> Iterator[tuple[str, int, int]]:
+    """Yield walls with a coefficient h, in how many cells beside them heat is conducted
+    across the cell more easily than h, and their number.
+    """
+    heat, energy, grid = bed.model.heat, bed.state.energy, bed.model.grid
+    if heat is None or energy is None or heat.physics.conductivity is None:
+        return
+    depth = grid.geometry.volume[bed.model.boundary_cells]
+    depth = depth / grid.geometry.area[grid.interior :]
+    for name, faces in _walls(bed):
+        laws = heat.at_faces.law[faces]
+        if np.isnan(heat.at_faces.wall[faces]).any() or laws[0] == LAYER:
+            continue
+        cells = bed.model.boundary_cells[faces]
+        eps_s, T = bed.state.eps_s[cells], energy.T_gas[cells]
+        k = np.sum(heat.physics.conductivity(eps_s, T, energy.T_solid[cells]), axis=0)
+        h = heat.physics.wall_laws[int(laws[0])](eps_s, T, k)
+        yield name, int((h * depth[faces] < k).sum()), len(faces)
 
 
 def _walls(bed: Simulation) -> Iterator[tuple[str, Indices]]:
