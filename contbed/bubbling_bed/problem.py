@@ -58,7 +58,7 @@ SHARPENED = 2
 
 
 class BubblingProblem:
-    """Unknowns and equations of a plan; a `solvers.timestep.Problem` in temperatures
+    """Unknowns and equations of a plan; a `solvers.continuation.Problem` in temperatures
     at all nodes.
     """
 

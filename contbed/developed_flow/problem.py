@@ -36,7 +36,7 @@ FIRST_PSEUDO_STEP, LAST_PSEUDO_STEP = 1e-5, 1e3
 
 
 class DevelopedProblem:
-    """Unknowns and equations of a plan; a `solvers.timestep.Problem` in granular
+    """Unknowns and equations of a plan; a `solvers.continuation.Problem` in granular
     energy.
     """
 

@@ -10,7 +10,8 @@ by which density or viscosity have changed by more than `CHANGE`; in between it 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -89,32 +90,26 @@ def settled(
 class FlowOverTime:
     """The flow of a transient run, solved anew as the temperatures change.
 
-    `steps` are the numbers of the steps of this part of the run after which that was
-    done, `known` those of a run that is repeated; `solved` counts all of them, `change`
-    is the largest change of the properties from one to the next.
+    `solved` counts how often, `change` is the largest change of the properties from one
+    to the next.
     """
 
     result: Result
     flow: Any
-    known: list[int] | None = None
-    steps: list[int] = field(default_factory=list)
     solved: int = 0
     change: float = 0.0
 
-    def outdated(self, plan: Plan, problem: Any, state: Any, step: int) -> bool:
-        """Return whether the flow is to be solved anew after a step of this part of
-        the run, by number.
+    def outdated(self, plan: Plan, problem: Any, state: Any) -> bool:
+        """Return whether the flow is to be solved anew at the temperatures of a
+        state.
         """
-        if self.known is not None:
-            return step in self.known
         return _change(local_properties(plan, problem, state), self.flow.local) > CHANGE
 
-    def solve(self, plan: Plan, problem: Any, state: Any, step: int) -> None:
+    def solve(self, plan: Plan, problem: Any, state: Any) -> None:
         """Solve the flow at the temperatures of a state."""
         before, local = self.flow, local_properties(plan, problem, state)
         with self.result.timed("flow"):
             self.flow = solved_flow(plan, before, self.result, local)
-        self.steps.append(step)
         if before.local is not None:
             self.change = max(self.change, _change(local, before.local))
             self.solved += 1
@@ -143,7 +138,7 @@ class FlowOverTime:
             "flow_counts": np.array([self.solved, self.change]),
         }
 
-    def restore(self, problem: Any, arrays: dict[str, Any]) -> None:
+    def restore(self, problem: Any, arrays: Mapping[str, Any]) -> None:
         """Take the flow of a checkpoint, solved in the system of this one."""
         space = problem.system.fields["T_fluid"][0]
         local = LocalProperties(

@@ -383,7 +383,7 @@ def transient_findings(
     result.qoi |= {"time_steps": history.steps, "time_reached_s": history.time}
     if history.outlet:
         result.tables["outlet"] = outlet_table(history.outlet)
-    times, snapshots = [*history.times], [*history.snapshots]
+    times, snapshots = [*history.kept], [*history.kept.values()]
     # a run that was stopped
     if history.steps and (not times or times[-1] < history.time * (1 - 1e-12)):
         times.append(history.time)

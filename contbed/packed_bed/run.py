@@ -54,8 +54,10 @@ def run(
         with result.timed("heat"):
             _track_fronts(plan, result, quiet)
         return
-    if start is not None and "vertices" in start[0]:
-        plan = result.plan = plan.on([start[0]["vertices"]])
+    # a cycle has those of its first guess
+    names = ("vertices", "search.begin.vertices")
+    if start is not None and (found := [name for name in names if name in start[0]]):
+        plan = result.plan = plan.on([start[0][found[0]]])
     if scene.time is not None:
         from contbed.packed_bed.over_time import transient
 

@@ -27,17 +27,16 @@ class Solved:
     """What a run has solved: the `flow`, and `problem` and `state` of steady
     temperatures, None without [heat].
 
-    `levels` are the sizes of all time steps of a transient from its start, `flows` the
-    numbers of the steps after which the flow was solved anew; one list for each part of
-    the run.
+    `shares` are the sizes of all time steps of a transient over the length of each part
+    of the run, `flows` the numbers of the steps before which the flow was solved anew.
     """
 
     line: Line
     problem: Any
     state: Any
     flow: Any
-    levels: list[list[int]] | None = None
-    flows: list[list[int]] | None = None
+    shares: list[list[float]] | None = None
+    flows: list[int] | None = None
 
 
 def heat_problem(

@@ -26,10 +26,11 @@ from contbed.packed_bed.flow import (
 )
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
-from contbed.packed_bed.over_time import transient
+from contbed.packed_bed.over_time import Run
 from contbed.packed_bed.results import steady_findings
 from contbed.packed_bed.run import steady_balance
 from contbed.packed_bed.shared import overshoot, report_flow, solved_flow
+from contbed.packed_bed.transient import HeatSteps
 from contbed.result import Result
 from contbed.solvers.anderson import Anderson
 from contbed.solvers.tangent import STEP, Response, with_prescribed
@@ -53,9 +54,9 @@ class Repeated:
 
     def __init__(self, result: Result):
         self.plan: Any = result.plan
-        self.flow, self.levels, self.flows = (
+        self.flow, self.shares, self.flows = (
             result.solved.flow,
-            result.solved.levels,
+            result.solved.shares,
             result.solved.flows,
         )
 
@@ -76,7 +77,11 @@ class Repeated:
                 plan, self.flow if plan.mesh is self.plan.mesh else None, found
             )
             report_flow(plan, line, flow, found)
-        transient(plan, line, flow, found, None, True, None, self.levels, self.flows)
+        steps, sizes, before = HeatSteps(plan, flow, found, self.flows), [], 0.0
+        for stop, shares in zip(steps.stops(), self.shares, strict=False):
+            sizes += [share * (stop - before) for share in shares]
+            before = stop
+        Run(steps, line, steps.begin()).follow(True, None, sizes)
         return found.qoi
 
 
@@ -317,4 +322,4 @@ def of(result: Result) -> Steady | Repeated:
     """Return what follows a run to other numbers: the tangent of a steady one,
     repetitions of a transient.
     """
-    return Steady(result) if result.solved.levels is None else Repeated(result)
+    return Steady(result) if result.solved.shares is None else Repeated(result)

@@ -1,351 +1,289 @@
-"""A transient two-energy run: steps, output times, balance over the whole run,
-checkpoints and restart.
+"""Time steps of a packed bed: the account of a step, jumps between the parts of a run,
+and the flow that follows the temperatures.
 """
 
 from __future__ import annotations
 
-import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from contbed.errors import SceneError
+from contbed.course.dirk import (
+    STAGES,
+    WEIGHTS,
+    DirkSteps,
+    Step,
+    ladder,
+    stages_of,
+)
+from contbed.course.history import SAME, History, output_times
+from contbed.course.march import Accept
 from contbed.packed_bed.heat import HeatProblem
-from contbed.packed_bed.scene import Time
+from contbed.packed_bed.plan import Plan
+from contbed.packed_bed.shared import heat_problem
 from contbed.packed_bed.streams import Outlets
-from contbed.scene.toml_lines import Origin
-from contbed.solvers.linear import Policy
-from contbed.solvers.timestep import LEVELS, STAGES, WEIGHTS, Step, level_of, march
+from contbed.result import Result
+from contbed.scene.mesh import MeshLine
 
 # [K] scale of the errors of a bed that only fluxes or sources drive from one
 # temperature
 ONE_KELVIN = 1.0
+# [s] first step, at the start and after a jump, of steps that follow their errors
+FIRST_STEP = 2.0**-10
 
-Save = Callable[[dict[str, Any], dict[str, Any]], None]
 
-
-@dataclass
-class History:
+@dataclass(frozen=True, kw_only=True)
+class HeatHistory(History):
     """State of a transient run and its integrals over time so far.
 
     `mean` is the time integral of the state, `reaction` of the heat that prescribed
     temperatures conduct in by boundary, `flux` of the boundary fluxes where properties
     or boundary values vary, `gain` of the content; `ranges` is the record of how
-    closures were used, see `Medium.state`; `outlet` holds time and outlet temperatures
-    of each step, see `Outlets`, and the heat so far, see `by_streams`; `levels` are the
-    sizes of the steps of this process.
+    closures were used, see `Medium.state`; rows of `outlet` end with the heat so far,
+    see `by_streams`; `flow` that of `FlowOverTime.pack`;
+    `vertices` are those of a line.
     """
 
-    state: Any
-    time: float = 0.0
-    tick: int = 0
-    level: int | None = None
-    steps: int = 0
-    origin: float = 0.0  # where the ladder of steps begins and ends [s]
-    end: float = 0.0
-    times: list[float] = field(default_factory=list)
-    snapshots: list[Any] = field(default_factory=list)
     mean: Any = 0.0
     reaction: Any = 0.0
-    flux: dict[str, float] = field(default_factory=dict)
+    flux: Mapping[str, float] = field(default_factory=dict)
     gain: float = 0.0
-    ranges: dict[str, Any] = field(default_factory=dict)
-    outlet: list[tuple[float, ...]] = field(default_factory=list)
-    levels: list[int] = field(default_factory=list)
-
-    def pack(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the arrays and numbers of a checkpoint."""
-        arrays = {
-            "state": self.state,
-            "mean": np.asarray(self.mean),
-            "reaction": np.asarray(self.reaction),
-            "times": np.array(self.times),
-            "snapshots": np.array(self.snapshots),
-            "outlet": np.array([row for row in self.outlet if row[0] <= self.time]),
-            "sums": np.array([self.time, self.gain]),
-            "flux": np.array(list(self.flux.values())),
-            **self.ranges,
-        }
-        return arrays, {
-            "tick": self.tick,
-            "level": self.level,
-            "steps": self.steps,
-            "origin": self.origin,
-            "end": self.end,
-            "flux": list(self.flux),
-        }
-
-    @classmethod
-    def unpack(cls, arrays: dict[str, Any], meta: dict[str, Any]) -> History:
-        """Restore the history from a checkpoint."""
-        return cls(
-            state=arrays["state"],
-            time=float(arrays["sums"][0]),
-            tick=meta["tick"],
-            level=meta["level"],
-            steps=meta["steps"],
-            origin=meta["origin"],
-            end=meta["end"],
-            times=list(arrays["times"]),
-            snapshots=list(arrays["snapshots"]),
-            outlet=[tuple(row) for row in arrays["outlet"].tolist()],
-            mean=arrays["mean"],
-            reaction=arrays["reaction"],
-            flux=dict(
-                zip(meta["flux"], (float(v) for v in arrays["flux"]), strict=True)
-            ),
-            gain=float(arrays["sums"][1]),
-            ranges={
-                name: rows
-                for name, rows in arrays.items()
-                if name.startswith("ranges_")
-            },
-        )
-
-    def fitted(self, time: Time, where: Origin) -> History:
-        """Return the history as if the run had been asked for this end and these output
-        times from its start.
-
-        Raises
-        ------
-        SceneError : an output time has passed and was not kept, or the end has passed
-        """
-        if time.end < self.time * (1 - 1e-12):
-            text = f"lies before {self.time:g} s, which the checkpoint has reached"
-            raise SceneError(
-                f"{where.at(('time', 'end'))}: time.end = {time.end:g}: {text}"
-            )
-        kept = dict(zip(self.times, self.snapshots, strict=True))
-        passed = [
-            moment
-            for moment in sorted({*time.times, time.end})
-            if moment <= self.time * (1 + 1e-12)
-        ]
-        missing = [
-            moment
-            for moment in passed
-            if moment not in kept and abs(moment - self.time) > 1e-12 * moment
-        ]
-        if missing:
-            text = (
-                f"{missing[0]:g} s lies before {self.time:g} s, which the "
-                "checkpoint has reached, and was not kept"
-            )
-            raise SceneError(f"{where.at(('time', 'times'))}: time.times: {text}")
-        self.times, self.snapshots = (
-            passed,
-            [kept.get(moment, self.state) for moment in passed],
-        )
-        return self
+    ranges: Mapping[str, Any] = field(default_factory=dict)
+    flow: Mapping[str, Any] = field(default_factory=dict)
+    vertices: Any = None
 
     def reactions(self, problem: HeatProblem) -> dict[str, float]:
         """Return the heat that prescribed temperatures have conducted in so far by
         boundary [J].
         """
         names = problem.boundaries
-        return dict(
-            zip(names, np.broadcast_to(self.reaction, len(names)).tolist(), strict=True)
-        )
-
-    @property
-    def size(self) -> float | None:
-        """Size of the next step of the present ladder [s]; None before the first."""
-        return (
-            None
-            if self.level is None
-            else (self.end - self.origin) * 2.0 ** (self.level - LEVELS)
-        )
-
-    def climb(self, end: float, size: float | None = None) -> None:
-        """Begin another ladder of steps from here to `end` [s], the first not longer
-        than `size` [s] if that is given.
-
-        Nothing changes if the present ladder ends there.
-        """
-        if self.end == end:
-            return
-        self.origin, self.end, self.tick, self.level = self.time, end, 0, None
-        if size is not None:
-            self.level = level_of(size, end - self.time)
+        heats = np.broadcast_to(self.reaction, len(names)).tolist()
+        return dict(zip(names, heats, strict=True))
 
 
-def run_transient(
-    problem: HeatProblem,
-    history: History,
-    policy: Policy,
-    *,
-    end: float,
-    advance: Callable[[float], None],
-    save: Save | None,
-    levels: Sequence[int] | None = None,
-    enough: Callable[[], bool] | None = None,
-) -> History:
-    """March `history` to `end` [s]; it always holds the last accepted step, whatever
-    happens.
+class HeatSteps(DirkSteps[HeatHistory]):
+    """The time steps of a plan.
 
-    `levels` are the sizes of all steps of this ladder in a run that is repeated;
-    `enough` says after a step whether to stop there.
+    `local` is the flow that follows the temperatures, None for another; `renewed` are
+    the numbers of the steps before which it was solved anew, `known` those of a run
+    that is repeated. `accounts` says whether fluxes and outlets are recorded.
     """
-    time = problem.scene.time
-    assert time is not None
-    wanted = sorted({*time.times, time.end})
-    problem.medium.restore(history.ranges)
-    history.climb(end)
-    if not history.times and wanted[0] == 0.0:
-        _keep(history, 0.0, history.state)
-    steps = steps_of(problem, history, policy, end, levels)
-    saved = clock.monotonic()
-    outlets = Outlets(problem, history.state)
-    if problem.linear:  # closures have been evaluated once for all steps
-        problem.medium.record()
-        history.ranges = problem.medium.state()
-    for step in steps:
-        after = replace(
-            history,
-            times=[*history.times],
-            snapshots=[*history.snapshots],
-            flux={**history.flux},
-        )
-        for moment in wanted[len(history.times) :]:
-            if moment <= step.end * (1 + 1e-12):
-                _keep(
-                    after,
-                    moment,
-                    step.states[-1] if moment >= step.end else step.at(moment),
-                )
-        _account(problem, after, step)
-        after.state, after.time = step.states[-1], step.end
-        after.tick, after.level = step.tick + 2**step.level, step.next_level
-        after.steps += 1
-        if not problem.linear:
-            problem.medium.record()
-            after.ranges = problem.medium.state()
-        passed = by_streams(fluxes_of(after), {"": float(np.sum(after.reaction))})
-        history.outlet.append((*outlets(step.end, step.states[-1]), *passed))
-        # at once, so that an interrupt never leaves half a step
-        vars(history).update(vars(after))
-        history.levels.append(step.level)
-        advance(step.end)
-        if save is not None and clock.monotonic() - saved >= time.checkpoint_every:
-            save(*history.pack())
-            saved = clock.monotonic()
-        if enough is not None and enough():
-            break
-    return history
 
+    def __init__(
+        self,
+        plan: Plan,
+        flow: Any,
+        result: Result,
+        known: Collection[int] | None = None,
+        accounts: bool = True,
+    ):
+        time = plan.scene.time
+        assert time is not None
+        self.plan, self.flow, self.result = plan, flow, result
+        self.known, self.accounts = known, accounts
+        self.intervals = plan.intervals()
+        self.outputs = output_times(time)
+        self.tolerance = time.tolerance
+        self.periodic = time.cycle is not None
+        self.control = ladder(FIRST_STEP, time.step)
+        self.local: Any = None
+        self.renewed: list[int] = []
+        self.posed: dict[float, tuple[Plan, HeatProblem]] = {}
+        if flow is not None and not plan.medium.fluid.constant:
+            from contbed.packed_bed.local_flow import FlowOverTime
 
-def steps_of(
-    problem: HeatProblem,
-    history: History,
-    policy: Policy,
-    end: float,
-    levels: Sequence[int] | None = None,
-) -> Iterator[Step]:
-    """Return the time steps from the state of `history` to `end` [s]; see `march`."""
-    time = problem.scene.time
-    assert time is not None
-    low, high = problem.T_span
-    solver, interval = problem.scene.solver, problem.interval
-    # temperatures count from it, intraparticle modes from 0
-    uniform = np.zeros(problem.system.size)
-    uniform[problem.heats] = low
-    return march(
-        problem,
-        history.state,
-        end,
-        problem.system.ordered(policy),
-        start=history.origin,
-        tolerance=time.tolerance,
-        span=high - low if high > low else ONE_KELVIN,
-        origin=uniform,
-        step=time.step,
-        tick=history.tick,
-        level=history.level,
-        newton_options={
+            self.local = FlowOverTime(result, flow)
+        self._pose(self.intervals[0])
+
+    def _pose(self, interval: Any) -> None:
+        """Pose the problem of a part of the run, in the present flow."""
+        start = 0.0 if interval is None else interval.start
+        if start not in self.posed:
+            if not self.periodic:
+                self.posed.clear()
+            plan = self.plan if interval is None else self.plan.within(interval)
+            flow = self.flow if self.local is None else self.local.flow
+            problem = heat_problem(plan, flow, self.result, interval)
+            self.posed[start] = plan, problem
+        self.plan, self.problem = self.posed[start]
+        low, high = self.problem.T_span
+        self.span = high - low if high > low else ONE_KELVIN
+
+    def begin(self) -> HeatHistory:
+        """Return the history at the start of the run."""
+        state = self.problem.begin(self.plan.policy)
+        line = isinstance(self.plan.solved.mesh, MeshLine)
+        vertices = self.plan.line_vertices if line else None
+        first = self.control.first
+        history = HeatHistory(state=state, size=first, vertices=vertices)
+        return history.keeping(0.0) if self.outputs[0] == 0.0 else history
+
+    def stops(self) -> list[float]:
+        """Return the times of jumps and kinks, and the end [s]."""
+        ends = [each.end for each in self.intervals if each is not None]
+        return ends or [self.outputs[-1]]
+
+    def resolves(self, start: float, end: float) -> bool:
+        """Return whether a step misses less of the series than is small."""
+        interval = self.problem.interval
+        return interval is None or interval.resolves(start, end, STAGES)
+
+    def entered(self, history: HeatHistory, stop: float) -> HeatHistory:
+        """Return the history at the begin of the part of the run that ends at a stop,
+        after a jump, or within it.
+        """
+        interval = self.intervals[self.stops().index(stop)]
+        self._pose(interval)
+        self.plan.medium.restore(history.ranges)
+        begins = history.time <= (interval.start if interval else 0.0) * (1 + SAME)
+        if begins and interval is not None:
+            history = self._jumped(history)
+        if self.local is not None:
+            if history.flow:
+                self.local.restore(self.problem, history.flow)
+            history = self._with_flow(history, begins)
+        else:
+            self._stage()
+        if self.problem.linear:  # closures have been evaluated once for all steps
+            self.plan.medium.record()
+            history = replace(history, ranges=self.plan.medium.state())
+        self.outlets = Outlets(self.problem, history.state)
+        return history
+
+    def _stage(self) -> None:
+        """Prepare the stages of the present problem."""
+        problem, solver = self.problem, self.plan.scene.solver
+        # temperatures count from it, intraparticle modes from 0
+        uniform = np.zeros(problem.system.size)
+        uniform[problem.heats] = problem.T_span[0]
+        options = {
             "tolerance": solver.newton_tolerance,
             "iterations": solver.newton_iterations,
             "lower": problem.lower,
             "weights": problem.weights,
-        },
-        levels=levels,
-        sees=None if interval is None else partial(interval.resolves, stages=STAGES),
-    )
+        }
+        policy = problem.system.ordered(self.plan.policy)
+        start = 0.0 if problem.interval is None else problem.interval.start
+        self.stages = stages_of(problem, policy, options, uniform, start)
+
+    def _with_flow(self, history: HeatHistory, begins: bool = False) -> HeatHistory:
+        """Return the history with the flow of its temperatures, which is solved anew
+        where they have changed much.
+        """
+        local = self.local
+        done = self.renewed[-1:] == [history.steps]
+        if begins or (not done and self._outdated(history)):
+            self.renew_flow(history)
+        if self.problem.motion.flow is not local.flow:
+            interval, system = self.problem.interval, self.problem.system
+            self.problem = heat_problem(
+                self.plan, local.flow, self.result, interval, system
+            )
+            self._stage()
+            self.outlets = Outlets(self.problem, history.state)
+        return replace(history, flow=local.pack())
+
+    def renew_flow(self, history: HeatHistory) -> None:
+        """Solve the flow at the temperatures of a history."""
+        self.local.solve(self.plan, self.problem, history.state)
+        self.renewed.append(history.steps)
+
+    def _outdated(self, history: HeatHistory) -> bool:
+        if self.known is not None:
+            return history.steps in self.known
+        found: bool = self.local.outdated(self.plan, self.problem, history.state)
+        return found
+
+    def _jumped(self, history: HeatHistory) -> HeatHistory:
+        """Return the history at the begin of a part of the run: prescribed temperatures
+        have their values after a jump, and give the heat that it takes.
+        """
+        problem, interval = self.problem, self.problem.interval
+        assert interval is not None
+        problem.set_time(interval.start)
+        state = np.array(history.state)
+        state[problem.fixed] = problem.fixed_values
+        state = problem.consistent(state, self.plan.policy)
+        before = problem.content(history.state, False)[0]
+        given = problem.content(state, False)[0] - before
+        gain = float(np.sum(given[problem.heats]))
+        parts = np.abs(_by_boundary(problem, given[problem.fixed]))
+        whole = max(float(parts.sum()), np.finfo(float).tiny)
+        return replace(
+            history,
+            state=state,
+            size=self.control.first if interval.jumps else history.size,
+            gain=history.gain + gain,
+            reaction=history.reaction + gain * parts / whole,
+        )
+
+    def take(
+        self, history: HeatHistory, end: float, size: float, repeated: bool = False
+    ) -> tuple[float, Accept[HeatHistory]]:
+        """Take a step in the flow of its temperatures."""
+        if self.local is not None:
+            history = self._with_flow(history)
+        return super().take(history, end, size, repeated)
+
+    def passed(
+        self, history: HeatHistory, step: Step, end: float, size: float
+    ) -> HeatHistory:
+        """Return the history after a step; the weights are those of the method, so the
+        sums close to round-off.
+        """
+        problem, after = self.problem, super().passed(history, step, end, size)
+        if not self.accounts:
+            return after
+        weights = [weight * step.size for weight in WEIGHTS]
+        reaction = history.reaction
+        if len(problem.fixed):
+            supplied = step.gain + _weighted(weights, step.rates)
+            reaction = reaction + _by_boundary(problem, supplied[problem.fixed])
+        ranges = history.ranges
+        if not problem.linear:
+            problem.medium.record()
+            ranges = problem.medium.state()
+        flux = self._fluxes(history, step, weights)
+        heats = by_streams(fluxes_of(flux), {"": float(np.sum(reaction))})
+        return replace(
+            after,
+            mean=history.mean + _weighted(weights, step.states),
+            reaction=reaction,
+            flux=flux,
+            gain=history.gain + float(np.sum(step.gain[problem.heats])),
+            ranges=ranges,
+            kept=self.kept(history, step, end, self.outputs),
+            outlet=(*history.outlet, (*self.outlets(end, after.state), *heats)),
+        )
+
+    def _fluxes(
+        self, history: HeatHistory, step: Step, weights: list[float]
+    ) -> Mapping[str, float]:
+        problem, sums = self.problem, dict(history.flux)
+        if problem.linear and problem.interval is None:
+            return sums
+        for weight, state, share in zip(weights, step.states, STAGES, strict=True):
+            problem.set_time(step.start + share * step.size)
+            for name, parts in problem.fluxes(state).items():
+                for kind, value in parts.items():
+                    key = f"{name}.{kind}"
+                    sums[key] = sums.get(key, 0.0) + weight * value
+        return sums
 
 
-def enter(
-    problem: HeatProblem, history: History, policy: Policy, size: float | None
-) -> None:
-    """Begin a interval of a run: prescribed temperatures take their values after a jump,
-    and give the heat that it takes.
-
-    `size` is the first step [s] where nothing jumps; None for the shortest.
-    """
-    assert problem.interval is not None
-    problem.set_time(problem.interval.start)
-    state = np.array(history.state)
-    state[problem.fixed] = problem.fixed_values
-    state = problem.consistent(state, policy)
-    given = problem.content(state, False)[0] - problem.content(history.state, False)[0]
-    gain = float(np.sum(given[problem.heats]))
-    parts = np.abs(_by_boundary(problem, given[problem.fixed]))
-    after = replace(history, state=state, gain=history.gain + gain)
-    after.reaction = after.reaction + gain * parts / max(
-        float(parts.sum()), np.finfo(float).tiny
-    )
-    after.climb(problem.interval.end, size)
-    vars(history).update(vars(after))
+def _weighted(weights: list[float], values: tuple[Any, ...]) -> Any:
+    pairs = zip(weights, values, strict=True)
+    return sum(weight * value for weight, value in pairs)
 
 
 def _by_boundary(problem: HeatProblem, reaction: Any) -> Any:
     return np.array(list(problem.reaction_sums(reaction).values()))
 
 
-def _keep(history: History, time: float, state: Any) -> None:
-    history.times.append(time)
-    history.snapshots.append(np.array(state))
-
-
-def _account(problem: HeatProblem, history: History, step: Any) -> None:
-    """Add one step to the balance; the weights are those of the method, so the sums
-    close to round-off.
-    """
-    weights = [weight * step.size for weight in WEIGHTS]
-    history.gain += float(np.sum(step.gain[problem.heats]))
-    if len(problem.fixed):
-        supplied = step.gain + sum(
-            w * rate for w, rate in zip(weights, step.rates, strict=True)
-        )
-        history.reaction = history.reaction + _by_boundary(
-            problem, supplied[problem.fixed]
-        )
-    history.mean = history.mean + sum(
-        w * state for w, state in zip(weights, step.states, strict=True)
-    )
-    if not problem.linear or problem.interval is not None:
-        for w, state, share in zip(weights, step.states, STAGES, strict=True):
-            problem.set_time(step.start + share * step.size)
-            for name, parts in problem.fluxes(state).items():
-                for kind, value in parts.items():
-                    history.flux[f"{name}.{kind}"] = (
-                        history.flux.get(f"{name}.{kind}", 0.0) + w * value
-                    )
-
-
-def by_streams(
-    fluxes: dict[str, dict[str, float]], reactions: dict[str, float]
-) -> tuple[float, float]:
-    """Return the heat into the bed by streams of the fluid, and otherwise [J]."""
-    kinds = [pair for parts in fluxes.values() for pair in parts.items()]
-    left = sum(value for kind, value in kinds if kind == "T_fluid")
-    other = sum(value for kind, value in kinds if kind != "T_fluid")
-    return left, other + sum(reactions.values())
-
-
 def integrated_fluxes(
-    problem: HeatProblem, history: History
+    problem: HeatProblem, history: HeatHistory
 ) -> dict[str, dict[str, float]]:
     """Return the heat through each boundary over the run [J].
 
@@ -357,13 +295,23 @@ def integrated_fluxes(
             name: {kind: value * history.time for kind, value in parts.items()}
             for name, parts in fluxes.items()
         }
-    return fluxes_of(history)
+    return fluxes_of(history.flux)
 
 
-def fluxes_of(history: History) -> dict[str, dict[str, float]]:
+def fluxes_of(flux: Mapping[str, float]) -> dict[str, dict[str, float]]:
     """Return the heat through each boundary so far, where values change [J]."""
     out: dict[str, dict[str, float]] = {}
-    for key, value in history.flux.items():
+    for key, value in flux.items():
         name, kind = key.rsplit(".", 1)
         out.setdefault(name, {})[kind] = value
     return out
+
+
+def by_streams(
+    fluxes: dict[str, dict[str, float]], reactions: dict[str, float]
+) -> tuple[float, float]:
+    """Return the heat into the bed by streams of the fluid, and otherwise [J]."""
+    kinds = [pair for parts in fluxes.values() for pair in parts.items()]
+    left = sum(value for kind, value in kinds if kind == "T_fluid")
+    other = sum(value for kind, value in kinds if kind != "T_fluid")
+    return left, other + sum(reactions.values())

@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from contbed.chemistry.local import Smoothing
 from contbed.chemistry.thermo import R_GAS
+from contbed.course.history import SAME, output_times
 from contbed.course.schedule import Schedule
 from contbed.errors import ConvergenceError
 from contbed.materials.composition import mole_fractions
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed import solve
 from contbed.reacting_bed.equations.unknowns import Role
-from contbed.reacting_bed.history import SAME, History, output_times
+from contbed.reacting_bed.history import BedHistory
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.schedule import kinks_passed
@@ -38,8 +39,8 @@ SMOOTH = 1e-5
 # mole fraction below which a gas or solid is taken as not there when smoothing is
 # chosen
 TRACE = 1e-9
-FIRST_STEP = 1e-5  # of the whole time, at the start and after a jump
-SHORTEST_STEP = 1e-12  # of the whole time, below which a run is given up
+# of the time that the gas stays, at the start and after a jump
+FIRST_STEP = 1e-3
 STAGES = (GAMMA, 1.0)  # times of the stages of a step over its size
 # [K] of the temperatures of a run, where those of the scene and of the bed differ by
 # less
@@ -93,7 +94,7 @@ class Course:
         pressure: Any = problem.bed.p_in
         if problem.layout.pressure:
             u = course.start()
-            storage = Storage.after(course.problem, u, FIRST_STEP * course.time.end)
+            storage = Storage.after(course.problem, u, course.first_step)
             try:
                 at_once = solve.newton(
                     course.problem,
@@ -125,7 +126,7 @@ class Course:
         """How often cells of a step may be others, where they follow its errors."""
         return follows(self.scene)
 
-    def on(self, history: History) -> Course:
+    def on(self, history: BedHistory) -> Course:
         """Return the course on the cells of a history."""
         if history.vertices is self.problem.line.vertices:
             return self
@@ -147,15 +148,14 @@ class Course:
         """Jumps and kinks of the series, with the start and the end of the run [s]."""
         return self.schedule.cuts(self.time.end, self.small)
 
-    def seen(self, time: float, step: float) -> float:
-        """Return the longest step [s] from a time, halved until its stages resolve
-        the series.
-        """
-        while step > SHORTEST_STEP * self.time.end and not self.schedule.sees(
-            time, time + step, STAGES, self.small
-        ):
-            step *= 0.5
-        return step
+    @property
+    def first_step(self) -> float:
+        """Length of the first step, at the start and after a jump [s]."""
+        return FIRST_STEP * self.problem.gas_residence
+
+    def resolves(self, start: float, end: float) -> bool:
+        """Return whether a step between two times [s] sees how the series change."""
+        return self.schedule.sees(start, end, STAGES, self.small)
 
     def since(self, time: float) -> float:
         """Return the last jump or kink up to a time [s]."""

@@ -1,25 +1,18 @@
-"""Cyclic steady state of a reacting bed: the state that one period of a run gives back,
-found directly.
+"""Cyclic steady state of a reacting bed: what is stored, and how far an extrapolated
+state may go; see `contbed.course.cycle`.
 
-With y what is stored at the start of a period and Phi(y) that at its end, Phi(y) = y is
-solved by Anderson's acceleration (`solvers.anderson`). After some periods the sequence
-of time steps is kept, so that Phi is smooth; it is chosen anew where the error of a
-kept step is larger than allowed.
-
-y holds what the equations store, each over its typical size: temperatures over the
-range of the scene and of the bed after one period; moles of solids over those that
-enter, of each phase; intraparticle concentrations over that of the gas, of traces over
-their largest; mole fractions of a gas in the pores over 1. What follows at once (a gas
-that is not stored, films, the pressure) is no part of y. The change of a cycle is the
-largest of y over a period.
+What is stored are temperatures over the range of the scene and of the bed after one
+period; moles of solids over those that enter, of each phase; intraparticle
+concentrations over that of the gas, of traces over their largest; mole fractions of a
+gas in the pores over 1. What follows at once (a gas that is not stored, films, the
+pressure) is no part of it. The change of a cycle is the largest of it over a period.
 
 An extrapolated state may leave the bounds: amounts and fractions at or above zero,
 temperatures no further than half of their size beyond those at the end of the period.
 At each node where it does, the state there is moved towards that at the end of the
 period, which is within, until it is: with one share for all that is stored at the node,
 so that sums such as those of fractions, and of solids at rest of which one becomes the
-other, stay. At worst this is plain repetition. So it is from the best period where none
-can be computed from an extrapolated state, or one that changes more than twice as much.
+other, stay. At worst this is plain repetition.
 
 What no period changes, such as the moles of iron at a place of a bed at rest, is that
 of the start.
@@ -27,165 +20,47 @@ of the start.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.errors import ConvergenceError
-from contbed.reacting_bed import solve
-from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.equations.unknowns import LEAST_T
-from contbed.reacting_bed.history import History
+from contbed.reacting_bed.history import BedHistory
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import gas_of_rings, stored_rows
-from contbed.reacting_bed.transient import begin, march, repeated, taken_in, turned
-from contbed.solvers.anderson import Anderson
+from contbed.reacting_bed.transient import BedSteps, begin, turned
 
 Array = NDArray[np.float64]
-Advance = Callable[[float, str], None]
-ADAPTIVE = 4  # periods whose steps are chosen anew; later ones repeat those of the last
-MOST = 60  # periods after which the run gives up
-# error of a kept step over that allowed, above which steps are chosen anew
-OUTDATED = 4.0
-# change of a period over the least so far, above which what was extrapolated is given
-# up
-GROWN = 2.0
 # of the size of temperatures, by which an extrapolated one may leave those at the end
 # of a period
 BEYOND = 0.5
 
 
-@dataclass(frozen=True)
-class Cycle:
-    """A period.
+class BedCycle:
+    """What a reacting bed says of its cycle."""
 
-    history : of the period from its start; periods : how many were computed
-    change : the largest over the period, see the module; change_T : of a
-        temperature [K], None without any
-    closed : whether the change is within the tolerance
-    taken : what rates take in it though there is none of it; None if they do not
-    """
+    def __init__(self, steps: BedSteps):
+        self.steps = steps
 
-    history: History
-    periods: int
-    change: float
-    change_T: float | None
-    closed: bool
-    taken: str | None
+    def scale(self, after: BedHistory) -> Array:
+        """Return the sizes of the unknowns (m,)."""
+        return self.steps.course.sizes(after.state)
 
-    def qoi(self) -> dict[str, float]:
-        """Return named results."""
-        found: dict[str, float] = {
-            "cycle_periods": self.periods,
-            "cycle_change": self.change,
-        }
-        return (
-            found
-            if self.change_T is None
-            else found | {"cycle_change_K": self.change_T}
-        )
+    def stored(self, state: Array, scale: Array) -> Array:
+        """Return what is stored of a state, over its sizes."""
+        return Stored.of(self.steps.course.problem, scale).values(state)
 
+    def begun(self, values: Array, scale: Array, after: BedHistory) -> BedHistory:
+        """Return the history at the start of a period from extrapolated values."""
+        stored = Stored.of(self.steps.course.problem, scale)
+        return self.again(replace(after, state=stored.bounded(values, after.state)))
 
-def periods(
-    course: Course, start: Array, report: solve.Report, advance: Advance
-) -> Iterator[Cycle]:
-    """Yield periods from a first guess of the state at their start to one that closes,
-    or `MOST`, and then the best.
-
-    `advance` is called with the time that each step has reached [s], and which period
-    it is.
-
-    Raises
-    ------
-    ConvergenceError : steps become ever smaller, in a period that begins with the end
-        of another as well
-    """
-    assert course.time.cycle is not None
-    accelerate, stored = Anderson(), None
-    history, best, ends, closest = _begun(course, start), None, None, None
-    extrapolated = outdated = False
-    for count in range(1, MOST + 1):
-        begun, after, error, taken = history.u, history, 0.0, None
-        try:
-            for following, worst in _steps(
-                course, history, None if count <= ADAPTIVE or outdated else ends, report
-            ):
-                taken = taken or taken_in(course, after, following)
-                after, error = following, worst
-                advance(after.time, f"period {count}")
-        except ConvergenceError:
-            if best is None or not extrapolated:
-                raise
-            accelerate.forget()
-            history, best, extrapolated, outdated = (
-                _begun(course, best.history.u, best.history),
-                None,
-                False,
-                True,
-            )
-            continue
-        stored = stored or Stored.of(course.problem, course.sizes(after.u))
-        before, image = stored.values(begun), stored.values(after.u)
-        change = np.abs(image - before)
-        outdated = error > OUTDATED * course.time.tolerance
-        # of a bed that stores nothing 0 in its first period
-        largest = float(change.max(initial=0.0))
-        closed = (
-            largest <= course.time.cycle.tolerance
-            and (count > 1 or not change.size)
-            and not outdated
-        )
-        found = Cycle(after, count, largest, stored.in_kelvin(change), closed, taken)
-        yield found
-        if closed:
-            return
-        closest = found if closest is None or found.change < closest.change else closest
-        if outdated:
-            accelerate.forget()
-        if best is not None and extrapolated and found.change > GROWN * best.change:
-            accelerate.forget()
-            history, best, extrapolated = (
-                _begun(course, best.history.u, best.history),
-                None,
-                False,
-            )
-            continue
-        best = found if best is None or found.change < best.change else best
-        ends = [row[0] for row in after.outlet]
-        extrapolation = accelerate(before.ravel(), image.ravel())
-        extrapolated = len(accelerate) > 1
-        history = _begun(course, stored.bounded(extrapolation, after.u), after)
-    if closest is not None:
-        yield replace(closest, periods=MOST)
-
-
-def _begun(course: Course, u: Array, before: History | None = None) -> History:
-    """Return the history at the start of a period from a state; `before` is the
-    period that ends there.
-    """
-    history = begin(course, turned(course.problem, u))
-    return (
-        history
-        if before is None
-        else replace(history, damping=before.damping, extents=before.extents)
-    )
-
-
-def _steps(
-    course: Course, history: History, ends: list[float] | None, report: solve.Report
-) -> Iterator[tuple[History, float]]:
-    """Yield the histories after the steps of a period, and the largest error so far;
-    `ends` are those of kept steps.
-    """
-    if ends is None:
-        yield from ((after, 0.0) for after in march(course, history, report))
-        return
-    worst = 0.0
-    for after, error in repeated(course, history, ends, report):
-        worst = max(worst, error)
-        yield after, worst
+    def again(self, after: BedHistory) -> BedHistory:
+        """Return the history at the start of a period that follows another."""
+        course = self.steps.course
+        history = begin(course, turned(course.problem, after.state))
+        return replace(history, damping=after.damping, extents=after.extents)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,15 +10,16 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.course.history import SAME
 from contbed.reacting_bed.course import Course
-from contbed.reacting_bed.history import FLOW, SAME, History
+from contbed.reacting_bed.history import FLOW, BedHistory
 
 Array = NDArray[np.float64]
 LEVELS = (1, 5, 50, 95)  # percent of the mole fraction that enters
 MOMENTS = ((0.0, 0.5, 1.0), (1 / 6, 4 / 6, 1 / 6))  # and weights of Simpson's rule
 
 
-def column_findings(course: Course, history: History) -> dict[str, float]:
+def column_findings(course: Course, history: BedHistory) -> dict[str, float]:
     """Return results of a column: of a run from clean to loaded, or of a cycle."""
     solids = course.scene.solids.values()
     adsorbed = {gas for each in solids for gas in each.adsorption or {}}

@@ -46,15 +46,10 @@ def run(
     """
     if plan.scene.time is not None:
         from contbed.reacting_bed.course import Course
-        from contbed.reacting_bed.transient import run_transient
+        from contbed.reacting_bed.over_time import run_transient
 
         course = Course.of(plan.scene, plan.problem, plan.schedule, plan.stores_gas)
-        if plan.scene.time.cycle is None:
-            run_transient(course, result, folder, quiet, start)
-        else:
-            from contbed.reacting_bed.cycle import periods
-
-            run_transient(course, result, folder, quiet, start, periods)
+        run_transient(course, result, folder, quiet, start)
         return
     report = solve.Report()
     problem = plan.problem

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from contbed.reacting_bed.cells import COARSEST, aim, errors, wanted_lengths
 from contbed.reacting_bed.course import Course
-from contbed.reacting_bed.history import History
+from contbed.reacting_bed.history import BedHistory
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.transfer import transferred
 
@@ -93,8 +93,8 @@ def fitted(course: Course) -> Course:
 
 
 def on_cells(
-    course: Course, history: History, vertices: Array
-) -> tuple[Course, History]:
+    course: Course, history: BedHistory, vertices: Array
+) -> tuple[Course, BedHistory]:
     """Return the course and the history on other cells, which hold the same.
 
     Raises
@@ -102,7 +102,7 @@ def on_cells(
     ConvergenceError : no state there holds so much
     """
     old, damping = course.problem.line, history.damping
-    problem, u = transferred(course.problem, history.u, vertices)
+    problem, u = transferred(course.problem, history.state, vertices)
     for pellets in problem.pellets.values():
         pellets.known.clear()  # of other points
     first = np.searchsorted(old.vertices, vertices[:-1], side="right") - 1
@@ -110,7 +110,7 @@ def on_cells(
     spans = [slice(a, b) for a, b in zip(first, last, strict=True)]
     return replace(course, problem=problem), replace(
         history,
-        u=u,
+        state=u,
         vertices=vertices,
         pressure=problem.bed.gas_pressure,
         damping=np.array([damping[:, cells].max(axis=1) for cells in spans]).T,

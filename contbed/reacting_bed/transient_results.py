@@ -11,7 +11,7 @@ from contbed.balance import HELD_SHARE, Balance
 from contbed.reacting_bed import results
 from contbed.reacting_bed.cells import aim
 from contbed.reacting_bed.course import Course
-from contbed.reacting_bed.history import History
+from contbed.reacting_bed.history import BedHistory
 from contbed.reacting_bed.of_columns import column_findings
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage
@@ -22,13 +22,13 @@ Array = NDArray[np.float64]
 LARGE_ERROR = 3.0  # of cells over what is aimed at, above which the run warns
 
 
-def fill(course: Course, history: History, result: Result) -> None:
+def fill(course: Course, history: BedHistory, result: Result) -> None:
     """Fill in results at the end, profiles at the output times, the outlet over time
     and totals of the run.
     """
     problem = course.on(history).at(history.time)
-    results.fill(problem, history.u, result, history.least)
-    kept = history.kept or {history.time: (history.vertices, history.u)}
+    results.fill(problem, history.state, result, history.least)
+    kept = history.kept or {history.time: (history.vertices, history.state)}
     tables = [
         (t, results.profiles(course.at(t).on(vertices), u))
         for t, (vertices, u) in kept.items()
@@ -81,11 +81,11 @@ def contents(problem: Problem, u: Array) -> Array:
     return problem.mean(np.einsum("ecj,j,c->e", held, line.weights, line.h))
 
 
-def _balances(problem: Problem, history: History, result: Result) -> None:
+def _balances(problem: Problem, history: BedHistory, result: Result) -> None:
     """Add what of every element, and of energy with heats of formation, has passed
     the ends and is stored.
     """
-    held = contents(problem, history.u)
+    held = contents(problem, history.state)
     gain = held - history.held
     inward = history.passed * np.array([1.0, -1.0])
     for element in dict.fromkeys(

@@ -17,7 +17,7 @@ the surface
     k dT/dr = h (T_furnace - T) + emissivity sigma (T_furnace^4 - T^4),    or T is given.
 
 Finite volumes on shells of equal thickness, of second order; TR-BDF2 with error control
-(`solvers.timestep`).
+(`course.dirk`).
 
 Source: Park, Atreya, Baum, Combust. Flame 157 (2010) 481,
     doi:10.1016/j.combustflame.2009.10.006, for wood.
@@ -84,7 +84,7 @@ class Surface:
 
 
 class Sphere:
-    """The discrete problem, as `solvers.timestep.march` takes it.
+    """The discrete problem, as `course.march` takes it.
 
     The state holds T and each m_k of all shells, then the flow of gas through the outer
     face of each per mass of fresh particle [1/s], then the temperature of the surface.

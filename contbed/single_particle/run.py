@@ -4,8 +4,8 @@ hot it is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from itertools import pairwise
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,18 +16,20 @@ from scipy.optimize import brentq
 
 from contbed.balance import Balance
 from contbed.chemistry.thermo import R_GAS
+from contbed.course.dirk import STAGES, WEIGHTS, DirkSteps, Step, ladder, stages_of
+from contbed.course.history import History
 from contbed.course.schedule import Schedule
 from contbed.errors import ConvergenceError
 from contbed.fields import header
 from contbed.materials.composition import mole_fractions
 from contbed.output.progress import Progress
 from contbed.result import Result, timed
-from contbed.scene.toml_lines import Origin
 from contbed.single_particle.equations import SCALE_HEAT, Material, Sphere, Surface
 from contbed.single_particle.plan import Plan
 from contbed.single_particle.scene import SURFACE, SingleParticleScene
-from contbed.solvers.timestep import LEVELS, STAGES, WEIGHTS, Step, level_of, march
 
+# [s] first step, at the start and after a jump
+FIRST_STEP = 2.0**-10
 ROWS = 100  # output times where none are given
 # of the mass, below which none is lost, and no time in which half of it is
 LEAST_LOSS = 1e-9
@@ -88,43 +90,95 @@ def surface_of(
     )
 
 
-def _pieces(
-    problem: Sphere, state: Any, plan: Plan, series: Schedule, span: float
-) -> Iterator[Step]:
-    """Yield the time steps, none of which crosses a jump of the surroundings, or a
+@dataclass(frozen=True, kw_only=True)
+class ParticleHistory(History):
+    """State of a particle and what it has passed.
+
+    sums : heat conducted in, carried out, released [J/kg], gas that left; exchanged :
+        heat both ways
+    passed : time, mass and centre temperature of all stages
+    """
+
+    sums: Any
+    exchanged: float = 0.0
+    passed: tuple[tuple[float, float, float], ...]
+
+
+class ParticleSteps(DirkSteps[ParticleHistory]):
+    """The time steps of a plan, none of which crosses a jump of the surroundings, or a
     kink beyond its error.
     """
-    scene, size, tolerance = plan.scene, 0.0, plan.scene.time.tolerance
-    small = series.small(tolerance, [problem.material.start])
-    options = {
-        "tolerance": scene.solver.newton_tolerance,
-        "iterations": scene.solver.newton_iterations,
-    }
-    for start, end in pairwise(series.cuts(scene.time.end, small)):
-        problem.surface = surface_of(scene, series, start)
-        if start > 0.0:
-            problem.set_time(start)
-            state = problem.with_surface(state)
-        level = (
-            level_of(size, end - start) if size and not series.jumps(start) else None
+
+    def __init__(self, plan: Plan):
+        self.scene, self.policy = plan.scene, plan.policy
+        material, time = material_of(plan.scene), plan.scene.time
+        self.series = Schedule.of(plan.scene.boundary, plan.scene.origin.base)
+        self.small = self.series.small(time.tolerance, [material.start])
+        self.cuts = self.series.cuts(time.end, self.small)
+        surface = surface_of(plan.scene, self.series)
+        values = self.series.temperatures() or [surface.furnace(0.0)]
+        farthest = max(abs(T - material.start) for T in values)
+        self.span, self.tolerance = max(farthest, 1.0), time.tolerance
+        cells = plan.scene.single_particle.cells
+        self.problem = Sphere(material, surface, cells, self.span)
+        self.control = ladder(FIRST_STEP)
+        given = time.times or np.linspace(0.0, time.end, ROWS + 1).tolist()
+        self.outputs = sorted({*given, time.end})
+
+    def begin(self) -> ParticleHistory:
+        """Return the history at the start of the run."""
+        state = self.problem.initial()
+        first = (0.0, _mass(self.problem, state), self.problem.centre(state))
+        history = ParticleHistory(
+            state=state, size=FIRST_STEP, sums=np.zeros(4), passed=(first,)
         )
-        for step in march(
-            problem,
-            state,
-            end,
-            plan.policy,
-            tolerance=tolerance,
-            span=span,
-            start=start,
-            level=level,
-            newton_options=options,
-            sees=lambda begin, until: series.sees(begin, until, STAGES, small),
-        ):
-            yield step
-            state, size = (
-                step.states[-1],
-                (end - start) * 2.0 ** (step.next_level - LEVELS),
-            )
+        return history.keeping(0.0) if self.outputs[0] == 0.0 else history
+
+    def stops(self) -> list[float]:
+        """Return the times of jumps and kinks, and the end [s]."""
+        return self.cuts[1:]
+
+    def resolves(self, start: float, end: float) -> bool:
+        """Return whether a step misses less of the series than is small."""
+        return self.series.sees(start, end, STAGES, self.small)
+
+    def entered(self, history: ParticleHistory, stop: float) -> ParticleHistory:
+        """Return the history with the surface after a jump or kink."""
+        solver, problem, time = self.scene.solver, self.problem, history.time
+        problem.surface = surface_of(self.scene, self.series, time)
+        options = {
+            "tolerance": solver.newton_tolerance,
+            "iterations": solver.newton_iterations,
+        }
+        self.stages = stages_of(problem, self.policy, options)
+        if time == 0.0:
+            return history
+        problem.set_time(time)
+        size = FIRST_STEP if self.series.jumps(time) else history.size
+        return replace(history, state=problem.with_surface(history.state), size=size)
+
+    def passed(
+        self, history: ParticleHistory, step: Step, end: float, size: float
+    ) -> ParticleHistory:
+        """Return the history after a step; the weights are those of the method."""
+        problem, passed = self.problem, list(history.passed)
+        gas = (problem.count + 2) * problem.shells - 1
+        sums, exchanged = history.sums, history.exchanged
+        for weight, share, stage in zip(WEIGHTS, STAGES, step.states, strict=True):
+            time = step.start + share * step.size
+            problem.set_time(time)
+            rates = np.array([*problem.heat_in(stage), stage[gas]])
+            sums = sums + weight * step.size * rates
+            exchanged += weight * step.size * abs(rates[0])
+            if share:
+                passed.append((time, _mass(problem, stage), problem.centre(stage)))
+        return replace(
+            super().passed(history, step, end, size),
+            sums=sums,
+            exchanged=exchanged,
+            passed=tuple(passed),
+            kept=self.kept(history, step, end, self.outputs),
+        )
 
 
 @timed("particle")
@@ -141,64 +195,47 @@ def run(
     ------
     ConvergenceError : a time step fails
     """
-    scene = plan.scene
-    material = material_of(scene)
-    series = Schedule.of(scene.boundary, scene.origin.base)
-    surface, end = surface_of(scene, series), scene.time.end
-    moments = sorted(
-        {*(scene.time.times or np.linspace(0.0, end, ROWS + 1).tolist()), end}
-    )
-    values = [v for samples in series.samples.values() for v in samples.values] or [
-        surface.furnace(0.0)
-    ]
-    span = max(max(values) - material.start, material.start - min(values), 1.0)
-    problem = Sphere(material, surface, scene.single_particle.cells, span)
-    state = problem.initial()
-    kept = [state] if moments[0] == 0.0 else []
-    # heat conducted in, carried out, released [J/kg], gas that left; heat both ways
-    sums, exchanged = np.zeros(4), 0.0
-    passed = [(0.0, _mass(problem, state), problem.centre(state))]
-    before = problem.content(state, False)[0]
-    mass0 = _mass(problem, state)
-    gas = (problem.count + 2) * problem.shells - 1
-    steps = _pieces(problem, state, plan, series, span)
-    with Progress(end, "s", quiet) as progress:
-        for step in _told(steps, scene.origin):
-            for moment in moments[len(kept) :]:
-                if moment <= step.end * (1 + 1e-12):
-                    kept.append(
-                        step.states[-1] if moment >= step.end else step.at(moment)
-                    )
-            for weight, share, stage in zip(WEIGHTS, STAGES, step.states, strict=True):
-                problem.set_time(step.start + share * step.size)
-                rates = np.array([*problem.heat_in(stage), stage[gas]])
-                sums += weight * step.size * rates
-                exchanged += weight * step.size * abs(rates[0])
-                if share:
-                    passed.append(
-                        (
-                            step.start + share * step.size,
-                            _mass(problem, stage),
-                            problem.centre(stage),
-                        )
-                    )
-            state = step.states[-1]
-            progress.advance_to(step.end)
+    steps = ParticleSteps(plan)
+    begin = history = steps.begin()
+    try:
+        with Progress(plan.scene.time.end, "s", quiet) as progress:
+            for history in steps.march(begin):
+                progress.advance_to(history.time)
+    except ConvergenceError as error:
+        text = f"{plan.scene.origin.at(('reactions',))}: {error}"
+        advice = (
+            "no shorter step helps; a reaction may be too fast: lower its A, or "
+            "raise its E"
+        )
+        raise ConvergenceError(
+            f"{text}, at t = {history.time:.4g} s: {advice}", error.history, error.state
+        ) from None
+    _balances(steps.problem, begin, history, result)
+    _profiles(plan, steps.problem, history.kept, result)
+    _findings(np.array(history.passed), result)
+
+
+def _balances(
+    problem: Sphere, begin: ParticleHistory, history: ParticleHistory, result: Result
+) -> None:
+    """Fill in the balances of energy and mass."""
+    material, n = problem.material, problem.shells
     whole = material.density * np.pi / 6.0 * (2.0 * material.radius) ** 3
-    n = problem.shells
-    stored = SCALE_HEAT * float((problem.content(state, False)[0] - before)[:n].sum())
-    conducted, carried, released, left = sums
-    held = SCALE_HEAT * float(np.abs(problem.content(state, False)[0][:n]).sum())
+    before, content = (
+        problem.content(each.state, False)[0][:n] for each in (begin, history)
+    )
+    stored = SCALE_HEAT * float((content - before).sum())
+    conducted, carried, released, left = history.sums
+    held = SCALE_HEAT * float(np.abs(content).sum())
     parts = [conducted * whole, -carried * whole]
+    floor = max(held, history.exchanged) * whole
     result.balances["energy"] = Balance.of_fluxes(
-        parts, "J", released * whole, stored * whole, floor=max(held, exchanged) * whole
+        parts, "J", released * whole, stored * whole, floor=floor
     ).as_dict()
-    mass = _mass(problem, state)
+    gain = _mass(problem, history.state) - _mass(problem, begin.state)
     result.balances["mass"] = Balance.of_fluxes(
-        [-left * whole], "kg", 0.0, (mass - mass0) * whole, whole
+        [-left * whole], "kg", 0.0, gain * whole, whole
     ).as_dict()
-    _profiles(plan, problem, moments, kept, result)
-    _findings(np.array(passed), result)
 
 
 def _mass(problem: Sphere, state: Any) -> float:
@@ -206,36 +243,19 @@ def _mass(problem: Sphere, state: Any) -> float:
     return float(problem.volume @ problem.masses(state).sum(axis=0))
 
 
-def _told(steps: Iterator[Step], origin: Origin) -> Iterator[Step]:
-    """Yield the steps; an error that stops them names the time and a remedy."""
-    reached = 0.0
-    try:
-        for step in steps:
-            yield step
-            reached = step.end
-    except ConvergenceError as error:
-        text = f"{origin.at(('reactions',))}: {error}, at t = {reached:.4g} s"
-        advice = (
-            "no shorter step helps; a reaction may be too fast: lower its A, or "
-            "raise its E"
-        )
-        raise ConvergenceError(
-            f"{text}: {advice}", error.history, error.state
-        ) from None
-
-
 def _profiles(
-    plan: Plan, problem: Sphere, moments: list[float], kept: list[Any], result: Result
+    plan: Plan, problem: Sphere, kept: Mapping[float, Any], result: Result
 ) -> None:
     """Fill in what is left and temperatures at the output times."""
     n, volume = problem.shells, problem.volume
-    masses = np.array([problem.masses(state) @ volume for state in kept])
+    states = kept.values()
+    masses = np.array([problem.masses(state) @ volume for state in states])
     result.profiles = {
-        header("t"): np.array(moments),
+        header("t"): np.array(list(kept)),
         header("mass_fraction"): masses.sum(axis=1),
-        header("T_centre"): np.array([problem.centre(state) for state in kept]),
-        header("T_surface"): np.array([state[-1] for state in kept]),
-        header("T_mean"): np.array([state[:n] @ volume for state in kept]),
+        header("T_centre"): np.array([problem.centre(state) for state in states]),
+        header("T_surface"): np.array([state[-1] for state in states]),
+        header("T_mean"): np.array([state[:n] @ volume for state in states]),
     }
     for k, name in enumerate(plan.scene.solid.constituent):
         result.profiles[f"mass_fraction.{name} [1]"] = masses[:, k]

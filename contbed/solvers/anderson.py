@@ -12,6 +12,7 @@ doi:10.1137/10078356X.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -20,28 +21,20 @@ DEPTH = 25  # former evaluations that are combined
 
 
 class Anderson:
-    """Gives the next state from a state and its image; it remembers former pairs."""
+    """Gives the next state from a state and its image.
 
-    def __init__(self) -> None:
-        self._images: list[Any] = []
-        self._changes: list[Any] = []
+    `pairs` are the images and changes of former calls, at most `DEPTH` + 1.
+    """
+
+    def __init__(self, pairs: Sequence[tuple[Any, Any]] = ()) -> None:
+        self.pairs = tuple(pairs)
 
     def __call__(self, state: Any, image: Any) -> Any:
         """Return the next state (n,); it is the image where nothing else is known."""
-        self._images.append(image)
-        self._changes.append(image - state)
-        del self._images[: -DEPTH - 1], self._changes[: -DEPTH - 1]
-        if len(self._images) == 1:
+        self.pairs = (*self.pairs, (image, image - state))[-DEPTH - 1 :]
+        if len(self.pairs) == 1:
             return image
-        columns = np.diff(np.array(self._changes), axis=0).T
-        gamma = np.linalg.lstsq(columns, self._changes[-1], rcond=1e-12)[0]
-        return image - np.diff(np.array(self._images), axis=0).T @ gamma
-
-    def __len__(self) -> int:
-        """Return the number of pairs that are remembered."""
-        return len(self._images)
-
-    def forget(self) -> None:
-        """Forget all pairs, as where the map has changed."""
-        self._images.clear()
-        self._changes.clear()
+        images, changes = (np.array(each) for each in zip(*self.pairs, strict=True))
+        columns = np.diff(changes, axis=0).T
+        gamma = np.linalg.lstsq(columns, changes[-1], rcond=1e-12)[0]
+        return image - np.diff(images, axis=0).T @ gamma

@@ -6,7 +6,7 @@ that they give to the fluid:
 
     m(b)' + S b + B sum_m T_m + vector = 0,      c T_m' = -D_m T_m - g_m q,      q = E (T_solid - T_fluid + sum_m T_m)
 
-In a stage of TR-BDF2 (`solvers.timestep`) with w = d dt every mode is an explicit
+In a stage of TR-BDF2 (`course.dirk`) with w = d dt every mode is an explicit
 function of q at its node,
 
     (c + w D_m) T_m = r_m - w g_m q,    sum_m T_m = (P - w E Z (T_solid - T_fluid))/(1 + w E Z)

@@ -5,17 +5,30 @@ of growing size.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from contbed.errors import ConvergenceError
 from contbed.solvers.linear import Policy
 from contbed.solvers.newton import newton
-from contbed.solvers.timestep import Problem
 
 GROWTH = 4.0
 MAX_STEPS = 200
+
+
+class Problem(Protocol):
+    """The functions and data that a model with a content and a residual provides."""
+
+    fixed: Any
+    linear: bool
+    weights: Any
+
+    def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Return the tested heat content m(U) and, if wanted, its Jacobian."""
+
+    def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Return the tested steady residual R(U) and, if wanted, its Jacobian."""
 
 
 def unwatched(share: float, note: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,10 @@ import contbed
 from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.reacting_bed.course import Course
+from contbed.reacting_bed.history import BedHistory
 from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.stages import stages
+from contbed.reacting_bed.transient import BedSteps, begin
 from contbed.result import Result
 
 CLOSED = 1e-12  # of what enters
@@ -23,6 +26,11 @@ def solved(scene: dict[str, Any]) -> Result:
     for name, balance in result.balances.items():
         assert abs(balance["relative_residual"]) < CLOSED, name
     return result
+
+
+def marched(course: Course) -> Iterator[BedHistory]:
+    """Histories after the steps of a run."""
+    return BedSteps(course, Report()).march(begin(course, course.start()))
 
 
 def stepped(scene: dict[str, Any], dt: float) -> dict[str, np.ndarray]:

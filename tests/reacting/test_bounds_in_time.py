@@ -20,6 +20,7 @@ from reacting_bed_scenes import (
     solids,
     species,
 )
+from solving import marched
 
 import contbed
 from contbed.fem.ad.dual import Dual
@@ -31,7 +32,6 @@ from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.equations.losses import within
 from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.stages import GAMMA, stages
-from contbed.reacting_bed.transient import begin, march
 
 LEFT = 1.1e-10  # below zero, of the size of an amount
 CLOSED = 1e-12
@@ -48,12 +48,12 @@ def least_of(scene):
     """
     course = course_of(scene)
     least = 0.0
-    for history in march(course, begin(course, course.start()), Report()):
+    for history in marched(course):
         problem = course.at(history.time)
         kept = [
             k for k, name in enumerate(problem.names) if name.startswith(("g_", "n_"))
         ]
-        least = min(least, lowest(problem, history.u)[kept].min())
+        least = min(least, lowest(problem, history.state)[kept].min())
     return least
 
 

@@ -9,6 +9,7 @@ from itertools import islice
 import numpy as np
 import pytest
 from reacting_bed_scenes import heated, isothermal, schumann, species
+from solving import marched
 from test_bounds_in_time import cores, course_of
 from test_reacting_restart import BEDS, STOP, interrupted, same
 
@@ -18,11 +19,9 @@ from contbed.fem.line_dg import Line
 from contbed.fem.line_projection import projected
 from contbed.loading import from_dict
 from contbed.models import plan
-from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.storage import Storage
 from contbed.reacting_bed.time_cells import FEWEST, SHORTEST, fitted, halved
 from contbed.reacting_bed.transfer import transferred
-from contbed.reacting_bed.transient import begin, march
 from studies.ignition_front import fronts
 
 CLOSED = 1e-12  # of what enters
@@ -60,10 +59,8 @@ def hot_gas(**heat):
 def after(scene, steps):
     """The bed and its state after some steps."""
     course = course_of(scene)
-    history = list(
-        islice(march(course, begin(course, course.start()), Report()), steps)
-    )[-1]
-    return course.at(history.time), history.u
+    history = list(islice(marched(course), steps))[-1]
+    return course.at(history.time), history.state
 
 
 def held(problem, u):

@@ -13,14 +13,13 @@ import numpy as np
 import pytest
 from adsorption_scenes import adsorber
 from scipy.linalg import expm
+from solving import marched
 
 from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.particle.interior import interior
 from contbed.particle.level import SHAPES
 from contbed.reacting_bed.course import Course
-from contbed.reacting_bed.solve import Report
-from contbed.reacting_bed.transient import begin, march
 
 TIMES = np.geomspace(1e-5, 1.0, 400)  # Fourier numbers
 EXACT = 20  # points
@@ -76,8 +75,8 @@ def test_particles_of_a_bed_hold_nothing_below_zero():
     rows = [k for k, name in enumerate(problem.names) if name.startswith("a_")]
     weights = np.array(problem.bed.phases["particles"].inside.weights)
     lowest, least = 0.0, 0.0
-    for after in march(course, begin(course, course.start()), Report()):
-        points = after.u[rows] / problem.sizes[rows][:, None, None]
+    for after in marched(course):
+        points = after.state[rows] / problem.sizes[rows][:, None, None]
         lowest, least = (
             min(lowest, points.min()),
             min(least, np.tensordot(weights, points, axes=1).min()),

@@ -68,7 +68,7 @@ def same(one, other):
 def interrupted(given, folder, monkeypatch):
     from contbed.reacting_bed import transient
 
-    real = transient.march
+    real = transient.BedSteps.march
 
     def stopping(*args):
         for k, history in enumerate(real(*args)):
@@ -77,7 +77,7 @@ def interrupted(given, folder, monkeypatch):
             yield history
 
     with monkeypatch.context() as patch:
-        patch.setattr(transient, "march", stopping)
+        patch.setattr(transient.BedSteps, "march", stopping)
         with pytest.raises(KeyboardInterrupt):
             contbed.run(from_dict(given), out=folder)
 
@@ -97,8 +97,7 @@ def test_restart_goes_on_bit_for_bit(tmp_path, monkeypatch):
     longer = contbed.run(
         from_dict(scene(end=1000.0)), out=tmp_path / "d", restart=tmp_path / "b"
     )
-    assert longer.qoi["time_reached_s"] == 1000.0
-    assert set(whole.profiles["t [s]"]) < set(longer.profiles["t [s]"]) | {800.0}
+    same(longer, contbed.run(from_dict(scene(end=1000.0))))
 
 
 def adsorbing_section():

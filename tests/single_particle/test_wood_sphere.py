@@ -14,7 +14,6 @@ from contbed.loading import load
 from contbed.models import MODELS
 from contbed.runner import run
 from contbed.single_particle import run as single_particle
-from contbed.solvers.timestep import march
 from tests.particle.tables import rows
 
 SPHERE = (
@@ -205,12 +204,14 @@ def steps_of(monkeypatch):
     """Count the steps of a run from here on."""
     taken = []
 
-    def counted(*arguments, **options):
-        for step in march(*arguments, **options):
-            taken.append(step)
-            yield step
+    march = single_particle.ParticleSteps.march
 
-    monkeypatch.setattr(single_particle, "march", counted)
+    def counted(*arguments):
+        for history in march(*arguments):
+            taken.append(history)
+            yield history
+
+    monkeypatch.setattr(single_particle.ParticleSteps, "march", counted)
     return taken
 
 

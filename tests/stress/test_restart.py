@@ -162,7 +162,7 @@ def test_a_then_b_is_ab(text, at, tmp_path, monkeypatch):
     text = text.replace("end = 1500.0", "end = 1001.0")
     whole = cb.run(loads(text), out=tmp_path / "ab")
     with monkeypatch.context() as patch:
-        patch.setattr("contbed.output.progress.Progress", Stop(at))
+        patch.setattr("contbed.packed_bed.over_time.Progress", Stop(at))
         with pytest.raises(KeyboardInterrupt):
             cb.run(loads(text), out=tmp_path / "a")
     stopped = json.loads((tmp_path / "a" / "summary.json").read_text())

@@ -131,7 +131,7 @@ def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
         *(
             "radiation.equations.p1",
             "radiation.equations.ordinates",
-            "solvers.timestep",
+            "course.dirk",
             "solvers.continuation",
         ),
         *(
@@ -169,7 +169,7 @@ def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
                 },
                 "time": {"end": 1.0, "step": 1.0},
             },
-            "contbed.solvers.timestep",
+            "contbed.course.dirk",
         ),
         (
             {

@@ -83,7 +83,8 @@ def test_rows_before_a_restart_are_kept(tmp_path):
     longer = cb.run(scene(), out=tmp_path / "whole", restart=tmp_path / "part")
     reached = cb.run(part).tables["outlet"]["t [s]"]
     table = longer.tables["outlet"]
-    np.testing.assert_array_equal(table["t [s]"][: len(reached)], reached)
+    # but for the step that was cut short to meet the end
+    np.testing.assert_array_equal(table["t [s]"][: len(reached) - 1], reached[:-1])
     assert table["t [s]"][-1] == whole.tables["outlet"]["t [s]"][-1] == 600.0
     assert (
         (tmp_path / "whole" / "outlet.csv")

@@ -7,6 +7,7 @@ tolerances are stated in each test.
 
 from typing import Any
 
+import marching
 import numpy as np
 import pytest
 from moving_beds import moving, started
@@ -23,7 +24,6 @@ from contbed.output.progress import Progress
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
 from contbed.solvers.linear import Policy
-from contbed.solvers.timestep import march
 from studies._exact.conduction_radiation import conduction_diffusion
 from studies._exact.manufactured import observed_order
 
@@ -636,12 +636,10 @@ def last(values: dict[str, Any], steps: int | None = None) -> np.ndarray:
     low, high = problem.T_span
     step = None if steps is None else time["end"] / steps
     tolerance = time.get("tolerance", 1e-4)
-    start, options = (
-        problem.begin(policy),
-        {"tolerance": tolerance, "span": high - low, "step": step},
-    )
-    *_, final = march(problem, start, time["end"], policy, **options)
-    return final.states[-1] * problem.weights
+    options = {"tolerance": tolerance, "span": high - low, "step": step}
+    start = problem.begin(policy)
+    final = marching.last(problem, start, policy, time["end"], **options)
+    return final * problem.weights
 
 
 @pytest.mark.slow

@@ -541,15 +541,15 @@ def test_restart_across_a_jump_is_bit_for_bit(tmp_path, monkeypatch):
     whole = cb.run(scene, tmp_path / "whole", quiet=True)
     from contbed.packed_bed import transient
 
-    marched, stop = transient.march, {"at": 450.0}
+    marched, stop = transient.HeatSteps.march, {"at": 450.0}
 
-    def stopping(*args, **options):
-        for step in marched(*args, **options):
-            yield step
-            if step.end > stop["at"]:
+    def stopping(*args):
+        for history in marched(*args):
+            yield history
+            if history.time > stop["at"]:
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr(transient, "march", stopping)
+    monkeypatch.setattr(transient.HeatSteps, "march", stopping)
     for moment in (450.0, 899.0):
         stop["at"] = moment
         with pytest.raises(KeyboardInterrupt):

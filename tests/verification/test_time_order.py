@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 from manufactured_cases import Heat
+from marching import last
 from scipy.linalg import expm
 
 from contbed.fem.skfem import System
 from contbed.packed_bed.equations import two_energy
 from contbed.solvers.linear import Policy
-from contbed.solvers.timestep import march
 from studies._exact import two_temperature_relaxation
 from studies._exact.manufactured import observed_order
 
@@ -51,16 +51,8 @@ class Problem:
     def last(self, state: Any, steps: int | None, tolerance: float = 1.0) -> Any:
         """State at the end after equal steps, or after steps of controlled error."""
         step = None if steps is None else END / steps
-        *_, last = march(
-            self,
-            state,
-            END,
-            Policy(self.system.mesh.dim()),
-            tolerance=tolerance,
-            span=1.0,
-            step=step,
-        )
-        return last.states[-1]
+        policy = Policy(self.system.mesh.dim())
+        return last(self, state, policy, END, tolerance=tolerance, step=step)
 
 
 def problem(case: Heat, n: int) -> tuple[Problem, Any]:

@@ -1,4 +1,4 @@
-"""TR-BDF2 in conservative form with error control; steps are halved or doubled.
+"""TR-BDF2 in conservative form with error control.
 
 For m(U)' + R(U, t) = 0, where m is the tested heat content and R the tested steady
 residual, one step of size dt is
@@ -12,23 +12,25 @@ Both stages share one matrix, the method is L-stable, and summing the equations 
 the balance of the step to round-off. The embedded third-order error is filtered by the
 same matrix.
 
-Steps are `end * 2**-level` and double only where the time is a multiple of the doubled
-step, so a few matrices serve the whole run, the end is met exactly, and time is an
-integer: a restart repeats the same numbers.
+Steps of linear problems have few sizes, powers of 2, so a few matrices serve the whole
+run.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
 import scipy.sparse as sp
 
-from contbed.errors import ConvergenceError
+from contbed.course.history import SAME
+from contbed.course.march import POWERS_OF_TWO, Accept, Control, H, TimeSteps
 from contbed.solvers.banded import Ordering
 from contbed.solvers.condensed import Modes
+from contbed.solvers.continuation import Problem
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
 
@@ -40,23 +42,9 @@ WEIGHTS = (W, W, D)
 STAGES = (0.0, GAMMA, 1.0)
 _ERROR = (W - (1 - W) / 3, W - (3 * W + 1) / 3, D - D / 3)
 
-LEVELS = 48  # the shortest step is end * 2**-LEVELS
-FIRST_LEVEL = 20  # the first error-controlled step is end * 2**-FIRST_LEVEL
+# [s] below which a run is given up
+SHORTEST = 2.0**-64
 MAX_FACTORISATIONS = 3  # kept at a time
-
-
-class Problem(Protocol):
-    """The functions and data that a transient model provides to `march`."""
-
-    fixed: Any
-    linear: bool
-    weights: Any
-
-    def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
-        """Return the tested heat content m(U) and, if wanted, its Jacobian."""
-
-    def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
-        """Return the tested steady residual R(U) and, if wanted, its Jacobian."""
 
 
 class BoundaryProblem(Problem, Protocol):
@@ -85,7 +73,7 @@ class LinearProblem(BoundaryProblem, Protocol):
 
 
 class TransientProblem(BoundaryProblem, Protocol):
-    """What `march` solves."""
+    """What the stages of a step solve."""
 
     @property
     def nodal_modes(self) -> Modes | None:
@@ -96,11 +84,10 @@ class TransientProblem(BoundaryProblem, Protocol):
 
 @dataclass(frozen=True)
 class Step:
-    """One accepted step.
+    """One step.
 
     `start` and `size` [s]; `states` at the start, the stage and the end, `rates` their
-    steady residuals; `gain` of tested content; `tick` is the time in shortest steps,
-    `level` and `next_level` say that a step is 2**level of these.
+    steady residuals; `gain` of tested content; `error` of the state.
     """
 
     start: float
@@ -108,9 +95,7 @@ class Step:
     states: tuple[Any, Any, Any]
     rates: tuple[Any, Any, Any]
     gain: Any
-    tick: int
-    level: int
-    next_level: int
+    error: Any
 
     @property
     def end(self) -> float:
@@ -129,106 +114,71 @@ class Step:
         return la * self.states[0] + lb * self.states[1] + lc * self.states[2]
 
 
-def level_of(size: float, span: float) -> int:
-    """Return the level of the longest step that is not longer than `size` [s] in a
-    time of `span` [s].
+class DirkSteps(TimeSteps[H]):
+    """Steps of a problem that assembles content and steady residual.
+
+    `span` is what errors refer to, `tolerance` the local error over it.
     """
-    return max(0, min(LEVELS, int(np.floor(LEVELS + np.log2(size / span)))))
 
+    problem: Any  # a `TransientProblem`; each model uses more of its own
+    stages: Any
+    tolerance: float
+    span: float
 
-def march(
-    problem: TransientProblem,
-    state: Any,
-    end: float,
-    policy: Policy,
-    *,
-    tolerance: float,
-    span: float,
-    origin: Any = 0.0,
-    start: float = 0.0,
-    step: float | None = None,
-    tick: int = 0,
-    level: int | None = None,
-    newton_options: dict[str, Any] | None = None,
-    levels: Sequence[int] | None = None,
-    sees: Callable[[float, float], bool] | None = None,
-) -> Iterator[Step]:
-    """Yield accepted steps from `tick` (0, or where a checkpoint stopped) to `end`;
-    tick 0 is at `start`.
+    def take(
+        self, history: H, end: float, size: float, repeated: bool = False
+    ) -> tuple[float, Accept[H]]:
+        """Take a step, see `TimeSteps`."""
+        step = self.stages.take(history.state, history.time, end, size)
+        largest = float(np.abs(step.error * self.problem.weights).max())
+        error = largest / (self.tolerance * self.span)
+        return error, partial(self.passed, history, step, end)
 
-    `levels` are the levels of all steps from the start, of a run that is repeated; they
-    are not judged again. `sees` says whether a step between two times [s] may be taken
-    at all, of data that it knows at its stages alone. `tolerance` is the local error
-    relative to `span`; a constant `step` [s] is rounded down to divide the time. Linear
-    problems are measured from the state `origin`, a number or one for each unknown,
-    which loses fewer digits than measuring from zero. A step whose error is too large,
-    or in which Newton's method fails, is halved; the shortest is accepted whatever its
-    error, so that a jump in a layer far thinner than the mesh decays.
-    """
-    if step is not None:
-        total = (
-            max(1, int(np.ceil((end - start) / step * (1 - 1e-12))))
-            if end > start
-            else 0
+    def passed(self, history: H, step: Step, end: float, size: float) -> H:
+        """Return the history after a step that ends at a time [s]; `size` is that of
+        the next one [s].
+        """
+        return replace(
+            history,
+            state=step.states[-1],
+            time=end,
+            size=size,
+            taken=step.size,
+            steps=history.steps + 1,
         )
-        unit, level, adaptive = (end - start) / max(total, 1), 0, False
-    else:
-        total = 2**LEVELS if end > start else 0
-        unit, adaptive = (end - start) / max(total, 1), True
-        level = LEVELS - FIRST_LEVEL if level is None else level
-    if levels is not None:
-        adaptive = False
-    repeated = iter(levels or ())
-    stage = _stages(
-        problem, np.full_like(state, origin), start, policy, newton_options or {}
-    )
-    while tick < total:
-        level = level if levels is None else next(repeated)
-        width = 2**level
-        dt = unit * width
-        moments = start + tick * unit, start + (tick + width) * unit
-        if adaptive and level > 0 and sees is not None and not sees(*moments):
-            level -= 1
-            continue
-        try:
-            states, rates, gain, error = stage.take(state, moments, dt, level)
-        # too far from the state for Newton's method: a shorter step is nearer
-        except ConvergenceError:
-            if not adaptive or level == 0:
-                raise
-            level -= 1
-            continue
-        if adaptive:
-            norm = float(np.abs(error * problem.weights).max()) / (tolerance * span)
-            if level == 0 and not np.isfinite(norm):
-                raise ConvergenceError(
-                    f"time step below {dt:.3g} s at t = {start + tick * unit:.6g} s: "
-                    "state blows up"
-                )
-            if level > 0 and not norm <= 1.0:
-                level -= 1
-                continue
-        after, wider = tick + width, level
-        if (
-            adaptive
-            and norm < 0.05
-            and after % (2 * width) == 0
-            and after + 2 * width <= total
-        ):
-            wider = level + 1
-        yield Step(start + tick * unit, dt, states, rates, gain, tick, level, wider)
-        state, tick, level = states[-1], after, wider
+
+    def kept(
+        self, history: H, step: Step, end: float, times: Sequence[float]
+    ) -> dict[float, Any]:
+        """Return the states at the output times up to the end of a step [s]."""
+        kept = dict(history.kept)
+        for time in times:
+            if time not in kept and history.time < time <= end * (1 + SAME):
+                kept[time] = step.states[-1] if time >= end else step.at(time)
+        return kept
 
 
-def _stages(
+def ladder(first: float, constant: float | None = None) -> Control:
+    """Return the control of steps by powers of 2; all steps are `constant` if that is
+    given [s].
+    """
+    if constant is not None:
+        return Control(constant, 0.0, 3, 1.0, POWERS_OF_TWO, True)
+    return Control(first, SHORTEST, 3, 4.0, POWERS_OF_TWO)
+
+
+def stages_of(
     problem: TransientProblem,
-    origin: Any,
-    start: float,
     policy: Policy,
     options: dict[str, Any],
+    origin: Any = 0.0,
+    start: float = 0.0,
 ) -> Any:
     """Return the cheapest stages that solve a problem: bands, with insides of
     particles condensed, or general.
+
+    Linear problems are measured from the state `origin` at the time `start`, which
+    loses fewer digits than measuring from zero.
     """
     if not problem.linear:
         return _Stages(problem, policy, options)
@@ -319,7 +269,7 @@ class _LineStages:
         self.problem, self.order, self.back = problem, ordering.order, ordering.back
         self.mass, self.stiffness = mass, stiffness
         self.fixed = np.sort(ordering.back[problem.fixed])
-        self.solvers: dict[int, Callable[[Any], Any]] = {}
+        self.solvers: dict[float, Callable[[Any], Any]] = {}
         self.last: tuple[Any, Any, Any, Any] | None = None
 
     def _vector(self, time: float) -> Any:
@@ -338,16 +288,13 @@ class _LineStages:
             values[self.back[problem.fixed]] = change
         return values
 
-    def take(
-        self, state: Any, moments: tuple[float, float], dt: float, level: int
-    ) -> tuple[Any, Any, Any, Any]:
-        start, end = moments
+    def take(self, state: Any, start: float, end: float, dt: float) -> Step:
         if self.last is None or self.last[0] is not state:
             vector = self._vector(start)
             begin = (state - self.problem.origin)[self.order]
             self.last = state, begin, self.mass @ begin, self.stiffness @ begin + vector
         _, begin, content, steady = self.last
-        solve = self._solver(dt, level)
+        solve = self._solver(dt)
 
         def stage(guess: Any, rhs: Any, time: float) -> tuple[Any, Any, Any]:
             vector = self._vector(time)
@@ -379,19 +326,13 @@ class _LineStages:
             self.last = state_last, last, content_last, steady_last
         back = self.back
         rates = steady[back], steady_first[back], steady_last[back]
-        return (
-            (state, state_first, state_last),
-            rates,
-            (content_last - content)[back],
-            error[back],
-        )
+        states, gain = (state, state_first, state_last), content_last - content
+        return Step(start, dt, states, rates, gain[back], error[back])
 
-    def _solver(self, dt: float, level: int) -> Callable[[Any], Any]:
-        if level not in self.solvers:
-            self.solvers[level] = self.mass.plus(self.stiffness, D * dt).solver(
-                self.fixed
-            )
-        return self.solvers[level]
+    def _solver(self, dt: float) -> Callable[[Any], Any]:
+        if dt not in self.solvers:
+            self.solvers[dt] = self.mass.plus(self.stiffness, D * dt).solver(self.fixed)
+        return self.solvers[dt]
 
 
 class _Stages:
@@ -401,14 +342,11 @@ class _Stages:
         self, problem: TransientProblem, policy: Policy, options: dict[str, Any]
     ):
         self.problem, self.policy, self.options = problem, policy, options
-        self.solvers: dict[int, Solver] = {}
+        self.solvers: dict[float, Solver] = {}
         self.last: tuple[Any, Any, Any] | None = None
 
-    def take(
-        self, state: Any, moments: tuple[float, float], dt: float, level: int
-    ) -> tuple[Any, Any, Any, Any]:
+    def take(self, state: Any, start: float, end: float, dt: float) -> Step:
         problem, fixed = self.problem, self.problem.fixed
-        start, end = moments
         if self.last is None or self.last[0] is not state:
             problem.set_time(start)
             self.last = (
@@ -418,25 +356,21 @@ class _Stages:
             )
         _, content, steady = self.last
         problem.set_time(start + GAMMA * dt)
-        first = self._solve(state, content - D * dt * steady, dt, level)
+        first = self._solve(state, content - D * dt * steady, dt)
         steady_first = problem.steady(first, False)[0]
         problem.set_time(end)
-        last = self._solve(first, content - W * dt * (steady + steady_first), dt, level)
+        last = self._solve(first, content - W * dt * (steady + steady_first), dt)
         steady_last = problem.steady(last, False)[0]
         defect = -dt * (
             _ERROR[0] * steady + _ERROR[1] * steady_first + _ERROR[2] * steady_last
         )
         defect[fixed] = 0.0
-        error = self._solver(last, dt, level)(defect)
+        error = self._solver(last, dt)(defect)
         content_last = problem.content(last, False)[0]
         if np.isfinite(error).all():
             self.last = (last, content_last, steady_last)
-        return (
-            (state, first, last),
-            (steady, steady_first, steady_last),
-            content_last - content,
-            error,
-        )
+        states, rates = (state, first, last), (steady, steady_first, steady_last)
+        return Step(start, dt, states, rates, content_last - content, error)
 
     def _system(self, dt: float) -> Callable[[Any, bool], tuple[Any, Any]]:
         def assemble(state: Any, jacobian: bool) -> tuple[Any, Any]:
@@ -449,23 +383,23 @@ class _Stages:
 
         return assemble
 
-    def _solver(self, state: Any, dt: float, level: int) -> Solver:
+    def _solver(self, state: Any, dt: float) -> Solver:
         if not self.problem.linear:
             matrix = self._system(dt)(state, True)[1]
             return Solver(constrain(matrix, self.problem.fixed), self.policy)
-        if level not in self.solvers:
+        if dt not in self.solvers:
             mass, stiffness = (
                 self.problem.content(state, True)[1],
                 self.problem.steady(state, True)[1],
             )
             while len(self.solvers) >= MAX_FACTORISATIONS:
                 self.solvers.pop(next(iter(self.solvers)))
-            self.solvers[level] = Solver(
+            self.solvers[dt] = Solver(
                 constrain(mass + D * dt * stiffness, self.problem.fixed), self.policy
             )
-        return self.solvers[level]
+        return self.solvers[dt]
 
-    def _solve(self, guess: Any, rhs: Any, dt: float, level: int) -> Any:
+    def _solve(self, guess: Any, rhs: Any, dt: float) -> Any:
         assemble = self._system(dt)
         if self.problem.time_dependent:
             guess = guess.copy()
@@ -473,7 +407,7 @@ class _Stages:
         if self.problem.linear:
             residual = rhs - assemble(guess, False)[0]
             residual[self.problem.fixed] = 0.0
-            return guess + self._solver(guess, dt, level)(residual)
+            return guess + self._solver(guess, dt)(residual)
 
         def shifted(state: Any, jacobian: bool) -> tuple[Any, Any]:
             residual, matrix = assemble(state, jacobian)

@@ -1,0 +1,201 @@
+"""Transient run of a reacting bed: its steps or its cycle, results, and what to try
+where steps fail.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.course.cycle import Period, Search, periods
+from contbed.course.history import Saver
+from contbed.errors import ConvergenceError
+from contbed.output.progress import Progress
+from contbed.reacting_bed import solve
+from contbed.reacting_bed.amounts import finer
+from contbed.reacting_bed.course import Course
+from contbed.reacting_bed.cycle import BedCycle, Stored
+from contbed.reacting_bed.history import BedHistory
+from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.rate_checks import rate_without_value
+from contbed.reacting_bed.time_cells import fitted
+from contbed.reacting_bed.transient import BedSteps, begin, turned
+from contbed.reacting_bed.transient_results import fill
+from contbed.result import Result
+
+Array = NDArray[np.float64]
+
+
+def run_transient(
+    course: Course,
+    result: Result,
+    folder: Path | None,
+    quiet: bool,
+    start: tuple[Any, Any] | None,
+) -> None:
+    """Take steps to the end, of a run or of the periods of a cycle, and fill the
+    result; the checkpoint in `folder` always holds an accepted step.
+
+    Raises
+    ------
+    ConvergenceError : steps become ever smaller
+    SceneError : the checkpoint does not fit the output times
+    """
+    time, origin = course.time, course.scene.origin
+    report = solve.Report()
+    steps = BedSteps(course, report)
+    history = begin(fit := fitted(course), fit.start())
+    period: Period | None = None
+    if time.cycle is None and start is not None:
+        history = BedHistory.unpack(*start).fitted(time, origin)
+    try:
+        with (
+            result.timed("bed"),
+            Saver(folder, course.scene) as saver,
+            Progress(time.end, "s", quiet) as progress,
+        ):
+            if time.cycle is None:
+                saver.offer(history)
+                begin_of_run = history
+                for history in steps.march(begin_of_run):
+                    _require_feasible(history, report)
+                    progress.advance_to(history.time)
+                    saver.offer(history)
+            else:
+                for period in searched(steps, start, saver.offer, progress.advance_to):
+                    history = period.history
+                _require_feasible(history, report)
+    except _Infeasible:
+        raise
+    except ConvergenceError as error:
+        advice = _advice(course.on(history), history)
+        raise ConvergenceError(
+            f"{origin.name}: {error} at t = {history.time:.4g} s; {advice}",
+            report.history,
+            history.state,
+        ) from None
+    finally:
+        result.history += report.history[-50:]
+        if history.steps:
+            fill(course, history, result)
+        if period is not None:
+            result.qoi |= cycle_findings(course, period)
+    if period is not None and not period.closed:
+        assert time.cycle is not None
+        raise ConvergenceError(
+            f"{origin.at(('time', 'cycle'))}: time.cycle: of {period.number} "
+            f"periods the best changes the bed by {period.largest:.3g} of its typical "
+            f"sizes, allowed are {time.cycle.tolerance:.3g}: use more mesh.cells, "
+            "raise time.cycle.tolerance, or begin with the profiles of that period, "
+            "which were written, initial.file",
+            report.history,
+            history.state,
+        )
+
+
+def _require_feasible(history: BedHistory, report: solve.Report) -> None:
+    if history.absent is not None:
+        raise _Infeasible(history.absent, report.history, history.state)
+
+
+class _Infeasible(ConvergenceError):
+    """Rates consume an absent species, so that no state exists."""
+
+
+def _advice(course: Course, history: BedHistory) -> str:
+    """Return what to try where steps fail at a state."""
+    problem, stops = (
+        course.at(history.time, before=False),
+        "it would flow back from the other end",
+    )
+    if (without := rate_without_value(problem, history.state)) is not None:
+        return (
+            f"{without}: add a small amount to what it divides by, such as c_X + 1e-6"
+        )
+    gases = slice(len(problem.layout.gases))
+    enters = abs(sum(problem.streams.gas.values()))
+    u = turned(problem, history.state)
+    taken = -float(problem.mean(problem.system.sources(u))[gases].sum())
+    cooled = _contraction(problem, u)
+    if problem.bed.gas_pressure is not None and taken >= enters:
+        return (
+            f"reactions take {taken:.3g} mol/m2/s of the gas that fills the bed and "
+            f"{enters:.3g} enter: {stops}. "
+            "Begin with initial.gas.composition of gas that has reacted, or give "
+            "packed_bed.gas_storage = "
+            '"quasi_steady"'
+        )
+    if problem.bed.gas_pressure is not None and taken + cooled >= enters:
+        return (
+            "the particles cool the gas that fills the bed, which makes room for "
+            f"{cooled:.3g} mol/m2/s, and "
+            f'{enters:.3g} enter: {stops}. Give packed_bed.gas_storage = "quasi_steady"'
+        )
+    return (
+        f"use {finer(course.scene)}, or smooth a rate whose slope is infinite where "
+        "nothing is left"
+    )
+
+
+def _contraction(problem: Problem, u: Array) -> float:
+    """Return the moles that the gas in the pores makes room for as it cools to the
+    particles [mol/m2/s].
+
+    At constant pressure these are -n/T dT/dt, and the heat n c dT/dt is what the
+    equations of the gas leave at `u`; none where gas and particles have one
+    temperature.
+    """
+    layout, residual = problem.layout, problem.system.assemble(u, False)[0]
+    room = np.zeros(len(u))
+    for k, name in enumerate(problem.names):
+        if name != "T_fluid":
+            continue
+        first = k - k % len(layout.names)
+        rows = [first + layout.names.index(f"g_{gas}") for gas in layout.gases]
+        T, total = u[k], u[rows].sum(axis=0)
+        lost, capacity = residual[k].copy(), np.zeros_like(T)
+        for row, gas in zip(rows, layout.gases, strict=True):
+            h = problem.bed.enthalpies[gas]
+            lost -= residual[row] * h(T)
+            capacity += u[row] / total * (h(T + 0.5) - h(T - 0.5))
+        room[k] = float((lost / (capacity * T)).sum())
+    return float(problem.mean(room).sum())
+
+
+def searched(
+    steps: BedSteps,
+    start: tuple[Any, Any] | None,
+    save: Callable[[Search[BedHistory]], None],
+    advance: Callable[[float, str], None],
+) -> Iterator[Period]:
+    """Yield the periods of the cycle from the start of the scene, or from a checkpoint.
+
+    `advance` is called with the time that each step has reached [s], and which period
+    it is.
+    """
+    course = steps.course
+    assert course.time.cycle is not None
+    first = begin(course, turned(course.problem, course.start()))
+    search = Search(first)
+    if start is not None:
+        search = Search.unpack(BedHistory, *start)
+
+    def watch(before: BedHistory, after: BedHistory, period: int) -> None:
+        advance(after.time, f"period {period}")
+
+    tolerance = course.time.cycle.tolerance
+    return periods(BedCycle(steps), search, tolerance, save, watch)
+
+
+def cycle_findings(course: Course, period: Period) -> dict[str, float]:
+    """Return named results of the last period of a search."""
+    found: dict[str, float] = {
+        "cycle_periods": period.number,
+        "cycle_change": period.largest,
+    }
+    kelvin = Stored.of(course.problem, period.scale).in_kelvin(period.change)
+    return found if kelvin is None else found | {"cycle_change_K": kelvin}
