@@ -847,6 +847,31 @@ _RESULTS = (
         "heating value released over that of the fuel",
     ),
     Field(
+        "loss_flue_gas",
+        r"l_\mathrm{G}",
+        "1",
+        "heat above 298.15 K of the gas that leaves, less that of the gas that enters, "
+        "and evaporation of the fuel's moisture, over the power of the fuel",
+    ),
+    Field(
+        "loss_solids",
+        r"l_\mathrm{s}",
+        "1",
+        "heat above 298.15 K of the solids that are drained over the power of the fuel",
+    ),
+    Field(
+        "boiler_efficiency",
+        r"\eta_\mathrm{B}",
+        "1",
+        "combustion efficiency less the losses by flue gas and solids",
+    ),
+    Field(
+        "emission_NAME_mg_m3",
+        r"\rho_\mathrm{NAME}",
+        "mg/m3",
+        "mass of a gas per volume of dry flue gas at 273.15 K, 101325 Pa and 6 % of O2",
+    ),
+    Field(
         "oxygen_ratio", r"\lambda", "1", "oxygen fed over that for complete combustion"
     ),
     Field(

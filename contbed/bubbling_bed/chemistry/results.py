@@ -12,6 +12,7 @@ import numpy as np
 from contbed.balance import Balance
 from contbed.bubbling_bed.chemistry import reactions as cr
 from contbed.bubbling_bed.chemistry import thermo
+from contbed.bubbling_bed.chemistry.of_boilers import boiler_findings
 from contbed.bubbling_bed.chemistry.problem import Chemistry
 from contbed.chemistry import devolatilisation as dv
 from contbed.chemistry.thermo import T_STANDARD, Thermo
@@ -124,6 +125,7 @@ def fill(problem: Any, chemistry: Chemistry, state: Any, result: Result) -> None
     qoi |= {f"x_{name}_dry": n / dry for name, n in shown.items() if name != "H2O"}
     if data is not None:
         _fuel(chemistry, entering, leaving, drained, qoi)
+        boiler_findings(problem, chemistry, state, drained, qoi)
     held = {
         name: problem.total(lambda u, o, n=name: getattr(u, f"n_{n}"), state)
         for name in part.solids

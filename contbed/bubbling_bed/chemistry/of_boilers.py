@@ -1,0 +1,124 @@
+"""Results of boilers: efficiency by indirect losses, and emissions.
+
+Losses are shares of the lower heating value of the dry fuel that is fed, at 298.15 K:
+
+    efficiency = share burnt - heat of the flue gas - heat of the solids drained
+
+which is what surfaces, walls and radiation take where nothing but fuel and gas is fed
+at 298.15 K and no other solid reacts. Source: EN 12952-15, Water-tube boilers,
+acceptance tests (2003).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from contbed.bubbling_bed.chemistry import thermo
+from contbed.bubbling_bed.chemistry.problem import Chemistry
+from contbed.chemistry.thermo import T_STANDARD
+
+EMITTED = ("CO", "NO", "NO2", "N2O", "SO2")
+AIR, REFERENCE = 0.209, 0.06  # mole fractions of O2, in air and in dry flue gas
+MOLAR_VOLUME = 8.31446261815324 * 273.15 / 101325.0  # [m3/mol]
+
+
+def boiler_findings(
+    problem: Any,
+    chemistry: Chemistry,
+    state: Any,
+    drained: Mapping[str, float],
+    qoi: dict[str, Any],
+) -> None:
+    """Add losses, efficiency and emissions where there is air enough to burn the
+    fuel.
+    """
+    if qoi["oxygen_ratio"] < 1.0:
+        return
+    power = qoi["fuel_power_W"]
+    qoi["loss_flue_gas"] = flue_gas_heat(problem, chemistry, state) / power
+    qoi["loss_solids"] = heat_of_drain(problem, chemistry, state, drained) / power
+    qoi["boiler_efficiency"] = (
+        qoi["combustion_efficiency"] - qoi["loss_flue_gas"] - qoi["loss_solids"]
+    )
+    gases = chemistry.part.gases
+    for name in EMITTED:
+        if name in gases:
+            shares = qoi[f"x_{name}_dry"], qoi["x_O2_dry"]
+            qoi[f"emission_{name}_mg_m3"] = emission(*shares, gases[name].molar_mass)
+
+
+def emission(x: float, x_oxygen: float, molar_mass: float) -> float:
+    """Return milligrams of a gas per m3 of dry flue gas at 0 degC, 1 atm and 6 % of
+    O2.
+
+    Parameters
+    ----------
+    x, x_oxygen : mole fractions in the dry gas; molar_mass : [kg/mol]
+    """
+    diluted = (AIR - REFERENCE) / (AIR - x_oxygen)
+    return 1e6 * x * diluted * molar_mass / MOLAR_VOLUME
+
+
+def flue_gas_heat(problem: Any, chemistry: Chemistry, state: Any) -> float:
+    """Return the heat above 298.15 K of the gas that leaves less that of the gas that
+    enters, with the evaporation of the moisture of the fuel [W].
+    """
+    part, c = chemistry.part, problem.c
+    total, outlet = 0.0, None
+    if problem.above is not None:  # a freeboard is upside down
+        outlet = problem.at(lambda u, o: u.T_freeboard, problem.bottom, state)
+    for phase in part.phases:
+
+        def leaves(u: Any, o: Any, phase: str = phase) -> Any:
+            T = getattr(u, f"T_{phase}") if outlet is None else outlet
+            return _heat(part, part.flow(u, phase), T)
+
+        def enters(u: Any, o: Any, phase: str = phase) -> Any:
+            return _heat(part, part.entering(c.at(u, o), phase), c.inlet)
+
+        total += problem.at(leaves, problem.top, state)
+        total -= problem.at(enters, problem.bottom, state)
+    moisture = part.solids.get("moisture")
+    if moisture is not None and moisture.fed is not None:
+        species = thermo.table()
+        steam, water = (species[name] for name in ("H2O", "H2O(l)"))
+        fed = problem.total(lambda u, o: moisture.fed(o.x[0]), state)
+        total += fed * (steam.enthalpy(T_STANDARD) - water.enthalpy(T_STANDARD))
+    return float(total)
+
+
+def _heat(part: Any, flows: Mapping[str, Any], T: Any) -> Any:
+    """Return the heat above 298.15 K of gases [W]."""
+    return sum(
+        n * (part.gases[name].enthalpy(T) - part.gases[name].enthalpy(T_STANDARD))
+        for name, n in flows.items()
+    )
+
+
+def heat_of_drain(
+    problem: Any, chemistry: Chemistry, state: Any, drained: Mapping[str, float]
+) -> float:
+    """Return the heat above 298.15 K of solids and ash that are drained [W]."""
+    part = chemistry.part
+    end = problem.top if part.velocity > 0 else problem.bottom
+
+    def above(solid: Any, T: float) -> float:
+        return float(solid.enthalpy(T) - solid.enthalpy(T_STANDARD))
+
+    def leaves(species: str) -> float:
+        return float(problem.at(lambda u, o: getattr(u, f"T_{species}"), end, state))
+
+    total = sum(
+        drained[name] * above(solid, leaves(solid.species))
+        for name, solid in part.solids.items()
+    )
+    for ash in part.ash:
+        total += problem.total(
+            lambda u, o, a=ash: (
+                a.fed(o.x[0])
+                * (a.enthalpy(getattr(u, f"T_{a.species}")) - a.enthalpy(T_STANDARD))
+            ),
+            state,
+        )
+    return float(total)
