@@ -58,8 +58,8 @@ class Periodic(Protocol[H]):
 
 @dataclass(frozen=True)
 class Search(Generic[H]):
-    """Where the search for a cycle is; a checkpoint holds it, so that a restart goes on
-    with the same numbers.
+    """Where the search for a cycle is; a checkpoint holds it, so that a restart
+    has the same numbers.
 
     begin : history at the start of the next period; periods : how many were computed
     sizes : of the steps of the last period [s]; scale : of what is stored

@@ -61,15 +61,13 @@ class BoundaryProblem(Problem, Protocol):
 
 
 class LinearProblem(BoundaryProblem, Protocol):
-    """A linear problem whose boundary values come to others along straight lines."""
+    """A linear problem whose boundary values are linear in weights."""
 
     def interpolation_weights(self, time: float) -> Any:
-        """Return how far boundary values have come at a time [s] to each of the
-        others (n,).
-        """
+        """Return the weights of the boundary values at a time [s] (n,); 0 at the start."""
 
     def apply_boundary_values(self, weights: Any) -> None:
-        """Put the boundary values in place that have come so far to others."""
+        """Put the boundary values of weights in place."""
 
 
 class TransientProblem(BoundaryProblem, Protocol):
@@ -200,8 +198,7 @@ class _Affine:
     """A linear problem as two matrices and vectors: a residual costs a product instead
     of an assembly.
 
-    The vector of the residual is linear in the shares by which boundary values have
-    come to others.
+    The vector of the residual is linear in the weights of the boundary values.
     """
 
     linear, nodal_modes = True, None

@@ -27,8 +27,8 @@ class History:
     size : of the next step [s]; taken : of the last one
     kept : what the results need of the output times
     outlet : time and values of the outlet after each step
-    resume : from where a later end goes on, before the step that was cut short to meet
-        the end; None where no step was
+    resume : the history before the step that was cut short to meet the end, from which
+        a run to a later end resumes; None where no step was
     """
 
     state: Any

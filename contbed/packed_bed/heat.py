@@ -166,7 +166,7 @@ class HeatProblem:
             self.apply_boundary_values(self.interpolation_weights(time))
 
     def interpolation_weights(self, time: float) -> Any:
-        """Return how far the boundaries have come at a time [s] to other values, see
+        """Return the weights of the boundary values at a time [s], see
         `ScheduleInterval`.
         """
         assert self.interval is not None

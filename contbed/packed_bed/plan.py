@@ -46,9 +46,9 @@ from contbed.packed_bed.schedule import (
     PHASES,
     VELOCITY,
     ScheduleInterval,
+    changing,
     flow_changes,
     kinks_passed,
-    other_values,
 )
 from contbed.packed_bed.schedule_checks import require_flow
 from contbed.packed_bed.sides import lines_of, on_a_line
@@ -197,15 +197,14 @@ class Plan:
             if schedule.jumps(start, VELOCITY):
                 flow_since = start
             inner = every[bisect_right(every, start) : bisect_left(every, end)]
-            changed = other_values(schedule, start, end, inner)
-            series = {solved[path]: schedule.samples[path] for path in changed}
+            changed = changing(schedule, start, end, inner).samples
+            series = {solved[path]: samples for path, samples in changed.items()}
             found.append(
                 ScheduleInterval(
                     start,
                     end,
                     self._as_solved(schedule.frozen(self.scene, start)),
                     Schedule(series),
-                    {solved[path]: value for path, value in changed.items()},
                     {solved[path]: size for path, size in (small or {}).items()}
                     if inner
                     else {},

@@ -40,7 +40,6 @@ class ScheduleInterval:
 
     start, end : [s]; scene : frozen just after the start
     schedule : the series of temperatures and fluxes that change in it
-    other : of each the value that differs most from that at the start
     small : sizes of kinks that a step may pass by key; none where all is linear in time
     temperatures : all of the series of the run [K]
     jumps : whether a value jumps at the start; flow_since : when the velocities took
@@ -51,7 +50,6 @@ class ScheduleInterval:
     end: float
     scene: s.Scene
     schedule: Schedule
-    other: Mapping[KeyPath, float]
     small: Mapping[KeyPath, float]
     temperatures: tuple[float, ...]
     jumps: bool
@@ -68,42 +66,42 @@ class ScheduleInterval:
         return {path: float(each.at(self.start)) for path, each in samples}
 
     def interpolation_weights(self, time: float) -> Array:
-        """Return how far each series has come at a time [s] from its first to its other
-        value.
+        """Return by how much each series differs at a time [s] from its first value,
+        over its largest.
         """
-        return np.array(
-            [
-                (samples.at(time, True, self.start) - self.first[path])
-                / (self.other[path] - self.first[path])
-                for path, samples in self.schedule.samples.items()
-            ]
-        )
+        changes = [
+            (samples.at(time, True, self.start) - self.first[path]) / samples.size
+            for path, samples in self.schedule.samples.items()
+        ]
+        return np.array(changes)
 
     def boundary(self, weights: Array) -> Mapping[str, s.Boundary]:
         """Return the [boundary] tables with values at interpolation weights."""
         found: Any = dict(self.scene.boundary)
-        for path, weight in zip(self.first, weights, strict=True):
-            first, other = self.first[path], self.other[path]
-            value = first + float(weight) * (other - first)
+        series = self.schedule.samples.items()
+        for (path, samples), weight in zip(series, weights, strict=True):
+            value = self.first[path] + float(weight) * samples.size
             found = with_value(found, path[1:], value)
         return found  # type: ignore[no-any-return]
 
 
-def other_values(
+def changing(
     schedule: Schedule, start: float, end: float, inner: Sequence[float]
-) -> dict[KeyPath, float]:
-    """Return of each temperature and flux that changes between two cuts the value that
-    differs most from the first, by key; `inner` are the kinks between [s].
+) -> Schedule:
+    """Return the series of temperatures and fluxes that change between two cuts; `inner`
+    are the kinks between [s].
     """
-    found = {}
-    for path, samples in schedule.samples.items():
-        if path[-1] == VELOCITY:
-            continue
-        values = np.array([samples.at(time, True, start) for time in (*inner, end)])
-        other = float(values[np.abs(values - samples.at(start)).argmax()])
-        if other != samples.at(start):
-            found[path] = other
-    return found
+    return Schedule(
+        {
+            path: samples
+            for path, samples in schedule.samples.items()
+            if path[-1] != VELOCITY
+            and any(
+                samples.at(time, True, start) != samples.at(start)
+                for time in (*inner, end)
+            )
+        }
+    )
 
 
 def kinks_passed(schedule: Schedule, scene: s.Scene) -> dict[KeyPath, float] | None:

@@ -121,7 +121,7 @@ class BedSteps(TimeSteps[BedHistory]):
     def take(
         self, history: BedHistory, end: float, size: float, repeated: bool = False
     ) -> tuple[float, Accept[BedHistory]]:
-        """Take a step, on cells that follow its errors; see `TimeSteps`."""
+        """Take a step, on cells adapted to its errors; see `TimeSteps`."""
         course = self.course = self.course.on(history)
         tolerance = course.time.tolerance
         rounds, rough = course.rounds, 0.0

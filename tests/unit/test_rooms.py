@@ -51,6 +51,14 @@ def test_a_physics_has_the_modules_of_a_room(kind: str) -> None:
     assert all(sheet.is_file() for sheet in model.sheets().values())
 
 
+def test_the_modules_of_runs_in_time_are_listed() -> None:
+    section = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    section = section.split("| module of `course/` |")[1].split("\n## ")[0]
+    listed = re.findall(r"^\| `(\w+\.py)` \|", section, flags=re.MULTILINE)
+    found = {path.name for path in (ROOT / "contbed" / "course").glob("[a-z]*.py")}
+    assert found == set(listed)
+
+
 def test_both_lists_of_the_modules_are_this_one() -> None:
     listed = re.findall(
         r"^    ([\w.]+/?)  +\S", models.__doc__ or "", flags=re.MULTILINE
@@ -60,6 +68,6 @@ def test_both_lists_of_the_modules_are_this_one() -> None:
         (ROOT / "CONTRIBUTING.md")
         .read_text(encoding="utf-8")
         .split("## Rooms")[1]
-        .split("\n## ")[0]
+        .split("\nRuns in time")[0]
     )
     assert re.findall(r"^\| `([\w.]+/?)` \|", section, flags=re.MULTILINE) == listed

@@ -114,7 +114,7 @@ def test_kinks_that_are_small_are_passed(monkeypatch, scene):
     """
     passed = found(scene)
     intervals = plan(from_dict(scene)).intervals()
-    assert len(intervals) == 1 and len(intervals[0].other) == str(
+    assert len(intervals) == 1 and len(intervals[0].schedule.samples) == str(
         scene["boundary"]
     ).count("times")
     monkeypatch.setattr(packed_plan, "kinks_passed", lambda *_: None)
