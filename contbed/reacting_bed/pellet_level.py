@@ -70,13 +70,6 @@ def decided(
     return _with(scene, "interior" if level.resolved else "none"), level
 
 
-def undecided(scene: s.ReactingScene) -> s.ReactingScene:
-    """Return a scene whose pellets are not resolved where that would have to be
-    decided.
-    """
-    return _with(scene, "none")
-
-
 def _with(scene: s.ReactingScene, mass: str) -> s.ReactingScene:
     """Return the scene with a level in place of "auto"."""
     solids = dict(scene.solids)

@@ -5,7 +5,6 @@ why.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +13,6 @@ from numpy.typing import NDArray
 
 from contbed.chemistry.effectiveness import effectiveness_of
 from contbed.course.schedule import Schedule
-from contbed.errors import SceneError
 from contbed.plan_text import plan_text
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.across import across
@@ -27,7 +25,6 @@ from contbed.reacting_bed.rate_checks import require_rates
 from contbed.reacting_bed.schedule import kinks_passed, shortest_interval
 from contbed.reacting_bed.solve import FIRST_CELLS
 from contbed.reacting_bed.time_cells import FEWEST, SHORTEST
-from contbed.scene.toml_lines import KeyPath, Origin
 
 TRANSIENT_CELLS = 60  # of one length, through which fronts move
 # of the gas over the times in which something changes, below which it is quasi-steady
@@ -93,9 +90,8 @@ def plan(scene: s.ReactingScene) -> Plan:
     ------
     SceneError : species, reactions or closures cannot be used
     """
-    with _at_its_place(scene.origin):
-        scene, level = decided(scene, first_vertices(scene))
-        schedule, problem = _built(scene)
+    scene, level = decided(scene, first_vertices(scene))
+    schedule, problem = _built(scene)
     stores_gas, reason = _gas_storage(scene, problem, schedule)
     built, skipped = _lists(scene, problem, schedule)
     if level is not None and level.resolved:
@@ -121,19 +117,6 @@ def plan(scene: s.ReactingScene) -> Plan:
                 )
             )
     return Plan(scene, problem, schedule, stores_gas, tuple(built), tuple(skipped))
-
-
-@contextmanager
-def _at_its_place(origin: Origin) -> Iterator[None]:
-    """Give mistakes in data the file and line of their table."""
-    try:
-        yield
-    except SceneError as error:
-        if any(text.startswith((origin.name, "override")) for text in error.problems):
-            raise
-        raise SceneError(
-            [f"{origin.at(_place(text))}: {text}" for text in error.problems]
-        ) from None
 
 
 def _built(scene: s.ReactingScene) -> tuple[Schedule, Problem]:
@@ -242,13 +225,6 @@ def _effectiveness(problem: Problem, phase: str) -> str:
         f"diffusion and reaction of {gases}{where}; effectiveness at the inlet: "
         f"{', '.join(parts)}"
     )
-
-
-def _place(text: str) -> KeyPath:
-    """Return the table that a message is about."""
-    if "closure" in text or "Nusselt" in text:
-        return ("heat",)
-    return ("solid",) if "solid" in text and "fluid" not in text else ("fluid",)
 
 
 def _followed(problem: Problem) -> str:

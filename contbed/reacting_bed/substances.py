@@ -114,19 +114,22 @@ def species_without_phases(
     ------
     SceneError : data of a species are missing
     """
-    mechanism = mechanism_of(scene.gas, scene.origin.base)
+    with scene.origin.blamed("gas", "mechanism"):
+        mechanism = mechanism_of(scene.gas, scene.origin.base)
     gas_names, solid_names = _names(scene, mechanism)
     needs_heat = scene.heat is not None
-    tables = scene.gas.species
-    gases = {
-        name: gas_species(name, tables.get(name), mechanism, needs_heat)
-        for name in gas_names
-    }
+    tables, blamed = scene.gas.species, scene.origin.blamed
+    gases, solids = {}, {}
+    for name in gas_names:
+        with blamed("gas", "species", name):
+            gases[name] = gas_species(name, tables.get(name), mechanism, needs_heat)
     data = constituents_of(scene.solids)
-    solids = {
-        name: solid_species(name, data.get(name), needs_heat) for name in solid_names
-    }
-    return Species(gases, solids), _transport(scene, gases, mechanism)
+    for name in solid_names:
+        with blamed("solids"):
+            solids[name] = solid_species(name, data.get(name), needs_heat)
+    with blamed("gas", "diffusivity"):
+        transport = _transport(scene, gases, mechanism)
+    return Species(gases, solids), transport
 
 
 def _names(
@@ -170,11 +173,27 @@ def _names(
             ]
             text = _unknown(name, there, mechanism)
             if name in columns:
-                from contbed.reacting_bed.initial_rows import located
-
-                raise located(scene, f"{columns[name]}: {text}")
-            raise SceneError(text)
+                text = f"{columns[name]}: {text}"
+            with scene.origin.blamed(*_namer(scene, name, columns)):
+                raise SceneError(text)
     return gases, list(dict.fromkeys(solids))
+
+
+def _namer(
+    scene: s.ReactingScene, species: str, columns: Mapping[str, str]
+) -> tuple[str, ...]:
+    """Return the key that names a species: the file of the start, a reaction, or the
+    composition that enters.
+    """
+    if species in columns:
+        return ("initial", "file")
+    for name, table in scene.reactions.items():
+        named = {*(table.orders or {}), *law_of(name, table).gases}
+        for equation in equations_of(name, table).values():
+            named |= set(equation.stoichiometry)
+        if species in named:
+            return ("reactions", name)
+    return ("gas", "composition")
 
 
 def _unknown(name: str, there: list[str], mechanism: Mechanism | None) -> str:

@@ -78,7 +78,9 @@ class Origin:
             where = f"{self.at(path)}: {'.'.join(path)}: "
             raise SceneError(
                 [
-                    text if text.startswith(f"{self.name}:") else where + text
+                    text
+                    if text.startswith((f"{self.name}:", "override"))
+                    else where + text
                     for text in error.problems
                 ]
             ) from None

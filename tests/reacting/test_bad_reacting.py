@@ -188,7 +188,8 @@ def test_species_without_thermodynamics():
 
     text = GOOD.replace("H2O = { heat_capacity = 35.0, enthalpy = -241.8e3 }", "")
     with pytest.raises(
-        SceneError, match=r"bed.toml:\d+: H2O is neither a gas of \[gas.species\]"
+        SceneError,
+        match=r"bed.toml:22: reactions.burning: H2O is neither a gas of \[gas.species\]",
     ):
         models.plan(loads(text, "bed.toml"))
 

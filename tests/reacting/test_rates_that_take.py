@@ -288,23 +288,6 @@ def test_check_refuses_what_run_refuses(tmp_path):
     assert "H2O is neither a gas of [gas.species]" in said["check"]
 
 
-def test_check_solves_nothing(monkeypatch):
-    """Whether pellets are resolved a plan finds by a steady state."""
-    from contbed.reacting_bed import pellet_level
-
-    scene = isothermal("A:1", species(A=0.028, B=0.028))
-    scene["solids"]["particles"] |= {"density": 1000.0}
-    scene["solids"]["particles"]["inside"] = {
-        "mass": "auto",
-        "diffusivity": {"A": 1e-6, "B": 1e-6},
-    }
-    scene["reactions"] = {
-        "r": {"equation": "A -> B", "A": 1.0, "E": 0.0, "basis": "particle"}
-    }
-    monkeypatch.setattr(pellet_level, "steady", lambda *_: pytest.fail("solved"))
-    plan(from_dict(scene))
-
-
 def test_a_constant_rate_in_resolved_pellets():
     """No diffusion slows it down: what is taken is that of the whole pellets."""
     scene = isothermal("A:1", species(A=0.028, B=0.028))
