@@ -1,5 +1,5 @@
 """Positivity-preserving time steps of gases and solids; for steady states see
-`limited`.
+`steady_positivity`.
 
 Two things take an amount below zero, and a step that does so is taken again with
 bounds:
@@ -42,9 +42,16 @@ from numpy.typing import NDArray
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed import solve
 from contbed.reacting_bed.amounts import along, at_rest, carried, lowest
-from contbed.reacting_bed.limited import ENOUGH, FIRST, FLAT, LEAST, MOST, more
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.stages import GAMMA, stages
+from contbed.reacting_bed.steady_positivity import (
+    ENOUGH,
+    FIRST,
+    FLAT,
+    LEAST,
+    MOST,
+    next_damping,
+)
 
 Array = NDArray[np.float64]
 Problems = tuple[Problem, Problem]
@@ -254,7 +261,7 @@ def _grown(damping: Array, look: _Look, before: Array, flat: Array) -> Array:
         )
         by_one = np.where(look.mean > 0.0, by_one, largest)
     return np.where(
-        before < 0.0, more(damping, look.low, before, look.mean, flat), by_one
+        before < 0.0, next_damping(damping, look.low, before, look.mean, flat), by_one
     )
 
 

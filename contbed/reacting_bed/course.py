@@ -101,7 +101,7 @@ class Course:
                     u,
                     solve.Report(),
                     storage,
-                    most=solve.FIRST_ITERATIONS,
+                    max_iterations=solve.FIRST_ITERATIONS,
                 )
             except ConvergenceError as error:
                 raise ConvergenceError(

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from contbed.errors import ConvergenceError
-from contbed.reacting_bed import limited, results, solve
+from contbed.reacting_bed import results, solve, steady_positivity
 from contbed.reacting_bed.plan import Plan
 from contbed.reacting_bed.problem import Problem, isothermal_drop
 from contbed.reacting_bed.rate_checks import taken_though_absent
@@ -56,7 +56,7 @@ def run(
     with result.timed("bed"):
         try:
             problem, u = whole = solve.steady(problem, report)
-            problem, u = limited.limited(problem, u, report)
+            problem, u = steady_positivity.without_negative_amounts(problem, u, report)
         except ConvergenceError as error:
             raise ConvergenceError(
                 _sentence(problem, error), report.history, error.state
@@ -85,7 +85,8 @@ def run(
             f"{smoothed:.2g} of what enters. A "
             "solver.tolerance that differs, or mesh.cells, gives other cells"
         )
-    if report.damping_changes > limited.LARGE_CHANGE * plan.scene.solver.tolerance:
+    tolerance = plan.scene.solver.tolerance
+    if report.damping_changes > steady_positivity.LARGE_CHANGE * tolerance:
         result.warnings.append(
             f"amounts are damped in {report.damped} cells where they would be "
             "negative, which changes what leaves by "

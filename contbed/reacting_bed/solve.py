@@ -26,6 +26,9 @@ SHORTEST = 1e-3  # step of Newton's method at which it is given up
 PROGRESS, PATIENCE = 0.8, 14
 # residual at which a step of a march in time, which need not be exact, is taken
 LOOSE = 1e-5
+# residual that is rounding, after which a step is the last of which so many times the
+# tolerance is left
+ROUNDED, NEAR_ROUNDING = 1e-12, 1e3
 FIRST_CELLS = 24  # of the first mesh, which only has to show where the fronts are
 ROUNDS = 10  # of better cells at most, each from the estimate on the last ones
 FIRST_ITERATIONS = 60  # of Newton's method from a first guess
@@ -60,45 +63,48 @@ class Report:
     # share of a gas or solid below which its powers are straight lines; 0 for that of
     # the laws
     small: float = 0.0
-    damped: int = 0  # cells in which amounts would fall below zero, see `limited`
+    damped: int = (
+        0  # cells in which amounts would fall below zero, see `steady_positivity`
+    )
     damping_changes: float = 0.0  # what leaves, over what enters
 
 
-def measure(problem: Problem, residual: Array) -> float:
-    """Return the norm of residuals: the largest over cells and equations, over
-    typical fluxes.
-    """
-    return float((np.abs(residual).max(axis=(1, 2)) / problem.flux_sizes).max())
+def scaled_residual_norm(problem: Problem, residual: Array) -> float:
+    """Return the maximum norm of a residual, each equation divided by its flux scale."""
+    largest = np.abs(residual).max(axis=(1, 2))
+    return float((largest / problem.flux_sizes).max())
 
 
-def limited(problem: Problem, u: Array, du: Array) -> float:
-    """Return the share of a step that leaves temperatures and amounts near what they
-    were.
+def damping_factor(problem: Problem, u: Array, du: Array) -> float:
+    """Return the largest step length in (0, 1] that changes no temperature by more than
+    `LARGEST_T` and takes no more than `LARGEST_SHARE` of an amount.
     """
-    share = 1.0
+    factor = 1.0
     for k, each in enumerate(problem.unknowns):
         step = du[k]
         if each.is_temperature:
-            share = min(share, LARGEST_T / max(float(np.abs(step).max()), 1e-300))
+            largest = max(float(np.abs(step).max()), 1e-300)
+            factor = min(factor, LARGEST_T / largest)
         # isotherms are concave: Newton's method needs no shorter steps
         elif each.role is not Role.POINT:
             gas = each.role is Role.GAS
             typical = problem.moles if gas else problem.sizes[k]
             size = typical * (np.sign(u[k].mean()) if gas else 1.0)
             size = np.where(size == 0.0, typical, size)
-            there, fall = u[k] / size, -step / size
-            room = LARGEST_SHARE * np.maximum(there, LEAST_SHARE * 10)
-            taken = fall > room
-            if taken.any():
-                share = min(share, float((room[taken] / fall[taken]).min()))
-    return share
+            value, decrease = u[k] / size, -step / size
+            allowed = LARGEST_SHARE * np.maximum(value, LEAST_SHARE * 10)
+            too_large = decrease > allowed
+            if too_large.any():
+                ratios = allowed[too_large] / decrease[too_large]
+                factor = min(factor, float(ratios.min()))
+    return factor
 
 
-def step(
+def newton_step(
     problem: Problem, u: Array, report: Report, storage: Storage | None = None
 ) -> tuple[Array, float, float]:
-    """Return a step of Newton's method, the share of it that may be taken, and the norm
-    of the residual before.
+    """Return a step of Newton's method, its damping, and the norm of the residual
+    before.
 
     Raises
     ------
@@ -108,18 +114,17 @@ def step(
         residual, slopes = problem.system.assemble(u)
         if storage is not None:
             residual = storage.add(u, residual, slopes)
-        norm = measure(problem, residual)
+        norm = scaled_residual_norm(problem, residual)
         if not np.isfinite(norm):
             what = rate_without_value(problem, u) or "a rate or property is not finite"
-            raise failed(what, problem, u, report, storage)
+            raise convergence_error(what, problem, u, report, storage)
         report.history.append(norm)
         du = slopes.factors(problem.flux_sizes, problem.sizes).solve(-residual)
-        share = limited(problem, u, du)
+        damping = damping_factor(problem, u, du)
     if not np.isfinite(du).all():
-        raise failed(
-            "a step of Newton's method is not finite", problem, u, report, storage
-        )
-    return du, share, norm
+        what = "a step of Newton's method is not finite"
+        raise convergence_error(what, problem, u, report, storage)
+    return du, damping, norm
 
 
 def newton(
@@ -127,7 +132,7 @@ def newton(
     u: Array,
     report: Report,
     storage: Storage | None = None,
-    most: int = 0,
+    max_iterations: int = 0,
 ) -> Array:
     """Return the solution of the steady equations, or of a step in time where `storage`
     adds to them.
@@ -137,42 +142,45 @@ def newton(
     ConvergenceError : it does not converge; the error carries the last state
     """
     options = problem.scene.solver
-    tolerance, iterations = options.newton_tolerance, most or options.newton_iterations
     scale = problem.sizes[:, None, None]
-    best, norm, since = np.inf, np.inf, 0
-    for _ in range(iterations):
-        du, share, norm = step(problem, u, report, storage)
-        change = float(np.abs(du / scale).max())
-        if share < SHORTEST:
-            raise failed(
-                "Newton's method takes ever smaller steps", problem, u, report, storage
-            )
-        best, since = (norm, 0) if norm < PROGRESS * best else (best, since + 1)
-        if since > PATIENCE:
+    loose = storage is not None and storage.loose
+    best, norm, stalled_iterations = np.inf, np.inf, 0
+    for _ in range(max_iterations or options.newton_iterations):
+        du, damping, norm = newton_step(problem, u, report, storage)
+        if damping < SHORTEST:
+            what = "Newton's method takes ever smaller steps"
+            raise convergence_error(what, problem, u, report, storage)
+        if norm < PROGRESS * best:
+            best, stalled_iterations = norm, 0
+        else:
+            stalled_iterations += 1
+        if stalled_iterations > PATIENCE:
             break
-        u = u + share * du
-        if share == 1.0 and change < tolerance:
+        u = u + damping * du
+        change = float(np.abs(du / scale).max())
+        if damping == 1.0 and converged(norm, change, options.newton_tolerance, loose):
             return u
-        if (
-            storage is not None
-            and storage.loose
-            and share == 1.0
-            and norm < LOOSE
-            and change < LOOSE**0.5
-        ):
-            return u
-        if share == 1.0 and norm < 1e-12 and change < 1e3 * tolerance:
-            return u
-    raise failed(
-        f"Newton's method stops at a residual of {norm:.2g}",
-        problem,
-        u,
-        report,
-        storage,
-    )
+    what = f"Newton's method stops at a residual of {norm:.2g}"
+    raise convergence_error(what, problem, u, report, storage)
 
 
-def failed(
+def converged(norm: float, change: float, tolerance: float, loose: bool) -> bool:
+    """Return whether a full step is the last.
+
+    Parameters
+    ----------
+    norm : of the residual before the step
+    change : largest of the step over typical sizes
+    loose : whether the solution need not be exact
+    """
+    if change < tolerance:
+        return True
+    if norm < ROUNDED and change < NEAR_ROUNDING * tolerance:
+        return True
+    return loose and norm < LOOSE and change < LOOSE**0.5
+
+
+def convergence_error(
     text: str,
     problem: Problem,
     u: Array,
@@ -188,15 +196,11 @@ def failed(
             residual = residual + storage.residual(u)
         sizes = np.abs(residual).max(axis=2) / problem.flux_sizes[:, None]
     k, cell = divmod(int(sizes.argmax()), sizes.shape[1])
-    worst = problem.unknowns[k]
-    where = (
-        f"it is worst for {worst.species or worst.name} at x = "
-        f"{problem.line.vertices[cell]:.4g} m"
-    )
-    endless = taken_to_the_end(problem, u)
-    return ConvergenceError(
-        "; ".join(filter(None, (text, where, endless))), report.history, u
-    )
+    worst, x = problem.unknowns[k], problem.line.vertices[cell]
+    species = worst.species or worst.name
+    where = f"the largest residual is that of {species} at x = {x:.4g} m"
+    parts = (text, where, taken_to_the_end(problem, u))
+    return ConvergenceError("; ".join(filter(None, parts)), report.history, u)
 
 
 def residence_time(problem: Problem) -> float:
@@ -226,16 +230,19 @@ def march(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
     while dt < END_OF_MARCH * tau and taken < STEPS:
         try:
             found = newton(
-                problem, u, report, Storage.after(problem, u, dt), most=FEW_ITERATIONS
+                problem,
+                u,
+                report,
+                Storage.after(problem, u, dt),
+                max_iterations=FEW_ITERATIONS,
             )
         except ConvergenceError as error:
             dt *= SHORTER
             failures += 1
             if failures > MOST_FAILURES:
                 text = f"the longest step in time that converged is {longest:.3g} s"
-                raise failed(
-                    text, problem, u if error.state is None else error.state, report
-                ) from None
+                state = u if error.state is None else error.state
+                raise convergence_error(text, problem, state, report) from None
             continue
         change = float(np.abs((found - u) / problem.sizes[:, None, None]).max())
         u, taken, longest = found, taken + 1, max(longest, dt)
@@ -326,7 +333,7 @@ def on_cells(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array
     """
     with np.errstate(all="ignore"):
         try:
-            return problem, newton(problem, u, report, most=FIRST_ITERATIONS)
+            return problem, newton(problem, u, report, max_iterations=FIRST_ITERATIONS)
         except ConvergenceError:
             pass
         if problem.has_roots:
@@ -363,7 +370,7 @@ def sharpened(problem: Problem, u: Array, report: Report) -> tuple[Problem, Arra
         trial = cells.with_small(Smoothing(below, below))
         try:
             found = newton(
-                trial, moved(done, u, trial), report, most=2 * FEW_ITERATIONS
+                trial, moved(done, u, trial), report, max_iterations=2 * FEW_ITERATIONS
             )
         except ConvergenceError:
             factor **= 0.5
@@ -378,7 +385,7 @@ def smooth(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
     heat matters a march in time.
     """
     try:
-        return problem, newton(problem, u, report, most=FIRST_ITERATIONS)
+        return problem, newton(problem, u, report, max_iterations=FIRST_ITERATIONS)
     except ConvergenceError:
         pass
     if not problem.layout.temperatures:
@@ -407,7 +414,7 @@ def sharper(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]
         return problem, u
     trial = problem.with_small(Smoothing(small, small))
     try:
-        u = newton(trial, u, report, most=FEW_ITERATIONS)
+        u = newton(trial, u, report, max_iterations=FEW_ITERATIONS)
     except ConvergenceError:
         report.sharpest = True
         return problem, u
@@ -422,9 +429,9 @@ def smoothing_changes(problem: Problem, u: Array, report: Report) -> float:
     By one step of Newton's method, which shows it where the method itself does not
     converge.
     """
-    du, share, _ = step(problem.with_small(None), u, report)
+    du, damping, _ = newton_step(problem.with_small(None), u, report)
     return float(
-        np.abs(what_leaves(problem, u + share * du) - what_leaves(problem, u)).max()
+        np.abs(what_leaves(problem, u + damping * du) - what_leaves(problem, u)).max()
     )
 
 
@@ -433,12 +440,12 @@ def grown(problem: Problem, u: Array, report: Report) -> Array:
     their own values.
     """
     strength, step = 0.0, 0.02
-    u = newton(problem.with_strength(0.0), u, report, most=FIRST_ITERATIONS)
+    u = newton(problem.with_strength(0.0), u, report, max_iterations=FIRST_ITERATIONS)
     failures = 0
     while strength < 1.0:
         trial = min(1.0, strength + step)
         try:
-            found = newton(problem.with_strength(trial), u, report, most=12)
+            found = newton(problem.with_strength(trial), u, report, max_iterations=12)
         except ConvergenceError:
             step *= 0.3
             failures += 1

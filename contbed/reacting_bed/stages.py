@@ -153,7 +153,7 @@ def _by_newton(
     """
     try:
         return solve.newton(
-            problem, guess, report, storage, most=solve.FIRST_ITERATIONS
+            problem, guess, report, storage, max_iterations=solve.FIRST_ITERATIONS
         )
     except ConvergenceError:
         if problem.bed.gas_pressure is not None or not any(
@@ -162,13 +162,15 @@ def _by_newton(
             raise
     own, share, factor = problem.bed.small, solve.SMOOTHEST, solve.SHARPER
     smooth = problem.with_small(Smoothing(max(share, own.solids), share))
-    guess = solve.newton(smooth, guess, report, storage, most=solve.FIRST_ITERATIONS)
+    guess = solve.newton(
+        smooth, guess, report, storage, max_iterations=solve.FIRST_ITERATIONS
+    )
     while share > own.amounts:
         below = max(factor * share, own.amounts)
         trial = problem.with_small(Smoothing(max(below, own.solids), below))
         try:
             guess = solve.newton(
-                trial, guess, report, storage, most=solve.FIRST_ITERATIONS
+                trial, guess, report, storage, max_iterations=solve.FIRST_ITERATIONS
             )
             share = below
         except ConvergenceError:
@@ -188,10 +190,10 @@ def _corrected(
     before = np.inf
     for _ in range(CORRECTIONS):
         residual = problem.system.assemble(u, False)[0] + storage.residual(u)
-        report.history.append(solve.measure(problem, residual))
+        report.history.append(solve.scaled_residual_norm(problem, residual))
         du = factors.solve(-residual)
         change = float(np.abs(du / scale).max())
-        if not change < SLOWEST * before or solve.limited(problem, u, du) < 1.0:
+        if not change < SLOWEST * before or solve.damping_factor(problem, u, du) < 1.0:
             rounded = np.all(np.abs(residual) < ROUNDINGS * storage.rounding())
             return u if change < ROUNDING or rounded else None
         u = u + du

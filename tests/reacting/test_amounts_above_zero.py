@@ -37,7 +37,9 @@ def undamped(result):
     problem, u = result.solved
     bare = replace(problem, damping=None)
     with np.errstate(all="ignore"):
-        return lowest(bare, solve.newton(bare, u, solve.Report(), most=60)).min()
+        return lowest(
+            bare, solve.newton(bare, u, solve.Report(), max_iterations=60)
+        ).min()
 
 
 def assert_within_bounds(result):

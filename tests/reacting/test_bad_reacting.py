@@ -231,11 +231,11 @@ def with_pressure(text):
         # whose cells are halved before it is given up
         (
             FAST + "[heat]\n",
-            r"converged is 0 s; it is worst for T at x = 0 m\. Give initial\.temperature",
+            r"converged is 0 s; the largest residual is that of T at x = 0 m\. Give initial\.temperature",
         ),
         (
             with_pressure(FAST + "[heat]\n"),
-            r"it is worst for \w+ at x = \S+ m at t = 0 s; use more mesh\.cells",
+            r"the largest residual is that of \w+ at x = \S+ m at t = 0 s; use more mesh\.cells",
         ),
     ],
 )

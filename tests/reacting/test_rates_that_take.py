@@ -19,7 +19,7 @@ from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.reacting_bed import rate_checks
 from contbed.reacting_bed.rate_checks import taken_though_absent, taken_to_the_end
-from contbed.reacting_bed.solve import Report, step
+from contbed.reacting_bed.solve import Report, newton_step
 
 # [mol/m3/s]; over 0.4 m of gas it takes 0.8 of the 12 mol/m2/s that enter
 CONSUMED = 2.0
@@ -65,7 +65,7 @@ def test_an_iteration_that_stops_where_a_gas_ends_names_it():
     """Newton's method takes no more of the only gas than there is."""
     with pytest.raises(
         ConvergenceError,
-        match=r"worst for A .*: takes .* of A .*: A is used up at x = 0\.\d+ m",
+        match=r"largest residual is that of A .*: takes .* of A .*: A is used up at x = 0\.\d+ m",
     ):
         contbed.run(bed(str(1.5 * 0.5 * MOLAR / 0.4)))
 
@@ -268,7 +268,7 @@ def test_a_rate_without_value_within_the_bed_names_its_place():
     u = problem.start()
     u[1, 3] = 2.0 * u[0, 3]
     with pytest.raises(ConvergenceError, match=r"the rate of r is nan at x = 0\.38"):
-        step(problem, u, Report())
+        newton_step(problem, u, Report())
 
 
 def test_check_refuses_what_run_refuses(tmp_path):

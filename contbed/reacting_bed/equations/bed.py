@@ -28,7 +28,7 @@ take comes at T_f:
 The correction makes the J_k sum to zero. The weighted sum of all species equations is
 that of G. With one temperature all energy equations are added. Where species are no
 unknowns of a film the gas at the particle is that of the stream. How amounts stay above
-zero: `limited` and `bounded`.
+zero: `steady_positivity` and `bounded`.
 
 Source: Wakao, Kaguei 1982, Heat and Mass Transfer in Packed Beds; Bird, Stewart,
     Lightfoot 2002, ch. 19; Kunii,

@@ -62,18 +62,20 @@ def damped(problem: Problem, u: Array, report: solve.Report) -> tuple[Problem, A
         try:
             if wrong.any():
                 damping, before = (
-                    np.where(wrong, more(damping, low, before, mean, speeds), damping),
+                    np.where(
+                        wrong, next_damping(damping, low, before, mean, speeds), damping
+                    ),
                     low,
                 )
                 trial = replace(problem, damping=damping)
-                du, share, _ = solve.step(trial, state, report)
-                state = state + share * du
+                du, step_length, _ = solve.newton_step(trial, state, report)
+                state = state + step_length * du
             elif trial is problem:
                 break
             else:
                 problem = trial
                 u = state = solve.newton(
-                    trial, state, report, most=solve.FEW_ITERATIONS
+                    trial, state, report, max_iterations=solve.FEW_ITERATIONS
                 )
         except ConvergenceError:
             break
@@ -81,7 +83,7 @@ def damped(problem: Problem, u: Array, report: solve.Report) -> tuple[Problem, A
     return problem, u
 
 
-def more(
+def next_damping(
     damping: Array, low: Array, before: Array, mean: Array, speeds: Array
 ) -> Array:
     """Return the next damping (m, N): by linear extrapolation of the last two trials,
@@ -99,7 +101,9 @@ def more(
     return found
 
 
-def limited(problem: Problem, u: Array, report: solve.Report) -> tuple[Problem, Array]:
+def without_negative_amounts(
+    problem: Problem, u: Array, report: solve.Report
+) -> tuple[Problem, Array]:
     """Return a steady state without amounts below zero, where cells may be chosen on
     halves of those that need it.
 
@@ -132,7 +136,10 @@ def limited(problem: Problem, u: Array, report: solve.Report) -> tuple[Problem, 
         finer = problem.on(vertices)
         try:
             found = solve.newton(
-                finer, moved(problem, u, finer), report, most=solve.FEW_ITERATIONS
+                finer,
+                moved(problem, u, finer),
+                report,
+                max_iterations=solve.FEW_ITERATIONS,
             )
         except ConvergenceError:
             break
