@@ -262,7 +262,7 @@ MODELS: dict[str, Model] = {
             "reacting_bed": "equations.bed",
             "gas_inside_particles": "particle/adsorption",
             "reacting_section": "equations.section",
-            "amounts_above_zero": "limited",
+            "amounts_above_zero": "steady_positivity",
             "amounts_above_zero_in_time": "bounded",
             "cells_in_time": "time_cells",
             "cells_in_time_hold_the_same": "transfer",
