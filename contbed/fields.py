@@ -780,7 +780,33 @@ _RESULTS = (
         "m",
         "height of the bed without its bubbles",
     ),
-    Field("bed_height_m", "H", "m", "height of the bed that its particles settle at"),
+    Field(
+        "bed_height_m",
+        "H",
+        "m",
+        "height of the bed that its particles settle at; of two fluids the height that "
+        "they would fill at the mean solids fraction below their centre of mass",
+    ),
+    Field(
+        "u_mf_m_s",
+        r"u_\mathrm{mf}",
+        "m/s",
+        "superficial velocity at which the drag of the scene carries particles of the "
+        "largest solids fraction of the start",
+    ),
+    Field(
+        "u_over_u_mf",
+        r"u/u_\mathrm{mf}",
+        "1",
+        "volume flow of gas fed over the section, over the minimum fluidization velocity",
+    ),
+    Field(
+        "circulation_kg_m2s",
+        "G_s",
+        "kg/m2/s",
+        "mean upward mass flux of particles over the section in the middle of the bed, "
+        "of average velocities",
+    ),
     Field("ejected_kg_m2s", r"F_0", "kg/m2/s", "particles thrown into the freeboard"),
     Field("carryover_kg_s", r"\dot m", "kg/s", "particles that the gas carries away"),
     Field(

@@ -20,6 +20,7 @@ from contbed.two_fluid.closures import (
 )
 from contbed.two_fluid.conditions import Wall
 from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.of_fluidized import fluidized_findings
 from contbed.two_fluid.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -312,7 +313,8 @@ def results(
         found |= dict(zip(warm, last[len(COLUMNS) :], strict=False))
         since = 0.0 if averages is None else averages.start
         found |= wall_results.results(bed, rows, since)
-    section = bed.model.grid.geometry.volume.sum() / np.ptp(plan.mesh.skfem.p[-1])
+    vessel = float(np.ptp(plan.mesh.skfem.p[-1]))
+    section = bed.model.grid.geometry.volume.sum() / vessel
     found["weight_of_solids"] = float(scene.two_fluid.gravity * last[2] / section)
     found |= filters.results(scene)
     if scene.closures.effective_restitution != ABSENT:
@@ -330,6 +332,7 @@ def results(
         found["difference_of_halves"] = averages.drift()
         if found["weight_of_solids"] > 0.0:
             found |= momentum_budget.shares(averages.forces())
+    found |= fluidized_findings(scene, bed, averages, vessel)
     if "spectrum" in tables:
         frequency, power = tables["spectrum"].values()
         found["dominant_frequency [Hz]"] = float(frequency[np.argmax(power)])

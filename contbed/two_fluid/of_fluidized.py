@@ -1,0 +1,125 @@
+"""Results of fluidized beds: minimum fluidization by the drag of the scene, height of
+the bed, circulation of the particles.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contbed.two_fluid.boundary import GIVEN
+from contbed.two_fluid.closures import ABSENT, bound, constants
+from contbed.two_fluid.conditions import Inlet
+
+if TYPE_CHECKING:
+    from contbed.closures.binding import BoundClosure
+    from contbed.two_fluid.averages import Averages
+    from contbed.two_fluid.scene import TwoFluidScene
+    from contbed.two_fluid.simulation import Simulation
+
+DENSE = 0.3  # solids fraction of a bed at the start
+FASTEST = 1e3  # [m/s] of the gas between particles
+HALVINGS = 60  # of FASTEST
+EMPTY = 0.1  # of the solids fraction of the bed, below which the top is a freeboard
+TOP = 0.9  # of the height of the vessel, above which the top is
+MIDDLE = 0.1  # of the height of the bed, about its middle
+
+
+def fluidized_findings(
+    scene: TwoFluidScene, bed: Simulation, averages: Averages | None, vessel: float
+) -> dict[str, float]:
+    """Return results of a bed that an inlet of gas fluidizes, in a vessel of a
+    height [m]; none of other scenes.
+    """
+    inlets = [each for each in scene.boundary.values() if isinstance(each, Inlet)]
+    blown = any(each.gas.velocity > 0.0 for each in inlets)
+    if not blown or scene.closures.drag == ABSENT or scene.two_fluid.gravity <= 0.0:
+        return {}
+    parts = (each.solid.volume_fraction or 0.0 for each in scene.initial.parts)
+    eps_s = max(parts, default=0.0)
+    found: dict[str, float] = {}
+    if eps_s >= DENSE:
+        u_mf = minimum_fluidization(scene, eps_s)
+        if u_mf is not None:
+            section = bed.model.grid.geometry.volume.sum() / vessel
+            flow = fed(bed) / float(section)
+            found |= {"u_mf_m_s": u_mf, "u_over_u_mf": flow / u_mf}
+    if averages is not None:
+        means = averages.means()
+        geometry = bed.model.grid.geometry.volume, bed.model.grid.centres[:, -1]
+        height = bed_height(means["eps_s"], *geometry, vessel)
+        if height is not None:
+            flux = means["eps_s"] * means["u_solid"][:, -1]
+            density = bed.model.materials.rho_solid
+            found["bed_height_m"] = height
+            if bed.model.grid.dimension > 1:
+                upward = circulation(flux, *geometry, height)
+                found["circulation_kg_m2s"] = density * upward
+    return found
+
+
+def minimum_fluidization(scene: TwoFluidScene, eps_s: float) -> float | None:
+    """Return the superficial velocity at which gas carries particles of a solids
+    fraction by the drag of the scene [m/s]: beta u/eps = eps_s eps (rho_s - rho_g) g;
+    None where none does.
+    """
+    drag: BoundClosure | None = bound(scene)["drag"]
+    fluid, solid, eps = scene.fluid, scene.solid, 1.0 - eps_s
+    weight = eps_s * eps * (solid.density - fluid.density) * scene.two_fluid.gravity
+    if drag is None or weight <= 0.0:
+        return None
+    fixed = constants(scene)
+
+    def excess(slip: float) -> float:
+        Re = eps * fluid.density * slip * solid.diameter / fluid.viscosity
+        beta = drag(**fixed, Re=Re, eps=eps, eps_s=eps_s)
+        return float(beta) * slip - weight
+
+    if excess(FASTEST) <= 0.0:
+        return None
+    low, high = 0.0, FASTEST
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if excess(middle) < 0.0 else (low, middle)
+    return eps * high
+
+
+def fed(bed: Simulation) -> float:
+    """Return the volume flow of gas that inlets feed [m3/s]."""
+    grid, gas = bed.model.grid, bed.model.edge.gas
+    area = grid.geometry.area[grid.interior :]
+    entering = np.where(gas.kind == GIVEN, -gas.flux, 0.0)
+    return float(area @ np.maximum(entering, 0.0))
+
+
+def bed_height(eps_s: Any, volume: Any, z: Any, vessel: float) -> float | None:
+    """Return the height [m] that the particles would fill at the mean solids fraction
+    below their centre of mass; None where particles are at the top of the vessel.
+
+    Parameters
+    ----------
+    eps_s, volume, z : mean solids fraction, volume and height of each cell
+    vessel : its height [m]
+    """
+    held = eps_s * volume
+    if held.sum() <= 0.0:
+        return None
+    below = z <= held @ z / held.sum()
+    dense = held[below].sum() / volume[below].sum()
+    top = z >= z.min() + TOP * np.ptp(z)
+    if held[top].sum() > EMPTY * dense * volume[top].sum():
+        return None
+    return float(vessel * held.sum() / volume.sum() / dense)
+
+
+def circulation(flux: Any, volume: Any, z: Any, height: float) -> float:
+    """Return the mean over the section of upward flux, in the middle of a bed of a
+    height [m]; downward flux counts as zero.
+    """
+    above = z - z.min()
+    middle = np.abs(above - 0.5 * height) <= MIDDLE * height
+    if not middle.any():
+        return 0.0
+    upward = np.maximum(flux, 0.0)
+    return float(upward[middle] @ volume[middle] / volume[middle].sum())

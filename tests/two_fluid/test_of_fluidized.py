@@ -1,0 +1,57 @@
+"""Minimum fluidization, height and circulation of beds of two fluids against closed
+forms and by hand.
+"""
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed.loading import loads
+from contbed.models import MODELS
+from contbed.two_fluid.of_fluidized import bed_height, circulation, minimum_fluidization
+
+
+def column(drag="drag_gidaspow", time=""):
+    text = MODELS["two_fluid"].template.read_text().replace("drag_syamlal_obrien", drag)
+    if time:
+        text = text.split("[time]")[0] + f"[time]\n{time}\n"
+    return loads(text)
+
+
+def test_minimum_fluidization_by_ergun():
+    """Below a porosity of 0.8 Gidaspow's drag is Ergun's:
+    150 eps_s mu u/(eps^3 d^2) + 1.75 rho u^2/(eps^3 d) = (rho_s - rho) g.
+    """
+    scene = column()
+    mu, rho, d, eps = 1.8e-5, 1.2, 4e-4, 0.42
+    a = 1.75 * rho / (eps**3 * d)
+    b = 150.0 * 0.58 * mu / (eps**3 * d**2)
+    weight = (2500.0 - rho) * scene.two_fluid.gravity
+    expected = 2.0 * weight / (b + np.sqrt(b**2 + 4.0 * a * weight))
+    assert minimum_fluidization(scene, 0.58) == pytest.approx(expected, rel=1e-6)
+
+
+def test_height_of_a_uniform_bed_below_gas():
+    """Half of a vessel of 1 m is filled evenly; its centre of mass lies in the middle
+    of a cell or between two.
+    """
+    z = (np.arange(40) + 0.5) / 40
+    eps_s = np.where(z < 0.5, 0.5, 0.0)
+    volume = np.full(40, 0.025)
+    assert bed_height(eps_s, volume, z, 1.0) == pytest.approx(0.5, rel=1e-12)
+    assert bed_height(np.full(40, 0.1), volume, z, 1.0) is None  # carried to the top
+
+
+def test_circulation_of_particles_that_rise_in_a_quarter_of_the_section():
+    z = np.repeat((np.arange(10) + 0.5) / 10, 4)
+    flux = np.tile([3.0, -1.0, -1.0, -1.0], 10)
+    volume = np.full(40, 0.025)
+    assert circulation(flux, volume, z, 0.8) == pytest.approx(0.75, rel=1e-12)
+
+
+def test_a_bed_reports_its_excess_of_gas():
+    times = "end = 0.004\nsample = 0.002\naverage_from = 0.0"
+    qoi = cb.run(column("drag_syamlal_obrien", times)).qoi
+    assert qoi["u_over_u_mf"] * qoi["u_mf_m_s"] == pytest.approx(0.5, rel=1e-12)
+    assert qoi["bed_height_m"] == pytest.approx(0.12, rel=0.05)
+    assert qoi["circulation_kg_m2s"] >= 0.0
