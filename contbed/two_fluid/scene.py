@@ -292,10 +292,11 @@ class TwoFluidScene(SceneBase):
     kind: ClassVar[str] = "two_fluid"
     renamed: ClassVar[Mapping[str, str]] = RENAMED
     refused: ClassVar[Mapping[str, str]] = {
-        "radiation": "two fluids exchange heat by convection and conduction alone, as "
-        "radiation between particles that "
-        "move would be solved anew in each time step; use [bubbling_bed] or a packed "
-        "bed of the mean porosity with it"
+        "radiation": "particles of two fluids radiate to walls only, by "
+        "boundary.NAME.emissivity and solids.NAME.emissivity, as radiation between "
+        "particles that move would be solved anew in each time step; take a "
+        "closures.conductivity_bed that has it, or use [bubbling_bed] or a packed bed "
+        "of the mean porosity"
     }
 
     mesh: Mesh
