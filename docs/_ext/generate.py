@@ -36,6 +36,7 @@ from contbed.closures import arguments, registry
 from contbed.explain import editor
 from contbed.explain.catalogue import laws_by_name, models
 from contbed.explain.closure_keys import closure_keys
+from contbed.explain.jobs import JOBS
 from contbed.explain.terms import TERMS
 from contbed.models import MODELS, kind_of
 from contbed.scene import schema
@@ -68,6 +69,7 @@ def write(folder: Path) -> None:
     commands(folder / "reference")
     gallery(folder / "gallery", folder / "figures")
     glossary(folder)
+    results_by_job(folder)
     project_texts(folder)
 
 
@@ -488,6 +490,31 @@ def glossary(folder: Path) -> None:
         table(head, rows(fields.RESULTS)),
         "## Arguments of closures",
         table(["name", "unit", "meaning"], taken),
+    )
+
+
+def results_by_job(folder: Path) -> None:
+    """Write the page of the named results of each kind of job."""
+    parts = []
+    for job in JOBS:
+        found = {name: fields.RESULTS[name] for name in job.results}
+        rows = [
+            [
+                code(name),
+                "" if each.unit == "1" else plain(each.unit),
+                plain(each.description),
+            ]
+            for name, each in found.items()
+        ]
+        parts += [f"## {job.title}", plain(f"Of {job.scenes}.")]
+        parts.append(table(["name", "unit", "meaning"], rows))
+    page(
+        folder / "results.md",
+        "Results by kind of job",
+        "Named results of a run, in `summary.json`, the report and sweeps; NAME is "
+        "chosen by the scene. `contbed explain NAME` tells each as well, and the "
+        "[glossary](glossary.md) lists all.",
+        *parts,
     )
 
 
