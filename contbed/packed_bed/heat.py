@@ -78,7 +78,7 @@ class HeatProblem:
             make_system(mesh, fields, order, section) if system is None else system
         )
         self.linear = medium.constant
-        self.T_span = self._span()
+        self.T_span = self._temperature_range()
         self.weights = self._weights()
         self.lower = self._lower()
         cells = self.system.cells
@@ -110,13 +110,13 @@ class HeatProblem:
         if self.radiation is not None:
             self._radiating = self.radiation.boundaries(mesh, self.system)
             self._radiating.append(self.radiation.interior(cells))
-        self._balances = self._forms()
+        self._balances = self._heat_balances()
         self.idle: list[str] = []
         self.fixed, self.fixed_values, self.fixed_owner, self._prescribed = (
-            self._fixed()
+            self._dirichlet_values()
         )
 
-    def _forms(self) -> list[Any]:
+    def _heat_balances(self) -> list[Any]:
         """Return the forms of the cells and of all boundaries that heat crosses, with
         the values in place.
         """
@@ -184,13 +184,13 @@ class HeatProblem:
                 wall = replace(wall, **values)
             walls.append((name, part, wall))
         self.walls = walls
-        self._balances = self._forms()
+        self._balances = self._heat_balances()
         for nodes, name, phase in self._prescribed:
             prescribed = boundary[name].condition(phase)
             assert prescribed is not None
             self.fixed_values[nodes] = prescribed.fixed_temperature
 
-    def _span(self) -> tuple[float, float]:
+    def _temperature_range(self) -> tuple[float, float]:
         found: list[Any] = [
             value
             for table in self.scene.boundary.values()
@@ -209,7 +209,7 @@ class HeatProblem:
             found += self.interval.temperatures
         return min(found), max(found)
 
-    def _fixed(self) -> tuple[Any, Any, Any, list[tuple[Any, str, str]]]:
+    def _dirichlet_values(self) -> tuple[Any, Any, Any, list[tuple[Any, str, str]]]:
         """Return nodes of prescribed temperatures, their values, the number of the
         boundary of each, and its parts.
 
