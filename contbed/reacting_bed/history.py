@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.course.history import History
-from contbed.reacting_bed.amounts import Least
+from contbed.reacting_bed.least_amounts import Least
 
 Array = NDArray[np.float64]
 FLOW = "flow"  # column of the outlet: moles of the gas that leaves, along x [mol/m2/s]
@@ -26,7 +26,7 @@ class BedHistory(History):
     passed : (m, 2) integrals of the fluxes through both ends, along x
     both_ways : (m, 2) integrals of their magnitudes, which a flow that turns does not
         cancel
-    damping : (unknowns, N) with which the next step begins, see `bounded`; damped :
+    damping : (unknowns, N) with which the next step begins, see `positivity_in_time`; damped :
         (N,) cells that were damped
     steps_damped, steps_limited : steps in which cells were damped, and in which rates
         took all there was of a solid

@@ -16,10 +16,10 @@ from contbed.course.history import Saver
 from contbed.errors import ConvergenceError
 from contbed.output.progress import Progress
 from contbed.reacting_bed import solve
-from contbed.reacting_bed.amounts import finer
 from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.cycle import BedCycle, Stored
 from contbed.reacting_bed.history import BedHistory
+from contbed.reacting_bed.least_amounts import finer
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import rate_without_value
 from contbed.reacting_bed.time_cells import fitted

@@ -15,12 +15,12 @@ from contbed.chemistry.effectiveness import effectiveness_of
 from contbed.course.schedule import Schedule
 from contbed.plan_text import plan_text
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.across import across
 from contbed.reacting_bed.cells import aim
 from contbed.reacting_bed.course import follows
 from contbed.reacting_bed.pellet_level import decided
 from contbed.reacting_bed.phases import described_phases, species_of
 from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.radial_need import across
 from contbed.reacting_bed.rate_checks import require_rates
 from contbed.reacting_bed.schedule import kinks_passed, shortest_interval
 from contbed.reacting_bed.solve import FIRST_CELLS

@@ -21,7 +21,7 @@ from contbed.particle.pellets import Pellets
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.assembled import bed_of, within
 from contbed.reacting_bed.equations.bed import Bed
-from contbed.reacting_bed.equations.parts import Parts
+from contbed.reacting_bed.equations.cross_section import Parts
 from contbed.reacting_bed.equations.section import Section
 from contbed.reacting_bed.equations.unknowns import Layout, Role, State, Unknown
 from contbed.reacting_bed.inside import Choice, with_inside

@@ -9,7 +9,7 @@ them together take of it
 with L the length of the bed. Rates that run back, such as those limited by an
 equilibrium, take a product only where there is some. After a run the amount is the mean
 of a cell, which a polynomial through a steep front leaves above zero. Solids at rest
-have limits of their own, see `equations.losses`; laws that are named end with what they
+have limits of their own, see `equations.consumption_limit`; laws that are named end with what they
 take.
 """
 
@@ -27,8 +27,8 @@ from contbed.closures.formula import parse_formula
 from contbed.errors import SceneError
 from contbed.fem.ad.dual import Dual
 from contbed.materials.composition import mole_fractions
-from contbed.reacting_bed.amounts import allowed, along, at_rest
 from contbed.reacting_bed.equations.unknowns import Role, State
+from contbed.reacting_bed.least_amounts import allowed, along, at_rest
 from contbed.reacting_bed.problem import Problem
 from contbed.scene.toml_lines import KeyPath
 

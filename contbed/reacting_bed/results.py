@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from contbed.balance import Balance
 from contbed.chemistry.thermo import R_GAS, T_STANDARD
 from contbed.reacting_bed import of_reactors
-from contbed.reacting_bed.amounts import Least, below_zero, between_nodes, least
 from contbed.reacting_bed.equations.unknowns import State
+from contbed.reacting_bed.least_amounts import Least, below_zero, between_nodes, least
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.results_solids import fill_phases
 from contbed.result import Result, outside

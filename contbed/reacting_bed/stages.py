@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from contbed.chemistry.local import Smoothing
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed import solve
-from contbed.reacting_bed.amounts import carried
+from contbed.reacting_bed.least_amounts import carried
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage
 

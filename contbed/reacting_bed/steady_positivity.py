@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed import solve
-from contbed.reacting_bed.amounts import along, carried, lowest
 from contbed.reacting_bed.cells import MOST_CELLS, moved
+from contbed.reacting_bed.least_amounts import along, carried, lowest
 from contbed.reacting_bed.problem import Problem
 
 Array = NDArray[np.float64]

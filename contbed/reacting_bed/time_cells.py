@@ -21,7 +21,7 @@ from contbed.reacting_bed.cells import COARSEST, aim, errors, wanted_lengths
 from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.history import BedHistory
 from contbed.reacting_bed.problem import Problem
-from contbed.reacting_bed.transfer import transferred
+from contbed.reacting_bed.remap import transferred
 
 Array = NDArray[np.float64]
 FEWEST = 8  # cells of a bed in time, a power of 2

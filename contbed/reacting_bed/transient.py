@@ -22,11 +22,11 @@ from contbed.course.history import output_times
 from contbed.course.march import FEW_DIGITS, SHORTER, Accept, Control, TimeSteps
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed import results, solve
-from contbed.reacting_bed.amounts import least
-from contbed.reacting_bed.bounded import Bounded, bounded, of_next
 from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.equations.unknowns import Role
 from contbed.reacting_bed.history import FLOW, BedHistory
+from contbed.reacting_bed.least_amounts import least
+from contbed.reacting_bed.positivity_in_time import Bounded, bounded, of_next
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import taken_though_absent
 from contbed.reacting_bed.stages import GAMMA

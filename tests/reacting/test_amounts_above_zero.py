@@ -25,8 +25,8 @@ from solving import solved
 import contbed
 from contbed.fem.line_dg import Ends, Line, System
 from contbed.loading import from_dict
-from contbed.reacting_bed import bounded, solve
-from contbed.reacting_bed.amounts import lowest
+from contbed.reacting_bed import positivity_in_time, solve
+from contbed.reacting_bed.least_amounts import lowest
 
 LEFT = 1e-10  # below zero, of the size of an amount: what Newton's method leaves
 CLOSED = 1e-12
@@ -199,7 +199,7 @@ def test_a_run_in_time_tells_how_far_and_where_an_amount_falls_below_zero(monkey
     """A step through cells that do not resolve it, at its start, if no bounds are
     found; at the end all is above.
     """
-    monkeypatch.setattr(bounded, "TRIALS", 0)
+    monkeypatch.setattr(positivity_in_time, "TRIALS", 0)
     scene = danckwerts(20.0, 0.0)
     scene["time"] = {"end": 1.6}
     scene["initial"] |= {"gas": {"composition": "B:1"}}

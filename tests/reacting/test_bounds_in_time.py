@@ -26,10 +26,10 @@ import contbed
 from contbed.fem.ad.dual import Dual
 from contbed.loading import from_dict
 from contbed.models import plan
-from contbed.reacting_bed import bounded as module
-from contbed.reacting_bed.amounts import between_nodes, lowest
+from contbed.reacting_bed import positivity_in_time as module
 from contbed.reacting_bed.course import Course
-from contbed.reacting_bed.equations.losses import within
+from contbed.reacting_bed.equations.consumption_limit import within
+from contbed.reacting_bed.least_amounts import between_nodes, lowest
 from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.stages import GAMMA, stages
 

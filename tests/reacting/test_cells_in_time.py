@@ -19,9 +19,9 @@ from contbed.fem.line_dg import Line
 from contbed.fem.line_projection import projected
 from contbed.loading import from_dict
 from contbed.models import plan
+from contbed.reacting_bed.remap import transferred
 from contbed.reacting_bed.storage import Storage
 from contbed.reacting_bed.time_cells import FEWEST, SHORTEST, fitted, halved
-from contbed.reacting_bed.transfer import transferred
 from studies.ignition_front import fronts
 
 CLOSED = 1e-12  # of what enters

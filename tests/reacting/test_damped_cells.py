@@ -20,7 +20,7 @@ from test_several_solids import hot
 import contbed
 from contbed.loading import from_dict
 from contbed.particle.uptake import invert
-from contbed.reacting_bed.amounts import carried
+from contbed.reacting_bed.least_amounts import carried
 
 RESIDENCE = 0.8  # [s] of the gas in all scenes of 1 m: 0.4 of it at 0.5 m/s
 

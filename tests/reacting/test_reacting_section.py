@@ -16,9 +16,9 @@ from solving import solved
 from contbed.closures import get
 from contbed.errors import SceneError
 from contbed.loading import from_dict
-from contbed.reacting_bed.across import across
 from contbed.reacting_bed.equations.section import Section
 from contbed.reacting_bed.plan import plan
+from contbed.reacting_bed.radial_need import across
 from contbed.reacting_bed.solve import Report, march
 
 CP, U, RADIUS, T_WALL, K = 30.0, 0.5, 0.05, 800.0, 2.0

@@ -28,7 +28,7 @@ take comes at T_f:
 The correction makes the J_k sum to zero. The weighted sum of all species equations is
 that of G. With one temperature all energy equations are added. Where species are no
 unknowns of a film the gas at the particle is that of the stream. How amounts stay above
-zero: `steady_positivity` and `bounded`.
+zero: `steady_positivity` and `positivity_in_time`.
 
 Source: Wakao, Kaguei 1982, Heat and Mass Transfer in Packed Beds; Bird, Stewart,
     Lightfoot 2002, ch. 19; Kunii,
@@ -45,7 +45,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.chemistry.thermo import R_GAS
-from contbed.reacting_bed.equations.losses import within
+from contbed.reacting_bed.equations.consumption_limit import within
 from contbed.reacting_bed.equations.phase import Enthalpy, Phase
 from contbed.reacting_bed.equations.unknowns import LEAST_T, Layout, State
 
@@ -62,7 +62,8 @@ class Bed:
     small : `local.Smoothing` of powers between 0 and 1; None: that of the laws
     gas_pressure : [Pa] at the nodes, at which the gas is stored in time; None: it
         follows at once
-    most_lost : of solids at rest [mol/m3 bed/s], see `losses`
+    most_lost : of solids at rest [mol/m3 bed/s], see
+        `consumption_limit`
     """
 
     layout: Layout

@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 
 from contbed.reacting_bed.equations.bed import Bed
-from contbed.reacting_bed.equations.parts import Parts
+from contbed.reacting_bed.equations.cross_section import Parts
 from contbed.reacting_bed.equations.unknowns import State
 
 

@@ -1,5 +1,4 @@
-"""Positivity-preserving time steps of gases and solids; for steady states see
-`steady_positivity`.
+"""Positivity-preserving time steps; for steady states see `steady_positivity`.
 
 Two things take an amount below zero, and a step that does so is taken again with
 bounds:
@@ -10,7 +9,7 @@ bounds:
                 others, see `equations.bed`.
     in time     Solids at rest know nothing of each other: at nodes that would fall below zero reactions take in
                 neither stage more than there is, n/((1 - gamma) dt) and what is left/(gamma dt),
-                see `equations.losses`.
+                see `equations.consumption_limit`.
 
 Neither takes anything from a balance, and where no amount falls below zero a step is
 that without bounds to the last bit. A step for which no bounds are found is made
@@ -41,7 +40,7 @@ from numpy.typing import NDArray
 
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed import solve
-from contbed.reacting_bed.amounts import along, at_rest, carried, lowest
+from contbed.reacting_bed.least_amounts import along, at_rest, carried, lowest
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.stages import GAMMA, stages
 from contbed.reacting_bed.steady_positivity import (

@@ -25,9 +25,9 @@ from numpy.typing import NDArray
 from contbed.chemistry.thermo import R_GAS
 from contbed.errors import ConvergenceError
 from contbed.fem.line_projection import projected
-from contbed.reacting_bed.amounts import FINE, MISSED
 from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.unknowns import LEAST_T, Role
+from contbed.reacting_bed.least_amounts import FINE, MISSED
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage, gas_of_rings, stored_rows
 
