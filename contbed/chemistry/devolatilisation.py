@@ -20,21 +20,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contbed.chemistry.elements import ATOMIC_WEIGHTS, elements_of, molar_mass_of
 from contbed.errors import SceneError
 
-# [kg/mol]
-ATOMIC = {
-    "C": 0.012011,
-    "H": 0.001008,
-    "O": 0.015999,
-    "N": 0.014007,
-    "S": 0.03206,
-    "Ca": 0.040078,
-}
-FORMULAS: dict[str, dict[str, float]] = {
-    "CO": {"C": 1, "O": 1}, "CO2": {"C": 1, "O": 2}, "H2O": {"H": 2, "O": 1}, "H2": {"H": 2},
-    "CH4": {"C": 1, "H": 4}, "C6H6": {"C": 6, "H": 6},
-}  # fmt: skip
 BALANCED = ("C", "H", "O")
 # Loison, Chauvin 1964, Chim. Ind. 91, 269-275, as quoted by Rajan and Wen 1980
 LOISON_CHAUVIN: dict[str, tuple[float, float, float]] = {
@@ -53,11 +41,6 @@ class Volatiles:
     yields: dict[str, float]  # [mol/kg of volatile matter]
     guess: dict[str, float]  # the correlation's, before elements are balanced [mol/kg]
     elements: dict[str, float]  # [mol/kg]
-
-
-def molar_mass(formula: Mapping[str, float]) -> float:
-    """Return the molar mass [kg/mol]."""
-    return sum(count * ATOMIC[element] for element, count in formula.items())
 
 
 def yields_loison_chauvin(volatile_matter: float) -> dict[str, float]:
@@ -94,12 +77,12 @@ def volatiles(ultimate: Mapping[str, float], volatile_matter: float) -> Volatile
         )
     mass = {**ultimate, "C": carbon}
     elements = {
-        name: mass[name] / ATOMIC[name] / volatile_matter
+        name: mass[name] / ATOMIC_WEIGHTS[name] / volatile_matter
         for name in ("C", "H", "O", "N", "S")
     }
     bound = {**elements, "H": elements["H"] - 2.0 * elements["S"]}
     guess = {
-        name: share / molar_mass(FORMULAS[name])
+        name: share / molar_mass_of(elements_of(name))
         for name, share in yields_loison_chauvin(volatile_matter).items()
     }
     yields = balanced(guess, [bound[name] for name in BALANCED])
@@ -116,7 +99,10 @@ def balanced(guess: Mapping[str, float], elements: list[float]) -> dict[str, flo
     see the module's docstring.
     """
     A = np.array(
-        [[FORMULAS[name].get(element, 0.0) for name in guess] for element in BALANCED]
+        [
+            [elements_of(name).get(element, 0.0) for name in guess]
+            for element in BALANCED
+        ]
     )
     b, start = np.array(elements), np.array(list(guess.values()))
     m = np.zeros(len(b))

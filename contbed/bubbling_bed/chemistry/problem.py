@@ -16,6 +16,7 @@ from contbed.bubbling_bed.equations import species as model
 from contbed.bubbling_bed.solids import Feed, Solid
 from contbed.chemistry import devolatilisation as dv
 from contbed.chemistry import kinetics
+from contbed.chemistry.elements import ATOMIC_WEIGHTS
 from contbed.chemistry.laws import equations_of, law_of
 from contbed.chemistry.species import Species
 from contbed.chemistry.thermo import R_GAS, T_STANDARD, Thermo
@@ -58,7 +59,7 @@ def fuel_data(solid: Solid) -> FuelData:
     total = sum(daf.values())
     daf = {name: share / total for name, share in daf.items()}
     higher = fuel.heating_value or dv.heating_value_channiwala(dry, fuel.ash)
-    amounts = {name: share / dv.ATOMIC[name] for name, share in daf.items()}
+    amounts = {name: share / ATOMIC_WEIGHTS[name] for name, share in daf.items()}
     species, T0 = thermo.table(), T_STANDARD
     burnt = {"CO2": amounts["C"], "H2O(l)": 0.5 * amounts["H"], "SO2": amounts["S"]}
     formation = sum(
@@ -68,7 +69,7 @@ def fuel_data(solid: Solid) -> FuelData:
     V = fuel.volatile_matter
     return FuelData(
         rate,
-        rate * (1.0 - V) / dv.ATOMIC["C"],
+        rate * (1.0 - V) / ATOMIC_WEIGHTS["C"],
         rate * V,
         received * fuel.moisture / species["H2O"].molar_mass,
         received * (1.0 - fuel.moisture) * fuel.ash,

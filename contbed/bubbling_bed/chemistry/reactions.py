@@ -14,14 +14,14 @@ from contbed.bubbling_bed.chemistry import scene as t
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.equations.species import SourceTerms, State
 from contbed.chemistry import char_and_lime as rs
-from contbed.chemistry import devolatilisation as dv
 from contbed.chemistry.char_and_lime import BAR
+from contbed.chemistry.elements import ATOMIC_WEIGHTS
 from contbed.chemistry.kinetics import Reaction
 from contbed.chemistry.local import Local
 from contbed.chemistry.power_law import SMALL, PowerLaw, power, product
 from contbed.chemistry.thermo import R_GAS
 
-CARBON = dv.ATOMIC["C"]
+CARBON = ATOMIC_WEIGHTS["C"]
 # [Pa] over which the release of SO2 falls to 0 at equilibrium; beds hold 10 Pa of CO
 # and more
 SMALL_CO = 0.1

@@ -14,7 +14,7 @@ from contbed.bubbling_bed.chemistry import reactions as cr
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.chemistry.of_boilers import boiler_findings
 from contbed.bubbling_bed.chemistry.problem import Chemistry
-from contbed.chemistry import devolatilisation as dv
+from contbed.chemistry.elements import ATOMIC_WEIGHTS
 from contbed.chemistry.thermo import T_STANDARD, Thermo
 from contbed.errors import ConvergenceError
 from contbed.materials.common import share_outside
@@ -258,7 +258,7 @@ def _fuel(
     per_kg = 0.0
     if data.volatiles is not None:
         fixed = 1.0 - data.volatile / data.rate
-        per_kg = data.lower - fixed / dv.ATOMIC["C"] * coke
+        per_kg = data.lower - fixed / ATOMIC_WEIGHTS["C"] * coke
         per_kg *= data.rate / data.volatile
     unburnt += drained.get("volatiles", 0.0) * per_kg
     qoi["fuel_power_W"] = power
@@ -337,7 +337,7 @@ def _warnings(
         result.warnings.append(below)
     if scene.fuel is not None:
         fuel = scene.solids[scene.fuel].fuel
-        volume = held.get("char", 0.0) * dv.ATOMIC["C"] / fuel.char_density
+        volume = held.get("char", 0.0) * ATOMIC_WEIGHTS["C"] / fuel.char_density
         delta = (
             problem.total(lambda u, o: problem.c.at(u, o).delta, state)
             / chemistry.height

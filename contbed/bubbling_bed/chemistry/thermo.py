@@ -14,7 +14,7 @@ from typing import Any
 
 from contbed.chemistry.elements import molar_mass_of
 from contbed.chemistry.mixture import Mechanism
-from contbed.chemistry.thermo import Equilibrium, Species, Thermo, species_of
+from contbed.chemistry.thermo import Equilibrium, Thermo, species_of
 from contbed.errors import SceneError
 from contbed.materials.common import nearest
 
@@ -41,12 +41,12 @@ def _file(name: str) -> dict[str, Any]:
     return {item.name: item for item in cantera.Species.list_from_file(name)}
 
 
-def _species(name: str, item: Any) -> Species:
+def _species(name: str, item: Any) -> Thermo:
     return species_of(name, item, molar_mass_of(item.composition))
 
 
 @lru_cache(maxsize=1)
-def table() -> dict[str, Species]:
+def table() -> dict[str, Thermo]:
     """Return all species by name; solids by their formula, liquid water as H2O(l)."""
     gases, solids = _file("nasa_gas.yaml"), _file("nasa_condensed.yaml")
     found = {name: gases[name] for name in GASES}
