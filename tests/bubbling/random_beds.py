@@ -11,6 +11,7 @@ import numpy as np
 
 from contbed.bubbling_bed.plan import _computed
 from contbed.loading import from_dict
+from tests.scene_text import set_keys
 
 GASES = (
     "N2:0.79, O2:0.21",
@@ -134,7 +135,7 @@ def tables(seed):
     if perhaps(0.2):
         bed["settled_height"] = bed.pop("height")
         if bubbling and perhaps(0.3):
-            given["closures"]["expansion"] = "souza_santos"
+            set_keys(given, 'closures.expansion = "souza_santos"')
     if perhaps(0.2):
         bed["freeboard"] = {
             "height": log(0.5, 5.0),

@@ -13,11 +13,12 @@ from contbed import closures
 from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.materials import gas_mixture
+from tests.balances import assert_closed
 
 
 def solved(scene, closed=1e-12):
     result = cb.run(scene)
-    assert abs(result.balances["energy"]["relative_residual"]) < closed
+    assert_closed(result, closed, "energy")
     return result
 
 

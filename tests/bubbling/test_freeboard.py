@@ -16,6 +16,7 @@ from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.closures.optics import SIGMA
 from contbed.materials import gas_mixture
+from tests.balances import assert_closed
 
 WALLS = {"perimeter": 3.5, "coefficient": 20.0, "temperature": 600.0, "emissivity": 0.8}
 
@@ -29,7 +30,7 @@ def column(result, name):
 
 def solved(scene, closed=1e-12):
     result = cb.run(scene)
-    assert abs(result.balances["energy"]["relative_residual"]) < closed
+    assert_closed(result, closed, "energy")
     return result
 
 

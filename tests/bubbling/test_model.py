@@ -23,12 +23,12 @@ from contbed.bubbling_bed.equations.coefficients import (
 )
 from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
-from contbed.cli import main
 from contbed.fem.skfem import System
 from contbed.output.tables import read_table
 from contbed.solvers.linear import Policy
 from contbed.solvers.newton import newton
 from studies._exact.manufactured import Manufactured, observed_order
+from tests.command_line import command
 
 HEIGHT = 0.8
 EXACT = {
@@ -188,7 +188,7 @@ def test_predicted_layers_of_two_streams():
 
 
 def test_a_run_writes_what_other_runs_write(tmp_path):
-    assert main(["run", str(STUDY / "p1.toml"), "--out", str(tmp_path), "--quiet"]) == 0
+    assert command(f"run {STUDY}/p1.toml --out {tmp_path} --quiet") == 0
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["status"] == "ok" and summary["balances"]["energy"]["unit"] == "W"
     assert summary["scene"]["solids"]["char"]["diameter"] == 3e-3
@@ -202,22 +202,10 @@ def test_a_run_writes_what_other_runs_write(tmp_path):
 
 
 def test_plan_and_convergence_from_the_command_line(tmp_path, capsys):
-    assert main(["plan", str(STUDY / "none.toml")]) == 0
+    assert command(f"plan {STUDY}/none.toml") == 0
     assert "SKIPPED radiation" in capsys.readouterr().out
-    assert (
-        main(
-            [
-                "converge",
-                str(STUDY / "p1.toml"),
-                "--levels",
-                "2",
-                "--out",
-                str(tmp_path),
-            ]
-        )
-        == 0
-    )
-    assert main(["explain", "bubbling_bed.height"]) == 0
+    assert command(f"converge {STUDY}/p1.toml --levels 2 --out {tmp_path}") == 0
+    assert command("explain bubbling_bed.height") == 0
     assert "> 0 m" in capsys.readouterr().out
 
 

@@ -17,7 +17,6 @@ import pytest
 from matplotlib.figure import Figure
 
 import contbed as cb
-from contbed import cli
 from contbed.many.calibrate.calibrate import FILE, calibrate
 from contbed.many.calibrate.experiments import Point, read_jobs
 from contbed.many.calibrate.fit import fit
@@ -26,6 +25,7 @@ from contbed.many.calibrate.model import SceneModel
 from contbed.many.calibrate.plots import _curves
 from contbed.many.calibrate.settings import read_file
 from contbed.many.store import Store
+from tests.command_line import command
 from tests.report.report_file import charts_of
 
 SCENE = """\
@@ -162,7 +162,7 @@ def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
         .replace("profiles = false", "profiles = true")
     )
     (folder / "drops.toml").write_text(text)
-    assert cli.main(["calibrate", "drops.toml", "--out", "out"]) == 0
+    assert command("calibrate drops.toml --out out") == 0
     keys = json.loads((folder / "out" / "summary.json").read_text())["keys"]
     fitted = [
         keys[name]["fitted"]
@@ -191,7 +191,7 @@ def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
     )
     out = capsys.readouterr().out
     assert "3 values, chi-square" in out and "known" in out
-    assert cli.main(["report", "out"]) == 0
+    assert command("report out") == 0
     report = (folder / "out" / "report.html").read_text()
     assert (
         "solids.particles.diameter" in report
@@ -485,7 +485,7 @@ def test_mistakes_are_told_with_file_and_line(folder, capsys, name, old, new, to
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new, 1))
-    assert cli.main(["calibrate", f"{name}.toml", "--out", "out"]) == 2
+    assert command(f"calibrate {name}.toml --out out") == 2
     assert told in capsys.readouterr().err.replace(f"{folder}/", "")
     assert not (folder / "out" / "summary.json").exists()
 
@@ -493,14 +493,14 @@ def test_mistakes_are_told_with_file_and_line(folder, capsys, name, old, new, to
 def test_data_outside_of_the_model_are_told_by_their_line(folder, capsys):
     with open(folder / "heated.csv", "a") as file:
         file.write("\n8,2,40.0,A,1\n5,12,40.0,A,1\n")
-    assert cli.main(["calibrate", "heated.toml"]) == 2
+    assert command("calibrate heated.toml") == 2
     assert (
         "heated.csv:14: 480 s is after the end of the run, time.end = 400 s in "
         "tank.toml; let the scene run longer" in capsys.readouterr().err
     )
     text = (folder / "heated.csv").read_text().replace("8,2,40.0,A,1\n", "")
     (folder / "heated.csv").write_text(text)
-    assert cli.main(["calibrate", "heated.toml"]) == 2
+    assert command("calibrate heated.toml") == 2
     assert (
         "heated.csv:14: position 0.012 m: outside of the bed, 0 to 0.01 m"
         in capsys.readouterr().err
@@ -510,7 +510,7 @@ def test_data_outside_of_the_model_are_told_by_their_line(folder, capsys):
 def test_fewer_data_than_keys_are_refused(folder, capsys):
     lines = (folder / "drops.csv").read_text().splitlines()
     (folder / "drops.csv").write_text("\n".join(lines[:3]))
-    assert cli.main(["calibrate", "drops.toml"]) == 2
+    assert command("calibrate drops.toml") == 2
     assert (
         "drops.toml:3: 2 keys are to be fitted to 1 measured values; leave out keys, "
         "or give" in capsys.readouterr().err
@@ -546,7 +546,7 @@ def test_a_steady_scene_has_no_times(folder, capsys):
     (folder / "heated.toml").write_text(
         text.replace("[keys]", "[keys]\npacked_bed.porosity = { from = 0.3, to = 0.5 }")
     )
-    assert cli.main(["calibrate", "heated.toml"]) == 2
+    assert command("calibrate heated.toml") == 2
     assert (
         "heated.csv:2: the scene tank.toml is steady; leave out time"
         in capsys.readouterr().err
@@ -574,6 +574,6 @@ def test_without_emcee_the_posterior_is_refused_before_any_run(
     with open(folder / "drops.toml", "a") as file:
         file.write("[posterior]\n")
     monkeypatch.setitem(sys.modules, "emcee", None)
-    assert cli.main(["calibrate", "drops.toml", "--out", "out"]) == 1
+    assert command("calibrate drops.toml --out out") == 1
     assert "pip install 'contbed[calibrate]'" in capsys.readouterr().err
     assert not (folder / "out").exists()

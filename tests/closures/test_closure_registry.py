@@ -21,7 +21,7 @@ from contbed import closures
 from contbed.closures import registry
 from contbed.closures.arguments import RESULTS, argument
 from contbed.closures.sheet import Docstring
-from contbed.errors import SceneError
+from tests.refusals import refused
 
 SECTIONS = (
     "Parameters",
@@ -135,34 +135,36 @@ def test_names_of_a_kind():
 
 
 def test_unknown_name_points_to_the_nearest():
-    with pytest.raises(
-        SceneError, match=r"unknown closure 'nuselt_gun'; nearest: nusselt_gunn"
-    ):
-        closures.get("nuselt_gun")
-    with pytest.raises(SceneError, match="nearest: nusselt_gunn"):
-        closures.sheet("nusselt_gun")
+    refused(
+        r"unknown closure 'nuselt_gun'; nearest: nusselt_gunn",
+        closures.get,
+        "nuselt_gun",
+    )
+    refused("nearest: nusselt_gunn", closures.sheet, "nusselt_gun")
 
 
 def test_name_far_from_all_lists_what_there_is():
-    with pytest.raises(
-        SceneError,
-        match="unknown wall closure 'zzz'; known: wall_li_finlayson, wall_martin_nilles",
-    ):
-        closures.get("zzz", kind="wall")
+    refused(
+        "unknown wall closure 'zzz'; known: wall_li_finlayson, wall_martin_nilles",
+        closures.get,
+        "zzz",
+        kind="wall",
+    )
 
 
 def test_wrong_kind_is_refused():
-    with pytest.raises(
-        SceneError, match="kind 'nusselt', wanted kind 'wall': wall_li_finlayson"
-    ):
-        closures.get("nusselt_gunn", kind="wall")
+    refused(
+        "kind 'nusselt', wanted kind 'wall': wall_li_finlayson",
+        closures.get,
+        "nusselt_gunn",
+        kind="wall",
+    )
 
 
 def test_dispersion_pair_by_stem():
     pair = closures.dispersion_pair("dispersion_vdi")
     assert pair == (closures.dispersion_vdi_axial, closures.dispersion_vdi_transverse)
-    with pytest.raises(SceneError, match="nearest: dispersion_vdi"):
-        closures.dispersion_pair("dispersion_vd")
+    refused("nearest: dispersion_vdi", closures.dispersion_pair, "dispersion_vd")
 
 
 def test_every_axial_dispersion_has_its_transverse_partner():

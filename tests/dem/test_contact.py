@@ -22,7 +22,7 @@ from contbed.dem.contact import (
 from contbed.dem.particles import Material, Particles, damping_ratio, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Plane
-from contbed.errors import SceneError
+from tests.refusals import refused
 
 RADIUS, SPEED = 1e-3, 0.1
 GLASS = Material()
@@ -265,10 +265,10 @@ def test_safe_step():
 
 
 def test_time_step_too_large_names_the_safe_one():
-    with pytest.raises(
-        SceneError, match=r"time step 0.0001 s, the largest safe one is 1\.616e-05 s"
-    ):
-        Simulation(Particles([[0, 0, 0]], RADIUS), [GLASS], time_step=1e-4)
+    refused(
+        r"time step 0.0001 s, the largest safe one is 1\.616e-05 s",
+        lambda: Simulation(Particles([[0, 0, 0]], RADIUS), [GLASS], time_step=1e-4),
+    )
 
 
 @pytest.mark.parametrize(
@@ -283,5 +283,4 @@ def test_time_step_too_large_names_the_safe_one():
     ],
 )
 def test_bad_material(change, message):
-    with pytest.raises(SceneError, match=message):
-        Material(**change)
+    refused(message, Material, **change)

@@ -15,7 +15,8 @@ from contbed.dem.contact_heat import ContactHeat
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain, Plane
-from contbed.errors import ConvergenceError, SceneError
+from contbed.errors import ConvergenceError
+from tests.refusals import refused
 
 RADIUS, SPEED = 1e-3, 0.1
 SMOOTH = Material(restitution=1.0, sliding_friction=0.0)
@@ -209,9 +210,12 @@ def test_a_heat_source():
 
 def test_mistakes():
     one = Particles([[0, 0, 0]], RADIUS)
-    with pytest.raises(SceneError, match="give both heat and T, or neither"):
-        Simulation(one, [SMOOTH], T=300.0)
-    with pytest.raises(SceneError, match=r"conductivity = 0\.0 must be positive"):
-        Simulation(one, [SMOOTH], heat=ContactHeat(0.0), T=300.0)
-    with pytest.raises(SceneError, match=r"heat_capacity = .* one for each material"):
-        Simulation(one, [SMOOTH], heat=ContactHeat(1.0, [1.0, 2.0]), T=300.0)
+    refused("give both heat and T, or neither", Simulation, one, [SMOOTH], T=300.0)
+    refused(
+        r"conductivity = 0\.0 must be positive",
+        lambda: Simulation(one, [SMOOTH], heat=ContactHeat(0.0), T=300.0),
+    )
+    refused(
+        r"heat_capacity = .* one for each material",
+        lambda: Simulation(one, [SMOOTH], heat=ContactHeat(1.0, [1.0, 2.0]), T=300.0),
+    )

@@ -12,6 +12,7 @@ from contbed.dem import dumps
 from contbed.dem.particle_files import read_particles, write_particles
 from contbed.dem.particle_tables import has_radii, read_table
 from contbed.errors import SceneError
+from tests.refusals import refusal, refused
 
 # six spheres on a plane, written by LIGGGHTS 3.8.0 and LAMMPS 2022-01-06; contacts
 # conduct in the first
@@ -60,9 +61,7 @@ def dump(tmp_path):
 
 
 def failure(path):
-    with pytest.raises(SceneError) as error:
-        dumps.read_dump(path)
-    return str(error.value).removeprefix(f"{path}:")
+    return refusal(dumps.read_dump, path).removeprefix(f"{path}:")
 
 
 def test_liggghts(dump):
@@ -200,8 +199,7 @@ def test_tables(tmp_path, text, radius, velocity):
 def test_tables_that_cannot_be_read(tmp_path, text, told):
     path = tmp_path / "x.csv"
     path.write_text(text)
-    with pytest.raises(SceneError, match=told):
-        read_table(path)
+    refused(told, read_table, path)
 
 
 def test_own_files_of_particles_are_read(tmp_path):
@@ -211,10 +209,9 @@ def test_own_files_of_particles_are_read(tmp_path):
     assert (found.x.tolist(), found.radius.tolist()) == (TWO.tolist(), [0.1, 0.2])
     assert found.velocity.tolist() == (2.0 * TWO).tolist()
     path.write_text("no xml")
-    with pytest.raises(
-        SceneError, match=r"particles_0000\.vtu:1: no VTU file that can be read"
-    ):
-        read_particles(path)
+    refused(
+        r"particles_0000\.vtu:1: no VTU file that can be read", read_particles, path
+    )
 
 
 def test_a_dump_that_liggghts_wrote():

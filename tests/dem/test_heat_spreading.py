@@ -11,7 +11,7 @@ import contbed as cb
 from contbed.dem import heat, network
 from contbed.dem.heat_spreading import spreading_conductance
 from contbed.dem.surface import Surface
-from contbed.errors import SceneError
+from tests.refusals import refused
 
 STEEL = Surface(19e-9, 0.056, 3e9, 2e11, 0.29, 68e-9, accommodation=0.7)
 
@@ -264,8 +264,6 @@ poisson_ratio = 0.29
     assert more == pytest.approx(radiation / (2 * R), rel=1e-6)
     smooth = text.replace("spreading", "cones")
     path.write_text(smooth)
-    with pytest.raises(SceneError, match='paths = "spreading" alone'):
-        cb.load(path)
+    refused('paths = "spreading" alone', cb.load, path)
     path.write_text(text.replace("conductivity = 42.0", "conductivity = 0.01"))
-    with pytest.raises(SceneError, match="better conductors"):
-        cb.load(path)
+    refused("better conductors", cb.load, path)

@@ -16,7 +16,8 @@ from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.statistics import solid_share
 from contbed.dem.walls import Domain, Plane, Tube
-from contbed.errors import ConvergenceError, SceneError
+from contbed.errors import ConvergenceError
+from tests.refusals import refused
 
 D = 2e-3
 SOFT = Material(youngs_modulus=1e6)
@@ -140,8 +141,7 @@ def test_solid_share_of_one_sphere():
     ],
 )
 def test_bad_packings(arguments, message):
-    with pytest.raises(SceneError, match=message):
-        pack(**arguments)
+    refused(message, pack, **arguments)
 
 
 def test_a_bed_that_does_not_rest(monkeypatch):
@@ -173,8 +173,13 @@ def test_kinetic_damping_stops_a_bed_that_bounces(monkeypatch):
         < stopped.statistics["porosity_core"] - free.statistics["porosity_core"]
         < 0.01
     )
-    with pytest.raises(SceneError, match="LAMMPS settles without kinetic damping"):
-        pack(**bouncing, kinetic_damping=True, engine="lammps")
+    refused(
+        "LAMMPS settles without kinetic damping",
+        pack,
+        **bouncing,
+        kinetic_damping=True,
+        engine="lammps",
+    )
 
 
 @pytest.mark.slow

@@ -19,8 +19,9 @@ from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.settling import stages_of
 from contbed.dem.sizes import random_radii
 from contbed.dem.walls import Cylinder, Domain, Plane, Tube, box
-from contbed.errors import ConvergenceError, EngineError, SceneError
+from contbed.errors import ConvergenceError, EngineError
 from contbed.loading import loads
+from tests.refusals import problems_of, refused
 
 R = 1e-3
 BED = """
@@ -59,9 +60,7 @@ def changed(*pairs):
 
 
 def problems(text):
-    with pytest.raises(SceneError) as error:
-        loads(text, "scene.toml")
-    return error.value.problems
+    return problems_of(loads, text, "scene.toml")
 
 
 @pytest.fixture(scope="module")
@@ -235,10 +234,12 @@ def test_walls_of_the_deck():
         Tube((0, 0, 0), (0, 1, 0), 0.1),
         Cylinder((0.1, 0, 0), (0, 0, 1), 1.0),
     ):
-        with pytest.raises(
-            SceneError, match="planes across x, y or z and a cylinder around the z axis"
-        ):
-            lammps_deck.contact_commands(Material(), [wall])
+        refused(
+            "planes across x, y or z and a cylinder around the z axis",
+            lammps_deck.contact_commands,
+            Material(),
+            [wall],
+        )
 
 
 def test_a_log_stays_where_lammps_fails(program, tmp_path, monkeypatch):
@@ -416,10 +417,10 @@ def test_refusals(monkeypatch):
         EngineError, match=r"settles the \[particles.packing\] of a scene"
     ):
         cb.run(loads(lattice), engine="lammps")
-    with pytest.raises(
-        SceneError, match=r"scene.toml:15: .*another law of rolling .*set it to 0"
-    ):
-        cb.run(
+    refused(
+        r"scene.toml:15: .*another law of rolling .*set it to 0",
+        lambda: cb.run(
             loads(BED.replace("[gas]", "rolling_friction = 0.1\n[gas]"), "scene.toml"),
             engine="lammps",
-        )
+        ),
+    )

@@ -13,10 +13,11 @@ import pytest
 
 import contbed as cb
 from contbed.closures.file import closure_of
-from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.many.converge import converge
 from contbed.scene.identity import scene_hash
+from tests.balances import assert_closed
+from tests.refusals import problems_of, refused
 
 STUDIES = Path(__file__).parents[2] / "studies"
 
@@ -67,9 +68,7 @@ def folder(tmp_path):
 
 
 def problems(text, folder="."):
-    with pytest.raises(SceneError) as error:
-        cb.run(loads(text, "scene.toml", base=folder))
-    return error.value.problems
+    return problems_of(lambda: cb.run(loads(text, "scene.toml", base=folder)))
 
 
 @pytest.mark.parametrize(
@@ -110,7 +109,7 @@ def test_a_bed_of_positions(folder):
     assert result.profiles["T_solid [K]"] == pytest.approx(
         np.linspace(398.15, 298.15, 6), rel=1e-12
     )
-    assert abs(result.balances["energy"]["relative_residual"]) < 1e-12
+    assert_closed(result, 1e-12, "energy")
 
 
 def test_layers_of_a_periodic_dump_are_its_cell(folder):
@@ -255,9 +254,9 @@ def test_dumps_that_cannot_be_used_are_refused_by_the_check(folder, change, want
     path = folder / "bed.dump"
     path.write_text(change(path.read_text()))
     text = BED.replace("bed.csv", "bed.dump").replace("diameter = 1.0\n", "")
-    with pytest.raises(SceneError) as error:
-        loads(text, "scene.toml", base=folder)
-    assert error.value.problems[0].startswith(f"{path}:{wanted}")
+    assert problems_of(loads, text, "scene.toml", base=folder)[0].startswith(
+        f"{path}:{wanted}"
+    )
 
 
 def test_the_check_sees_what_the_run_would_refuse(folder):
@@ -271,9 +270,7 @@ def test_the_check_sees_what_the_run_would_refuse(folder):
         (RADIATING.replace('csv"\n', 'csv"\npaths = "columns"\n'),
          "columns are for equal particles without [radiation]"),
     ):  # fmt: skip
-        with pytest.raises(SceneError) as error:
-            loads(text, "scene.toml", base=folder)
-        assert wanted in error.value.problems[0]
+        assert wanted in problems_of(loads, text, "scene.toml", base=folder)[0]
 
 
 def test_unwrapped_positions_of_a_dump_are_brought_into_its_periodic_box(folder):
@@ -288,10 +285,11 @@ def test_unwrapped_positions_of_a_dump_are_brought_into_its_periodic_box(folder)
 
 
 def test_what_does_not_apply_to_particles(tmp_path):
-    with pytest.raises(SceneError, match=r"no \[mesh\] to refine"):
-        converge(STUDIES / "lattices/sc.toml", 2)
-    with pytest.raises(SceneError, match="nothing to restart"):
-        cb.run(cb.load(STUDIES / "lattices/sc.toml"), restart=tmp_path)
+    refused(r"no \[mesh\] to refine", lambda: converge(STUDIES / "lattices/sc.toml", 2))
+    refused(
+        "nothing to restart",
+        lambda: cb.run(cb.load(STUDIES / "lattices/sc.toml"), restart=tmp_path),
+    )
 
 
 def test_other_scenes_import_no_particles():

@@ -8,7 +8,8 @@ import pytest
 from contbed.dem import simulation
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
-from contbed.errors import ConvergenceError, SceneError
+from contbed.errors import ConvergenceError
+from tests.refusals import refused
 
 RADIUS, STEP = 1e-3, 2e-6
 LIMIT = 0.1 * RADIUS / STEP  # m/s, 50
@@ -79,10 +80,10 @@ def test_a_restart_goes_on_with_the_shorter_step():
     again.run(60)
     for name, values in whole.state().items():
         np.testing.assert_array_equal(again.state()[name], values, err_msg=name)
-    with pytest.raises(
-        SceneError, match="the checkpoint has time step 1e-06 s, expected 2e-06 s"
-    ):
-        spheres(0.0, 0).restore(whole.state())
+    refused(
+        "the checkpoint has time step 1e-06 s, expected 2e-06 s",
+        lambda: spheres(0.0, 0).restore(whole.state()),
+    )
 
 
 def test_a_sphere_that_stays_too_fast_ends_the_run():

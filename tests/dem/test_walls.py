@@ -12,7 +12,7 @@ import pytest
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Cylinder, Plane, Tube
-from contbed.errors import SceneError
+from tests.refusals import refused
 
 RADIUS, INNER, OUTER, SPEED = 1e-3, 4e-3, 12e-3, 0.1
 SMOOTH = Material(restitution=1.0, sliding_friction=0.0)
@@ -126,8 +126,9 @@ def test_bad_round_walls(kind):
         ((0, 0, 0), "has no direction"),
         ((0, 0, 1), "radius = 0 m must be positive"),
     ):
-        with pytest.raises(SceneError, match=message):
-            Simulation(one, [SMOOTH], [kind((0, 0, 0), point, 0.0)])
+        refused(message, Simulation, one, [SMOOTH], [kind((0, 0, 0), point, 0.0)])
     inside = Particles([[0, 0, 1e-3 if kind is Tube else 20e-3]], RADIUS)
-    with pytest.raises(SceneError, match=r"particle 0 at .* is beyond wall 0"):
-        Simulation(inside, [SMOOTH], [kind((0, 0, 0), (1, 0, 0), INNER)])
+    refused(
+        r"particle 0 at .* is beyond wall 0",
+        lambda: Simulation(inside, [SMOOTH], [kind((0, 0, 0), (1, 0, 0), INNER)]),
+    )

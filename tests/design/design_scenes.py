@@ -1,3 +1,5 @@
+from tests.scene_text import set_keys
+
 """Scenes for tests of gradients: a moving bed between two streams, on few cells."""
 
 SLIP = """\
@@ -168,5 +170,5 @@ def random_scene(seed):
         solid["heat_capacity"] = [700.0, 0.3]
     if random.random() < 0.25:
         solid["emissivity"] = 0.8
-        values["radiation"] = {"level": "p1", "allow_rosseland": False}
+        set_keys(values, 'radiation = { level = "p1", allow_rosseland = false }')
     return from_dict(values)

@@ -13,7 +13,7 @@ import pytest
 from contbed.cli import main
 from contbed.closures.binding import bind
 from contbed.dem import extract
-from contbed.errors import ContbedError, SceneError
+from contbed.errors import ContbedError
 from contbed.loading import load
 from contbed.many.cascade import band, measured, particles
 from contbed.many.cascade.run import cascade
@@ -22,6 +22,8 @@ from contbed.many.validate.case import read_case
 from contbed.materials import gas_mixture
 from contbed.runner import run
 from contbed.scene.tables import ClosureFile
+from tests.command_line import command
+from tests.refusals import refusal, refused
 from tests.report.report_file import charts_of
 
 SCENE = """
@@ -434,9 +436,9 @@ def test_packings_of_many_sizes_have_the_sauter_mean_of_the_bed(tmp_path):
 )
 def test_mistakes(tmp_path, old, new, says):
     assert old in FILE
-    with pytest.raises(SceneError) as error:
-        cascade(written(tmp_path, FILE.replace(old, new)), tmp_path / "out")
-    assert says in str(error.value)
+    assert says in refusal(
+        lambda: cascade(written(tmp_path, FILE.replace(old, new)), tmp_path / "out")
+    )
     assert not (tmp_path / "out").exists()
 
 
@@ -444,11 +446,10 @@ def test_scene_without_closures_to_give(tmp_path):
     path = written(
         tmp_path, scene=SCENE.replace('"10 mm" }', '"10 mm", shape = "rods" }')
     )
-    with pytest.raises(
-        SceneError,
-        match=r"the packings are of spheres, but the shape of the solid is 'rods'",
-    ):
-        cascade(path, tmp_path / "out")
+    refused(
+        r"the packings are of spheres, but the shape of the solid is 'rods'",
+        lambda: cascade(path, tmp_path / "out"),
+    )
 
 
 def test_bubbling_bed_whose_coefficients_are_numbers(tmp_path):
@@ -456,19 +457,18 @@ def test_bubbling_bed_whose_coefficients_are_numbers(tmp_path):
     scene = scene.replace('nusselt = "gunn"', "gas_coefficient = 100.0").replace(
         GAS, ""
     )
-    with pytest.raises(
-        SceneError,
-        match=r"toml:2: scene: coefficients of a bed with .*capacity_flow are numbers",
-    ):
-        cascade(written(tmp_path, scene=scene), tmp_path / "out")
+    refused(
+        r"toml:2: scene: coefficients of a bed with .*capacity_flow are numbers",
+        lambda: cascade(written(tmp_path, scene=scene), tmp_path / "out"),
+    )
 
 
 def test_result_that_the_run_does_not_have(tmp_path):
     path = written(tmp_path, FILE.replace(NAME, "heat_wall_W"))
-    with pytest.raises(
-        SceneError, match=r'the run has no result "heat_wall_W"; nearest: heat_left_W'
-    ):
-        cascade(path, tmp_path / "out")
+    refused(
+        r'the run has no result "heat_wall_W"; nearest: heat_left_W',
+        lambda: cascade(path, tmp_path / "out"),
+    )
     # the first run shows it, before any packing
     assert not (tmp_path / "out/particles").exists()
 
@@ -641,12 +641,7 @@ def test_a_cascade_beside_measured_points(tmp_path, capsys):
             (1000.0, 0.02, best[1] + 50.0),
         ],
     )
-    assert (
-        main(
-            ["cascade", str(tmp_path / "cascade.toml"), "--out", str(tmp_path / "out")]
-        )
-        == 0
-    )
+    assert command(f"cascade {tmp_path}/cascade.toml --out {tmp_path}/out") == 0
     assert "4 measured points, 75% in the band of 90%" in capsys.readouterr().out
     about = json.loads((tmp_path / "out/summary.json").read_text())["measured"]
     assert about["share in the band"] == 0.75 and sum(
@@ -657,7 +652,7 @@ def test_a_cascade_beside_measured_points(tmp_path, capsys):
     assert [float(row["share at the measured points"]) for row in table] == list(
         about["shares of the parts"].values()
     )
-    assert main(["report", str(tmp_path / "out")]) == 0
+    assert command(f"report {tmp_path}/out") == 0
     report = (tmp_path / "out/report.html").read_text()
     assert "75.0% are in the band of 90%" in report
     assert next(chart["title"] for chart in charts_of(report)) == "at 0.02 m"

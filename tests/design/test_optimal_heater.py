@@ -7,8 +7,8 @@ import json
 import pytest
 from scipy.optimize import brentq
 
-from contbed import cli
 from contbed.many.closed_form import finite_length
+from tests.command_line import command
 
 GAS_IN, SOLID_IN = 300.0, 900.0
 ASKED = 850.0  # K of the gas at its outlet
@@ -81,7 +81,7 @@ def test_length_and_prices_are_those_of_the_exact_solution(tmp_path, monkeypatch
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scene.toml").write_text(SCENE)
     (tmp_path / "design.toml").write_text(DESIGN.format(asked=ASKED))
-    assert cli.main(["optimise", "design.toml", "--out", "out", "--quiet"]) == 0
+    assert command("optimise design.toml --out out --quiet") == 0
     found = json.loads((tmp_path / "out" / "summary.json").read_text())
     keys = found["keys"]
     assert keys["solids.particles.diameter"]["value"] == SMALLEST

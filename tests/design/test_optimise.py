@@ -21,6 +21,8 @@ from contbed.errors import ConvergenceError, SceneError
 from contbed.many.optimise import evaluations, plots
 from contbed.many.optimise.expression import read_expression
 from contbed.many.optimise.reading import read_design
+from tests.command_line import command
+from tests.refusals import problems_of, refusal
 from tests.report.report_file import charts_of
 
 SCENE = """\
@@ -194,7 +196,7 @@ def test_the_optimum_its_prices_and_files(folder, runner, capsys, monkeypatch):
     pytest.importorskip(
         "plotly", reason="plotly is not installed: pip install 'contbed[report]'"
     )
-    assert cli.main(["report", "out"]) == 0
+    assert command("report out") == 0
     report = (folder / "out" / "report.html").read_text()
     assert (
         "Fast flow" in report
@@ -209,7 +211,7 @@ def test_the_optimum_its_prices_and_files(folder, runner, capsys, monkeypatch):
     assert best[0] == 0.1 and best[-1] == found["objective"]["value"]
     assert [chart["kind"] for chart in charts[-2:]] == ["parallel", "matrix"]
     assert len(charts[-1]["data"][0]["text"]) == len(rows)
-    assert cli.main(["report", "out", "out"]) == 1
+    assert command("report out out") == 1
     assert "a report shows one search for an optimum" in capsys.readouterr().err
 
 
@@ -457,9 +459,7 @@ def test_all_mistakes_at_once(folder):
         ("boundary.left.gas.velosity = {", "boundary.left.gas.velocity = {"),
         ('maximise = "boundary', 'maximise = "boundar'),
     )
-    with pytest.raises(SceneError) as caught:
-        read_design("design.toml")
-    assert len(caught.value.problems) == 2
+    assert len(problems_of(read_design, "design.toml")) == 2
 
 
 UNITS = {
@@ -507,9 +507,7 @@ def test_formulas_have_values_units_and_derivatives(text, value, unit):
     ],
 )
 def test_what_is_no_formula_is_told_with_its_names(text, told):
-    with pytest.raises(SceneError) as caught:
-        read_expression(text, UNITS.__getitem__)
-    assert str(caught.value).startswith(told)
+    assert refusal(read_expression, text, UNITS.__getitem__).startswith(told)
 
 
 KILLED = """
@@ -534,7 +532,7 @@ sys.exit(cli.main(["optimise", "design.toml", "--out", "out"]))
 
 @pytest.mark.skipif(os.name == "nt", reason="needs SIGKILL")
 def test_a_killed_search_goes_on_and_computes_no_run_twice(folder, runner):
-    whole = cli.main(["optimise", "design.toml", "--out", "whole"])
+    whole = command("optimise design.toml --out whole")
     assert whole == 0
     calls = len(runner.calls)
     paths = [str(Path(__file__).parent), str(Path(cb.__file__).parents[1])]
@@ -573,4 +571,4 @@ def test_a_gradient_that_fails_on_the_way_loses_nothing(folder, runner, monkeypa
     )
     (folder / "out" / "summary.json").unlink()
     # a key without derivative is told at once
-    assert cli.main(["optimise", "design.toml", "--out", "fresh"]) == 2
+    assert command("optimise design.toml --out fresh") == 2

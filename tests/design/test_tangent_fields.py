@@ -13,6 +13,7 @@ from contbed.many.derivatives.gradients import gradient, picked
 from contbed.many.derivatives.keys import key
 from contbed.models import MODELS
 from contbed.result import Result
+from tests.scene_text import scene_of
 
 SIGMA = 5.670374419e-8
 
@@ -89,29 +90,27 @@ def test_ordinates_take_differences_of_runs():
 
 def test_laminar_gas_between_plates():
     """Without particles: dp/dx = 3 mu u/R^2 + rho g."""
-    values = {
-        "developed_flow": {
-            "section": "channel",
-            "radius": 0.01,
-            "gas_velocity": 0.5,
-            "solids_mass_flux": 0.0,
-        },
-        "gas": {"density": 1.2, "viscosity": 1.8e-5},
-        "solids": {
-            "beads": {
-                "diameter": 1e-3,
-                "density": 2500.0,
-                "restitution": 0.95,
-                "packing_limit": 0.6,
-            }
-        },
-        "boundary": {
-            "wall": {
-                "type": "wall",
-                "solids": {"beads": {"specularity": 0.05, "restitution": 0.9}},
-            }
-        },
-    }
+    values = scene_of(
+        """
+        [developed_flow]
+        section = "channel"
+        radius = 0.01
+        gas_velocity = 0.5
+        solids_mass_flux = 0.0
+        [gas]
+        density = 1.2
+        viscosity = 1.8e-5
+        [solids.beads]
+        diameter = 1e-3
+        density = 2500.0
+        restitution = 0.95
+        packing_limit = 0.6
+        [boundary.wall]
+        type = "wall"
+        solids.beads.specularity = 0.05
+        solids.beads.restitution = 0.9
+        """
+    )
     names = [
         "gas.viscosity",
         "gas.density",

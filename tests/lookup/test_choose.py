@@ -9,9 +9,10 @@ import pytest
 from contbed import cli
 from contbed.cli.rank_closures import conditions, derived, fluidized, kind_for, ranked
 from contbed.closures import registry
-from contbed.errors import SceneError
 from contbed.explain.sheets import entries, explain, search
 from contbed.reacting_bed.closures import places_of
+from tests.command_line import command
+from tests.refusals import refused
 
 
 def test_conditions_are_in_si():
@@ -48,8 +49,7 @@ def test_conditions_are_in_si():
     ],
 )
 def test_bad_conditions_say_what_is_wrong(text, part):
-    with pytest.raises(SceneError, match=part):
-        conditions(text)
+    refused(part, conditions, text)
 
 
 def test_what_follows_from_the_conditions():
@@ -106,8 +106,7 @@ def test_a_ratio_of_spans_is_as_wide_as_it_can_be():
 def test_kind_of_a_place():
     assert kind_for("solids.sand.nusselt") == "nusselt"
     assert kind_for("drag") == "drag"
-    with pytest.raises(SceneError, match=r"closures\.drag"):
-        kind_for("closures.darg")
+    refused(r"closures\.drag", kind_for, "closures.darg")
 
 
 def test_kinds_of_places_are_those_that_a_reacting_bed_binds():
@@ -124,14 +123,8 @@ def test_kinds_of_places_are_those_that_a_reacting_bed_binds():
 
 def test_the_command(capsys):
     assert (
-        cli.main(
-            [
-                "closures",
-                "--for",
-                "closures.drag",
-                "--at",
-                "d_p=300 um, rho_s=2600, T=850 degC",
-            ]
+        command(
+            "closures --for closures.drag --at 'd_p=300 um, rho_s=2600, T=850 degC'"
         )
         == 0
     )
@@ -144,15 +137,11 @@ def test_the_command(capsys):
 
 
 def test_search_finds_all_words(capsys):
-    assert cli.main(["explain", "--search", "fluidized beds nusselt"]) == 0
+    assert command("explain --search 'fluidized beds nusselt'") == 0
     assert "nusselt_gunn" in capsys.readouterr().out
     assert search("Geldart").splitlines()[0].startswith("Geldart")
-    with pytest.raises(SceneError, match="nothing has the words"):
-        search("frobnicate")
-    assert (
-        cli.main(["explain"]) == 2
-        and cli.main(["explain", "heat", "--search", "heat"]) == 2
-    )
+    refused("nothing has the words", search, "frobnicate")
+    assert cli.main(["explain"]) == 2 and command("explain heat --search heat") == 2
 
 
 def test_every_entry_of_the_search_explains_itself():

@@ -13,6 +13,7 @@ from contbed.explain.jobs import JOBS
 from contbed.explain.sheets import explain
 from contbed.models import MODELS
 from contbed.scene import schema
+from tests.command_line import command
 
 PARTS = catalogue.last_parts(catalogue.keys())
 NAMED = ("material", "law", "model", "type", "name")  # keys whose texts are names
@@ -127,7 +128,7 @@ def test_words_that_users_have(capsys, words, part):
      ("porositi", "porosity")],
 )  # fmt: skip
 def test_the_nearest_names_are_told(capsys, name, near):
-    assert cli.main(["explain", name]) == 2
+    assert command(f"explain {name}") == 2
     assert (
         near
         in capsys.readouterr().err.partition("nearest: ")[2].replace(",", "").split()

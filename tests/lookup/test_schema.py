@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from contbed import cli
 from contbed.explain import editor
 from contbed.explain.closure_keys import closure_keys
 from contbed.models import MODELS, kind_of
 from contbed.scene import schema
+from tests.command_line import command
 
 jsonschema = pytest.importorskip(
     "jsonschema", reason="jsonschema is not installed: pip install 'contbed[notebook]'"
@@ -114,6 +114,6 @@ def test_every_place_that_takes_a_closure_has_a_kind():
 
 
 def test_the_command_prints_json(capsys):
-    assert cli.main(["schema", "radiation"]) == 0
+    assert command("schema radiation") == 0
     assert json.loads(capsys.readouterr().out)["$ref"] == "#/$defs/radiation"
-    assert cli.main(["schema", "radiations"]) == 2
+    assert command("schema radiations") == 2

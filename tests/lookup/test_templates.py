@@ -8,6 +8,7 @@ from contbed import cli, load, run
 from contbed.explain import editor
 from contbed.models import MODELS, kind_of
 from contbed.scene.toml_lines import parse
+from tests.command_line import command
 
 
 @pytest.mark.parametrize("kind", MODELS)
@@ -17,11 +18,11 @@ def test_every_physics_has_a_scene_to_begin_with(kind, tmp_path, capsys):
     assert kind_of(values) == kind
     assert text.startswith("#") and text.count("#") >= 3
     file = tmp_path / "scene.toml"
-    assert cli.main(["new", kind, "--out", str(file)]) == 0
+    assert command(f"new {kind} --out {file}") == 0
     scene = load(file)
     assert scene.warnings == ()
     # a file that is there is not written over
-    assert cli.main(["new", kind, "--out", str(file)]) == 2
+    assert command(f"new {kind} --out {file}") == 2
     assert "is there already" in capsys.readouterr().err
 
 
@@ -46,5 +47,5 @@ def test_new_lists_the_kinds_and_names_the_nearest(capsys):
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(
         MODELS
     )
-    assert cli.main(["new", "packed_bad"]) == 2
+    assert command("new packed_bad") == 2
     assert "did you mean 'packed_bed'?" in capsys.readouterr().err

@@ -9,6 +9,7 @@ from CoolProp.CoolProp import PropsSI
 
 from contbed.errors import SceneError
 from contbed.materials import real_fluid
+from tests.refusals import refused
 
 CASES = {
     "liquid water": ("Water", 1e5, (280.0, 370.0)),
@@ -135,5 +136,10 @@ def test_mistakes_are_told(arguments, words):
 
 def test_no_coolprop(monkeypatch):
     monkeypatch.setitem(sys.modules, "CoolProp", None)
-    with pytest.raises(SceneError, match=r"package CoolProp .*pip install CoolProp"):
-        real_fluid("Water", 1e5, (300.0, 350.0))
+    refused(
+        r"package CoolProp .*pip install CoolProp",
+        real_fluid,
+        "Water",
+        1e5,
+        (300.0, 350.0),
+    )

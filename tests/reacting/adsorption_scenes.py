@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from reacting_bed_scenes import MOLAR, P, T, isothermal
 
+from tests.scene_text import set_keys
+
 # mole fraction: what is adsorbed changes the flow of the gas by this share
 TRACE = 1e-6
 # of `isothermal`; density of the particles [kg/m3]
@@ -51,10 +53,15 @@ def adsorber(
             "affinity": 1.0 / (capacity - 1.0) / (TRACE * P),
         }
     scene["solids"]["particles"]["adsorption"] = {"A": gas}
-    scene["time"] = {}
-    scene["packed_bed"]["gas_storage"] = "quasi_steady"
-    scene["initial"] |= {"gas": {"composition": "N:1"}}
-    scene["output"]["positions"] = [1.0]
+    set_keys(
+        scene,
+        """
+        time = {}
+        packed_bed.gas_storage = "quasi_steady"
+        initial.gas = { composition = "N:1" }
+        output.positions = [1.0]
+        """,
+    )
     return scene, (1.0 - EPS) * K / (film * AREA)
 
 

@@ -12,6 +12,8 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.special import ive
 
+from tests.scene_text import scene_of, set_keys
+
 R_GAS = 8.31446261815324
 T, P = 500.0, 1e5  # [K], [Pa]
 MOLAR = P / (R_GAS * T)  # [mol/m3]
@@ -50,21 +52,32 @@ def species(**masses: float) -> dict[str, Any]:
 
 def isothermal(composition: str, gases: dict[str, Any], **more: Any) -> dict[str, Any]:
     """A bed of 1 m at one temperature and pressure, gas from the left."""
-    scene: dict[str, Any] = {
-        "mesh": {"type": "line", "length": 1.0},
-        "gas": {
-            "model": "ideal_gas",
-            "composition": composition,
-            "pressure": P,
-            "species": gases,
+    scene: dict[str, Any] = scene_of(
+        """
+        [mesh]
+        type = "line"
+        length = 1.0
+        [gas]
+        model = "ideal_gas"
+        [solids.particles]
+        diameter = 3e-3
+        [packed_bed]
+        porosity = 0.4
+        pressure_drop = "none"
+        [closures]
+        [boundary.left]
+        gas.velocity = 0.5
+        [initial]
+        [output]
+        plots = false
+        """,
+        {
+            "gas.composition": composition,
+            "gas.pressure": P,
+            "gas.species": gases,
+            "boundary.left.gas.temperature": T,
         },
-        "solids": {"particles": {"diameter": 3e-3}},
-        "packed_bed": {"porosity": 0.4, "pressure_drop": "none"},
-        "closures": {},
-        "boundary": {"left": {"gas": {"velocity": 0.5, "temperature": T}}},
-        "initial": {},
-        "output": {"plots": False},
-    }
+    )
     for key, value in more.items():
         scene[key] = {**scene.get(key, {}), **value}
     return scene
@@ -123,7 +136,7 @@ def ergun(row: dict[str, float]) -> dict[str, Any]:
         "mass_flux": row["G_kg_m2_s"],
         "temperature": row["T_K"],
     }
-    scene["packed_bed"]["pressure_drop"] = "ergun"
+    set_keys(scene, 'packed_bed.pressure_drop = "ergun"')
     return scene
 
 
@@ -217,8 +230,8 @@ def ignition(Pe_m: float, Pe_h: float, B: float, g: float, Da: float) -> dict[st
     gases["B"] |= {"heat_capacity": cp, "enthalpy": 0.0}
     scene = isothermal("A:1", gases)
     scene["boundary"]["left"]["gas"] = {"mass_flux": G, "temperature": T_in}
-    scene["packed_bed"]["pressure_drop"] = "none"
-    scene["heat"] = {}
+    set_keys(scene, 'packed_bed.pressure_drop = "none"')
+    set_keys(scene, "heat = {}")
     scene["closures"] |= {
         "conductivity_solids": G * cp / mass / Pe_h,
         "dispersion_mass": {"name": "mass_dispersion_peclet", "Pe_p": Pe_m * d},
@@ -293,13 +306,13 @@ def heated(xi: float) -> tuple[dict[str, Any], float]:
     scene["gas"] |= {"conductivity": 0.03, "viscosity": 2e-5}
     scene["mesh"]["length"] = L
     scene["boundary"]["left"]["gas"] = {"mass_flux": G, "temperature": 600.0}
-    scene["packed_bed"]["pressure_drop"] = "none"
+    set_keys(scene, 'packed_bed.pressure_drop = "none"')
     scene["solids"]["particles"] |= {"density": rho_s, "heat_capacity": c_s}
     ha = xi * G * cp / 0.028 / L
     scene["heat"] = {}
     scene["closures"] |= {"nusselt": ha / (6.0 * 0.6 / d) * d / 0.03}
-    scene["time"] = {}
-    scene["initial"] |= {"temperature": 300.0}
+    set_keys(scene, "time = {}")
+    set_keys(scene, "initial.temperature = 300.0")
     return scene, ha / (0.6 * rho_s * c_s)
 
 
@@ -329,7 +342,13 @@ def looping() -> dict[str, Any]:
         },
     }
     scene["boundary"]["left"]["gas"]["composition"] = switched(["A:1", "O:1"], 600.0)
-    scene["time"] = {"end": 1200.0, "times": [600.0], "tolerance": 1e-3, "cycle": {}}
-    scene["packed_bed"]["gas_storage"] = "quasi_steady"
-    scene["mesh"] |= {"length": 0.3, "cells": 4}
+    set_keys(
+        scene,
+        """
+        time = { end = 1200.0, times = [600.0], tolerance = 1e-3, cycle = {} }
+        packed_bed.gas_storage = "quasi_steady"
+        mesh.length = 0.3
+        mesh.cells = 4
+        """,
+    )
     return scene

@@ -16,6 +16,7 @@ from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.stages import stages
 from contbed.reacting_bed.transient import BedSteps, begin
 from contbed.result import Result
+from tests.balances import assert_closed
 
 CLOSED = 1e-12  # of what enters
 
@@ -23,8 +24,7 @@ CLOSED = 1e-12  # of what enters
 def solved(scene: dict[str, Any]) -> Result:
     """Result of a run, all of whose balances close."""
     result = contbed.run(from_dict(scene))
-    for name, balance in result.balances.items():
-        assert abs(balance["relative_residual"]) < CLOSED, name
+    assert_closed(result, CLOSED)
     return result
 
 

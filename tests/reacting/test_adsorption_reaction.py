@@ -12,10 +12,12 @@ from several_solids import split
 from solving import CLOSED, solved
 
 import contbed
-from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.particle.uptake import invert
 from contbed.reacting_bed.plan import plan
+from tests.balances import assert_closed
+from tests.refusals import refused
+from tests.scene_text import set_keys
 
 K = 200.0  # held per volume of particles over the concentration around them
 UNITS = 5.0
@@ -71,7 +73,7 @@ def test_breakthrough(biot, Da, level):
         "times": list(times[:-1] * unit),
         "tolerance": 1e-5,
     }
-    scene["mesh"]["cells"] = 4
+    set_keys(scene, "mesh.cells = 4")
     result = solved(scene)
     share = resistance(biot, Da, level)
     exact = invert(lambda p: np.exp(-UNITS * share(p)) / p, times)
@@ -119,9 +121,14 @@ def test_a_film_alone_is_that_of_particles_that_do_not_adsorb():
 def hot(level: str):
     """A -> 2 B with heat, both adsorbed with heat, in a bed of two temperatures."""
     scene, unit = reacting(2.0, 0.4, level)
-    scene["gas"]["composition"] = "A:0.1, N:0.9"
-    scene["gas"]["species"]["B"] = {"elements": {"C": 0.5}, "molar_mass": 0.022}
-    scene["reactions"]["r"]["equation"] = "A -> 2 B"
+    set_keys(
+        scene,
+        """
+        gas.composition = "A:0.1, N:0.9"
+        gas.species.B = { elements = { C = 0.5 }, molar_mass = 0.022 }
+        reactions.r.equation = "A -> 2 B"
+        """,
+    )
     for name, data in scene["gas"]["species"].items():
         formed = {"A": 0.0, "B": -4e3, "N": 0.0}[name]
         data |= {
@@ -138,10 +145,15 @@ def hot(level: str):
         "A": same | {"capacity": 1.0, "affinity": 1e-4, "enthalpy": -2e4},
         "B": same | {"capacity": 0.5, "affinity": 2e-5, "enthalpy": -1e4},
     }
-    scene["solids"]["particles"] |= {"heat_capacity": 900.0}
-    scene["heat"] = {}
-    scene["closures"] |= {"nusselt": 10.0}
-    scene["mesh"]["cells"] = 6
+    set_keys(
+        scene,
+        """
+        solids.particles.heat_capacity = 900.0
+        heat = {}
+        closures.nusselt = 10.0
+        mesh.cells = 6
+        """,
+    )
     del scene["output"]["positions"]
     return scene, unit
 
@@ -150,10 +162,10 @@ def hot(level: str):
 def test_balances_in_time(level):
     """Elements and energy, to rounding."""
     scene, unit = hot(level)
-    scene["solids"]["particles"]["inside"]["points"] = 3
+    set_keys(scene, "solids.particles.inside.points = 3")
     scene["time"] = {"end": 2.0 * unit, "tolerance": 1e-3}
-    scene["packed_bed"]["gas_storage"] = "auto"
-    scene["initial"] |= {"gas": {"composition": "N:1"}}
+    set_keys(scene, 'packed_bed.gas_storage = "auto"')
+    set_keys(scene, 'initial.gas = { composition = "N:1" }')
     result = solved(scene)
     assert {"C", "N", "energy"} <= set(result.balances)
     assert result.profiles["q_B [mol/kg]"].max() > 1e-3
@@ -164,7 +176,7 @@ def test_balances_of_particles_that_move():
     """What particles hold of both gases leaves with them."""
     scene, _ = hot("interior")
     let_move(scene, -0.02, temperature=T)
-    scene["solids"]["particles"]["inside"]["points"] = 3
+    set_keys(scene, "solids.particles.inside.points = 3")
     del scene["time"]
     result = solved(scene)
     carbon = result.balances["C"]
@@ -176,10 +188,10 @@ def test_balances_of_particles_that_move():
 def test_equal_kinds_are_one():
     """Two kinds of the same particles, to what Newton's method leaves."""
     scene, _ = hot("interior")
-    scene["solids"]["particles"]["inside"]["points"] = 3
+    set_keys(scene, "solids.particles.inside.points = 3")
     del scene["time"]
     one = solved(scene)
-    scene["reactions"]["r"]["solid"] = ["fine", "coarse"]
+    set_keys(scene, 'reactions.r.solid = ["fine", "coarse"]')
     two = solved(split(scene))
     for key in ("x_A_out", "x_B_out", "T_fluid_out_K"):
         assert two.qoi[key] == pytest.approx(one.qoi[key], rel=1e-9), key
@@ -205,19 +217,23 @@ def test_a_product_that_is_adsorbed_shifts_the_equilibrium():
     scene["gas"]["species"]["B"]["heat_capacity"] = scene["gas"]["species"]["C"][
         "heat_capacity"
     ] = 15.0
-    scene["reactions"]["r"]["equation"] = "A <-> B + C"
+    set_keys(scene, 'reactions.r.equation = "A <-> B + C"')
     # 20 transfer units, which leave exp(-20) of the distance
     scene["closures"]["sherwood"] *= 4.0
     isotherm = scene["solids"]["particles"]["adsorption"].pop("A")
     scene["solids"]["particles"]["adsorption"] = {"C": isotherm}
     scene["time"] = {"end": 40.0 * unit, "times": [1.0 * unit], "tolerance": 1e-3}
-    scene["packed_bed"]["gas_storage"] = "auto"
-    scene["initial"] |= {"gas": {"composition": "A:1"}}
-    scene["mesh"]["cells"] = 6
-    scene["output"]["positions"] = [1.0]
+    set_keys(
+        scene,
+        """
+        packed_bed.gas_storage = "auto"
+        initial.gas = { composition = "A:1" }
+        mesh.cells = 6
+        output.positions = [1.0]
+        """,
+    )
     result = contbed.run(from_dict(scene))
-    for balance in result.balances.values():
-        assert abs(balance["relative_residual"]) < CLOSED
+    assert_closed(result, CLOSED)
     early, late = result.profiles["x_A [1]"]
     x = np.sqrt(0.05 / 1.05)
     assert late == pytest.approx((1.0 - x) / (1.0 + x), rel=1e-5)
@@ -243,10 +259,9 @@ def test_the_plan_resolves_points_where_adsorbed_gases_react():
 def test_pores_are_modelled_once(inside):
     scene, unit = reacting(1.0, 0.3, "film")
     scene["time"]["end"] = unit
-    scene["reactions"]["r"]["diffusivity"] = 1e-6
+    set_keys(scene, "reactions.r.diffusivity = 1e-6")
     scene["solids"]["particles"]["inside"] = inside
-    with pytest.raises(
-        SceneError,
-        match=r"reactions\.r: A is adsorbed by the particles in which it reacts: it diffuses",
-    ):
-        plan(from_dict(scene))
+    refused(
+        r"reactions\.r: A is adsorbed by the particles in which it reacts: it diffuses",
+        lambda: plan(from_dict(scene)),
+    )

@@ -27,6 +27,8 @@ from contbed.fem.line_dg import Ends, Line, System
 from contbed.loading import from_dict
 from contbed.reacting_bed import positivity_in_time, solve
 from contbed.reacting_bed.least_amounts import lowest
+from tests.balances import assert_closed
+from tests.scene_text import set_keys
 
 LEFT = 1e-10  # below zero, of the size of an amount: what Newton's method leaves
 CLOSED = 1e-12
@@ -52,8 +54,7 @@ def assert_within_bounds(result):
             assert np.all((column >= -LEFT) & (column <= 1.0 + LEFT)), name
     assert result.qoi["share_negative"] == 0.0
     assert not any("below zero" in text for text in result.warnings)
-    for name, balance in result.balances.items():
-        assert abs(balance["relative_residual"]) < CLOSED, name
+    assert_closed(result, CLOSED)
 
 
 CORE = table("counter_current_shrinking_core")[1]
@@ -201,8 +202,8 @@ def test_a_run_in_time_tells_how_far_and_where_an_amount_falls_below_zero(monkey
     """
     monkeypatch.setattr(positivity_in_time, "TRIALS", 0)
     scene = danckwerts(20.0, 0.0)
-    scene["time"] = {"end": 1.6}
-    scene["initial"] |= {"gas": {"composition": "B:1"}}
+    set_keys(scene, "time = { end = 1.6 }")
+    set_keys(scene, 'initial.gas = { composition = "B:1" }')
     result = contbed.run(from_dict(scene))
     (text,) = (text for text in result.warnings if "below zero" in text)
     assert text.startswith("A falls to -0.00")

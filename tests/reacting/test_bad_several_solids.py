@@ -9,6 +9,7 @@ import pytest
 from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.models import plan
+from tests.refusals import refused
 
 GOOD = """
 [mesh]
@@ -160,11 +161,10 @@ def test_a_reaction_without_solids_names_its_kind():
         'basis = "catalyst"\n'
     )
     text = text.replace("CO2 = { heat", "O2 = { heat_capacity = 30.0 }\nCO2 = { heat")
-    with pytest.raises(
-        SceneError,
-        match=r":\d+: reactions.oxidation.solid: missing; .* name their phase, of ore, coke",
-    ):
-        plan(loads(text))
+    refused(
+        r":\d+: reactions.oxidation.solid: missing; .* name their phase, of ore, coke",
+        lambda: plan(loads(text)),
+    )
 
 
 def test_solids_are_needed():
@@ -172,8 +172,7 @@ def test_solids_are_needed():
         GOOD.split("[solids.ore]")[0]
         + GOOD[GOOD.index("[packed_bed]") : GOOD.index("[boundary.right]")]
     )
-    with pytest.raises(SceneError, match=r"solids: this table is missing"):
-        loads(text)
+    refused(r"solids: this table is missing", loads, text)
 
 
 FORMER = """

@@ -14,6 +14,8 @@ from solving import CLOSED
 import contbed
 from contbed.closures.formula import parse_formula
 from contbed.loading import from_dict
+from tests.balances import assert_closed
+from tests.scene_text import set_keys
 
 # [mol^(1-n)/m^(3-3n)/s], [-], [m/s]; for n = 1/2 it ends at 0.61 m
 K, EPS, SPEED = 20.0, 0.4, 0.5
@@ -40,7 +42,7 @@ def solved(scene, n):
     """
     found = contbed.run(from_dict(scene))
     assert found.status == "ok" and not found.warnings
-    assert abs(found.balances["H"]["relative_residual"]) < CLOSED
+    assert_closed(found, CLOSED, "H")
     left = MOLAR ** (1.0 - n) - (1.0 - n) * EPS * K * X / SPEED
     wanted = np.maximum(left, 0.0) ** (1.0 / (1.0 - n)) / MOLAR
     problem = found.solved[0]
@@ -86,8 +88,8 @@ def test_other_orders_end_at_a_point(n):
 def test_two_gases_that_end_at_once_or_one_of_them():
     scene = bed(rate="20*sqrt(c_A)*sqrt(c_C)")
     scene["gas"]["species"] |= species(C=0.028, D=0.028)
-    scene["reactions"]["r"]["equation"] = "A + C -> B + D"
-    scene["gas"]["composition"] = "A:0.4, C:0.6"
+    set_keys(scene, 'reactions.r.equation = "A + C -> B + D"')
+    set_keys(scene, 'gas.composition = "A:0.4, C:0.6"')
     found = contbed.run(from_dict(scene))
     assert found.qoi["conversion_A"] == pytest.approx(1.0, abs=1e-10)
     assert found.qoi["conversion_C"] == pytest.approx(2.0 / 3.0, abs=1e-10)
@@ -164,7 +166,7 @@ def test_a_gas_that_ends_in_time_is_as_in_a_steady_bed(scene, k, n):
     assert far.sum() > 60 and off[far].max() < (
         1e-4**0.7 if "solver" in scene else 1e-5
     )
-    assert abs(found.balances["H"]["relative_residual"]) < CLOSED
+    assert_closed(found, CLOSED, "H")
 
 
 @pytest.mark.parametrize("trace", [1e-3, 1e-6])
@@ -175,8 +177,8 @@ def test_powers_of_a_trace_in_time_stay(trace):
     k = (1.0 - 0.1**0.5) * 2.0 * (trace * MOLAR) ** 0.5 * SPEED / EPS
     scene = bed(cells=8, A=k, E=0.0, orders={"A": 0.5})
     scene["gas"]["composition"] = f"A:{trace}, B:{1.0 - trace}"
-    scene["time"] = {"end": 1.0}
-    scene["packed_bed"]["gas_storage"] = "quasi_steady"
+    set_keys(scene, "time = { end = 1.0 }")
+    set_keys(scene, 'packed_bed.gas_storage = "quasi_steady"')
     assert contbed.run(from_dict(scene)).qoi["x_A_out"] == pytest.approx(
         0.1 * trace, rel=1e-6
     )

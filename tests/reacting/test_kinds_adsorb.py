@@ -22,11 +22,12 @@ from scipy.linalg import expm
 from several_solids import SHARES, split
 from solving import solved, stepped
 
-from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.many.derivatives.gradients import gradient_of
 from contbed.particle.uptake import invert, uptake
 from contbed.reacting_bed.plan import plan
+from tests.refusals import refused
+from tests.scene_text import set_keys
 
 # of two solutions of the same equations, whose Newton's methods end at 1e-10
 ROUNDING = 1e-9
@@ -39,8 +40,8 @@ def warm(level):
     isotherms and such that bend.
     """
     scene, _ = adsorber(K, 20.0, 1.0)
-    scene["gas"]["composition"] = "A:0.1, C:0.1, N:0.8"
-    scene["gas"]["species"]["C"] = {"elements": {"O": 2.0}, "molar_mass": 0.032}
+    set_keys(scene, 'gas.composition = "A:0.1, C:0.1, N:0.8"')
+    set_keys(scene, "gas.species.C = { elements = { O = 2.0 }, molar_mass = 0.032 }")
     for data in scene["gas"]["species"].values():
         data |= {
             "heat_capacity": 30.0,
@@ -53,20 +54,29 @@ def warm(level):
         "A": at | {"capacity": 0.5, "affinity": 1e-4, "enthalpy": -3e4},
         "C": at | {"henry": 1e-5, "enthalpy": -1e4},
     }
-    scene["solids"]["particles"] |= {
-        "heat_capacity": 900.0,
-        "porosity": 0.3,
-        "conductivity": 0.2,
-    }
-    scene["heat"] = {}
-    scene["closures"] |= {"nusselt": "nusselt_wakao_kaguei", "conductivity_solids": 0.5}
-    scene["closures"]["dispersion_mass"] = 1e-4
-    scene["packed_bed"]["pressure_drop"] = "ergun"
+    set_keys(
+        scene,
+        """
+        solids.particles.heat_capacity = 900.0
+        solids.particles.porosity = 0.3
+        solids.particles.conductivity = 0.2
+        heat = {}
+        closures.nusselt = "nusselt_wakao_kaguei"
+        closures.conductivity_solids = 0.5
+        closures.dispersion_mass = 1e-4
+        packed_bed.pressure_drop = "ergun"
+        """,
+    )
     scene["solids"]["particles"]["inside"] = {"adsorption": level, "points": 2}
-    scene["time"] = {"end": 60.0, "tolerance": 1e-3}
-    scene["packed_bed"]["gas_storage"] = "auto"
-    scene["initial"] |= {"gas": {"composition": "N:1"}}
-    scene["mesh"]["cells"] = 3
+    set_keys(
+        scene,
+        """
+        time = { end = 60.0, tolerance = 1e-3 }
+        packed_bed.gas_storage = "auto"
+        initial.gas = { composition = "N:1" }
+        mesh.cells = 3
+        """,
+    )
     del scene["output"]["positions"]
     return scene
 
@@ -113,7 +123,7 @@ def test_beads_that_adsorb_nothing_dilute_those_that_do(level):
     scene, unit = adsorber(K, 5.0, 10.0)
     scene["solids"]["particles"]["inside"] = {"adsorption": level}
     scene["time"] |= {"end": 3.0 * unit, "tolerance": 1e-3}
-    scene["mesh"]["cells"] = 4
+    set_keys(scene, "mesh.cells = 4")
     mixed = split(scene, {"sorbent": 0.3, "beads": 0.7}, beads={"adsorption": {}})
     scene["packed_bed"]["porosity"] = 1.0 - 0.3 * (1.0 - EPS)
     one, two = solved(scene), solved(mixed)
@@ -150,8 +160,14 @@ def unlike(level, **time):
             },
             "inside": {"adsorption": level, "points": 6},
         }
-    scene["mesh"] |= {"length": 0.2, "cells": 8}
-    scene["output"]["positions"] = [0.2]
+    set_keys(
+        scene,
+        """
+        mesh.length = 0.2
+        mesh.cells = 8
+        output.positions = [0.2]
+        """,
+    )
     scene["time"] |= time
     return scene
 
@@ -253,8 +269,8 @@ def test_each_kind_follows_its_isotherms():
         for gas, at in capacity.items()
     }
     del scene["heat"]
-    scene["packed_bed"]["pressure_drop"] = "none"
-    scene["solids"]["particles"]["porosity"] = 0.0
+    set_keys(scene, 'packed_bed.pressure_drop = "none"')
+    set_keys(scene, "solids.particles.porosity = 0.0")
     found = solved(
         split(scene, coarse={"adsorption": {"A": both["A"]}}, fine={"adsorption": both})
     ).profiles
@@ -275,7 +291,7 @@ def test_a_catalyst_beside_a_sorbent():
     """
     Da = 0.7
     scene = unlike("linear_driving_force", end=1.2 * MEAN)
-    scene["gas"]["species"]["B"] = {"elements": {"C": 1.0}, "molar_mass": 0.044}
+    set_keys(scene, "gas.species.B = { elements = { C = 1.0 }, molar_mass = 0.044 }")
     share = 0.25
     for table in scene["solids"].values():
         table["volume_share"] *= 1.0 - share
@@ -305,7 +321,7 @@ def test_a_catalyst_beside_a_sorbent():
 def test_all_that_differs_closes():
     """Elements and energy; the kind that adsorbs with more heat is the warmer one."""
     scene = warm("film")
-    scene["time"]["end"] = 4.0
+    set_keys(scene, "time.end = 4.0")
     own = scene["solids"]["particles"]["adsorption"]
     hot = {"adsorption": {"A": own["A"] | {"enthalpy": -4e4}}, "diameter": 6e-3}
     cold = {
@@ -323,7 +339,7 @@ def test_all_that_differs_closes():
 def test_the_plan_chooses_for_each_kind():
     """Both may err, each by its part of solver.accuracy."""
     scene = unlike("auto", end=5.0 * MEAN)
-    scene["mesh"]["length"] = 1.0
+    set_keys(scene, "mesh.length = 1.0")
     chosen = plan(from_dict(scene))
     told = dict(chosen.built)
     assert (
@@ -378,7 +394,6 @@ def test_the_plan_chooses_for_each_kind():
 )
 def test_mistakes(change, said):
     scene = unlike("film", end=1.0)
-    scene["gas"]["species"]["A2"] = {"elements": {"C": 1.0}, "molar_mass": 0.044}
+    set_keys(scene, "gas.species.A2 = { elements = { C = 1.0 }, molar_mass = 0.044 }")
     change(scene)
-    with pytest.raises(SceneError, match=said):
-        plan(from_dict(scene))
+    refused(said, lambda: plan(from_dict(scene)))

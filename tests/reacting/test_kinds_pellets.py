@@ -12,11 +12,12 @@ from several_solids import SHARES, split_pellets
 from solving import solved
 from test_pellets import D_A, REFORMER, R, left, pellets
 
-from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.plan_text import percent
 from contbed.reacting_bed.plan import plan
 from tests.particle.tables import sphere
+from tests.refusals import refused
+from tests.scene_text import set_keys
 
 # of two solutions of the same equations, whose Newton's methods end at 1e-10
 ROUNDING = 1e-9
@@ -28,15 +29,18 @@ def reforming():
     pressure.
     """
     scene = deepcopy(REFORMER)
-    scene["mesh"]["cells"] = 4
-    scene["gas"]["conductivity"] = 0.1
-    scene["packed_bed"]["pressure_drop"] = "ergun"
-    scene["heat"] = {}
-    scene["closures"] |= {
-        "nusselt": "nusselt_wakao_kaguei",
-        "conductivity_solids": 0.5,
-        "sherwood": "sherwood_wakao_funazkri",
-    }
+    set_keys(
+        scene,
+        """
+        mesh.cells = 4
+        gas.conductivity = 0.1
+        packed_bed.pressure_drop = "ergun"
+        heat = {}
+        closures.nusselt = "nusselt_wakao_kaguei"
+        closures.conductivity_solids = 0.5
+        closures.sherwood = "sherwood_wakao_funazkri"
+        """,
+    )
     return scene
 
 
@@ -114,7 +118,7 @@ def test_auto_judges_all_kinds(phi, level):
     """
     scene, k = pellets(phi)
     scene["mesh"]["length"] = 0.5 / (0.6 * k)
-    scene["solids"]["particles"]["inside"]["mass"] = "auto"
+    set_keys(scene, 'solids.particles.inside.mass = "auto"')
     scene = split_pellets(scene, coarse={"diameter": 4.0 * R})
     planned = plan(from_dict(scene))
     assert {table.inside.mass for table in planned.scene.solids.values()} == {level}
@@ -170,5 +174,4 @@ def test_mistakes(change, said):
     scene, _ = pellets(1.0)
     scene = deepcopy(split_pellets(scene))
     change(scene)
-    with pytest.raises(SceneError, match=said):
-        from_dict(scene)
+    refused(said, from_dict, scene)

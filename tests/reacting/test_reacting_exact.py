@@ -20,6 +20,7 @@ from contbed.chemistry.local import Smoothing
 from contbed.loading import loads
 from contbed.reacting_bed import solve
 from contbed.runner import run
+from tests.scene_text import set_keys
 
 # of what enters: fluxes at the ends converge with order 7; cells follow a tolerance of
 # 1e-6 and reach 1e-8 and better
@@ -34,7 +35,7 @@ FRONT = 1e-6  # where a conversion ends at a point with an infinite slope
 )
 def test_first_order_with_dispersion(row):
     scene = danckwerts(row["Pe"], row["Da"])
-    scene["output"]["positions"] = [0.0, 0.5, 1.0]
+    set_keys(scene, "output.positions = [0.0, 0.5, 1.0]")
     result = solved(scene)
     assert result.qoi["x_A_out"] == pytest.approx(row["c1"], abs=DIGITS)
     # inside of a cell the polynomials are of order 4
@@ -121,7 +122,7 @@ def test_reforming_ends_in_equilibrium(row):
 def test_inert_gases_have_no_conversion():
     """Rounding of what leaves would decide whether one of 1e-15 is written."""
     scene = danckwerts(5.0, 1.0)
-    scene["gas"]["composition"] = "A:0.5, B:0.1, N:0.4"
+    set_keys(scene, 'gas.composition = "A:0.5, B:0.1, N:0.4"')
     scene["gas"]["species"] |= species(N=0.014)
     found = solved(scene).qoi
     assert [name for name in found if name.startswith("conversion_")] == [

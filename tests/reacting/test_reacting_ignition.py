@@ -9,6 +9,7 @@ from reacting_bed_scenes import ignition, table
 
 import contbed
 from contbed.loading import from_dict
+from tests.scene_text import set_keys
 
 ROWS = table("ignition_adiabatic_bed")
 BEDS = sorted({(row["Pe_m"], row["Pe_h"], row["B"], row["g"]) for row in ROWS})
@@ -61,12 +62,12 @@ def test_folds_and_states(bed, cells):
 def test_a_bed_without_fold_has_one_state():
     scene = ignition(20.0, 20.0, 8.0, 20.0, 0.05)
     scene["mesh"]["cells"] = CELLS
-    scene["continuation"] = {
-        "parameter": "reactions.r.factor",
-        "to": 0.3,
-        "at": 0.1,
-        "points": 30,
-    }
+    set_keys(
+        scene,
+        """
+        continuation = { parameter = "reactions.r.factor", to = 0.3, at = 0.1, points = 30 }
+        """,
+    )
     result = contbed.run(from_dict(scene))
     assert not [key for key in result.qoi if key.startswith("fold")]
     assert result.qoi["steady_states_found"] == 1
@@ -74,7 +75,7 @@ def test_a_bed_without_fold_has_one_state():
 
 def in_a_section(scene, rings, **wall):
     """The bed with a wall, across which heat passes easily."""
-    scene["mesh"]["diameter"] = 0.1
+    set_keys(scene, "mesh.diameter = 0.1")
     if wall:
         scene["boundary"]["wall"] = wall
     if rings:
@@ -113,7 +114,12 @@ def test_fold_of_a_cooled_section_comes_to_that_of_one_dimension():
             coefficient=5.0,
             ambient=600.0,
         )
-        scene["continuation"] = {"parameter": "reactions.r.factor", "to": 2.0}
+        set_keys(
+            scene,
+            """
+            continuation = { parameter = "reactions.r.factor", to = 2.0 }
+            """,
+        )
         scene["mesh"]["cells"] = CELLS
         folds.append(contbed.run(from_dict(scene)).qoi["fold_1"])
     adiabatic = rows_of((5.0, 5.0, 10.0, 20.0), "ignition")[0]["Da"]

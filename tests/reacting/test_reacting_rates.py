@@ -13,11 +13,12 @@ from contbed.closures.formula import parse_formula
 from contbed.fem.ad.dual import Dual
 from contbed.loading import from_dict
 from tests.particle.tables import overall, sphere
+from tests.scene_text import set_keys
 
 
 def catalytic(**reaction):
     scene = isothermal("A:1", species(A=0.028, B=0.028))
-    scene["mesh"]["length"] = 0.1
+    set_keys(scene, "mesh.length = 0.1")
     scene["reactions"] = {
         "r": {"equation": "A -> B", "A": 20.0, "E": 0.0, "basis": "particle"} | reaction
     }
@@ -36,7 +37,7 @@ def exponent(k, u=0.5, length=0.1, eps=0.4):
 def test_film_in_series_with_a_first_order_rate():
     scene, D, d = catalytic(), 2e-5, 3e-3
     scene["gas"]["diffusivity"] = D
-    scene["closures"] |= {"sherwood": 4.0}
+    set_keys(scene, "closures.sherwood = 4.0")
     film = 4.0 * D / d * 6.0 / d  # per volume of particles [1/s]
     assert left(scene) == pytest.approx(
         np.exp(-exponent(1.0 / (1.0 / 20.0 + 1.0 / film))), rel=1e-8
@@ -46,7 +47,7 @@ def test_film_in_series_with_a_first_order_rate():
 def test_effectiveness_of_spheres():
     D_e, R = 4e-6, 1.5e-3
     scene = catalytic(diffusivity=D_e)
-    scene["solids"]["particles"]["inside"] = {"mass": "effectiveness"}
+    set_keys(scene, 'solids.particles.inside = { mass = "effectiveness" }')
     phi = R * np.sqrt(20.0 / D_e)
     assert left(scene) == pytest.approx(
         np.exp(-exponent(20.0 * float(sphere(phi)))), rel=1e-8
@@ -56,9 +57,9 @@ def test_effectiveness_of_spheres():
 def test_effectiveness_with_a_film_is_the_overall_one():
     D_e, R, D = 4e-6, 1.5e-3, 2e-5
     scene = catalytic(diffusivity=D_e)
-    scene["solids"]["particles"]["inside"] = {"mass": "effectiveness"}
+    set_keys(scene, 'solids.particles.inside = { mass = "effectiveness" }')
     scene["gas"]["diffusivity"] = D
-    scene["closures"] |= {"sherwood": 4.0}
+    set_keys(scene, "closures.sherwood = 4.0")
     phi, biot = R * np.sqrt(20.0 / D_e), 4.0 * D / (2.0 * R) * R / D_e
     eta = float(overall(sphere(phi), phi, biot))
     assert left(scene) == pytest.approx(np.exp(-exponent(20.0 * eta)), rel=1e-8)

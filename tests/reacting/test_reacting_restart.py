@@ -21,6 +21,7 @@ from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.output.checkpoint import NAME
 from contbed.output.tables import read_table
+from tests.scene_text import set_keys
 
 STOP = 21  # steps, of about 70
 
@@ -46,13 +47,19 @@ def heated_section():
         "enthalpy": 0.0,
     }
     given = isothermal("A:1", {"A": gas, "B": gas}) | {"heat": {}}
-    given["solids"]["particles"] |= {"density": 2000.0, "heat_capacity": 1000.0}
-    given["reactions"] = {"r": {"equation": "A -> B", "A": 400.0, "E": 3e4}}
-    given["mesh"]["cells"] = 4
-    given["mesh"]["diameter"] = 0.1
-    given["boundary"]["wall"] = {"coefficient": 50.0, "ambient": 800.0}
-    given["packed_bed"]["section"] = {"rings": 3, "conductivity_solids": 2.0}
-    given["time"] = {"end": 300.0, "times": [50.0]}
+    set_keys(
+        given,
+        """
+        solids.particles.density = 2000.0
+        solids.particles.heat_capacity = 1000.0
+        reactions = { r = { equation = "A -> B", A = 400.0, E = 3e4 } }
+        mesh.cells = 4
+        mesh.diameter = 0.1
+        boundary.wall = { coefficient = 50.0, ambient = 800.0 }
+        packed_bed.section = { rings = 3, conductivity_solids = 2.0 }
+        time = { end = 300.0, times = [50.0] }
+        """,
+    )
     return given
 
 
@@ -105,26 +112,40 @@ def adsorbing_section():
     given, unit = adsorber(100.0, 10.0, 3.0, 2.0)
     for gas in given["gas"]["species"].values():
         gas |= {"heat_capacity": 30.0, "enthalpy": 0.0}
-    given["mesh"]["cells"] = 3
-    given["solids"]["particles"]["heat_capacity"] = 1000.0
-    given["solids"]["particles"]["inside"] = {"adsorption": "interior", "points": 2}
+    set_keys(
+        given,
+        """
+        mesh.cells = 3
+        solids.particles.heat_capacity = 1000.0
+        solids.particles.inside = { adsorption = "interior", points = 2 }
+        """,
+    )
     given["time"] |= {"end": 3.0 * unit, "tolerance": 1e-3}
-    given["mesh"]["diameter"] = 0.1
-    given["boundary"]["wall"] = {"coefficient": 50.0, "ambient": 400.0}
-    given["packed_bed"]["section"] = {"rings": 2, "conductivity_solids": 2.0}
+    set_keys(
+        given,
+        """
+        mesh.diameter = 0.1
+        boundary.wall = { coefficient = 50.0, ambient = 400.0 }
+        packed_bed.section = { rings = 2, conductivity_solids = 2.0 }
+        """,
+    )
     return given | {"heat": {}}
 
 
 def section_of_pellets():
     """Two rings of pellets inside of which A becomes B."""
     given = heated_section()
-    given["reactions"]["r"] |= {"A": 5e6, "E": 6e4, "basis": "particle"}
-    given["packed_bed"]["section"]["rings"] = 2
-    given["solids"]["particles"]["inside"] = {
-        "mass": "interior",
-        "diffusivity": {"A": 2e-6, "B": 2e-6},
-    }
-    given["time"] = {"end": 300.0, "times": [50.0], "tolerance": 1e-3}
+    set_keys(
+        given,
+        """
+        reactions.r.A = 5e6
+        reactions.r.E = 6e4
+        reactions.r.basis = "particle"
+        packed_bed.section.rings = 2
+        solids.particles.inside = { mass = "interior", diffusivity = { A = 2e-6, B = 2e-6 } }
+        time = { end = 300.0, times = [50.0], tolerance = 1e-3 }
+        """,
+    )
     return given
 
 
@@ -133,14 +154,19 @@ def kinds_that_adsorb():
     falls.
     """
     given, unit = adsorber(100.0, 10.0, 3.0)
-    given["mesh"]["cells"] = 4
+    set_keys(given, "mesh.cells = 4")
     values = ["A:1e-6, N:0.999999", "A:5e-7, N:0.9999995"]
     given["boundary"]["left"]["gas"]["composition"] = {
         "times": [0, 3.0 * unit],
         "values": values,
         "form": "linear",
     }
-    given["solids"]["particles"]["inside"] = {"adsorption": "interior", "points": 2}
+    set_keys(
+        given,
+        """
+        solids.particles.inside = { adsorption = "interior", points = 2 }
+        """,
+    )
     given["time"] |= {"end": 3.0 * unit, "tolerance": 1e-3}
     return split(given)
 
@@ -155,7 +181,7 @@ def kinds_of_pellets():
 def gas_that_is_damped():
     """A front of a gas in the pores, on cells that do not resolve it."""
     given = danckwerts(1000.0, 0.0)
-    given["mesh"]["cells"] = 6
+    set_keys(given, "mesh.cells = 6")
     return given | {
         "initial": {"gas": {"composition": "B:1"}},
         "time": {"end": 1.6, "tolerance": 1e-3},
@@ -169,7 +195,7 @@ def cores_that_are_damped():
         "orders": {"A": 1.0},
         "A": given["reactions"]["r"]["A"] * N_SOLID,
     }
-    given["mesh"]["cells"] = 20
+    set_keys(given, "mesh.cells = 20")
     return given
 
 

@@ -7,6 +7,7 @@ from reacting_bed_scenes import MOLAR
 from solving import solved
 
 from contbed.particle.uptake import breakthrough
+from tests.scene_text import set_keys
 
 LEVELS = np.array([1.0, 5.0, 50.0, 95.0])
 
@@ -18,9 +19,9 @@ def found_times(qoi):
 def test_a_straight_isotherm_breaks_through_as_its_closed_form():
     units, K = 20.0, 200.0
     scene, unit = adsorber(K, units, 0.1)
-    scene["solids"]["particles"]["inside"] = {"adsorption": "interior"}
+    set_keys(scene, 'solids.particles.inside = { adsorption = "interior" }')
     scene["time"] |= {"end": 45.0 * unit, "tolerance": 1e-4}
-    scene["mesh"]["cells"] = 12
+    set_keys(scene, "mesh.cells = 12")
     qoi = solved(scene).qoi
     eta = np.linspace(1.0, 45.0, 4401)
     curve = breakthrough(units, eta, 0.1, "interior")
@@ -36,9 +37,9 @@ def test_a_straight_isotherm_breaks_through_as_its_closed_form():
 def test_a_langmuir_front_has_the_length_of_its_constant_pattern():
     units, capacity = 12.0, 1.25
     scene, unit = adsorber(200.0, units, 1.0, capacity)
-    scene["solids"]["particles"]["inside"] = {"adsorption": "film"}
+    set_keys(scene, 'solids.particles.inside = { adsorption = "film" }')
     scene["time"] |= {"end": 1.7 * units * unit, "tolerance": 1e-3}
-    scene["mesh"]["cells"] = 6
+    set_keys(scene, "mesh.cells = 6")
     qoi = solved(scene).qoi
     r = 1.0 - 1.0 / capacity
     times = (units + constant_pattern(0.01 * LEVELS[1:], r)) * unit
@@ -48,9 +49,9 @@ def test_a_langmuir_front_has_the_length_of_its_constant_pattern():
 
 def test_a_run_that_ends_early_has_the_levels_that_it_reached():
     scene, unit = adsorber(200.0, 12.0, 1.0, 1.25)
-    scene["solids"]["particles"]["inside"] = {"adsorption": "film"}
+    set_keys(scene, 'solids.particles.inside = { adsorption = "film" }')
     scene["time"] |= {"end": 10.0 * unit, "tolerance": 1e-3}
-    scene["mesh"]["cells"] = 6
+    set_keys(scene, "mesh.cells = 6")
     qoi = solved(scene).qoi
     assert "breakthrough_5_A_s" in qoi and "breakthrough_95_A_s" not in qoi
     assert "mass_transfer_zone_A_m" not in qoi
@@ -61,15 +62,21 @@ def test_a_cycle_of_a_bed_that_takes_up_next_to_nothing():
     the rest of it.
     """
     scene, _ = adsorber(1e-4, 5.0, 1.0)
-    scene["solids"]["particles"]["inside"] = {"adsorption": "film"}
+    set_keys(scene, 'solids.particles.inside = { adsorption = "film" }')
     feed = ["A:1e-6, N:0.999999", "N:1"]
     scene["boundary"]["left"]["gas"]["composition"] = {
         "times": [0.0, 100.0],
         "values": feed,
         "form": "step",
     }
-    scene["time"] |= {"end": 300.0, "cycle": {}}
-    scene["mesh"]["cells"] = 4
+    set_keys(
+        scene,
+        """
+        time.end = 300.0
+        time.cycle = {}
+        mesh.cells = 4
+        """,
+    )
     qoi = solved(scene).qoi
     assert qoi["purity_A"] == pytest.approx(TRACE, rel=1e-4)
     assert qoi["recovery_A"] == pytest.approx(1.0, rel=1e-4)

@@ -9,6 +9,7 @@ from solving import solved
 
 from contbed.chemistry.thermo import Equilibrium
 from contbed.reacting_bed.of_reactors import temperature_of
+from tests.scene_text import set_keys
 
 GASES = {
     name: {"elements": elements, "molar_mass": mass}
@@ -34,7 +35,7 @@ def parallel(k_methane, k_shift):
     }
     for reaction in scene["reactions"].values():
         reaction |= {"E": 0.0, "orders": {"CO": 1.0}}
-    scene["solids"]["particles"] |= {"density": 1500.0}
+    set_keys(scene, "solids.particles.density = 1500.0")
     return scene
 
 
@@ -62,7 +63,7 @@ def test_space_velocities_by_hand():
     hourly = 3600.0 * 0.5 * (P / 101325.0) * (273.15 / T)
     assert qoi["GHSV_1_h"] == pytest.approx(hourly, rel=1e-12)
     assert "WHSV_1_h" not in qoi and "hot_spot_K" not in qoi
-    scene["reactions"]["shift"]["basis"] = "catalyst"
+    set_keys(scene, 'reactions.shift.basis = "catalyst"')
     qoi = solved(scene).qoi
     mean = (0.002 + 0.018 + 2 * 0.028) / 4.0
     weight = 0.6 * 1500.0

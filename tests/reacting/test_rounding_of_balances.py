@@ -13,6 +13,7 @@ from solving import CLOSED
 
 import contbed
 from contbed.loading import from_dict
+from tests.scene_text import set_keys
 
 # J/mol/K, J/mol
 GASES = {"H2": (29.0, 0.0), "H2O": (36.0, -241.8e3), "N2": (30.0, 0.0)}
@@ -114,16 +115,22 @@ def test_energy_closes_in_many_steps():
         "coarse": kind(0.375, 7e-3, 0.5),
         "fine": kind(0.625, 1.06e-3, 0.5),
     }
-    scene["reactions"]["r"]["diffusivity"] = 2.3e-5
+    set_keys(scene, "reactions.r.diffusivity = 2.3e-5")
     values = ["H2:0.5, N2:0.5", "H2:0.8, H2O:0.06, N2:0.14"]
     scene["boundary"]["left"]["gas"]["composition"] = {
         "times": [0.0, 200.0],
         "values": values,
         "form": "step",
     }
-    scene["boundary"]["left"]["gas"]["temperature"]["times"] = [0.0, 400.0]
-    scene["time"] |= {"end": 374.0, "tolerance": 1e-3}
-    scene["initial"] |= {"temperature": 715.5}
+    set_keys(
+        scene,
+        """
+        boundary.left.gas.temperature.times = [0.0, 400.0]
+        time.end = 374.0
+        time.tolerance = 1e-3
+        initial.temperature = 715.5
+        """,
+    )
     closes(scene)
 
 

@@ -15,10 +15,11 @@ from test_kinds_pellets import reforming
 from test_reacting_section import heated, mixed
 from test_several_solids import hot, on_cells, unlike
 
-from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.reacting_bed.equations.section import Section
 from contbed.reacting_bed.plan import plan
+from tests.refusals import refused
+from tests.scene_text import set_keys
 
 # of two solutions of the same equations, whose Newton's methods end at 1e-10
 ROUNDING = 1e-9
@@ -75,7 +76,7 @@ def test_kinds_that_are_alike_are_one(temperatures):
     stagnant conductivity.
     """
     scene = along() if temperatures == 1 else on_cells(hot(), 5)
-    scene["solids"]["particles"]["conductivity"] = 0.8
+    set_keys(scene, "solids.particles.conductivity = 0.8")
     wall = COOLED | {"coefficient": "martin_nilles"}
     scene = across(scene, wall, conductivity_solids="krupiczka", dispersion="vdi")
     del scene["packed_bed"]["section"]["conductivity_gas"]
@@ -184,5 +185,4 @@ def test_beads_among_a_catalyst_pass_heat_as_a_plug_flow():
 def test_a_wall_is_needed():
     scene = across(on_cells(unlike(), 4))
     del scene["mesh"]["diameter"]
-    with pytest.raises(SceneError, match=r"mesh\.diameter: missing"):
-        from_dict(scene)
+    refused(r"mesh\.diameter: missing", from_dict, scene)

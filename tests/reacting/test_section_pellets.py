@@ -17,6 +17,7 @@ from contbed.many.derivatives.gradients import gradient_of
 from contbed.plan_text import percent
 from contbed.reacting_bed.plan import plan
 from tests.particle.tables import sphere
+from tests.scene_text import set_keys
 
 SHELLS = 1e-5  # of what leaves: points inside err by 3e-6 of the effectiveness
 RADIUS, CP, T_IN, T_WALL, E = 0.05, 30.0, 500.0, 420.0, 6e4
@@ -25,7 +26,7 @@ RADIUS, CP, T_IN, T_WALL, E = 0.05, 30.0, 500.0, 420.0, 6e4
 def alike(scene, **section):
     """The bed behind a wall that nothing passes, in place: one ring is as another."""
     scene["mesh"]["diameter"] = 2 * RADIUS
-    scene["boundary"]["wall"] = {"heat_flux": 0.0}
+    set_keys(scene, "boundary.wall = { heat_flux = 0.0 }")
     if section:
         scene["packed_bed"]["section"] = section
 
@@ -47,8 +48,8 @@ def reforming(rings):
     that pass between the rings.
     """
     scene = deepcopy(REFORMER)
-    scene["mesh"]["cells"] = 4
-    scene["packed_bed"]["pressure_drop"] = "ergun"
+    set_keys(scene, "mesh.cells = 4")
+    set_keys(scene, 'packed_bed.pressure_drop = "ergun"')
     if rings:
         alike(scene, rings=rings, conductivity_solids=2.0, dispersion_mass=1e-4)
     return scene
@@ -69,7 +70,7 @@ def test_first_order(shape, biot):
     eta = sphere(phi)
     if biot is not None:
         eta = 1.0 / (1.0 / eta + phi**2 / (3.0 * biot))
-        scene["gas"]["diffusivity"] = 2e-5
+        set_keys(scene, "gas.diffusivity = 2e-5")
         scene["closures"] |= {"sherwood": 2.0 * biot * D_A / 2e-5}
     scene["mesh"] |= {"length": 1.0 / (0.6 * k * eta / 0.5), "cells": 6}
     for gas in scene["gas"]["species"].values():
@@ -89,9 +90,16 @@ def cooled(rings, mass="interior", factor=1.0):
     gases["A"] |= {"heat_capacity": CP, "enthalpy": 6e3}
     gases["B"] |= {"heat_capacity": CP, "enthalpy": 0.0}
     scene = isothermal("A:1", gases)
-    scene["mesh"] |= {"length": 0.3, "cells": 6}
-    scene["solids"]["particles"] |= {"density": 1000.0, "heat_capacity": 800.0}
-    scene["heat"] = {}
+    set_keys(
+        scene,
+        """
+        mesh.length = 0.3
+        mesh.cells = 6
+        solids.particles.density = 1000.0
+        solids.particles.heat_capacity = 800.0
+        heat = {}
+        """,
+    )
     scene["reactions"] = {
         "r": {
             "equation": "A -> B",
@@ -108,7 +116,7 @@ def cooled(rings, mass="interior", factor=1.0):
         "conductivity_solids": 1.0,
         "dispersion_mass": 1e-4,
     }
-    scene["output"]["positions"] = [0.1, 0.3]
+    set_keys(scene, "output.positions = [0.1, 0.3]")
     scene["solids"]["particles"]["inside"] = {"mass": mass}
     if mass == "effectiveness":
         scene["reactions"]["r"]["diffusivity"] = D_A
@@ -197,7 +205,7 @@ def test_in_time_it_ends_in_the_steady_state():
     steady state alone is damped.
     """
     scene = cooled(3)
-    scene["gas"]["composition"] = "A:0.9, B:0.1"
+    set_keys(scene, 'gas.composition = "A:0.9, B:0.1"')
     steady, late = solved(scene), solved(in_time(scene, 5e4))
     assert steady.qoi["cells_damped"] == 0
     for name, column in steady.profiles.items():

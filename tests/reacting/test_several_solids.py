@@ -24,6 +24,7 @@ from solving import solved, stepped
 from contbed.loading import from_dict
 from contbed.reacting_bed.plots import looks_of
 from contbed.reacting_bed.problem import Problem
+from tests.scene_text import set_keys
 
 # of two solutions of the same equations on the same cells, whose Newton's methods end
 # at 1e-10
@@ -43,24 +44,32 @@ def hot(**more) -> dict:
     gases["A"] |= {"heat_capacity": 30.0, "enthalpy": 4e3}
     gases["B"] |= {"heat_capacity": 32.0, "enthalpy": 0.0}
     scene = isothermal("A:0.9, B:0.1", gases, **more)
-    scene["gas"] |= {"viscosity": 2e-5, "conductivity": 0.03, "diffusivity": 2e-5}
-    scene["packed_bed"]["pressure_drop"] = "ergun"
+    set_keys(
+        scene,
+        """
+        gas.viscosity = 2e-5
+        gas.conductivity = 0.03
+        gas.diffusivity = 2e-5
+        packed_bed.pressure_drop = "ergun"
+        """,
+    )
     scene["solids"]["particles"] |= solids()
     for name, heat in (("S", 1e3), ("P", 0.0)):
         scene["solids"]["particles"]["constituent"][name] |= {
             "heat_capacity": 80.0,
             "enthalpy": heat,
         }
-    scene["heat"] = {}
-    scene["closures"] |= {
-        "nusselt": "nusselt_wakao_kaguei",
-        "conductivity_solids": 0.5,
-        "conductivity_gas": 0.1,
-    }
-    scene["closures"] |= {
-        "sherwood": "sherwood_wakao_funazkri",
-        "dispersion_mass": 1e-4,
-    }
+    set_keys(
+        scene,
+        """
+        heat = {}
+        closures.nusselt = "nusselt_wakao_kaguei"
+        closures.conductivity_solids = 0.5
+        closures.conductivity_gas = 0.1
+        closures.sherwood = "sherwood_wakao_funazkri"
+        closures.dispersion_mass = 1e-4
+        """,
+    )
     let_move(scene, -2e-4, temperature=400.0)
     orders = {"A": 1.0, "S": 1.0}
     scene["reactions"] = {
@@ -71,7 +80,7 @@ def hot(**more) -> dict:
             "orders": orders,
         }
     }
-    scene["reactions"]["r"]["basis"] = "bed"
+    set_keys(scene, 'reactions.r.basis = "bed"')
     return scene
 
 
@@ -152,9 +161,9 @@ def test_steps_of_kinds_that_are_alike_are_those_of_one(moves, gas):
 
 def in_time(scene: dict, moves: bool, gas: str = "auto") -> dict:
     scene = on_cells(scene, 3)
-    scene["time"] = {"end": 200.0, "tolerance": 1e-3}
+    set_keys(scene, "time = { end = 200.0, tolerance = 1e-3 }")
     scene["packed_bed"]["gas_storage"] = gas
-    scene["initial"] |= {"temperature": 450.0}
+    set_keys(scene, "initial.temperature = 450.0")
     if not moves:
         del scene["boundary"]["right"]
     return scene
@@ -207,10 +216,16 @@ def test_two_sizes_at_rest_shrink_as_their_diameters_say():
     tau = rho d/(2 k c).
     """
     scene = fixed_bed("shrinking_core", 0.0, 0.0, 1.0, 1e-9, 0.4)
-    scene["mesh"] |= {"length": 1.0, "cells": 2}
-    scene["boundary"]["left"]["gas"]["velocity"] = 1e9
-    scene["output"]["positions"] = [0.5]
-    scene["time"]["tolerance"] = 1e-5
+    set_keys(
+        scene,
+        """
+        mesh.length = 1.0
+        mesh.cells = 2
+        boundary.left.gas.velocity = 1e9
+        output.positions = [0.5]
+        time.tolerance = 1e-5
+        """,
+    )
     scene = split(scene, fine={"diameter": 2e-3})  # 3 mm is complete after 1000 s
     result = solved(scene)
     X = {"coarse": 1.0 - (1.0 - 0.4) ** 3, "fine": 1.0 - (1.0 - 0.4 * 3.0 / 2.0) ** 3}
@@ -255,7 +270,7 @@ def test_each_kind_has_its_own_film():
     scene["gas"]["diffusivity"] = D
     scene["closures"] |= {"sherwood": Sh["catalyst"]}
     scene["solids"]["beads"]["sherwood"] = Sh["beads"]
-    scene["reactions"]["r"]["solid"] = ["catalyst", "beads"]
+    set_keys(scene, 'reactions.r.solid = ["catalyst", "beads"]')
     total = 0.0
     for kind, at in scene["solids"].items():
         d, share = at["diameter"], at["volume_share"]
@@ -279,8 +294,8 @@ def exchanging(directions: float) -> tuple[dict, dict[str, float]]:
     scene["gas"]["conductivity"] = k_f
     scene["mesh"]["length"] = L
     scene["boundary"]["left"]["gas"] = {"mass_flux": G, "temperature": 900.0}
-    scene["heat"] = {}
-    scene["closures"] |= {"nusselt": 5.0}
+    set_keys(scene, "heat = {}")
+    set_keys(scene, "closures.nusselt = 5.0")
     kinds = {
         "small": (0.25, 4e-3, 2000.0, 800.0, 5.0, v),
         "large": (0.75, 9e-3, 1200.0, 1000.0, 8.0, 1.5 * v),
@@ -343,7 +358,7 @@ def unlike(**more) -> dict:
         "heat_capacity": 900.0,
     }
     scene["solids"]["beads"] = beads | {"nusselt": 12.0}
-    scene["boundary"]["right"]["solids"]["beads"]["velocity"] = 4e-4
+    set_keys(scene, "boundary.right.solids.beads.velocity = 4e-4")
     return scene
 
 
@@ -361,11 +376,11 @@ def test_steps_in_time_end_in_the_steady_state():
     steady state alone is damped.
     """
     scene = on_cells(unlike(), 4)
-    scene["solids"]["ore"]["composition"] = "S:0.9, P:0.1"
+    set_keys(scene, 'solids.ore.composition = "S:0.9, P:0.1"')
     steady = solved(scene)
     assert steady.qoi["cells_damped"] == 0
-    scene["time"] = {"end": 2e5, "tolerance": 1e-3}
-    scene["initial"] |= {"temperature": 500.0}
+    set_keys(scene, "time = { end = 2e5, tolerance = 1e-3 }")
+    set_keys(scene, "initial.temperature = 500.0")
     ended = solved(scene)
     for key in ("T_fluid_out_K", "conversion_S_ore", "T_solid_beads_out_K", "x_A_out"):
         assert ended.qoi[key] == pytest.approx(steady.qoi[key], rel=1e-7), key
@@ -396,9 +411,9 @@ def test_streams_that_change_reach_all_kinds():
     """
     scene = on_cells(unlike(), 4)
     vertices = np.linspace(0.0, 1.0, 5)
-    scene["boundary"]["right"]["solids"]["beads"]["velocity"] = 2e-4
+    set_keys(scene, "boundary.right.solids.beads.velocity = 2e-4")
     before = Problem.of(from_dict(scene), vertices)
-    scene["boundary"]["left"]["gas"]["velocity"] = 0.7
+    set_keys(scene, "boundary.left.gas.velocity = 0.7")
     let_move(scene, -3e-4, temperature=420.0)
     there = from_dict(scene)
     exact, found = Problem.of(there, vertices), before.within(there)
@@ -411,13 +426,14 @@ def test_streams_that_change_reach_all_kinds():
 @pytest.mark.slow
 def test_a_gas_that_changes_in_time_reaches_all_kinds():
     scene = on_cells(hot(), 4)
-    scene["boundary"]["left"]["gas"]["velocity"] = {
-        "times": [0.0, 50.0],
-        "values": [0.5, 0.7],
-        "form": "step",
-    }
-    scene["time"] = {"end": 100.0, "tolerance": 1e-3}
-    scene["initial"] |= {"temperature": 450.0}
+    set_keys(
+        scene,
+        """
+        boundary.left.gas.velocity = { times = [0.0, 50.0], values = [0.5, 0.7], form = "step" }
+        time = { end = 100.0, tolerance = 1e-3 }
+        initial.temperature = 450.0
+        """,
+    )
     alike(scene, STEPS)
 
 

@@ -11,6 +11,7 @@ import pytest
 
 import contbed as cb
 from studies._exact.radiation import square_p1
+from tests.balances import assert_closed
 
 STUDIES = Path(__file__).parents[2] / "studies"
 
@@ -32,10 +33,7 @@ def scenes(name):
 def run(scene):
     """The result of a run whose balances close."""
     result = cb.run(scene)
-    assert all(
-        abs(balance["relative_residual"]) < 1e-10
-        for balance in result.balances.values()
-    )
+    assert_closed(result, 1e-10)
     return result
 
 

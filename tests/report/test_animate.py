@@ -7,10 +7,11 @@ import pytest
 from PIL import Image
 from plane_scene import PLANE
 
-from contbed import cli, load, run
+from contbed import load, run
 from contbed.errors import ContbedError
 from contbed.explain import editor
 from contbed.report.animate import animate
+from tests.command_line import command
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +34,7 @@ def frames(file):
 
 
 def test_a_film_has_one_picture_for_each_time(plane, capsys):
-    assert cli.main(["animate", str(plane)]) == 0
+    assert command(f"animate {plane}") == 0
     assert "animation.gif" in capsys.readouterr().out
     film = frames(plane / "animation.gif")
     assert len(film) == 3

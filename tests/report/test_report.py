@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 from plane_scene import PLANE
 
-from contbed import cli, load, run
+from contbed import load, run
 from contbed.errors import ContbedError
 from contbed.explain import editor
 from contbed.report import charts
 from contbed.report.fields import Cloud, pictures
 from contbed.report.read import read_run
 from contbed.report.write import write
+from tests.command_line import command
 from tests.report.report_file import BROWSER, WATCH, browse, charts_of
 
 pytest.importorskip(
@@ -165,18 +166,7 @@ def test_a_sweep_has_linked_plots(plane):
         "0.6]\n"
     )
     assert (
-        cli.main(
-            [
-                "sweep",
-                str(plane / "sweep.toml"),
-                "--out",
-                str(plane / "sweep"),
-                "--jobs",
-                "1",
-                "--quiet",
-            ]
-        )
-        == 0
+        command(f"sweep {plane}/sweep.toml --out {plane}/sweep --jobs 1 --quiet") == 0
     )
     text = write([plane / "sweep"]).read_text()
     found = {chart["kind"]: chart for chart in charts_of(text)}
@@ -205,7 +195,7 @@ def test_columns_over_time_are_not_profiles():
 
 
 def test_mistakes_are_one_line(plane, tmp_path, capsys):
-    assert cli.main(["report", str(tmp_path)]) == 1
+    assert command(f"report {tmp_path}") == 1
     assert capsys.readouterr().err.startswith(f"{tmp_path}: no summary.json of a run")
     (tmp_path / "summary.json").write_text('{"status": "running"}')
     with pytest.raises(ContbedError, match="has not ended"):
@@ -216,39 +206,17 @@ def test_run_writes_a_report_also_of_a_failure(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text = re.sub(r"^time = .*$", "", PLANE, flags=re.MULTILINE)
     (tmp_path / "steady.toml").write_text(text + "[solver]\nstrict = true\n")
-    assert (
-        cli.main(
-            [
-                "run",
-                "steady.toml",
-                "--report",
-                "--quiet",
-                "--set",
-                "closures.nusselt=gunn",
-            ]
-        )
-        == 0
-    )
+    assert command("run steady.toml --report --quiet --set closures.nusselt=gunn") == 0
     report = tmp_path / "results" / "steady" / "report.html"
     assert (
         "report.html"
         in json.loads((report.parent / "summary.json").read_text())["files"]
     )
-    assert (
-        cli.main(["run", "steady.toml", "--quiet", "--set", "closures.nusselt=gunn"])
-        == 0
-    )
+    assert command("run steady.toml --quiet --set closures.nusselt=gunn") == 0
     assert not report.exists()
     assert (
-        cli.main(
-            [
-                "run",
-                "steady.toml",
-                "--report",
-                "--quiet",
-                "--set",
-                "boundary.left.gas.velocity=0.001",
-            ]
+        command(
+            "run steady.toml --report --quiet --set boundary.left.gas.velocity=0.001"
         )
         == 4
     )

@@ -7,33 +7,44 @@ import numpy as np
 import pytest
 from changed_scenes import changed
 
-from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.models import plan
+from tests.refusals import refusal, refused
+from tests.scene_text import scene_of
 
-GOOD = {
-    "mesh": {"type": "rectangle", "length": 0.1, "height": 0.4, "cells": [4, 16]},
-    "two_fluid": {},
-    "gas": {"density": 1.2, "viscosity": 1.8e-5},
-    "solids": {"beads": {"diameter": 275e-6, "density": 2500.0, "packing_limit": 0.63}},
-    "initial": {"solids": {"beads": {"volume_fraction": 0.5}}},
-    "boundary": {
-        "left": {
-            "type": "wall",
-            "solids": {
-                "beads": {
-                    "wall": "johnson_jackson",
-                    "specularity": 0.1,
-                    "restitution": 0.9,
-                }
-            },
-        },
-        "right": {"type": "wall"},
-        "bottom": {"type": "inlet", "gas": {"velocity": 0.4}},
-        "top": {"type": "outlet"},
-    },
-    "time": {"end": 0.1},
-}
+GOOD = scene_of(
+    """
+[mesh]
+type = "rectangle"
+length = 0.1
+height = 0.4
+cells = [4, 16]
+[two_fluid]
+[gas]
+density = 1.2
+viscosity = 1.8e-5
+[solids.beads]
+diameter = 275e-6
+density = 2500.0
+packing_limit = 0.63
+[initial]
+solids.beads.volume_fraction = 0.5
+[boundary.left]
+type = "wall"
+solids.beads.wall = "johnson_jackson"
+solids.beads.specularity = 0.1
+solids.beads.restitution = 0.9
+[boundary.right]
+type = "wall"
+[boundary.bottom]
+type = "inlet"
+gas.velocity = 0.4
+[boundary.top]
+type = "outlet"
+[time]
+end = 0.1
+"""
+)
 
 RUBBING = "effective_restitution_chialvo_sundaresan"
 RUBS = {"closures.effective_restitution": RUBBING, "solids.beads.sliding_friction": 0.1}
@@ -208,14 +219,12 @@ def test_the_good_scene_is_good():
     ],
 )
 def test_a_mistake_is_named(changes, without, told):
-    with pytest.raises(SceneError) as caught:
-        plan(from_dict(scene(changes, without)))
-    assert told in str(caught.value)
+    assert told in refusal(lambda: plan(from_dict(scene(changes, without))))
 
 
 def test_all_mistakes_are_told_at_once():
-    with pytest.raises(SceneError) as caught:
-        from_dict(
+    text = refusal(
+        lambda: from_dict(
             scene(
                 {
                     "closures.drag": "drag_wenyu",
@@ -224,7 +233,7 @@ def test_all_mistakes_are_told_at_once():
                 }
             )
         )
-    text = str(caught.value)
+    )
     assert all(part in text for part in ("drag_wen_yu", "densest packing", "lid"))
 
 
@@ -239,20 +248,22 @@ def test_a_mesh_file_without_names_or_volume(tmp_path, corner, told):
         meshio.Mesh(points, [("triangle", [[0, 1, 2], [0, 2, 3]])]),
         "gmsh",
     )
-    with pytest.raises(SceneError) as caught:
-        plan(
+    assert told in refusal(
+        lambda: plan(
             from_dict(
                 scene({"mesh": {"type": "file", "file": "plain.msh"}}), base=tmp_path
             )
         )
-    assert told in str(caught.value)
+    )
 
 
 def test_a_mesh_file_that_is_missing(tmp_path):
-    with pytest.raises(SceneError, match=r"mesh\.file.*no such file"):
-        from_dict(
+    refused(
+        r"mesh\.file.*no such file",
+        lambda: from_dict(
             scene({"mesh": {"type": "file", "file": "absent.msh"}}), base=tmp_path
-        )
+        ),
+    )
 
 
 BOX = {
@@ -353,9 +364,7 @@ POWER = {"name": "power", "a": 1.2}
     ],
 )
 def test_what_cannot_be_meant_is_an_error(changes, without, told):
-    with pytest.raises(SceneError) as caught:
-        plan(from_dict(scene(changes, without)))
-    assert told in str(caught.value)
+    assert told in refusal(lambda: plan(from_dict(scene(changes, without))))
 
 
 @pytest.mark.parametrize(
@@ -454,5 +463,4 @@ def test_an_axisymmetric_mesh_without_its_axis(tmp_path, inner, told):
             for text in plan(from_dict(changed_scene, base=tmp_path)).warnings
         )
     else:
-        with pytest.raises(SceneError, match=told):
-            plan(from_dict(changed_scene, base=tmp_path))
+        refused(told, lambda: plan(from_dict(changed_scene, base=tmp_path)))

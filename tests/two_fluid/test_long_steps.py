@@ -14,6 +14,7 @@ from contbed.two_fluid.boundary import Particles, symmetry
 from contbed.two_fluid.granular_temperature import GranularTerms, max_heating_rate
 from contbed.two_fluid.model import Options
 from contbed.two_fluid.momentum import MAX_SUBCYCLES, SUBCYCLE_COURANT
+from tests.scene_text import scene_of
 
 SIDES = [("left", "right"), ("bottom", "top")]
 U, N = 2.0, 32  # speed of the gas, cells along each axis
@@ -184,35 +185,39 @@ def test_few_heated_particles_stay_below_the_gas():
     they come to 20 m/s within 0.02 s.
     """
     scene = from_dict(
-        {
-            "mesh": {
-                "type": "rectangle",
-                "length": 0.1,
-                "height": 0.3,
-                "cells": [12, 36],
-            },
-            "two_fluid": {"guards": False},
-            "gas": {"density": 1.2, "viscosity": 1.8e-5},
-            "solids": {"beads": {"diameter": 275e-6, "density": 2500.0}},
-            "initial": {"solids": {"beads": {"granular_temperature": 1e-4}}},
-            "boundary": {
-                "bottom": {
-                    "type": "inlet",
-                    "gas": {"velocity": 5.0},
-                    "solids": {
-                        "beads": {
-                            "volume_fraction": 0.3,
-                            "velocity": 2.0,
-                            "granular_temperature": 0.1,
-                        }
-                    },
-                },
-                "top": {"type": "outlet"},
-                "left": {"type": "wall"},
-                "right": {"type": "wall"},
-            },
-            "time": {"end": 0.1},
-        }
+        scene_of(
+            """
+            [mesh]
+            type = "rectangle"
+            length = 0.1
+            height = 0.3
+            cells = [12, 36]
+            [two_fluid]
+            guards = false
+            [gas]
+            density = 1.2
+            viscosity = 1.8e-5
+            [solids.beads]
+            diameter = 275e-6
+            density = 2500.0
+            [initial]
+            solids.beads.granular_temperature = 1e-4
+            [boundary.bottom]
+            type = "inlet"
+            gas.velocity = 5.0
+            solids.beads.volume_fraction = 0.3
+            solids.beads.velocity = 2.0
+            solids.beads.granular_temperature = 0.1
+            [boundary.top]
+            type = "outlet"
+            [boundary.left]
+            type = "wall"
+            [boundary.right]
+            type = "wall"
+            [time]
+            end = 0.1
+            """
+        )
     )
     b, _ = planning.plan(scene).bed()
     fastest = 0.0

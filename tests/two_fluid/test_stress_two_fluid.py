@@ -9,6 +9,7 @@ from gmsh_meshes import IN_3D, geometry
 from contbed.loading import from_dict
 from contbed.two_fluid import plan as planning
 from contbed.two_fluid.packing import FrictionTable, frictional_pressure
+from tests.scene_text import scene_of
 
 WALL = {"type": "wall"}
 THROWN = {
@@ -166,21 +167,31 @@ def test_glass_settles_in_water(kind, size, tmp_path):
     # height of the suspension while cells of 4 and 8 mm keep the sediment out of the
     # upper half
     (tmp_path / "bed.geo").write_text(geometry(kind, 0.02, 0.1, size))
-    scene = {
-        "mesh": {
-            "type": "file",
-            "file": str(tmp_path / "bed.geo"),
-            "dimension": 3 if kind in IN_3D else 2,
+    scene = scene_of(
+        """
+        [mesh]
+        type = "file"
+        [closures]
+        drag = "drag_wen_yu"
+        [two_fluid]
+        guards = false
+        [gas]
+        density = 998.0
+        viscosity = 1e-3
+        [solids.beads]
+        diameter = 1e-4
+        density = 2500.0
+        packing_limit = 0.6
+        [initial]
+        solids.beads.volume_fraction = 0.1
+        [time]
+        end = 6.0
+        """,
+        {
+            "mesh.file": str(tmp_path / "bed.geo"),
+            "mesh.dimension": 3 if kind in IN_3D else 2,
         },
-        "closures": {"drag": "drag_wen_yu"},
-        "two_fluid": {"guards": False},
-        "gas": {"density": 998.0, "viscosity": 1e-3},
-        "solids": {
-            "beads": {"diameter": 1e-4, "density": 2500.0, "packing_limit": 0.6}
-        },
-        "initial": {"solids": {"beads": {"volume_fraction": 0.1}}},
-        "time": {"end": 6.0},
-    }
+    )
     names = ("bottom", "top", "left", "right") + (
         ("front", "back") if kind in IN_3D else ()
     )

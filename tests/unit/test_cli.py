@@ -12,6 +12,7 @@ from small_scenes import STEADY
 import contbed
 from contbed import cli
 from contbed.errors import BalanceError, ClosureRangeError, ConvergenceError, SceneError
+from tests.command_line import command
 
 SCENE = """\
 [mesh]
@@ -110,25 +111,17 @@ def test_each_command_has_a_help_of_one_line(capsys):
 
 def test_check(scene, capsys):
     scene.write_text(SCENE.replace("velocity = 0.1", "velocity = 0"))
-    assert cli.main(["check", "scene.toml"]) == 2
+    assert command("check scene.toml") == 2
     assert capsys.readouterr().err == (
         "scene.toml:16: boundary.left.gas.velocity: nothing to solve: the gas is at "
         "rest and there is no [heat] table\n"
     )
     scene.write_text(STEADY)
-    assert cli.main(["check", "scene.toml"]) == 0
+    assert command("check scene.toml") == 0
     assert capsys.readouterr().out == "scene.toml: ok\n"
     assert (
-        cli.main(
-            [
-                "check",
-                "scene.toml",
-                "no.toml",
-                "--set",
-                "packed_bed.porosity=2",
-                "--set",
-                "boundary.left.gas.velocity=1 kg",
-            ]
+        command(
+            "check scene.toml no.toml --set packed_bed.porosity=2 --set 'boundary.left.gas.velocity=1 kg'"
         )
         == 2
     )
@@ -143,7 +136,7 @@ def test_check(scene, capsys):
 
 
 def test_run(scene, runner, capsys):
-    assert cli.main(["run", "scene.toml", "--set", "mesh.length=3 m"]) == 0
+    assert command("run scene.toml --set 'mesh.length=3 m'") == 0
     loaded, out, quiet, restart = runner.calls[-1]
     assert (loaded.mesh.length, str(out), quiet, restart) == (
         3.0,
@@ -152,12 +145,7 @@ def test_run(scene, runner, capsys):
         None,
     )
     assert "the table" in capsys.readouterr().out
-    assert (
-        cli.main(
-            ["run", "scene.toml", "--out", "there", "--quiet", "--restart", "here"]
-        )
-        == 0
-    )
+    assert command("run scene.toml --out there --quiet --restart here") == 0
     assert [str(value) for value in runner.calls[-1][1:]] == ["there", "True", "here"]
     assert capsys.readouterr().out == ""
 
@@ -178,7 +166,7 @@ def test_each_error_has_its_exit_code_and_no_traceback(
     scene, runner, capsys, error, code
 ):
     runner.error = error
-    assert cli.main(["run", "scene.toml"]) == code
+    assert command("run scene.toml") == code
     out, err = capsys.readouterr()
     assert out == ""
     assert err or code == 130
@@ -211,15 +199,15 @@ def test_a_quiet_plan_does_not_tell_that_it_compiles(tmp_path, capsys, monkeypat
     scene, told = tmp_path / "scene.toml", []
     scene.write_text(STEADY)
     monkeypatch.setattr(cli.commands, "_tell_when_compiling", told.append)
-    assert cli.main(["plan", str(scene), "--quiet"]) == 0
+    assert command(f"plan {scene} --quiet") == 0
     assert "BUILT" in capsys.readouterr().out and not told
-    assert cli.main(["plan", str(scene)]) == 0 and len(told) == 1
+    assert command(f"plan {scene}") == 0 and len(told) == 1
 
 
 def test_version_and_help(capsys):
     assert cli.main(["--version"]) == 0
     assert capsys.readouterr().out.startswith("contbed ")
-    for command in (
+    for name in (
         "run",
         "check",
         "plan",
@@ -233,8 +221,8 @@ def test_version_and_help(capsys):
         "new",
         "schema",
     ):
-        assert cli.main([command, "--help"]) == 0
-        assert command in capsys.readouterr().out
+        assert command(f"{name} --help") == 0
+        assert name in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -271,7 +259,7 @@ def test_version_and_help(capsys):
     ],
 )
 def test_explain(capsys, name, part):
-    assert cli.main(["explain", name]) == 0
+    assert command(f"explain {name}") == 0
     assert part in capsys.readouterr().out
 
 

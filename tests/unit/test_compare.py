@@ -8,9 +8,9 @@ import json
 import numpy as np
 import pytest
 
-from contbed.errors import SceneError
 from contbed.many.compare import FILE, TABLE, Comparison, Outcome, compare
 from contbed.output.common_results import Value, common_results
+from tests.refusals import refused
 
 
 def value(number, unit="K"):
@@ -85,5 +85,10 @@ def test_points_without_a_value_are_left_out_of_means():
 
 
 def test_an_unknown_model_is_named(tmp_path):
-    with pytest.raises(SceneError, match=r"--models: 'packd_bed': .*'packed_bed'"):
-        compare("scene.toml", ["packd_bed"], tmp_path)
+    refused(
+        r"--models: 'packd_bed': .*'packed_bed'",
+        compare,
+        "scene.toml",
+        ["packd_bed"],
+        tmp_path,
+    )

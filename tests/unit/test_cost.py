@@ -9,25 +9,31 @@ from contbed.models import plan
 from contbed.ranks.petsc import DIRECT_3D, PetscPolicy
 from contbed.solvers.cost import LONG_RUN, RATES, advice
 from contbed.solvers.linear import Policy
+from tests.scene_text import scene_of
 
-BOX: dict[str, Any] = {
-    "mesh": {
-        "type": "box",
-        "length": 1.0,
-        "width": 1.0,
-        "height": 1.0,
-        "cells": [4, 4, 4],
-    },
-    "gas": {
-        "density": 1.0,
-        "heat_capacity": 1000.0,
-        "conductivity": 0.05,
-        "viscosity": 2e-5,
-    },
-    "solids": {"particles": {"diameter": 0.01}},
-    "packed_bed": {"porosity": 0.4},
-    "boundary": {"left": {"gas": {"velocity": 0.3}}, "bottom": {"type": "no_slip"}},
-}
+BOX: dict[str, Any] = scene_of(
+    """
+[mesh]
+type = "box"
+length = 1.0
+width = 1.0
+height = 1.0
+cells = [4, 4, 4]
+[gas]
+density = 1.0
+heat_capacity = 1000.0
+conductivity = 0.05
+viscosity = 2e-5
+[solids.particles]
+diameter = 0.01
+[packed_bed]
+porosity = 0.4
+[boundary.left]
+gas.velocity = 0.3
+[boundary.bottom]
+type = "no_slip"
+"""
+)
 
 
 def test_small_scenes_stay_on_the_default_engine() -> None:

@@ -13,11 +13,12 @@ import pytest
 from small_scenes import STEADY
 
 import contbed as cb
-from contbed import cli
-from contbed.errors import ContbedError, SceneError
+from contbed.errors import ContbedError
 from contbed.loading import loads
 from contbed.output.files import atomic
 from contbed.output.folder import LOCK, occupied, read_summary
+from tests.command_line import command
+from tests.refusals import refused
 
 TRANSIENT = (
     STEADY
@@ -98,8 +99,7 @@ def test_a_run_does_not_replace_what_it_reads(tmp_path, text, key):
     scene = loads(text, base=tmp_path)
     said = rf"scene\.toml:\d+: {key}\.file: profiles\.csv lies in .* give another folder by --out"
     for more in ({"out": out}, {"out": tmp_path / "linked"}, {"restart": out}):
-        with pytest.raises(SceneError, match=said):
-            cb.run(scene, **more)
+        refused(said, cb.run, scene, **more)
     assert before == {path: path.read_text() for path in out.iterdir()}
 
 
@@ -156,12 +156,12 @@ def test_a_scene_with_a_mistake_marks_the_folder_and_makes_none(
 ):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scene.toml").write_text(STEADY)
-    assert cli.main(["run", "scene.toml", "--out", "out", "--quiet"]) == 0
+    assert command("run scene.toml --out out --quiet") == 0
     before = names(tmp_path / "out")
     (tmp_path / "scene.toml").write_text(STEADY.replace("0.4", "4"))
-    assert cli.main(["run", "scene.toml", "--out", "out", "--quiet"]) == 2
+    assert command("run scene.toml --out out --quiet") == 2
     assert status(tmp_path / "out") == "bad scene" and names(tmp_path / "out") == before
-    assert cli.main(["run", "scene.toml", "--out", "other", "--quiet"]) == 2
+    assert command("run scene.toml --out other --quiet") == 2
     assert not (tmp_path / "other").exists()
 
 

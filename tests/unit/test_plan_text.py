@@ -14,6 +14,7 @@ from contbed.loading import from_dict, load, loads
 from contbed.models import MODELS, plan
 from contbed.output.progress import Progress
 from contbed.plan_text import duration
+from tests.scene_text import scene_of
 
 PACKING = """
 [particles]
@@ -76,36 +77,39 @@ def test_the_bar_of_fronts_reaches_the_end(monkeypatch):
         Progress, "advance_to", lambda bar, value, note="": reached.append(value)
     )
     scene = from_dict(
-        {
-            "mesh": {"type": "line", "length": 1.0, "cells": 40},
-            "gas": {
-                "density": 1.0,
-                "heat_capacity": 1000.0,
-                "conductivity": 0.03,
-                "viscosity": 2e-5,
-            },
-            "solids": {
-                "particles": {
-                    "density": 2000.0,
-                    "heat_capacity": 800.0,
-                    "conductivity": 1.0,
-                    "diameter": 0.02,
-                }
-            },
-            "packed_bed": {"porosity": 0.4},
-            "closures": {
-                "nusselt": 50.0,
-                "conductivity_gas": 0.0,
-                "conductivity_solids": 0.0,
-            },
-            "heat": {},
-            "boundary": {"left": {"gas": {"velocity": 1.0, "temperature": 600.0}}},
-            "initial": {
-                "gas": {"temperature": 300.0},
-                "solids": {"particles": {"temperature": 300.0}},
-            },
-            "time": {"end": 2.0},
-        }
+        scene_of(
+            """
+            [mesh]
+            type = "line"
+            length = 1.0
+            cells = 40
+            [gas]
+            density = 1.0
+            heat_capacity = 1000.0
+            conductivity = 0.03
+            viscosity = 2e-5
+            [solids.particles]
+            density = 2000.0
+            heat_capacity = 800.0
+            conductivity = 1.0
+            diameter = 0.02
+            [packed_bed]
+            porosity = 0.4
+            [closures]
+            nusselt = 50.0
+            conductivity_gas = 0.0
+            conductivity_solids = 0.0
+            [heat]
+            [boundary.left]
+            gas.velocity = 1.0
+            gas.temperature = 600.0
+            [initial]
+            gas.temperature = 300.0
+            solids.particles.temperature = 300.0
+            [time]
+            end = 2.0
+            """
+        )
     )
     cb.run(scene)
     assert len(reached) == pytest.approx(2.0 / 0.4 * 40, rel=0.1)

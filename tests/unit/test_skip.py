@@ -14,34 +14,42 @@ import contbed as cb
 from contbed.loading import from_dict
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
+from tests.scene_text import scene_of
 
 PACKAGE = Path(cb.__file__).parent
 
-BED: dict[str, Any] = {
-    "mesh": {"type": "rectangle", "length": 1.0, "height": 0.2},
-    "gas": {
-        "density": 1.0,
-        "heat_capacity": 1000.0,
-        "conductivity": 0.05,
-        "viscosity": 2e-5,
-    },
-    "solids": {
-        "particles": {
-            "density": 2000.0,
-            "heat_capacity": 900.0,
-            "conductivity": 1.0,
-            "diameter": 0.01,
-        }
-    },
-    "packed_bed": {"porosity": 0.4},
-    "closures": {"nusselt": "wakao_kaguei"},
-    "heat": {},
-    "boundary": {
-        "left": {"gas": {"velocity": 0.3, "temperature": 300.0}},
-        "right": {"solids": {"particles": {"velocity": 1e-4, "temperature": 500.0}}},
-    },
-    "output": {"plots": False, "fields": False},
-}
+BED: dict[str, Any] = scene_of(
+    """
+[mesh]
+type = "rectangle"
+length = 1.0
+height = 0.2
+[gas]
+density = 1.0
+heat_capacity = 1000.0
+conductivity = 0.05
+viscosity = 2e-5
+[solids.particles]
+density = 2000.0
+heat_capacity = 900.0
+conductivity = 1.0
+diameter = 0.01
+[packed_bed]
+porosity = 0.4
+[closures]
+nusselt = "wakao_kaguei"
+[heat]
+[boundary.left]
+gas.velocity = 0.3
+gas.temperature = 300.0
+[boundary.right]
+solids.particles.velocity = 1e-4
+solids.particles.temperature = 500.0
+[output]
+plots = false
+fields = false
+"""
+)
 RADIATING = {"particles": {**BED["solids"]["particles"], "emissivity": 0.8}}
 
 

@@ -13,8 +13,8 @@ import pytest
 from small_scenes import STEADY
 
 import contbed
-from contbed import cli
 from contbed.errors import SceneError, interrupt_in
+from tests.command_line import command
 
 HOME = str(Path(contbed.__file__).parents[1])
 
@@ -81,7 +81,7 @@ def test_errors_that_come_from_an_interrupt():
 )
 def test_an_address_that_is_none(tmp_path, monkeypatch, capsys, address):
     monkeypatch.chdir(tmp_path)
-    assert cli.main(["sweep", "study.toml", "--scheduler", address]) == 2
+    assert command(f"sweep study.toml --scheduler '{address}'") == 2
     assert (
         f"{address!r} is not an address like tcp://HOST:8786" in capsys.readouterr().err
     )

@@ -16,6 +16,7 @@ import contbed as cb
 from contbed.fem.probe import Probe
 from contbed.loading import from_dict
 from contbed.many.closed_form import finite_length
+from tests.balances import assert_closed
 
 CLOSED, EQUAL = 1e-10, 1e-9
 
@@ -89,8 +90,7 @@ def run(values: dict[str, Any]) -> Any:
 
 
 def closed(result: Any) -> Any:
-    for balance in result.balances.values():
-        assert abs(balance["relative_residual"]) <= CLOSED
+    assert_closed(result, CLOSED)
     assert result.balances["energy"]["in"] > 0
     return result
 

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from contbed.errors import ContbedError, SceneError
+from contbed.errors import ContbedError
 from contbed.many.bench import bench, time_at
+from tests.refusals import refused
 
 PROGRAM = """
 import json
@@ -85,8 +86,12 @@ def test_a_failing_program_is_named(tmp_path: Path) -> None:
 def test_mistakes_in_the_list_of_programs_are_told(
     tmp_path: Path, old: str, new: str, told: str
 ) -> None:
-    with pytest.raises(SceneError, match=told):
-        bench(study(tmp_path, PLAN.replace(old, new)), tmp_path / "out", trust=True)
+    refused(
+        told,
+        lambda: bench(
+            study(tmp_path, PLAN.replace(old, new)), tmp_path / "out", trust=True
+        ),
+    )
     assert not (tmp_path / "out").exists()
 
 
@@ -111,8 +116,7 @@ def test_a_program_without_points_and_a_list_without_programs_are_told(
     (folder / "bench" / "bench.toml").write_text(
         'title = "nothing"\n', encoding="utf-8"
     )
-    with pytest.raises(SceneError, match="nothing to measure"):
-        bench(folder, tmp_path / "out", trust=True)
+    refused("nothing to measure", lambda: bench(folder, tmp_path / "out", trust=True))
 
 
 def test_a_study_without_programs(tmp_path: Path) -> None:
@@ -121,10 +125,10 @@ def test_a_study_without_programs(tmp_path: Path) -> None:
 
 
 def test_programs_run_only_where_the_study_is_trusted(tmp_path: Path) -> None:
-    with pytest.raises(
-        SceneError, match=r"bench.toml: runs programs: points.py, .*add --trust"
-    ):
-        bench(study(tmp_path), tmp_path / "out")
+    refused(
+        r"bench.toml: runs programs: points.py, .*add --trust",
+        lambda: bench(study(tmp_path), tmp_path / "out"),
+    )
     assert not (tmp_path / "out").exists()
 
 

@@ -10,6 +10,7 @@ from scipy.linalg import expm
 import contbed as cb
 from contbed.loading import from_dict
 from studies import _exact as exact
+from tests.scene_text import scene_of
 
 # Pivem and de Lemos (2012): Table 2 properties; Table 3 rows as name: (u_D, u_s/u_D, D,
 # porosity, Re_D, C_s/C_f, k_s/k_f), then theta_eq and L_1% computed for contbed with 50
@@ -738,42 +739,38 @@ def test_third_order_where_the_conductivity_depends_on_temperature():
 
     def theta(cells):
         scene = from_dict(
-            {
-                "mesh": {"type": "line", "length": 1.0, "cells": cells},
-                "gas": {
-                    "density": 1.2,
-                    "heat_capacity": 1000.0,
-                    "conductivity": 0.05,
-                    "viscosity": 1.8e-5,
-                },
-                "solids": {
-                    "particles": {
-                        "density": 2000.0,
-                        "heat_capacity": 900.0,
-                        "conductivity": 1.0,
-                        "diameter": 0.02,
-                    }
-                },
-                "packed_bed": {"porosity": 0.4},
-                "closures": {
-                    "nusselt": 2.0,
-                    "conductivity_gas": 0.05,
-                    "conductivity_solids": {
-                        "name": "zehner_bauer_schluender",
-                        "emissivity": 0.8,
-                    },
-                },
-                "heat": {},
-                "boundary": {
-                    "left": {"gas": {"velocity": 0.05, "temperature": 300.0}},
-                    "right": {
-                        "solids": {
-                            "particles": {"velocity": 1e-4, "temperature": 1300.0}
-                        }
-                    },
-                },
-                "output": {"positions": list(places)},
-            }
+            scene_of(
+                """
+                [mesh]
+                type = "line"
+                length = 1.0
+                [gas]
+                density = 1.2
+                heat_capacity = 1000.0
+                conductivity = 0.05
+                viscosity = 1.8e-5
+                [solids.particles]
+                density = 2000.0
+                heat_capacity = 900.0
+                conductivity = 1.0
+                diameter = 0.02
+                [packed_bed]
+                porosity = 0.4
+                [closures]
+                nusselt = 2.0
+                conductivity_gas = 0.05
+                conductivity_solids.name = "zehner_bauer_schluender"
+                conductivity_solids.emissivity = 0.8
+                [heat]
+                [boundary.left]
+                gas.velocity = 0.05
+                gas.temperature = 300.0
+                [boundary.right]
+                solids.particles.velocity = 1e-4
+                solids.particles.temperature = 1300.0
+                """,
+                {"mesh.cells": cells, "output.positions": list(places)},
+            )
         )
         profiles = cb.run(scene).profiles
         return np.concatenate(

@@ -12,6 +12,7 @@ from contbed.packed_bed.inside import Candidate, cheapest
 from contbed.packed_bed.plan import plan
 from contbed.plan_text import percent
 from studies.levels_by_error import study
+from tests.scene_text import set_keys
 
 STEPS = 1e-4  # difference of two runs with time steps of a local error of 1e-5
 # by which conduction along a steady bed that moves raises an error; the study has 2.38
@@ -42,7 +43,7 @@ def test_without_conduction_along_the_bed_predictions_are_the_errors(kind):
     random = np.random.default_rng(5)
     for _ in range(4):
         scene = study.bed(kind, random)
-        scene["closures"]["conductivity_gas"] = 0.0
+        set_keys(scene, "closures.conductivity_gas = 0.0")
         exact = study.reference(scene)
         for level in ("lumped", "effective"):
             predicted, error = errors(scene, level, exact)

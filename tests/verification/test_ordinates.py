@@ -25,6 +25,7 @@ from studies._exact.radiation import (
     linear_slab,
 )
 from studies._exact.transport import Equilibrium, half_space_emittance, slab_emittance
+from tests.scene_text import scene_of
 
 HOT, COLD = Wall(1.0), Wall(0.0)
 
@@ -435,21 +436,28 @@ def test_the_number_of_ordinates_follows_the_error(tau):
     ordinates, and the estimate below the tolerance unless a warning says that no more
     were tried.
     """
-    scene = {
-        "mesh": {"type": "line", "length": 0.1},
-        "radiation": {
-            "level": "ordinates",
-            "absorption": tau / 0.1,
-            "scattering": 0.0,
-            "temperature": 1000.0,
-        },
-        "boundary": {
-            "left": {"radiation": {"radiosity": 0.0}},
-            "right": {"radiation": {"radiosity": 0.0}},
-        },
-        "solver": {"tolerance": 1e-4},
-        "output": {"plots": False, "fields": False, "positions": [0.0, 0.02, 0.05]},
-    }
+    scene = scene_of(
+        """
+        [mesh]
+        type = "line"
+        length = 0.1
+        [radiation]
+        level = "ordinates"
+        scattering = 0.0
+        temperature = 1000.0
+        [boundary.left]
+        radiation.radiosity = 0.0
+        [boundary.right]
+        radiation.radiosity = 0.0
+        [solver]
+        tolerance = 1e-4
+        [output]
+        plots = false
+        fields = false
+        positions = [0.0, 0.02, 0.05]
+        """,
+        {"radiation.absorption": tau / 0.1},
+    )
     result = cb.run(from_dict(scene))
     black = SIGMA * 1000.0**4
     t = tau * result.profiles["x [m]"] / 0.1

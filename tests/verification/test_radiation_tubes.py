@@ -13,8 +13,8 @@ from contbed.closures.optics import (
     emissivity_immersed,
     radiation_emissivity_half_space,
 )
-from contbed.errors import SceneError
 from contbed.loading import loads
+from tests.refusals import refused
 
 SCENE = """
 [mesh]
@@ -87,7 +87,4 @@ def test_tubes_need_radiation():
     text = SCENE.format(**LINE, nusselt=10, optics="", tube=500).replace(
         "[radiation]\n", ""
     )
-    with pytest.raises(
-        SceneError, match=r"region.bed.tubes.*need \[heat\] and \[radiation\]"
-    ):
-        loads(text)
+    refused(r"region.bed.tubes.*need \[heat\] and \[radiation\]", loads, text)
