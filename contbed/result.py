@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial, wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from contbed import models
 from contbed.engine import Engine
@@ -99,6 +99,11 @@ class Result:
             "newton": self.history,
             **({"engine": self.usage} if self.usage else {}),
         }
+
+    @property
+    def gradient(self) -> NoReturn:
+        """Name the function that has taken the place of this method."""
+        raise AttributeError("use contbed.gradient(scene, results, keys)")
 
     def _repr_html_(self) -> str:
         """Return the result as a table for a notebook."""

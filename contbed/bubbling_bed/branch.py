@@ -27,7 +27,7 @@ from contbed.result import Result
 from contbed.scene import schema
 from contbed.scene.toml_lines import parse_key
 from contbed.scene.values import value_at, with_value
-from contbed.solvers.branch import Branch, trace
+from contbed.solvers.branch import Branch, Way, trace
 from contbed.solvers.linear import Solver, bordered
 from contbed.solvers.tangent import STEP
 
@@ -116,14 +116,10 @@ def follow(problem: BubblingProblem, state: Any, result: Result) -> Branch:
     branch = trace(
         family.assemble,
         problem.unknowns(state),
-        start,
-        table.to,
+        Way(start, table.to, table.points, table.back_to, table.first_fold),
         problem.plan.policy,
         weights=problem.weights,
         size=TYPICAL,
-        points=table.points,
-        back=table.back_to,
-        first_fold=table.first_fold,
         watch=problem.watch,
     )
     if not branch.complete:

@@ -20,7 +20,7 @@ from contbed.fem import system as make_system
 from contbed.fem.ad.batched import RecordedForms
 from contbed.fem.ad.graph import Graph, NotRecordableError
 from contbed.radiation.equations.p1 import emitted
-from contbed.solvers.continuation import relax, unwatched
+from contbed.solvers.continuation import PseudoSteps, relax, unwatched
 from contbed.solvers.linear import Solver, scaled
 from contbed.solvers.newton import newton
 
@@ -197,9 +197,7 @@ class BubblingProblem:
                         x,
                         self.plan.policy,
                         self.lower,
-                        first=1e-3,
-                        last=1e7,
-                        growth=8.0,
+                        PseudoSteps(last=1e7, growth=8.0),
                         tolerance=STARTING_TOLERANCE,
                         watch=self.watch,
                     )
@@ -267,13 +265,11 @@ class BubblingProblem:
 
     def _marched(self, x: Array) -> tuple[Array, list[float]]:
         """Solve by steps in time."""
-        bounds = (
-            {"patience": PATIENCE, "iterations": MAX_ITERATIONS}
-            if self.c.computed is not None
-            else {}
-        )
+        steps = PseudoSteps()
+        if self.c.computed is not None:
+            steps = PseudoSteps(patience=PATIENCE, iterations=MAX_ITERATIONS)
         return self._newton(
-            relax(self, x, self.plan.policy, self.lower, watch=self.watch, **bounds)
+            relax(self, x, self.plan.policy, self.lower, steps, watch=self.watch)
         )
 
     def _sharpened(self, x: Array) -> Array:

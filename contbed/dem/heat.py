@@ -173,13 +173,12 @@ def _spreading(
         raise ValueError(
             "spreading paths need a fluid and particles of one conductivity"
         )
+    both = (float(k), float(k))
     if heat.surface is None:
-        return spreading_conductance(
-            R, distance, face, float(k), float(k), k_fluid, r_contact
-        )
+        return spreading_conductance(R, distance, face, both, k_fluid, r_contact)
     joint, jump = heat.surface.resistances(r_contact, R, float(k), k_fluid)
     return spreading_conductance(
-        R, distance, face, float(k), float(k), k_fluid, r_contact, joint, jump
+        R, distance, face, both, k_fluid, r_contact, joint, jump
     )
 
 

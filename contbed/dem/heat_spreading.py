@@ -72,8 +72,7 @@ def spreading_conductance(
     R: float,
     distance: ArrayLike,
     face: ArrayLike,
-    k_i: float,
-    k_j: float,
+    k: tuple[float, float],
     k_fluid: float,
     r_contact: ArrayLike = 0.0,
     joint: ArrayLike = np.inf,
@@ -86,7 +85,8 @@ def spreading_conductance(
     R : radius [m]
     distance : of the centres [m]; overlapping spheres have the gap of touching ones
     face : area of the common Voronoi face [m2]
-    k_i, k_j, k_fluid : conductivities [W/m/K]; the fluid's is not above the particles'
+    k, k_fluid : conductivities of both spheres and of the fluid [W/m/K], which is not
+        above those of the spheres
     r_contact : radius of the contact [m], 0 if there is none
     joint : coefficient of the joint within the contact [W/m2/K], asperities and the
         fluid between them; inf: perfect
@@ -96,7 +96,7 @@ def spreading_conductance(
     ------
     ValueError : a fluid that conducts better than the particles
     """
-    mean = 0.5 * (1.0 / k_i + 1.0 / k_j)
+    mean = 0.5 * (1.0 / k[0] + 1.0 / k[1])
     if k_fluid * mean > 1.0 + 1e-12:
         raise ValueError(
             "spreading columns are for fluids that conduct no better than the particles"

@@ -29,6 +29,7 @@ MOST_ITERATIONS = 200  # 15 to 22 are needed from 10,000 to 1,000,000 particles
 # a_ij^2 over a_ii a_jj above which two particles are aggregated; 0 takes 2 to 5
 # iterations more
 STRENGTH = 0.05
+MIDDLE = 0.8  # share of the height between the layers in which the slope is taken
 COARSEST = 500  # unknowns that are solved by a pseudo-inverse
 
 Array = NDArray[np.float64]
@@ -89,10 +90,8 @@ def between_layers(
     hot: Mask,
     cold: Mask,
     area: float,
-    T_hot: float = 398.15,
-    T_cold: float = 298.15,
+    T_layers: tuple[float, float] = (398.15, 298.15),
     axis: int = 2,
-    middle: float = 0.8,
 ) -> Layers:
     """Solve for the temperatures between two layers of particles.
 
@@ -100,15 +99,15 @@ def between_layers(
     ----------
     x : centres [m], (n, 3)
     pairs, parts : from `heat.near_pairs` and `heat.conductances`
-    hot, cold : masks of the particles that are held at T_hot and T_cold [K]
+    hot, cold : masks of the particles of the layers, whose temperatures are `T_layers` [K]
     area : cross-section of the bed [m2]
     axis : along which heat flows
-    middle : share of the height between the layers in which the slope is taken
 
     Raises
     ------
     SceneError : a layer is empty, a particle is in both, or nothing connects them
     """
+    T_hot, T_cold = T_layers
     if not hot.any() or not cold.any() or (hot & cold).any():
         raise SceneError(
             f"layers of {hot.sum()} hot and {cold.sum()} cold particles, "
@@ -136,7 +135,7 @@ def between_layers(
     heat = float(flow[hot].sum())
     z = x[:, axis]
     ends = sorted((_edge(z, hot, cold), _edge(z, cold, hot)))
-    rim = 0.5 * (1.0 - middle) * (ends[1] - ends[0])
+    rim = 0.5 * (1.0 - MIDDLE) * (ends[1] - ends[0])
     core = tied & (z >= ends[0] + rim) & (z <= ends[1] - rim)
     slope = float(np.polyfit(z[core], lift[core], 1)[0])
     difference = lift[pairs.i] - lift[pairs.j]

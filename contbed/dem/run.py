@@ -135,7 +135,7 @@ def _solve(
     assert layers.area is not None
     hot, cold = z < layers.bottom, z > layers.top
     return network.between_layers(
-        plan.x, pairs, parts, hot, cold, layers.area, layers.T_hot, layers.T_cold
+        plan.x, pairs, parts, hot, cold, layers.area, (layers.T_hot, layers.T_cold)
     )
 
 

@@ -181,11 +181,6 @@ class Simulation:
         return round(float(np.log2(self._first_step / self.time_step)))
 
     @property
-    def heat_content(self) -> float:
-        """Heat above 0 K [J] of particles with temperatures."""
-        return float((self.heat_capacity * self.T).sum())
-
-    @property
     def kinetic_energy(self) -> float:
         """Kinetic energy of translation and rotation [J]."""
         turning = (self.inertia * (self.spin**2).sum(axis=1)).sum()

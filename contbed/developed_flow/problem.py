@@ -15,7 +15,7 @@ from contbed.developed_flow import equations as model
 from contbed.developed_flow.plan import DevelopedPlan
 from contbed.errors import ConvergenceError
 from contbed.fem import system as make_system
-from contbed.solvers.continuation import relax, unwatched
+from contbed.solvers.continuation import PseudoSteps, relax, unwatched
 from contbed.solvers.newton import newton
 
 Array = Any
@@ -151,10 +151,8 @@ class DevelopedProblem:
             x,
             self.plan.policy,
             self.lower,
-            first=FIRST_PSEUDO_STEP,
-            last=LAST_PSEUDO_STEP,
+            PseudoSteps(FIRST_PSEUDO_STEP, LAST_PSEUDO_STEP, patience=PATIENCE),
             tolerance=1e-5,
-            patience=PATIENCE,
             watch=(lambda share, note: self.watch(part * share, note))
             if part
             else unwatched,

@@ -19,7 +19,7 @@ from contbed.developed_flow.problem import (
 from contbed.developed_flow.results import fill
 from contbed.errors import ConvergenceError
 from contbed.result import Result, timed
-from contbed.solvers.branch import trace
+from contbed.solvers.branch import Way, trace
 from contbed.solvers.linear import constrain
 
 Array = Any
@@ -246,13 +246,10 @@ def others(problem: DevelopedProblem, state: Array, result: Result) -> list[Arra
         branch = trace(
             assemble,
             state,
-            velocity,
-            stop,
+            Way(velocity, stop, MAX_BRANCH_POINTS, back),
             policy,
             weights=problem.weights,
             size=velocity,
-            points=MAX_BRANCH_POINTS,
-            back=back,
         )
         if not branch.complete:
             end = branch.parameter[-1]

@@ -21,7 +21,7 @@ from contbed.output.common_results import Value, common_results
 from contbed.output.summary import write_json
 from contbed.result import Result
 from contbed.runner import run
-from contbed.scene.names import nearest
+from contbed.scene.names import nearest, several
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import dotted
 
@@ -136,7 +136,7 @@ class Comparison:
 
 def compare(
     scene: str | Path,
-    models: Sequence[str],
+    models: str | Sequence[str],
     out: Path,
     overrides: Mapping[str, Any] | None = None,
     *,
@@ -156,7 +156,8 @@ def compare(
     ------
     SceneError : a model does not exist, or the file cannot be a scene of it
     """
-    unknown = [model for model in models if model not in names()]
+    chosen = several(models)
+    unknown = [model for model in chosen if model not in names()]
     if unknown:
         raise SceneError(
             f"--models: {unknown[0]!r}: unknown choice; {nearest(unknown[0], names())}"
@@ -166,7 +167,7 @@ def compare(
         model: load(
             scene, {**given, "model": model}, trust=trust, allow_large=allow_large
         )
-        for model in dict.fromkeys(models)
+        for model in chosen
     }
     outcomes = [_outcome(model, scenes[model], out / model) for model in scenes]
     found = Comparison(tuple(outcomes))

@@ -216,7 +216,7 @@ def _steady(
 
 def _track_fronts(plan: Plan, result: Result, quiet: bool) -> None:
     from contbed.output.progress import Progress
-    from contbed.packed_bed.equations.fronts import track
+    from contbed.packed_bed.equations.fronts import Phases, track
     from contbed.packed_bed.results import front_findings
 
     scene, medium = plan.scene, plan.medium
@@ -229,11 +229,11 @@ def _track_fronts(plan: Plan, result: Result, quiet: bool) -> None:
             scene.mesh.length,  # type: ignore[union-attr]
             plan.mesh.skfem.nelements,
             abs(u) / porosity,
-            porosity * medium.fluid.density(300.0) * medium.fluid.heat_capacity(300.0),
-            (1.0 - porosity)
-            * medium.solid.density(300.0)
-            * medium.solid.heat_capacity(300.0),
-            float(medium.exchange(medium.T_fluid_in, lambda density: abs(u))),
+            Phases(
+                porosity * _capacity(medium.fluid),
+                (1.0 - porosity) * _capacity(medium.solid),
+                float(medium.exchange(medium.T_fluid_in, lambda density: abs(u))),
+            ),
             medium.T_fluid_in,
             _start_of_fronts(scene),
             times,
@@ -245,6 +245,11 @@ def _track_fronts(plan: Plan, result: Result, quiet: bool) -> None:
         sums["in"], sums["out"], "J", stored=sums["stored"]
     ).as_dict()
     front_findings(plan, snapshots, u < 0, result)
+
+
+def _capacity(phase: Any) -> float:
+    """Return the heat capacity of a volume of a phase of constant properties [J/m3/K]."""
+    return float(phase.density(300.0) * phase.heat_capacity(300.0))
 
 
 def _start_of_fronts(scene: Scene) -> tuple[float, float]:

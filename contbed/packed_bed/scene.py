@@ -18,7 +18,6 @@ means that its physics is absent. Defaults live here only.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
@@ -27,7 +26,7 @@ from contbed.packed_bed.renamed import RENAMED
 from contbed.radiation.scene import RadiatingSolid, Radiation, RadiationCondition, Tubes
 from contbed.scene.boundary import ThermalCondition, WallHeat
 from contbed.scene.gas import Gas
-from contbed.scene.mesh import Mesh, MeshFile
+from contbed.scene.mesh import Mesh
 from contbed.scene.quantities import (
     Conductivity,
     Fraction,
@@ -385,17 +384,6 @@ class Scene(SceneBase):
     time: Time | None = None
     solver: Solver = Solver()
     output: Output = Output()
-
-    @property
-    def mesh_path(self) -> Path | None:
-        """The mesh file of this scene, found from any working directory; None for a
-        built-in mesh.
-        """
-        return (
-            self._origin.base / self.mesh.file
-            if isinstance(self.mesh, MeshFile)
-            else None
-        )
 
     @property
     def solid(self) -> Solid:

@@ -20,7 +20,7 @@ from contbed.result import Result
 from contbed.scene import schema
 from contbed.scene.toml_lines import parse_key
 from contbed.scene.values import value_at, with_value
-from contbed.solvers.branch import Branch, trace
+from contbed.solvers.branch import Branch, Way, trace
 from contbed.solvers.linear import Policy
 
 Array = NDArray[np.float64]
@@ -97,13 +97,10 @@ def _traced(problem: Problem, u: Array) -> tuple[Family, Branch]:
     branch = trace(
         family.assemble,
         u.ravel(),
-        start,
-        table.to,
+        Way(start, table.to, table.points, table.back_to),
         Policy(1),
         weights=weights,
         size=1.0,
-        points=table.points,
-        back=table.back_to,
         tolerance=1e-10,
     )
     return family, branch

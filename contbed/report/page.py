@@ -18,8 +18,6 @@ from contbed.errors import ContbedError
 from contbed.output.summary import plain
 from contbed.report.read import Key, Run
 
-LIMIT_MB = 5.0  # of the file; what is larger opens slowly and is not sent by mail
-
 
 def page(title: str, parts: Iterable[str], charts: Sequence[dict[str, Any]]) -> str:
     """Return the file: `parts` are the sections, in which `place` puts a chart by

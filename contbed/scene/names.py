@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import Any
 
@@ -36,6 +37,11 @@ def nearest_of(name: str, known: list[str]) -> str:
         if found
         else "`contbed list` shows results, a run's summary.json those it has"
     )
+
+
+def several(names: str | Iterable[str]) -> tuple[str, ...]:
+    """Return names without repetition; a text is one name, not a list of letters."""
+    return tuple(dict.fromkeys([names] if isinstance(names, str) else names))
 
 
 def first_paragraph(text: object) -> str:

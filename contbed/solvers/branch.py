@@ -32,6 +32,7 @@ MAX_ITERATIONS = 8  # of Newton's method in one step
 MIN_STEP = 1e-7  # step below which the branch is given up
 # step, of a distance in which the whole span of the parameter counts as one
 MAX_STEP = 0.1
+FIRST_STEP = 0.02
 MAX_FOLD_STEPS = 30  # steps at most that look for a fold
 FOLD_TOLERANCE = 1e-9  # share of the span within which a fold is found
 
@@ -148,38 +149,48 @@ class _Continuation:
         return point
 
 
+@dataclass(frozen=True)
+class Way:
+    """How far a branch is followed by its parameter.
+
+    It begins at `start` and ends where the parameter passes `stop` or, on the other
+    side, `back`, or where `points` are found; with `first_fold` at the first fold as
+    well.
+    """
+
+    start: float
+    stop: float
+    points: int
+    back: float | None = None
+    first_fold: bool = False
+
+
 def trace(
     assemble: Assemble,
     x: Array,
-    start: float,
-    stop: float,
+    way: Way,
     policy: Policy,
     *,
     weights: Array,
     size: float,
-    points: int,
-    back: float | None = None,
-    first: float = 0.02,
-    first_fold: bool = False,
     tolerance: float = 1e-8,
     watch: Callable[[float, str], None] = unwatched,
 ) -> Branch:
-    """Follow the branch of `assemble(x, p, jacobian) -> (R, matrix)` from a state `x`
-    at `start`.
+    """Follow the branch of `assemble(x, p, jacobian) -> (R, matrix)` from a state `x`.
 
-    It ends where p passes `stop` or, on the other side, `back`, or where `points` are
-    found; with `first_fold` at the first fold as well. `weights` make the unknowns
-    comparable with `size`. A branch that cannot be continued is returned incomplete.
+    `weights` make the unknowns comparable with `size`. A branch that cannot be
+    continued is returned incomplete.
     `watch` is called with the share of the way, by the parameter or by the number of
     points, and the parameter.
     """
+    start, stop, points = way.start, way.stop, way.points
     continuation = _Continuation(
         assemble, weights, size, abs(stop - start), policy, tolerance
     )
     out = Branch([start], [x])
     toward = (np.zeros_like(x), float(np.sign(stop - start)))
-    point, s = _Point(x, start, continuation.tangent(x, start, toward)), first
-    back = start if back is None else back
+    point, s = _Point(x, start, continuation.tangent(x, start, toward)), FIRST_STEP
+    back = start if way.back is None else way.back
     low, high = min(back, stop), max(back, stop)
     while len(out.parameter) < points and s > MIN_STEP:
         try:
@@ -190,7 +201,7 @@ def trace(
         if found.tangent[1] * point.tangent[1] < 0:
             turn = continuation.fold(point, s)
             out.folds.append((len(out.parameter), turn.p, turn.x))
-            if first_fold:
+            if way.first_fold:
                 out.complete = True
                 break
         if not low <= found.p <= high:

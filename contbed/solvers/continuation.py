@@ -5,6 +5,7 @@ of growing size.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -35,26 +36,35 @@ def unwatched(share: float, note: str) -> None:
     """Take no notice of how far a march is."""
 
 
+@dataclass(frozen=True)
+class PseudoSteps:
+    """Steps of a march to a steady state.
+
+    They grow from `first` to `last` [s] by the factor `growth`. A step that needs more
+    than `iterations` of Newton's method is shortened; after `patience` steps of which
+    none is the longest so far the march is given up.
+    """
+
+    first: float = 1e-3
+    last: float = 1e12
+    growth: float = GROWTH
+    patience: int = MAX_STEPS
+    iterations: int = 30
+
+
 def relax(
     problem: Problem,
     state: Any,
     policy: Policy,
     lower: Any = 0.0,
-    first: float = 1e-3,
-    last: float = 1e12,
-    growth: float = GROWTH,
+    steps: PseudoSteps = PseudoSteps(),
     tolerance: float = 1e-6,
-    patience: int = MAX_STEPS,
-    iterations: int = 30,
     watch: Callable[[float, str], None] = unwatched,
 ) -> Any:
-    """March from `state` to a steady state with steps that grow from `first` to
-    `last` [s].
+    """March from `state` to a steady state with steps that grow.
 
-    A step that needs more than `iterations` of Newton's method, or fails, is shortened.
-    Unknowns stay above `lower`. After `patience` steps of which none is the longest so
-    far the march is given up. `watch` is called with the share of the way to `last`, by
-    powers of ten, and the step.
+    A step that fails is shortened. Unknowns stay above `lower`. `watch` is called with
+    the share of the way to the last step, by powers of ten, and the step.
 
     Raises
     ------
@@ -62,7 +72,7 @@ def relax(
         Where steps no longer grow; it carries the last state.
 
     """
-    dt, longest, stale = first, 0.0, 0
+    dt, longest, stale = steps.first, 0.0, 0
     history: list[float] = []
     for _ in range(MAX_STEPS):
         before = problem.content(state, False)[0]
@@ -77,7 +87,7 @@ def relax(
             ) / dt + steady, mass / dt + stiffness if jacobian else None
 
         stale += 1
-        if stale > patience:
+        if stale > steps.patience:
             break
         try:
             # a step too far may overflow; it is shortened below
@@ -88,21 +98,22 @@ def relax(
                     problem.fixed,
                     policy,
                     tolerance=tolerance,
-                    iterations=iterations,
+                    iterations=steps.iterations,
                     lower=lower,
                     rough=True,  # the state is only where the next step starts
                     what="continuation",
                 )
         except ConvergenceError as error:
             history = error.history
-            dt /= growth**2
+            dt /= steps.growth**2
             continue
         if dt > longest:
             longest, stale = dt, 0
-        if dt >= last:
+        if dt >= steps.last:
             return state
-        watch(np.log(max(dt / first, 1.0)) / np.log(last / first), f"step {dt:.2g} s")
-        dt *= growth
+        share = np.log(max(dt / steps.first, 1.0)) / np.log(steps.last / steps.first)
+        watch(share, f"step {dt:.2g} s")
+        dt *= steps.growth
     message = (
         "no steady state by steps in time; the longest step that converged is "
         f"{longest:.3g} s"

@@ -6,13 +6,14 @@ from reacting_scenes import tables
 import contbed as cb
 from contbed.bubbling_bed.chemistry.of_boilers import emission
 from contbed.loading import from_dict
+from tests.scene_text import set_keys
 
 
 @pytest.fixture(scope="module")
 def boiler():
     """A combustor whose fuel is fed at the temperature of its heating value."""
     scene = tables(initial={"temperature": 1150.0})
-    scene["solids"]["char"]["feed"]["temperature"] = 298.15
+    set_keys(scene, "solids.char.feed.temperature = 298.15")
     return cb.run(from_dict(scene)).qoi
 
 
@@ -41,6 +42,6 @@ def test_emissions_by_hand(boiler):
 
 def test_a_gasifier_has_no_efficiency_of_a_boiler():
     scene = tables(initial={"temperature": 1150.0})
-    scene["boundary"]["bottom"]["gas"]["mass_flow"] = 0.25
+    set_keys(scene, "boundary.bottom.gas.mass_flow = 0.25")
     qoi = cb.run(from_dict(scene)).qoi
     assert qoi["oxygen_ratio"] < 1.0 and "boiler_efficiency" not in qoi

@@ -18,7 +18,7 @@ STEEL = Surface(19e-9, 0.056, 3e9, 2e11, 0.29, 68e-9, accommodation=0.7)
 
 def conductance(distance=2.0, face=3.0, ratio=1e3, **more):
     return float(
-        sum(spreading_conductance(1.0, distance, face, ratio, ratio, 1.0, **more))[0]
+        sum(spreading_conductance(1.0, distance, face, (ratio, ratio), 1.0, **more))[0]
     )
 
 
@@ -37,7 +37,7 @@ def test_alike_materials_conduct_as_the_material():
     face, d = np.meshgrid([1e-3, 0.5, 3.0, 8.0], [1.9, 2.0, 2.1, 3.5])
     for r_contact in (0.0, 0.05):
         fluid, contact = spreading_conductance(
-            1.0, d.ravel(), face.ravel(), 0.7, 0.7, 0.7, r_contact
+            1.0, d.ravel(), face.ravel(), (0.7, 0.7), 0.7, r_contact
         )
         assert fluid + contact == pytest.approx((0.7 * face / d).ravel(), rel=1e-9)
 
@@ -75,12 +75,14 @@ def test_a_contact_without_fluid_is_a_constriction(r_contact):
     e = r_contact / r_face
     spot = (1.0 - 1.40978 * e + 0.34406 * e**3 + 0.0435 * e**5) / (4.0 * r_contact)
     exact = 1.0 / (2.0 * spot + 2.0 / 3.0)
-    _, contact = spreading_conductance(1.0, 2.0, 3.0, 1.0, 1.0, 1e-5, r_contact)
+    _, contact = spreading_conductance(1.0, 2.0, 3.0, (1.0, 1.0), 1e-5, r_contact)
     assert float(contact[0]) == pytest.approx(exact, rel=0.06)
 
 
 def test_a_weak_joint_is_all_the_resistance():
-    _, contact = spreading_conductance(1.0, 2.0, 3.0, 1e3, 1e3, 1e-9, 0.05, joint=1e-3)
+    _, contact = spreading_conductance(
+        1.0, 2.0, 3.0, (1e3, 1e3), 1e-9, 0.05, joint=1e-3
+    )
     assert float(contact[0]) == pytest.approx(1e-3 * np.pi * 0.05**2, rel=1e-4)
 
 
@@ -91,22 +93,22 @@ def test_what_conducts_better_adds():
     ]
     assert (np.diff(series) > 0).all()
     one, other = (
-        sum(spreading_conductance(1.0, 2.01, 3.0, *k, 1.0))
+        sum(spreading_conductance(1.0, 2.01, 3.0, k, 1.0))
         for k in ((10.0, 50.0), (50.0, 10.0))
     )
     assert one == pytest.approx(other, rel=1e-14)
     with pytest.raises(ValueError, match="no better"):
-        spreading_conductance(1.0, 2.0, 3.0, 1.0, 1.0, 1.1)
+        spreading_conductance(1.0, 2.0, 3.0, (1.0, 1.0), 1.1)
 
 
 def test_many_pairs_at_once_are_single_ones():
     d, face = np.linspace(1.99, 2.6, 300), np.linspace(0.2, 4.0, 300)
     together = spreading_conductance(
-        1.0, d, face, 50.0, 50.0, 1.0, np.where(d < 2.0, 0.01, 0.0)
+        1.0, d, face, (50.0, 50.0), 1.0, np.where(d < 2.0, 0.01, 0.0)
     )
     for n in (0, 255, 256, 299):
         alone = spreading_conductance(
-            1.0, d[n], face[n], 50.0, 50.0, 1.0, 0.01 if d[n] < 2.0 else 0.0
+            1.0, d[n], face[n], (50.0, 50.0), 1.0, 0.01 if d[n] < 2.0 else 0.0
         )
         assert [together.fluid[n], together.contact[n]] == pytest.approx(
             [alone.fluid[0], alone.contact[0]], rel=1e-10
@@ -245,7 +247,9 @@ poisson_ratio = 0.29
     found = cb.run(cb.load(path)).qoi
     R = 3.2e-3
     joint, jump = STEEL.resistances(np.array([8e-6]), R, 42.0, 0.027)
-    G = spreading_conductance(R, 2 * R, 4 * R**2, 42.0, 42.0, 0.027, 8e-6, joint, jump)
+    G = spreading_conductance(
+        R, 2 * R, 4 * R**2, (42.0, 42.0), 0.027, 8e-6, joint, jump
+    )
     # the distance carries the rounding of the lattice
     assert found["k_eff [W/m/K]"] == pytest.approx(float(sum(G)[0]) / (2 * R), rel=1e-6)
     path.write_text(text + "emissivity = 0.5\n[radiation]\ntemperature = 1000.0\n")

@@ -125,10 +125,8 @@ def test_a_chain_on_each_axis(axis):
         x[:, axis] == 0,
         x[:, axis] == 3,
         2.0,
-        T_hot=310.0,
-        T_cold=300.0,
+        T_layers=(310.0, 300.0),
         axis=axis,
-        middle=1.0,
     )
     assert result.heat == pytest.approx(20.0, rel=1e-14)
     assert result.T[:4] == pytest.approx(

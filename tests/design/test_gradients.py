@@ -197,3 +197,8 @@ conductivity = 26.0
     assert made.logarithmic[0] == pytest.approx([-1.0, 1.0, 1.0], abs=1e-4)
     assert (made.standard_errors >= 0.0).all()
     assert made.standard_errors[0, 0] * 2e-3 < 1e-4
+
+
+def test_a_text_is_one_name():
+    found = cb.gradient(loads(SLIP), OUT[0], "packed_bed.porosity")
+    assert (found.qoi, found.keys) == (tuple(OUT), ("packed_bed.porosity",))

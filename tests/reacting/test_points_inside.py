@@ -20,6 +20,7 @@ from contbed.models import plan
 from contbed.particle.interior import interior
 from contbed.particle.level import SHAPES
 from contbed.reacting_bed.course import Course
+from tests.scene_text import set_keys
 
 TIMES = np.geomspace(1e-5, 1.0, 400)  # Fourier numbers
 EXACT = 20  # points
@@ -66,8 +67,8 @@ def test_undershoots_cost_less_than_a_limiter(biot, count, low, error):
 
 def test_particles_of_a_bed_hold_nothing_below_zero():
     scene, unit = adsorber(100.0, 10.0, 3.0)
-    scene["mesh"]["cells"] = 6
-    scene["solids"]["particles"]["inside"] = {"adsorption": "interior"}
+    set_keys(scene, "mesh.cells = 6")
+    set_keys(scene, 'solids.particles.inside = { adsorption = "interior" }')
     scene["time"] |= {"end": 4.0 * unit, "tolerance": 1e-3}
     found = plan(from_dict(scene))
     course = Course.of(found.scene, found.problem, found.schedule, found.stores_gas)

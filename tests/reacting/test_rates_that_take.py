@@ -20,6 +20,8 @@ from contbed.models import plan
 from contbed.reacting_bed import rate_checks
 from contbed.reacting_bed.rate_checks import taken_though_absent, taken_to_the_end
 from contbed.reacting_bed.solve import Report, newton_step
+from tests.refusals import refused
+from tests.scene_text import set_keys
 
 # [mol/m3/s]; over 0.4 m of gas it takes 0.8 of the 12 mol/m2/s that enter
 CONSUMED = 2.0
@@ -28,17 +30,16 @@ CONSUMED = 2.0
 def bed(rate, composition="A:1", **more):
     """Gas A of 1 m that becomes B by a formula."""
     scene = isothermal(composition, species(A=0.028, B=0.028))
-    scene["mesh"]["cells"] = 8
+    set_keys(scene, "mesh.cells = 8")
     scene["reactions"] = {"r": {"equation": "A -> B", "rate": rate, **more}}
     return from_dict(scene)
 
 
 def test_a_negative_rate_takes_what_does_not_enter():
-    with pytest.raises(
-        SceneError,
-        match=r"reactions\.r\.rate: takes .* of B where .*: B does not enter.*its sign",
-    ):
-        plan(bed("-1e-2*c_A"))
+    refused(
+        r"reactions\.r\.rate: takes .* of B where .*: B does not enter.*its sign",
+        lambda: plan(bed("-1e-2*c_A")),
+    )
 
 
 def test_rates_that_run_back_may_be_negative():
@@ -92,11 +93,11 @@ def test_a_constant_rate_of_what_is_left_is_exact():
 @pytest.mark.parametrize("gas", ["quasi_steady", "stored"])
 def test_runs_in_time_keep_what_they_passed(gas, tmp_path):
     scene = isothermal("A:1", species(A=0.028, B=0.028))
-    scene["mesh"]["cells"] = 8
+    set_keys(scene, "mesh.cells = 8")
     scene["reactions"] = {
         "r": {"equation": "A -> B", "rate": str(1.5 * 0.5 * MOLAR / 0.4)}
     }
-    scene["time"] = {"end": 2.0}
+    set_keys(scene, "time = { end = 2.0 }")
     scene["packed_bed"]["gas_storage"] = gas
     with pytest.raises(ConvergenceError, match=r"takes .* of A where .* at t = \d"):
         contbed.run(from_dict(scene), out=tmp_path)
@@ -106,13 +107,18 @@ def test_runs_in_time_keep_what_they_passed(gas, tmp_path):
 def test_films_are_looked_at():
     """The film lets less pass than the rate takes, although the gas is not used up."""
     scene = isothermal("A:1", species(A=0.028, B=0.028))
-    scene["mesh"] |= {"length": 0.01, "cells": 2}
-    scene["gas"] |= {"diffusivity": 1e-6, "viscosity": 2e-5}
-    scene["closures"] |= {"sherwood": 2.0}
-    scene["solids"]["particles"] |= {"density": 1000.0}
-    scene["reactions"] = {
-        "r": {"equation": "A -> B", "rate": "100.0", "basis": "particle"}
-    }
+    set_keys(
+        scene,
+        """
+        mesh.length = 0.01
+        mesh.cells = 2
+        gas.diffusivity = 1e-6
+        gas.viscosity = 2e-5
+        closures.sherwood = 2.0
+        solids.particles.density = 1000.0
+        reactions = { r = { equation = "A -> B", rate = "100.0", basis = "particle" } }
+        """,
+    )
     with pytest.raises(
         ConvergenceError, match=r"of A at the particles where there is none"
     ):
@@ -121,11 +127,14 @@ def test_films_are_looked_at():
 
 def test_solids_that_move_are_looked_at():
     scene = let_move(isothermal("A:1", species(A=0.028, B=0.028)), -1e-5)
-    scene["mesh"]["cells"] = 8
+    set_keys(scene, "mesh.cells = 8")
     scene["solids"]["particles"] |= solids()
-    scene["reactions"] = {
-        "r": {"equation": "A + S -> B + P", "rate": "0.1*c_A", "basis": "bed"}
-    }
+    set_keys(
+        scene,
+        """
+        reactions = { r = { equation = "A + S -> B + P", rate = "0.1*c_A", basis = "bed" } }
+        """,
+    )
     with pytest.raises(
         ConvergenceError, match=r"of S where .*: S .*n_S/\(abs\(n_S\) \+ "
     ):
@@ -151,8 +160,7 @@ def test_solids_that_move_are_looked_at():
 def test_rates_without_value(rate, said):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        with pytest.raises(SceneError, match=r"reactions\.r\.rate: " + said):
-            plan(bed(rate))
+        refused(r"reactions\.r\.rate: " + said, lambda: plan(bed(rate)))
 
 
 def test_a_negative_order_in_what_does_not_enter_is_infinite():
@@ -163,13 +171,20 @@ def test_a_negative_order_in_what_does_not_enter_is_infinite():
         "r": {"equation": "A -> B", "A": 1.0, "E": 0.0, "orders": {"A": 1.0, "B": -0.5}}
     }
     said = r"reactions\.r: is infinite .* there is no B, .* the order is -0\.5: .*\(c_B \+ 1e-6\)\*\*\(-0\.5\)"
-    with pytest.raises(SceneError, match=said):
-        plan(from_dict(scene))
-    scene["reactions"] = {
-        "r": {"equation": "A -> B", "rate": "c_A*(c_B + 1e-6)**(-0.5)"}
-    }
+    refused(said, lambda: plan(from_dict(scene)))
+    set_keys(
+        scene,
+        """
+        reactions = { r = { equation = "A -> B", rate = "c_A*(c_B + 1e-6)**(-0.5)" } }
+        """,
+    )
     advised = contbed.run(from_dict(scene))
-    scene["reactions"] = {"r": {"equation": "A -> B", "rate": "c_A/sqrt(c_B + 1e-6)"}}
+    set_keys(
+        scene,
+        """
+        reactions = { r = { equation = "A -> B", rate = "c_A/sqrt(c_B + 1e-6)" } }
+        """,
+    )
     assert advised.qoi["conversion_A"] == pytest.approx(
         contbed.run(from_dict(scene)).qoi["conversion_A"], rel=1e-9
     )
@@ -181,7 +196,7 @@ def in_time(reaction, fills=None, **more):
     before.
     """
     scene = isothermal("A:0.5, B:0.5", species(A=0.028, B=0.028, N=0.028))
-    scene["mesh"]["cells"] = 8
+    set_keys(scene, "mesh.cells = 8")
     scene["reactions"] = {"r": {"equation": "A -> B", **reaction}}
     scene["time"], scene["packed_bed"]["gas_storage"] = {"end": 1.0}, "stored"
     scene["initial"] = {} if fills is None else {"gas": {"composition": fills}}
@@ -223,8 +238,7 @@ def test_rates_without_value_are_told_before_a_run_in_time(
     scene = in_time(reaction, fills)
     if enters is not None:
         scene["boundary"]["left"]["gas"]["composition"] = enters
-    with pytest.raises(SceneError, match=said):
-        plan(from_dict(scene))
+    refused(said, lambda: plan(from_dict(scene)))
 
 
 def test_a_gas_without_what_reacts_is_no_mistake():
@@ -238,7 +252,7 @@ def test_a_rate_without_value_at_the_start_of_a_file_is_told(tmp_path):
     """The gas of the file has neither A nor B."""
     (tmp_path / "start.csv").write_text("x [m],x_N [1]\n0,1\n1,1\n")
     scene = in_time({"rate": "0.5*c_A/c_B"})
-    scene["initial"] = {"file": "start.csv"}
+    set_keys(scene, 'initial = { file = "start.csv" }')
     with pytest.raises(
         ConvergenceError,
         match=r"at t = 0 s; the rate of r is nan at x = .*: add a small amount",
@@ -291,14 +305,14 @@ def test_check_refuses_what_run_refuses(tmp_path):
 def test_a_constant_rate_in_resolved_pellets():
     """No diffusion slows it down: what is taken is that of the whole pellets."""
     scene = isothermal("A:1", species(A=0.028, B=0.028))
-    scene["solids"]["particles"] |= {"density": 1000.0}
-    scene["solids"]["particles"]["inside"] = {
-        "mass": "interior",
-        "diffusivity": {"A": 1e-6, "B": 1e-6},
-    }
-    scene["reactions"] = {
-        "r": {"equation": "A -> B", "rate": "1.0", "basis": "particle"}
-    }
+    set_keys(
+        scene,
+        """
+        solids.particles.density = 1000.0
+        solids.particles.inside = { mass = "interior", diffusivity = { A = 1e-6, B = 1e-6 } }
+        reactions = { r = { equation = "A -> B", rate = "1.0", basis = "particle" } }
+        """,
+    )
     result = contbed.run(from_dict(scene))
     assert result.qoi["conversion_A"] == pytest.approx(0.6 / (0.5 * MOLAR), rel=1e-10)
 
@@ -307,11 +321,16 @@ def test_sections_are_looked_at_ring_by_ring():
     scene = isothermal("A:0.5, B:0.5", species(A=0.028, B=0.028))
     for gas in scene["gas"]["species"].values():
         gas["heat_capacity"] = 30.0
-    scene["mesh"]["cells"] = 8
-    scene["heat"] = {}
-    scene["mesh"]["diameter"] = 0.1
+    set_keys(
+        scene,
+        """
+        mesh.cells = 8
+        heat = {}
+        mesh.diameter = 0.1
+        """,
+    )
     scene["boundary"]["wall"] = {"coefficient": 50.0, "ambient": T}
-    scene["packed_bed"]["section"] = {"rings": 2, "conductivity_solids": 1.0}
+    set_keys(scene, "packed_bed.section = { rings = 2, conductivity_solids = 1.0 }")
     scene["reactions"] = {
         "r": {"equation": "A -> B", "rate": str(0.55 * 0.5 * MOLAR / 0.4)}
     }
@@ -324,7 +343,7 @@ def test_sections_are_looked_at_ring_by_ring():
 
 def test_solids_of_several_kinds_go_by_their_own_names():
     scene = let_move(isothermal("A:1", species(A=0.028, B=0.028)), -1e-5)
-    scene["mesh"]["cells"] = 8
+    set_keys(scene, "mesh.cells = 8")
     scene["solids"]["particles"] |= solids()
     scene["reactions"] = {
         "r": {
@@ -358,14 +377,25 @@ def test_named_laws_are_not_blamed(monkeypatch):
     """
     gases = {name: {"heat_capacity": 30.0} for name in ("H2", "H2O")}
     scene = let_move(isothermal("H2:0.9, H2O:0.1", gases), -1e-4)
-    scene["mesh"]["cells"] = 4
-    scene["solids"]["particles"] |= {"composition": "Fe2O3:1", "density": 4000.0}
+    set_keys(
+        scene,
+        """
+        mesh.cells = 4
+        solids.particles.composition = "Fe2O3:1"
+        solids.particles.density = 4000.0
+        """,
+    )
     scene["solids"]["particles"]["constituent"] = {
         name: {"heat_capacity": 100.0} for name in ("Fe2O3", "Fe3O4", "FeO", "Fe")
     }
-    scene["boundary"]["left"]["gas"]["temperature"] = 1000.0
-    scene["reactions"] = {"reduction": {"law": "three_interfaces_H2"}}
-    scene["gas"]["diffusivity"] = 1e-4
+    set_keys(
+        scene,
+        """
+        boundary.left.gas.temperature = 1000.0
+        reactions = { reduction = { law = "three_interfaces_H2" } }
+        gas.diffusivity = 1e-4
+        """,
+    )
     problem = plan(from_dict(scene)).problem
     u = problem.start()
     monkeypatch.setattr(

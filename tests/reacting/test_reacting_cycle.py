@@ -14,7 +14,7 @@ from solving import solved
 
 import contbed
 from contbed.course import cycle as periodic
-from contbed.errors import ConvergenceError, SceneError
+from contbed.errors import ConvergenceError
 from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.reacting_bed import cycle
@@ -25,6 +25,8 @@ from contbed.reacting_bed.transient import BedSteps, begin
 from contbed.reacting_bed.transient_results import contents
 from contbed.solvers.anderson import Anderson
 from tests.particle.tables import rows
+from tests.refusals import refused
+from tests.scene_text import set_keys
 
 TOLERANCE = 1e-8  # of the change over a period, the default
 
@@ -38,12 +40,17 @@ def regenerator(row):
     scene["boundary"]["left"]["gas"]["mass_flux"] = switched(
         [0.5, -0.5 * row["Lambda_hot"] / row["Lambda_cold"]], times[0]
     )
-    scene["boundary"]["right"] = {"gas": {"temperature": 300.0}}
+    set_keys(scene, "boundary.right = { gas = { temperature = 300.0 } }")
     scene["time"] = {"end": sum(times), "times": [times[0]]}
-    scene["packed_bed"]["gas_storage"] = "quasi_steady"
-    scene["initial"] |= {"temperature": 450.0}
-    scene["time"]["cycle"] = {}
-    scene["mesh"]["cells"] = 20
+    set_keys(
+        scene,
+        """
+        packed_bed.gas_storage = "quasi_steady"
+        initial.temperature = 450.0
+        time.cycle = {}
+        mesh.cells = 20
+        """,
+    )
     nodes, weights = np.polynomial.legendre.leggauss(40)
     scene["output"]["positions"] = (
         0.5 * scene["mesh"]["length"] * (1.0 + nodes)
@@ -109,21 +116,34 @@ def test_a_hot_zone_between_two_directions_of_flow():
     scene = isothermal(
         "A:0.02, B:0.98", {"A": gas | {"enthalpy": 150e3}, "B": gas | {"enthalpy": 0.0}}
     )
-    scene["solids"]["particles"] |= {"density": 1500.0, "heat_capacity": 800.0}
-    scene["heat"] = {}
-    scene["closures"] |= {"conductivity_solids": 5.0}
-    scene["mesh"] |= {"length": 0.5, "cells": 8}
+    set_keys(
+        scene,
+        """
+        solids.particles.density = 1500.0
+        solids.particles.heat_capacity = 800.0
+        heat = {}
+        closures.conductivity_solids = 5.0
+        mesh.length = 0.5
+        mesh.cells = 8
+        """,
+    )
     # not where cells meet
     scene["output"]["positions"] = (0.5 / 16.0 * (np.arange(16) + 0.5)).tolist()
     scene["boundary"] = {
         side: {"gas": {"temperature": 350.0}} for side in ("left", "right")
     }
     scene["boundary"]["left"]["gas"]["mass_flux"] = switched([0.3, -0.3], 60.0)
-    scene["reactions"] = {"r": {"equation": "A -> B", "A": 2e4, "E": 5e4}}
-    scene["time"] = {"end": 120.0, "times": [60.0]}
-    scene["packed_bed"]["gas_storage"] = "quasi_steady"
-    scene["initial"] |= {"temperature": 600.0}
-    scene["time"] |= {"tolerance": 1e-3, "cycle": {}}
+    set_keys(
+        scene,
+        """
+        reactions = { r = { equation = "A -> B", A = 2e4, E = 5e4 } }
+        time = { end = 120.0, times = [60.0] }
+        packed_bed.gas_storage = "quasi_steady"
+        initial.temperature = 600.0
+        time.tolerance = 1e-3
+        time.cycle = {}
+        """,
+    )
     found = solved(scene)
     assert found.qoi["cycle_periods"] <= 40  # some 1000 by repetition
     middle, end = found.profiles["T_solid [K]"].reshape(2, -1)
@@ -165,7 +185,7 @@ def test_a_bed_that_adsorbs_and_is_flushed_against_marching(isotherm):
         ["A:1e-6, N:0.999999", "N:1"], 2.0 * unit
     )
     scene["time"] |= {"end": 4.0 * unit, "tolerance": 1e-3, "cycle": {}}
-    scene["mesh"]["cells"] = 6
+    set_keys(scene, "mesh.cells = 6")
     del scene["output"]["positions"]
     found, after = solved(scene), marched(scene, 12)
     key = "q_A [mol/kg]"
@@ -184,10 +204,15 @@ def test_a_gas_in_the_pores_against_marching():
         "A:1", species(A=0.028, B=0.028), closures={"dispersion_mass": 0.1}
     )
     scene["boundary"]["left"]["gas"]["composition"] = switched(["A:1", "B:1"], 0.4)
-    scene["time"] = {"end": 0.8, "tolerance": 1e-3, "cycle": {}}
-    scene["packed_bed"]["gas_storage"] = "stored"
-    scene["initial"] |= {"gas": {"composition": "B:1"}}
-    scene["mesh"]["cells"] = 6
+    set_keys(
+        scene,
+        """
+        time = { end = 0.8, tolerance = 1e-3, cycle = {} }
+        packed_bed.gas_storage = "stored"
+        initial.gas = { composition = "B:1" }
+        mesh.cells = 6
+        """,
+    )
     found, after = solved(scene), marched(scene, 6)
     # of steps
     assert found.profiles["x_A [1]"] == pytest.approx(
@@ -287,11 +312,16 @@ def test_extrapolated_states_stay_within_their_bounds_node_by_node():
 def test_extrapolated_temperatures_and_fractions_stay_within_their_bounds():
     scene, _ = heated(4.0)
     scene["gas"]["species"]["B"] = scene["gas"]["species"]["A"]
-    scene["gas"]["composition"] = "A:0.5, B:0.5"
-    scene["mesh"]["cells"] = 3
-    scene["time"] = {"end": 1.0}
-    scene["packed_bed"]["gas_storage"] = "stored"
-    scene["initial"] |= {"temperature": 300.0}
+    set_keys(
+        scene,
+        """
+        gas.composition = "A:0.5, B:0.5"
+        mesh.cells = 3
+        time = { end = 1.0 }
+        packed_bed.gas_storage = "stored"
+        initial.temperature = 300.0
+        """,
+    )
     course = course_of(scene)
     u = course.start()
     stored = cycle.Stored.of(course.problem, course.sizes(u))
@@ -357,28 +387,26 @@ def test_a_cycle_that_is_not_found_ends_with_its_best_period(monkeypatch):
 
 def test_cycles_that_cannot_be_are_told():
     scene = looping()
-    scene["boundary"]["left"]["gas"]["composition"] = "A:1"
-    with pytest.raises(
-        SceneError,
-        match=r"time\.cycle.*: a cycle needs a composition, a flow, or a temperature",
-    ):
-        from_dict(scene)
+    set_keys(scene, 'boundary.left.gas.composition = "A:1"')
+    refused(
+        r"time\.cycle.*: a cycle needs a composition, a flow, or a temperature",
+        from_dict,
+        scene,
+    )
     scene = looping()
-    scene["boundary"]["left"]["gas"]["composition"] |= {"period": 900.0}
-    with pytest.raises(
-        SceneError,
-        match=r"its period of 900 s fits 1\.33333 times into the cycle.*multiple",
-    ):
-        from_dict(scene)
+    set_keys(scene, "boundary.left.gas.composition.period = 900.0")
+    refused(
+        r"its period of 900 s fits 1\.33333 times into the cycle.*multiple",
+        from_dict,
+        scene,
+    )
     scene["boundary"]["left"]["gas"]["composition"]["period"] = 600.0 + 1e-5
-    scene["boundary"]["left"]["gas"]["composition"]["times"] = [0.0, 300.0]
-    with pytest.raises(SceneError, match="fits 2 times into the cycle"):
-        from_dict(scene)
-    scene["boundary"]["left"]["gas"]["composition"]["period"] = 600.0
+    set_keys(scene, "boundary.left.gas.composition.times = [0.0, 300.0]")
+    refused("fits 2 times into the cycle", from_dict, scene)
+    set_keys(scene, "boundary.left.gas.composition.period = 600.0")
     from_dict(scene)
-    scene["time"]["cycle"] = {"tolerance": 0.0}
-    with pytest.raises(SceneError, match=r"time\.cycle\.tolerance"):
-        from_dict(scene)
+    set_keys(scene, "time.cycle = { tolerance = 0.0 }")
+    refused(r"time\.cycle\.tolerance", from_dict, scene)
 
 
 @pytest.mark.slow
@@ -399,13 +427,13 @@ def following(rate):
     turn.
     """
     scene = isothermal("A:1", species(A=0.028, B=0.028))
-    scene["mesh"]["cells"] = 8
+    set_keys(scene, "mesh.cells = 8")
     scene["boundary"]["left"]["gas"]["composition"] = switched(
         ["A:0.5, B:0.5", "A:1"], 1.0
     )
     scene["reactions"] = {"r": {"equation": "A -> B", "rate": rate}}
-    scene["time"] = {"end": 2.0, "cycle": {}}
-    scene["packed_bed"]["gas_storage"] = "quasi_steady"
+    set_keys(scene, "time = { end = 2.0, cycle = {} }")
+    set_keys(scene, 'packed_bed.gas_storage = "quasi_steady"')
     return scene
 
 
@@ -419,7 +447,7 @@ def test_a_bed_that_stores_nothing_closes_in_its_first_period():
 def test_a_cycle_that_was_found_is_told_at_other_times(tmp_path):
     scene = following("c_A")
     contbed.run(from_dict(scene), out=tmp_path / "one")
-    scene["time"]["times"] = [0.5, 1.5]
+    set_keys(scene, "time.times = [0.5, 1.5]")
     again = contbed.run(
         from_dict(scene), out=tmp_path / "two", restart=tmp_path / "one"
     )

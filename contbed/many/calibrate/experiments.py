@@ -151,8 +151,6 @@ def _jobs(
     x = _column(table, settings.position, "m")
     points = [
         _points(
-            file,
-            k,
             name,
             settings,
             value,
@@ -160,7 +158,7 @@ def _jobs(
             rows,
             t,
             x,
-            ("experiment", k, "values", j),
+            file.origin.at(("experiment", k, "values", j)),
         )
         for j, value in enumerate(settings.values)
     ]
@@ -201,8 +199,6 @@ def _column(table: DataTable, name: str | None, unit: str) -> Array:
 
 
 def _points(
-    file: CalibrationFile,
-    k: int,
     name: str,
     settings: ExperimentSettings,
     value: Value,
@@ -210,10 +206,9 @@ def _points(
     rows: NDArray[np.int64],
     t: Array,
     x: Array,
-    at: tuple[str | int, ...],
+    where: str,
 ) -> list[Point]:
     """Return the measured values of a column."""
-    where = file.origin.at((*at,))
     in_profiles = settings.time is not None or settings.position is not None
     if in_profiles and value.quantity not in FIELDS:
         hint = meant(value.quantity, FIELDS)

@@ -33,6 +33,7 @@ from contbed.many.derivatives.keys import Key, key
 from contbed.models import model_of
 from contbed.result import Result
 from contbed.runner import engine_named, run
+from contbed.scene.names import several
 from contbed.scene.tables import SceneBase
 
 Array = NDArray[np.float64]
@@ -80,15 +81,18 @@ class Gradient:
 
 
 def gradient(
-    scene: SceneBase, qoi: Sequence[str], keys: Sequence[str], engine: str = "skfem"
+    scene: SceneBase,
+    qoi: str | Sequence[str],
+    keys: str | Sequence[str],
+    engine: str = "skfem",
 ) -> Gradient:
     """Return the derivatives of named results with respect to keys of a scene.
 
     Parameters
     ----------
     scene : from `contbed.load`
-    qoi : named results, as in summary.json, "T_fluid_out_K"
-    keys : continuous keys that the scene gives, "packed_bed.porosity", "gas.viscosity",
+    qoi : one or several named results, as in summary.json, "T_fluid_out_K"
+    keys : one or several continuous keys of the scene, "packed_bed.porosity", "gas.viscosity",
         "boundary.left.gas.velocity[1]"
     engine : as of `contbed.run`; "dolfinx" is called on all ranks; all but rank 0
         return None
@@ -98,6 +102,7 @@ def gradient(
     SceneError : a key has no derivative, a result does not exist; with the nearest name
     ContbedError : the scene, or the scene with a key a little changed, cannot be solved
     """
+    qoi, keys = several(qoi), several(keys)
     require_possible(scene, qoi, keys)
     return engine_named(engine).run(
         lambda: gradient_of(run(scene, engine=engine), qoi, keys)
@@ -113,7 +118,9 @@ def require_possible(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str]) 
     require_known(qoi)
 
 
-def gradient_of(result: Result, qoi: Sequence[str], keys: Sequence[str]) -> Gradient:
+def gradient_of(
+    result: Result, qoi: str | Sequence[str], keys: str | Sequence[str]
+) -> Gradient:
     """Return `gradient` for a scene that has been run.
 
     Raises
@@ -121,13 +128,14 @@ def gradient_of(result: Result, qoi: Sequence[str], keys: Sequence[str]) -> Grad
     EngineError : the scene was run on several ranks, which all have to take part; and
         what `gradient` raises
     """
+    qoi, keys = several(qoi), several(keys)
     require_possible(result.scene, qoi, keys)
     chosen = [key(result.scene, name) for name in keys]
     result.engine.require_all(result.scene)
     base = tangent.of(result)
     if base is not None:
-        return _by_tangent(base, result, tuple(qoi), chosen)
-    return _by_runs(result, tuple(qoi), chosen)
+        return _by_tangent(base, result, qoi, chosen)
+    return _by_runs(result, qoi, chosen)
 
 
 def require_known(qoi: Sequence[str]) -> None:

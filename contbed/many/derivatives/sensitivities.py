@@ -22,6 +22,7 @@ from contbed.many.tables import aligned, write_rows
 from contbed.output.plots import styled_figure
 from contbed.output.summary import write_json
 from contbed.output.versions import versions
+from contbed.scene.names import several
 from contbed.scene.tables import SceneBase
 
 MOST_BARS = 12  # of a panel
@@ -38,8 +39,8 @@ HOW = {
 
 def sensitivities(
     scene: SceneBase,
-    qoi: Sequence[str],
-    keys: Sequence[str] = (),
+    qoi: str | Sequence[str],
+    keys: str | Sequence[str] = (),
     engine: str = "skfem",
 ) -> tuple[Gradient, dict[str, Any]] | None:
     """Return the gradient of a scene, and the same as plain data with units; None on
@@ -57,13 +58,14 @@ def sensitivities(
     SceneError : see `contbed.many.derivatives.gradients.gradient`; or the scene gives
         no continuous key
     """
-    require_known(qoi)
-    names = list(dict.fromkeys(keys)) or [one.name for one in continuous(scene)]
+    results = several(qoi)
+    require_known(results)
+    names = several(keys) or several(one.name for one in continuous(scene))
     if not names:
         raise SceneError(
             f"{scene.origin.name}: the scene gives no continuous key; name one by --to"
         )
-    found = gradient(scene, list(dict.fromkeys(qoi)), names, engine)
+    found = gradient(scene, results, names, engine)
     if found is None:
         return None
     units = [key(scene, name).unit for name in found.keys]

@@ -62,13 +62,22 @@ def _sharp(z: Array, centres: Array, values: Array) -> Array:
     return values[cell] + slope[cell] * (z - centres[cell])
 
 
+@dataclass(frozen=True)
+class Phases:
+    """Capacities of fluid and solid per bed volume [J/m3/K], and the coefficient h a
+    between them [W/m3/K].
+    """
+
+    capacity_fluid: float
+    capacity_solid: float
+    exchange: float
+
+
 def track(
     length: float,
     cells: int,
     velocity: float,
-    capacity_fluid: float,
-    capacity_solid: float,
-    exchange: float,
+    phases: Phases,
     inlet: float,
     initial: tuple[float, float],
     times: Sequence[float],
@@ -77,15 +86,15 @@ def track(
     """Return temperatures at rising `times` [s] in a bed of `length` [m] that a stream
     of `velocity` v > 0 enters.
 
-    `velocity` is in m/s. Capacities are per bed volume [J/m3/K], `exchange` is h
-    a [W/m3/K]. Also returns the heat balance per cross-section [J/m2]: entered and left
+    `velocity` is in m/s. Also returns the heat balance per cross-section [J/m2]: entered and left
     with the stream, relative to the fluid's initial temperature, and stored.
     """
     dz = length / cells
     dt = dz / velocity
     z = (np.arange(cells) + 0.5) * dz
     fluid, solid = np.full(cells, float(initial[0])), np.full(cells, float(initial[1]))
-    rate = exchange * (1.0 / capacity_fluid + 1.0 / capacity_solid)
+    capacity_fluid, capacity_solid = phases.capacity_fluid, phases.capacity_solid
+    rate = phases.exchange * (1.0 / capacity_fluid + 1.0 / capacity_solid)
     share = capacity_fluid / (capacity_fluid + capacity_solid)
 
     def exchanged(fluid: Array, solid: Array, time: float) -> tuple[Array, Array]:
