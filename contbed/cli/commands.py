@@ -21,10 +21,12 @@ from contbed.cli import lookup, studies
 from contbed.cli.terminal import (
     AllowLarge,
     OutFolder,
+    Quiet,
     SceneFile,
     Settings,
     Threads,
     Trust,
+    WithReport,
     complain,
     interrupted,
     load_scene,
@@ -110,7 +112,7 @@ def _options(
 def run(
     scene: SceneFile,
     out: OutFolder = None,
-    quiet: Annotated[bool, Option("--quiet", help="no progress, no table")] = False,
+    quiet: Quiet = False,
     restart: Annotated[
         Path | None,
         Option("--restart", metavar="DIR", help="continue from its checkpoint"),
@@ -125,9 +127,7 @@ def run(
         ),
     ] = None,
     threads: Threads = None,
-    report: Annotated[
-        bool, Option("--report", help="write report.html into DIR as well")
-    ] = False,
+    report: WithReport = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:

@@ -16,9 +16,11 @@ from typer import Argument, Option
 from contbed.cli.terminal import (
     AllowLarge,
     OutFolder,
+    Quiet,
     SceneFile,
     Settings,
     Trust,
+    WithReport,
     complain,
     load_scene,
     overrides_of,
@@ -29,6 +31,10 @@ from contbed.cli.terminal import (
 RetryFailed = Annotated[
     bool, Option("--retry-failed", help="compute failed runs again")
 ]
+Jobs = Annotated[
+    int, Option("--jobs", metavar="N", help="processes; -1 for one a core")
+]
+NoProgress = Annotated[bool, Option("--quiet", help="no progress")]
 
 
 def sweep(
@@ -38,9 +44,7 @@ def sweep(
             metavar="STUDY", help="a TOML file with a scene and values of its keys"
         ),
     ],
-    jobs: Annotated[
-        int, Option("--jobs", metavar="N", help="processes; -1 for one a core")
-    ] = -1,
+    jobs: Jobs = -1,
     out: OutFolder = None,
     scheduler: Annotated[
         str | None,
@@ -51,7 +55,7 @@ def sweep(
         ),
     ] = None,
     retry_failed: RetryFailed = False,
-    quiet: Annotated[bool, Option("--quiet", help="no progress")] = False,
+    quiet: NoProgress = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
@@ -105,9 +109,7 @@ def compare(
     ],
     out: OutFolder = None,
     settings: Settings = None,
-    report: Annotated[
-        bool, Option("--report", help="write report.html into DIR as well")
-    ] = False,
+    report: WithReport = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
@@ -198,7 +200,7 @@ def optimise(
     ],
     out: OutFolder = None,
     retry_failed: RetryFailed = False,
-    quiet: Annotated[bool, Option("--quiet", help="no progress, no table")] = False,
+    quiet: Quiet = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
@@ -243,7 +245,7 @@ def cascade(
     ],
     out: OutFolder = None,
     retry_failed: RetryFailed = False,
-    quiet: Annotated[bool, Option("--quiet", help="no progress, no table")] = False,
+    quiet: Quiet = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
@@ -272,12 +274,10 @@ def calibrate(
             help="a TOML file with scenes, measured tables and keys to fit",
         ),
     ],
-    jobs: Annotated[
-        int, Option("--jobs", metavar="N", help="processes; -1 for one a core")
-    ] = 1,
+    jobs: Jobs = 1,
     out: OutFolder = None,
     retry_failed: RetryFailed = False,
-    quiet: Annotated[bool, Option("--quiet", help="no progress")] = False,
+    quiet: NoProgress = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:

@@ -23,6 +23,10 @@ COARSE_CLOCK = 0.1
 resume: list[tuple[Path, float, str]] = []
 
 SceneFile = Annotated[Path, Argument(metavar="SCENE", help="a TOML file")]
+Quiet = Annotated[bool, Option("--quiet", help="no progress, no table")]
+WithReport = Annotated[
+    bool, Option("--report", help="write report.html into DIR as well")
+]
 OutFolder = Annotated[
     Path | None, Option("--out", metavar="DIR", help="folder for the results")
 ]

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from contbed import fields
 from contbed.errors import ContbedError
+from contbed.output.colours import COLOURS
 from contbed.output.summary import number_text
 
 if TYPE_CHECKING:
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Result = Any  # a `contbed.result.Result`, which is above
 COORDINATES = ("x", "y", "z", "r", "height", "frequency")
-# Okabe and Ito 2008
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MAX_TIMES = 6  # profiles of a transient in one figure
 
 

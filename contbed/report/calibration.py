@@ -14,9 +14,9 @@ from typing import Any
 from pydantic import Field
 
 from contbed.errors import ContbedError
+from contbed.output.colours import COLOURS
 from contbed.output.shapes import Number, Shape
 from contbed.report import page
-from contbed.report.charts import COLOURS
 from contbed.report.linked import Column, Linked, linked, read_columns
 from contbed.report.study import Content, Found, Study, has
 

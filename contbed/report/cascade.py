@@ -14,9 +14,9 @@ from pydantic import Field
 from contbed.fields import unit_of
 from contbed.many.cascade.band import BAND
 from contbed.many.quantities import result
+from contbed.output.colours import COLOURS
 from contbed.output.shapes import Number, Pair, Shape
 from contbed.report import page
-from contbed.report.charts import COLOURS
 from contbed.report.linked import Column, linked, read_columns
 from contbed.report.study import Content, Found, Study, has
 

@@ -12,14 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed import fields as quantities
+from contbed.output.colours import COLOURS
 from contbed.report.fields import Cloud, Pictures
 from contbed.report.read import Run
 
 Array = NDArray[np.float64]
 Chart = dict[str, Any]
 
-# Okabe, Ito 2008
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 DASHES = ("solid", "dash", "dot", "dashdot")
 LEVELS = 65534  # of values in a picture, whose error is a part in 65534 of their span
 MAX_POINTS = 1000  # of a curve

@@ -12,9 +12,9 @@ from typing import Any
 from pydantic import Field
 
 from contbed.many.optimise.constrained_search import FEASIBLE
+from contbed.output.colours import COLOURS
 from contbed.output.shapes import Number, Shape
 from contbed.report import page
-from contbed.report.charts import COLOURS
 from contbed.report.linked import Column, linked, read_columns, require_numbers
 from contbed.report.study import Content, Found, Study, has
 

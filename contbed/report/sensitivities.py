@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from contbed.many.derivatives.sensitivities import FILE, HOW, MOST_BARS, quotient
+from contbed.output.colours import COLOURS
 from contbed.output.folder import SUMMARY
 from contbed.output.shapes import Number, Shape
 from contbed.report import page
-from contbed.report.charts import COLOURS
 from contbed.report.study import Content, Found, Study
 
 ROW = 24  # height of a bar [pixels]

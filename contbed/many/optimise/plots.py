@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from contbed.many.optimise.evaluations import Evaluation
 from contbed.many.optimise.found import Found
 from contbed.many.optimise.problem import Design
+from contbed.output.colours import COLOURS
 from contbed.output.plots import styled_figure
 
 Array = NDArray[np.float64]
 
-# Okabe and Ito's colours
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 _FAILED = "#B00020"
 _SMALLEST = 1e-9  # excess that is drawn, of its largest
 _MOST_ITEMS = 8  # of a legend beside a panel of its height
@@ -78,7 +77,7 @@ def _objective(
 ) -> None:
     panel.plot(numbers, values, "-", color="0.8", linewidth=1.0, zorder=0)
     for chosen, face, label in (
-        (feasible, _COLOURS[0], "feasible"),
+        (feasible, COLOURS[0], "feasible"),
         (~feasible, "white", "constraints missed"),
     ):
         if np.isfinite(values[chosen]).any():
@@ -86,7 +85,7 @@ def _objective(
                 numbers[chosen],
                 values[chosen],
                 "o",
-                color=_COLOURS[0],
+                color=COLOURS[0],
                 markerfacecolor=face,
                 markersize=4,
                 label=label,
@@ -110,7 +109,7 @@ def _keys(
             "o-",
             markersize=3,
             linewidth=1.2,
-            color=_COLOURS[k % len(_COLOURS)],
+            color=COLOURS[k % len(COLOURS)],
             label=label,
         )
     panel.set(ylim=(-0.05, 1.05), ylabel="key, lower bound 0,\nupper bound 1")
@@ -129,7 +128,7 @@ def _constraints(panel: Any, design: Design, numbers: Array, excess: Array) -> N
             "o-",
             markersize=3,
             linewidth=1.2,
-            color=_COLOURS[k % len(_COLOURS)],
+            color=COLOURS[k % len(COLOURS)],
             label=one.text,
         )
     panel.set(

@@ -18,12 +18,11 @@ from numpy.typing import NDArray
 from contbed.many.quantities import Quantity, parameter
 from contbed.many.sweep.study import Study
 from contbed.many.sweep.table import Row, columns
+from contbed.output.colours import COLOURS
 from contbed.output.plots import styled_figure
 
 Array = NDArray[np.float64]
 
-# Okabe and Ito's colours
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 _FAILED: dict[str, Any] = {
     "color": "#B00020",
     "marker": "x",
@@ -168,7 +167,7 @@ def _lines(
                     values[order],
                     "o" if along.choices else "o-",
                     markersize=4,
-                    color=_COLOURS[k % len(_COLOURS)],
+                    color=COLOURS[k % len(COLOURS)],
                     label=beside.choices[k] if beside else None,
                 )
             _crosses(panel, along, failed)
@@ -240,7 +239,7 @@ def _effects(
         for row, (quantity, values) in zip(panels, results, strict=True):
             for panel, axis in zip(row, shown, strict=True):
                 panel.plot(axis.values, values, ".", color="0.75", markersize=3)
-                panel.plot(*_means(axis, values), "o-", color=_COLOURS[0], markersize=4)
+                panel.plot(*_means(axis, values), "o-", color=COLOURS[0], markersize=4)
                 _crosses(panel, axis, failed)
                 axis.label(panel, ticks=3)
                 panel.set_xlabel(folded_label(axis.quantity.label), fontsize=8)
