@@ -57,7 +57,7 @@ from contbed.scene.mesh import SIDE, MeshAxisymmetric, MeshFile, MeshLine
 from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
 
-AUTOMATIC = 4  # adaptive refinements of an automatic line
+AUTOMATIC = 8  # adaptive refinements of an automatic line
 # new meshes of a plane or volume at most; two or three bring the error to the tolerance
 AUTOMATIC_TENSOR = 6
 # by dimension: 5 to 10 s of processor for two temperatures
@@ -176,7 +176,9 @@ class Plan:
         """Return the plan on a mesh refined where `error` (ncells,) is large."""
         from contbed.packed_bed.adapt import refined
 
-        return replace(self, mesh=refined(self.mesh, error))
+        return replace(
+            self, mesh=refined(self.mesh, error, self.scene.solver.tolerance)
+        )
 
     def intervals(self) -> Sequence[ScheduleInterval | None]:
         """Return the parts of a transient between jumps and kinks that matter; one

@@ -157,7 +157,13 @@ def _better(
         error = problem.estimated_error(state)
         if not last and error.max() > plan.scene.solver.tolerance:
             return plan.refined(error), None
-        result.qoi["estimated_error"] = float(error.max())
+        result.qoi["estimated_error"] = largest = float(error.max())
+        if largest > (asked := plan.scene.solver.tolerance):
+            result.warnings.append(
+                f"the temperature is wrong by up to about {largest:.2g} of the span of "
+                f"temperatures, by its estimate; solver.tolerance asks for {asked:.2g}: "
+                "raise solver.adapt, or give more mesh.cells"
+            )
     return None, None
 
 
