@@ -1,4 +1,4 @@
-"""What a cheaper level of the inside of particles misses in what leaves a bed, by the
+"""What a cheaper level of intraparticle transport misses in what leaves a bed, by the
 exact solutions of `uptake`.
 
 The same for heat and for gases that are adsorbed: Bi = h R/k or k_f R/D, transfer units

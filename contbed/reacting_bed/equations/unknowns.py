@@ -33,7 +33,7 @@ class Unknown(NamedTuple):
 
     species : gas, or constituent with the suffix of its phase; None of temperatures
         and pressure
-    phase : solid phase that has it; None of those of the gas and the whole bed
+    phase : solid phase that has it; None for the gas and the whole bed
     """
 
     name: str
