@@ -98,7 +98,7 @@ def estimated(
         )
         limit = min(FLOW_TOLERANCE, FLOW_RATIO * tolerance)
         for k, values in enumerate(flow.velocity):
-            found[f"u{k}"] = _field(plan.mesh, space, values / scale, corners, limit)
+            found[f"u{k}"] = _field(space, values / scale, corners, limit)
     if problem is not None:
         space, span = problem.system.fields["T_fluid"][0], problem.span_of(state)
         for phase in ("fluid", "solid"):
@@ -106,13 +106,13 @@ def estimated(
                 plan, partial(unlike_temperatures, plan.solved.boundary, phase)
             )
             values = problem.system.part(state, f"T_{phase}") / span
-            found[f"T_{phase}"] = _field(plan.mesh, space, values, corners, tolerance)
+            found[f"T_{phase}"] = _field(space, values, corners, tolerance)
     if None in found.values():
         return {}
     return _raised(found, before) if before else found
 
 
-def _field(mesh: Any, space: Any, values: Any, corners: Any, tolerance: float) -> Any:
+def _field(space: Any, values: Any, corners: Any, tolerance: float) -> Any:
     grid = TensorGrid.of(space)
     if grid is None:
         return None

@@ -14,7 +14,6 @@ from typing import Any
 from pydantic import Field
 
 from contbed.errors import ContbedError
-from contbed.output.colours import COLOURS
 from contbed.output.shapes import Number, Shape
 from contbed.report import page
 from contbed.report.linked import Column, Linked, linked, read_columns
@@ -114,11 +113,6 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
             "Covariance of the keys, and correlation", _covariance(found), "covariance"
         ),
         page.section("What the data see", _combinations(found), "combinations"),
-        page.section(
-            "Measured and predicted, each with its band",
-            made.grid(_parity(points)),
-            "parity",
-        ),
         *(
             page.section(name, _picture(folder / f"{file}.png"), file)
             for file, name in PICTURES.items()
@@ -155,55 +149,6 @@ def _covariance(found: Found) -> str:
         )
         for what, matrix in both
     )
-
-
-def _parity(points: Mapping[str, Column]) -> list[dict[str, Any]]:
-    """Return a chart for each quantity: predicted over measured values, with the
-    ends of the band.
-    """
-    charts = []
-    kinds = zip(points["quantity"].values, points["unit"].values, strict=True)
-    for quantity, unit in dict.fromkeys(kinds):
-        here = [
-            k for k, name in enumerate(points["quantity"].values) if name == quantity
-        ]
-        shown = ("measured", "predicted", "low", "high")
-        here = [
-            k for k in here if all(points[name].values[k] is not None for name in shown)
-        ]
-        if not here:
-            continue
-        take = {name: [points[name].values[k] for k in here] for name in shown}
-        measured = take["measured"]
-        bars = {
-            "type": "data",
-            "symmetric": False,
-            "array": [
-                high - value
-                for high, value in zip(take["high"], take["predicted"], strict=True)
-            ],
-            "arrayminus": [
-                value - low
-                for low, value in zip(take["low"], take["predicted"], strict=True)
-            ],
-        }
-        ends = [min(measured), max(measured)]
-        label = Column("", str(unit or ""), ()).label
-        charts.append(
-            {
-                "kind": "curves",
-                "title": f"{quantity}: predicted over measured",
-                "data": [
-                    {"type": "scatter", "mode": "markers", "name": "predicted, 90 %", "x": measured,
-                     "y": take["predicted"], "error_y": bars, "marker": {"color": COLOURS[0]},
-                     "text": [_names(points)[k] for k in here]},
-                    {"type": "scatter", "mode": "lines", "name": "equal", "x": ends, "y": ends,
-                     "line": {"color": COLOURS[6], "dash": "dash"}},
-                ],
-                "layout": page.axes(f"measured{label}", f"predicted{label}"),
-            }
-        )  # fmt: skip
-    return charts
 
 
 def _names(points: Mapping[str, Column]) -> list[str]:

@@ -201,15 +201,7 @@ def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
         "covariance"
     ]["matrix"]
     assert all(f"{value:.6g}" in report for row in covariance for value in row)
-    parity, parallel, matrix = (chart["data"][0] for chart in charts_of(report))
-    assert parity["x"] == pytest.approx([drop(u) for u in (0.02, 0.2, 1.0)], rel=1e-10)
-    ends = [
-        value + above
-        for value, above in zip(parity["y"], parity["error_y"]["array"], strict=True)
-    ]
-    assert ends == pytest.approx(
-        [float(row["high"]) for row in points if row["measured"]]
-    )
+    parallel, matrix = (chart["data"][0] for chart in charts_of(report))
     assert len(matrix["text"]) == 3 and len(parallel["dimensions"]) >= 2
     assert {path.name for path in (folder / "out").iterdir()} >= {
         "keys.csv", "points.csv", "combinations.csv", "profiles", "fit.png", "residuals.png", "keys.png", FILE,

@@ -95,7 +95,7 @@ def profile(
     with an open end.
     """
     rows: list[tuple[float, float]] = [(float(found.z[key]), 0.0)]
-    base = _squares(model, data, priors, found)
+    base = _squares(data, priors, found)
     ends = []
     for side in (-1.0, 1.0):
         ends.append(_end(model, data, priors, found, key, side, base, rows))
@@ -154,9 +154,7 @@ def _refit(
         return None
 
 
-def _squares(
-    model: Model, data: Data, priors: Sequence[Distribution], found: Fit
-) -> float:
+def _squares(data: Data, priors: Sequence[Distribution], found: Fit) -> float:
     residuals = (found.predicted[data.index] - data.value) / (found.factor * data.error)
     own = np.array(
         [

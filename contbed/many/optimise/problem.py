@@ -224,23 +224,10 @@ def _gap(one: Constraint, other: Constraint) -> float:
         or isinstance(other.right, Expression)
     ):
         return 0.0
-    lower = max(
-        (
-            c.right
-            for c in (one, other)
-            if c.sign in (">=", "==") and isinstance(c.right, float)
-        ),
-        default=-np.inf,
-    )
-    upper = min(
-        (
-            c.right
-            for c in (one, other)
-            if c.sign in ("<=", "==") and isinstance(c.right, float)
-        ),
-        default=np.inf,
-    )
-    return float(lower - upper)
+    bounds = [(c.sign, c.right) for c in (one, other) if isinstance(c.right, float)]
+    lower = [value for sign, value in bounds if sign in (">=", "==")]
+    upper = [value for sign, value in bounds if sign in ("<=", "==")]
+    return float(max(lower, default=-np.inf) - min(upper, default=np.inf))
 
 
 def with_unit(unit: str) -> str:
