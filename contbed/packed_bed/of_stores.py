@@ -83,8 +83,8 @@ def exchanged(parts: Sequence[Part]) -> dict[str, float]:
     """
     charging = [part for part in parts if part.left > 0.0]
     discharging = [part for part in parts if part.left < 0.0]
-    charged = sum(part.left for part in charging)
-    taken = -sum(part.left for part in discharging)
+    charged = sum((part.left for part in charging), 0.0)
+    taken = sum((-part.left for part in discharging), 0.0)
     out = {"heat_charged_J": charged, "heat_discharged_J": taken}
     could = sum(part.most for part in charging), sum(part.most for part in discharging)
     if charged > 0.0 and taken > 0.0:
@@ -93,8 +93,8 @@ def exchanged(parts: Sequence[Part]) -> dict[str, float]:
         out["effectiveness_charge"] = charged / could[0]
     if could[1] > 0.0:
         out["effectiveness_discharge"] = taken / could[1]
-    stored = sum(part.exergy for part in parts if part.exergy > 0.0)
-    given = -sum(part.exergy for part in parts if part.exergy < 0.0)
+    stored = sum((part.exergy for part in parts if part.exergy > 0.0), 0.0)
+    given = sum((-part.exergy for part in parts if part.exergy < 0.0), 0.0)
     out |= {"exergy_charged_J": stored, "exergy_discharged_J": given}
     if stored > 0.0 and given > 0.0:
         out["exergy_efficiency"] = given / stored

@@ -44,6 +44,8 @@ def test_a_langmuir_front_has_the_length_of_its_constant_pattern():
     r = 1.0 - 1.0 / capacity
     times = (units + constant_pattern(0.01 * LEVELS[1:], r)) * unit
     assert found_times(qoi)[1:] == pytest.approx(times, rel=2e-3)
+    zone = (times[2] - times[0]) / times[1]  # of 1 m
+    assert qoi["mass_transfer_zone_A_m"] == pytest.approx(zone, rel=1e-2)
     assert "purity_A" not in qoi
 
 
