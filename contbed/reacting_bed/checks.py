@@ -335,11 +335,38 @@ def the_parameter_is_a_number(
         )
 
 
+def phases_that_start_apart_have_own_temperatures(
+    initial: s.Initial,
+    solids: Solids,
+    closures: s.Closures,
+    heat: s.Heat | None,
+    time: s.Time | None,
+) -> Mistakes:
+    """Require two temperatures and a run in time where phases start with their own."""
+    for name in initial.solids:
+        if name not in solids:
+            text = f"no such solid phase; {nearest(name, list(solids))}"
+            yield ("initial", "solids", name), text
+    apart = [key for key in initial.temperatures if len(key) > 2]
+    films = [closures.nusselt, *(table.nusselt for table in solids.values())]
+    two = heat is not None and any(film is not None for film in films)
+    if two and time is not None:
+        return
+    for key in apart:
+        reason = (
+            "a steady bed has one first guess"
+            if time is None
+            else "without closures.nusselt gas and solids have one temperature"
+        )
+        yield key, f"{reason}; give initial.temperature"
+
+
 CHECKS: tuple[Check, ...] = (
     series_are_usable,
     times_are_in_order,
     a_cycle_changes_something,
     cells_can_follow,
+    phases_that_start_apart_have_own_temperatures,
     initial_profiles_fit_the_bed,
     compositions_sum_to_one,
     stream_checks.boundaries_exist,

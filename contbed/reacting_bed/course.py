@@ -174,8 +174,11 @@ class Course:
     def start(self) -> Array:
         """Return the state at the start (m, N, p + 1)."""
         problem, initial = self.problem, self.scene.initial
-        T = initial.temperature or problem.streams.T_gas
+        T = initial.gas_temperature or problem.streams.T_gas
         u, moles = problem.start(T), sum(problem.streams.gas.values())
+        for k in problem.rows(Role.T_SOLID):
+            table = initial.solids.get(str(problem.unknowns[k].phase))
+            u[k] = (initial.temperature or T) if table is None else table.temperature
         if initial.gas.composition is not None:
             fractions = mole_fractions(initial.gas.composition)
             for k in problem.rows(Role.GAS):
@@ -296,7 +299,8 @@ def _temperatures(
         T for at in moments for T in (at.streams.T_gas, *at.streams.T_solids.values())
     ]
     found += [at.scene.wall.ambient for at in moments if at.scene.wall is not None]
-    known = [constant(T) for T in (*found, scene.initial.temperature) if T is not None]
+    found += scene.initial.temperatures.values()
+    known = [constant(T) for T in found if T is not None]
     if initial is not None:
         known += [
             float(T)

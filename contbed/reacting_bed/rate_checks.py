@@ -110,12 +110,15 @@ def require_rates(problem: Problem, later: Iterable[Problem] = ()) -> None:
         return
     for each in (problem, *later):
         _require_values(
-            each, each.streams.gas, initial.temperature or each.streams.T_gas, ENTERS
+            each,
+            each.streams.gas,
+            initial.gas_temperature or each.streams.T_gas,
+            ENTERS,
         )
     if initial.gas.composition is not None:
         fills = mole_fractions(initial.gas.composition)
         _require_values(
-            problem, fills, initial.temperature or problem.streams.T_gas, FILLS
+            problem, fills, initial.gas_temperature or problem.streams.T_gas, FILLS
         )
 
 

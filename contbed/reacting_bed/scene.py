@@ -230,9 +230,21 @@ class Heat(Table):
     """
 
 
+class InitialSolid(Table):
+    """A solid phase at the start."""
+
+    temperature: Temperature = Field(
+        description="in place of initial.temperature, where phases have their own"
+    )
+
+
 class InitialGas(Table):
     """The gas in the bed at the start."""
 
+    temperature: Temperature | None = Field(
+        None,
+        description="in place of initial.temperature, where phases have their own",
+    )
     composition: str | None = Field(
         None, description="where it is stored; absent: of the gas that enters"
     )
@@ -249,6 +261,9 @@ class Initial(Table):
         "that of mixed streams",
     )
     gas: InitialGas = Field(InitialGas(), description="the gas in the bed at the start")
+    solids: dict[str, InitialSolid] = Field(
+        default_factory=dict, description="solid phases at the start, by name"
+    )
     file: str | None = Field(
         None,
         description="CSV file with positions, x [m], and any of T_fluid, T_solid [K], "
@@ -259,6 +274,24 @@ class Initial(Table):
         None,
         description="of the rows of the file, where it has several; absent: the last",
     )
+
+    @property
+    def gas_temperature(self) -> float | None:
+        """Temperature of the gas [K]; None where the scene gives none."""
+        return (
+            self.temperature if self.gas.temperature is None else self.gas.temperature
+        )
+
+    @property
+    def temperatures(self) -> dict[tuple[str, ...], float]:
+        """All temperatures [K] by key."""
+        given = {
+            ("initial", "temperature"): self.temperature,
+            ("initial", "gas", "temperature"): self.gas.temperature,
+        }
+        for name, table in self.solids.items():
+            given["initial", "solids", name, "temperature"] = table.temperature
+        return {key: T for key, T in given.items() if T is not None}
 
 
 class Continuation(Table):

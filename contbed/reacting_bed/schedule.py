@@ -19,8 +19,8 @@ from contbed.scene.toml_lines import KeyPath
 def kinks_passed(schedule: Schedule, scene: s.ReactingScene) -> dict[KeyPath, float]:
     """Return the sizes of kinks of the series that a step may pass."""
     assert scene.time is not None
-    start = scene.initial.temperature
-    return schedule.small(scene.time.tolerance, [] if start is None else [start])
+    start = list(scene.initial.temperatures.values())
+    return schedule.small(scene.time.tolerance, start)
 
 
 def shortest_interval(

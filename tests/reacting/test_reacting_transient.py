@@ -9,6 +9,7 @@ import pytest
 from reacting_bed_scenes import fixed_bed, heated, schumann, table
 
 import contbed
+from contbed.errors import SceneError
 from contbed.loading import from_dict
 from tests.balances import assert_closed
 from tests.scene_text import set_keys
@@ -76,3 +77,31 @@ def test_steps_do_not_depend_on_how_far_a_bed_is_heated():
         thetas.append((result.qoi["T_fluid_out_K"] - 300.0) / rise)
     assert abs(steps[0] - steps[1]) <= 2  # rounding may move a step
     assert thetas[0] == pytest.approx(thetas[1], abs=1e-5)
+
+
+def test_phases_start_with_their_own_temperatures():
+    """A gas that is not stored follows at once: only the start of the solids counts,
+    and the run is that with this temperature for both, to the tolerance of a step.
+    """
+    scene, eta = heated(5.0)
+    set_keys(scene, f"time.end = {4.0 / eta}")
+    both = contbed.run(from_dict(scene))
+    set_keys(scene, "initial.gas.temperature = 600.0")
+    set_keys(scene, "initial.temperature = 450.0")
+    set_keys(scene, "initial.solids.particles.temperature = 300.0")
+    apart = contbed.run(from_dict(scene))
+    for name in ("T_fluid_out_K", "heat_charged_J"):
+        if name in both.qoi:
+            assert apart.qoi[name] == pytest.approx(both.qoi[name], rel=1e-4)
+    del scene["time"]
+    with pytest.raises(SceneError, match="a steady bed has one first guess"):
+        from_dict(scene)
+
+
+def test_a_bed_of_one_temperature_starts_with_one():
+    scene, eta = heated(5.0)
+    set_keys(scene, f"time.end = {4.0 / eta}")
+    set_keys(scene, "initial.gas.temperature = 600.0")
+    del scene["closures"]["nusselt"]
+    with pytest.raises(SceneError, match="gas and solids have one temperature; give"):
+        from_dict(scene)
