@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from contbed.bubbling_bed.burning import burns, explained, is_out
 from contbed.bubbling_bed.coefficients import SMOOTHED
 from contbed.bubbling_bed.diagnosis import explain, fluidization, temperatures
 from contbed.bubbling_bed.equations import bed as model
@@ -30,6 +31,9 @@ Array = Any
 EXTRA = 4
 # heat capacity of a phase, only to approach a steady state in time [J/m3/K]
 CAPACITY = 5e5
+# factor of it by which the heat of a hot bed changes slower than its fuel and gas
+SLOWER = 1e3
+HOT = 1500.0  # temperature from which a burning bed is followed last [K]
 TYPICAL = 1e3  # temperature [K]
 # share of a typical flow or inventory by which Newton's method may undershoot zero
 MISSED = 0.01
@@ -82,6 +86,7 @@ class BubblingProblem:
         # why Jacobians are computed by dual numbers, where forms cannot be recorded
         self.unrecorded = ""
         self._record_from = RECORDED_FROM
+        self._capacity = CAPACITY
         self._forget()
         # what compares steps of flows and sizes with those of temperatures
         self.weights = np.ones(self.system.size)
@@ -186,26 +191,66 @@ class BubblingProblem:
         sigma))^(1/4): emission and absorption of the species are then curved alike, and
         far from the solution a step leaves their difference small.
         """
-        x = self._start(self.plan.scene.initial.temperature if guess is None else guess)
-        # heat and char take hours to settle, gas a second: no guess serves both
-        if self.chemistry is not None:
-            self._record_from = 1  # steps in time need twenty Jacobians
+        initial = self.plan.scene.initial
+        T = initial.temperature if guess is None else guess
+        if self.chemistry is None:
+            return self.solve_from(self._start(T))
+        if not burns(self):
+            return self.solve_from(self._settled(T))
+        given = guess is not None or "temperature" in initial.model_fields_set
+        return self._burning(T, given)
+
+    def _burning(self, T: float, given: bool) -> tuple[Array, list[float]]:
+        """Solve a bed that burns fuel from one temperature, or by following a hot bed.
+
+        Heat that changes slowly leaves the bed hot until its inventory of fuel and the
+        gas are those that belong to it; a bed that cools before its fuel is there goes
+        out. A state without fire is accepted from a `given` temperature, or where no
+        other is found.
+        """
+        extinguished: tuple[Array, list[float]] | None = None
+        failure: ConvergenceError | None = None
+        for slower, start in ((1.0, T), (SLOWER, T), (SLOWER, max(T, HOT))):
             try:
-                with np.errstate(all="ignore"):
-                    x = relax(
-                        self,
-                        x,
-                        self.plan.policy,
-                        self.lower,
-                        PseudoSteps(last=1e7, growth=8.0),
-                        tolerance=STARTING_TOLERANCE,
-                        watch=self.watch,
-                    )
+                found = self.solve_from(self._settled(start, slower))
             except ConvergenceError as error:
-                raise self._explained(
-                    [x if error.state is None else error.state], error.history
-                ) from error
-        return self.solve_from(x)
+                failure = failure or error
+                continue
+            if given or not is_out(self, found[0]):
+                return found
+            extinguished = extinguished or found
+        if extinguished is not None:
+            return extinguished
+        assert failure is not None
+        raise ConvergenceError(
+            f"{failure}; {explained(self)}", failure.history, failure.state
+        )
+
+    def _settled(self, T: float, slower: float = 1.0) -> Array:
+        """Return the state after steps in time from one temperature, whose heat
+        changes so many times slower than that of solids and gas.
+        """
+        x = self._start(T)
+        self._record_from = 1  # steps in time need twenty Jacobians
+        self._capacity = slower * CAPACITY
+        self._forget()
+        try:
+            with np.errstate(all="ignore"):
+                return relax(
+                    self,
+                    x,
+                    self.plan.policy,
+                    self.lower,
+                    PseudoSteps(last=1e7, growth=8.0, patience=PATIENCE),
+                    tolerance=STARTING_TOLERANCE,
+                    watch=self.watch,
+                )
+        except ConvergenceError as error:
+            failed = x if error.state is None else error.state
+            raise self._explained([failed], error.history) from error
+        finally:
+            self._capacity = CAPACITY
+            self._recorded_content = None
 
     # states that no method accepts may leave the range of a property
     @np.errstate(all="ignore")
@@ -350,7 +395,7 @@ class BubblingProblem:
 
     @property
     def _content_forms(self) -> list[Any]:
-        capacity = CAPACITY * self.c.section
+        capacity = self._capacity * self.c.section
 
         def form(unknowns: Any, tests: Any, names: tuple[str, ...], o: Any) -> Any:
             return capacity * sum(

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from contbed.bubbling_bed.burning import explained, is_out
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.bubbling_bed.results import fill
 from contbed.errors import ConvergenceError
@@ -63,6 +64,8 @@ def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None
             "Jacobians are computed by dual numbers, some five times slower than "
             "recorded forms: " + problem.unrecorded
         )
+    if is_out(problem, state):
+        result.warnings.append(f"the fuel does not burn: {explained(problem)}")
     fill(plan, problem, state, result)
     result.solved = Solved(problem, state)
     scene = plan.scene

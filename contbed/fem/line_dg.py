@@ -70,7 +70,7 @@ class Line:
     """Cells of a line with polynomials of one degree.
 
     vertices : (N + 1,) increasing [m]
-    degree : p >= 1
+    degree : p, 0 for one value a cell
     """
 
     vertices: Array
@@ -164,8 +164,10 @@ class Line:
 
     def top_mode(self, values: Array) -> Array:
         """Return the amplitude of the Legendre polynomial of degree p in each cell,
-        (..., N).
+        (..., N); none of one value a cell.
         """
+        if self.degree == 0:
+            return np.zeros(values.shape[:-1])
         legendre = np.polynomial.legendre.Legendre.basis(self.degree)(
             2.0 * self.nodes - 1.0
         )

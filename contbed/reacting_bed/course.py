@@ -107,8 +107,7 @@ class Course:
                 raise ConvergenceError(
                     f"{scene.origin.name}: {error} at t = 0 s, where the pressures of "
                     "the gas that fills the bed are "
-                    'sought; give packed_bed.pressure_drop = "none", or '
-                    'packed_bed.gas_storage = "quasi_steady"',
+                    'sought; give packed_bed.pressure_drop = "none"',
                     error.history,
                     error.state,
                 ) from None

@@ -122,6 +122,12 @@ def _advice(course: Course, history: BedHistory) -> str:
     taken = -float(problem.mean(problem.system.sources(u))[gases].sum())
     cooled = _contraction(problem, u)
     if problem.bed.gas_pressure is not None and taken >= enters:
+        if problem.layout.inside and problem.line.degree:
+            return (
+                f"particles take {taken:.3g} mol/m2/s of gas and {enters:.3g} enter: "
+                f"{stops}. Give solver.degree = 0, one value a cell, whose flux does "
+                "not reverse"
+            )
         return (
             f"reactions take {taken:.3g} mol/m2/s of the gas that fills the bed and "
             f"{enters:.3g} enter: {stops}. "

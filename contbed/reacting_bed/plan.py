@@ -17,6 +17,12 @@ from contbed.plan_text import plan_text
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.cells import aim
 from contbed.reacting_bed.course import follows
+from contbed.reacting_bed.feeds import (
+    LITTLE,
+    least_left,
+    require_gas_left,
+    with_cells_of_one_value,
+)
 from contbed.reacting_bed.pellet_level import decided
 from contbed.reacting_bed.phases import described_phases, species_of
 from contbed.reacting_bed.problem import Problem
@@ -92,7 +98,10 @@ def plan(scene: s.ReactingScene) -> Plan:
     """
     scene, level = decided(scene, first_vertices(scene))
     schedule, problem = _built(scene)
-    stores_gas, reason = _gas_storage(scene, problem, schedule)
+    little_left = least_left(scene, problem, schedule) < LITTLE
+    stores_gas, reason = _gas_storage(scene, problem, schedule, little_left)
+    if stores_gas and little_left:
+        problem = with_cells_of_one_value(problem)
     built, skipped = _lists(scene, problem, schedule)
     if level is not None and level.resolved:
         built = [
@@ -128,6 +137,7 @@ def _built(scene: s.ReactingScene) -> tuple[Schedule, Problem]:
     with np.errstate(all="ignore"):
         problem.bed(problem.first_point(), [0.0] * len(problem.layout.names), 0.0)
     require_rates(problem, _with_other_gases(scene, problem, schedule))
+    require_gas_left(scene, problem, schedule)
     return schedule, problem
 
 
@@ -151,9 +161,12 @@ def _gases_there(problem: Problem) -> frozenset[str]:
 
 
 def _gas_storage(
-    scene: s.ReactingScene, problem: Problem, schedule: Schedule
+    scene: s.ReactingScene, problem: Problem, schedule: Schedule, little_left: bool
 ) -> tuple[bool, str]:
-    """Return whether the gas is stored in time, and why."""
+    """Return whether the gas is stored in time, and why.
+
+    `little_left` says whether particles adsorb nearly all that enters.
+    """
     time = scene.time
     if time is None:
         return False, ""
@@ -172,6 +185,8 @@ def _gas_storage(
     storage = scene.packed_bed.gas_storage
     if storage != "auto":
         return storage == "stored", f'packed_bed.gas_storage = "{storage}"; {size}'
+    if little_left:
+        return True, f"particles adsorb nearly all of the gas that enters; {size}"
     # where no particles hold gas as well
     fills = scene.initial.gas.composition is not None and not scene.adsorbs
     stored = delay > SHORT_RESIDENCE * shortest or fills
@@ -246,7 +261,7 @@ def _lists(
         (
             "cells",
             f"{problem.line.cells} initially, polynomials of degree "
-            f"{scene.solver.degree}{_followed(problem)}",
+            f"{problem.line.degree}{_followed(problem)}",
         ),
         ("gas", f"{', '.join(layout.gases)}: mole fluxes"),
     ]

@@ -32,6 +32,7 @@ from contbed.reacting_bed.substances import Substances
 
 Array = NDArray[np.float64]
 LARGE_T = 1e3  # [K], of the temperatures of most reactors
+DEGREE = 3  # of the polynomials in a cell
 OF_PARTICLES = (Role.SOLID, Role.POINT)
 LITTLE_DROP = 1e-3  # share of the pressure below which its drop is left out
 
@@ -66,13 +67,14 @@ class Problem:
             medium, with_pressure=_pressure_drops(scene, species, entering, medium)
         )
         bed = bed_of(scene, species, entering, medium)
+        degree = scene.solver.degree
         made = cls(
             scene,
             species,
             entering,
             tuple(bed.reactions),
             bed,
-            Line(vertices, scene.solver.degree),
+            Line(vertices, DEGREE if degree is None else degree),
         )
         return made._with_inside() if scene.adsorbs else made
 

@@ -325,8 +325,10 @@ class Time(RunInTime):
 class Solver(NewtonSolver):
     """Numerics; the defaults suit nearly all scenes."""
 
-    degree: Annotated[Whole, Field(ge=1, le=5)] = Field(
-        3, description="degree of the polynomials in a cell"
+    degree: Annotated[Whole | None, Field(ge=0, le=5)] = Field(
+        None,
+        description="degree of the polynomials in a cell; absent: 3, and 0, one value "
+        "a cell, where nearly all that enters is adsorbed and fills the pores",
     )
     tolerance: Fraction = Field(
         1e-6,

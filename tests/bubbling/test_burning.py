@@ -1,0 +1,66 @@
+"""Beds of burning fuel: a burning state is found without a guess, or the heat balance
+says what is missing.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import contbed
+from contbed.bubbling_bed.burning import BURNING, explained, heat_balance
+from contbed.bubbling_bed.plan import plan
+from contbed.bubbling_bed.problem import BubblingProblem
+
+FOLDER = Path(__file__).parents[1] / "data" / "first_hour"
+MOLAR_MASS = {"C": 0.012011, "H": 0.001008, "O": 0.015999}
+
+
+def problem(**sections):
+    scene = contbed.load(FOLDER / "boiler.toml")
+    if sections:
+        tubes = scene.bubbling_bed.tubes.model_copy(update=sections)
+        bed = scene.bubbling_bed.model_copy(update={"tubes": tubes})
+        origin = scene.origin
+        scene = scene.model_copy(update={"bubbling_bed": bed})
+        scene._origin = origin
+    return BubblingProblem(plan(scene))
+
+
+def test_the_heat_balance_by_hand():
+    """Half a kilogram of wood a second, a third of it water, in 2.6 kg/s of air."""
+    found = heat_balance(problem(), BURNING)
+    dry = 0.5 * 0.65
+    air = 2.6 / (0.21 * 0.031998 + 0.79 * 0.028014)  # [mol/s]
+    C, H, oxygen_of_wood = (
+        dry * share / MOLAR_MASS[name]
+        for name, share in (("C", 0.50), ("H", 0.06), ("O", 0.415))
+    )
+    # mean heat capacities from 298 to 1123 K [J/mol/K]: CO2, H2O, O2, N2
+    oxygen = 0.21 * air - C - 0.25 * H + 0.5 * oxygen_of_wood
+    water = 0.5 * H + 0.5 * 0.35 / 0.018015
+    capacity = C * 48.6 + water * 38.6 + oxygen * 33.2 + 0.79 * air * 31.1
+    brought = air * 29.3 * (423.15 - 298.15)
+    gas = capacity * (BURNING - 298.15) - brought
+    assert found.gas == pytest.approx(gas, rel=0.01)
+    assert found.moisture == pytest.approx(0.175 / 0.018015 * 44.0e3, rel=0.01)
+    area = 5.0 * 0.5 * 1.3  # tubes along the bed as it first stands
+    assert found.surfaces == pytest.approx(300.0 * area * (BURNING - 523.15), rel=0.35)
+    assert found.burnt == 1.0
+
+
+def test_missing_heat_is_told():
+    text = explained(problem(perimeter=50.0))
+    assert "MW are missing" in text and "at 1123 K the fuel gives 6.14 MW" in text
+    assert "are left over" in explained(problem())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["boiler", "b2"])
+def test_a_boiler_finds_its_burning_state(name):
+    """The state that 1500 and 1800 K lead to as well."""
+    result = contbed.run(contbed.load(FOLDER / f"{name}.toml"))
+    assert result.qoi["ignited"] == 1.0
+    assert result.qoi["T_sand_mid_K"] == pytest.approx(1021.3168, abs=1e-3)
+    assert abs(result.balances["energy"]["relative_residual"]) < 1e-10
