@@ -171,8 +171,8 @@ def gas_mixture(
         )
     index = [gas.species_index(s) for s in x]
     data = [gas.species(i).thermo for i in index]
-    fitted = max(each.min_temp for each in data), min(each.max_temp for each in data)
-    limits = _limits(T_range, fitted, mechanism)
+    # transport data are fitted from the lowest to the highest of all species
+    limits = _limits(T_range, (gas.min_temp, gas.max_temp), mechanism)
     M = [float(gas.molecular_weights[i]) for i in index]
     molar_mass = sum(x_k * M_k for x_k, M_k in zip(x.values(), M, strict=True))
     T_mid: tuple[float, ...] = ()

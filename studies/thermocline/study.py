@@ -61,7 +61,7 @@ def compute() -> Tables:
             seconds = process_time() - start
             q = result.qoi
             biot = dict((*plan(scene).built, *plan(scene).skipped))[
-                "inside of particles"
+                "intraparticle conduction"
             ]
             rows.append(
                 [1e3 * diameter, hours, level, float(biot.split("Bi = ")[1].split(";")[0].split(",")[0]),
