@@ -4,6 +4,7 @@ of the stones and the hours.
 
 from __future__ import annotations
 
+import re
 from itertools import product
 from pathlib import Path
 from time import process_time
@@ -64,7 +65,7 @@ def compute() -> Tables:
                 "intraparticle conduction"
             ]
             rows.append(
-                [1e3 * diameter, hours, level, float(biot.split("Bi = ")[1].split(";")[0].split(",")[0]),
+                [1e3 * diameter, hours, level, float(re.split("[;,)]", biot.split("Bi = ")[1])[0]),
                  q["storage_efficiency"], q["effectiveness_discharge"], q["heat_discharged_J"] / reference(scene),
                  q["cycle_periods"], q["cycle_change_K"], seconds]
             )  # fmt: skip
