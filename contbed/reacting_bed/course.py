@@ -40,7 +40,7 @@ SMOOTH = 1e-5
 # chosen
 TRACE = 1e-9
 # of the time that the gas stays, at the start and after a jump
-FIRST_STEP = 1e-3
+FIRST_STEP = 5e-4
 STAGES = (GAMMA, 1.0)  # times of the stages of a step over its size
 # [K] of the temperatures of a run, where those of the scene and of the bed differ by
 # less

@@ -15,7 +15,7 @@ from studies._gallery import Table, Tables
 HERE = Path(__file__).parent
 HEIGHT = 1.2  # of the bed [m]
 # too many tubes for little air
-OUT = {"bubbling_bed.tubes.perimeter": 60.0, "boundary.bottom.gas.mass_flow": 9.5}
+OUT = {"bubbling_bed.tubes.perimeter": 75.0, "boundary.bottom.gas.mass_flow": 9.5}
 # perimeters [m], of beds from 815 to 975 degC
 TUBES = (54.0, 50.0, 46.0, 42.0, 38.0, 34.0)
 RATE = {
