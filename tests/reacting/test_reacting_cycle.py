@@ -465,7 +465,7 @@ def test_rates_that_take_what_is_not_there_in_a_cycle_are_told():
     taking = 0.55 * 0.5 * MOLAR / 0.4
     with pytest.raises(
         ConvergenceError,
-        match=r"r\.rate: takes .* of A where .*A falls to -0\.05 .* at t = 0\.0008 s",
+        match=r"r\.rate: takes .* of A where .*A falls to -0\.05 .* at t = 0\.0004 s",
     ):
         contbed.run(from_dict(following(str(taking))))
 

@@ -1061,7 +1061,7 @@ def test_a_table_of_another_physics_is_refused_with_a_remedy():
     scene = scene.replace('model = "two_fluid"', "two_fluid = {}")
     line = len(scene.splitlines()) + 1
     refused(
-        rf":{line}: radiation: particles of two fluids radiate to walls only .* use .bubbling_bed. "
+        rf":{line}: radiation: particles of two fluids radiate to walls only, .* use .bubbling_bed. "
         r"or",
         lambda: loads(scene.rstrip("\n") + '\n[radiation]\nlevel = "ordinates"\n'),
     )
