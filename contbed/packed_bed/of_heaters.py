@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 EQUAL = 1e-9  # of 1 - C, below which the streams count as equal
+SAME = 1e-6  # of the span: streams that close meet over a length, not at a point
 
 
 def effectiveness(
@@ -54,7 +55,11 @@ def transfer_units(e: float, C: float, opposite: bool) -> float | None:
 
 
 def pinch(x: Any, T_fluid: Any, T_solid: Any) -> dict[str, float]:
-    """Return the least difference of temperatures along the bed, and its place."""
+    """Return the least difference of temperatures along the bed, and the first place
+    where it is as small, but for `SAME` of the span of temperatures.
+    """
     apart = np.abs(np.asarray(T_solid) - np.asarray(T_fluid))
-    place = int(np.argmin(apart))
-    return {"pinch_K": float(apart[place]), "pinch_m": float(x[place])}
+    least = float(apart.min())
+    span = float(np.ptp([T_fluid, T_solid]))
+    place = int(np.argmax(apart <= least + SAME * span))
+    return {"pinch_K": least, "pinch_m": float(x[place])}
