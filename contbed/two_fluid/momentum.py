@@ -342,9 +342,8 @@ def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
         np.empty_like(h_solid),
         np.empty(len(g.left)),
     )
-    if g.skewed:
-        # second pass, exact for linear fields: corrected with the gradients of H and of
-        # the first result
+
+    def add_remainder() -> None:
         parallel(
             add_reconstruction_remainder,
             len(s),
@@ -355,6 +354,11 @@ def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
             force_gas,
             force_solid,
         )
+
+    if g.skewed:
+        # second pass, exact for linear fields: corrected with the gradients of H and of
+        # the first result
+        add_remainder()
         change_gas = zero_slope_gradient(gathered.gas - h_gas, None, model)
         change_solid = zero_slope_gradient(gathered.solid - h_solid, s, model)
         gather_gas(g, faces, grad_gas + change_gas, grad_gas, True, gathered)
@@ -362,14 +366,5 @@ def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
         model.grid.halo.exchange(*gathered)
         grad_gas = grad_gas + zero_slope_gradient(gathered.gas - h_gas, None, model)
     model.kernels.face_residual(model.edge, faces.gas, gathered.gas, grad_gas, residual)
-    parallel(
-        add_reconstruction_remainder,
-        len(s),
-        dt,
-        cells,
-        velocities,
-        gathered,
-        force_gas,
-        force_solid,
-    )
+    add_remainder()
     return Velocity(gathered.gas, gathered.solid, force_gas, force_solid, residual)
