@@ -30,7 +30,6 @@ from contbed.result import Result, outside
 from contbed.scene.identity import identity
 from contbed.scene.inputs import all_inputs, inputs_by_key
 from contbed.scene.tables import SceneBase
-from contbed.scene.toml_lines import dotted
 
 if TYPE_CHECKING:
     from contbed.output.folder import RunFolder
@@ -124,7 +123,7 @@ def _run(
 
         origin = scene.origin
         named = (
-            (f"{origin.at(path)}: {dotted(path)}", file)
+            (origin.place(path), file)
             for path, file in inputs_by_key(scene, origin.base)
         )
         require_inputs_elsewhere(folder, named)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from contbed.bubbling_bed.closures import BUBBLES
-from contbed.scene.toml_lines import dotted
 
 BARELY = 0.05  # excess gas over u_mf below which a place counts as barely fluidized
 WIDE = 2.0  # diameter of bubbles over that of the bed beyond which the run warns
@@ -111,7 +110,7 @@ def flows_down(scene: Any, u_e: Any, z: Any) -> str | None:
         return None
     k, key = int(np.nanargmin(u_e)), (*BUBBLES, "emulsion_gas")
     return (
-        f"{scene.origin.at(key)}: {dotted(key)}: the gas would flow down through the "
+        f"{scene.origin.place(key)}: the gas would flow down through the "
         "emulsion "
         f"between {z[u_e <= 0].min():.3g} and {z[u_e <= 0].max():.3g} m, {u_e[k]:.3g} "
         f"m/s at {z[k]:.3g} m, "

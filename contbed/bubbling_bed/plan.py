@@ -23,7 +23,6 @@ from contbed.mesh.mesh import Mesh, refine
 from contbed.plan_text import plan_text
 from contbed.scene.mechanism import find_mechanism
 from contbed.scene.mesh import REGION
-from contbed.scene.toml_lines import dotted
 from contbed.solvers.linear import Policy
 
 COARSE = 16  # cells of an automatic mesh away from layers
@@ -321,7 +320,7 @@ def _fluidized(scene: b.BubblingScene, computed: Any) -> None:
     needed = float(state["rho_gas"] * state["u_mf"]) * scene.bubbling_bed.section
     if scene.bubbling_bed.bubbles is not None and flow <= needed:
         raise SceneError(
-            f"{scene.origin.at(FLOW)}: {dotted(FLOW)} = {flow:g}: below minimum "
+            f"{scene.origin.place(FLOW)} = {flow:g}: below minimum "
             "fluidization, "
             f"{needed:.4g} kg/s at {T:g} K (initial.temperature); allowed: more, or no "
             "[bubbling_bed.bubbles]"

@@ -16,7 +16,7 @@ from typing import Any
 from contbed.closures.transferred import ARGUMENTS, FORMAT, UNITS, Transferred
 from contbed.errors import SceneError
 from contbed.scene.quantities import LARGEST
-from contbed.scene.toml_lines import KeyPath, dotted, read
+from contbed.scene.toml_lines import KeyPath, read
 
 _SCALES = ("log", "linear")
 _TABLES = (
@@ -55,10 +55,7 @@ def closure_of(file: str, base: Path, kind: str) -> Transferred:
 @lru_cache(maxsize=64)
 def _cached(path: str, name: str, stamp: tuple[int, int]) -> Transferred:
     content, origin = read(path)
-    problems = [
-        f"{origin.at(where)}: {dotted(where)}: {text}"
-        for where, text in _mistakes(content)
-    ]
+    problems = [f"{origin.place(where)}: {text}" for where, text in _mistakes(content)]
     if problems:
         raise SceneError("; ".join(problems))
     return Transferred(name, content)

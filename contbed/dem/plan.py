@@ -19,7 +19,6 @@ from contbed.dem.softness import GRAVITY
 from contbed.errors import EngineError, SceneError
 from contbed.models import Plan
 from contbed.plan_text import duration, plan_text
-from contbed.scene.toml_lines import dotted
 from contbed.solvers.memory import MemoryPerUnknown
 
 Array = NDArray[np.float64]
@@ -219,7 +218,7 @@ def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePla
     layers = layers.model_copy(update={"area": table.area})
     if not layers.bottom < layers.top < high[2]:
         raise SceneError(
-            f"{scene.origin.at(PACKING)}: {dotted(PACKING)}: the bed is "
+            f"{scene.origin.place(PACKING)}: the bed is "
             f"{bed.statistics['surface']:.4g} m high, "
             f"too low for layers below {layers.bottom:.4g} m and above "
             f"{layers.top:.4g} m; "

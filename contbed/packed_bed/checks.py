@@ -699,7 +699,7 @@ def require_properties(fluid: Any, scene: s.Scene) -> None:
         of = (fluid.heat_capacity, fluid.viscosity, fluid.conductivity)
         if low - FAR > T or not all(each(T) > 0.0 for each in of):
             raise SceneError(
-                f"{scene.origin.at(path)}: {dotted(path)}: {T:g} K is too far from the "
+                f"{scene.origin.place(path)}: {T:g} K is too far from the "
                 f"data of {fluid.name}, {low:g} to {high:g} K"
             )
 

@@ -50,4 +50,4 @@ def gases_in(initial: s.Initial, base: Path) -> dict[str, str]:
 
 def located(scene: s.ReactingScene, error: SceneError | str) -> SceneError:
     """Return a mistake of the file with the place in the scene that names it."""
-    return SceneError(f"{scene.origin.at(KEY)}: {'.'.join(KEY)}: {error}")
+    return SceneError(f"{scene.origin.place(KEY)}: {error}")

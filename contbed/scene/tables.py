@@ -240,8 +240,8 @@ class SceneBase(Table):
 
     def remark(self, path: KeyPath, text: str) -> None:
         """Add a warning that is known only once a file of the scene has been read."""
-        where = f"{self.origin.at(path)}: {'.'.join(map(str, path))}"
-        if (line := f"{where}: {text}") not in self._warnings:
+        line = f"{self.origin.place(path)}: {text}"
+        if line not in self._warnings:
             self._warnings = (*self._warnings, line)
 
     @property

@@ -69,13 +69,17 @@ class Origin:
         line = self.line(path)
         return f"{self.name}:{line}" if line else "override"
 
+    def place(self, path: KeyPath) -> str:
+        """Return "file:line: key", as messages begin."""
+        return f"{self.at(path)}: {dotted(path)}"
+
     @contextmanager
     def blamed(self, *path: str) -> Iterator[None]:
         """Put the place of a key before errors of what it names, such as a file."""
         try:
             yield
         except SceneError as error:
-            where = f"{self.at(path)}: {'.'.join(path)}: "
+            where = f"{self.place(path)}: "
             raise SceneError(
                 [
                     text

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contbed.scene.checking import Mistakes
-from contbed.scene.toml_lines import KeyPath, Origin, dotted
+from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, KINDS
 from contbed.two_fluid.conditions import Boundary, Initial, Inlet, Layer, Periodic, Wall
@@ -126,7 +126,7 @@ def of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> tuple[str, ..
     with file, line and key.
     """
     return tuple(
-        f"{scene.origin.at(key)}: {dotted(key)}: {text}"
+        f"{scene.origin.place(key)}: {text}"
         for key, text in _of_the_mesh(scene, mesh, grid)
     )
 

@@ -19,7 +19,6 @@ from contbed.chemistry.thermo import T_STANDARD, Thermo
 from contbed.errors import ConvergenceError
 from contbed.materials.common import share_outside
 from contbed.result import Result
-from contbed.scene.toml_lines import dotted
 
 ELEMENTS = ("C", "H", "O", "N", "S", "Ca")
 SOLIDS = {
@@ -281,7 +280,7 @@ def _fits(scene: Any, share: float, result: Result) -> None:
     if share > 1.0:
         key = ("solids", scene.fuel, "fuel")
         raise ConvergenceError(
-            f"{scene.origin.at(key)}: {dotted(key)}: the bed cannot hold its char, "
+            f"{scene.origin.place(key)}: the bed cannot hold its char, "
             "which "
             f"would fill {100 * share:.3g} % of the volume of the "
             "solids (char_volume_fraction): feed less fuel, more oxygen or steam, "
