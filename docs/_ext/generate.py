@@ -25,6 +25,7 @@ from markdown_text import (
     toctree,
     without_links,
 )
+from messages import write_page as write_messages
 from notebooks import titles, write_page
 from pictures import plot_closure
 from verification import write_page as write_verification
@@ -68,6 +69,7 @@ def write(folder: Path) -> None:
     correlations(folder / "reference", folder / "figures")
     commands(folder / "reference")
     gallery(folder / "gallery", folder / "figures")
+    write_messages(folder / "reference" / "messages.md", ROOT / "contbed")
     glossary(folder)
     results_by_job(folder)
     project_texts(folder)
@@ -191,6 +193,7 @@ def scenes(folder: Path) -> None:
             "rate_laws",
             "materials",
             "commands",
+            "messages",
             "../../api",
         ),
     )
