@@ -100,6 +100,27 @@ def test_an_error_that_is_no_number_is_refused(tmp_path, broken):
         cases(tmp_path)
 
 
+def test_the_page_of_messages_has_those_of_each_way_to_report(tmp_path):
+    """Each of these is reported in its own way: raised, yielded by a check, added to
+    warnings, remarked; a missing one means that a kind of message is not read.
+    """
+    from messages import messages, write_page
+
+    kinds = {each.text: each.kind for each in messages(ROOT / "contbed")}
+    cases = {
+        "the bed is ... m large; if the file is in ..., set mesh.scale = ...": "warning",
+        "a temperature of ... K; it must be above 0": "error",
+        "a bed needs particles; give [solids.NAME]": "check",
+        "the linear solver left a relative residual of ...": "ConvergenceError",
+        "its checksum differs from its content": "ValueError",
+    }
+    assert {text: kinds.get(text) for text in cases} == cases
+    write_page(tmp_path / "messages.md", ROOT / "contbed")
+    text = (tmp_path / "messages.md").read_text(encoding="utf-8")
+    assert "## scene" in text
+    assert "| `a temperature of ... K; it must be above 0` | error |" in text
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_blocks_of_toml_are_toml(page):
     for language, _, text in blocks(page):
