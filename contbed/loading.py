@@ -21,7 +21,7 @@ from contbed.scene.inputs import unusable_files
 from contbed.scene.names import near_names, nearest
 from contbed.scene.other_models import take_keys_of_others
 from contbed.scene.physical import temperatures_are_of_a_bed
-from contbed.scene.renames import take_former_keys
+from contbed.scene.renames import renamed, take_former_keys
 from contbed.scene.size import too_large
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import (
@@ -263,7 +263,7 @@ def _validate(
     ):
         others = _schemas_of_others(model)
         ignored = tuple(take_keys_of_others(current, schema.of(model), others))
-    former = take_former_keys(current, model.renamed)
+    former = take_former_keys(current, renamed(model.kind))
     if ignored or former:
         scene, errors = _checked(model, current)
     problems += former

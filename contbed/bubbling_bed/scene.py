@@ -23,13 +23,11 @@ or a number, and flows are mass flows.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, model_validator
 
 from contbed.bubbling_bed.chemistry.scene import Reactions
-from contbed.bubbling_bed.renamed import RENAMED
 from contbed.bubbling_bed.solids import Solid
 from contbed.bubbling_bed.tables import (
     BubblingBed,
@@ -194,7 +192,6 @@ class BubblingScene(SceneBase):
 
     kind: ClassVar[str] = "bubbling_bed"
     time: ClassVar[None] = None
-    renamed: ClassVar[Mapping[str, str]] = RENAMED
 
     bubbling_bed: BubblingBed
     gas: GasOfComposition | None = Field(

@@ -18,12 +18,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, Discriminator, Field
 
-from contbed.cfd_dem.renamed import RENAMED
 from contbed.dem.scene import SOFT, Spheres
 from contbed.scene.gas import Gas
 from contbed.scene.quantities import (
@@ -267,7 +265,6 @@ class GasScene(SceneBase):
     """Particles in a gas."""
 
     kind: ClassVar[str] = "particles_gas"
-    renamed: ClassVar[Mapping[str, str]] = RENAMED
 
     particles: GasParticles
     solids: Annotated[dict[str, GasSolid], AfterValidator(one_solid)] = Field(

@@ -15,13 +15,11 @@ packing, in SI.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import pi
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, Field
 
-from contbed.dem.renamed import RENAMED
 from contbed.scene.quantities import (
     Density,
     Emissivity,
@@ -263,7 +261,6 @@ class ParticleScene(SceneBase):
 
     kind: ClassVar[str] = "particles"
     time: ClassVar[None] = None
-    renamed: ClassVar[Mapping[str, str]] = RENAMED
 
     particles: Particles
     solids: Annotated[dict[str, Solid], AfterValidator(one_solid)] = Field(

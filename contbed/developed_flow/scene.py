@@ -11,7 +11,6 @@ See `developed_flow.equations`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
@@ -32,7 +31,6 @@ from contbed.scene.quantities import (
 from contbed.scene.solids import SolidPhase, one_solid
 from contbed.scene.tables import NewtonSolver, SceneBase
 from contbed.two_fluid.conditions import Flux
-from contbed.two_fluid.renames import CLOSURES, SOLID
 from contbed.two_fluid.scene import ConstantsAt, Named
 
 if TYPE_CHECKING:
@@ -168,20 +166,6 @@ class Boundary(Table):
     wall: Wall
 
 
-RENAMED = {
-    **{f"fully_developed.{old}": f"closures.{new}" for old, new in CLOSURES.items()},
-    **SOLID,
-    "fully_developed": "developed_flow",
-    "fully_developed.velocity": "developed_flow.gas_velocity",
-    "fully_developed.solid_flux": "developed_flow.solids_mass_flux",
-    "fully_developed.theta_centre": "developed_flow.granular_temperature_centre",
-    "fully_developed.production": "closures.granular_production",
-    "fully_developed.turbulence": "closures.turbulence",
-    "wall": "boundary.wall.solids.NAME",
-}
-"""Present names of keys by former ones, see `contbed.scene.renames`."""
-
-
 class Output(Table):
     """What a run writes besides summary.json and profiles.csv."""
 
@@ -208,7 +192,6 @@ class DevelopedScene(SceneBase):
     """Fully developed flow of gas and particles."""
 
     kind: ClassVar[str] = "developed_flow"
-    renamed: ClassVar[Mapping[str, str]] = RENAMED
     time: ClassVar[None] = None
 
     developed_flow: DevelopedFlow

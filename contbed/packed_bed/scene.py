@@ -22,7 +22,6 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
-from contbed.packed_bed.renamed import RENAMED
 from contbed.radiation.scene import RadiatingSolid, Radiation, RadiationCondition, Tubes
 from contbed.scene.boundary import ThermalCondition, WallHeat
 from contbed.scene.gas import Gas
@@ -358,7 +357,6 @@ class Scene(SceneBase):
     """One run of a packed or moving bed."""
 
     kind: ClassVar[str] = "packed_bed"
-    renamed: ClassVar[Mapping[str, str]] = RENAMED
 
     mesh: Mesh
     # gas and packed_bed are None only in a medium that merely radiates; `checks` sees

@@ -210,16 +210,6 @@ class RadiationScene(SceneBase):
     """A stand-alone radiating medium, without flow and without phases."""
 
     kind: ClassVar[str] = "radiation"
-    renamed: ClassVar[Mapping[str, str]] = {
-        "bed.porosity": "packed_bed.porosity",
-        "bed.particle_diameter": "solids.NAME.diameter",
-        "bed.shape": "solids.NAME.shape",
-        "radiation.emissivity": "solids.NAME.emissivity",
-        "radiation.species.NAME": "solids.NAME",
-        "radiation.species.NAME.volume_fraction": "give solids.NAME.volume_share "
-        "instead, the share of the volume of "
-        "all particles",
-    }
     # what only a bed with two phases has
     heat: ClassVar[None] = None
     time: ClassVar[None] = None

@@ -17,7 +17,6 @@ A plain number is SI, amounts in mol; a string may carry a unit.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag
@@ -26,7 +25,6 @@ from contbed.reacting_bed.boundary_scene import FLOWS as FLOWS
 from contbed.reacting_bed.boundary_scene import Boundary as Boundary
 from contbed.reacting_bed.boundary_scene import GasCondition as GasCondition
 from contbed.reacting_bed.boundary_scene import SolidCondition as SolidCondition
-from contbed.reacting_bed.renamed import RENAMED
 from contbed.reacting_bed.solids_scene import Adsorption as Adsorption
 from contbed.reacting_bed.solids_scene import Inside as Inside
 from contbed.reacting_bed.solids_scene import Solid as Solid
@@ -355,7 +353,6 @@ class ReactingScene(SceneBase):
     """One run of a packed or moving bed with species."""
 
     kind: ClassVar[str] = "reacting_bed"
-    renamed: ClassVar[Mapping[str, str]] = RENAMED
 
     mesh: MeshLine
     gas: Gas

@@ -8,16 +8,29 @@ with spaces in place of the present name is the whole message. "NAME:inlet" is a
 whose table has the type "inlet". A key that has become a table, "boundary.NAME.gas" now
 "boundary.NAME.gas.wall", is a former one as long as it holds something else than a
 table.
+
+The names of all kinds of scenes stand in `renamed.csv` beside this file.
 """
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 from contbed.scene.toml_lines import KeyPath
 
 NAME = "NAME"
+
+
+@cache
+def renamed(kind: str) -> Mapping[str, str]:
+    """Return the present names of keys of a kind of scene by the former ones."""
+    text = Path(__file__).with_name("renamed.csv").read_text(encoding="utf-8")
+    rows = csv.reader(text.splitlines())
+    return {former: present for name, former, present in rows if name == kind}
 
 
 def take_former_keys(

@@ -215,8 +215,6 @@ class SceneBase(Table):
     """What scenes of all kinds have in common."""
 
     kind: ClassVar[str]
-    # former names of tables and keys, and the present ones; see `scene.renames`
-    renamed: ClassVar[Mapping[str, str]] = {}
     # tables of other kinds that this one does not take: why, and what to do
     refused: ClassVar[Mapping[str, str]] = {}
 

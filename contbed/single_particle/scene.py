@@ -14,7 +14,6 @@ See `single_particle.equations`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated, ClassVar
 
 from pydantic import Field, model_validator
@@ -179,21 +178,6 @@ class SingleParticleScene(SceneBase):
     """One sphere in hot surroundings that conducts and reacts."""
 
     kind: ClassVar[str] = "single_particle"
-    renamed: ClassVar[Mapping[str, str]] = {
-        "particle.cells": "single_particle.cells",
-        "particle.temperature": "initial.temperature",
-        "particle.gas_heat_capacity": "gas.heat_capacity",
-        "particle": "solids.NAME",
-        "constituent.NAME.mass_fraction": "give the mass fractions of the fresh "
-        "particle as solids.NAME.composition",
-        "constituent": "solids.NAME.constituent",
-        "reactions.NAME.activation_temperature": "give E, the activation temperature "
-        "times 8.31446 J/mol/K",
-        "surroundings.surface": "boundary.surface.fixed_temperature",
-        "surroundings.temperature": "boundary.surface.ambient",
-        "surroundings.coefficient": "boundary.surface.coefficient",
-        "surroundings.emissivity": "boundary.surface.emissivity",
-    }
 
     solids: dict[str, Solid] = Field(
         min_length=1, max_length=1, description="the particle, by name"

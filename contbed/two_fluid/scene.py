@@ -46,7 +46,6 @@ from contbed.scene.quantities import (
 from contbed.scene.solids import SolidPhase, one_solid
 from contbed.scene.tables import BalancedRun, NonNegativeOrClosure, SceneBase
 from contbed.two_fluid.conditions import Boundary, Initial, Inlet
-from contbed.two_fluid.renames import RENAMED
 
 if TYPE_CHECKING:
     from contbed.materials.constants import Constants
@@ -290,7 +289,6 @@ class TwoFluidScene(SceneBase):
     """Gas and particles as two fluids."""
 
     kind: ClassVar[str] = "two_fluid"
-    renamed: ClassVar[Mapping[str, str]] = RENAMED
     refused: ClassVar[Mapping[str, str]] = {
         "radiation": "particles of two fluids radiate to walls only, by "
         "boundary.NAME.emissivity and solids.NAME.emissivity, as radiation between "

@@ -8,7 +8,7 @@ import pytest
 
 from contbed.models import MODELS
 from contbed.scene import schema
-from contbed.scene.renames import take_former_keys
+from contbed.scene.renames import renamed, take_former_keys
 
 RENAMED = {
     "fluid": "gas",
@@ -57,7 +57,7 @@ def test_former_keys_are_taken_out_with_tables_that_become_empty() -> None:
 )
 def test_present_names_are_keys_of_the_scene(kind: str) -> None:
     model = MODELS[kind].scene
-    for former, now in model.renamed.items():
+    for former, now in renamed(kind).items():
         nodes = [schema.of(model)]
         for step in () if " " in now else now.split("."):
             items = [item for node in nodes for item in schema.children(node, 0)]
