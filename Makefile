@@ -12,12 +12,15 @@ SYSTEM_BROWSER := chromium
 VENV_DOLFINX ?= .venv-dolfinx
 SYSTEM_DOLFINX := python3-dolfinx mpi-default-bin python3-venv gcc libc6-dev python3-dev
 
+# the wheel, apart from the files of the project
+VENV_DIST ?= .venv-dist
+
 # the lowest versions of the libraries that pyproject.toml declares; NumPy 1.24 needs Python 3.11
 VENV_FLOORS ?= .venv-floors
 PYTHON_FLOORS ?= python3.11
 FLOORS := tests/unit tests/materials tests/closures/test_closure_values.py tests/stress/test_restart.py tests/dem/test_particle_scenes.py
 
-.PHONY: docs heater gallery test test-slow test-browser mutants test-floors test-dolfinx dolfinx system lint clean
+.PHONY: docs heater gallery test test-slow test-browser mutants test-floors test-dolfinx dolfinx dist lock system lint clean
 
 heater: $(BIN)/contbed
 	$(BIN)/contbed run studies/moving_bed_heater/heater.toml --out results/heater
@@ -77,6 +80,21 @@ $(VENV_DOLFINX)/.test: pyproject.toml
 	$(VENV_DOLFINX)/bin/python -m pip install --quiet --disable-pip-version-check -c $(VENV_DOLFINX)/system.txt -e . 'pytest>=7.4'
 	@touch $@
 
+# sdist and wheel in dist/; the wheel is built from the sdist and tried in a clean environment with the locked versions
+dist: $(VENV)/.test
+	rm -rf dist
+	$(BIN)/python -m build --outdir dist .
+	$(PYTHON) -m venv --clear $(VENV_DIST)
+	$(VENV_DIST)/bin/python -m pip install --quiet --disable-pip-version-check -c requirements.lock dist/*.whl
+	cd dist && $(abspath $(VENV_DIST))/bin/contbed --version
+	cd dist && $(abspath $(VENV_DIST))/bin/contbed new packed_bed --out bed.toml
+	cd dist && $(abspath $(VENV_DIST))/bin/contbed run bed.toml --out bed --quiet
+	rm -rf dist/bed dist/bed.toml
+
+lock: $(VENV)/.test
+	echo "# Exact versions of a tested environment (Python 3.11, Linux); \`make lock\` writes them anew." > requirements.lock
+	$(BIN)/python -m pip freeze --all --exclude-editable --exclude contbed --exclude pip >> requirements.lock
+
 lint: $(VENV)/.test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -98,4 +116,4 @@ system:
 	  else echo "optional system packages are missing: sudo apt-get install $(SYSTEM)"; fi; fi
 
 clean:
-	rm -rf $(VENV) $(VENV_DOLFINX) $(VENV_FLOORS) docs/_build docs/generated build *.egg-info results
+	rm -rf $(VENV) $(VENV_DOLFINX) $(VENV_FLOORS) $(VENV_DIST) docs/_build docs/generated dist build *.egg-info results

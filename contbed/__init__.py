@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from contbed.compiled.cache import choose_cache
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = ["Plan", "Result", "Scene", "gradient", "load", "plan", "run"]
 
 _HOMES = {

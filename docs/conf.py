@@ -19,8 +19,8 @@ import contbed  # noqa: E402
 generate.write(HERE / "generated")
 
 project = "contbed"
-author = "contbed developers"
-copyright = "contbed developers"
+author = "the contbed developers"
+copyright = "the contbed developers"
 version = release = contbed.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "docstrings"]

@@ -9,7 +9,7 @@ from contbed.explain import editor
 from contbed.many.derivatives import sensitivities as design
 from contbed.many.optimise.optimise import optimise
 
-VERSIONS = {"contbed": "0.1.0"}
+VERSIONS = {"contbed": "0.2.0"}
 
 
 def of_run(folder):
