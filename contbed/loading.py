@@ -241,7 +241,10 @@ def _override(
             table[str(path[-1])] = value.item() if hasattr(value, "item") else value
         else:
             problems.append(
-                (path, "cannot be set: a key on the way to it is not a table")
+                (
+                    path,
+                    "cannot be set: one of the keys before its last dot is not a table",
+                )
             )
     return replace(origin, overrides=tuple(paths))
 

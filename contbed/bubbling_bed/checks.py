@@ -275,10 +275,19 @@ def settling_has_what_it_needs(
         path = ("solids", name, "sizes")
         if freeboard is None or freeboard.height is None:
             table = "[bubbling_bed.freeboard]"
-            yield path, f"what is carried away needs {table} with a height; or give bed"
+            yield (
+                path,
+                "the inventory of particles that the gas carries away needs "
+                f"{table} with a height; add it, or give the share in the bed by "
+                "`bed`",
+            )
         feed = item.inert_feed
         if feed is None or not feed.mass_flow:
-            yield path, f"needs solids.{name}.feed with a mass_flow; or give bed"
+            yield (
+                path,
+                f"needs the inflow solids.{name}.feed.mass_flow; add it, or give "
+                "the share in the bed by `bed`",
+            )
 
 
 def the_gas_is_known(
@@ -311,8 +320,9 @@ def the_gas_is_known(
         if hottest < T:
             yield (
                 path,
-                f"hotter than the properties of the gas hold, {hottest:g} K by "
-                f"{gas.mechanism}",
+                "is above the highest temperature of the gas properties in "
+                f"{gas.mechanism}, {hottest:g} K; lower it, or name a "
+                "mechanism with a wider range",
             )
 
 
@@ -418,14 +428,19 @@ def the_parameter_is_a_number(
             "bubbling_bed.walls.coefficient, solids.NAME.feed.temperature",
         )
     elif found == continuation.to:
-        yield ("continuation", "to"), "is the value that the scene has"
+        yield (
+            ("continuation", "to"),
+            "is already the value in the scene; give another value to follow the "
+            "solution to",
+        )
     elif (
         continuation.back_to is not None
         and (continuation.back_to - found) * (continuation.to - found) > 0
     ):
         yield (
             ("continuation", "back_to"),
-            f"lies on the same side of the value in the scene, {found:g}, as `to`",
+            f"must lie on the other side of the scene's value, {found:g}, "
+            "than continuation.to",
         )
 
 

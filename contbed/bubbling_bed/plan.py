@@ -522,8 +522,9 @@ def _mesh(scene: b.BubblingScene, layers: list[tuple[float, float]]) -> Mesh:
         nodes = graded(height, layers, coarse=height / COARSE, scale=scale)
     if not np.all(np.diff(nodes) > 0):
         raise SceneError(
-            f"{scene.origin.name}: mesh: a layer is too thin to resolve; check the "
-            "coefficients"
+            f"{scene.origin.name}: mesh: a thermal boundary layer is too thin "
+            "for the mesh; look for a heat transfer coefficient that is far "
+            "too large, or give mesh.cells"
         )
     return refine(line(nodes), scene.mesh.refine)
 

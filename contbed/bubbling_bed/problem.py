@@ -296,7 +296,7 @@ class BubblingProblem:
         state near by.
         """
         if self.c.computed is None or not self.c.computed.bubbling:
-            raise ConvergenceError("coefficients have no edge to round", [], x)
+            raise ConvergenceError("the frozen coefficients need no smoothing", [], x)
         history: list[float] = []
         try:
             for self.c.computed.smoothed in (*ROUNDED, SMOOTHED):
@@ -327,7 +327,10 @@ class BubblingProblem:
             before = max(float(np.linalg.norm(residual)), _rounding(matrix, x))
             if not np.linalg.norm(self.steady(better, False)[0]) <= AWAY * before:
                 raise ConvergenceError(
-                    "the Jacobian of what was found is all but singular", [], x
+                    "the Jacobian is nearly singular at the solution; change "
+                    "initial.temperature",
+                    [],
+                    x,
                 )
             x = better
         return self._state(x)

@@ -257,7 +257,8 @@ def _freeboard(
         )
     if values["carryover"] > ejected:
         result.warnings.append(
-            "gas carries away more particles than bubbles throw up: "
+            "the gas carries away more particles than the bubbles throw up, "
+            "which is impossible: choose another "
             "bubbling_bed.freeboard.elutriation"
         )
     above_bed = part.bed + (part.bed - z[::-1]) * part.stretch

@@ -55,7 +55,9 @@ def settle(
         if change < CHANGE:
             return problem, state
     raise ConvergenceError(
-        f"sizes and height of the bed still change by {change:.2g}",
+        "particle sizes and bed height did not converge: they still change "
+        f"by {change:.2g} of their values in each iteration; change the feed "
+        "or give the height",
         result.history,
         state,
     )

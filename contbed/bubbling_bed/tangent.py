@@ -90,8 +90,8 @@ class Tangent:
                 break
         else:
             raise ConvergenceError(
-                "the response of sizes and height to a key does not settle; use "
-                "contbed sweep"
+                "the derivatives of particle sizes and bed height with "
+                "respect to a key did not converge; use contbed sweep"
             )
         for result, problem, state in zip(found, problems, states, strict=True):
             result.plan = problem.plan

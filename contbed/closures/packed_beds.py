@@ -70,6 +70,6 @@ def gas_conducts_twice(path: KeyPath, table: Any, base: Path) -> Mistakes:
         what = "eps k_gas" if is_phase(gas) else key
         yield (
             (*path, "conductivity_solids"),
-            f"is that of the whole bed at rest, its gas included, and {what} is added: "
-            f"the gas conducts twice; give {key} = 0",
+            f"holds for the whole stationary bed with its gas, and {what} "
+            f"adds the conductivity of the gas once more; give {key} = 0",
         )

@@ -139,7 +139,10 @@ class TimeSteps(Generic[H]):
         while True:
             step = self._resolved(history.time, min(size, stop - history.time))
             if step < control.shortest and stop - history.time > 2.0 * step:
-                raise ConvergenceError("steps in time become ever smaller")
+                raise ConvergenceError(
+                    "the time step fell below its limit: the error of a step did "
+                    "not become small enough"
+                )
             try:
                 end = _met(history.time + step, stop)
                 error, accept = self.take(history, end, step)

@@ -189,7 +189,10 @@ def gas_is_there(particles: p.Particles, gas: p.Gas | None) -> Mistakes:
     if gas is not None:
         return
     if particles.paths in VORONOI:
-        yield PATHS, f"{particles.paths} lead through a gas; give gas.conductivity"
+        yield (
+            PATHS,
+            f"{particles.paths} are paths through the gas; give gas.conductivity",
+        )
     if particles.closure is not None:
         text = (
             "its ratios are those to the gas, which is missing; give gas.conductivity"
@@ -207,8 +210,8 @@ def closure_has_points(particles: p.Particles, see: See) -> Mistakes:
         degree = see("particles.closure.degree")
         yield (
             ("particles", "closure", "ratios"),
-            f"{count} ratios cannot give {closure.degree + 1} terms and their errors; "
-            f"see {degree}",
+            f"{count} ratios are too few to fit {closure.degree + 1} terms "
+            f"and their errors; give more, or lower {degree}",
         )
 
 
@@ -239,8 +242,8 @@ def spreading_suits(
     if solid.conductivity < gas.conductivity:
         yield (
             ("solids", name, "conductivity"),
-            "is below that of the gas; spreading paths are for better conductors; see "
-            f"{see('gas.conductivity')}",
+            "is below that of the gas, and spreading paths are for particles "
+            f"that conduct better than the gas; see {see('gas.conductivity')}",
         )
     closure = particles.closure
     if closure is not None and min(closure.ratios) < 1.0:

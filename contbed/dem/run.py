@@ -78,8 +78,8 @@ def _pairs(plan: ParticlePlan) -> heat.Pairs:
         if np.ptp(plan.radius) > 0:
             where = plan.scene.origin.at(("particles", "paths")) + ": particles.paths"
             raise SceneError(
-                f"{where}: {table.paths} are for equal particles without [radiation]; "
-                "use cones"
+                f"{where}: {table.paths} is for equal particles without "
+                "[radiation]; use cones"
             )
         return heat.voronoi_pairs(plan.x, plan.box, plan.periodic)
     reach = 2.0 * float(plan.radius.max())

@@ -435,7 +435,7 @@ class Simulation:
         self, heat: ContactHeat | None, T: ArrayLike | None
     ) -> NDArray[np.void]:
         if (heat is None) != (T is None):
-            raise SceneError("dem: give both heat and T, or neither")
+            raise SceneError("dem: heat and T belong together; give both, or neither")
         if heat is None or T is None:
             return np.zeros((0, 0), HEAT_PAIR)
         self.T, self.heat_source = (

@@ -142,7 +142,9 @@ def load(folder: Path | str) -> tuple[Parts, Parts]:
         # what contbed writes is not packed: no file takes more memory than its size
         with open(path, "rb") as stream, zipfile.ZipFile(stream) as entries:
             if any(entry.compress_type for entry in entries.infolist()):
-                raise ValueError("it is packed, as no checkpoint of contbed is")
+                raise ValueError(
+                    "it is compressed, and contbed does not write such checkpoints"
+                )
         with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
             arrays = {
                 name.removeprefix(_ARRAY): file[name]
@@ -151,7 +153,7 @@ def load(folder: Path | str) -> tuple[Parts, Parts]:
             }
             text, checksum = str(file["meta"]), str(file["checksum"])
         if checksum != _checksum(arrays, text):
-            raise ValueError("its checksum differs from its content")
+            raise ValueError("its checksum is wrong: the file was changed or damaged")
         return Parts(path, arrays), Parts(path, json.loads(text))
     except PermissionError as error:
         raise SceneError(f"cannot read {path}: {error.strerror}") from error
@@ -199,8 +201,8 @@ def require_same(
     found = meta.get("identity")
     if not isinstance(found, Mapping):
         raise SceneError(
-            "the checkpoint says not which scene wrote it, as of another version; run "
-            "without --restart"
+            "the checkpoint does not name its scene, so that another version "
+            "of contbed wrote it; run without --restart"
         )
     if found.get("contbed") != identity["contbed"]:
         versions = f"contbed {found.get('contbed')}, this is {identity['contbed']}"

@@ -561,8 +561,8 @@ def the_side_of_a_line_passes_heat(mesh: Mesh, boundary: Boundaries) -> Mistakes
             if getattr(condition, key) is not None:
                 yield (
                     (*path, key),
-                    "heat alone passes through the side of a line; give coefficient "
-                    "and ambient, or heat_flux",
+                    "only heat passes through the side of a line; give "
+                    "coefficient and ambient, or heat_flux",
                 )
 
 
@@ -650,9 +650,9 @@ def the_balance_can_fail(solver: Solver) -> Mistakes:
     if solver.balance_tolerance > LOOSE_BALANCE:
         yield (
             ("solver", "balance_tolerance"),
-            f"{solver.balance_tolerance:g} of what crosses and is released may be "
-            "missing; results with a balance open "
-            f"by more than {LOOSE_BALANCE:g} mean little",
+            f"allows a balance error of {solver.balance_tolerance:g} of the "
+            f"total flow; results with an error above {LOOSE_BALANCE:g} are "
+            "not meaningful",
         )
 
 

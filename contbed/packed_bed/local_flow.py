@@ -79,10 +79,10 @@ def settled(
             report_flow(plan, line, flow, result)
             return problem, state
     raise ConvergenceError(
-        f"flow and temperatures change each other: after {TURNS} turns theta still "
-        f"changes by {change:.1g} in each; "
-        "an expanding fluid may have no steady flow here: try a smaller difference of "
-        "temperatures or a slip wall"
+        f"flow and temperatures did not converge: after {TURNS} iterations "
+        f"theta still changes by {change:.1g}; an expanding fluid may have no "
+        "steady flow here: try a smaller temperature difference or a slip "
+        "wall"
     )
 
 

@@ -154,7 +154,8 @@ def _cycle(steps: HeatSteps, start: tuple[Any, Any] | None, saver: Saver) -> Per
             steps.accounts = True
             return period
     raise ConvergenceError(
-        f"cycle: after {MOST} periods the bed still changes by "
-        f"{period.largest * steps.span:.3g} K over one, allowed are "
-        f"{tolerance * steps.span:.3g} K; raise time.cycle.tolerance"
+        f"cycle: after {MOST} periods temperatures still change by "
+        f"{period.largest * steps.span:.3g} K over one period, and "
+        f"{tolerance * steps.span:.3g} K are allowed; raise "
+        "time.cycle.tolerance"
     )

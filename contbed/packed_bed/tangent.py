@@ -237,8 +237,8 @@ class Steady:
                 return
             ends[0].state, ends[1].state = np.split(accelerate(before, after), 2)
         raise ConvergenceError(
-            f"the responses of flow and temperatures to a key do not settle in {TURNS} "
-            "turns; use contbed sweep"
+            "the derivatives of flow and temperatures with respect to a key "
+            f"did not converge in {TURNS} iterations; use contbed sweep"
         )
 
     def _move_flow(self, ends: list[_End]) -> None:

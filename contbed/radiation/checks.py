@@ -137,7 +137,8 @@ def radiation_is_complete(
     if radiation.conductivity is not None and radiation.temperature is not None:
         yield (
             ("radiation", "temperature"),
-            f"is solved for where it conducts; see {see('radiation.conductivity')}",
+            "is an unknown where the medium conducts, and cannot be given; "
+            f"see {see('radiation.conductivity')}",
         )
     if (
         radiation.temperature is not None

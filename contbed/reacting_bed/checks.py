@@ -153,7 +153,7 @@ def formulas_can_be_read(
             wanted = SI_OF_BASIS[basis]
             yield (
                 ("reactions", name, "unit"),
-                f"measures something else than {wanted}, the unit of a rate per {basis}",
+                f"is no unit of a rate per {basis}; give one such as {wanted}",
             )
 
 
@@ -215,7 +215,10 @@ def walls_pass_heat(
             "has no meaning without [heat]; add [heat], or remove it",
         )
     if mesh.diameter is None:
-        yield ("mesh", "diameter"), "missing; of the tube whose wall is [boundary.wall]"
+        yield (
+            ("mesh", "diameter"),
+            "missing; [boundary.wall] needs the diameter of the tube",
+        )
     if named(wall.coefficient) and packed_bed.section is None:
         text = (
             "by name it is on the jump of temperature at the wall, which one "
@@ -324,14 +327,19 @@ def the_parameter_is_a_number(
             "boundary.wall.ambient",
         )
     elif found == continuation.to:
-        yield ("continuation", "to"), "is the value that the scene has"
+        yield (
+            ("continuation", "to"),
+            "is already the value in the scene; give another value to follow the "
+            "solution to",
+        )
     elif (
         continuation.back_to is not None
         and (continuation.back_to - found) * (continuation.to - found) > 0
     ):
         yield (
             ("continuation", "back_to"),
-            f"lies on the same side of the value in the scene, {found:g}, as `to`",
+            f"must lie on the other side of the scene's value, {found:g}, "
+            "than continuation.to",
         )
 
 

@@ -80,8 +80,8 @@ def phases_fill_the_bed(solids: Solids, mesh: MeshLine, see: See) -> Mistakes:
         if len(solids) > 1 and not NAME.fullmatch(phase):
             yield (
                 ("solids", phase),
-                "names of results end with it: letters and digits only, beginning with "
-                "a letter",
+                "a phase may have letters and digits in its name and begins "
+                "with a letter, as results are named after it",
             )
         if table.diameter > mesh.length:
             text = (
@@ -108,7 +108,7 @@ def own_closures_have_a_meaning(solids: Solids, closures: s.Closures) -> Mistake
             text = "has no meaning where gas and particles have one temperature"
             yield (
                 ("solids", phase, "nusselt"),
-                f"{text}; give closures.nusselt, which the others have",
+                (f"{text}; add closures.nusselt, which holds for the other phases"),
             )
         if table.sherwood is not None and closures.sherwood is None:
             text = (
@@ -186,7 +186,8 @@ def particles_are_known(
         if stores_heat and table.composition is None and table.heat_capacity is None:
             yield (
                 path,
-                "missing; particles that move or whose temperature changes hold heat",
+                "missing; moving particles, and particles in time, store "
+                "heat: give their heat capacity",
             )
         if table.composition is not None and table.heat_capacity is not None:
             yield (

@@ -167,4 +167,9 @@ def _regained(storage: Storage, u: Array, rows: NDArray[np.intp]) -> Array:
         if change < ROUNDED or (change < ROUGH and change > SLOW * before):
             return u
         before = change
-    raise ConvergenceError("no state on other cells holds what the bed holds", [], u)
+    raise ConvergenceError(
+        "the state could not be transferred to the new mesh without a change of "
+        "the amounts in the bed; give mesh.cells",
+        [],
+        u,
+    )

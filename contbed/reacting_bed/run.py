@@ -74,8 +74,8 @@ def run(
         )
     if report.stopped:
         result.warnings.append(
-            "the last better cells gave no state: the errors are those of "
-            "`estimated_error`"
+            "no solution was found on the last, finer mesh; results are "
+            "those of the mesh before, with the errors in `estimated_error`"
         )
     if smoothed > plan.scene.solver.tolerance:
         result.warnings.append(
@@ -99,7 +99,10 @@ def run(
     result.solved = problem, u
     if (sentence := taken_though_absent(problem, u)) is not None:
         raise ConvergenceError(
-            f"{sentence}; this is no state that can be", report.history, u
+            f"{sentence}; such a state is impossible, so that the solution is "
+            "not used: add mesh.cells, or change the order of this reaction",
+            report.history,
+            u,
         )
     result.qoi |= {"cells": problem.line.cells, "cells_damped": report.damped}
     if plan.scene.continuation is not None:

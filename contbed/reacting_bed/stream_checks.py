@@ -188,4 +188,4 @@ def _solid_has_a_temperature(
                 f"boundary.NAME.solids.{phase}.velocity",
             )
         if enters and needed and not there:
-            yield path, "missing; of the particles that enter"
+            yield path, "missing; particles enter here: give their value"

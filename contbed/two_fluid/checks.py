@@ -63,7 +63,7 @@ def mesh_has_cells(mesh: meshes.Mesh, origin: Origin) -> Mistakes:
     ):
         yield (
             ("mesh", "cells"),
-            "one cell has no neighbour to exchange anything with; give at least 2",
+            "one cell has no neighbour; give at least 2",
         )
 
 
@@ -75,7 +75,7 @@ def layers_are_in_the_vessel(initial: Initial, mesh: meshes.Mesh) -> Mistakes:
         if layer.end <= 0.0 and not isinstance(mesh, meshes.MeshFile):
             yield (
                 ("initial", "layer", k, "end"),
-                "the vessel begins at 0 m; nothing of the layer is in it",
+                "ends below 0 m, where the vessel begins; raise it",
             )
         if not isinstance(mesh, meshes.MeshFile) and layer.start >= mesh.extents[-1]:
             text = (
@@ -157,7 +157,7 @@ def particles_fit_the_mesh(
     ((name, solid),) = solids.items()
     if not isinstance(mesh, meshes.MeshFile) and solid.diameter >= min(mesh.extents):
         text = (
-            f"no smaller than the vessel, which is {min(mesh.extents):.4g} m wide; "
+            f"is not smaller than the width of the vessel, {min(mesh.extents):.4g} m; "
             f"see {see('mesh')}"
         )
         yield ("solids", name, "diameter"), text
@@ -230,7 +230,8 @@ def friction_of_particles_is_complete(
         known = see("closures.granular_dissipation")
         yield (
             ("closures", kind),
-            f"stands in the dissipation, which is absent; see {known}",
+            "is part of the dissipation of granular energy, which is "
+            f"switched off; see {known}",
         )
     if friction is None:
         yield (
@@ -492,7 +493,8 @@ def pulses_end_in_an_inlet(boundary: dict[str, Boundary]) -> Mistakes:
             if not isinstance(whole, Inlet) or whole.until is not None:
                 yield (
                     ("boundary", name, "until"),
-                    "belongs to a piece `on` an inlet that does not end itself",
+                    "is for a piece `on` an inlet that has no `until` "
+                    "itself; give one of the two",
                 )
 
 

@@ -210,15 +210,14 @@ def _require_resolved(scene: t.TwoFluidScene, mesh: Mesh, cells: grid.Grid) -> N
     height, points = cells.centres[:, -1], mesh.skfem.p
     problems: list[tuple[tuple[str | int, ...], str]] = []
     if len(height) == 1:
-        problems.append(
-            (("mesh",), "one cell has no neighbour to exchange anything with")
-        )
+        problems.append((("mesh",), "one cell has no neighbour: give at least 2 cells"))
     if (width := float(np.ptp(points, axis=1).min())) <= scene.solid.diameter:
         (name,) = scene.solids
         problems.append(
             (
                 ("solids", name, "diameter"),
-                f"no smaller than the vessel, which is {width:.4g} m wide",
+                f"is not smaller than the width of the vessel, {width:.4g} m; "
+                "is a unit missing?",
             )
         )
     slices: list[tuple[tuple[str | int, ...], Any]] = [

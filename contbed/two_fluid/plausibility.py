@@ -168,7 +168,7 @@ def require_possible(scene: t.TwoFluidScene, bed: Simulation, speed: float) -> N
                 f"are {low:.5g} to {high:.5g} K"
             )
             raise ConvergenceError(
-                f"{now}: {text}; look at heat_flux of walls, or: {REMEDY}"
+                f"{now}: {text}; check heat_flux of the walls; {REMEDY}"
             )
 
 

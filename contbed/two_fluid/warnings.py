@@ -46,7 +46,8 @@ def times_are_within_the_run(
         ):
             yield (
                 ("boundary", name, "until"),
-                f"not before the end, {time.end:g} s: nothing changes",
+                f"is not before the end of the run, {time.end:g} s, so that "
+                "it has no effect",
             )
 
 

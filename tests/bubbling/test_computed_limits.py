@@ -193,7 +193,7 @@ def test_conductivity_of_the_emulsion_and_nusselt_from_files(tmp_path):
 BAD = {
     "mole fractions sum to 0.9, not to 1": {"gas__composition": "N2:0.69, O2:0.21"},
     "no species 'N3'": {"gas__composition": "N3:1.0"},
-    "hotter than the properties of the gas hold, 3000 K": {"inlet__temperature": 3500.0},
+    "is above the highest temperature of the gas properties in gri30.yaml, 3000 K": {"inlet__temperature": 3500.0},
     "'bubble_growth_mory_wen'; nearest: bubble_growth_mori_wen": {"bubbles__size": "mory_wen"},
     "missing; boundary.bottom.gas.mass_flow needs it": {"solids__char__density": None},
     "follows from the closures; leave it out": {"bubbles__capacity_flow": 3.0},

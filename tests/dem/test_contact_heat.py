@@ -211,7 +211,7 @@ def test_a_heat_source():
 
 def test_mistakes():
     one = Particles([[0, 0, 0]], RADIUS)
-    refused("give both heat and T, or neither", Simulation, one, [SMOOTH], T=300.0)
+    refused("heat and T belong together", Simulation, one, [SMOOTH], T=300.0)
     refused(
         r"conductivity = 0\.0 must be positive",
         lambda: Simulation(one, [SMOOTH], heat=ContactHeat(0.0), T=300.0),

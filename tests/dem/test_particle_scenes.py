@@ -205,7 +205,7 @@ def test_mistakes(folder):
         'scene.toml:3: particles.file = "no.csv": no such file; looked for '
         f"{folder / 'no.csv'}"
     ]
-    assert "columns lead through a gas" in problems(VACUUM, folder)[0]
+    assert "columns are paths through the gas" in problems(VACUUM, folder)[0]
 
 
 def test_mistakes_that_the_file_shows(folder):

@@ -112,7 +112,7 @@ def test_the_page_of_messages_has_those_of_each_way_to_report(tmp_path):
         "a temperature of ... K; it must be above 0": "error",
         "a bed needs particles; give [solids.NAME]": "check",
         "the linear solver left a relative residual of ...": "ConvergenceError",
-        "its checksum differs from its content": "ValueError",
+        "its checksum is wrong: the file was changed or damaged": "ValueError",
     }
     assert {text: kinds.get(text) for text in cases} == cases
     write_page(tmp_path / "messages.md", ROOT / "contbed")

@@ -129,7 +129,7 @@ def test_mistakes_of_gas_reactions(old, new, said):
         ('rate = "c_CH4.real"', "only numbers, names"),
         (
             'rate = "c_CH4"\nunit = "mol/kg/s"',
-            "measures something else than mol/m**3/s",
+            "give one such as mol/m**3/s",
         ),
         (
             'rate = "k*c_CH4"\nparameters = { k = "3 1/parsnip" }',
@@ -297,4 +297,4 @@ def test_a_conductivity_of_the_whole_bed_beside_that_of_the_gas_is_told(
     assert len(warnings) == (said is not None)
     for warning in warnings:
         assert f"{table}.conductivity_solids" in warning and said in warning
-        assert warning.endswith(f"twice; give {table}.conductivity_gas = 0")
+        assert warning.endswith(f"once more; give {table}.conductivity_gas = 0")

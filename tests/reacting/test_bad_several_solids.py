@@ -88,7 +88,7 @@ def test_the_scene_without_mistakes_is_planned():
             "[solid]\ndensity = 1.0\n[solids.ore]",
             "this key is called 'solids.NAME' now",
         ),
-        ("solids.coke", "solids.coke_1", "letters and digits only"),
+        ("solids.coke", "solids.coke_1", "letters and digits in its name"),
         (
             'equation = "C + CO2',
             'solid = "coal"\nequation = "C + CO2',
@@ -118,7 +118,7 @@ def test_the_scene_without_mistakes_is_planned():
         (
             "density = 1000.0",
             "density = 1000.0\nnusselt = 3.0",
-            "give closures.nusselt, which the others have",
+            "add closures.nusselt, which holds for the other phases",
         ),
         (
             "density = 1000.0",

@@ -202,7 +202,7 @@ def test_the_good_scene_is_good():
         (
             {**RUBS, "closures.granular_dissipation": "none"},
             (),
-            "stands in the dissipation, which is absent",
+            "is part of the dissipation of granular energy",
         ),
         (
             {"solids.beads.friction": {"start": 0.64}},
@@ -305,7 +305,11 @@ POWER = {"name": "power", "a": 1.2}
             (),
             "the vessel ends at 0.4 m",
         ),
-        ({"initial.layer": [{"end": -0.1}]}, (), "the vessel begins at 0 m"),
+        (
+            {"initial.layer": [{"end": -0.1}]},
+            (),
+            "ends below 0 m, where the vessel begins",
+        ),
         (
             {
                 "initial.layer": [
@@ -327,7 +331,11 @@ POWER = {"name": "power", "a": 1.2}
             "overlaps boundary.a",
         ),
         ({"time.step": 0.2}, (), "is longer than the run"),
-        ({"solids.beads.diameter": 0.1}, (), "no smaller than the vessel"),
+        (
+            {"solids.beads.diameter": 0.1},
+            (),
+            "is not smaller than the width of the vessel",
+        ),
         ({}, ("boundary.bottom.gas.velocity",), "nothing enters"),
         (
             {**HEAT, **HOT, "gas.density_law": "ideal_gas", "gas.pressure": 500.0},
@@ -373,7 +381,7 @@ def test_what_cannot_be_meant_is_an_error(changes, without, told):
         ({"time.sample": 0.2}, "time.sample = 0.2: longer than the run of 0.1 s"),
         ({"time.fields": 0.2}, "time.fields = 0.2: longer than the run of 0.1 s"),
         ({"boundary.jet": JET | {"on": "bottom", "start": 0.0, "end": 0.05, "until": 0.2}},
-         "boundary.jet.until = 0.2: not before the end"),
+         "boundary.jet.until = 0.2: is not before the end"),
         ({"boundary.jet": JET | {"on": "bottom", "start": 0.034, "end": 0.067}},
          "boundary.jet: reaches from 0.025 to 0.075 m on this mesh: 52 % more area, "
          "and of what crosses it"),

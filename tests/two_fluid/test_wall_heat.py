@@ -433,8 +433,14 @@ def towards_the_wall(cells, rate=1.0, depth=0.02):
 @pytest.mark.parametrize(
     ("changes", "text"),
     [
-        ({"closures__wall_heat": {"name": "penetration", "depth": 1}}, "no parameter"),
-        ({"closures__wall_heat": {"name": "penetration", "gap": -1}}, "thickness"),
+        (
+            {"closures__wall_heat": {"name": "penetration", "depth": 1}},
+            "has one parameter",
+        ),
+        (
+            {"closures__wall_heat": {"name": "penetration", "gap": -1}},
+            "in particle diameters",
+        ),
         ({"closures__wall_heat": "martin"}, "needs molar_mass"),
         ({"closures__wall_heat": "martini"}, "bed_tube_martin"),
         ({"boundary__right__wall_heat": 20.0}, "without temperature"),

@@ -144,7 +144,9 @@ def test_a_packed_checkpoint_is_not_unpacked(tmp_path):
         tmp_path / checkpoint.NAME, "w", zipfile.ZIP_DEFLATED
     ) as packed:
         packed.writestr("array.a.npy", np.zeros(10**6).tobytes())
-    with pytest.raises(SceneError, match="it is packed, as no checkpoint of contbed"):
+    with pytest.raises(
+        SceneError, match="it is compressed, and contbed does not write"
+    ):
         checkpoint.load(tmp_path)
 
 

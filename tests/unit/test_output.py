@@ -692,7 +692,7 @@ def test_the_checkpoint_of_another_scene_names_what_differs(change, told):
         text in problem
         for text, problem in zip(told, caught.value.problems, strict=True)
     )
-    refused("says not which scene wrote it", checkpoint.require_same, {}, IDENTITY)
+    refused("does not name its scene", checkpoint.require_same, {}, IDENTITY)
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")

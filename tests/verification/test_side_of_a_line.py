@@ -114,7 +114,7 @@ time = {{ end = 100, tolerance = 1e-6 }}
         (
             "wall = { coefficient = 10, ambient = 300 }",
             "wall.gas.temperature = 300",
-            "heat alone passes",
+            "only heat passes",
         ),
     ],
 )

@@ -91,7 +91,11 @@ def gas_reactions_are_whole(
         yield from reaction_is_whole(name, table, atoms)
         law = find_law(name, table)
         if law is not None and law.of_solids:
-            yield (*path, "law"), "is of solids that react, which this model lacks"
+            yield (
+                (*path, "law"),
+                "is a rate law of reacting solids, which bubbling_bed does not "
+                "have; use a law of gases, or model = 'packed_bed'",
+            )
         if table.basis == "bed":
             yield (*path, "basis"), "give gas, or catalyst or particle with a solid"
         if table.solid is not None and table.solid not in solids:
@@ -127,7 +131,11 @@ def _analysis(path: KeyPath, fuel: Fuel) -> Mistakes:
             shares = {name: share / daf for name, share in dry.items()}
             dv.volatiles(shares, fuel.volatile_matter)
         elif dry["C"] < daf * (1.0 - SUM):
-            yield volatile, "fixed carbon is pure carbon, but there are other elements"
+            yield (
+                volatile,
+                "0 leaves only fixed carbon, but ultimate has other elements "
+                "than C; raise it, or correct ultimate",
+            )
     except SceneError as error:
         yield volatile, str(error)
     if fuel.heating_value is not None:
@@ -145,7 +153,7 @@ def what_is_fed_leaves(
         return
     for name, item in solids.items():
         if item.limestone is not None:
-            text = "never leaves the bed: give [bubbling_bed.drain]"
+            text = "nothing removes it, so that no steady state exists: add [bubbling_bed.drain]"
             yield ("solids", name, "limestone"), text
         if item.fuel is not None:
             yield from _constituents_leave(
@@ -162,14 +170,15 @@ def _constituents_leave(path: KeyPath, fuel: Fuel, reactions: t.Reactions) -> Mi
         if amount and getattr(reactions, reaction) is None:
             yield (
                 path,
-                f"its {constituent} never leaves the bed: give [reactions.{reaction}] "
-                "or [bubbling_bed.drain]",
+                f"nothing consumes or removes its {constituent}, so that no steady "
+                f"state exists: add [reactions.{reaction}] or [bubbling_bed.drain]",
             )
     if fuel.volatile_matter < 1 and not reactions.of_char:
         yield (
             path,
-            "its char never leaves the bed: give [reactions.char_combustion] or "
-            "another, or [bubbling_bed.drain]",
+            "nothing consumes or removes its char, so that no steady state exists: add "
+            "[reactions.char_combustion] or another reaction of char, or "
+            "[bubbling_bed.drain]",
         )
 
 
@@ -183,7 +192,10 @@ def fuel_and_limestone_are_fed(solids: Solids, see: See) -> Mistakes:
             path = ("solids", name, key)
             if key in first:
                 other = see(f"solids.{first[key]}.{key}")
-                yield path, f"there is one already; see {other}"
+                yield (
+                    path,
+                    (f"one solid phase may have it, and {other} is given; remove one"),
+                )
             first.setdefault(key, name)
             if item.feed is None or not item.feed.mass_flow:
                 yield path, f"needs solids.{name}.feed with a mass_flow"
@@ -192,10 +204,18 @@ def fuel_and_limestone_are_fed(solids: Solids, see: See) -> Mistakes:
                 yield ("solids", name, "feed", "drain"), text
             if item.mixing_conductivity == 0:
                 mixing = see(f"solids.{name}.mixing_conductivity")
-                yield path, f"must mix along the height; see {mixing}"
+                yield (
+                    path,
+                    f"a reacting phase must mix along the height: raise {mixing} "
+                    "above 0",
+                )
         if item.fuel is not None and item.limestone is not None:
             fuel = see(f"solids.{name}.fuel")
-            yield ("solids", name, "limestone"), f"is the fuel already; see {fuel}"
+            yield (
+                ("solids", name, "limestone"),
+                f"one phase cannot be fuel and limestone; see {fuel}; give the "
+                "limestone a phase of its own",
+            )
 
 
 CHECKS: tuple[Callable[..., Mistakes], ...] = (

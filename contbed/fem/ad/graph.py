@@ -250,7 +250,8 @@ class Node(Symbolic):
 
     def _refuse(self, *_: Any) -> Any:
         raise NotRecordableError(
-            "the form asks for a value, which a recorded one has not"
+            "the form uses the value of a recorded quantity, which is not "
+            "known while it is recorded"
         )
 
     __bool__ = __float__ = __int__ = __len__ = __iter__ = __array__ = _refuse

@@ -79,7 +79,11 @@ def heat_is_complete(
                 )
                 yield ("boundary", name, "temperature"), text
     if time.order == 2:
-        yield ("time", "order"), f"heat is of first order in time; see {see('heat')}"
+        yield (
+            ("time", "order"),
+            "2 is for flow without heat, whose steps are of first order; give 1, "
+            f"or remove {see('heat')}",
+        )
 
 
 def nothing_is_heated_without_heat(
@@ -176,9 +180,16 @@ def _wall_laws_exist(
             extra = spec.model_extra or {} if isinstance(spec, Closure) else {}
             gap = extra.get(GAP, 0.0)
             if set(extra) - {GAP}:
-                yield where, f'"{PENETRATION}" has no parameter but {GAP}'
+                yield (
+                    where,
+                    f'"{PENETRATION}" has one parameter, {GAP}; remove the others',
+                )
             elif isinstance(gap, bool) or not isinstance(gap, int | float) or gap < 0.0:
-                yield where, f"{GAP} is a thickness over a diameter, found {gap!r}"
+                yield (
+                    where,
+                    f"{GAP} is the gap in particle diameters, a number of 0 or "
+                    f"more; found {gap!r}",
+                )
         elif named(spec):
             try:
                 bind(spec, KIND, WALL_GIVES, origin.base)
