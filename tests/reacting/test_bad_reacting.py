@@ -275,8 +275,8 @@ dispersion = "vdi"
 @pytest.mark.parametrize(
     ("gas", "said"),
     [
-        ('conductivity_gas = "phase"', "eps k_gas is added"),
-        ('conductivity_gas = "zehner_schluender"', "conductivity_gas is added"),
+        ('conductivity_gas = "phase"', "eps k_gas adds"),
+        ('conductivity_gas = "zehner_schluender"', "conductivity_gas adds"),
         ("conductivity_gas = 0.0", None),
         ("", None),
     ],
