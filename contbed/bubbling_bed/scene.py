@@ -58,16 +58,14 @@ NamedClosure = Annotated[NamedOrFile, Discriminator(form)]
 class EnteringGas(Table):
     """What enters below the distributor, all at one temperature."""
 
-    capacity_flow: CapacityFlow | None = Field(
-        None, description="of the emulsion's gas; coefficients are numbers"
-    )
-    mass_flow: MassFlow | None = Field(
-        None, description="of all gas, with [gas]; coefficients may be closures"
-    )
-    velocity: Speed | None = Field(
-        None, description="superficial, in place of mass_flow"
-    )
-    temperature: Temperature = Field(description="of the gas that enters")
+    capacity_flow: CapacityFlow | None = None
+    """of the emulsion's gas; coefficients are numbers"""
+    mass_flow: MassFlow | None = None
+    """of all gas, with [gas]; coefficients may be closures"""
+    velocity: Speed | None = None
+    """superficial, in place of mass_flow"""
+    temperature: Temperature
+    """of the gas that enters"""
 
     @model_validator(mode="after")
     def _one(self) -> EnteringGas:
@@ -95,44 +93,32 @@ class Boundary(Table):
 class Closures(Table):
     """Closures by name, which other models have under the same keys."""
 
-    minimum_fluidization: SpeedOrClosure = Field(
-        "minimum_fluidization_grace", description="superficial velocity"
-    )
-    expansion: NamedClosure | None = Field(
-        None,
-        description="height over settled_height; absent: by the volume of the bubbles",
-    )
-    nusselt: NamedClosure | None = Field(
-        None,
-        description="particles to the gas of the emulsion, of all solid phases that "
-        "give none",
-    )
+    minimum_fluidization: SpeedOrClosure = "minimum_fluidization_grace"
+    """superficial velocity"""
+    expansion: NamedClosure | None = None
+    """height over settled_height; absent: by the volume of the bubbles"""
+    nusselt: NamedClosure | None = None
+    """particles to the gas of the emulsion, of all solid phases that give none"""
 
 
 class Initial(Table):
     """Where Newton's method starts."""
 
-    temperature: Annotated[Temperature, Field(ge=200)] = Field(
-        1100.0, description="of everything"
-    )
+    temperature: Annotated[Temperature, Field(ge=200)] = 1100.0
+    """of everything"""
 
 
 class Radiation(Table):
     """Radiation between the particles of a bubbling bed."""
 
-    level: Literal["none", "pairwise", "paper", "two_flux", "p1"] = Field(
-        "p1",
-        description="pairwise, paper: among the solid phases at one height only, "
-        "eqs. 2-11 and 34 of Rabi & de Souza-Santos",
-    )
-    correction: Literal["close_packed", "independent"] | None = Field(
-        None,
-        description="extinction over the voidage, the default, or the limit of points "
-        "far apart; pairwise, paper: that",
-    )
-    anisotropy: Annotated[Number, Field(ge=-1, le=1)] = Field(
-        0.0, description="mean cosine of scattering"
-    )
+    level: Literal["none", "pairwise", "paper", "two_flux", "p1"] = "p1"
+    """pairwise, paper: among the solid phases at one height only, eqs. 2-11 and 34 of
+    Rabi & de Souza-Santos"""
+    correction: Literal["close_packed", "independent"] | None = None
+    """extinction over the voidage, the default, or the limit of points far apart;
+    pairwise, paper: that"""
+    anisotropy: Annotated[Number, Field(ge=-1, le=1)] = 0.0
+    """mean cosine of scattering"""
 
 
 class Continuation(Table):
@@ -141,18 +127,18 @@ class Continuation(Table):
     It passes the folds between them.
     """
 
-    parameter: str = Field(
-        description="key of a number in this scene, "
-        '"boundary.bottom.gas.temperature" or "bubbling_bed.walls.coefficient"'
-    )
-    to: Number = Field(description="in SI")
-    back_to: Number | None = Field(
-        None, description="end of the other side; absent: the value in this scene"
-    )
-    points: Annotated[Whole, Field(ge=3, le=10_000)] = Field(200, description="at most")
-    first_fold: Switch = Field(
-        False, description="end at the first fold, where only its distance is wanted"
-    )
+    parameter: str
+    """key of a number in this scene, "boundary.bottom.gas.temperature" or
+    "bubbling_bed.walls.coefficient"
+    """
+    to: Number
+    """in SI"""
+    back_to: Number | None = None
+    """end of the other side; absent: the value in this scene"""
+    points: Annotated[Whole, Field(ge=3, le=10_000)] = 200
+    """at most"""
+    first_fold: Switch = False
+    """end at the first fold, where only its distance is wanted"""
 
 
 def _along_the_height(cells: Any) -> Any:
@@ -163,28 +149,23 @@ def _along_the_height(cells: Any) -> Any:
 class Mesh(Table):
     """Cells along the height, graded to the layers at both ends."""
 
-    cells: Annotated[Cells | None, BeforeValidator(_along_the_height)] = Field(
-        None, description="of a list the last; absent: by solver.tolerance"
-    )
-    refine: Whole = Field(
-        0, ge=0, le=12, description="uniform refinements after construction"
-    )
+    cells: Annotated[Cells | None, BeforeValidator(_along_the_height)] = None
+    """of a list the last; absent: by solver.tolerance"""
+    refine: Whole = Field(0, ge=0, le=12)
+    """uniform refinements after construction"""
 
 
 class Solver(NewtonSolver):
     """Numerics; the defaults suit nearly all scenes."""
 
-    degree: Order = Field(3, description="polynomial degree of all fields")
-    tolerance: Fraction = Field(
-        1e-6,
-        description="target error of automatic meshes, relative to the temperatures",
-    )
-    newton_iterations: Whole = Field(
-        60, ge=1, le=1000, description="most iterations of Newton's method"
-    )
-    memory_GB: Positive | None = Field(
-        None, description="refuse a factorisation predicted above this"
-    )
+    degree: Order = 3
+    """polynomial degree of all fields"""
+    tolerance: Fraction = 1e-6
+    """target error of automatic meshes, relative to the temperatures"""
+    newton_iterations: Whole = Field(60, ge=1, le=1000)
+    """most iterations of Newton's method"""
+    memory_GB: Positive | None = None
+    """refuse a factorisation predicted above this"""
 
 
 class BubblingScene(SceneBase):
@@ -194,12 +175,13 @@ class BubblingScene(SceneBase):
     time: ClassVar[None] = None
 
     bubbling_bed: BubblingBed
-    gas: GasOfComposition | None = Field(
-        None, description="absent: coefficients are numbers"
-    )
+    gas: GasOfComposition | None = None
+    """absent: coefficients are numbers"""
     boundary: Boundary
-    solids: dict[str, Solid] = Field(description="solid phases by name")
-    reactions: Reactions | None = Field(None, description="absent: an inert gas")
+    solids: dict[str, Solid]
+    """solid phases by name"""
+    reactions: Reactions | None = None
+    """absent: an inert gas"""
     closures: Closures = Closures()
     initial: Initial = Initial()
     radiation: Radiation = Radiation(level="none")

@@ -73,16 +73,14 @@ class Release(Table):
     rate exp(-z/length) exp(-activation (1/T - 1/reference)); T of what releases it.
     """
 
-    rate: HeatSource = Field(description="negative where heat is consumed")
-    length: Length | None = Field(
-        None, description="decay along the height; absent: uniform"
-    )
-    activation: Annotated[Kelvin, Field(ge=0)] | None = Field(
-        None, description="E/R; absent: none"
-    )
-    reference: Temperature | None = Field(
-        None, description="temperature at which the rate holds"
-    )
+    rate: HeatSource
+    """negative where heat is consumed"""
+    length: Length | None = None
+    """decay along the height; absent: uniform"""
+    activation: Annotated[Kelvin, Field(ge=0)] | None = None
+    """E/R; absent: none"""
+    reference: Temperature | None = None
+    """temperature at which the rate holds"""
 
     @model_validator(mode="after")
     def _both(self) -> Release:
@@ -94,64 +92,52 @@ class Release(Table):
 class Bubbles(Table):
     """Gas that passes as bubbles free of particles."""
 
-    fraction: BubbleFraction = Field(
-        "bubble_fraction_kunii_levenspiel", description="share of the bed's volume"
-    )
-    capacity_flow: CapacityFlow | None = Field(
-        None, description="with boundary.bottom.gas.capacity_flow only"
-    )
-    exchange: ExchangeOrClosure = Field(
-        "bubble_heat_kunii_levenspiel",
-        description="with the gas of the emulsion, per volume of bubbles",
-    )
-    gas_exchange: RateOrClosure = Field(
-        "gas_exchange_sit_grace",
-        description="of gas with the emulsion, where it reacts",
-    )
-    size: LengthOrClosure = Field(
-        "bubble_growth_mori_wen", description="diameter, or how it grows"
-    )
-    start: LengthOrClosure = Field(
-        "bubble_start_porous_plate", description="diameter at the distributor"
-    )
-    rise: SpeedOrClosure = Field(
-        "bubble_rise_davidson_harrison", description="velocity of the bubbles"
-    )
-    emulsion_gas: SpeedOrClosure = Field(
-        "emulsion_gas_two_phase",
-        description="gas through the emulsion per its section; the rest is bubbles",
-    )
+    fraction: BubbleFraction = "bubble_fraction_kunii_levenspiel"
+    """share of the bed's volume"""
+    capacity_flow: CapacityFlow | None = None
+    """with boundary.bottom.gas.capacity_flow only"""
+    exchange: ExchangeOrClosure = "bubble_heat_kunii_levenspiel"
+    """with the gas of the emulsion, per volume of bubbles"""
+    gas_exchange: RateOrClosure = "gas_exchange_sit_grace"
+    """of gas with the emulsion, where it reacts"""
+    size: LengthOrClosure = "bubble_growth_mori_wen"
+    """diameter, or how it grows"""
+    start: LengthOrClosure = "bubble_start_porous_plate"
+    """diameter at the distributor"""
+    rise: SpeedOrClosure = "bubble_rise_davidson_harrison"
+    """velocity of the bubbles"""
+    emulsion_gas: SpeedOrClosure = "emulsion_gas_two_phase"
+    """gas through the emulsion per its section; the rest is bubbles"""
 
 
 class Steam(Table):
     """Water, boiling water or steam inside of a surface."""
 
-    pressure: Pressure = Field(description="of the water or steam")
-    temperature: Temperature = Field(
-        description="of what enters; it does not boil there"
-    )
-    mass_flow: MassFlow = Field(description="of the water or steam")
-    coefficient: Annotated[WallCoefficient, Field(gt=0)] = Field(
-        description="inside, on the outer surface"
-    )
-    direction: Literal["up", "down"] = Field(
-        "up", description="in which the water or steam flows"
-    )
+    pressure: Pressure
+    """of the water or steam"""
+    temperature: Temperature
+    """of what enters; it does not boil there"""
+    mass_flow: MassFlow
+    """of the water or steam"""
+    coefficient: Annotated[WallCoefficient, Field(gt=0)]
+    """inside, on the outer surface"""
+    direction: Literal["up", "down"] = "up"
+    """in which the water or steam flows"""
 
 
 class Surface(Table):
     """Tubes or walls along the whole height, at a temperature or with water inside."""
 
-    perimeter: Length = Field(description="surface per height of bed")
-    coefficient: WallCoefficientOrClosure = Field(
-        description="convective, split over the solid phases by their surface",
-        json_schema_extra=takes("bed_tube"),
-    )
-    temperature: Temperature | None = Field(
-        None, description="of the surface; or steam"
-    )
-    emissivity: Emissivity | None = Field(None, description="absent: a mirror")
-    steam: Steam | None = Field(None, description="instead of `temperature`")
+    perimeter: Length
+    """surface per height of bed"""
+    coefficient: WallCoefficientOrClosure = Field(json_schema_extra=takes("bed_tube"))
+    """convective, split over the solid phases by their surface"""
+    temperature: Temperature | None = None
+    """of the surface; or steam"""
+    emissivity: Emissivity | None = None
+    """absent: a mirror"""
+    steam: Steam | None = None
+    """instead of `temperature`"""
 
     @model_validator(mode="after")
     def _one(self) -> Surface:
@@ -166,22 +152,25 @@ class Distributor(Table):
     Absent: the bed ends at a mirror.
     """
 
-    coefficient: WallCoefficient = Field(
-        description="to the particles, split over the solid phases by their surface"
-    )
-    preheat_NTU: NonNegative = Field(
-        description="transfer units of the gas inside of the plate"
-    )
-    emissivity: Emissivity | None = Field(None, description="absent: a mirror")
+    coefficient: WallCoefficient
+    """to the particles, split over the solid phases by their surface"""
+    preheat_NTU: NonNegative
+    """transfer units of the gas inside of the plate"""
+    emissivity: Emissivity | None = None
+    """absent: a mirror"""
 
 
 class FreeboardSurface(Table):
     """Tubes or walls along the whole freeboard."""
 
-    perimeter: Length = Field(description="surface per height")
-    coefficient: WallCoefficient = Field(description="to the gas")
-    temperature: Temperature = Field(description="of the surface")
-    emissivity: Emissivity | None = Field(None, description="absent: a mirror")
+    perimeter: Length
+    """surface per height"""
+    coefficient: WallCoefficient
+    """to the gas"""
+    temperature: Temperature
+    """of the surface"""
+    emissivity: Emissivity | None = None
+    """absent: a mirror"""
 
 
 class Freeboard(Table):
@@ -191,33 +180,28 @@ class Freeboard(Table):
     needs boundary.bottom.gas.mass_flow.
     """
 
-    radiosity: Irradiance | None = Field(None, description="of what is above the bed")
-    temperature: Temperature | None = Field(
-        None, description="of a black space above the bed"
-    )
-    height: Length | None = Field(
-        None, description="of the freeboard above the bed, which is solved for"
-    )
-    temperature_above: Temperature | None = Field(
-        None, description="black, above `height`; absent: a mirror"
-    )
-    tubes: FreeboardSurface | None = Field(None, description="absent: none")
-    walls: FreeboardSurface | None = Field(None, description="absent: adiabatic")
-    ejection: EjectionOrClosure = Field(
-        "ejection_pemberton_davidson", description="flow of particles thrown up"
-    )
-    decay: RateOfDecayOrClosure = Field(
-        "decay_kunii_levenspiel", description="of that flow over the height"
-    )
-    terminal_velocity: SpeedOrClosure = Field(
-        "terminal_velocity_haider_levenspiel", description="of each solid phase"
-    )
-    elutriation: EjectionOrClosure = Field(
-        "elutriation_geldart", description="rate constant of each solid phase"
-    )
-    gas_coefficient: GasCoefficientOrClosure = Field(
-        "nusselt_ranz_marshall", description="particles to gas"
-    )
+    radiosity: Irradiance | None = None
+    """of what is above the bed"""
+    temperature: Temperature | None = None
+    """of a black space above the bed"""
+    height: Length | None = None
+    """of the freeboard above the bed, which is solved for"""
+    temperature_above: Temperature | None = None
+    """black, above `height`; absent: a mirror"""
+    tubes: FreeboardSurface | None = None
+    """absent: none"""
+    walls: FreeboardSurface | None = None
+    """absent: adiabatic"""
+    ejection: EjectionOrClosure = "ejection_pemberton_davidson"
+    """flow of particles thrown up"""
+    decay: RateOfDecayOrClosure = "decay_kunii_levenspiel"
+    """of that flow over the height"""
+    terminal_velocity: SpeedOrClosure = "terminal_velocity_haider_levenspiel"
+    """of each solid phase"""
+    elutriation: EjectionOrClosure = "elutriation_geldart"
+    """rate constant of each solid phase"""
+    gas_coefficient: GasCoefficientOrClosure = "nusselt_ranz_marshall"
+    """particles to gas"""
 
     @model_validator(mode="after")
     def _one(self) -> Freeboard:
@@ -234,12 +218,10 @@ class Freeboard(Table):
 class Drain(Table):
     """Bed material that leaves at one end with what char and limestone it holds."""
 
-    time: Seconds = Field(
-        description="residence time of the bed, its solids over what is drained"
-    )
-    end: Literal["top", "bottom"] = Field(
-        "top", description="of the bed where it leaves"
-    )
+    time: Seconds
+    """residence time of the bed, its solids over what is drained"""
+    end: Literal["top", "bottom"] = "top"
+    """of the bed where it leaves"""
 
 
 class BubblingBed(Table):
@@ -247,40 +229,34 @@ class BubblingBed(Table):
     distributor.
     """
 
-    height: Length = Field(description="of the bubbling bed; or settled_height")
-    settled_height: Length | None = Field(
-        None, description="at minimum fluidization, from which the height follows"
-    )
-    section: Area = Field(description="cross-section of the bed")
-    solids_fraction: Fraction = Field(
-        description="share of the emulsion's volume, one minus its voidage"
-    )
+    height: Length
+    """of the bubbling bed; or settled_height"""
+    settled_height: Length | None = None
+    """at minimum fluidization, from which the height follows"""
+    section: Area
+    """cross-section of the bed"""
+    solids_fraction: Fraction
+    """share of the emulsion's volume, one minus its voidage"""
     conductivity: ConductivityOrClosure | None = Field(
-        None,
-        description="of the resting emulsion, added to the mixing and split by volume; "
-        "absent: none",
-        json_schema_extra=takes("conductivity"),
+        None, json_schema_extra=takes("conductivity")
     )
-    mixing_time: Annotated[float, *unit("s"), Field(ge=0)] = Field(
-        1e-3, description="of gases, which react no faster than they mix"
-    )
-    release: Release | None = Field(
-        None, description="heat released in the gas of the emulsion"
-    )
-    bubbles: Bubbles | None = Field(
-        None, description="absent: all gas flows through the emulsion"
-    )
-    tubes: Surface | None = Field(None, description="immersed; absent: none")
-    walls: Surface | None = Field(None, description="absent: adiabatic")
-    distributor: Distributor | None = Field(
-        None, description="absent: the bed ends at a mirror"
-    )
-    freeboard: Freeboard | None = Field(
-        None, description="absent: no radiation leaves upward"
-    )
-    drain: Drain | None = Field(
-        None, description="absent: char and limestone leave by reaction alone"
-    )
+    """of the resting emulsion, added to the mixing and split by volume; absent: none"""
+    mixing_time: Annotated[float, *unit("s"), Field(ge=0)] = 1e-3
+    """of gases, which react no faster than they mix"""
+    release: Release | None = None
+    """heat released in the gas of the emulsion"""
+    bubbles: Bubbles | None = None
+    """absent: all gas flows through the emulsion"""
+    tubes: Surface | None = None
+    """immersed; absent: none"""
+    walls: Surface | None = None
+    """absent: adiabatic"""
+    distributor: Distributor | None = None
+    """absent: the bed ends at a mirror"""
+    freeboard: Freeboard | None = None
+    """absent: no radiation leaves upward"""
+    drain: Drain | None = None
+    """absent: char and limestone leave by reaction alone"""
 
     @model_validator(mode="before")
     @classmethod

@@ -56,18 +56,16 @@ class GasTube(Table):
     tube_NAME.csv has its coefficients by angle and mechanism.
     """
 
-    diameter: Length = Field(description="outside")
-    centre: tuple[Position, Position] = Field(description="of its axis, in x and z")
+    diameter: Length
+    """outside"""
+    centre: tuple[Position, Position]
+    """of its axis, in x and z"""
     nusselt: Annotated[Named, Discriminator(form)] = Field(
-        "churchill_bernstein",
-        description="of the gas beside it, on its diameter",
-        json_schema_extra=takes("nusselt_cylinder"),
+        "churchill_bernstein", json_schema_extra=takes("nusselt_cylinder")
     )
-    temperature: Temperature | None = Field(
-        None,
-        description="at which it heats or cools the bed, with [heat]; absent: "
-        "coefficients alone",
-    )
+    """of the gas beside it, on its diameter"""
+    temperature: Temperature | None = None
+    """at which it heats or cools the bed, with [heat]; absent: coefficients alone"""
 
 
 class NusseltClosure(Table):
@@ -77,10 +75,10 @@ class NusseltClosure(Table):
 
     velocities: Annotated[
         tuple[Annotated[float, *unit("m/s"), Field(gt=0)], ...], Field(min_length=4)
-    ] = Field(description="superficial, at which the exchange is computed")
-    of: Literal["convection", "total"] = Field(
-        "convection", description="total: conduction to neighbours as well"
-    )
+    ]
+    """superficial, at which the exchange is computed"""
+    of: Literal["convection", "total"] = "convection"
+    """total: conduction to neighbours as well"""
 
 
 class GasParticles(Table):
@@ -88,70 +86,63 @@ class GasParticles(Table):
     speeds.
     """
 
-    count: Annotated[Whole, Field(ge=1)] | None = Field(
-        None, description="settled from a random start"
-    )
-    file: str | None = Field(
-        None,
-        description="in place of count: x,y,z in metres with commas, a .vtu of "
-        "contbed, or a dump",
-    )
+    count: Annotated[Whole, Field(ge=1)] | None = None
+    """settled from a random start"""
+    file: str | None = None
+    """in place of count: x,y,z in metres with commas, a .vtu of contbed, or a dump"""
     width: Width
-    height: Length = Field(description="of the box, with room above the bed")
-    periodic: Switch = Field(False, description="sides")
-    seed: Annotated[Whole, Field(ge=0)] = Field(
-        0, description="of the random start of the packing"
-    )
-    fixed: Switch = Field(False, description="a packed bed that does not move")
-    gravity: Switch = Field(True, description="whether it acts on the particles")
-    modulus: Pressure = Field(SOFT, description="Young's modulus of the simulation")
-    exponents: tuple[Positive, Positive] = Field(
-        (1 / 3, 1 / 5),
-        description="of the correction to solids.NAME.youngs_modulus, of contacts at "
-        "rest and of impacts; the paper: 1/5, 2/15",
-    )
-    cell: tuple[Positive, Positive] = Field(
-        (3.0, 1.0),
-        description="width and height of cells in diameters; high cells smear the "
-        "surface, U_mf grows",
-    )
-    tubes: dict[str, GasTube] = Field(
-        default_factory=dict, description="horizontal tubes by name"
-    )
+    height: Length
+    """of the box, with room above the bed"""
+    periodic: Switch = False
+    """sides"""
+    seed: Annotated[Whole, Field(ge=0)] = 0
+    """of the random start of the packing"""
+    fixed: Switch = False
+    """a packed bed that does not move"""
+    gravity: Switch = True
+    """whether it acts on the particles"""
+    modulus: Pressure = SOFT
+    """Young's modulus of the simulation"""
+    exponents: tuple[Positive, Positive] = (1 / 3, 1 / 5)
+    """of the correction to solids.NAME.youngs_modulus, of contacts at rest and of
+    impacts; the paper: 1/5, 2/15"""
+    cell: tuple[Positive, Positive] = (3.0, 1.0)
+    """width and height of cells in diameters; high cells smear the surface, U_mf grows
+    """
+    tubes: dict[str, GasTube] = Field(default_factory=dict)
+    """horizontal tubes by name"""
     closure: NusseltClosure | None = None
 
 
 class GasSolid(Spheres):
     """The particles and their material."""
 
-    diameter: Length | None = Field(
-        None,
-        description="of equal spheres; a dump, a .vtu and a column radius bring their "
-        "own",
-    )
-    density: Density = Field(description="of the particles")
-    heat_capacity: HeatCapacity = Field(840.0, description="of the particles")
-    emissivity: Annotated[Number, Field(ge=0, le=1)] = Field(
-        0.0, description="of the particles; 0: no radiation between neighbours"
-    )
+    diameter: Length | None = None
+    """of equal spheres; a dump, a .vtu and a column radius bring their own"""
+    density: Density
+    """of the particles"""
+    heat_capacity: HeatCapacity = 840.0
+    """of the particles"""
+    emissivity: Annotated[Number, Field(ge=0, le=1)] = 0.0
+    """of the particles; 0: no radiation between neighbours"""
 
 
 class Closures(Table):
     """Exchange of particles and gas."""
 
-    drag: Annotated[Named, Discriminator(form)] = Field(
-        "di_felice", description="of the gas on a particle"
-    )
-    nusselt: Annotated[NamedOrFile, Discriminator(form)] = Field(
-        description="Nusselt number of the exchange between gas and particles"
-    )
+    drag: Annotated[Named, Discriminator(form)] = "di_felice"
+    """of the gas on a particle"""
+    nusselt: Annotated[NamedOrFile, Discriminator(form)]
+    """Nusselt number of the exchange between gas and particles"""
 
 
 class EnteringGas(Table):
     """Gas from below."""
 
-    velocity: Speed = Field(description="superficial, into the bed")
-    temperature: Temperature = Field(300.0, description="of the gas that enters")
+    velocity: Speed
+    """superficial, into the bed"""
+    temperature: Temperature = 300.0
+    """of the gas that enters"""
 
 
 class Bottom(Table):
@@ -163,28 +154,31 @@ class Bottom(Table):
 class JetGas(Table):
     """Gas of a jet."""
 
-    mass_flux: Flux = Field(description="of the jet")
-    temperature: Temperature = Field(description="of the jet")
+    mass_flux: Flux
+    """of the jet"""
+    temperature: Temperature
+    """of the jet"""
 
 
 class Jet(Table):
     """A slot in the floor across the whole depth."""
 
-    on: Literal["bottom"] = Field(
-        "bottom", description="boundary that it is a piece of"
-    )
-    start: Position = Field(description="of the slot in x")
-    end: Position = Field(description="of the slot in x")
-    until: Instant | None = Field(None, description="when it stops; absent: never")
+    on: Literal["bottom"] = "bottom"
+    """boundary that it is a piece of"""
+    start: Position
+    """of the slot in x"""
+    end: Position
+    """of the slot in x"""
+    until: Instant | None = None
+    """when it stops; absent: never"""
     gas: JetGas
 
 
 class SidesGas(Table):
     """Gas at the sides."""
 
-    wall: Literal["slip", "no_slip"] = Field(
-        "slip", description="whether the gas sticks to the sides"
-    )
+    wall: Literal["slip", "no_slip"] = "slip"
+    """whether the gas sticks to the sides"""
 
 
 class Sides(Table):
@@ -204,61 +198,59 @@ class Boundary(Table):
 class GasHeat(Table):
     """Temperatures that change."""
 
-    interval: Seconds = Field(
-        5e-3, description="after which conductances between particles are found anew"
-    )
+    interval: Seconds = 5e-3
+    """after which conductances between particles are found anew"""
 
 
 class SolidAtStart(Table):
     """The particles at the start."""
 
-    temperature: Temperature = Field(description="of the particles")
+    temperature: Temperature
+    """of the particles"""
 
 
 class Initial(Table):
     """The bed at the start; the gas has the temperature of the particles."""
 
-    solids: dict[str, SolidAtStart] = Field(
-        default_factory=dict, description="solid phases by name"
-    )
+    solids: dict[str, SolidAtStart] = Field(default_factory=dict)
+    """solid phases by name"""
 
 
 class GasTime(Table):
     """The run."""
 
-    end: Seconds = Field(description="time at which the run ends")
-    average_from: Instant = Field(0.0, description="time from which averages are taken")
-    step: Seconds = Field(2e-4, description="longest step of the gas")
-    sample: Seconds = Field(
-        0.02, description="interval of samples and rows of profiles.csv"
-    )
-    fields: Seconds | None = Field(
-        None, description="interval of particle files; absent: the end only"
-    )
-    checkpoint_every: Seconds = Field(
-        10.0, description="wall-clock time between checkpoints"
-    )
+    end: Seconds
+    """time at which the run ends"""
+    average_from: Instant = 0.0
+    """time from which averages are taken"""
+    step: Seconds = 2e-4
+    """longest step of the gas"""
+    sample: Seconds = 0.02
+    """interval of samples and rows of profiles.csv"""
+    fields: Seconds | None = None
+    """interval of particle files; absent: the end only"""
+    checkpoint_every: Seconds = 10.0
+    """wall-clock time between checkpoints"""
 
 
 class GasOutput(Table):
     """What a run writes besides summary.json and profiles.csv."""
 
-    plots: Switch = Field(True, description="draw plots (.png)")
-    fields: Switch = Field(True, description="write fields for ParaView (.vtu)")
-    probes: dict[str, tuple[Position, Position, Position]] = Field(
-        default_factory=dict, description="points in x, y and z, for profiles.csv"
-    )
-    levels: tuple[Position, ...] = Field(
-        (), description="heights, for averages across the bed in levels.csv"
-    )
+    plots: Switch = True
+    """draw plots (.png)"""
+    fields: Switch = True
+    """write fields for ParaView (.vtu)"""
+    probes: dict[str, tuple[Position, Position, Position]] = Field(default_factory=dict)
+    """points in x, y and z, for profiles.csv"""
+    levels: tuple[Position, ...] = ()
+    """heights, for averages across the bed in levels.csv"""
 
 
 class GasSolver(BalancedRun):
     """Tolerances."""
 
-    pressure_tolerance: Annotated[Number, Field(gt=0, lt=1e-2)] = Field(
-        1e-7, description="relative residual of the pressure equation"
-    )
+    pressure_tolerance: Annotated[Number, Field(gt=0, lt=1e-2)] = 1e-7
+    """relative residual of the pressure equation"""
 
 
 class GasScene(SceneBase):
@@ -267,9 +259,8 @@ class GasScene(SceneBase):
     kind: ClassVar[str] = "particles_gas"
 
     particles: GasParticles
-    solids: Annotated[dict[str, GasSolid], AfterValidator(one_solid)] = Field(
-        description="the particles, by name"
-    )
+    solids: Annotated[dict[str, GasSolid], AfterValidator(one_solid)]
+    """the particles, by name"""
     gas: Gas
     closures: Closures
     boundary: Boundary

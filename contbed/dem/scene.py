@@ -50,26 +50,20 @@ SOFT = 1e7  # Young's modulus of a simulation of spheres where the scene gives n
 class Spheres(SolidPhase):
     """Spheres with the contacts of a material, as all scenes of particles have them."""
 
-    conductivity: Above = Field(description="thermal, of the material")
-    youngs_modulus: Pressure | None = Field(
-        None,
-        description="of the material, for which contacts of a softer simulation are "
-        "corrected",
-    )
+    conductivity: Above
+    """thermal, of the material"""
+    youngs_modulus: Pressure | None = None
+    """of the material, for which contacts of a softer simulation are corrected"""
     # re-entrant foams reach -0.7: Lakes 1987, Science 235, 1038,
     # doi:10.1126/science.235.4792.1038
-    poisson_ratio: Annotated[Number, Field(ge=-0.7, le=0.5)] = Field(
-        0.3,
-        description="0.1 to 0.5 of solids; only foams made for it are negative, down "
-        "to -0.7",
-    )
-    restitution: Annotated[Number, Field(gt=0, le=1)] = Field(
-        0.9, description="of contacts"
-    )
-    sliding_friction: NonNegative = Field(0.3, description="coefficient, of contacts")
-    rolling_friction: NonNegative = Field(
-        0.0, description="arm over the effective radius"
-    )
+    poisson_ratio: Annotated[Number, Field(ge=-0.7, le=0.5)] = 0.3
+    """0.1 to 0.5 of solids; only foams made for it are negative, down to -0.7"""
+    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    """of contacts"""
+    sliding_friction: NonNegative = 0.3
+    """coefficient, of contacts"""
+    rolling_friction: NonNegative = 0.0
+    """arm over the effective radius"""
 
     @property
     def radius(self) -> float | None:
@@ -80,70 +74,64 @@ class Spheres(SolidPhase):
 class Solid(Spheres):
     """The particles: roughness and slope are those of one particle."""
 
-    diameter: Length | None = Field(
-        None, description="of equal spheres, or the mean one; a dump brings its own"
-    )
-    size_spread: Annotated[Number, Field(ge=0, le=0.3)] = Field(
-        0.0,
-        description="of a packing: standard deviation of the diameters over their "
-        "mean; normal, cut at two deviations",
-    )
-    density: Density = Field(2500.0, description="of the particles")
-    emissivity: Emissivity | None = Field(None, description="needed with [radiation]")
-    roughness: Length | None = Field(
-        None, description="root mean square; absent: smooth, no temperature jump"
-    )
-    asperity_slope: Positive | None = Field(
-        None, description="mean slope of the asperities, with roughness"
-    )
-    microhardness: Pressure | None = Field(None, description="with roughness")
+    diameter: Length | None = None
+    """of equal spheres, or the mean one; a dump brings its own"""
+    size_spread: Annotated[Number, Field(ge=0, le=0.3)] = 0.0
+    """of a packing: standard deviation of the diameters over their mean; normal, cut at
+    two deviations"""
+    density: Density = 2500.0
+    """of the particles"""
+    emissivity: Emissivity | None = None
+    """needed with [radiation]"""
+    roughness: Length | None = None
+    """root mean square; absent: smooth, no temperature jump"""
+    asperity_slope: Positive | None = None
+    """mean slope of the asperities, with roughness"""
+    microhardness: Pressure | None = None
+    """with roughness"""
 
 
 class Gas(Table):
     """Gas or liquid between the particles."""
 
-    conductivity: Above = Field(description="thermal")
-    mean_free_path: Length | None = Field(
-        None, description="needed with a roughness of the particles"
-    )
-    accommodation: Annotated[Number, Field(gt=0, le=1)] = Field(
-        0.9, description="thermal, of the gas on the surface"
-    )
-    heat_capacity_ratio: Annotated[Number, Field(gt=1, lt=2)] = Field(
-        1.4, description="at constant pressure and volume"
-    )
-    prandtl: Positive = Field(0.71, description="Prandtl number")
+    conductivity: Above
+    """thermal"""
+    mean_free_path: Length | None = None
+    """needed with a roughness of the particles"""
+    accommodation: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    """thermal, of the gas on the surface"""
+    heat_capacity_ratio: Annotated[Number, Field(gt=1, lt=2)] = 1.4
+    """at constant pressure and volume"""
+    prandtl: Positive = 0.71
+    """Prandtl number"""
 
 
 class Lattice(Table):
     """Equal spheres that touch, with contacts of a given size, in a periodic cell."""
 
-    type: Literal["sc", "bcc", "fcc"] = Field(
-        description="simple, body-centred or face-centred cubic lattice"
-    )
-    contact_radius: Length = Field(description="of the contact circle of neighbours")
-    cells: Annotated[Whole, Field(ge=1, le=20)] = Field(
-        1, description="unit cells along each axis"
-    )
+    type: Literal["sc", "bcc", "fcc"]
+    """simple, body-centred or face-centred cubic lattice"""
+    contact_radius: Length
+    """of the contact circle of neighbours"""
+    cells: Annotated[Whole, Field(ge=1, le=20)] = 1
+    """unit cells along each axis"""
 
 
 class Packing(Table):
     """Spheres placed at random that settle on a floor, in a box or a cylinder."""
 
-    count: Annotated[Whole, Field(ge=1)] | None = Field(
-        None, description="of spheres; or height"
-    )
-    height: Length | None = Field(
-        None, description="in place of count: about as many as fill the bed to there"
-    )
-    width: tuple[Length, Length] | None = Field(
-        None, description="of the bed in x and y"
-    )
-    cylinder: Length | None = Field(
-        None, description="in place of width: radius of a round bed"
-    )
-    periodic: Switch = Field(False, description="sides of a box")
-    seed: Annotated[Whole, Field(ge=0)] = Field(0, description="of the random start")
+    count: Annotated[Whole, Field(ge=1)] | None = None
+    """of spheres; or height"""
+    height: Length | None = None
+    """in place of count: about as many as fill the bed to there"""
+    width: tuple[Length, Length] | None = None
+    """of the bed in x and y"""
+    cylinder: Length | None = None
+    """in place of width: radius of a round bed"""
+    periodic: Switch = False
+    """sides of a box"""
+    seed: Annotated[Whole, Field(ge=0)] = 0
+    """of the random start"""
 
     @property
     def area(self) -> float:
@@ -172,13 +160,16 @@ def _mean_volume(solid: Solid) -> float:
 class Layers(Table):
     """Particles below and above two heights are held at temperatures."""
 
-    bottom: Position = Field(description="particles with a lower centre are hot")
-    top: Position = Field(description="particles with a higher centre are cold")
-    area: Area | None = Field(
-        None, description="cross-section of the bed; that of a packing is known"
-    )
-    T_hot: Temperature = Field(398.15, description="of the hot layer")
-    T_cold: Temperature = Field(298.15, description="of the cold layer")
+    bottom: Position
+    """particles with a lower centre are hot"""
+    top: Position
+    """particles with a higher centre are cold"""
+    area: Area | None = None
+    """cross-section of the bed; that of a packing is known"""
+    T_hot: Temperature = 398.15
+    """of the hot layer"""
+    T_cold: Temperature = 298.15
+    """of the cold layer"""
 
 
 class Closure(Table):
@@ -186,12 +177,10 @@ class Closure(Table):
     closure.toml.
     """
 
-    ratios: Annotated[tuple[Ratio, ...], Field(min_length=3)] = Field(
-        description="of particles to gas"
-    )
-    degree: Annotated[Whole, Field(ge=1, le=6)] = Field(
-        3, description="of the polynomial of logarithms"
-    )
+    ratios: Annotated[tuple[Ratio, ...], Field(min_length=3)]
+    """of particles to gas"""
+    degree: Annotated[Whole, Field(ge=1, le=6)] = 3
+    """of the polynomial of logarithms"""
 
 
 class Particles(Table):
@@ -201,34 +190,25 @@ class Particles(Table):
     (`ITEM: TIMESTEP` first).
     """
 
-    file: str | None = Field(None, description="path relative to the scene")
-    step: Annotated[Whole, Field(ge=0)] | None = Field(
-        None, description="of a dump; the last one if absent"
-    )
+    file: str | None = None
+    """path relative to the scene"""
+    step: Annotated[Whole, Field(ge=0)] | None = None
+    """of a dump; the last one if absent"""
     lattice: Lattice | None = None
     packing: Packing | None = None
-    modulus: Pressure | None = Field(
-        None,
-        description="Young's modulus of the simulation that the contacts are of; "
-        "absent: 1e7 Pa in a packing, else that of the material",
-    )
+    modulus: Pressure | None = None
+    """Young's modulus of the simulation that the contacts are of; absent: 1e7 Pa in a
+    packing, else that of the material"""
     exponents: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=2)] = (
-        Field(
-            (1 / 3,),
-            description="of the correction of contacts from modulus to "
-            "solids.NAME.youngs_modulus: 1/3 at a given load; the second, of impacts, "
-            "is "
-            "that of beds with gas",
-        )
+        1 / 3,
     )
-    paths: Literal["cones", "columns", "spreading"] = Field(
-        "cones",
-        description="of heat: the paper's; exact at equal conductivities; that and "
-        "Batchelor-O'Brien at large",
-    )
-    porosity: Fraction | None = Field(
-        None, description="around all pairs; absent: counted"
-    )
+    """of the correction of contacts from modulus to solids.NAME.youngs_modulus: 1/3 at
+    a given load; the second, of impacts, is that of beds with gas"""
+    paths: Literal["cones", "columns", "spreading"] = "cones"
+    """of heat: the paper's; exact at equal conductivities; that and Batchelor-O'Brien
+    at large"""
+    porosity: Fraction | None = None
+    """around all pairs; absent: counted"""
     layers: Layers | None = None
     closure: Closure | None = None
 
@@ -243,9 +223,8 @@ class Particles(Table):
 class Radiation(Table):
     """Exchange with the neighbours within 1.5 diameters, linear about a temperature."""
 
-    temperature: Temperature = Field(
-        description="mean temperature, about which radiation is linearised"
-    )
+    temperature: Temperature
+    """mean temperature, about which radiation is linearised"""
 
 
 class Output(Table):
@@ -253,7 +232,8 @@ class Output(Table):
 
     fields: ClassVar[bool] = False
 
-    plots: Switch = Field(True, description="draw plots (.png)")
+    plots: Switch = True
+    """draw plots (.png)"""
 
 
 class ParticleScene(SceneBase):
@@ -263,10 +243,10 @@ class ParticleScene(SceneBase):
     time: ClassVar[None] = None
 
     particles: Particles
-    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)] = Field(
-        description="the particles, by name"
-    )
-    gas: Gas | None = Field(None, description="absent: a vacuum")
+    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)]
+    """the particles, by name"""
+    gas: Gas | None = None
+    """absent: a vacuum"""
     radiation: Radiation | None = None
     solver: BalancedRun = BalancedRun()
     output: Output = Output()

@@ -40,59 +40,45 @@ if TYPE_CHECKING:
 class DevelopedFlow(Table):
     """The section, and what flows through it."""
 
-    section: Literal["channel", "pipe"] = Field(
-        description="plane channel or round pipe"
-    )
-    radius: Length = Field(description="of the pipe, or half the width of the channel")
-    gas_velocity: Annotated[float, *unit("m/s"), Field(gt=0)] = Field(
-        description="superficial, upward"
-    )
-    solids_mass_flux: Flux = Field(description="of the particles, upward; 0: gas alone")
+    section: Literal["channel", "pipe"]
+    """plane channel or round pipe"""
+    radius: Length
+    """of the pipe, or half the width of the channel"""
+    gas_velocity: Annotated[float, *unit("m/s"), Field(gt=0)]
+    """superficial, upward"""
+    solids_mass_flux: Flux
+    """of the particles, upward; 0: gas alone"""
     granular_temperature_centre: (
         Annotated[float, *unit("m**2/s**2"), Field(gt=0)] | None
-    ) = Field(
-        None,
-        description="granular temperature at the centre of the solution that is meant, "
-        "where there are several",
-    )
-    gravity: Annotated[float, *unit("m/s**2"), Field(ge=0)] = Field(
-        9.81, description="gravitational acceleration"
-    )
+    ) = None
+    """granular temperature at the centre of the solution that is meant, where there are
+    several"""
+    gravity: Annotated[float, *unit("m/s**2"), Field(ge=0)] = 9.81
+    """gravitational acceleration"""
 
 
 class Closures(Table):
     """Closures by name."""
 
-    drag: Named = Field("drag_wen_yu", description="drag of the gas on the particles")
-    radial_distribution: str = Field(
-        "g0_sinclair_jackson", description="radial distribution function at contact"
-    )
-    granular_pressure: str = Field(
-        "granular_pressure_lun", description="granular pressure"
-    )
-    granular_viscosity: str = Field(
-        "granular_viscosity_gidaspow", description="granular shear viscosity"
-    )
-    granular_conductivity: str = Field(
-        "granular_conductivity_syamlal",
-        description="granular conductivity, of fluctuation energy",
-    )
-    granular_dissipation: str = Field(
-        "granular_dissipation_lun",
-        description="dissipation of fluctuation energy by collisions",
-    )
+    drag: Named = "drag_wen_yu"
+    """drag of the gas on the particles"""
+    radial_distribution: str = "g0_sinclair_jackson"
+    """radial distribution function at contact"""
+    granular_pressure: str = "granular_pressure_lun"
+    """granular pressure"""
+    granular_viscosity: str = "granular_viscosity_gidaspow"
+    """granular shear viscosity"""
+    granular_conductivity: str = "granular_conductivity_syamlal"
+    """granular conductivity, of fluctuation energy"""
+    granular_dissipation: str = "granular_dissipation_lun"
+    """dissipation of fluctuation energy by collisions"""
     granular_production: str | None = Field(
-        None,
-        description="of fluctuations by the slip, for fine particles: "
-        "granular_production_koch; absent: none",
-        json_schema_extra=takes("granular_production"),
+        None, json_schema_extra=takes("granular_production")
     )
-    turbulence: str | None = Field(
-        None,
-        description="of the gas above Re 2300: eddy_viscosity_nikuradse; absent: the "
-        "gas is laminar",
-        json_schema_extra=takes("eddy_viscosity"),
-    )
+    """of fluctuations by the slip, for fine particles: granular_production_koch;
+    absent: none"""
+    turbulence: str | None = Field(None, json_schema_extra=takes("eddy_viscosity"))
+    """of the gas above Re 2300: eddy_viscosity_nikuradse; absent: the gas is laminar"""
 
 
 class GasConstant(ConstantsAt, gases.GasConstant):
@@ -121,38 +107,34 @@ Gas = Annotated[
 class Solid(SolidPhase):
     """Equal spheres."""
 
-    diameter: Length = Field(description="diameter of the particles")
-    density: Density = Field(description="density of the solid material")
-    restitution: Annotated[Number, Field(gt=0, le=1)] = Field(
-        0.9, description="coefficient of restitution between particles"
-    )
-    packing_limit: Annotated[Number, Field(gt=0, lt=0.75)] = Field(
-        0.63, description="densest fraction"
-    )
+    diameter: Length
+    """diameter of the particles"""
+    density: Density
+    """density of the solid material"""
+    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    """coefficient of restitution between particles"""
+    packing_limit: Annotated[Number, Field(gt=0, lt=0.75)] = 0.63
+    """densest fraction"""
 
 
 class SolidAtWall(Table):
     """Particles that slip along the wall, after Johnson and Jackson."""
 
-    wall: Literal["johnson_jackson"] = Field(
-        "johnson_jackson",
-        description="condition of the solids at the wall; johnson_jackson: partial slip",
-    )
-    specularity: Annotated[Number, Field(gt=0, le=1)] = Field(
-        description="specularity coefficient of collisions with the wall"
-    )
-    restitution: Annotated[Number, Field(gt=0, le=1)] = Field(
-        0.9, description="coefficient of restitution between particles and wall"
-    )
+    wall: Literal["johnson_jackson"] = "johnson_jackson"
+    """condition of the solids at the wall; johnson_jackson: partial slip"""
+    specularity: Annotated[Number, Field(gt=0, le=1)]
+    """specularity coefficient of collisions with the wall"""
+    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    """coefficient of restitution between particles and wall"""
 
 
 class Wall(Table):
     """Where the gas stands still and particles slip."""
 
-    type: Literal["wall"] = Field("wall", description="wall")
-    solids: Annotated[dict[str, SolidAtWall], AfterValidator(one_solid)] = Field(
-        description="data of the solid phases by name"
-    )
+    type: Literal["wall"] = "wall"
+    """wall"""
+    solids: Annotated[dict[str, SolidAtWall], AfterValidator(one_solid)]
+    """data of the solid phases by name"""
 
     @property
     def solid(self) -> SolidAtWall:
@@ -169,23 +151,23 @@ class Boundary(Table):
 class Output(Table):
     """What a run writes besides summary.json and profiles.csv."""
 
-    plots: Switch = Field(True, description="draw plots (.png)")
-    fields: Switch = Field(True, description="write fields for ParaView (.vtu)")
+    plots: Switch = True
+    """draw plots (.png)"""
+    fields: Switch = True
+    """write fields for ParaView (.vtu)"""
 
 
 class Solver(NewtonSolver):
     """Numerics."""
 
-    cells: Whole = Field(
-        60, ge=4, le=10000, description="between centre and wall, finer toward the wall"
-    )
-    degree: Order = Field(3, description="polynomial degree of the fields")
-    branches: Switch = Field(
-        False, description="follow solutions over the velocity to find others of it"
-    )
-    newton_iterations: Whole = Field(
-        60, ge=1, le=1000, description="most iterations of Newton's method"
-    )
+    cells: Whole = Field(60, ge=4, le=10000)
+    """between centre and wall, finer toward the wall"""
+    degree: Order = 3
+    """polynomial degree of the fields"""
+    branches: Switch = False
+    """follow solutions over the velocity to find others of it"""
+    newton_iterations: Whole = Field(60, ge=1, le=1000)
+    """most iterations of Newton's method"""
 
 
 class DevelopedScene(SceneBase):
@@ -196,9 +178,8 @@ class DevelopedScene(SceneBase):
 
     developed_flow: DevelopedFlow
     gas: Gas
-    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)] = Field(
-        description="the solid phase, by its name"
-    )
+    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)]
+    """the solid phase, by its name"""
     closures: Closures = Closures()
     boundary: Boundary
     output: Output = Output()

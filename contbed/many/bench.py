@@ -60,32 +60,32 @@ POINT = ("unknowns", "error", "seconds")
 class Case(Table):
     """One program."""
 
-    name: str = Field(description="name of the case in tables and plots")
-    command: tuple[str, ...] = Field(
-        min_length=1, description="arguments of this Python, run in the study's folder"
-    )
-    needs: str | None = Field(
-        None, description="module without which the case is skipped"
-    )
+    name: str
+    """name of the case in tables and plots"""
+    command: tuple[str, ...] = Field(min_length=1)
+    """arguments of this Python, run in the study's folder"""
+    needs: str | None = None
+    """module without which the case is skipped"""
 
 
 class Curves(Table):
     """Points of run time against error, one program a curve."""
 
-    title: str = Field(description="title of the plot")
-    error: Positive = Field(description="where the curves are compared")
-    case: tuple[Case, ...] = Field(
-        min_length=1, description="cases of the curve of error against time"
-    )
+    title: str
+    """title of the plot"""
+    error: Positive
+    """where the curves are compared"""
+    case: tuple[Case, ...] = Field(min_length=1)
+    """cases of the curve of error against time"""
 
 
 class Race(Table):
     """Whole processes with the same result, in turn."""
 
-    title: str = Field(description="title of the plot")
-    case: tuple[Case, ...] = Field(
-        min_length=1, description="cases that are timed against each other"
-    )
+    title: str
+    """title of the plot"""
+    case: tuple[Case, ...] = Field(min_length=1)
+    """cases that are timed against each other"""
 
 
 class Settings(Table):
@@ -93,14 +93,14 @@ class Settings(Table):
 
     kind: ClassVar[str] = "bench"
 
-    title: str = Field("", description="title of the study, shown in plots and reports")
-    repeats: Whole = Field(3, ge=1, description="runs of each case of a race")
-    curves: Curves | None = Field(
-        None, description="error against time of several cases"
-    )
-    race: tuple[Race, ...] = Field(
-        (), description="cases that are timed against each other"
-    )
+    title: str = ""
+    """title of the study, shown in plots and reports"""
+    repeats: Whole = Field(3, ge=1)
+    """runs of each case of a race"""
+    curves: Curves | None = None
+    """error against time of several cases"""
+    race: tuple[Race, ...] = ()
+    """cases that are timed against each other"""
 
 
 @dataclass(frozen=True)

@@ -56,36 +56,35 @@ class Ends(Table):
 
     kind: ClassVar[str] = "values"
 
-    low: Any = Field(None, alias="from", description="lowest value")
-    high: Any = Field(None, alias="to", description="highest value")
+    low: Any = Field(None, alias="from")
+    """lowest value"""
+    high: Any = Field(None, alias="to")
+    """highest value"""
 
 
 class Range(Ends):
     """Values from one end to the other."""
 
-    count: Annotated[Whole, Field(ge=2, le=MOST_RUNS)] = Field(
-        description="number of values"
-    )
-    spacing: Literal["linear", "log"] = Field(
-        "linear", description="even differences or even ratios"
-    )
+    count: Annotated[Whole, Field(ge=2, le=MOST_RUNS)]
+    """number of values"""
+    spacing: Literal["linear", "log"] = "linear"
+    """even differences or even ratios"""
 
 
 class Even(Ends):
     """An even distribution, of the value or of its logarithm."""
 
-    distribution: Literal["uniform", "log_uniform"] = Field(
-        "uniform", description="even in the value or in its logarithm"
-    )
+    distribution: Literal["uniform", "log_uniform"] = "uniform"
+    """even in the value or in its logarithm"""
 
 
 class EvenIntegers(Ends):
     """An even distribution, of integers if so asked."""
 
-    distribution: Literal["uniform"] = Field(
-        "uniform", description="integers, each as likely as the others"
-    )
-    integer: Switch = Field(False, description="whether the values are integers")
+    distribution: Literal["uniform"] = "uniform"
+    """integers, each as likely as the others"""
+    integer: Switch = False
+    """whether the values are integers"""
 
 
 class Normal(Table):
@@ -93,9 +92,12 @@ class Normal(Table):
 
     kind: ClassVar[str] = "values"
 
-    distribution: Literal["normal"] = Field("normal", description="normal distribution")
-    mean: Any = Field(None, description="mean")
-    deviation: Any = Field(None, description="standard deviation")
+    distribution: Literal["normal"] = "normal"
+    """normal distribution"""
+    mean: Any = None
+    """mean"""
+    deviation: Any = None
+    """standard deviation"""
 
 
 class LogNormal(Table):
@@ -103,14 +105,12 @@ class LogNormal(Table):
 
     kind: ClassVar[str] = "values"
 
-    distribution: Literal["log_normal"] = Field(
-        "log_normal", description="log-normal distribution"
-    )
-    median: Any = Field(None, description="median")
-    factor: Any = Field(
-        None,
-        description="ratio to the median at one standard deviation of the logarithm",
-    )
+    distribution: Literal["log_normal"] = "log_normal"
+    """log-normal distribution"""
+    median: Any = None
+    """median"""
+    factor: Any = None
+    """ratio to the median at one standard deviation of the logarithm"""
 
 
 DISTRIBUTIONS: dict[str, type[Table]] = {

@@ -20,25 +20,20 @@ class ThermalCondition(Table):
     is adiabatic.
     """
 
-    temperature: TemperatureOrSeries | None = Field(
-        None,
-        description="Danckwerts: of the stream while it enters; nothing while it leaves",
-    )
-    fixed_temperature: TemperatureOrSeries | None = Field(
-        None, description="Dirichlet: prescribed temperature"
-    )
-    heat_flux: HeatFluxOrSeries | None = Field(None, description="into the bed")
+    temperature: TemperatureOrSeries | None = None
+    """Danckwerts: of the stream while it enters; nothing while it leaves"""
+    fixed_temperature: TemperatureOrSeries | None = None
+    """Dirichlet: prescribed temperature"""
+    heat_flux: HeatFluxOrSeries | None = None
+    """into the bed"""
     coefficient: WallCoefficientOrClosure | None = Field(
-        None,
-        description="Robin: wall coefficient to `ambient`",
-        json_schema_extra=takes("wall"),
+        None, json_schema_extra=takes("wall")
     )
-    emissivity: Emissivity | None = Field(
-        None, description="of a surface that radiates to surroundings at `ambient`"
-    )
-    ambient: TemperatureOrSeries | None = Field(
-        None, description="temperature of the surroundings"
-    )
+    """Robin: wall coefficient to `ambient`"""
+    emissivity: Emissivity | None = None
+    """of a surface that radiates to surroundings at `ambient`"""
+    ambient: TemperatureOrSeries | None = None
+    """temperature of the surroundings"""
 
     @model_validator(mode="after")
     def _at_most_one(self) -> ThermalCondition:
@@ -63,17 +58,14 @@ class WallHeat(Table):
     """Heat through a wall into the gas, or into the bed of one temperature."""
 
     coefficient: WallCoefficientOrClosure | None = Field(
-        None,
-        description="of the wall on its inner area, to `ambient`; beside species "
-        "by name with packed_bed.section",
-        json_schema_extra=takes("wall"),
+        None, json_schema_extra=takes("wall")
     )
-    ambient: TemperatureOrSeries | None = Field(
-        None, description="temperature of the surroundings of the wall"
-    )
-    heat_flux: HeatFluxOrSeries | None = Field(
-        None, description="of the wall into the bed, on its inner area"
-    )
+    """of the wall on its inner area, to `ambient`; beside species by name with
+    packed_bed.section"""
+    ambient: TemperatureOrSeries | None = None
+    """temperature of the surroundings of the wall"""
+    heat_flux: HeatFluxOrSeries | None = None
+    """of the wall into the bed, on its inner area"""
 
     @model_validator(mode="after")
     def _one_way(self) -> WallHeat:

@@ -25,24 +25,20 @@ class GasConstant(Table):
     temperature.
     """
 
-    model: Literal["constant"] = Field(
-        "constant", description="gas or liquid with constant properties"
-    )
-    material: str | None = Field(
-        None,
-        description="liquid of the library; keys that are given replace its properties",
-    )
-    material_temperature: Temperature | None = Field(
-        None, description="at which the properties of the material are taken"
-    )
-    density: Density = Field(description="density of the fluid")
-    viscosity: Viscosity = Field(description="dynamic viscosity of the fluid")
-    heat_capacity: HeatCapacity | None = Field(
-        None, description="needed with a [heat] table"
-    )
-    conductivity: Conductivity | None = Field(
-        None, description="needed with a [heat] table"
-    )
+    model: Literal["constant"] = "constant"
+    """gas or liquid with constant properties"""
+    material: str | None = None
+    """liquid of the library; keys that are given replace its properties"""
+    material_temperature: Temperature | None = None
+    """at which the properties of the material are taken"""
+    density: Density
+    """density of the fluid"""
+    viscosity: Viscosity
+    """dynamic viscosity of the fluid"""
+    heat_capacity: HeatCapacity | None = None
+    """needed with a [heat] table"""
+    conductivity: Conductivity | None = None
+    """needed with a [heat] table"""
 
     @model_validator(mode="before")
     @classmethod
@@ -59,37 +55,33 @@ class GasConstant(Table):
 class GasCantera(Table):
     """An ideal-gas mixture with the polynomials of a Cantera mechanism."""
 
-    model: Literal["cantera"] = Field(
-        "cantera", description="ideal gas mixture with properties by Cantera"
-    )
-    composition: str = Field(description='mole fractions, "N2:0.79, O2:0.21"')
-    pressure: Pressure = Field(101325.0, description="absolute pressure of the gas")
-    mechanism: str = Field(
-        "gri30.yaml",
-        description="Cantera mechanism with the species: a name or a YAML file",
-    )
-    viscosity: Viscosity | None = Field(
-        None, description="constant; absent: of the transport data of the mechanism"
-    )
-    conductivity: Conductivity | None = Field(
-        None, description="constant; absent: of the transport data of the mechanism"
-    )
+    model: Literal["cantera"] = "cantera"
+    """ideal gas mixture with properties by Cantera"""
+    composition: str
+    """mole fractions, "N2:0.79, O2:0.21"
+    """
+    pressure: Pressure = 101325.0
+    """absolute pressure of the gas"""
+    mechanism: str = "gri30.yaml"
+    """Cantera mechanism with the species: a name or a YAML file"""
+    viscosity: Viscosity | None = None
+    """constant; absent: of the transport data of the mechanism"""
+    conductivity: Conductivity | None = None
+    """constant; absent: of the transport data of the mechanism"""
 
 
 class GasCoolProp(Table):
     """A real fluid at constant pressure from CoolProp."""
 
-    model: Literal["coolprop"] = Field(
-        description="real fluid with properties by CoolProp"
-    )
-    name: str = Field(
-        description="of the fluid in CoolProp: Water, steam, INCOMP::TVP1 (oil), "
-        "INCOMP::MEG-30% (brine), Nitrogen[0.79]&Oxygen[0.21]"
-    )
-    pressure: Pressure = Field(101325.0, description="absolute pressure of the fluid")
-    T_range: tuple[Temperature, Temperature] = Field(
-        description="temperatures to tabulate, one phase only"
-    )
+    model: Literal["coolprop"]
+    """real fluid with properties by CoolProp"""
+    name: str
+    """of the fluid in CoolProp: Water, steam, INCOMP::TVP1 (oil), INCOMP::MEG-30%
+    (brine), Nitrogen[0.79]&Oxygen[0.21]"""
+    pressure: Pressure = 101325.0
+    """absolute pressure of the fluid"""
+    T_range: tuple[Temperature, Temperature]
+    """temperatures to tabulate, one phase only"""
 
 
 def with_its_model(values: Any) -> Any:

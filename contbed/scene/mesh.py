@@ -26,21 +26,12 @@ class _BuiltIn(Table):
     """A mesh of a bed of simple shape."""
 
     type: str
-    length: Length = Field(
-        description="length of the domain along x, for axisymmetric meshes along the "
-        "axis"
-    )
-    graded: Switch = Field(
-        False,
-        description="grade the given number of cells to the layer widths; uniform "
-        "otherwise",
-    )
-    refine: Whole = Field(
-        0,
-        ge=0,
-        le=12,
-        description="number of uniform refinements, each halves all cells",
-    )
+    length: Length
+    """length of the domain along x, for axisymmetric meshes along the axis"""
+    graded: Switch = False
+    """grade the given number of cells to the layer widths; uniform otherwise"""
+    refine: Whole = Field(0, ge=0, le=12)
+    """number of uniform refinements, each halves all cells"""
 
 
 class MeshLine(_BuiltIn):
@@ -48,16 +39,13 @@ class MeshLine(_BuiltIn):
 
     dimension: ClassVar[int] = 1
     sides: ClassVar = (("left", "right"),)
-    type: Literal["line"] = Field(description="built-in mesh of a line, along the flow")
-    cells: Cells | None = Field(
-        None,
-        description="number of cells; automatic grading to the layer widths if absent",
-    )
-    diameter: Length | None = Field(
-        None,
-        description="inner diameter of a tube, distance of two walls, or side of a "
-        "duct; needed with [boundary.wall]; absent: no wall",
-    )
+    type: Literal["line"]
+    """built-in mesh of a line, along the flow"""
+    cells: Cells | None = None
+    """number of cells; automatic grading to the layer widths if absent"""
+    diameter: Length | None = None
+    """inner diameter of a tube, distance of two walls, or side of a duct; needed with
+    [boundary.wall]; absent: no wall"""
 
     @property
     def extents(self) -> tuple[float, ...]:
@@ -72,14 +60,14 @@ class MeshRectangle(_BuiltIn):
 
     dimension: ClassVar[int] = 2
     sides: ClassVar = (("left", "right"), ("bottom", "top"))
-    type: Literal["rectangle"] = Field(description="built-in mesh of a rectangle")
-    height: Length = Field(description="height of the domain along y")
-    cells: tuple[Cells, Cells] | None = Field(
-        None, description="number of cells along x and y; absent: chosen by the plan"
-    )
-    shape: Literal["triangle", "quadrilateral"] = Field(
-        "quadrilateral", description="shape of the cells"
-    )
+    type: Literal["rectangle"]
+    """built-in mesh of a rectangle"""
+    height: Length
+    """height of the domain along y"""
+    cells: tuple[Cells, Cells] | None = None
+    """number of cells along x and y; absent: chosen by the plan"""
+    shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
+    """shape of the cells"""
 
     @property
     def extents(self) -> tuple[float, ...]:
@@ -94,16 +82,14 @@ class MeshAxisymmetric(_BuiltIn):
 
     dimension: ClassVar[int] = 2
     sides: ClassVar = (("axis", "wall"), ("bottom", "top"))
-    type: Literal["axisymmetric"] = Field(
-        description="built-in mesh of a cylinder with axial symmetry"
-    )
-    radius: Length = Field(description="radius of the domain")
-    cells: tuple[Cells, Cells] | None = Field(
-        None, description="cells along r and along z"
-    )
-    shape: Literal["triangle", "quadrilateral"] = Field(
-        "quadrilateral", description="shape of the cells"
-    )
+    type: Literal["axisymmetric"]
+    """built-in mesh of a cylinder with axial symmetry"""
+    radius: Length
+    """radius of the domain"""
+    cells: tuple[Cells, Cells] | None = None
+    """cells along r and along z"""
+    shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
+    """shape of the cells"""
 
     @property
     def extents(self) -> tuple[float, ...]:
@@ -118,15 +104,16 @@ class MeshBox(_BuiltIn):
 
     dimension: ClassVar[int] = 3
     sides: ClassVar = (("left", "right"), ("front", "back"), ("bottom", "top"))
-    type: Literal["box"] = Field(description="built-in mesh of a box")
-    width: Length = Field(description="width of the domain along y")
-    height: Length = Field(description="height of the domain along z")
-    cells: tuple[Cells, Cells, Cells] | None = Field(
-        None, description="number of cells along x, y and z; absent: chosen by the plan"
-    )
-    shape: Literal["tetrahedron", "hexahedron"] = Field(
-        "hexahedron", description="shape of the cells"
-    )
+    type: Literal["box"]
+    """built-in mesh of a box"""
+    width: Length
+    """width of the domain along y"""
+    height: Length
+    """height of the domain along z"""
+    cells: tuple[Cells, Cells, Cells] | None = None
+    """number of cells along x, y and z; absent: chosen by the plan"""
+    shape: Literal["tetrahedron", "hexahedron"] = "hexahedron"
+    """shape of the cells"""
 
     @property
     def extents(self) -> tuple[float, ...]:
@@ -139,22 +126,20 @@ class MeshFile(Table):
     regions and boundaries.
     """
 
-    type: Literal["file"] = Field(description="mesh or geometry from a file")
-    file: str = Field(description="path relative to the scene")
-    dimension: Order = Field(2, description="dimension of the mesh")
-    axisymmetric: Switch = Field(False, description="coordinates are (r, z)")
-    scale: Positive = Field(
-        1.0, description="factor from the file's length unit to metres"
-    )
-    size: Length | None = Field(
-        None, description="target cell size for a .geo; its own sizes if absent"
-    )
-    refine: Whole = Field(
-        0,
-        ge=0,
-        le=8,
-        description="number of uniform refinements, each halves all cells",
-    )
+    type: Literal["file"]
+    """mesh or geometry from a file"""
+    file: str
+    """path relative to the scene"""
+    dimension: Order = 2
+    """dimension of the mesh"""
+    axisymmetric: Switch = False
+    """coordinates are (r, z)"""
+    scale: Positive = 1.0
+    """factor from the file's length unit to metres"""
+    size: Length | None = None
+    """target cell size for a .geo; its own sizes if absent"""
+    refine: Whole = Field(0, ge=0, le=8)
+    """number of uniform refinements, each halves all cells"""
 
 
 def power_units(names: Iterable[str], mesh: Mesh) -> dict[str, str]:

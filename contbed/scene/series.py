@@ -42,23 +42,18 @@ class Series(Table):
 
     quantity: ClassVar[str] = "1"
 
-    times: tuple[Instant, ...] = Field(
-        (), description="when the values hold; the first is 0"
-    )
-    values: tuple[Any, ...] = Field((), description="one for each time")
-    file: str | None = Field(
-        None, description="CSV file instead, path relative to the scene"
-    )
-    column: str | None = Field(
-        None,
-        description="of the file; absent: the first column with the right kind of unit",
-    )
-    form: Literal["linear", "step"] = Field(
-        "linear", description="between the times; step holds until the next"
-    )
-    period: Seconds | None = Field(
-        None, description="the series repeats after this time"
-    )
+    times: tuple[Instant, ...] = ()
+    """when the values hold; the first is 0"""
+    values: tuple[Any, ...] = ()
+    """one for each time"""
+    file: str | None = None
+    """CSV file instead, path relative to the scene"""
+    column: str | None = None
+    """of the file; absent: the first column with the right kind of unit"""
+    form: Literal["linear", "step"] = "linear"
+    """between the times; step holds until the next"""
+    period: Seconds | None = None
+    """the series repeats after this time"""
 
     @model_validator(mode="after")
     def _pairs_or_file(self) -> Self:
@@ -136,24 +131,26 @@ class TemperatureSeries(Series):
     """A temperature that changes with time."""
 
     quantity: ClassVar[str] = "K"
-    values: tuple[Temperature, ...] = Field((), description="one for each time")
+    values: tuple[Temperature, ...] = ()
+    """one for each time"""
 
 
 class HeatFluxSeries(Series):
     """A heat flux that changes with time."""
 
     quantity: ClassVar[str] = "W/m**2"
-    values: tuple[HeatFlux, ...] = Field((), description="one for each time")
+    values: tuple[HeatFlux, ...] = ()
+    """one for each time"""
 
 
 class VelocitySeries(Series):
     """A velocity that changes in steps; the flow may start, stop and reverse."""
 
     quantity: ClassVar[str] = "m/s"
-    values: tuple[Velocity, ...] = Field((), description="one for each time")
-    form: Literal["step"] = Field(
-        "step", description="a velocity holds until the next time"
-    )
+    values: tuple[Velocity, ...] = ()
+    """one for each time"""
+    form: Literal["step"] = "step"
+    """a velocity holds until the next time"""
 
 
 @dataclass(frozen=True)
@@ -298,13 +295,11 @@ class ProfileFile(Table):
     earlier run.
     """
 
-    file: str = Field(
-        description="CSV file with a column of positions and one of temperatures, "
-        "relative to the scene"
-    )
-    column: str | None = Field(
-        None, description="absent: T_fluid or T_solid, or the first with a temperature"
-    )
+    file: str
+    """CSV file with a column of positions and one of temperatures, relative to the
+    scene"""
+    column: str | None = None
+    """absent: T_fluid or T_solid, or the first with a temperature"""
 
     def samples(self, base: Path, name: str) -> tuple[Array, Array]:
         """Return positions [m] in increasing order and temperatures [K]; at the last

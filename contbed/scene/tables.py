@@ -87,7 +87,8 @@ class Closure(Table):
     """A closure by name; further keys are the closure's own parameters."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
-    name: str = Field(description="name of the closure, with or without its kind")
+    name: str
+    """name of the closure, with or without its kind"""
 
 
 Named = Annotated[str, Tag("name")] | Annotated[Closure, Tag("parameters")]
@@ -112,55 +113,42 @@ WallCoefficientOrClosure = Annotated[
 class BalancedRun(Table):
     """What a run must keep to be accepted."""
 
-    balance_tolerance: Positive = Field(
-        1e-10, description="largest relative residual of a balance that a run accepts"
-    )
-    strict: Switch = Field(False, description="a closure out of its range is an error")
+    balance_tolerance: Positive = 1e-10
+    """largest relative residual of a balance that a run accepts"""
+    strict: Switch = False
+    """a closure out of its range is an error"""
 
 
 class NewtonSolver(BalancedRun):
     """Newton's method, and what a run must keep."""
 
-    newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = Field(
-        1e-10,
-        description="residual norm, relative to the scale of the equations, at which "
-        "Newton's method has converged",
-    )
-    newton_iterations: Whole = Field(
-        30, ge=1, le=1000, description="most iterations of Newton's method"
-    )
+    newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = 1e-10
+    """residual norm, relative to the scale of the equations, at which Newton's method
+    has converged"""
+    newton_iterations: Whole = Field(30, ge=1, le=1000)
+    """most iterations of Newton's method"""
 
 
 class Solver(NewtonSolver):
     """Numerics; the defaults suit nearly all scenes."""
 
-    degree: Order = Field(2, description="polynomial degree of the temperatures")
-    stabilisation: Switch = Field(True, description="residual-based SUPG")
-    tolerance: Fraction = Field(
-        1e-5, description="target error of theta for automatic meshes"
-    )
-    accuracy: Fraction | None = Field(
-        None,
-        description="the plan accepts a cheaper sub-model if its predicted error, "
-        "relative to the temperature span, "
-        "is below this; absent: 0.005 for intraparticle conduction, 0.01 for "
-        "Rosseland, and sides of a bed that "
-        "exchange heat are resolved",
-    )
-    adapt: Annotated[Whole, Field(ge=0, le=10)] | None = Field(
-        None,
-        description="refinements where the error estimate of a steady run exceeds "
-        "`tolerance`; absent: automatic",
-    )
-    reduce: Switch = Field(
-        True,
-        description="solve a plug-flow scene with adiabatic walls in one dimension",
-    )
-    memory_GB: Positive | None = Field(
-        None,
-        description="refuse a factorisation predicted above this; 60 % of the free "
-        "memory if absent",
-    )
+    degree: Order = 2
+    """polynomial degree of the temperatures"""
+    stabilisation: Switch = True
+    """residual-based SUPG"""
+    tolerance: Fraction = 1e-5
+    """target error of theta for automatic meshes"""
+    accuracy: Fraction | None = None
+    """the plan accepts a cheaper sub-model if its predicted error, relative to the
+    temperature span, is below this; absent: 0.005 for intraparticle conduction, 0.01
+    for Rosseland, and sides of a bed that exchange heat are resolved"""
+    adapt: Annotated[Whole, Field(ge=0, le=10)] | None = None
+    """refinements where the error estimate of a steady run exceeds `tolerance`; absent:
+    automatic"""
+    reduce: Switch = True
+    """solve a plug-flow scene with adiabatic walls in one dimension"""
+    memory_GB: Positive | None = None
+    """refuse a factorisation predicted above this; 60 % of the free memory if absent"""
 
 
 class CycleSettings(Table):
@@ -168,47 +156,39 @@ class CycleSettings(Table):
     with.
     """
 
-    tolerance: Fraction = Field(
-        1e-8,
-        description="change over one period over the span of temperatures, in reacting "
-        "beds also of amounts over those "
-        "that enter",
-    )
+    tolerance: Fraction = 1e-8
+    """change over one period over the span of temperatures, in reacting beds also of
+    amounts over those that enter"""
 
 
 class RunInTime(Table):
     """A transient run of a packed bed."""
 
-    end: Seconds = Field(description="time at which the run ends")
-    times: tuple[Instant, ...] = Field(
-        (), description="output times; the end is always one"
-    )
-    cycle: CycleSettings | None = Field(
-        None,
-        description="the run is one period of a cyclic steady state; the state at the "
-        "start is a guess",
-    )
-    checkpoint_every: Seconds = Field(
-        10.0, description="wall-clock time between checkpoints"
-    )
+    end: Seconds
+    """time at which the run ends"""
+    times: tuple[Instant, ...] = ()
+    """output times; the end is always one"""
+    cycle: CycleSettings | None = None
+    """the run is one period of a cyclic steady state; the state at the start is a guess
+    """
+    checkpoint_every: Seconds = 10.0
+    """wall-clock time between checkpoints"""
 
 
 class Output(Table):
     """What a run writes besides summary.json."""
 
-    positions: tuple[Position, ...] = Field(
-        (), description="profile positions along the axis; automatic if empty"
-    )
-    across: tuple[Position, ...] | None = Field(
-        None,
-        description="other coordinates of the line of profiles; absent: the middle, or "
-        "a line inside of the mesh",
-    )
-    profiles: Switch = Field(
-        True, description="profiles.csv, which sweeps of many scenes may not need"
-    )
-    fields: Switch = Field(True, description="write fields for ParaView (.vtu)")
-    plots: Switch = Field(True, description="draw plots (.png)")
+    positions: tuple[Position, ...] = ()
+    """profile positions along the axis; automatic if empty"""
+    across: tuple[Position, ...] | None = None
+    """other coordinates of the line of profiles; absent: the middle, or a line inside
+    of the mesh"""
+    profiles: Switch = True
+    """profiles.csv, which sweeps of many scenes may not need"""
+    fields: Switch = True
+    """write fields for ParaView (.vtu)"""
+    plots: Switch = True
+    """draw plots (.png)"""
 
 
 class SceneBase(Table):
@@ -218,12 +198,10 @@ class SceneBase(Table):
     # tables of other kinds that this one does not take: why, and what to do
     refused: ClassVar[Mapping[str, str]] = {}
 
-    title: str = Field(
-        "", description="title of the scene, shown in plots, reports and summary.json"
-    )
-    model: str | None = Field(
-        None, description="name of the model; absent: derived from the tables"
-    )
+    title: str = ""
+    """title of the scene, shown in plots, reports and summary.json"""
+    model: str | None = None
+    """name of the model; absent: derived from the tables"""
 
     _origin: Origin = PrivateAttr(default_factory=Origin)
     _warnings: tuple[str, ...] = PrivateAttr(())

@@ -22,41 +22,40 @@ Factor = Annotated[Number, Field(gt=0)]
 class Timed(Table):
     """A release of first order."""
 
-    time: Seconds = Field(description="mean time in a particle")
+    time: Seconds
+    """mean time in a particle"""
 
 
 class CharReaction(Table):
     """A reaction of char."""
 
-    law: str | None = Field(
-        None, description="rate law by name; absent: the first of the list"
-    )
-    factor: Factor = Field(1.0, description="multiplies the rate")
+    law: str | None = None
+    """rate law by name; absent: the first of the list"""
+    factor: Factor = 1.0
+    """multiplies the rate"""
 
 
 class CharCombustion(CharReaction):
     """Char with O2."""
 
-    products: Literal["arthur", "CO2", "CO"] = Field(
-        "CO2",
-        description="at the particle; CO2 where CO burns in its film, particles of 1 "
-        "mm and more",
-    )
+    products: Literal["arthur", "CO2", "CO"] = "CO2"
+    """at the particle; CO2 where CO burns in its film, particles of 1 mm and more"""
 
 
 class Calcination(Table):
     """CaCO3 to CaO and back."""
 
-    factor: Factor = Field(1.0, description="factor on the rate")
+    factor: Factor = 1.0
+    """factor on the rate"""
 
 
 class Sulphation(Table):
     """CaO with SO2 and O2 to CaSO4."""
 
-    factor: Factor = Field(1.0, description="factor on the rate")
-    maximum_conversion: Annotated[Number, Field(gt=0, le=1)] = Field(
-        0.4, description="of CaO, when its pores are full"
-    )
+    factor: Factor = 1.0
+    """factor on the rate"""
+    maximum_conversion: Annotated[Number, Field(gt=0, le=1)] = 0.4
+    """of CaO, when its pores are full"""
 
 
 class SulphateReduction(Table):
@@ -64,10 +63,8 @@ class SulphateReduction(Table):
     differ, so there is no default.
     """
 
-    rate_constant: Annotated[float, *unit("1/Pa/s"), Field(gt=0)] = Field(
-        description="of sulphate at 850 degC, per pressure of CO; measured, or fitted "
-        "to a boiler"
-    )
+    rate_constant: Annotated[float, *unit("1/Pa/s"), Field(gt=0)]
+    """of sulphate at 850 degC, per pressure of CO; measured, or fitted to a boiler"""
 
 
 class Reactions(Table):

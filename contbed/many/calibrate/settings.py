@@ -55,68 +55,63 @@ from contbed.scene.toml_lines import Origin
 class Value(Table):
     """A measured column and what of the model it is compared with."""
 
-    quantity: str = Field(description="result of the run that is compared")
-    column: str = Field(description="column of measured values")
-    error: str | None = Field(
-        None, description="standard error, in the unit of the quantity or as a share"
-    )
-    error_column: str | None = Field(
-        None, description="column with the standard error of each row"
-    )
+    quantity: str
+    """result of the run that is compared"""
+    column: str
+    """column of measured values"""
+    error: str | None = None
+    """standard error, in the unit of the quantity or as a share"""
+    error_column: str | None = None
+    """column with the standard error of each row"""
 
 
 class Predict(Table):
     """What is predicted besides the measured values."""
 
-    times: tuple[Instant, ...] = Field((), description="times of the prediction")
-    positions: tuple[Position, ...] = Field(
-        (), description="positions of the prediction"
-    )
-    results: tuple[str, ...] = Field((), description="results that are predicted")
+    times: tuple[Instant, ...] = ()
+    """times of the prediction"""
+    positions: tuple[Position, ...] = ()
+    """positions of the prediction"""
+    results: tuple[str, ...] = ()
+    """results that are predicted"""
 
 
 class ExperimentSettings(Table):
     """One experiment: its scene and its table."""
 
-    name: str | None = Field(
-        None, description="name of the experiment in tables and plots"
-    )
-    scene: str = Field(
-        description="scene file of the experiment, path relative to this file"
-    )
-    set: dict[str, Any] = Field(
-        default_factory=dict, description="values of scene keys in this experiment"
-    )
-    file: str = Field(
-        description="table of measured values, path relative to this file"
-    )
-    where: dict[str, str] = Field(
-        default_factory=dict, description="values of columns that select rows"
-    )
-    time: str | None = Field(None, description="column of times")
-    position: str | None = Field(None, description="column of positions")
-    keys: dict[str, str] = Field(
-        default_factory=dict,
-        description="keys of the scene that columns give, row by row",
-    )
-    until: Instant | None = Field(
-        None, description="last time that is fitted; later rows are kept for comparison"
-    )
-    values: tuple[Value, ...] = Field(
-        min_length=1,
-        description="measured columns and the results that they are compared with",
-    )
-    predict: Predict = Field(
-        Predict(), description="results that are predicted with bands"
-    )
+    name: str | None = None
+    """name of the experiment in tables and plots"""
+    scene: str
+    """scene file of the experiment, path relative to this file"""
+    set: dict[str, Any] = Field(default_factory=dict)
+    """values of scene keys in this experiment"""
+    file: str
+    """table of measured values, path relative to this file"""
+    where: dict[str, str] = Field(default_factory=dict)
+    """values of columns that select rows"""
+    time: str | None = None
+    """column of times"""
+    position: str | None = None
+    """column of positions"""
+    keys: dict[str, str] = Field(default_factory=dict)
+    """keys of the scene that columns give, row by row"""
+    until: Instant | None = None
+    """last time that is fitted; later rows are kept for comparison"""
+    values: tuple[Value, ...] = Field(min_length=1)
+    """measured columns and the results that they are compared with"""
+    predict: Predict = Predict()
+    """results that are predicted with bands"""
 
 
 class Posterior(Table):
     """Sampling of the posterior distribution."""
 
-    walkers: int = Field(20, ge=4, le=1000, description="number of walkers")
-    steps: int = Field(500, ge=10, le=1_000_000, description="steps of each walker")
-    seed: int = Field(0, ge=0, description="seed of the sampling")
+    walkers: int = Field(20, ge=4, le=1000)
+    """number of walkers"""
+    steps: int = Field(500, ge=10, le=1_000_000)
+    """steps of each walker"""
+    seed: int = Field(0, ge=0)
+    """seed of the sampling"""
 
 
 class Settings(Table):
@@ -124,21 +119,16 @@ class Settings(Table):
 
     kind: ClassVar[str] = "calibration"
 
-    title: str = Field("", description="title of the study, shown in plots and reports")
-    keys: dict[str, Any] = Field(
-        description="keys of the scene that are fitted, each with its prior"
-    )
-    experiment: tuple[ExperimentSettings, ...] = Field(
-        min_length=1, description="experiments with scene, table and measured columns"
-    )
-    posterior: Posterior | None = Field(
-        None,
-        description="sampling of the posterior by Markov chains; absent: linearised "
-        "intervals only",
-    )
-    profiles: Switch = Field(
-        True, description="intervals by profile likelihood, which need further runs"
-    )
+    title: str = ""
+    """title of the study, shown in plots and reports"""
+    keys: dict[str, Any]
+    """keys of the scene that are fitted, each with its prior"""
+    experiment: tuple[ExperimentSettings, ...] = Field(min_length=1)
+    """experiments with scene, table and measured columns"""
+    posterior: Posterior | None = None
+    """sampling of the posterior by Markov chains; absent: linearised intervals only"""
+    profiles: Switch = True
+    """intervals by profile likelihood, which need further runs"""
 
 
 @dataclass(frozen=True)

@@ -71,63 +71,41 @@ class Packings(Table):
     their weight.
     """
 
-    count: Annotated[Whole, Field(ge=2, le=32)] = Field(
-        4, description="number of random packings"
-    )
-    particles: Annotated[Whole, Field(ge=300, le=50_000)] = Field(
-        1000, description="in each"
-    )
-    width: Annotated[Number, Field(ge=5)] = Field(
-        10.0, description="of the box, in diameters"
-    )
-    walls: Switch = Field(
-        False,
-        description="square box with walls, whose porosity counts whole; else periodic "
-        "sides",
-    )
-    friction: Annotated[Number, Field(ge=0)] = Field(
-        0.3, description="Coulomb's coefficient of sliding"
-    )
-    seed: Annotated[Whole, Field(ge=0)] = Field(
-        0, description="of the first packing; the next count on"
-    )
-    diameter: Length | None = Field(
-        None, description="Sauter mean of the spheres; that of the scene if absent"
-    )
-    spread: Annotated[Number, Field(ge=0, le=0.3)] = Field(
-        0.0,
-        description="standard deviation of the radii over their mean; normal, cut at "
-        "two deviations",
-    )
-    youngs_modulus: Pressure = Field(
-        5e10, description="of the material, to which contacts are corrected"
-    )
-    simulated: Pressure = Field(
-        1e7, description="Young's modulus with which the packings settle"
-    )
+    count: Annotated[Whole, Field(ge=2, le=32)] = 4
+    """number of random packings"""
+    particles: Annotated[Whole, Field(ge=300, le=50_000)] = 1000
+    """in each"""
+    width: Annotated[Number, Field(ge=5)] = 10.0
+    """of the box, in diameters"""
+    walls: Switch = False
+    """square box with walls, whose porosity counts whole; else periodic sides"""
+    friction: Annotated[Number, Field(ge=0)] = 0.3
+    """Coulomb's coefficient of sliding"""
+    seed: Annotated[Whole, Field(ge=0)] = 0
+    """of the first packing; the next count on"""
+    diameter: Length | None = None
+    """Sauter mean of the spheres; that of the scene if absent"""
+    spread: Annotated[Number, Field(ge=0, le=0.3)] = 0.0
+    """standard deviation of the radii over their mean; normal, cut at two deviations"""
+    youngs_modulus: Pressure = 5e10
+    """of the material, to which contacts are corrected"""
+    simulated: Pressure = 1e7
+    """Young's modulus with which the packings settle"""
 
 
 class Laws(Table):
     """Laws of one particle, equally probable where there are several."""
 
-    conduction: tuple[Literal["cones", "columns", "spreading"], ...] = Field(
-        (),
-        description="paths of heat between two particles, for the conductivity of the "
-        "bed at rest",
-    )
-    exchange: tuple[Law, ...] = Field(
-        (), description="Nusselt numbers of a particle in its surroundings"
-    )
-    scatter_conduction: Scatter = Field(
-        0.0,
-        description="standard deviation of measured conductivities of beds about the "
-        "laws, as a share",
-    )
-    scatter_exchange: Scatter = Field(
-        0.0,
-        description="standard deviation of measured Nusselt numbers of beds about the "
-        "laws, as a share",
-    )
+    conduction: tuple[Literal["cones", "columns", "spreading"], ...] = ()
+    """paths of heat between two particles, for the conductivity of the bed at rest"""
+    exchange: tuple[Law, ...] = ()
+    """Nusselt numbers of a particle in its surroundings"""
+    scatter_conduction: Scatter = 0.0
+    """standard deviation of measured conductivities of beds about the laws, as a share
+    """
+    scatter_exchange: Scatter = 0.0
+    """standard deviation of measured Nusselt numbers of beds about the laws, as a share
+    """
 
 
 class Settings(Table):
@@ -135,24 +113,22 @@ class Settings(Table):
 
     kind: ClassVar[str] = "cascade"
 
-    title: str = Field("", description="title of the study, shown in plots and reports")
-    scene: str = Field(description="scene file, path relative to this file")
-    qoi: tuple[str, ...] = Field(
-        (), description="named results that get a band; needed without `measured`"
-    )
-    samples: Annotated[Whole, Field(ge=8, le=10_000)] = Field(
-        64, description="runs for the band"
-    )
-    measured: str | None = Field(
-        None, description="case of `contbed validate`, or its folder, to compare with"
-    )
-    packings: Packings = Field(
-        Packings(), description="random packings that are settled"
-    )
-    laws: Laws = Field(description="closures that the packings replace")
-    uncertain: dict[str, Any] = Field(
-        default_factory=dict, description="standard uncertainty by key of the scene"
-    )
+    title: str = ""
+    """title of the study, shown in plots and reports"""
+    scene: str
+    """scene file, path relative to this file"""
+    qoi: tuple[str, ...] = ()
+    """named results that get a band; needed without `measured`"""
+    samples: Annotated[Whole, Field(ge=8, le=10_000)] = 64
+    """runs for the band"""
+    measured: str | None = None
+    """case of `contbed validate`, or its folder, to compare with"""
+    packings: Packings = Packings()
+    """random packings that are settled"""
+    laws: Laws
+    """closures that the packings replace"""
+    uncertain: dict[str, Any] = Field(default_factory=dict)
+    """standard uncertainty by key of the scene"""
 
 
 @dataclass(frozen=True)

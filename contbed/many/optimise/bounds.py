@@ -12,8 +12,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import Field
-
 from contbed.many.study_file import Say, checked
 from contbed.many.value_sets import Ends, number
 from contbed.scene import schema
@@ -27,12 +25,10 @@ from contbed.scene.values import value_at
 class Bounds(Ends):
     """Bounds of a key, and where a search begins."""
 
-    start: Any = Field(
-        None, description="value at which the search begins; absent: that of the scene"
-    )
-    integer: Switch | None = Field(
-        None, description="whether the key takes integers only"
-    )
+    start: Any = None
+    """value at which the search begins; absent: that of the scene"""
+    integer: Switch | None = None
+    """whether the key takes integers only"""
 
 
 @dataclass(frozen=True)

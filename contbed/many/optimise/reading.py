@@ -42,10 +42,10 @@ Method = Literal["gradient", "surrogate"]
 class Formula(Table):
     """A formula whose numbers have units of their own, such as prices."""
 
-    formula: str = Field(description="formula of results and keys")
-    unit: str | None = Field(
-        None, description="of the value; that of the parts if absent"
-    )
+    formula: str
+    """formula of results and keys"""
+    unit: str | None = None
+    """of the value; that of the parts if absent"""
 
 
 def _form(value: Any) -> str:
@@ -62,32 +62,24 @@ class DesignTable(Table):
 
     kind: ClassVar[str] = "design"
 
-    title: str = Field("", description="title of the study, shown in plots and reports")
-    scene: str = Field("", description="scene file, path relative to this file")
-    minimise: Objective | None = Field(
-        None, description="result or formula that is minimised"
-    )
-    maximise: Objective | None = Field(
-        None, description="result or formula that is maximised"
-    )
-    constraints: tuple[str, ...] = Field(
-        (), description="inequalities between results, keys and numbers"
-    )
-    keys: dict[str, Any] = Field(
-        default_factory=dict,
-        description="keys of the scene that are varied, each with its bounds",
-    )
-    runs: Annotated[Whole, Field(ge=1, le=MOST_RUNS)] = Field(
-        200, description="most points that are computed"
-    )
-    method: Method | None = Field(
-        None,
-        description="how the optimum is searched; absent: by gradients unless results "
-        "scatter",
-    )
-    repeats: Annotated[Whole, Field(ge=1, le=100)] | None = Field(
-        None, description="seeds at a point"
-    )
+    title: str = ""
+    """title of the study, shown in plots and reports"""
+    scene: str = ""
+    """scene file, path relative to this file"""
+    minimise: Objective | None = None
+    """result or formula that is minimised"""
+    maximise: Objective | None = None
+    """result or formula that is maximised"""
+    constraints: tuple[str, ...] = ()
+    """inequalities between results, keys and numbers"""
+    keys: dict[str, Any] = Field(default_factory=dict)
+    """keys of the scene that are varied, each with its bounds"""
+    runs: Annotated[Whole, Field(ge=1, le=MOST_RUNS)] = 200
+    """most points that are computed"""
+    method: Method | None = None
+    """how the optimum is searched; absent: by gradients unless results scatter"""
+    repeats: Annotated[Whole, Field(ge=1, le=100)] | None = None
+    """seeds at a point"""
 
 
 def read_design(

@@ -58,22 +58,16 @@ _DISTRIBUTIONS = (
 class SampleTable(Table):
     """[sample]."""
 
-    method: value_sets.Method = Field(
-        description="how the points of the sample are drawn"
-    )
-    count: Annotated[Whole, Field(ge=1, le=value_sets.MOST_RUNS)] = Field(
-        description="number of points"
-    )
-    seed: Annotated[Whole, Field(ge=0, lt=2**63)] = Field(
-        0, description="seed of the random numbers"
-    )
-    gradients: Switch = Field(
-        False, description="uncertainty by derivatives at the means as well"
-    )
-    parameters: dict[str, Any] = Field(
-        default_factory=dict,
-        description="keys of the scene, each with its distribution",
-    )
+    method: value_sets.Method
+    """how the points of the sample are drawn"""
+    count: Annotated[Whole, Field(ge=1, le=value_sets.MOST_RUNS)]
+    """number of points"""
+    seed: Annotated[Whole, Field(ge=0, lt=2**63)] = 0
+    """seed of the random numbers"""
+    gradients: Switch = False
+    """uncertainty by derivatives at the means as well"""
+    parameters: dict[str, Any] = Field(default_factory=dict)
+    """keys of the scene, each with its distribution"""
 
 
 class StudyTable(Table):
@@ -81,20 +75,18 @@ class StudyTable(Table):
 
     kind: ClassVar[str] = "sweep"
 
-    title: str = Field("", description="title of the study, shown in plots and reports")
-    scene: str = Field("", description="scene file, path relative to this file")
-    qoi: tuple[str, ...] = Field((), min_length=1, description="results to plot")
-    parameters: dict[str, Any] = Field(
-        default_factory=dict,
-        description="keys of the scene, each with its values; all combinations are "
-        "computed",
-    )
-    zipped: tuple[dict[str, Any], ...] = Field(
-        (), description="keys whose values change together"
-    )
-    sample: SampleTable | None = Field(
-        None, description="random or quasi-random sample of keys"
-    )
+    title: str = ""
+    """title of the study, shown in plots and reports"""
+    scene: str = ""
+    """scene file, path relative to this file"""
+    qoi: tuple[str, ...] = Field((), min_length=1)
+    """results to plot"""
+    parameters: dict[str, Any] = Field(default_factory=dict)
+    """keys of the scene, each with its values; all combinations are computed"""
+    zipped: tuple[dict[str, Any], ...] = ()
+    """keys whose values change together"""
+    sample: SampleTable | None = None
+    """random or quasi-random sample of keys"""
 
 
 @dataclass(frozen=True)

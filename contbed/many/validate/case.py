@@ -58,35 +58,38 @@ SHIPPED = Path(__file__).parent / "cases"
 class Measured(Table):
     """The measured table."""
 
-    file: str = Field(
-        description="table of measured values, path relative to this file"
-    )
-    column: str = Field(description="column of measured values")
-    time: str | None = Field(None, description="column of times")
-    position: str | None = Field(None, description="column of positions")
-    height: str | None = Field(None, description="of levels")
-    where: dict[str, str] = Field(
-        default_factory=dict, description="rows with these texts in these columns only"
-    )
+    file: str
+    """table of measured values, path relative to this file"""
+    column: str
+    """column of measured values"""
+    time: str | None = None
+    """column of times"""
+    position: str | None = None
+    """column of positions"""
+    height: str | None = None
+    """of levels"""
+    where: dict[str, str] = Field(default_factory=dict)
+    """rows with these texts in these columns only"""
 
 
 class Report(Table):
     """Positions and times at which the prediction is reported by name."""
 
-    positions: tuple[Position, ...] = Field(
-        (), description="positions of the reported profiles"
-    )
-    times: tuple[Instant, ...] = Field((), description="times of the reported profiles")
+    positions: tuple[Position, ...] = ()
+    """positions of the reported profiles"""
+    times: tuple[Instant, ...] = ()
+    """times of the reported profiles"""
 
 
 class Signal(Table):
     """A column of profiles.csv over time whose statistics are compared."""
 
-    column: str = Field(description="column of the signal")
-    start: Instant = Field(0.0, description="from when on")
-    report: tuple[str, ...] = Field(
-        (), description="columns whose mean and standard deviation are reported"
-    )
+    column: str
+    """column of the signal"""
+    start: Instant = 0.0
+    """from when on"""
+    report: tuple[str, ...] = ()
+    """columns whose mean and standard deviation are reported"""
 
 
 class Settings(Table):
@@ -94,34 +97,34 @@ class Settings(Table):
 
     kind: ClassVar[str] = "case"
 
-    title: str = Field(description="title of the study, shown in plots and reports")
-    source: str = Field(description="publication of the measured data")
-    licence: str = Field(description="licence of the measured data")
-    scene: str = Field(description="scene file, path relative to this file")
-    quantity: str = Field(description="result of the run that is compared")
-    uncertainty: str = Field(description="uncertainty of the measured values")
-    each: Literal["time", "position"] = Field(
-        "time", description="whether deviations are taken at each time or each position"
-    )
-    compare: Literal["profiles", "history", "signal", "levels"] = Field(
-        "profiles",
-        description="what is compared: profiles, a history, a signal or levels",
-    )
-    measured: Measured = Field(description="the measured table and its columns")
-    report: Report = Field(
-        Report(), description="times and positions that are reported"
-    )
-    signal: Signal | None = Field(
-        None, description="evaluation of a fluctuating signal"
-    )
-    uncertain: dict[str, Any] = Field(
-        default_factory=dict,
-        description="uncertain keys of the scene, each with its distribution",
-    )
-    uncertain_closures: dict[str, str] = Field(
-        default_factory=dict, description="closures that may be exchanged, by key"
-    )
-    long: Switch = Field(False, description="more than a minute; run with --long")
+    title: str
+    """title of the study, shown in plots and reports"""
+    source: str
+    """publication of the measured data"""
+    licence: str
+    """licence of the measured data"""
+    scene: str
+    """scene file, path relative to this file"""
+    quantity: str
+    """result of the run that is compared"""
+    uncertainty: str
+    """uncertainty of the measured values"""
+    each: Literal["time", "position"] = "time"
+    """whether deviations are taken at each time or each position"""
+    compare: Literal["profiles", "history", "signal", "levels"] = "profiles"
+    """what is compared: profiles, a history, a signal or levels"""
+    measured: Measured
+    """the measured table and its columns"""
+    report: Report = Report()
+    """times and positions that are reported"""
+    signal: Signal | None = None
+    """evaluation of a fluctuating signal"""
+    uncertain: dict[str, Any] = Field(default_factory=dict)
+    """uncertain keys of the scene, each with its distribution"""
+    uncertain_closures: dict[str, str] = Field(default_factory=dict)
+    """closures that may be exchanged, by key"""
+    long: Switch = False
+    """more than a minute; run with --long"""
 
 
 @dataclass(frozen=True)
