@@ -3,7 +3,8 @@ written first, by `_ext/generate.py`.
 
 Sphinx, as most of the manual is docstrings in the numpy convention and data of the
 package: it reads them, checks all references, and takes warnings as errors. Equations
-are literal blocks, so that neither building nor reading needs a network.
+of docstrings are literal blocks, those of pages are MathML, so that neither building
+nor reading needs a network.
 """
 
 import sys
@@ -23,8 +24,14 @@ author = "the contbed developers"
 copyright = "the contbed developers"
 version = release = contbed.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "docstrings"]
-myst_enable_extensions = ["deflist", "fieldlist"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "docstrings",
+    "mathml",
+]
+myst_enable_extensions = ["deflist", "dollarmath", "fieldlist"]
 myst_heading_anchors = 4
 exclude_patterns = ["_ext", "_build", "notebooks"]
 default_role = "code"

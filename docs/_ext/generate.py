@@ -156,19 +156,12 @@ def theory(folder: Path) -> None:
         page(
             folder / f"{kind}.md", f"{kind}: {editor.summary(kind).rstrip('.')}", *parts
         )
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    measured = readme[
-        readme.index("Which of this was compared with measurements") :
-    ].partition("\n\n## ")[0]
-    page(
-        folder / "validation.md", "Compared with measurements", without_links(measured)
-    )
     write_verification(folder / "verification.md")
     page(
         folder / "index.md",
         "Theory",
         THEORY,
-        toctree(*names, "verification", "validation"),
+        toctree(*names, "verification"),
     )
 
 
@@ -398,12 +391,11 @@ def commands(folder: Path) -> None:
             f"## `contbed {name}`\n\n{plain(' '.join(str(command.help or '').split()))}"
         )
         parts.append(table(["argument", "meaning"], rows) if rows else "")
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    codes = re.search(r"^Exit codes: .*?\n\n", readme, re.DOTALL | re.MULTILINE)
     page(
         folder / "commands.md",
         "Command line",
-        codes[0].strip() if codes else "",
+        "The commands at a glance, and exit codes: "
+        "[commands](../../reference/commands.md).",
         *parts,
     )
 

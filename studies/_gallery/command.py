@@ -11,7 +11,7 @@ from studies._gallery.table import Tables
 from studies._gallery.timing import machine, user_time
 
 SHOWN = 40  # rows of a table that are printed at most
-README = STUDIES.parent / "README.md"
+README = STUDIES / "README.md"
 BEGIN, END = "<!-- studies: begin -->", "<!-- studies: end -->"
 
 
@@ -50,7 +50,7 @@ def main(arguments: Sequence[str]) -> int:
                 metavar="CASE",
                 help="only this case, may be repeated",
             )
-    commands.add_parser("readme", help="bring the list in README.md up to date")
+    commands.add_parser("readme", help="bring the list in studies/README.md up to date")
     options = parser.parse_args(arguments)
     if options.command in (None, "list"):
         print(listing())
@@ -133,10 +133,10 @@ def _draw(study: Study, tables: Tables, out: Path | None) -> None:
 
 
 def markdown_list() -> str:
-    """The list of the README: one line for each folder."""
+    """The list of studies/README.md: one line for each folder."""
     folders = [study for study in studies().values() if "/" not in study.name]
     rows = [
-        f"| [{study.name}](studies/{study.name}) | {study.title} | {study.cost} |"
+        f"| [{study.name}]({study.name}) | {study.title} | {study.cost} |"
         for study in folders
     ]
     return "\n".join(
