@@ -71,5 +71,5 @@ def gas_conducts_twice(path: KeyPath, table: Any, base: Path) -> Mistakes:
         yield (
             (*path, "conductivity_solids"),
             f"holds for the whole stationary bed with its gas, and {what} "
-            f"adds the conductivity of the gas once more; give {key} = 0",
+            f"adds the conductivity of the gas a second time; give {key} = 0",
         )

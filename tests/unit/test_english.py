@@ -1,11 +1,12 @@
 """Words and phrases that the package and its manual do not use, each with the plain
-one that takes its place.
+one that takes its place; spelling, articles and doubled words.
 """
 
 import ast
 import io
 import re
 import tokenize
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -41,6 +42,7 @@ INSTEAD = {
 FORBIDDEN = re.compile("|".join(rf"\b{phrase}\b" for phrase in INSTEAD), re.IGNORECASE)
 
 
+@cache
 def prose_of(path: Path) -> list[tuple[int, str]]:
     """Return the lines and texts of comments, docstrings and messages of a file;
     names in backticks are left out.
@@ -71,16 +73,38 @@ def test_phrases_are_found():
 FILES = [
     *PACKAGE.rglob("*.py"),
     *DOCS.glob("*.md"),
-    *DOCS.glob("howto/*.md"),
-    *DOCS.glob("tutorial/*.md"),
-    DOCS.parent / "CONTRIBUTING.md",
+    *DOCS.glob("[!_g]*/*.md"),
+    *PACKAGE.parent.glob("*.md"),
 ]
-
-
-@pytest.mark.parametrize(
-    "folder",
-    sorted({path.parent.relative_to(PACKAGE.parent).as_posix() for path in FILES}),
+STUDIES = [*(PACKAGE.parent / "studies").glob("**/README.md")]
+# one pair in a line: the wrong word and the right ones
+MISSPELT = dict(
+    line.split(maxsplit=1)
+    for line in (Path(__file__).parents[1] / "data" / "misspellings.txt")
+    .read_text(encoding="utf-8")
+    .splitlines()
 )
+DOUBLED = re.compile(
+    r"\b(a|an|and|by|for|in|is|of|or|the|to|with)(?: |\n\s*)\1\b", re.IGNORECASE
+)
+ARTICLE = re.compile(r"(?<![\w./'-])(a [aeio][a-z]{2,}|an [bcdfgjkpqtvwz][a-z]{2,})\b")
+# a word that sounds unlike its letter, or a symbol called a
+BEFORE_A = re.compile(r"a (?:one|once|and|are)\b")
+
+
+def faults_of(text: str) -> list[str]:
+    """Return misspelt and doubled words and wrong articles of a text."""
+    words = re.findall(r"[A-Za-z]+", text)
+    found = [word for word in words if word.lower() in MISSPELT]
+    found += [match[0] for match in DOUBLED.finditer(text)]
+    articles = [match[0] for match in ARTICLE.finditer(text)]
+    return found + [each for each in articles if not BEFORE_A.match(each)]
+
+
+FOLDERS = sorted({path.parent.relative_to(PACKAGE.parent).as_posix() for path in FILES})
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
 def test_plain_words(folder):
     wrong = []
     for path in FILES:
@@ -89,4 +113,35 @@ def test_plain_words(folder):
         for line, text in prose_of(path):
             for match in FORBIDDEN.finditer(" ".join(text.split())):
                 wrong.append(f"{path.name}:{line}: {match[0]}")
+    assert wrong == []
+
+
+def test_faults_are_found():
+    assert faults_of("It separates the the bed by a oven and an valve") == [
+        "the the",
+        "a oven",
+        "an valve",
+    ]
+    assert faults_of("the Seperate vessel: a one-way valve, an oven") == ["Seperate"]
+
+
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(path, id=str(path.relative_to(PACKAGE.parent))) for path in STUDIES],
+)
+def test_studies_are_spelt(path):
+    assert [
+        f"{line}: {fault}" for line, text in prose_of(path) for fault in faults_of(text)
+    ] == []
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_texts_are_spelt(folder):
+    wrong = [
+        f"{path.name}:{line}: {fault}"
+        for path in FILES
+        if path.parent == PACKAGE.parent / folder
+        for line, text in prose_of(path)
+        for fault in faults_of(text)
+    ]
     assert wrong == []
