@@ -29,7 +29,10 @@ def fill(
     """Fill in profiles, named results and the energy balance of a state."""
     scene, c, space = plan.scene, plan.coefficients, problem.space
     nodal = {name: problem.system.part(state, name) for name in c.fields}
-    line = line_along(plan.mesh, scene.output.positions)
+    wanted = scene.output.positions
+    # named results are those of the whole height, also where profiles are short
+    every = np.union1d(line_along(plan.mesh).positions, wanted)
+    line = line_along(plan.mesh, every)
     positions, probe = line.positions, line.probe
     result.profiles = {"z [m]": positions} | {
         f"{name} [K]": probe(space, nodal[name]) for name in c.streams
@@ -95,9 +98,23 @@ def fill(
     result.balances["energy"] = _balance(problem, state, duties, releases)
     if chemistry is not None:
         chemistry_results.fill(problem, chemistry, state, result)
+    if wanted:
+        _only_at(wanted, positions, result)
     if plan.albedo is not None:
         use = usage(optics.radiation_emissivity_half_space, albedo=plan.albedo)
         result.closures.append(use.to_dict())
+
+
+def _only_at(wanted: Any, z: Any, result: Result) -> None:
+    """Leave the rows of profiles at given heights; those of the freeboard are mirrored
+    at the surface of the bed.
+    """
+    keep = np.isin(z, wanted)
+    keep = np.append(keep, keep[::-1][1:])
+    result.profiles = {
+        header: column[keep[: len(column)]]
+        for header, column in result.profiles.items()
+    }
 
 
 FREEBOARD = {

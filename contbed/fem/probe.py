@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,12 +81,28 @@ class Probe:
 @dataclass(frozen=True)
 class Line:
     """Points along a bed: `positions` [m] on its axis, the `probe` there, and a
-    `note` if it is not the middle.
+    `note` if it is not the middle; `wanted` says whether the positions were given.
     """
 
+    mesh: Mesh
     positions: Array
     probe: Probe
     note: str = ""
+    wanted: bool = False
+    across: Sequence[float] | None = None
+
+    @cached_property
+    def whole(self) -> Line:
+        """The line from end to end, of which named results are taken, also where
+        profiles are wanted at a few positions; these where no such line lies in the
+        mesh.
+        """
+        if not self.wanted:
+            return self
+        try:
+            return line_along(self.mesh, across=self.across)
+        except SceneError:
+            return self
 
 
 def line_along(
@@ -109,7 +126,8 @@ def line_along(
     grid = mesh.skfem
     low, high = grid.p.min(axis=1), grid.p.max(axis=1)
     positions = np.unique(np.asarray(wanted, dtype=float))
-    if not len(positions):
+    given = len(positions) > 0
+    if not given:
         if grid.dim() == 1:
             nodes = np.unique(grid.p[0])
             fractions = np.arange(SAMPLES) / SAMPLES
@@ -139,18 +157,32 @@ def line_along(
             f"{names[other]} = {value:.4g} m"
             for other, value in zip(others, place, strict=True)
         )
-        return Line(
-            positions,
-            probe,
-            f"profiles are taken at {where}: the middle is not in the mesh"
-            if k
-            else "",
-        )
+        note = f"profiles are taken at {where}: the middle is not in the mesh"
+        return Line(mesh, positions, probe, note if k else "", given, across)
     raise SceneError(
         "output: no line along the bed lies in the mesh from end to end; give "
         "output.positions that do, "
         "or output.across, the other coordinates of the line"
     )
+
+
+def peak(x: Array, y: Array) -> tuple[float, float]:
+    """Return the place [m] and the value of the largest y between samples at increasing
+    x: of a parabola through the largest and its neighbours, or at an end.
+
+    >>> peak(np.array([0.0, 1.0, 2.0]), np.array([0.0, 3.0, 2.0]))
+    (1.25, 3.125)
+    """
+    k = int(np.argmax(y))
+    if k in (0, len(y) - 1) or not x[k - 1] < x[k] < x[k + 1]:
+        return float(x[k]), float(y[k])
+    left, right = x[k - 1] - x[k], x[k + 1] - x[k]
+    fall_left, fall_right = (y[k - 1] - y[k]) / left, (y[k + 1] - y[k]) / right
+    bend = (fall_right - fall_left) / (right - left)
+    slope = fall_left - bend * left
+    if not bend < 0.0:
+        return float(x[k]), float(y[k])
+    return float(x[k] - 0.5 * slope / bend), float(y[k] - 0.25 * slope**2 / bend)
 
 
 def _jacobian(grid: object, cells: NDArray[np.int64], local: Array) -> Array:

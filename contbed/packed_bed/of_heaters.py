@@ -17,8 +17,10 @@ from typing import Any
 
 import numpy as np
 
+from contbed.fem.probe import peak
+
 EQUAL = 1e-9  # of 1 - C, below which the streams count as equal
-SAME = 1e-6  # of the span: streams that close meet over a length, not at a point
+SAME = 1e-9  # of the span: streams that close meet over a length, not at a point
 
 
 def effectiveness(
@@ -54,12 +56,23 @@ def transfer_units(e: float, C: float, opposite: bool) -> float | None:
     return log((1.0 - e * C) / (1.0 - e)) / (1.0 - C)
 
 
-def pinch(x: Any, T_fluid: Any, T_solid: Any) -> dict[str, float]:
-    """Return the least difference of temperatures along the bed, and the first place
-    where it is as small, but for `SAME` of the span of temperatures.
+def pinch(x: Any, gap: Any, span: float) -> dict[str, float]:
+    """Return the least distance of temperatures along the bed, and the first place
+    where they are as close, but for `SAME` of the span.
+
+    Parameters
+    ----------
+    x : positions [m], increasing
+    gap : difference of temperatures there [K]; a parabola through three points gives
+        the least of it between them, and it is 0 where the streams cross
+    span : of the temperatures [K]
     """
-    apart = np.abs(np.asarray(T_solid) - np.asarray(T_fluid))
-    least = float(apart.min())
-    span = float(np.ptp([T_fluid, T_solid]))
-    place = int(np.argmax(apart <= least + SAME * span))
-    return {"pinch_K": least, "pinch_m": float(x[place])}
+    apart = np.abs(gap)
+    where, least = peak(x, -apart)
+    least = 0.0 if gap.min() < 0.0 < gap.max() else -least
+    over = apart - (least + SAME * span)
+    first = int(np.argmax(over <= 0.0))
+    if over[first] <= 0.0 and first < np.argmin(apart):
+        before = slice(max(first - 1, 0), first + 1)
+        where = float(np.interp(0.0, -over[before], x[before]))
+    return {"pinch_K": least, "pinch_m": where}

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.fields import header
+from contbed.fem.probe import Line
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.schedule import ScheduleInterval, initial_range
 from contbed.result import Result
@@ -50,12 +50,18 @@ class Part:
 
 
 def store_findings(
-    plan: Plan, problem: Any, history: Any, totals: tuple[float, float], result: Result
+    plan: Plan,
+    line: Line,
+    problem: Any,
+    history: Any,
+    totals: tuple[float, float],
+    result: Result,
 ) -> None:
     """Add results of a store.
 
     Parameters
     ----------
+    line : along the bed
     problem : of the last part of the run
     totals : heat by streams of the fluid and otherwise, into the bed over the run [J]
     """
@@ -71,7 +77,9 @@ def store_findings(
         for content in (medium.content_fluid, medium.content_solid)
     )
     result.qoi |= exchanged(parts) | used(parts, history.gain, capacity)
-    thickness = thermocline(*_last_profile(plan, result), (low, high))
+    whole, of_solid = line.whole, problem.system.fields["T_solid"][0]
+    T = whole.probe(of_solid, problem.system.part(history.state, "T_solid"))
+    thickness = thermocline(whole.positions, T, (low, high))
     if thickness is not None:
         result.qoi["thermocline_m"] = thickness
     result.units |= power_units(result.qoi, plan.scene.mesh)
@@ -261,10 +269,3 @@ def _mass_flow(plan: Plan, problem: Any) -> float:
         for part in problem.system.boundary(name)
     )
     return speed * area * float(plan.medium.mass_flux_scale())
-
-
-def _last_profile(plan: Plan, result: Result) -> tuple[Array, Array]:
-    """Return positions and temperatures of the solid at the end of the run."""
-    table = result.profiles
-    last = table["t [s]"] == table["t [s]"][-1]
-    return table[header(plan.coordinate)][last], table[header("T_solid")][last]

@@ -127,7 +127,7 @@ class Run:
         transient_findings(plan, self.line, problem, history, result)
         if history.steps:
             totals = by_streams(fluxes, reactions)
-            store_findings(plan, problem, history, totals, result)
+            store_findings(plan, self.line, problem, history, totals, result)
         snapshots = list(history.kept.values())
         if snapshots:
             # closures as used at the last output

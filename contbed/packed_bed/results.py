@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.fem.probe import Line, line_along
+from contbed.fem.probe import Line
 from contbed.fields import header
 from contbed.packed_bed import of_heaters
 from contbed.packed_bed.heat import INSIDE
@@ -17,6 +17,7 @@ from contbed.result import Result
 from contbed.scene.boundary import conditions_of
 from contbed.scene.mesh import power_units
 
+TEMPERATURES = ("T_fluid", "T_solid")
 APART = 0.01  # difference of theta at which the phases count as being in equilibrium
 
 
@@ -32,13 +33,13 @@ def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
     space, _ = flow.system.fields["u"]
     axis = plan.mesh.axis
     velocity = flow.expanded
-    u = line.probe(space, velocity[axis])
-    pressure = line.probe(flow.system.fields["p"][0], flow.pressure)
+    of_pressure = flow.system.fields["p"][0]
     result.profiles = {
         header(plan.coordinate): line.positions,
-        header("u"): u,
-        header("p"): pressure,
+        header("u"): line.probe(space, velocity[axis]),
+        header("p"): line.probe(of_pressure, flow.pressure),
     }
+    pressure = line.whole.probe(of_pressure, flow.pressure)
     outlets = [name for name, kind in plan.conditions.items() if kind == "outlet"]
     facets = np.concatenate(
         [
@@ -53,7 +54,7 @@ def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
         ),
         "pressure_drop_Pa": float(pressure[0] - pressure[-1])
         * (1.0 if plan.velocity[axis] >= 0 else -1.0),
-        "pressure_gradient_Pa_m": _developed_gradient(line.positions, pressure),
+        "pressure_gradient_Pa_m": _developed_gradient(line.whole.positions, pressure),
     }
 
 
@@ -83,12 +84,13 @@ def steady_findings(
     result: Result,
 ) -> None:
     """Fill in profiles, outlet temperatures, equilibrium and the length to reach it."""
-    fluid, solid = _profiles([plan], line, problem, [state], None, result)
-    span = problem.T_span
+    _profiles([plan], line, problem, [state], None, result)
+    fluid, solid = (_along_whole(line, problem, state, name) for name in TEMPERATURES)
+    x, span = line.whole.positions, problem.T_span
     result.nodal |= _nodal(problem, state)
     leaving, entering = streams(problem, state)
     _outlets(leaving, result)
-    _exchanger(plan, problem, entering, fluxes, result)
+    _exchanger(plan, problem, entering, fluxes, (x, solid - fluid), result)
     heats = {
         name: value + sum(fluxes[name].values()) for name, value in reactions.items()
     }
@@ -106,7 +108,6 @@ def steady_findings(
             )
     result.units |= power_units(result.qoi, plan.scene.mesh)
     if span[1] > span[0] and float(plan.velocity @ plan.velocity_solid) >= 0:
-        x = result.profiles[header(plan.coordinate)]
         gap = _theta(solid, span) - _theta(fluid, span)
         _equilibrium(x, gap, 0.5 * (_theta(solid, span) + _theta(fluid, span)), result)
 
@@ -133,11 +134,17 @@ def _outlets(leaving: Streams, result: Result) -> None:
 
 
 def _exchanger(
-    plan: Plan, problem: Any, entering: Streams, fluxes: Any, result: Result
+    plan: Plan,
+    problem: Any,
+    entering: Streams,
+    fluxes: Any,
+    gap: tuple[Any, Any],
+    result: Result,
 ) -> None:
-    """Return the heat that the fluid takes up, and its share of the maximum.
+    """Report the heat that the fluid takes up, its share of the most that streams of
+    these inlets could exchange, and the pinch.
 
-    The maximum is what streams of these inlets could exchange.
+    `gap` are positions and the difference of temperatures there.
     """
     if "fluid" not in entering:
         return
@@ -151,8 +158,8 @@ def _exchanger(
     )
     if len(entering) < 2:
         return
-    columns = (plan.coordinate, "T_fluid", "T_solid")
-    result.qoi |= of_heaters.pinch(*(result.profiles[header(key)] for key in columns))
+    low, high = problem.T_span
+    result.qoi |= of_heaters.pinch(*gap, high - low)
     if fixed:
         return
     temperatures = [T for _, T in entering.values()]
@@ -214,7 +221,7 @@ def _stream(
     space = problem.system.fields["T_fluid"][0]
     _tell_if_lifted(plans, fluid, result)
     if plan.plug and any(velocities):
-        whole = _end_to_end(plan, line)
+        whole = line.whole
         if whole is not line:
             fluid = [
                 whole.probe(space, problem.system.part(state, "T_fluid"))
@@ -234,13 +241,10 @@ def _stream(
             result.profiles[header("rho_fluid")] = density
 
 
-def _end_to_end(plan: Plan, line: Line) -> Line:
-    """Return a line through the whole bed, also where profiles are wanted at a few
-    positions only.
-    """
-    if not plan.scene.output.positions:
-        return line
-    return line_along(plan.mesh, across=plan.scene.output.across)
+def _along_whole(line: Line, problem: Any, state: Any, name: str) -> Any:
+    """Return the values of a field from end to end of the bed."""
+    space = problem.system.fields[name][0]
+    return line.whole.probe(space, problem.system.part(state, name))
 
 
 def _along(plans: list[Plan], line: Line, x: Any, fluid: Any, result: Result) -> Any:
@@ -268,7 +272,7 @@ def plug_findings(plan: Plan, line: Line, result: Result) -> None:
     """Fill in what plug flow gives without temperatures: velocity, density and
     pressure along the bed, pressure drop and residence time.
     """
-    x = _end_to_end(plan, line).positions
+    x = line.whole.positions
     T = np.full(len(x), plan.medium.T_fluid_in)
     _tell_if_lifted([plan], [T], result)
     result.profiles = {header(plan.coordinate): line.positions}
@@ -318,7 +322,7 @@ def _profiles(
     states: list[Any],
     times: list[float] | None,
     result: Result,
-) -> Any:
+) -> None:
     plan, positions, probe = plans[-1], line.positions, line.probe
     space = problem.system.fields["T_fluid"][0]
     fluid = np.array(
@@ -345,7 +349,6 @@ def _profiles(
             "q_radiation [W/m2]": -problem.radiation.optics.diffusion
             * np.array(slope).ravel(),
         }
-    return (fluid, solid) if times is not None else (fluid[0], solid[0])
 
 
 def _columns(
@@ -429,4 +432,4 @@ def front_findings(
         [snapshot.time for snapshot in snapshots],
         result,
     )
-    result.qoi |= {"T_fluid_out_K": float(fluid[-1, 0 if backwards else -1])}
+    result.qoi |= {"T_fluid_out_K": float(snapshots[-1].at(np.array([length]))[0][0])}

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from contbed.chemistry.kinetics import Reaction
 from contbed.chemistry.thermo import R_GAS, Equilibrium
+from contbed.fem.probe import peak
 from contbed.reacting_bed.equations.unknowns import State
 from contbed.reacting_bed.problem import Problem
 
@@ -91,13 +92,14 @@ def hot_spot(problem: Problem, *states: tuple[State, Array]) -> dict[str, float]
     """
     if not problem.layout.temperatures:
         return {}
-    found = []
+    highest = []
     for state, x in states:
         phases = [own.T_solid for _, own in problem.bed.with_states(state)]
-        highest = np.max([state.T_fluid, *phases], axis=0)
-        place = int(np.argmax(highest))
-        found.append((float(highest[place]), float(x[place % len(x)])))
-    hottest, where = max(found)
+        hotter = np.max([state.T_fluid, *phases], axis=0)
+        highest.append(hotter.reshape(-1, len(x)).max(axis=0))
+    places = np.concatenate([x for _, x in states])
+    order = np.argsort(places)
+    where, hottest = peak(places[order], np.concatenate(highest)[order])
     return {"hot_spot_K": hottest, "hot_spot_m": where}
 
 

@@ -23,13 +23,8 @@ DRY = 1e-9  # share of the gas beside steam below which there is no dry gas
 BETWEEN = 2  # positions of profiles inside of each cell
 
 
-def positions(problem: Problem) -> Array:
-    """Return the positions of profiles: those of the scene, or vertices and points
-    between.
-    """
-    given = problem.scene.output.positions
-    if given:
-        return np.array(given)
+def everywhere(problem: Problem) -> Array:
+    """Return the vertices and points between, from end to end of the bed."""
     v = problem.line.vertices
     inner = v[:-1, None] + np.diff(v)[:, None] * np.arange(BETWEEN + 1) / (BETWEEN + 1)
     return np.append(inner.ravel(), v[-1])
@@ -46,7 +41,8 @@ def values_at(problem: Problem, u: Array, x: Array) -> State:
 
 def profiles(problem: Problem, u: Array) -> dict[str, Array]:
     """Return the columns of profiles.csv."""
-    x = positions(problem)
+    given = problem.scene.output.positions
+    x = np.array(given) if given else everywhere(problem)
     state = values_at(problem, u, x)
     ones = np.ones_like(x)
     out = {"x [m]": x, "T_fluid [K]": state.T_fluid * ones}
@@ -151,7 +147,7 @@ def fill(
     _solids(problem, fluxes, state, solid_end, result)
     _extents(problem, u, state, gas_end, result)
     if problem.rings is not None:
-        _across(result)
+        _across(problem, u, result)
     if passed is None:
         _balances(problem, u, fluxes, result)
     if passed is None and problem.reactions:
@@ -178,9 +174,9 @@ def across(problem: Problem, u: Array, x: Array) -> dict[str, Array]:
     return found
 
 
-def _across(result: Result) -> None:
+def _across(problem: Problem, u: Array, result: Result) -> None:
     """Add the largest difference of temperature between the axis and the wall."""
-    at = result.profiles
+    at = across(problem, u, everywhere(problem))
     if "T_fluid_wall [K]" in at:
         result.qoi["dT_section_max_K"] = float(
             np.abs(at["T_fluid_wall [K]"] - at["T_fluid_axis [K]"]).max()
