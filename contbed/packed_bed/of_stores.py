@@ -237,7 +237,9 @@ def _exergy_left(plan: Plan, interval: ScheduleInterval | None, rows: Array) -> 
     enthalpy = plan.medium.fluid.enthalpy
     left = exergy(enthalpy, np.array(inlets), dead) - exergy(enthalpy, out, dead)
     slope, steps = np.gradient(left, times), np.diff(times)
-    return float(0.5 * (left[1:] + left[:-1]) @ steps - np.diff(slope) @ steps**2 / 12.0)
+    return float(
+        0.5 * (left[1:] + left[:-1]) @ steps - np.diff(slope) @ steps**2 / 12.0
+    )
 
 
 def _inlet(plan: Plan, interval: ScheduleInterval | None, time: float) -> float | None:
