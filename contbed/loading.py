@@ -21,6 +21,7 @@ from contbed.scene.inputs import unusable_files
 from contbed.scene.names import near_names, nearest
 from contbed.scene.other_models import take_keys_of_others
 from contbed.scene.physical import temperatures_are_of_a_bed
+from contbed.scene.property_table import read_files
 from contbed.scene.renames import renamed, take_former_keys
 from contbed.scene.size import too_large
 from contbed.scene.tables import SceneBase
@@ -156,12 +157,19 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     _require_a_model(values, origin)
     kind = kind_of(values)
     model, checks = MODELS[kind].scene, MODELS[kind].find("checks", "CHECKS")
+    problems += read_files(values, origin)
     parts, broken, ignored = _validate(model, values, problems)
     refused = [*unusable_files(parts, origin), *too_large(parts, origin)]
     problems += refused
     broken.update(str(path[0]) for path, _ in refused)
     problems += mistakes(parts, broken, origin, checks)
     if problems:
+        from contbed.explain.closure_keys import right_keys
+
+        problems = [
+            (path, text + right_keys(model, path, _value(values, path)))
+            for path, text in problems
+        ]
         problems.sort(key=lambda problem: origin.line(problem[0]))
         raise SceneError(
             list(

@@ -31,7 +31,7 @@ from contbed.bubbling_bed.equations import coefficients as model
 from contbed.bubbling_bed.equations import flow as bubbling_flow
 from contbed.chemistry.char_and_lime import diffusion_in_nitrogen
 from contbed.closures.bubbles import GRAVITY
-from contbed.materials.common import integrated, polynomial
+from contbed.materials.curve import function_of, integral_of
 from contbed.scene.toml_lines import KeyPath
 
 # share of u_mf over which the excess of gas bends to zero where there is none
@@ -79,9 +79,9 @@ class Computed:
         self.density = {
             name: float(item.density or 0.0) for name, item in present.items()
         }
-        self.capacity = {
-            name: _coefficients(item.heat_capacity) for name, item in present.items()
-        }
+        given = {name: item.heat_capacity for name, item in present.items()}
+        self.capacity = {name: function_of(cp) for name, cp in given.items() if cp}
+        self.content = {name: integral_of(cp) for name, cp in given.items() if cp}
         self.surface = {
             name: 6.0
             * self.solids
@@ -98,9 +98,9 @@ class Computed:
         self.rho_solid = sum(
             self.share[name] * self.density[name] for name in self.names
         )
-        self.k_solid = self._by_surface(
-            {name: item.conductivity for name, item in present.items()}
-        )
+        self.conductivity = {
+            name: function_of(item.conductivity) for name, item in present.items()
+        }
         self.grows = self.bubbling and self.coefficients[*BUBBLES, "size"].value is None
         self.chemistry = self._chemistry() if scene.reactions is not None else None
         self.above = None
@@ -139,18 +139,18 @@ class Computed:
         there = (("flow_bubble", self.bubbling), ("d_bubble", self.grows))
         return tuple(name for name, wanted in there if wanted)
 
-    def _by_surface(self, values: dict[str, float]) -> float:
+    def _by_surface(self, values: dict[str, Any]) -> Any:
         return sum(self.surface[name] * value for name, value in values.items()) / sum(
             self.surface.values()
         )
 
     def heat_capacity(self, name: str, T: Any) -> Any:
         """[J/kg/K] of a solid phase."""
-        return polynomial(self.capacity[name], T)
+        return self.capacity[name](T)
 
     def enthalpy(self, name: str, T: Any) -> Any:
         """[J/kg] of a solid phase, 0 at 0 K."""
-        return polynomial(integrated(self.capacity[name]), T)
+        return self.content[name](T)
 
     def temperature(self, u: Any) -> Any:
         """Mean temperature of the particles [K]."""
@@ -192,7 +192,9 @@ class Computed:
             "D_bed": self.D_bed,
             "rho_solid": self.rho_solid,
             "cp_solid": cp_solid,
-            "k_solid": self.k_solid,
+            "k_solid": self._by_surface(
+                {name: k(T) for name, k in self.conductivity.items()}
+            ),
             "Ar": self.d_p**3 * rho * (self.rho_solid - rho) * GRAVITY / mu**2,
         }
         found = self._call(MINIMUM_FLUIDIZATION, state)
@@ -390,7 +392,7 @@ class Computed:
             f"d_{k}": item.diameter,
             f"rho_{k}": self.density[name],
             f"cp_{k}": self.heat_capacity(name, state["T"]),
-            f"k_{k}": item.conductivity,
+            f"k_{k}": self.conductivity[name](state["T"]),
         }
 
     def _contact(self, key: str, state: dict[str, Any]) -> Any:
@@ -488,7 +490,3 @@ def _bent(x: Any, bend: Any) -> Any:
     """
     between = np.minimum(np.maximum(x, -bend), bend)
     return (between + bend) ** 2 / (4.0 * bend) + np.maximum(x - bend, 0.0)
-
-
-def _coefficients(given: Any) -> tuple[float, ...]:
-    return (given,) if isinstance(given, float) else tuple(given)

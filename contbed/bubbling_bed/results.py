@@ -16,6 +16,7 @@ from contbed.closures import optics
 from contbed.closures.ranges import usage
 from contbed.errors import ConvergenceError
 from contbed.fem.probe import Probe, line_along
+from contbed.materials.common import share_outside
 from contbed.result import Result
 
 # share of u_mf: with less excess gas a place counts as not fluidized
@@ -239,6 +240,14 @@ def _computed(
                 f"{gas}: {100 * share:.3g} % of the height is outside of the "
                 "properties of the gas, "
                 f"{low:g} to {high:g} K"
+            )
+    for name, item in computed.scene.present.items():
+        T = values.get(f"T_{name}", computed.scene.initial.temperature)
+        if share_outside(T, item.data_range):
+            low, high = item.data_range
+            result.warnings.append(
+                f"solids.{name}: data from {low:g} to {high:g} K are used at "
+                f"{np.min(T):.5g} to {np.max(T):.5g} K"
             )
 
 

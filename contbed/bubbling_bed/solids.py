@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, model_validator
 
@@ -12,8 +12,8 @@ from contbed.bubbling_bed.tables import (
     GasCoefficient,
     Release,
 )
+from contbed.scene.property_table import ConductivityOfSolid, HeatCapacityOfSolid
 from contbed.scene.quantities import (
-    Conductivity,
     Density,
     Emissivity,
     Length,
@@ -27,7 +27,7 @@ from contbed.scene.quantities import (
     takes,
     unit,
 )
-from contbed.scene.solids import HeatCapacityOfSolid, SolidPhase
+from contbed.scene.solids import SolidPhase
 from contbed.scene.tables import ConductivityOrClosure, NamedOrFile
 
 HeatingValue = Annotated[float, *unit("J/kg"), Field(gt=0)]
@@ -136,6 +136,8 @@ class Limestone(Table):
 class Solid(SolidPhase):
     """One solid phase: particles with one temperature at a height."""
 
+    varies: ClassVar[frozenset[str]] = frozenset({"heat_capacity", "conductivity"})
+
     volume_share: Annotated[Number, Field(ge=0, le=1)] = Field(
         1.0, description="of the volume of all particles; 0: this phase is left out"
     )
@@ -152,7 +154,7 @@ class Solid(SolidPhase):
     heat_capacity: HeatCapacityOfSolid | None = Field(
         None, description="needed with boundary.bottom.gas.mass_flow"
     )
-    conductivity: Conductivity = Field(1.0, description="of the material")
+    conductivity: ConductivityOfSolid = Field(1.0, description="of the material")
     emissivity: Emissivity | None = Field(None, description="needed with [radiation]")
     nusselt: Nusselt | None = Field(
         None, description="of a particle in the gas of the emulsion; or gas_coefficient"

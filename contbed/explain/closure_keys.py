@@ -6,11 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache
+from typing import Any
 
 from contbed.closures import registry
 from contbed.models import MODELS
 from contbed.scene import schema
 from contbed.scene.quantities import CLOSURE
+from contbed.scene.toml_lines import KeyPath, dotted
 
 
 def kind_of_key(key: str, node: schema.Node) -> str | None:
@@ -44,6 +46,45 @@ def closure_keys() -> dict[str, str]:
         for path, kind in _below(schema.of(model.scene), (), ()):
             found.setdefault(".".join(path), kind)
     return found
+
+
+def right_keys(scene: Any, path: KeyPath, value: Any) -> str:
+    """Say which keys of a kind of scenes take the closure that stands at another key;
+    empty where none stands there.
+    """
+    name = value.get("name") if isinstance(value, dict) else value
+    kinds = _kinds_of(name) if isinstance(name, str) else set()
+    keys = [keys for keys, kind in _below(schema.of(scene), (), ()) if kind in kinds]
+    if not kinds or any(_fits(each, path) for each in keys):
+        return ""
+    # those in the same table first
+    keys.sort(key=lambda each: not _fits(each[:-1], path[:-1]))
+    shown = [dotted(_named_as(each, path)) for each in keys]
+    what = f"'{name}' is a closure of the kind {' or '.join(sorted(kinds))}"
+    return f"; {what}: for {' or '.join(shown[:3]) or 'no key of this model'}"
+
+
+def _kinds_of(name: str) -> set[str]:
+    """Return the kinds of closures that have a name, with or without its kind."""
+    kinds = ((each, registry.sheet(each).kind) for each in registry.names())
+    return {kind for each, kind in kinds if name in (each, each[len(kind) + 1 :])}
+
+
+def _fits(key: tuple[str, ...], path: KeyPath) -> bool:
+    """Return whether a path is a key with NAME for what a user chooses."""
+    return len(key) == len(path) and all(
+        step in ("NAME", given) for step, given in zip(key, path, strict=True)
+    )
+
+
+def _named_as(key: tuple[str, ...], path: KeyPath) -> KeyPath:
+    """Return a key with the names that a path in the same tables has."""
+    named: list[str | int] = list(key)
+    for k, (step, given) in enumerate(zip(key, path, strict=False)):
+        if step not in ("NAME", given):
+            break
+        named[k] = given
+    return tuple(named)
 
 
 def _below(

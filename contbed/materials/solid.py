@@ -1,10 +1,10 @@
-"""A solid with constant or polynomial properties."""
+"""A solid whose properties are constant, polynomials or tables over temperature."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -15,35 +15,43 @@ from .common import (
     Range,
     checked_positive,
     checked_range,
-    integrated,
     polynomial,
     share_outside,
 )
-
-Property = float | Sequence[float]
+from .curve import (
+    Function,
+    LatentHeat,
+    Property,
+    Tabulated,
+    function_of,
+    integral_of,
+)
 
 
 @dataclass(frozen=True, init=False)
 class Solid:
-    """Each property a number, or the coefficients (a0, a1, ...) of a0 + a1 T + a2
-    T^2 + ... with T in K.
+    """Each property a number, the coefficients (a0, a1, ...) of a0 + a1 T + a2 T^2 + ...
+    with T in K, or a table over temperature.
 
     Parameters
     ----------
     density : [kg/m3]
     heat_capacity : [J/kg/K]
     conductivity : [W/m/K]
-    T_range : [K], where the polynomials hold; they must be positive there
+    T_range : [K], where polynomials and tables hold; polynomials must be positive there
+    latent_heat : of melting, beside the heat capacity
     """
 
     constant: bool
     T_range: Range
     name: str
     source: str
-    _density: tuple[float, ...]
-    _heat_capacity: tuple[float, ...]
-    _conductivity: tuple[float, ...]
-    _enthalpy: tuple[float, ...]
+    latent_heat: LatentHeat | None
+    _given: tuple[tuple[float, ...] | Tabulated, ...]
+    _density: Function = field(compare=False, repr=False)
+    _heat_capacity: Function = field(compare=False, repr=False)
+    _conductivity: Function = field(compare=False, repr=False)
+    _enthalpy: Function = field(compare=False, repr=False)
 
     def __init__(
         self,
@@ -53,53 +61,59 @@ class Solid:
         T_range: Sequence[float] = (0.0, math.inf),
         name: str = "solid",
         source: str = "given in the scene",
+        latent_heat: LatentHeat | None = None,
     ):
         limits = checked_range(T_range, name)
-        rho = _coefficients(density, limits, f"{name}: density", "kg/m3")
-        cp = _coefficients(heat_capacity, limits, f"{name}: heat_capacity", "J/kg/K")
-        k = _coefficients(conductivity, limits, f"{name}: conductivity", "W/m/K")
+        rho = _checked(density, limits, f"{name}: density", "kg/m3")
+        cp = _checked(heat_capacity, limits, f"{name}: heat_capacity", "J/kg/K")
+        k = _checked(conductivity, limits, f"{name}: conductivity", "W/m/K")
+        numbers = all(isinstance(a, tuple) and len(a) == 1 for a in (rho, cp, k))
         values = {
-            "constant": all(len(a) == 1 for a in (rho, cp, k)),
+            "constant": numbers and latent_heat is None,
             "T_range": limits,
             "name": name,
             "source": source,
-            "_density": rho,
-            "_heat_capacity": cp,
-            "_conductivity": k,
-            "_enthalpy": integrated(cp),
+            "latent_heat": latent_heat,
+            "_given": (rho, cp, k),
+            "_density": function_of(rho),
+            "_heat_capacity": function_of(cp, latent_heat),
+            "_conductivity": function_of(k),
+            "_enthalpy": integral_of(cp, latent_heat),
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)
 
     def density(self, T: Any) -> Any:
         """Return the density [kg/m3]."""
-        return polynomial(self._density, T)
+        return self._density(T)
 
     def heat_capacity(self, T: Any) -> Any:
-        """Return the heat capacity [J/kg/K]."""
-        return polynomial(self._heat_capacity, T)
+        """Return the heat capacity [J/kg/K], with the latent heat."""
+        return self._heat_capacity(T)
 
     def enthalpy(self, T: Any) -> Any:
         """Return the enthalpy [J/kg], 0 at 0 K; the exact integral of heat_capacity."""
-        return polynomial(self._enthalpy, T)
+        return self._enthalpy(T)
 
     def conductivity(self, T: Any) -> Any:
         """Return the conductivity [W/m/K]."""
-        return polynomial(self._conductivity, T)
+        return self._conductivity(T)
 
     def share_outside(self, T: Any) -> float:
         """Return the share of the points of T outside T_range."""
         return share_outside(T, self.T_range)
 
 
-def _coefficients(
+def _checked(
     given: Property, T_range: Range, what: str, unit: str
-) -> tuple[float, ...]:
-    """Return the coefficients without trailing zeros, checked to be positive over a
-    bounded range.
+) -> tuple[float, ...] | Tabulated:
+    """Return a table as it is, or the coefficients of a polynomial without trailing
+    zeros, checked to be positive over a bounded range.
     """
     if isinstance(given, (int, float)):
         return (checked_positive(given, what, unit),)
+    if not isinstance(given, Sequence):
+        return given
     a = tuple(float(c) for c in given)
     while len(a) > 1 and a[-1] == 0.0:
         a = a[:-1]

@@ -8,7 +8,6 @@ linear.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -20,11 +19,11 @@ from contbed.closures.binding import BoundClosure, is_phase, named
 from contbed.closures.ranges import RangeUse
 from contbed.materials import Solid
 from contbed.materials.constants import fluid_of
+from contbed.materials.curve import latent_heat_of
 from contbed.materials.pointwise import pointwise
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import At, all_bound
 from contbed.scene.boundary import conditions_of
-from contbed.scene.library import material
 
 _AREA = {"spheres": 6.0, "rods": 4.0}
 # conduction inside counts as d/(10 k_s) in series with the film of spheres
@@ -32,23 +31,18 @@ _INSIDE = {"spheres": 10.0, "rods": 8.0}
 
 
 def solid_of(settings: s.Solid) -> Solid | None:
-    """Return the material of the particles, None without a density.
-
-    One of the library that varies with temperature holds in the range of its source.
-    """
+    """Return the material of the particles, None without a density."""
     if settings.density is None:
         return None
-    T_range = (0.0, math.inf)
-    if settings.material is not None and settings.material_temperature is None:
-        T_range = material(settings.material, "solid").T_range
     heat_capacity = 1.0 if settings.heat_capacity is None else settings.heat_capacity
     conductivity = 1.0 if settings.conductivity is None else settings.conductivity
     return Solid(
         settings.density,
         heat_capacity,
         conductivity,
-        T_range,
+        settings.data_range,
         settings.material or "solid",
+        latent_heat=latent_heat_of(settings.melting),
     )
 
 

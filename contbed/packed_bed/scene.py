@@ -26,6 +26,11 @@ from contbed.radiation.scene import RadiatingSolid, Radiation, RadiationConditio
 from contbed.scene.boundary import ThermalCondition, WallHeat
 from contbed.scene.gas import Gas
 from contbed.scene.mesh import Mesh
+from contbed.scene.property_table import (
+    ConductivityOfSolid,
+    HeatCapacityOfSolid,
+    Melting,
+)
 from contbed.scene.quantities import (
     Conductivity,
     Fraction,
@@ -39,7 +44,6 @@ from contbed.scene.quantities import (
     takes,
 )
 from contbed.scene.series import TemperatureOrProfile, VelocityOrSeries
-from contbed.scene.solids import ConductivityOfSolid, HeatCapacityOfSolid
 from contbed.scene.tables import (
     ConductivityOrClosure,
     Named,
@@ -163,6 +167,7 @@ class Solid(RadiatingSolid):
     conductivity: ConductivityOfSolid | None = Field(
         None, description="of the particles' material; needed with a [heat] table"
     )
+    melting: Melting | None = Field(None, description="absent: it does not melt")
     shape: Literal["spheres", "rods"] = Field(
         "spheres",
         description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods",

@@ -50,7 +50,7 @@ class Sieves(Table):
 class RadiatingSolid(SolidPhase):
     """Particles of one kind and their share in the optics of the bed."""
 
-    varies: ClassVar[bool] = True
+    varies: ClassVar[frozenset[str]] = frozenset({"heat_capacity", "conductivity"})
 
     diameter: Length | None = Field(
         None, description="Sauter mean, or of equal spheres"

@@ -8,6 +8,7 @@ from dataclasses import replace
 from contbed.chemistry.equation import Equation
 from contbed.chemistry.kinetics import Reaction, reactions_of
 from contbed.chemistry.thermo import T_STANDARD
+from contbed.materials.curve import integral_of, latent_heat_of
 from contbed.particle.pellets import in_pellets
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.equations.bed import Bed
@@ -193,8 +194,7 @@ def _inert(
         if name not in layout.solids and moles > 0:
             inert.append((moles, species.enthalpy))
     if not fed_to(table) and table.heat_capacity is not None:
-        capacity = table.heat_capacity
-        inert.append(
-            (entering.densities[layout.name], lambda T: capacity * (T - T_STANDARD))
-        )
+        latent = latent_heat_of(table.melting)
+        content = integral_of(table.heat_capacity, latent, T_STANDARD)
+        inert.append((entering.densities[layout.name], content))
     return tuple(inert)

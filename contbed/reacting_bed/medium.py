@@ -16,6 +16,7 @@ from contbed.chemistry.thermo import R_GAS
 from contbed.closures.binding import BoundClosure, is_phase
 from contbed.closures.ranges import RangeUse
 from contbed.errors import SceneError
+from contbed.materials.curve import Function, function_of
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.closures import given, of_bed, of_phase
 from contbed.reacting_bed.equations.unknowns import LEAST_T, State
@@ -123,7 +124,7 @@ class At(NamedTuple):
     @property
     def k_solid(self) -> Any:
         """Conductivity of the particles [W/m/K]."""
-        return self.closures.k_solid
+        return self.closures.k_solid(self.properties)
 
     @property
     def k_stagnant(self) -> Any:
@@ -136,7 +137,8 @@ class Closures:
     """Closures and numbers of a scene by the key of each, evaluated at a state of a
     packing.
 
-    diameter, conductivity : of the particles [m], [W/m/K]
+    diameter : of the particles [m]
+    conductivity : of the particles [W/m/K] as a function of temperature
     velocity_solid : superficial velocity of the particles [m/s]
     """
 
@@ -145,7 +147,7 @@ class Closures:
     specs: Mapping[str, Any]
     bound: Mapping[str, BoundClosure]
     diameter: float
-    conductivity: float | None
+    conductivity: Function | None
     velocity_solid: float
 
     @property
@@ -182,13 +184,12 @@ class Closures:
             return (
                 eps * properties.k_fluid
                 if phase == "fluid"
-                else (1.0 - eps) * self.k_solid
+                else (1.0 - eps) * self.k_solid(properties)
             )
         return self.value(key, properties)
 
-    @property
-    def k_solid(self) -> float:
-        """Conductivity of the particles [W/m/K].
+    def k_solid(self, properties: Properties) -> Any:
+        """Return the conductivity of the particles at their temperature [W/m/K].
 
         Raises
         ------
@@ -198,7 +199,7 @@ class Closures:
             origin = self.scene.origin
             where = f"{origin.at(('solids',))}: solids.NAME.conductivity"
             raise SceneError(f"{where}: missing; a closure of a conductivity needs it")
-        return self.conductivity
+        return self.conductivity(properties.state.T_solid)
 
     def slip(self, state: State) -> Any:
         """Return the superficial velocity relative to the particles [m/s]."""
@@ -325,12 +326,13 @@ class Medium(Closures):
         """Bind the closures of a scene."""
         phases = {}
         for name, table in scene.solids.items():
+            k = table.conductivity
             phases[name] = PhaseMedium(
                 scene,
                 species,
                 *given(scene, of_phase(scene, table)),
                 table.diameter,
-                table.conductivity,
+                None if k is None else function_of(k),
                 entering.velocities[name],
                 table.shape,
                 entering.shares[name],

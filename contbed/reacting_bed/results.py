@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -415,6 +416,9 @@ def _remarks(problem: Problem, u: Array, result: Result, found: Least | None) ->
         )
         for phase, names in constituents_of(problem).items()
     ]
+    for name, table in problem.scene.solids.items():
+        data = SimpleNamespace(T_range=table.data_range)
+        ranges.append((state.of(name).T_solid, {f"solids.{name}": data}))
     for T, items in ranges:
         result.warnings += _beyond_data(T, items)
 
@@ -429,7 +433,7 @@ def _beyond_data(T: Array, items: Mapping[str, Any]) -> list[str]:
         if np.min(T) < low * (1 - 1e-3) or np.max(T) > high * (1 + 1e-3):
             names.setdefault(item.T_range, []).append(name)
     return [
-        f"{', '.join(species)}: thermodynamics from {low:g} to {high:g} K, used from "
+        f"{', '.join(species)}: data from {low:g} to {high:g} K, used from "
         f"{np.min(T):.4g} to {np.max(T):.4g} K with the heat capacity at the nearer end"
         for (low, high), species in names.items()
     ]

@@ -4,12 +4,16 @@ intraparticle diffusion.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from contbed.scene.property_table import (
+    ConductivityOfSolid,
+    HeatCapacityOfSolid,
+    Melting,
+)
 from contbed.scene.quantities import (
-    Conductivity,
     Density,
     Length,
     Number,
@@ -21,8 +25,6 @@ from contbed.scene.quantities import (
 from contbed.scene.reactions import MolarEnergy, PositiveDiffusivity, Substance
 from contbed.scene.solids import SolidPhase
 from contbed.scene.tables import NonNegativeOrClosure
-
-HeatCapacityOfSolid = Annotated[float, *unit("J/kg/K"), Field(gt=0)]
 
 
 class Adsorption(Table):
@@ -92,6 +94,8 @@ class Inside(Table):
 class Solid(SolidPhase):
     """One solid phase of the bed; several are mixed evenly where they enter."""
 
+    varies: ClassVar[frozenset[str]] = frozenset({"heat_capacity", "conductivity"})
+
     diameter: Length = Field(
         description="diameter of the particles of this solid phase"
     )
@@ -111,7 +115,12 @@ class Solid(SolidPhase):
     heat_capacity: HeatCapacityOfSolid | None = Field(
         None, description="of particles without constituents"
     )
-    conductivity: Conductivity | None = Field(None, description="of the particles")
+    conductivity: ConductivityOfSolid | None = Field(
+        None, description="of the particles"
+    )
+    melting: Melting | None = Field(
+        None, description="of particles without constituents; absent: they do not melt"
+    )
     composition: str | None = Field(
         None, description='mass fractions that enter, "Fe2O3:0.45, Al2O3:0.55"'
     )

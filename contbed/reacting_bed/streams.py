@@ -10,6 +10,7 @@ import numpy as np
 
 from contbed.chemistry.thermo import R_GAS
 from contbed.materials.composition import mole_fractions
+from contbed.materials.curve import Function, function_of
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.substances import PhaseSpecies, Substances
@@ -218,14 +219,16 @@ def sauter_mean(solids: Mapping[str, s.Solid]) -> float:
     )
 
 
-def mean_conductivity(solids: Mapping[str, s.Solid]) -> float | None:
-    """Return the mean conductivity of all particles by volume [W/m/K]; None where
-    that of a phase is not known.
+def mean_conductivity(solids: Mapping[str, s.Solid]) -> Function | None:
+    """Return the mean conductivity of all particles by volume [W/m/K] as a function of
+    temperature; None where that of a phase is not known.
     """
-    known = [table.conductivity for table in solids.values()]
-    if None in known:
+    shares = shares_of(solids)
+    known = [
+        (shares[name], function_of(table.conductivity))
+        for name, table in solids.items()
+        if table.conductivity is not None
+    ]
+    if len(known) < len(solids):
         return None
-    return sum(
-        share * float(k or 0.0)
-        for share, k in zip(shares_of(solids).values(), known, strict=True)
-    )
+    return lambda T: sum(share * k(T) for share, k in known)

@@ -85,29 +85,35 @@ def unusable_files(
     The checks of each physics report files that are missing.
     """
     for path, name in named_files(parts):
-        if "\0" in name:
-            continue
-        file = file_of(path, name, origin.base)
-        if file is None:
-            folders = ", ".join(
-                str(folder.absolute()) for folder in mechanism_folders(origin.base)
-            )
-            yield path, f"no such mechanism; looked in {folders}"
-            continue
-        try:
-            status = file.stat()
-        except OSError:
-            continue
-        if not stat.S_ISREG(status.st_mode):
-            yield path, "is a folder, a pipe or a device; give a file"
-        elif not origin.allow_large and _size(file, status) > LARGE_FILE:
-            packed = ", unpacked" if file.suffix == ".gz" else ""
-            yield path, f"is larger than {LARGE_FILE // 10**6} MB{packed}; {_ALLOW}"
-        elif path[-1] == "mechanism" and (found := aliases_that_multiply(file)):
-            yield path, found
-        elif not origin.trust:
-            for problem in _code(path, file, origin.base):
-                yield path, f"{problem}; {_TRUST}"
+        if reason := why_unusable(path, name, origin):
+            yield path, reason
+
+
+def why_unusable(path: KeyPath, name: str, origin: Origin) -> str:
+    """Return why the file that a key names must not be read; empty if it may, or is
+    missing.
+    """
+    if "\0" in name:
+        return ""
+    file = file_of(path, name, origin.base)
+    if file is None:
+        folders = ", ".join(
+            str(folder.absolute()) for folder in mechanism_folders(origin.base)
+        )
+        return f"no such mechanism; looked in {folders}"
+    try:
+        status = file.stat()
+    except OSError:
+        return ""
+    if not stat.S_ISREG(status.st_mode):
+        return "is a folder, a pipe or a device; give a file"
+    if not origin.allow_large and _size(file, status) > LARGE_FILE:
+        packed = ", unpacked" if file.suffix == ".gz" else ""
+        return f"is larger than {LARGE_FILE // 10**6} MB{packed}; {_ALLOW}"
+    if path[-1] == "mechanism" and (found := aliases_that_multiply(file)):
+        return found
+    programs = "" if origin.trust else _code(path, file, origin.base)
+    return f"{programs}; {_TRUST}" if programs else ""
 
 
 def _size(file: Path, status: os.stat_result) -> int:
@@ -131,19 +137,17 @@ def _unpacked_size(file: Path, inode: int, changed: int, size: int) -> int:
     return total
 
 
-def _code(path: KeyPath, file: Path, base: Path) -> list[str]:
-    """Return the programs that a file would run, a line each."""
+def _code(path: KeyPath, file: Path, base: Path) -> str:
+    """Return what a file would run when it is read; empty for nothing."""
     try:
         if path[-1] == "mechanism":
             inside = mechanism_folders(base)[-1]
             shipped = inside.name == "data" and file.resolve().is_relative_to(
                 inside.resolve()
             )
-            return (
-                [] if shipped else [found] if (found := code_in_mechanism(file)) else []
-            )
+            return "" if shipped else code_in_mechanism(file) or ""
         if file.suffix.lower() == _GEOMETRY:
-            return ["a geometry of gmsh may run programs and write files"]
+            return "a geometry of gmsh may run programs and write files"
     except OSError:
-        return []  # whoever reads it says so
-    return []
+        return ""  # whoever reads it says so
+    return ""

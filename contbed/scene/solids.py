@@ -4,28 +4,17 @@ of the particles' material.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from contbed.scene.quantities import (
-    Conductivity,
-    Density,
-    HeatCapacity,
-    Length,
-    Table,
-    Temperature,
-    form,
-)
-from contbed.scene.tables import Polynomial, from_library, names_material
+from contbed.scene.property_table import constant_at, range_of
+from contbed.scene.quantities import Density, Length, Table, Temperature
+from contbed.scene.tables import from_library, names_material
 
-HeatCapacityOfSolid = Annotated[
-    Annotated[HeatCapacity, Tag("number")] | Polynomial, Discriminator(form)
-]
-ConductivityOfSolid = Annotated[
-    Annotated[Conductivity, Tag("number")] | Polynomial, Discriminator(form)
-]
+FILLED_AT = 293.15  # [K] for the mass of particles whose density is a table
 
 _FROM_MATERIAL = (
     "density",
@@ -35,6 +24,9 @@ _FROM_MATERIAL = (
     "poisson_ratio",
 )
 
+_TABULATED = ("density", "heat_capacity", "conductivity")
+_VARYING = (dict, list, tuple)  # how properties that vary are written
+
 Phase = TypeVar("Phase")
 
 
@@ -42,11 +34,12 @@ class SolidPhase(Table):
     """Particles whose properties may come from a material of the library.
 
     A model adds its own keys, and declares a key again where it needs one or has
-    another default for it. `varies` says whether properties may depend on temperature:
-    as lists of coefficients a0 + a1 T + a2 T^2 + ...
+    another default for it. `varies` names the properties that may depend on
+    temperature: as lists of coefficients a0 + a1 T + a2 T^2 + ..., or tables. The
+    density does not: particles keep their mass, and the bed its porosity.
     """
 
-    varies: ClassVar[bool] = False
+    varies: ClassVar[frozenset[str]] = frozenset()
 
     material: str | None = Field(
         None,
@@ -54,11 +47,15 @@ class SolidPhase(Table):
     )
     material_temperature: Temperature | None = Field(
         None,
-        description="at which properties of the material that vary are taken as "
+        description="at which properties that vary with temperature are taken as "
         "constants",
     )
     diameter: Length | None = Field(None, description="diameter of the particles")
-    density: Density | None = Field(None, description="density of the solid material")
+    density: Density | None = Field(
+        None,
+        description="density of the solid material; a table over temperature is taken "
+        "at material_temperature, else at 20 degC",
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -74,8 +71,12 @@ class SolidPhase(Table):
             isinstance(values, dict)
             and "material_temperature" in values
             and "material" not in values
+            and not any(isinstance(values.get(key), _VARYING) for key in _TABULATED)
         ):
-            raise ValueError("material_temperature has no use without material")
+            raise ValueError(
+                "material_temperature has no use without material, or a property that "
+                "varies with temperature"
+            )
         if not names_material(values):
             return values
         properties = from_library("solid", values)
@@ -84,9 +85,43 @@ class SolidPhase(Table):
             for key in _FROM_MATERIAL
             if key in properties and key in cls.model_fields
         }
-        if not cls.varies:
-            _require_constants(known, values)
+        fixed = {key: known[key] for key in known if key not in cls.varies}
+        _require_constants(fixed, values)
         return known | values
+
+    @field_validator(*_TABULATED, mode="before", check_fields=False)
+    @classmethod
+    def _constant(cls, given: Any, info: ValidationInfo) -> Any:
+        """Return the value at one temperature of a property that varies, where one is
+        given or the model takes constants only.
+
+        Raises
+        ------
+        ValueError : no temperature is given
+        """
+        key = str(info.field_name)
+        T = info.data.get("material_temperature")
+        if not isinstance(given, _VARYING) or (T is None and key in cls.varies):
+            return given
+        if T is None and key == "density":
+            T = FILLED_AT
+        if T is None:
+            raise ValueError(
+                "varies with temperature, and this model takes a constant; give "
+                "material_temperature, at which it is taken, or a number"
+            )
+        return constant_at(key, given, T)
+
+    @property
+    def data_range(self) -> tuple[float, float]:
+        """Temperatures [K] at which the data hold: those of the material, and tables."""
+        low, high = 0.0, math.inf
+        if self.material is not None and self.material_temperature is None:
+            from contbed.scene.library import material
+
+            low, high = material(self.material, "solid").T_range
+        tables = range_of(*(getattr(self, key, None) for key in self.varies))
+        return max(low, tables[0]), min(high, tables[1])
 
 
 def _require_constants(known: dict[str, Any], values: dict[str, Any]) -> None:

@@ -2,17 +2,17 @@
 carries heat.
 
     dm_k/dt = omega_k,    omega_k = sum_j (y_kj - [k reacts in j]) r_j,    r_j = A_j exp(-E_j/(R T)) m_j
-    rho_0 dh/dt = div(k grad T) - div(g c_g (T - T_0)) - rho_0 sum_j q_j r_j + rho_0 sum_k c_k (T - T_0) omega_k + ...
+    rho_0 dh/dt = div(k grad T) - div(g c_g (T - T_0)) - rho_0 sum_j q_j r_j + rho_0 sum_k h_k omega_k + ...
     div g = rho_0 omega_gas,    omega_gas = -sum_k omega_k
 
 m_k   mass of constituent k per mass of fresh particle      r_j   rate of reaction j [1/s]
-h     sum_k m_k c_k (T - T_0) [J/kg of fresh particle]      q_j   heat that it takes up [J/kg]
+h     sum_k m_k h_k [J/kg of fresh particle]                q_j   heat that it takes up [J/kg]
 g     mass flux of gas, radial [kg/m2/s]                    T_0   temperature at the start [K]
 k     conductivity, linear in what is left of the fresh constituents [W/m/K]
+h_k   of constituent k, the integral of c_k from T_0
 
-Heats of reaction hold at the temperature of the reaction; the terms c_k (T - T_0)
-omega_k and c_g (T - T_0) omega_gas say so, and make the balance of the whole exact. At
-the surface
+Heats of reaction hold at the temperature of the reaction; the terms h_k omega_k and
+c_g (T - T_0) omega_gas say so, and make the balance of the whole exact. At the surface
 
     k dT/dr = h (T_furnace - T) + emissivity sigma (T_furnace^4 - T^4),    or T is given.
 
@@ -36,6 +36,7 @@ from scipy.optimize import brentq
 
 from contbed.closures.optics import SIGMA
 from contbed.fem.ad.dual import Dual
+from contbed.materials.curve import Function
 
 Array = NDArray[np.float64]
 # [J/kg] by which equations of heat are divided, to be of the order of the equations of
@@ -49,20 +50,21 @@ SCALE_SURFACE = 1e4  # [W/m2] by which that of the surface is divided
 class Material:
     """Numbers of the particle; constituents and reactions in the order of the scene.
 
-    heat_capacity : (K,) [J/kg/K]; fresh : (K,) mass fractions at the start
+    enthalpies : of each constituent above that at the start, functions of T [J/kg]
+    fresh : (K,) mass fractions at the start
     rate, activation, heat : (J,) [1/s], E/R [K], [J/kg]; reactant : (J,) numbers of
         constituents
     change : (K, J) mass of each constituent made per mass that reacts, negative for the
         reactant
-    conductivity : fresh and of the product [W/m/K]
+    conductivity : fresh and of the product, functions of T [W/m/K]
     """
 
     radius: float
     density: float
     start: float
-    conductivity: tuple[float, float]
+    conductivity: tuple[Function, Function]
     gas_heat_capacity: float
-    heat_capacity: Array
+    enthalpies: tuple[Function, ...]
     fresh: Array
     rate: Array
     activation: Array
@@ -161,9 +163,8 @@ class Sphere:
         particle.
         """
         T, masses, *_ = self._fields(state, jacobian)
-        heat = sum(
-            m * c for m, c in zip(masses, self.material.heat_capacity, strict=True)
-        ) * (T - self.material.start)
+        enthalpies = self.material.enthalpies
+        heat = sum(m * h(T) for m, h in zip(masses, enthalpies, strict=True))
         rows = [
             (0, heat * (self.volume / SCALE_HEAT)),
             *((1 + k, m * self.volume) for k, m in enumerate(masses)),
@@ -183,15 +184,10 @@ class Sphere:
             if rates
             else 0.0 * T
         )
-        warm = T - m.start
-        for rate, c in zip(made, m.heat_capacity, strict=True):
-            released = released + rate * warm * (c - m.gas_heat_capacity)
-        share = sum(
-            mass for mass, fresh in zip(masses, m.fresh, strict=True) if fresh > 0.0
-        )
-        conductivity = m.conductivity[1] + share * (
-            m.conductivity[0] - m.conductivity[1]
-        )
+        warm = m.gas_heat_capacity * (T - m.start)
+        for rate, h in zip(made, m.enthalpies, strict=True):
+            released = released + rate * (h(T) - warm)
+        conductivity = self._conductivity(T, masses)
         parts = [(0, 0, -released * (self.volume / SCALE_HEAT))]
         parts += [(1 + k, 0, -rate * self.volume) for k, rate in enumerate(made)]
         # inner faces: shells on both sides
@@ -235,21 +231,15 @@ class Sphere:
         m = self.material
         T, masses, gas, surface = (_value(item) for item in self._fields(state))
         rates = self._rates(T, masses)
-        share = sum(
-            mass for mass, fresh in zip(masses, m.fresh, strict=True) if fresh > 0.0
-        )
-        conductivity = m.conductivity[1] + share[-1] * (
-            m.conductivity[0] - m.conductivity[1]
-        )
-        flux = conductivity * (surface[0] - T[-1]) * 2.0 / self.step
+        outermost = self._conductivity(T, masses)[-1]
+        flux = outermost * (surface[0] - T[-1]) * 2.0 / self.step
         made = self._made(T, rates)
         released = sum(
             -self.volume @ (rate * q) for rate, q in zip(rates, m.heat, strict=True)
         )
-        for rate, c in zip(made, m.heat_capacity, strict=True):
-            released = released + self.volume @ (rate * (T - m.start)) * (
-                c - m.gas_heat_capacity
-            )
+        warm = m.gas_heat_capacity * (T - m.start)
+        for rate, h in zip(made, m.enthalpies, strict=True):
+            released = released + self.volume @ (rate * (h(T) - warm))
         carried = gas[-1] * m.gas_heat_capacity * (surface[0] - m.start)
         return (
             float(flux * 3.0 / (m.radius * m.density)),
@@ -270,6 +260,14 @@ class Sphere:
             state[-1:], {(len(values), 0): np.ones(1)} if differentiate else {}
         )
         return fields[0], fields[1:-1], fields[-1], surface
+
+    def _conductivity(self, T: Any, masses: Any) -> Any:
+        """Return the conductivity in each shell [W/m/K], by what is left fresh."""
+        m = self.material
+        shares = zip(masses, m.fresh, strict=True)
+        fresh, product = (k(T) for k in m.conductivity)
+        share = sum(mass for mass, initial in shares if initial > 0.0)
+        return product + share * (fresh - product)
 
     def _rates(self, T: Any, masses: Any) -> list[Any]:
         m = self.material

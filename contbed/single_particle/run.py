@@ -21,9 +21,12 @@ from contbed.course.history import History
 from contbed.course.schedule import Schedule
 from contbed.errors import ConvergenceError
 from contbed.fields import header
+from contbed.materials.common import share_outside
 from contbed.materials.composition import mole_fractions
+from contbed.materials.curve import function_of, integral_of
 from contbed.output.progress import Progress
 from contbed.result import Result, timed
+from contbed.scene.property_table import range_of
 from contbed.single_particle.equations import SCALE_HEAT, Material, Sphere, Surface
 from contbed.single_particle.plan import Plan
 from contbed.single_particle.scene import SURFACE, SingleParticleScene
@@ -46,18 +49,20 @@ def material_of(scene: SingleParticleScene) -> Material:
             for name in names
         ]
     )
-    product = (
-        solid.conductivity
-        if solid.conductivity_product is None
-        else solid.conductivity_product
-    )
+    fresh_k, product_k = solid.conductivity, solid.conductivity_product
     return Material(
         0.5 * solid.diameter,
         solid.density,
         scene.initial.temperature,
-        (solid.conductivity, product),
+        (
+            function_of(fresh_k),
+            function_of(fresh_k if product_k is None else product_k),
+        ),
         scene.gas.heat_capacity,
-        np.array([one.heat_capacity for one in solid.constituent.values()]),
+        tuple(
+            integral_of(one.heat_capacity, start=scene.initial.temperature)
+            for one in solid.constituent.values()
+        ),
         np.array([fresh.get(name, 0.0) for name in names]),
         np.array([r.A for r in reactions]),
         np.array([r.E / R_GAS for r in reactions]),
@@ -257,8 +262,18 @@ def _profiles(
         header("T_surface"): np.array([state[-1] for state in states]),
         header("T_mean"): np.array([state[:n] @ volume for state in states]),
     }
-    for k, name in enumerate(plan.scene.solid.constituent):
+    solid = plan.scene.solid
+    for k, name in enumerate(solid.constituent):
         result.profiles[f"mass_fraction.{name} [1]"] = masses[:, k]
+    capacities = [one.heat_capacity for one in solid.constituent.values()]
+    limits = range_of(solid.conductivity, solid.conductivity_product, *capacities)
+    T = np.array([state[:n] for state in states])
+    if share_outside(T, limits):
+        low, high = limits
+        result.warnings.append(
+            f"data of the particle from {low:g} to {high:g} K are used at "
+            f"{T.min():.5g} to {T.max():.5g} K"
+        )
 
 
 def _findings(passed: NDArray[np.float64], result: Result) -> None:

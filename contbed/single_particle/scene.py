@@ -18,12 +18,11 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field, model_validator
 
+from contbed.scene.property_table import ConductivityOfSolid, HeatCapacityOfSolid
 from contbed.scene.quantities import (
-    Conductivity,
     Density,
     Emissivity,
     Fraction,
-    HeatCapacity,
     Instant,
     Length,
     NonNegative,
@@ -46,7 +45,7 @@ SURFACE = "surface"  # the only boundary
 class Constituent(Table):
     """A solid constituent of the particle, initial or formed by reactions."""
 
-    heat_capacity: HeatCapacity = Field(
+    heat_capacity: HeatCapacityOfSolid = Field(
         description="specific heat capacity of the constituent"
     )
 
@@ -54,10 +53,12 @@ class Constituent(Table):
 class Solid(SolidPhase):
     """A sphere of constant size."""
 
+    varies: ClassVar[frozenset[str]] = frozenset({"conductivity"})
+
     diameter: Length = Field(description="diameter of the particle")
     density: Density = Field(description="fresh")
-    conductivity: Conductivity = Field(description="fresh")
-    conductivity_product: Conductivity | None = Field(
+    conductivity: ConductivityOfSolid = Field(description="fresh")
+    conductivity_product: ConductivityOfSolid | None = Field(
         None,
         description="where nothing fresh is left, linear between by mass; absent: as "
         "fresh",

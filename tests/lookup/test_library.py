@@ -216,10 +216,6 @@ def test_particles_of_other_scenes_are_of_a_material():
     ("added", "part"),
     [
         (
-            {"material": "alumina"},
-            "heat_capacity of alumina varies: give material_temperature",
-        ),
-        (
             {"material": "alumina", "material_temperature": 3000.0},
             "known from 293 to 1773 K",
         ),
