@@ -54,14 +54,17 @@ def right_keys(scene: Any, path: KeyPath, value: Any) -> str:
     """
     name = value.get("name") if isinstance(value, dict) else value
     kinds = _kinds_of(name) if isinstance(name, str) else set()
-    keys = [keys for keys, kind in _below(schema.of(scene), (), ()) if kind in kinds]
-    if not kinds or any(_fits(each, path) for each in keys):
+    found = [
+        (keys, kind) for keys, kind in _below(schema.of(scene), (), ()) if kind in kinds
+    ]
+    if not kinds or any(_fits(keys, path) for keys, _ in found):
         return ""
     # those in the same table first
-    keys.sort(key=lambda each: not _fits(each[:-1], path[:-1]))
-    shown = [dotted(_named_as(each, path)) for each in keys]
-    what = f"'{name}' is a closure of the kind {' or '.join(sorted(kinds))}"
-    return f"; {what}: for {' or '.join(shown[:3]) or 'no key of this model'}"
+    found.sort(key=lambda each: not _fits(each[0][:-1], path[:-1]))
+    shown = [dotted(_named_as(keys, path)) for keys, _ in found[:3]]
+    taken = sorted({kind for _, kind in found} or kinds)
+    what = f"'{name}' is a closure of the kind {' or '.join(taken)}"
+    return f"; {what}: for {' or '.join(shown) or 'no key of this model'}"
 
 
 def _kinds_of(name: str) -> set[str]:

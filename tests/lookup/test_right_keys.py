@@ -19,7 +19,7 @@ PACKAGE = Path(cb.__file__).parent
             "bubbling_bed",
             "solids.sand.gas_coefficient",
             "ranz_marshall",
-            "nusselt or sherwood: for solids.sand.nusselt or .*closures.nusselt",
+            "kind nusselt: for solids.sand.nusselt or .*closures.nusselt",
         ),
         ("packed_bed", "packed_bed.porosity", "gunn", "for closures.nusselt"),
         ("two_fluid", "closures.drag", "gunn", "for closures.nusselt"),
