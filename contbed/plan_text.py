@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 from contbed.models import model_of
+from contbed.output.sketch import sketch, text_of
+from contbed.scene.identity import resolved
 from contbed.scene.toml_lines import dotted
 
 
@@ -51,7 +53,9 @@ def plan_text(plan: DescribedPlan, *more: str) -> str:
             megabytes = max(1.0, 1e3 * plan.policy.predicted_GB(size))
             lines.append(f"{part}: {size} unknowns, about {megabytes:.0f} MB")
     warnings = [f"WARNING {text}" for text in plan.scene.warnings]
-    return "\n".join([*lines, *more, *warnings])
+    bed = sketch(model_of(plan.scene).name, resolved(plan.scene))
+    drawing = [text_of(bed), ""] if bed is not None else []
+    return "\n".join([*drawing, *lines, *more, *warnings])
 
 
 def _reason_for_the_model(scene: Any) -> str:

@@ -264,10 +264,7 @@ def verdict(run: Run) -> str:
             f"{share:.3g} %</span>"
         )
     if closures and not beyond:
-        lines.append(
-            f'<span class="good">all {len(closures)} closures inside of their '
-            "ranges</span>"
-        )
+        lines.append('<span class="good">each closure within its range</span>')
     body = f'<p class="verdict">{" ".join(lines)}</p>'
     warnings = "".join(
         f"<li>{escape(text)}</li>" for text in summary.get("warnings", [])

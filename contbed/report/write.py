@@ -10,17 +10,21 @@ from pathlib import Path
 from typing import Any
 
 from contbed.errors import ContbedError
+from contbed.models import kind_of
 from contbed.output.files import atomic
 from contbed.output.folder import SUMMARY, read_summary
+from contbed.output.sketch import sketch
 from contbed.output.summary import write_json
 from contbed.report import charts, page
 from contbed.report.calibration import CALIBRATION
 from contbed.report.cascade import CASCADE
+from contbed.report.drawing import svg
 from contbed.report.fields import pictures
 from contbed.report.optimum import OPTIMUM
 from contbed.report.read import Run, read_run
 from contbed.report.sensitivities import DERIVATIVES
 from contbed.report.sweep import SWEEP
+from contbed.report.words import words
 
 FILE = "report.html"
 
@@ -101,7 +105,7 @@ def of_runs(runs: Sequence[Run]) -> str:
     )
     heads = "".join(
         (f"<h3>{escape(run.name)}: {escape(run.title)}</h3>" if several else "")
-        + page.verdict(run)
+        + _opening(run)
         for run in runs
     )
     parts = [
@@ -131,6 +135,15 @@ def of_runs(runs: Sequence[Run]) -> str:
         ),
     ]
     return page.page(title, parts, made)
+
+
+def _opening(run: Run) -> str:
+    """Return the sketch of a run's bed, its words and its verdict."""
+    scene = run.summary.get("scene", {})
+    bed = sketch(kind_of(scene), scene, run.summary.get("qoi")) if scene else None
+    drawing = svg(bed) if bed is not None else ""
+    text = f'<div class="words">{words(run)}{page.verdict(run)}</div>'
+    return f'<div class="opening">{text}{drawing}</div>'
 
 
 STUDIES = (CALIBRATION, OPTIMUM, CASCADE, SWEEP, DERIVATIVES)

@@ -297,4 +297,4 @@ def test_a_conductivity_of_the_whole_bed_beside_that_of_the_gas_is_told(
     assert len(warnings) == (said is not None)
     for warning in warnings:
         assert f"{table}.conductivity_solids" in warning and said in warning
-        assert warning.endswith(f"once more; give {table}.conductivity_gas = 0")
+        assert warning.endswith(f"a second time; give {table}.conductivity_gas = 0")
