@@ -31,6 +31,11 @@ from contbed.packed_bed.schedule_checks import (
     initial_profiles_reach_both_ends,
     series_are_usable,
 )
+from contbed.packed_bed.velocity_checks import (
+    velocities_are_given_once,
+    velocities_fit_the_mesh,
+    velocities_on_mesh_files_are_vectors,
+)
 from contbed.radiation.checks import (
     optics_attenuate,
     particles_have_a_size_and_fit_together,
@@ -44,7 +49,7 @@ from contbed.radiation.thickness import rosseland_is_thick, rosseland_rests
 from contbed.scene.boundary import conditions_of
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.gas import Gas, GasCantera, GasConstant, GasCoolProp
-from contbed.scene.mesh import SIDE, Mesh, MeshAxisymmetric, MeshFile, MeshLine
+from contbed.scene.mesh import SIDE, Mesh, MeshFile, MeshLine
 from contbed.scene.mesh_checks import (
     mesh_file_exists,
     names_exist,
@@ -195,68 +200,6 @@ def heat_alone_uses_temperatures(
         yield ("region", name), remedy
     if time is not None:
         yield ("time",), "needs a [heat] table: the flow is steady"
-
-
-@at_each_time
-def velocities_fit_the_mesh(mesh: Mesh, boundary: Boundaries, see: See) -> Mistakes:
-    """Check that velocities have as many components as the mesh has dimensions, and
-    enter where they are given.
-    """
-    for phase in PHASES:
-        given = given_velocity(boundary, phase)
-        if given is None:
-            continue
-        name, value = given
-        key = ("boundary", name, *boundary[name].key(phase), "velocity")
-        radial = isinstance(mesh, MeshAxisymmetric) and name == "wall"
-        if not isinstance(value, tuple):
-            if isinstance(mesh, MeshFile):
-                yield (
-                    key,
-                    f"give a list, the vector: only the file knows where '{name}' "
-                    f"lies; see {see('mesh.type')}",
-                )
-            elif radial and value:
-                yield (
-                    key,
-                    "the radial velocity is 0 in an axisymmetric bed; see "
-                    f"{see('mesh.type')}",
-                )
-        elif len(value) != mesh.dimension:
-            yield (
-                key,
-                f"has {len(value)} components, the mesh has {mesh.dimension} "
-                f"dimensions; see {see('mesh.type')}",
-            )
-        elif isinstance(mesh, MeshAxisymmetric) and value[0] != 0:
-            yield (
-                key,
-                "the radial velocity is 0 in an axisymmetric bed; see "
-                f"{see('mesh.type')}",
-            )
-        elif any(value) and enters(mesh, value, name) == 0:
-            yield (
-                key,
-                f"runs along '{name}'; give it at the boundary where the "
-                f"{NAMES[phase]} enters",
-            )
-
-
-def velocities_are_given_once(boundary: Boundaries, see: See) -> Mistakes:
-    """Check that one boundary gives the velocity of a phase."""
-    for phase in PHASES:
-        given = [
-            ("boundary", name, *table.key(phase), "velocity")
-            for name, table in boundary.items()
-            if (condition := table.condition(phase)) is not None
-            and condition.velocity is not None
-        ]
-        for key in given[1:]:
-            yield (
-                key,
-                f"one boundary gives the velocity of the {NAMES[phase]}; see "
-                f"{see(dotted(given[0]))}",
-            )
 
 
 def the_packing_fits_the_bed(
@@ -605,6 +548,7 @@ CHECKS: tuple[Check, ...] = (
     names_exist,
     velocities_are_given_once,
     velocities_fit_the_mesh,
+    velocities_on_mesh_files_are_vectors,
     mesh_file_exists,
     the_packing_fits_the_bed,
     positions_lie_in_the_bed,

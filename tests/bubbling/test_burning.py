@@ -5,11 +5,13 @@ says what is missing.
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 import contbed
 from contbed.bubbling_bed.burning import BURNING, explained, heat_balance
+from contbed.bubbling_bed.chemistry.of_boilers import unburnt_fuel
 from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
 
@@ -54,6 +56,24 @@ def test_missing_heat_is_told():
     text = explained(problem(perimeter=50.0))
     assert "MW are missing" in text and "at 1123 K the fuel gives 6.14 MW" in text
     assert "are left over" in explained(problem())
+
+
+def test_fuel_that_leaves_unburnt_is_named():
+    """Tar without a reaction first; then what burns but has no time; nothing where
+    little leaves, or where there is no air for it.
+    """
+    qoi = {"fuel_power_W": 1e6, "oxygen_ratio": 1.3, "ignited": 1.0}
+    lost = {"CO": 1e4, "CH4": 2e4, "C6H6": 3e5, "char": 0.0}
+    present = SimpleNamespace(CO_oxidation={}, CH4_oxidation={}, tar_oxidation=None)
+    (text,) = unburnt_fuel(lost, qoi, present)
+    assert text.startswith("33 % of the fuel's heating value leaves unburnt")
+    assert "(shares: C6H6 0.3, CH4 0.02, CO 0.01)" in text
+    assert text.endswith("add [reactions.tar_oxidation], which C6H6 burns by")
+    present.tar_oxidation = {}
+    (text,) = unburnt_fuel(lost, qoi, present)
+    assert "a higher bubbling_bed.freeboard" in text
+    assert not unburnt_fuel({"CO": 4e4}, qoi, present)
+    assert not unburnt_fuel(lost, qoi | {"oxygen_ratio": 0.4}, present)
 
 
 @pytest.mark.slow

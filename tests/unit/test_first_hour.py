@@ -47,6 +47,13 @@ def test_names_of_a_mesh_in_windows_1252(tmp_path):
     assert "wall süd" in mesh.boundaries
 
 
+def test_a_number_as_velocity_on_a_mesh_file_is_answered_with_the_vector():
+    number = {"boundary.'gas in'.gas.velocity": 0.07}
+    problems = refused("mesh_mm.toml", overrides=number)
+    text = "give the vector, a list: [0.07, 0.0] for 0.07 m/s straight into the bed"
+    assert any(text in each for each in problems)
+
+
 def test_a_mesh_in_millimetres_is_warned_of():
     scene = load(FOLDER / "mesh_mm.toml")
     plan(scene)

@@ -20,6 +20,15 @@ from contbed.chemistry.thermo import T_STANDARD
 
 EMITTED = ("CO", "NO", "NO2", "N2O", "SO2")
 AIR, REFERENCE = 0.209, 0.06  # mole fractions of O2, in air and in dry flue gas
+UNBURNT = 0.05  # share of the heating value above which a run warns
+# reaction that burns a gas, and the gas
+_BURNT_BY = {
+    "tar_oxidation": "C6H6",
+    "CO_oxidation": "CO",
+    "H2_oxidation": "H2",
+    "CH4_oxidation": "CH4",
+    "H2S_oxidation": "H2S",
+}
 MOLAR_VOLUME = 8.31446261815324 * 273.15 / 101325.0  # [m3/mol]
 
 
@@ -46,6 +55,43 @@ def boiler_findings(
         if name in gases:
             shares = qoi[f"x_{name}_dry"], qoi["x_O2_dry"]
             qoi[f"emission_{name}_mg_m3"] = emission(*shares, gases[name].molar_mass)
+
+
+def unburnt_fuel(
+    lost: Mapping[str, float], qoi: Mapping[str, Any], reactions: Any
+) -> list[str]:
+    """Return a warning where much of the fuel leaves unburnt although there is air
+    enough, with what to try.
+
+    Parameters
+    ----------
+    lost : heating value of each gas and solid that leaves [W]
+    reactions : table of the scene
+    """
+    power = qoi["fuel_power_W"]
+    whole = sum(lost.values()) / power
+    if whole < UNBURNT or qoi["oxygen_ratio"] < 1.0 or not qoi["ignited"]:
+        return []
+    shares = {name: heat / power for name, heat in lost.items()}
+    named = sorted(shares, key=lambda name: -shares[name])
+    named = [name for name in named if shares[name] > UNBURNT / 10]
+    parts = ", ".join(f"{name} {shares[name]:.2g}" for name in named)
+    missing = {
+        fuel: f"[reactions.{key}]"
+        for key, fuel in _BURNT_BY.items()
+        if fuel in named and getattr(reactions, key, None) is None
+    }
+    remedy = (
+        f"add {' and '.join(missing.values())}, which {' and '.join(missing)} burns by"
+        if missing
+        else "more time or a hotter place burns it: a deeper bed, a higher "
+        "bubbling_bed.freeboard, less heat to the tubes; drain less char"
+    )
+    return [
+        f"{100 * whole:.2g} % of the fuel's heating value leaves unburnt, though "
+        f"{qoi['oxygen_ratio']:.3g} times the oxygen that it needs enters "
+        f"(shares: {parts}); {remedy}"
+    ]
 
 
 def emission(x: float, x_oxygen: float, molar_mass: float) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from contbed.balance import Balance
 from contbed.bubbling_bed.chemistry import reactions as cr
 from contbed.bubbling_bed.chemistry import thermo
-from contbed.bubbling_bed.chemistry.of_boilers import boiler_findings
+from contbed.bubbling_bed.chemistry.of_boilers import boiler_findings, unburnt_fuel
 from contbed.bubbling_bed.chemistry.problem import Chemistry
 from contbed.chemistry.elements import ATOMIC_WEIGHTS
 from contbed.chemistry.thermo import T_STANDARD, Thermo
@@ -123,8 +123,9 @@ def fill(problem: Any, chemistry: Chemistry, state: Any, result: Result) -> None
     qoi |= {f"x_{name}_wet": n / total for name, n in shown.items()}
     qoi |= {f"x_{name}_dry": n / dry for name, n in shown.items() if name != "H2O"}
     if data is not None:
-        _fuel(chemistry, entering, leaving, drained, qoi)
+        lost = _fuel(chemistry, entering, leaving, drained, qoi)
         boiler_findings(problem, chemistry, state, drained, qoi)
+        result.warnings += unburnt_fuel(lost, qoi, scene.reactions)
     held = {
         name: problem.total(lambda u, o, n=name: getattr(u, f"n_{n}"), state)
         for name in part.solids
@@ -236,7 +237,10 @@ FUELS = ("CO", "H2", "CH4", "C6H6", "H2S")
 
 def _fuel(
     chemistry: Chemistry, entering: Any, leaving: Any, drained: Any, qoi: dict[str, Any]
-) -> None:
+) -> dict[str, float]:
+    """Fill in what becomes of the fuel; return the heating value of each gas and solid
+    that leaves unburnt [W].
+    """
     data, inside = chemistry.data, contents(chemistry)
     assert data is not None
     power = data.rate * data.lower
@@ -248,18 +252,19 @@ def _fuel(
     qoi["carbon_conversion"] = 1.0 - carbon / data.elements["C"]
     gases, coke = chemistry.part.gases, heating_value(thermo.table()["C"])
     burning = [name for name in (*FUELS, *gases) if name in gases]
-    in_gas = sum(
-        leaving[name] * heating_value(gases[name])
+    gas = {
+        name: leaving[name] * heating_value(gases[name])
         for name in dict.fromkeys(burning)
         if name in FUELS or name not in thermo.GASES
-    )
-    unburnt = drained.get("char", 0.0) * coke
+    }
+    solids = {"char": drained.get("char", 0.0) * coke}
     per_kg = 0.0
     if data.volatiles is not None:
         fixed = 1.0 - data.volatile / data.rate
         per_kg = data.lower - fixed / ATOMIC_WEIGHTS["C"] * coke
         per_kg *= data.rate / data.volatile
-    unburnt += drained.get("volatiles", 0.0) * per_kg
+    solids["volatiles"] = drained.get("volatiles", 0.0) * per_kg
+    in_gas, unburnt = sum(gas.values()), sum(solids.values())
     qoi["fuel_power_W"] = power
     qoi["cold_gas_efficiency"] = in_gas / power
     qoi["combustion_efficiency"] = 1.0 - (in_gas + unburnt) / power
@@ -271,6 +276,7 @@ def _fuel(
     qoi["ignited"] = float(
         qoi["combustion_efficiency"] > 0.5 * min(1.0, qoi["oxygen_ratio"])
     )
+    return gas | solids
 
 
 def _fits(scene: Any, share: float, result: Result) -> None:

@@ -1,0 +1,119 @@
+"""Checks of the velocities at the boundaries of a packed bed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from contbed.errors import SceneError
+from contbed.packed_bed.inlets import enters, given_velocity
+from contbed.packed_bed.schedule_checks import (
+    NAMES,
+    PHASES,
+    Boundaries,
+    at_each_time,
+)
+from contbed.scene.checking import Mistakes, See
+from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile
+from contbed.scene.series import VelocitySeries
+from contbed.scene.toml_lines import Origin, dotted
+
+
+@at_each_time
+def velocities_fit_the_mesh(mesh: Mesh, boundary: Boundaries, see: See) -> Mistakes:
+    """Check that velocities have as many components as the mesh has dimensions, and
+    enter where they are given.
+    """
+    for phase in PHASES:
+        given = given_velocity(boundary, phase)
+        if given is None:
+            continue
+        name, value = given
+        key = ("boundary", name, *boundary[name].key(phase), "velocity")
+        radial = isinstance(mesh, MeshAxisymmetric) and name == "wall"
+        if not isinstance(value, tuple):
+            if radial and value:
+                yield (
+                    key,
+                    "the radial velocity is 0 in an axisymmetric bed; see "
+                    f"{see('mesh.type')}",
+                )
+        elif len(value) != mesh.dimension:
+            yield (
+                key,
+                f"has {len(value)} components, the mesh has {mesh.dimension} "
+                f"dimensions; see {see('mesh.type')}",
+            )
+        elif isinstance(mesh, MeshAxisymmetric) and value[0] != 0:
+            yield (
+                key,
+                "the radial velocity is 0 in an axisymmetric bed; see "
+                f"{see('mesh.type')}",
+            )
+        elif any(value) and enters(mesh, value, name) == 0:
+            yield (
+                key,
+                f"runs along '{name}'; give it at the boundary where the "
+                f"{NAMES[phase]} enters",
+            )
+
+
+def velocities_on_mesh_files_are_vectors(
+    mesh: Mesh, boundary: Boundaries, origin: Origin
+) -> Mistakes:
+    """Check that velocities in a mesh file are vectors; say which one a number
+    means.
+    """
+    for phase in PHASES:
+        given = given_velocity(boundary, phase)
+        if given is None or not isinstance(mesh, MeshFile):
+            continue
+        name, value = given
+        numbers = value.values if isinstance(value, VelocitySeries) else (value,)
+        number = next((each for each in numbers if not isinstance(each, tuple)), None)
+        if number is None:
+            continue
+        key = ("boundary", name, *boundary[name].key(phase), "velocity")
+        normal = _outward_normal(mesh, name, origin.base)
+        if normal is None:
+            yield key, "give a list, the vector of the velocity in the mesh"
+            continue
+        vector = [float(f"{-number * part:.12g}") + 0.0 for part in normal]
+        yield (
+            key,
+            f"give the vector, a list: {vector} for {number:g} m/s straight into the "
+            f"bed, by the normal of '{name}' in {mesh.file}",
+        )
+
+
+def _outward_normal(mesh: MeshFile, name: str, base: Path) -> Any:
+    """Return the outward normal of a plane boundary of a mesh file; None if it is
+    not plane, or the file cannot be read without gmsh.
+    """
+    from contbed.mesh.build import build
+    from contbed.packed_bed.flow import constant_normal
+
+    if Path(mesh.file).suffix != ".msh":
+        return None
+    try:
+        built = build(mesh, base=str(base))
+    except SceneError:
+        return None
+    return constant_normal(built, name) if name in built.boundaries else None
+
+
+def velocities_are_given_once(boundary: Boundaries, see: See) -> Mistakes:
+    """Check that one boundary gives the velocity of a phase."""
+    for phase in PHASES:
+        given = [
+            ("boundary", name, *table.key(phase), "velocity")
+            for name, table in boundary.items()
+            if (condition := table.condition(phase)) is not None
+            and condition.velocity is not None
+        ]
+        for key in given[1:]:
+            yield (
+                key,
+                f"one boundary gives the velocity of the {NAMES[phase]}; see "
+                f"{see(dotted(given[0]))}",
+            )
