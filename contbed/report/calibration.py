@@ -16,31 +16,14 @@ from pydantic import Field
 from contbed.errors import ContbedError
 from contbed.output.shapes import Number, Shape
 from contbed.report import page
-from contbed.report.linked import Column, Linked, linked, read_columns
+from contbed.report.linked import Column, Linked, linked, read_columns, table_of
 from contbed.report.study import Content, Found, Study, has
 
 PICTURES = {"fit": "Measured and predicted", "residuals": "Residuals", "keys": "Keys"}
-ENDS = (
-    "low",
-    "high",
-    "low of profile",
-    "high of profile",
-    "low of posterior",
-    "high of posterior",
-)
 MOST_SAMPLES = 2000  # of a posterior in linked plots, which more make slow
 # columns of points.csv
 NUMBERS = ("t", "x", "measured", "predicted", "low", "high", "deviation over error")
 TEXTS = ("experiment", "line", "quantity", "unit", "fitted")
-
-
-class Key(Shape):
-    """A fitted key."""
-
-    unit: str
-    prior: str
-    fitted: Number
-    error: Number = Field(alias="standard error")
 
 
 class Covariance(Shape):
@@ -48,14 +31,6 @@ class Covariance(Shape):
 
     keys: list[str]
     matrix: list[list[Number]]
-
-
-class Combination(Shape):
-    """A combination of keys, and how well the data see it."""
-
-    combination: str
-    singular: Number = Field(alias="singular value")
-    seen: bool
 
 
 class Data(Shape):
@@ -82,10 +57,8 @@ class CalibrationSummary(Shape):
     title: str | None
     versions: dict[str, Any]
     warnings: list[str]
-    keys: dict[str, Key]
     covariance: Covariance
     correlation: list[list[Number]]
-    combinations: list[Combination]
     data: Data
     posterior: dict[str, Any] | None
     runs: Runs
@@ -93,6 +66,8 @@ class CalibrationSummary(Shape):
 
 def _content(folder: Path, found: Found, made: page.Charts) -> Content:
     points = read_columns(folder / "points.csv", TEXTS, NUMBERS)
+    keys = read_columns(folder / "keys.csv", ("key", "unit"))
+    combinations = read_columns(folder / "combinations.csv")
     data = found["data"]
     about = (
         f"{data['fitted']} fitted values, chi-square {page.number(data['chi_square'])} "
@@ -108,11 +83,17 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
         )
     sections = [
         page.warnings(found["warnings"]),
-        page.section("Fitted keys, intervals of 90 %", _keys(found["keys"]), "keys"),
+        page.section("Fitted keys, intervals of 90 %", table_of(keys.values()), "keys"),
         page.section(
-            "Covariance of the keys, and correlation", _covariance(found), "covariance"
+            "Covariance of the keys, and correlation",
+            _covariance(found, keys),
+            "covariance",
         ),
-        page.section("What the data see", _combinations(found), "combinations"),
+        page.section(
+            "What the data see: combinations in standard deviations of the priors",
+            table_of(combinations.values()),
+            "combinations",
+        ),
         *(
             page.section(name, _picture(folder / f"{file}.png"), file)
             for file, name in PICTURES.items()
@@ -120,19 +101,19 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
         _compared(points).section("Linked plots", made.place),
         *_posterior(folder / "posterior.csv", found, made),
         page.section(
-            "All predicted values, in SI, bands of 90 %", _table(points), "points"
+            "All predicted values, in SI, bands of 90 %",
+            table_of(points.values()),
+            "points",
         ),
     ]
     title = found["title"] or f"Calibration {Path(found['calibration']).stem}"
     return Content(str(title), about, sections)
 
 
-def _covariance(found: Found) -> str:
+def _covariance(found: Found, keys: Mapping[str, Column]) -> str:
     """Return covariance in the units of the keys, and correlation, as two tables."""
-    names, units = (
-        found["covariance"]["keys"],
-        {name: about["unit"] for name, about in found["keys"].items()},
-    )
+    names = found["covariance"]["keys"]
+    units = dict(zip(keys["key"].values, keys["unit"].values, strict=True))
     labels = [Column(name, units[name], ()).label for name in names]
     both = (
         ("covariance", found["covariance"]["matrix"]),
@@ -196,50 +177,6 @@ def _posterior(file: Path, found: Found, made: page.Charts) -> list[str]:
             title, made.place, "posterior"
         )
     ]
-
-
-def _table(points: Mapping[str, Column]) -> str:
-    columns = list(points.values())
-    rows = [
-        [page.number(column.values[k]) for column in columns]
-        for k in range(len(columns[0].values))
-    ]
-    numbers = [k for k, column in enumerate(columns) if column.is_number]
-    return page.table([column.label for column in columns], rows, numbers)
-
-
-def _keys(keys: Mapping[str, Any]) -> str:
-    head = ["key", "unit", "prior", "fitted", "standard error", *ENDS]
-    rows = [
-        [
-            escape(name),
-            escape(about["unit"]),
-            escape(about["prior"]),
-            *(page.number(about[key]) for key in head[3:]),
-        ]
-        for name, about in keys.items()
-    ]
-    return page.table(head, rows, range(3, len(head)))
-
-
-def _combinations(found: Found) -> str:
-    rows = [
-        [
-            escape(one["combination"]),
-            page.number(one["singular value"]),
-            "yes" if one["seen"] else "no",
-        ]
-        for one in found["combinations"]
-    ]
-    return page.table(
-        [
-            "combination, in standard deviations of the priors",
-            "times better known",
-            "seen",
-        ],
-        rows,
-        [1],
-    )
 
 
 def _picture(file: Path) -> str:

@@ -313,6 +313,19 @@ def require_numbers(
                 )
 
 
+def table_of(columns: Iterable[Column]) -> str:
+    """Return columns as the table of a page; those without a value are left out."""
+    shown = [
+        column
+        for column in columns
+        if any(value is not None for value in column.values)
+    ]
+    cells = [map(page.number, column.values) for column in shown]
+    numbers = [k for k, column in enumerate(shown) if column.is_number]
+    labels = [column.label for column in shown]
+    return page.table(labels, zip(*cells, strict=True), numbers)
+
+
 def _values(cells: Sequence[str]) -> tuple[Any, ...]:
     """Return the cells of a column as numbers where all of them are."""
     try:

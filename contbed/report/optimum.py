@@ -15,7 +15,13 @@ from contbed.many.optimise.constrained_search import FEASIBLE
 from contbed.output.colours import COLOURS
 from contbed.output.shapes import Number, Shape
 from contbed.report import page
-from contbed.report.linked import Column, linked, read_columns, require_numbers
+from contbed.report.linked import (
+    Column,
+    linked,
+    read_columns,
+    require_numbers,
+    table_of,
+)
 from contbed.report.study import Content, Found, Study, has
 
 OBJECTIVE, MISSED = ": objective", ": missed by"  # endings of headers of table.csv
@@ -100,10 +106,6 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
     ended = [k for k, code in enumerate(columns["exit code"].values) if not code]
     here = [Column(c.name, c.unit, tuple(c.values[k] for k in ended)) for c in numbers]
     run_names = [str(columns["run"].values[k]) for k in ended]
-    rows = [
-        [page.number(column.values[k]) for column in names]
-        for k in range(len(columns["number"].values))
-    ]
     sections = [
         page.section("What was found", _answer(found), "results"),
         page.warnings(found["warnings"]),
@@ -114,11 +116,7 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
         linked(here, run_names, f"{found['objective']['formula']}{OBJECTIVE}").section(
             "Linked plots", made.place
         ),
-        page.section(
-            "All evaluations",
-            page.table([c.label for c in names], rows, range(len(names))),
-            "runs",
-        ),
+        page.section("All evaluations", table_of(names), "runs"),
     ]
     return Content(
         str(found.get("title") or f"Optimum of {found['design']}"), about, sections
@@ -173,11 +171,8 @@ def _answer(found: Found) -> str:
         for name, each in expected.items()
         if isinstance(each, dict)
     ]
-    surrogate = (
-        page.table(["by the surrogate", "expected", "standard error"], told, (1, 2))
-        if told
-        else ""
-    )
+    head = ["by the surrogate", "expected", "standard error"]
+    surrogate = page.table(head, told, (1, 2))
     return (
         f'<p class="verdict">{"".join(lines)}</p><p>{answer}; '
         f"{held}</p>{keys}{surrogate}"
@@ -202,8 +197,7 @@ def _constraints(found: Found) -> str:
         "unit of the price",
     ]
     costs = "".join(f"<li>{escape(text)}</li>" for text in found["costs"])
-    body = page.table(head, rows, (1, 2, 4, 6)) if rows else ""
-    return body + (f"<ul>{costs}</ul>" if costs else "")
+    return page.table(head, rows, (1, 2, 4, 6)) + (f"<ul>{costs}</ul>" if costs else "")
 
 
 def _gradient(found: Found) -> str:
@@ -226,7 +220,7 @@ def _gradient(found: Found) -> str:
         for name, unit, slopes in functions
         for key, slope in (slopes or {}).items()
     ]
-    return page.table(["of", "by", "derivative", "unit"], rows, (2,)) if rows else ""
+    return page.table(["of", "by", "derivative", "unit"], rows, (2,))
 
 
 def _way(found: Found, columns: Mapping[str, Column]) -> list[dict[str, Any]]:

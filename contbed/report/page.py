@@ -153,9 +153,13 @@ def section(title: str, body: str, anchor: str) -> str:
 def table(
     head: Sequence[str], rows: Iterable[Sequence[str]], numbers: Sequence[int] = ()
 ) -> str:
-    """Return a table of cells that are HTML already; columns in `numbers` are
-    aligned to the right.
+    """Return a table of cells that are HTML already; nothing where it has no rows.
+
+    Columns in `numbers` are aligned to the right.
     """
+    rows = list(rows)
+    if not rows:
+        return ""
     cells = "".join(f"<th>{escape(name)}</th>" for name in head)
     body = "".join(
         "<tr>"
@@ -189,7 +193,7 @@ def found(values: Mapping[str, Any]) -> str:
         meaning = escape(entry.description) if entry else ""
         shown = unit(quantities.unit_of(name))
         rows.append([code(quantities.name_of(name)), number(value), shown, meaning])
-    return table(["result", "value", "unit", "meaning"], rows, [1]) if rows else ""
+    return table(["result", "value", "unit", "meaning"], rows, [1])
 
 
 def results(runs: Sequence[Run]) -> str:
@@ -216,8 +220,6 @@ def results(runs: Sequence[Run]) -> str:
             cells += [f"{number(value)}{_difference(value, values[0])}"]
         meaning = escape(entry.description) if entry else ""
         rows.append([code(quantities.name_of(name)), *cells, unit(own_unit), meaning])
-    if not rows:
-        return ""
     head = [
         "result",
         *((run.name for run in runs) if len(runs) > 1 else ["value"]),
@@ -282,13 +284,8 @@ def balances(run: Run) -> str:
         ]
         for name, item in run.summary.get("balances", {}).items()
     ]
-    return (
-        table(
-            ["balance", *(part.replace("_", " ") for part in parts)], rows, range(1, 6)
-        )
-        if rows
-        else ""
-    )
+    head = ["balance", *(part.replace("_", " ") for part in parts)]
+    return table(head, rows, range(1, 6))
 
 
 def closures(run: Run) -> str:
@@ -304,11 +301,7 @@ def closures(run: Run) -> str:
             )
             rows.append([code(closure["name"]), escape(argument), used, declared, outside,
                          escape(str(closure.get("source", "")))])  # fmt: skip
-    return (
-        table(["closure", "argument", "used", "range", "outside", "source"], rows)
-        if rows
-        else ""
-    )
+    return table(["closure", "argument", "used", "range", "outside", "source"], rows)
 
 
 def _span(ends: Sequence[float | None]) -> str:
@@ -364,13 +357,8 @@ def differences(runs: Sequence[Run]) -> str:
             own_unit = next((key.unit for key in found if key and key.unit), "")
             cells = [number(key.value) if key else "–" for key in found]
             rows.append([code(name), *cells, escape(own_unit)])
-    return (
-        table(
-            ["key", *(run.name for run in runs), "unit"], rows, range(1, len(runs) + 1)
-        )
-        if rows
-        else ""
-    )
+    head = ["key", *(run.name for run in runs), "unit"]
+    return table(head, rows, range(1, len(runs) + 1))
 
 
 def built(run: Run) -> str:
@@ -383,7 +371,7 @@ def built(run: Run) -> str:
         ["left out", escape(item["what"]), escape(item["why"])]
         for item in run.summary.get("skipped", [])
     ]
-    return table(["", "what", "why"], rows) if rows else ""
+    return table(["", "what", "why"], rows)
 
 
 def provenance(run: Run) -> str:

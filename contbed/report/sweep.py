@@ -10,11 +10,15 @@ from pydantic import Field
 
 from contbed.output.shapes import Shape
 from contbed.report import page
-from contbed.report.indices import uncertainty
-from contbed.report.linked import Column, linked, text_of
+from contbed.report.linked import Column, linked, read_columns, table_of, text_of
 from contbed.report.study import Content, Found, Study
 
 TABLE = "table.json"
+# columns of numbers in the tables of a sample
+NUMBERS = {
+    "uncertainty.csv": ("mean", "standard deviation", "low", "high"),
+    "indices.csv": ("share by gradients",),
+}
 
 
 class Unit(Shape):
@@ -64,7 +68,7 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
     )
     sections = [
         page.warnings(found.get("warnings", [])),
-        page.section("Uncertainty", uncertainty(folder), "uncertainty"),
+        page.section("Uncertainty", _uncertainty(folder), "uncertainty"),
         linked(columns, [run["run"] for run in good]).section(
             "Linked plots", made.place
         ),
@@ -73,6 +77,16 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
     return Content(
         f"Sweep {Path(str(found.get('study', folder.name))).stem}", about, sections
     )
+
+
+def _uncertainty(folder: Path) -> str:
+    """Return spreads and indices of the results; nothing where the sweep has none."""
+    tables = [
+        read_columns(folder / file, ("result",), numbers)
+        for file, numbers in NUMBERS.items()
+        if (folder / file).is_file()
+    ]
+    return "".join(table_of(table.values()) for table in tables)
 
 
 def _row(found: Found, run: dict[str, Any], names: dict[str, str]) -> list[str]:

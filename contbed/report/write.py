@@ -91,13 +91,12 @@ def _names(folders: Sequence[Path]) -> list[str]:
 def of_runs(runs: Sequence[Run]) -> str:
     """Return the report of one run, or of several side by side."""
     several = len(runs) > 1
-    made = charts.curves(runs)
-    curves = list(range(len(made)))
-    made += [
+    made = page.Charts()
+    curves = made.grid(charts.curves(runs))
+    fields = made.grid(
         charts.picture(run, item, several) for run in runs for item in pictures(run)
-    ]
-    fields = list(range(len(curves), len(made)))
-    made.append(charts.cost(runs))
+    )
+    cost = made.grid([charts.cost(runs)])
     title = (
         runs[0].title
         if not several
@@ -111,15 +110,15 @@ def of_runs(runs: Sequence[Run]) -> str:
     parts = [
         f"<header><h1>{escape(title)}</h1><p class=quiet>report of contbed "
         f"{escape(_version(runs))}</p>",
-        f"{_links(fields, several)}</header>",
+        f"{_links(bool(fields), several)}</header>",
         page.section("What was found", heads + page.results(runs), "results"),
         page.section(
             "Where the scenes differ",
             page.differences(runs) if several else "",
             "differences",
         ),
-        page.section("Curves", _grid(curves, made), "curves"),
-        page.section("Fields", _grid(fields, made), "fields"),
+        page.section("Curves", curves, "curves"),
+        page.section("Fields", fields, "fields"),
         page.section("Balances", _each(runs, page.balances), "balances"),
         page.section("Closures", _each(runs, page.closures), "closures"),
         page.section(
@@ -128,11 +127,7 @@ def of_runs(runs: Sequence[Run]) -> str:
         page.section(
             "What was built and what was left out", _each(runs, page.built), "built"
         ),
-        page.section(
-            "Cost and origin",
-            _grid([len(made) - 1], made) + _each(runs, page.provenance),
-            "cost",
-        ),
+        page.section("Cost and origin", cost + _each(runs, page.provenance), "cost"),
     ]
     return page.page(title, parts, made)
 
@@ -157,7 +152,7 @@ def _version(runs: Sequence[Run]) -> str:
     )
 
 
-def _links(fields: Sequence[int], several: bool) -> str:
+def _links(fields: bool, several: bool) -> str:
     names = [
         "results",
         *(["differences"] if several else []),
@@ -174,11 +169,6 @@ def _links(fields: Sequence[int], several: bool) -> str:
         )
         + "</nav>"
     )
-
-
-def _grid(numbers: Sequence[int], made: Sequence[dict[str, Any]]) -> str:
-    body = "".join(page.place(number, made[number]) for number in numbers)
-    return f'<div class="charts">{body}</div>' if body else ""
 
 
 def _each(runs: Sequence[Run], of: Any) -> str:

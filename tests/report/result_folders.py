@@ -57,20 +57,16 @@ def of_sweep(folder):
 
 def of_uncertainty(folder):
     of_sweep(folder)
-    spread = dict.fromkeys(("mean", "mean_error", "deviation", "low", "high"), 1.0) | {
-        "estimator": "samples",
-        "runs": 2,
-    }
-    result = {
-        "unit": "K",
-        "spreads": [spread],
-        "shares by gradients": {"boundary.left.gas.velocity": 1.0},
-    }
-    result |= {"indices": {"total": {"boundary.left.gas.velocity": 1.0}, "groups": 2}}
-    (folder / "uncertainty.json").write_text(
-        json.dumps({"method": "sobol", "results": {"x": result}})
+    (folder / "uncertainty.csv").write_text(
+        "result,unit,estimator,runs,mean,standard error of the mean,standard "
+        "deviation,low,high\n"
+        "x,K,samples,2,1,1,1,1,1\nx,K,gradients,1,1,0,1,1,1\n"
     )
-    return folder, "uncertainty.json"
+    (folder / "indices.csv").write_text(
+        "result,unit,parameter,share by gradients,total\n"
+        "x,K,boundary.left.gas.velocity,1,1\n"
+    )
+    return folder, "uncertainty.csv"
 
 
 def of_sensitivities(folder):
@@ -94,20 +90,6 @@ def of_optimum(folder):
 
 
 def of_calibration(folder):
-    ends = (
-        "low",
-        "high",
-        "low of profile",
-        "high of profile",
-        "low of posterior",
-        "high of posterior",
-    )
-    key = {
-        "unit": "m",
-        "prior": "even",
-        "fitted": 1.0,
-        "standard error": 0.1,
-    } | dict.fromkeys(ends)
     data = {
         "fitted": 1,
         "chi_square": 1.0,
@@ -117,8 +99,8 @@ def of_calibration(folder):
     }
     content = {
         "status": "ok", "versions": VERSIONS, "calibration": "c.toml", "title": "", "warnings": [],
-        "keys": {"mesh.length": key}, "covariance": {"keys": ["mesh.length"], "matrix": [[0.01]]},
-        "correlation": [[1.0]], "combinations": [{"singular value": 3.0, "seen": True, "combination": "mesh.length"}],
+        "covariance": {"keys": ["mesh.length"], "matrix": [[0.01]]},
+        "correlation": [[1.0]],
         "data": data, "posterior": None, "runs": {"kept": 3, "before": 0, "failed": 0},
     }  # fmt: skip
     (folder / "summary.json").write_text(json.dumps(content))
@@ -127,6 +109,13 @@ def of_calibration(folder):
         "[m],fitted,measured,predicted,low,high,deviation over error\n"
         "a,a.csv:2,T,K,1,,yes,300,301,299,303,1\n"
         "a,a.csv:3,T,K,2,,yes,310,311,309,313,1\n"
+    )
+    (folder / "keys.csv").write_text(
+        "key,unit,prior,fitted,standard error,low,high\n"
+        "mesh.length,m,even,1,0.1,0.9,1.1\n"
+    )
+    (folder / "combinations.csv").write_text(
+        "singular value,seen,combination,mesh.length\n3,yes,mesh.length,1\n"
     )
     for name in ("fit", "residuals", "keys"):
         (folder / f"{name}.png").write_bytes(b"a picture")
@@ -168,7 +157,6 @@ def _bed(folder):
 KINDS = {
     "run": of_run,
     "sweep": of_sweep,
-    "uncertainty": of_uncertainty,
     "derivatives": of_sensitivities,
     "optimum": of_optimum,
     "calibration": of_calibration,
