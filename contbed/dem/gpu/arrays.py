@@ -65,6 +65,23 @@ class Lists(NamedTuple):
     wall_onset: DeviceArray
 
 
+class Around(NamedTuple):
+    """What all particles meet, and what threads report.
+
+    load (n, 6) : force [N] and torque [N m] of each particle at the ends of intervals
+    control (3,) : STOP, CULPRIT and NEEDED
+    image (27, 3) : shifts of periodic images [m]
+    pairs, heat, walls : tables of `kernel_arrays`
+    """
+
+    load: DeviceArray
+    control: DeviceArray
+    image: DeviceArray
+    pairs: DeviceArray
+    heat: DeviceArray
+    walls: DeviceArray
+
+
 class Grid(NamedTuple):
     """Cells in row-major order, x fastest.
 

@@ -21,6 +21,7 @@ from contbed.dem.gpu.arrays import (
     NEVER,
     RADIUS,
     VX,
+    Around,
     Bodies,
     Cells,
     Grid,
@@ -81,20 +82,25 @@ class GpuMemory:
         self.longest = max(FEWEST, CHUNK // n)
         self._walls, self._is_warm = laws.walls, len(laws.heat) > 0
         self._rolls = bool((laws.pairs["rolling_friction"] > 0.0).any())
-        self._image = cuda.to_device(laws.image)
-        self._pairs, self._heat, self._wall_table = (
+        pairs, heat, walls = (
             cuda.to_device(
                 table if table.size else np.zeros((1,) * table.ndim, table.dtype)
             )
             for table in (laws.pairs, laws.heat, laws.walls)
         )
+        self._around = Around(
+            cuda.to_device(np.zeros((n, 6))),
+            cuda.to_device(np.zeros(3, np.int64)),
+            cuda.to_device(laws.image),
+            pairs,
+            heat,
+            walls[: len(laws.walls)],
+        )
         self._sides = tuple(cuda.to_device(np.ascontiguousarray(part)) for part in box)
-        self._control = cuda.to_device(np.zeros(3, np.int64))
         self._vectors = tuple(cuda.device_array((n, 3)) for _ in range(3))
         self._scalars = tuple(
             cuda.device_array(n) for _ in range(3 if self._is_warm else 0)
         )
-        self._load = cuda.to_device(np.zeros((n, 6)))
         self._rows = [
             cuda.to_device(np.zeros((n, 12))),
             cuda.to_device(np.zeros((n, 12))),
@@ -170,7 +176,7 @@ class GpuMemory:
 
     def make_list(self) -> loop.Outcome:
         """Sort the particles and list pairs for their present positions."""
-        row, control = self._rows[0], self._control
+        row, control = self._rows[0], self._around.control
         control.copy_to_device(np.array([NEVER, NEVER, 0]))
         list_kernels.wrap[self._blocks, THREADS](row, *self._sides, control)
         list_kernels.find_corners[_blocks(len(self._corners)), THREADS](
@@ -180,7 +186,7 @@ class GpuMemory:
             return loop.Outcome(loop.LOST, lost, 0, 0.0)
         if len(self._walls):
             list_kernels.find_beyond[self._blocks, THREADS](
-                row, self._wall_table, control
+                row, self._around.walls, control
             )
             if (lost := int(control.copy_to_host()[CULPRIT])) < NEVER:
                 return loop.Outcome(loop.BEYOND_WALL, lost, 0, 0.0)
@@ -191,7 +197,13 @@ class GpuMemory:
             row, self._rows[1], *self._bodies, new.listed, cells
         )
         list_kernels.find_neighbours[self._blocks, THREADS](
-            self._rows[1], new, grid, cells.first, self._image, self._skin, control
+            self._rows[1],
+            new,
+            grid,
+            cells.first,
+            self._around.image,
+            self._skin,
+            control,
         )
         self._needed = int(control.copy_to_host()[NEEDED])
         if self._needed > self._room:
@@ -203,7 +215,7 @@ class GpuMemory:
 
     def take_steps(self, interval: Interval) -> loop.Outcome:
         """Take steps up to the end of an interval, or until the list is too old."""
-        control, total = self._control, interval.steps
+        control, total = self._around.control, interval.steps
         control.copy_to_device(np.array([NEVER, NEVER, 0]))
         done, stop, culprit = 0, NEVER, NEVER
         while done < total and stop == NEVER:
@@ -213,12 +225,7 @@ class GpuMemory:
                 self._rows[1],
                 self._bodies[0],
                 self._lists[0],
-                self._load,
-                control,
-                self._image,
-                self._pairs,
-                self._heat,
-                self._wall_table[: len(self._walls)],
+                self._around,
                 Steps(
                     done,
                     end,
@@ -258,13 +265,13 @@ class GpuMemory:
         next call.
         """
         bodies, lists = self._bodies[0], self._lists[0]
-        now = Kept(lists, bodies.user, bodies.material, self._load)
+        now = Kept(lists, bodies.user, bodies.material, self._around.load)
         if self._kept is None or self._kept.lists.entry.shape != lists.entry.shape:
             self._kept = Kept(
                 Lists(*map(_like, lists)),
                 _like(bodies.user),
                 _like(bodies.material),
-                _like(self._load),
+                _like(self._around.load),
             )
         for to, array in zip(
             (*self._kept.lists, *self._kept[1:]), (*now.lists, *now[1:]), strict=True
@@ -279,7 +286,7 @@ class GpuMemory:
         bodies, places = self._bodies[0], kept.lists.entry.shape[0]
         bodies.user.copy_to_device(kept.user)
         bodies.material.copy_to_device(kept.material)
-        self._load.copy_to_device(kept.load)
+        self._around.load.copy_to_device(kept.load)
         for name, array in kept.lists._asdict().items():
             now = getattr(self._lists[0], name)
             (
@@ -309,7 +316,7 @@ class GpuMemory:
         particle, wall = np.nonzero(near.T)
         return Record(
             self._user(),
-            self._load.copy_to_host(),
+            self._around.load.copy_to_host(),
             lists.listed,
             i.astype(np.uint32),
             entry,
@@ -358,7 +365,7 @@ class GpuMemory:
         host.wall_onset[record.wall, :, record.wall_particle] = record.wall_onset
         for array, given in zip(self._lists[0], host, strict=True):
             array.copy_to_device(given)
-        self._load.copy_to_device(record.load)
+        self._around.load.copy_to_device(record.load)
         self._bodies[0].user.copy_to_device(record.user)
         self._bodies[0].material.copy_to_device(
             self._given.material[record.user].astype(np.int32)

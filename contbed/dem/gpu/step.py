@@ -30,6 +30,7 @@ from contbed.dem.gpu.arrays import (
     WX,
     WY,
     WZ,
+    Around,
     Bodies,
     DeviceArray,
     Lists,
@@ -87,12 +88,7 @@ def take_steps(
     new: DeviceArray,
     bodies: Bodies,
     lists: Lists,
-    load: DeviceArray,
-    control: DeviceArray,
-    image: DeviceArray,
-    pairs: DeviceArray,
-    heat: DeviceArray,
-    walls: DeviceArray,
+    around: Around,
     steps: Steps,
 ) -> None:
     """Take steps; all threads meet after each, and end early where a list is too old or
@@ -103,6 +99,7 @@ def take_steps(
     and each further one where the one before has read.
     """
     grid, first, stride = cuda.cg.this_grid(), cuda.grid(1), cuda.gridsize(1)
+    load = around.load
     if steps.begins:
         for i in range(first, row.shape[0], stride):
             rates = _rates(
@@ -116,47 +113,31 @@ def take_steps(
                 _kick_and_move(
                     row, row, bodies.half, i, a, row[i, VX + a], rates[a], steps.dt
                 )
-            _look(row, bodies.half, lists.listed, control, i, steps, steps.first)
+            _look(row, bodies.half, lists.listed, around.control, i, steps, steps.first)
         grid.sync()
     for k in range(steps.first, steps.end):
         # what a step finds stops those after it, so that all threads see the same
-        if control[STOP] <= k:
+        if around.control[STOP] <= k:
             return
         for i in range(first, row.shape[0], stride):
-            _advance(
-                i,
-                k,
-                row,
-                new,
-                bodies,
-                lists,
-                load,
-                control,
-                image,
-                pairs,
-                heat,
-                walls,
-                steps,
-            )
+            _advance(i, k, row, new, bodies, lists, around, steps)
         row, new = new, row
         grid.sync()
 
 
 @cuda.jit(device=True)
-def _advance(
-    i, k, row, new, bodies, lists, load, control, image, pairs, heat, walls, steps
-):
+def _advance(i, k, row, new, bodies, lists, around, steps):
     """Take step k of particle i, up to the first half of the next one unless it is
     the last.
     """
-    number = float(steps.number + k)
+    number, load = float(steps.number + k), around.load
     force, torque, gained = _contacts(
-        i, number, row, bodies.material, lists, image, pairs, heat, steps
+        i, number, row, bodies.material, lists, around, steps
     )
     fx, fy, fz, tx, ty, tz = force.x, force.y, force.z, torque.x, torque.y, torque.z
-    for w in range(len(walls)):
+    for w in range(len(around.walls)):
         push, turn = _at_wall(
-            i, w, number, row, bodies.material, lists, pairs, walls[w], steps.dt
+            i, w, number, row, bodies.material, lists, around, steps.dt
         )
         fx, fy, fz, tx, ty, tz = (
             fx + push.x,
@@ -199,7 +180,7 @@ def _advance(
             tz,
         )
     else:
-        _look(new, half, lists.listed, control, i, steps, k + 1)
+        _look(new, half, lists.listed, around.control, i, steps, k + 1)
 
 
 # Products and sums that a compiler may or may not round at once are written as one
@@ -251,13 +232,14 @@ def _look(row, half, listed, control, i, steps, done):
 
 
 @cuda.jit(device=True)
-def _contacts(i, number, row, material, lists, image, pairs, heat, steps):
+def _contacts(i, number, row, material, lists, around, steps):
     """Sum force [N], torque [N m] and heat [W] of the contacts of particle i with
     others, and keep their histories.
     """
     fx, fy, fz, tx, ty, tz, gained = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     x, y, z, radius = row[i, X], row[i, Y], row[i, Z], row[i, RADIUS]
     entry, spring, onset = lists.entry, lists.spring, lists.onset
+    image = around.image
     for k in range(lists.neighbours[i]):
         e = entry[k, i]
         j, shift = int64(e & MASK), int64((e >> BITS) & IMAGE)
@@ -291,7 +273,7 @@ def _contacts(i, number, row, material, lists, image, pairs, heat, steps):
         before = Vector(0.0, 0.0, 0.0)
         if e >= CLOSED:
             before = Vector(spring[k, 0, i], spring[k, 1, i], spring[k, 2, i])
-        pair = pairs[material[a], material[b]]
+        pair = around.pairs[material[a], material[b]]
         r_eff = row[a, RADIUS] * row[b, RADIUS] / touch
         m_eff = row[a, MASS] * row[b, MASS] / (row[a, MASS] + row[b, MASS])
         normal = Vector(dx / distance, dy / distance, dz / distance)
@@ -342,7 +324,7 @@ def _contacts(i, number, row, material, lists, image, pairs, heat, steps):
             )
             tx, ty, tz = tx + sign * roll.x, ty + sign * roll.y, tz + sign * roll.z
         if steps.is_warm:
-            thermal = heat[material[a], material[b]]
+            thermal = around.heat[material[a], material[b]]
             conductance = thermal.at_rest * sqrt(r_eff * (touch - distance))
             speed = onset[k, 1, i]
             if speed > 0.0:
@@ -356,11 +338,12 @@ def _contacts(i, number, row, material, lists, image, pairs, heat, steps):
 
 
 @cuda.jit(device=True)
-def _at_wall(i, w, number, row, material, lists, pairs, wall, dt):
+def _at_wall(i, w, number, row, material, lists, around, dt):
     """Find force [N] and torque [N m] of a wall at rest, and keep the history of the
     contact.
     """
     spring, onset, nothing = lists.wall_spring, lists.wall_onset, Vector(0.0, 0.0, 0.0)
+    wall = around.walls[w]
     gap, nx, ny, nz = wall_distance(row[i, X], row[i, Y], row[i, Z], wall)
     is_open = onset[w, 0, i] < 0.0
     if row[i, RADIUS] <= gap:
@@ -379,7 +362,12 @@ def _at_wall(i, w, number, row, material, lists, pairs, wall, dt):
     )
     before = Vector(spring[w, 0, i], spring[w, 1, i], spring[w, 2, i])
     found = wall_force(
-        ball, gap, Vector(nx, ny, nz), before, pairs[material[i], wall.material], dt
+        ball,
+        gap,
+        Vector(nx, ny, nz),
+        before,
+        around.pairs[material[i], wall.material],
+        dt,
     )
     spring[w, 0, i], spring[w, 1, i], spring[w, 2, i] = (
         found.spring.x,
