@@ -183,6 +183,10 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     scene._ignored = ignored
     remarks = mistakes(parts, set(), origin, MODELS[kind].find("checks", "WARNINGS"))
     remarks += temperatures_are_of_a_bed(parts)
+    if "H2O" in str(getattr(parts.get("gas"), "composition", "")):
+        from contbed.materials.condensation import water_condenses
+
+        remarks += water_condenses(parts)
     remarks.sort(key=lambda remark: origin.line(remark[0]))
     scene._warnings = tuple(_line(origin, values, path, text) for path, text in remarks)
     return scene

@@ -33,7 +33,7 @@ def fill(
     wanted = scene.output.positions
     # named results are those of the whole height, also where profiles are short
     every = np.union1d(line_along(plan.mesh).positions, wanted)
-    line = line_along(plan.mesh, every)
+    line = line_along(plan.mesh, every.tolist())
     positions, probe = line.positions, line.probe
     result.profiles = {"z [m]": positions} | {
         f"{name} [K]": probe(space, nodal[name]) for name in c.streams

@@ -28,6 +28,7 @@ from contbed.reacting_bed.boundary_scene import SolidCondition as SolidCondition
 from contbed.reacting_bed.solids_scene import Adsorption as Adsorption
 from contbed.reacting_bed.solids_scene import Inside as Inside
 from contbed.reacting_bed.solids_scene import Solid as Solid
+from contbed.scene.humid_air import HumidAir
 from contbed.scene.mesh import MeshLine
 from contbed.scene.quantities import (
     Conductivity,
@@ -71,7 +72,7 @@ MASS_DISPERSION = takes("mass_dispersion")
 CONDUCTIVITY = takes("conductivity")
 
 
-class Mixture(Table):
+class Mixture(HumidAir):
     """The gas, an ideal mixture, and properties of its species."""
 
     composition: str | None = Field(

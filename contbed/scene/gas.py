@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from contbed.scene.humid_air import HUMID_AIR, HumidAir
 from contbed.scene.quantities import (
     Conductivity,
     Density,
@@ -52,7 +53,7 @@ class GasConstant(Table):
         return from_library("fluid", values) | values
 
 
-class GasCantera(Table):
+class GasCantera(HumidAir):
     """An ideal-gas mixture with the polynomials of a Cantera mechanism."""
 
     model: Literal["cantera"] = "cantera"
@@ -85,10 +86,12 @@ class GasCoolProp(Table):
 
 
 def with_its_model(values: Any) -> Any:
-    """Return a [gas] table with its model: "cantera" with a composition, else
-    "constant".
+    """Return a [gas] table with its model: "cantera" with a composition or humid air,
+    else "constant".
     """
-    if isinstance(values, dict) and "composition" in values:
+    if isinstance(values, dict) and (
+        "composition" in values or values.get("material") == HUMID_AIR
+    ):
         return _of_composition(values)
     return {"model": "constant"} | values if isinstance(values, dict) else values
 

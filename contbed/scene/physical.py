@@ -23,7 +23,7 @@ _NO_STATES = ("T_range", "tolerance", "step", "interval", "activation")
 
 def temperatures_are_of_a_bed(parts: Mapping[str, Any]) -> Mistakes:
     """Look for temperatures that point to a wrong unit or a wrong number."""
-    for path, value in _temperatures(parts, ()):
+    for path, value in temperatures_of(parts, ()):
         if value > HOTTEST:
             text = f"above {HOTTEST:g} K no solid of a bed is left"
         elif value < COLDEST:
@@ -33,13 +33,13 @@ def temperatures_are_of_a_bed(parts: Mapping[str, Any]) -> Mistakes:
         yield path, f"{value:.6g} K: {text}; is the unit right?"
 
 
-def _temperatures(
+def temperatures_of(
     part: Any, path: tuple[str | int, ...]
 ) -> Iterator[tuple[tuple[str | int, ...], float]]:
     """Yield all temperatures [K] below a table with their paths."""
     if isinstance(part, Mapping):
         for name, value in part.items():
-            yield from _temperatures(value, (*path, name))
+            yield from temperatures_of(value, (*path, name))
     elif isinstance(part, BaseModel):
         of_temperature = _keys_of_temperature(type(part))
         for name in type(part).model_fields:
@@ -51,11 +51,11 @@ def _temperatures(
                     for number in numbers
                     if isinstance(number, int | float)
                 )
-            yield from _temperatures(value, (*path, name))
+            yield from temperatures_of(value, (*path, name))
     elif isinstance(part, tuple):
         for index, value in enumerate(part):
             if isinstance(value, BaseModel):
-                yield from _temperatures(value, (*path, index))
+                yield from temperatures_of(value, (*path, index))
 
 
 @cache

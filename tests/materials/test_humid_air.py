@@ -1,0 +1,126 @@
+"""Humid air by its humidity, against CoolProp's own equation of humid air."""
+
+from pathlib import Path
+
+import pytest
+from CoolProp.HumidAirProp import HAPropsSI
+
+import contbed as cb
+from contbed.materials.composition import mole_fractions
+from contbed.materials.constants import fluid_of
+from contbed.scene.humid_air import dew_point, saturation_pressure
+from tests.refusals import refused
+from tests.scene_text import scene_of
+
+P = 101325.0
+BED = """
+[mesh]
+type = "line"
+length = 0.5
+[gas]
+material = "humid air"
+humidity_ratio = 0.01
+[solids.stones]
+diameter = 0.01
+density = 2600
+heat_capacity = 900
+conductivity = 2
+[packed_bed]
+porosity = 0.4
+[closures]
+nusselt = "gunn"
+[heat]
+[boundary.left]
+gas.velocity = 0.5
+gas.temperature = 350
+[boundary.right]
+solids.stones.velocity = 1e-3
+solids.stones.temperature = 310
+"""
+HALF = {
+    "gas.humidity_ratio": None,
+    "gas.relative_humidity": 0.5,
+    "gas.dry_bulb": "30 degC",
+}
+
+
+def bed(values):
+    """Return the tables of the bed; a key of None is left out."""
+    given = scene_of(BED, values)
+    given["gas"] = {k: v for k, v in given["gas"].items() if v is not None}
+    return given
+
+
+@pytest.mark.parametrize("T", [280.0, 300.0, 320.0, 350.0])
+def test_saturation_and_dew_points(T):
+    """Interactions with the gas raise the share of water by 0.4 to 0.7 %."""
+    for humidity in (0.5, 1.0):
+        share = humidity * saturation_pressure(T) / P
+        exact = HAPropsSI("psi_w", "T", T, "P", P, "R", humidity)
+        assert share == pytest.approx(exact, rel=0.007)
+    assert dew_point(saturation_pressure(T)) == pytest.approx(T, abs=1e-9)
+    dew = HAPropsSI("Tdp", "T", T + 20.0, "P", P, "psi_w", saturation_pressure(T) / P)
+    assert dew_point(saturation_pressure(T)) == pytest.approx(dew, abs=0.15)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.01, 0.03])
+def test_properties_are_those_of_coolprop(ratio):
+    """Ideal mixture by Cantera: density 0.1 %, heat capacity 0.4 %, viscosity 1.2 %,
+    conductivity 1.8 % from 300 to 470 K.
+    """
+    scene = cb.load(bed({"gas.humidity_ratio": ratio}))
+    gas = fluid_of(scene.gas, scene.origin)
+    for T in (300.0, 350.0, 400.0, 470.0):
+
+        def exact(name, T=T):
+            return HAPropsSI(name, "T", T, "P", P, "W", ratio)
+
+        assert gas.density(T) == pytest.approx(1.0 / exact("Vha"), rel=1e-3)
+        assert gas.heat_capacity(T) == pytest.approx(exact("cp_ha"), rel=4e-3)
+        assert gas.viscosity(T) == pytest.approx(exact("mu"), rel=0.012)
+        assert gas.conductivity(T) == pytest.approx(exact("k"), rel=0.018)
+
+
+def test_humidity_ratio_and_relative_humidity_agree():
+    shares = mole_fractions(cb.load(bed(HALF)).gas.composition)
+    T = 303.15
+    ratio = HAPropsSI("W", "T", T, "P", P, "R", 0.5)
+    same = mole_fractions(cb.load(bed({"gas.humidity_ratio": ratio})).gas.composition)
+    assert shares["H2O"] == pytest.approx(same["H2O"], rel=0.006)
+    assert shares["H2O"] == pytest.approx(0.5 * saturation_pressure(T) / P, rel=1e-9)
+    assert sum(shares.values()) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_condensation_is_warned_of():
+    assert not cb.load(bed(HALF)).warnings
+    (text,) = cb.load(
+        bed(HALF | {"boundary.right.solids.stones.temperature": 285.0})
+    ).warnings
+    assert "boundary.right.solids.stones.temperature" in text
+    assert "condenses or freezes below 291" in text
+
+
+def test_bubbling_beds_burn_in_humid_air():
+    template = Path(cb.__file__).parent / "bubbling_bed" / "template.toml"
+    values = {"gas": {"material": "humid air", "humidity_ratio": 0.02}}
+    found = cb.load(scene_of(template.read_text(), values))
+    assert found.gas.model == "cantera"
+    assert "H2O" in found.gas.composition
+
+
+@pytest.mark.parametrize(
+    ("values", "part"),
+    [
+        ({"gas.relative_humidity": 0.5}, "give humidity_ratio, or relative_humidity"),
+        (HALF | {"gas.dry_bulb": None}, "give humidity_ratio, or relative_humidity"),
+        (HALF | {"gas.relative_humidity": 1.2}, "out of range"),
+        (HALF | {"gas.dry_bulb": "150 degC"}, "water boils there"),
+        ({"gas.composition": "N2:1"}, "not both"),
+        (
+            {"gas.material": None, "gas.composition": "N2:1"},
+            'of material = "humid air"',
+        ),
+    ],
+)
+def test_mistakes(values, part):
+    refused(part, cb.load, bed(values))
