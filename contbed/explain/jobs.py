@@ -100,13 +100,18 @@ JOBS = (
     ),
     Job(
         "Fluidized beds",
-        "two fluids in a vessel with an inlet of gas; height, circulation and spectrum "
-        "with time.average_from",
+        "two fluids in a vessel with an inlet of gas; height, circulation, bubbles and "
+        "spectrum with time.average_from",
         (
             "u_mf_m_s",
             "u_over_u_mf",
             "bed_height_m",
             "circulation_kg_m2s",
+            "bubbles",
+            "bubble_diameter_m",
+            "bubble_diameter_max_m",
+            "bubble_share",
+            "bubble_rise_m_s",
             "dominant_frequency [Hz]",
             "pressure_drop_mean [Pa]",
             "weight_of_solids",

@@ -40,10 +40,7 @@ def end_pressure(grid: Grid, edge: Edge, side: int) -> EndPressure:
     extended by its gradient, the least squares over its neighbours with weights
     1/distance^2, on skewed grids also over theirs.
     """
-    g, first = grid.geometry, grid.interior
-    height = side * grid.middles[first:, -1]
-    near = height.max(initial=-np.inf) - LEVEL * np.ptp(grid.centres[:, -1])
-    end = np.flatnonzero((height >= near) & (side * g.normal[first:, -1] > MIN_UPRIGHT))
+    g, first, end = grid.geometry, grid.interior, end_faces(grid, side)
     weights, outside = np.zeros(len(grid.cells)), 0.0
     share = g.area[first + end] / max(g.area[first + end].sum(), np.finfo(float).tiny)
     reach = _steps_to_neighbours(grid) if len(end) else None
@@ -62,6 +59,16 @@ def end_pressure(grid: Grid, edge: Edge, side: int) -> EndPressure:
         weights[cell] += part * (1.0 - jumps.sum())
         np.add.at(weights, around, part * jumps)
     return EndPressure(weights, outside)
+
+
+def end_faces(grid: Grid, side: int) -> Indices:
+    """Return the boundary faces of the bottom (side -1) or the top (1), counted from
+    the first one; none where these are periodic.
+    """
+    height = side * grid.middles[grid.interior :, -1]
+    near = height.max(initial=-np.inf) - LEVEL * np.ptp(grid.centres[:, -1])
+    upright = side * grid.geometry.normal[grid.interior :, -1] > MIN_UPRIGHT
+    return np.flatnonzero((height >= near) & upright)
 
 
 def _steps_to_neighbours(grid: Grid) -> tuple[Indices, Indices, Array]:

@@ -4,6 +4,7 @@ the bed, circulation of the particles.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +25,8 @@ HALVINGS = 60  # of FASTEST
 EMPTY = 0.1  # of the solids fraction of the bed, below which the top is a freeboard
 TOP = 0.9  # of the height of the vessel, above which the top is
 MIDDLE = 0.1  # of the height of the bed, about its middle
+SPECTRUM = 64  # rows from which a spectrum is taken
+PERIODS = 5.0  # of a signal whose frequency is known to a fifth
 
 
 def fluidized_findings(
@@ -32,12 +35,9 @@ def fluidized_findings(
     """Return results of a bed that an inlet of gas fluidizes, in a vessel of a
     height [m]; none of other scenes.
     """
-    inlets = [each for each in scene.boundary.values() if isinstance(each, Inlet)]
-    blown = any(each.gas.velocity > 0.0 for each in inlets)
-    if not blown or scene.closures.drag == ABSENT or scene.two_fluid.gravity <= 0.0:
+    if not is_fluidized(scene):
         return {}
-    parts = (each.solid.volume_fraction or 0.0 for each in scene.initial.parts)
-    eps_s = max(parts, default=0.0)
+    eps_s = densest_start(scene)
     found: dict[str, float] = {}
     if eps_s >= DENSE:
         u_mf = minimum_fluidization(scene, eps_s)
@@ -57,6 +57,55 @@ def fluidized_findings(
                 upward = circulation(flux, *geometry, height)
                 found["circulation_kg_m2s"] = density * upward
     return found
+
+
+def is_fluidized(scene: TwoFluidScene) -> bool:
+    """Whether an inlet of gas blows through particles that have drag and weight."""
+    inlets = [each for each in scene.boundary.values() if isinstance(each, Inlet)]
+    blown = any(each.gas.velocity > 0.0 for each in inlets)
+    return blown and scene.closures.drag != ABSENT and scene.two_fluid.gravity > 0.0
+
+
+def has_bubbles(scene: TwoFluidScene, dimension: int) -> bool:
+    """Whether a run looks for bubbles: in a dense bed that gas fluidizes, with
+    averages.
+    """
+    dense = is_fluidized(scene) and densest_start(scene) >= DENSE
+    return dense and dimension > 1 and scene.time.average_from is not None
+
+
+def densest_start(scene: TwoFluidScene) -> float:
+    """Return the largest solids fraction of the start."""
+    parts = (each.solid.volume_fraction or 0.0 for each in scene.initial.parts)
+    return max(parts, default=0.0)
+
+
+def judge(
+    scene: TwoFluidScene, rows: Mapping[str, Any], qoi: Mapping[str, Any]
+) -> list[str]:
+    """Return warnings of rows that are too few, or too far apart, for the frequency of
+    the pressure and for bubbles.
+    """
+    start = scene.time.average_from
+    if start is None or not is_fluidized(scene) or densest_start(scene) < DENSE:
+        return []
+    late = rows["t [s]"] >= start
+    span = float(np.ptp(rows["t [s]"][late]))
+    frequency = qoi.get("dominant_frequency [Hz]")
+    where = scene.origin.place(("time", "average_from"))
+    if frequency is None:
+        text = (
+            f"{int(late.sum())} rows since then are too few for a frequency of the "
+            f"pressure; {SPECTRUM} are needed: lower time.sample"
+        )
+        return [f"{where}: {text}"]
+    if frequency * span < PERIODS:
+        text = (
+            f"dominant_frequency = {frequency:.3g} Hz has only {frequency * span:.2g} "
+            f"periods in the averages; average over at least {PERIODS / frequency:.2g} s"
+        )
+        return [f"{where}: {text}"]
+    return []
 
 
 def minimum_fluidization(scene: TwoFluidScene, eps_s: float) -> float | None:

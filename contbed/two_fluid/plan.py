@@ -110,7 +110,7 @@ def plan(scene: t.TwoFluidScene, place: Place = ONE_PROCESS) -> TwoFluidPlan:
     SceneError : the mesh cannot be used, a boundary has no condition or does not exist
     """
     mesh = _cut(mesh_of(scene), scene)
-    cells, place = place.grid(scene, mesh, _pairs(scene))
+    cells, place = place.grid(scene, mesh, periodic_pairs(scene))
     _require_resolved(scene, mesh, cells)
     known = conditions(scene, cells)
     for name in cells.boundaries:
@@ -189,7 +189,7 @@ def plan(scene: t.TwoFluidScene, place: Place = ONE_PROCESS) -> TwoFluidPlan:
     )
 
 
-def _pairs(scene: t.TwoFluidScene) -> list[tuple[str, str]]:
+def periodic_pairs(scene: t.TwoFluidScene) -> list[tuple[str, str]]:
     """Return the pairs of periodic boundaries."""
     return [
         (name, part.partner)

@@ -11,6 +11,7 @@ import numpy as np
 
 from contbed.errors import ConvergenceError
 from contbed.two_fluid import scene as t
+from contbed.two_fluid import wall_shear
 from contbed.two_fluid.boundary import GIVEN, OUTLET
 from contbed.two_fluid.conditions import Inlet, Outlet, SolidAtInlet, Wall
 from contbed.two_fluid.heat.checks import MAX_TEMPERATURE
@@ -221,4 +222,4 @@ def judge(
         from contbed.two_fluid.heat import wall_results
 
         found += wall_results.judge(bed)
-    return found
+    return found + wall_shear.judge(scene, bed)

@@ -34,7 +34,7 @@ def two_fluid_plot(
     path : PNG file
     rows : columns over time, with "t [s]"
     tables : "axial" and, for more than a line, "lateral", as in the files of these
-        names; "spectrum" is left out
+        names, and "bubbles"; "spectrum" is left out
     """
     tables = {name: table for name, table in tables.items() if name != "spectrum"}
     with styled_figure(path, 2.4 + 2.3 * len(tables), title) as figure:
@@ -49,8 +49,9 @@ def two_fluid_plot(
             axes.set(xlabel=_label("t [s]"), ylabel=_label(name))
             axes.margins(x=0)
         for line, table in zip(panels[1:], tables.values(), strict=True):
-            coordinate = next(iter(table))
-            for axes, name in zip(line, _PANELS, strict=True):
+            coordinate, *others = table
+            shown = _PANELS if _PANELS[0] in table else others
+            for axes, name in zip(line, shown, strict=True):
                 axes.plot(table[coordinate], table[name], color="#D55E00", linewidth=1)
                 if name.startswith("theta") and "theta_total [m2/s2]" in table:
                     axes.plot(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contbed.balance import Balance
-from contbed.two_fluid import filters, momentum_budget
+from contbed.two_fluid import filters, momentum_budget, wall_shear
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.averages import Averages, along, spectrum
 from contbed.two_fluid.closures import (
@@ -20,7 +20,7 @@ from contbed.two_fluid.closures import (
 )
 from contbed.two_fluid.conditions import Wall
 from contbed.two_fluid.fv.grid import Grid
-from contbed.two_fluid.of_fluidized import fluidized_findings
+from contbed.two_fluid.of_fluidized import SPECTRUM, fluidized_findings
 from contbed.two_fluid.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -41,7 +41,6 @@ WALL_BINS = 64  # across it
 # cosine between the wall's normal and the radius, all around, of a bed that counts as
 # round
 ROUND = 0.95
-SPECTRUM = 64  # samples from which a spectrum is taken
 
 
 def held(bed: Simulation) -> float:
@@ -332,6 +331,7 @@ def results(
         found["difference_of_halves"] = averages.drift()
         if found["weight_of_solids"] > 0.0:
             found |= momentum_budget.shares(averages.forces())
+    found |= wall_shear.results(bed)
     found |= fluidized_findings(scene, bed, averages, vessel)
     if "spectrum" in tables:
         frequency, power = tables["spectrum"].values()

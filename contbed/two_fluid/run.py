@@ -16,8 +16,8 @@ import numpy as np
 from contbed.errors import ContbedError, ConvergenceError, SceneError
 from contbed.result import Result, timed
 from contbed.scene.mesh import power_units
+from contbed.two_fluid import of_fluidized, plausibility, probes
 from contbed.two_fluid import plan as planning
-from contbed.two_fluid import plausibility, probes
 from contbed.two_fluid import results as findings
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.averages import Averages
@@ -58,6 +58,11 @@ class Run:
         self.averages = None
         if time.average_from is not None:
             self.averages = plan.place.averages(self.bed, time.average_from, time.end)
+        self.bubbles = None
+        if of_fluidized.has_bubbles(self.scene, self.bed.model.grid.dimension):
+            from contbed.two_fluid.bubbles import Bubbles
+
+            self.bubbles = Bubbles(plan)
         self.rows: list[list[float]] = []
         self.files: list[tuple[float, str]] = []
         self.interval = time.sample or time.end / ROWS
@@ -75,6 +80,9 @@ class Run:
         self.rows.append(
             findings.row(self.bed) + probes.row(self.bed, self.plan.probes)
         )
+        since = self.scene.time.average_from
+        if self.bubbles is not None and self.bed.state.time >= (since or 0.0):
+            self.bubbles.add(self.bed.state.time, self.bed.state.eps_s)
         given = known(self.bed, self.scene)
         for closure in self.closures.values():
             closure.record(**given)
@@ -130,6 +138,8 @@ class Run:
         }
         if self.averages is not None:
             arrays |= self.averages.whole().arrays()
+        if self.bubbles is not None:
+            arrays["bubbles"] = np.array(self.bubbles.found)
         return arrays, {"state": json.dumps(plain), "files": json.dumps(self.files)}
 
     def resume(self, arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
@@ -150,6 +160,8 @@ class Run:
         ]
         for kind, closure in self.closures.items():
             closure.restore(arrays[f"ranges_{kind}"])
+        if self.bubbles is not None:
+            self.bubbles.found = np.asarray(arrays["bubbles"]).tolist()
         if self.averages is not None:
             self.averages.resume(dict(arrays))
             self._require_same_window(meta["identity"]["values"]["time"]["end"])
@@ -223,6 +235,9 @@ def run(
             "particles would cross more than a cell"
         )
         result.warnings.append(f"{where}: time.step = {step:g} s: {text}")
+    result.warnings += of_fluidized.judge(scene, result.profiles, result.qoi)
+    if run.bubbles is not None:
+        result.warnings += run.bubbles.judge(scene, result.qoi, run.interval)
     result.warnings += plausibility.judge(
         scene, run.bed, result.profiles, run.largest_speed
     )
@@ -355,6 +370,18 @@ def _fill_results(run: Run, result: Result) -> None:
     result.units |= power_units(result.qoi, run.scene.mesh)
 
 
+def _fill_bubbles(run: Run, result: Result) -> None:
+    """Bubbles below the height of the bed, where there is one."""
+    height = result.qoi.get("bed_height_m")
+    if run.bubbles is None or height is None:
+        return
+    rows = result.profiles["t [s]"] >= run.scene.time.average_from
+    found, table = run.bubbles.findings(int(rows.sum()), height)
+    result.qoi |= found
+    if table:
+        result.tables["bubbles"] = table
+
+
 def _fill_closures(run: Run, result: Result) -> None:
     result.closures += [closure.use().to_dict() for closure in run.closures.values()]
 
@@ -364,5 +391,6 @@ _PARTS = {
     "balances": _fill_balances,
     "tables": _fill_tables,
     "named results": _fill_results,
+    "bubbles": _fill_bubbles,
     "use of closures": _fill_closures,
 }

@@ -167,7 +167,7 @@ def connect(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Connections
     _, middles = _measured(old.p, old.facets, old.brefdom)
     vectors = _vectors(old.p[:, old.facets])
     vectors *= np.sign(((middles - centres[first]) * vectors).sum(axis=1))[:, None]
-    joined = _pairs(mesh, periodic, middles)
+    joined = paired_facets(mesh, periodic, middles)
 
     interior = np.flatnonzero(second >= 0)
     front, back = (
@@ -340,7 +340,7 @@ def _vectors(p: Array) -> Array:
     )
 
 
-def _pairs(
+def paired_facets(
     mesh: Mesh, periodic: Sequence[tuple[str, str]], middles: Array
 ) -> tuple[Indices, Indices]:
     """Facets on either side of the periodic boundaries, in the same order."""
