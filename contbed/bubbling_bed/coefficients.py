@@ -162,12 +162,10 @@ class Computed:
         """
         T, gases = self.temperature(u), self.mixtures(u)
         gas = gases["emulsion"]
-        rho, mu, cp, k = (
-            gas.density(T),
-            gas.viscosity(T),
-            gas.heat_capacity(T),
-            gas.conductivity(T),
-        )
+        rho = gas.density(T)
+        mu = gas.viscosity(T)
+        cp = gas.heat_capacity(T)
+        k = gas.conductivity(T)
         cp_solid = (
             sum(
                 self.share[n] * self.density[n] * self.heat_capacity(n, T)
@@ -232,10 +230,8 @@ class Computed:
         state["u_b"] = self._call((*BUBBLES, "rise"), state)
         state["delta"] = self._call((*BUBBLES, "fraction"), state)
         state["u_emulsion_closure"] = self._call((*BUBBLES, "emulsion_gas"), state)
-        least, all_gas = (
-            LEAST * state["u_mf"],
-            flow / (rho * A * (1.0 - state["delta"])),
-        )
+        least = LEAST * state["u_mf"]
+        all_gas = flow / (rho * A * (1.0 - state["delta"]))
         rising = least + _bent(state["u_emulsion_closure"] - least, bend)
         bubbles = least + _bent(all_gas - rising - least, bend)
         state["u_e"] = all_gas - bubbles
@@ -252,12 +248,10 @@ class Computed:
         if part is not None and part.known(u):
             flow = sum(part.mass(u, phase) for phase in part.phases)
         state, gases = self.state(u, flow)
-        flows, slopes, crossing, unknown = (
-            {"T_emulsion": flow},
-            {"T_emulsion": 0.0},
-            None,
-            None,
-        )
+        flows = {"T_emulsion": flow}
+        slopes = {"T_emulsion": 0.0}
+        crossing = None
+        unknown = None
         # a kg of gas heated by 1000 K
         heat = 1e3 * gases["emulsion"].heat_capacity(scene.initial.temperature)
         if self.bubbling:

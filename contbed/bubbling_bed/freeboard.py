@@ -22,11 +22,9 @@ class FreeboardProblem:
     """
 
     def __init__(self, scene: Any, computed: Any):
-        self.scene, self.computed, self.table = (
-            scene,
-            computed,
-            scene.bubbling_bed.freeboard,
-        )
+        self.scene = scene
+        self.computed = computed
+        self.table = scene.bubbling_bed.freeboard
         self.coefficients = computed.coefficients
         names = computed.names
         total = sum(computed.share[name] * computed.density[name] for name in names)
@@ -107,12 +105,10 @@ class FreeboardProblem:
         """
         flow, gas = self.gas(u)
         computed, T = self.computed, u.T_freeboard
-        rho, mu, cp, k = (
-            gas.density(T),
-            gas.viscosity(T),
-            gas.heat_capacity(T),
-            gas.conductivity(T),
-        )
+        rho = gas.density(T)
+        mu = gas.viscosity(T)
+        cp = gas.heat_capacity(T)
+        k = gas.conductivity(T)
         u_gas = flow / (rho * computed.section)
         state = {
             "T": T,

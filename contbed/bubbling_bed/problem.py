@@ -75,10 +75,8 @@ class BubblingProblem:
         self.system = make_system(
             plan.mesh, plan.fields, 2 * plan.scene.solver.degree + EXTRA
         )
-        (self.bottom,), (self.top,) = (
-            self.system.boundary("bottom"),
-            self.system.boundary("top"),
-        )
+        (self.bottom,) = self.system.boundary("bottom")
+        (self.top,) = self.system.boundary("top")
         self.fixed = np.empty(0, dtype=np.int64)
         self.radiant = [
             name for name in ("G", "G_freeboard") if name in self.system.fields

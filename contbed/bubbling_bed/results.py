@@ -68,10 +68,8 @@ def fill(
     }
 
     height = scene.bubbling_bed.height
-    middle, top = (
-        Probe(plan.mesh, np.array([[0.5 * height]])),
-        Probe(plan.mesh, np.array([[height]])),
-    )
+    middle = Probe(plan.mesh, np.array([[0.5 * height]]))
+    top = Probe(plan.mesh, np.array([[height]]))
     if c.plate is not None:
         result.qoi["T_distributor_K"] = float(
             problem.system.part(state, "T_distributor")[0]

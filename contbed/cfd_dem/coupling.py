@@ -84,12 +84,10 @@ class Bed:
                 "gas: temperatures of the particles and an energy equation of the gas "
                 "go together"
             )
-        self.simulation, self.gas, self.solid, self.moving = (
-            simulation,
-            gas,
-            solid,
-            moving,
-        )
+        self.simulation = simulation
+        self.gas = gas
+        self.solid = solid
+        self.moving = moving
         self.tubes, self.from_tubes = tuple(tubes), np.zeros(len(tubes))
         self.gas_step, self.heat_interval, self.emissivity = (
             float(gas_step),
@@ -266,10 +264,8 @@ class Bed:
                     self.simulation, self.gas, self.motion, self.T
                 )
                 self.from_tubes[k] += dt * float(particles.sum() + cells.sum())
-                to_particles, to_cells = (
-                    to_particles + particles,
-                    cells if to_cells is None else to_cells + cells,
-                )
+                to_particles = to_particles + particles
+                to_cells = cells if to_cells is None else to_cells + cells
         return to_particles, to_cells
 
     def _heat_up(self, dt: float, to_particles: Any) -> None:

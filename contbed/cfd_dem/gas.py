@@ -308,12 +308,10 @@ class Gas:
         """Find the gas around each particle and its drag, on the particles and
         summed on faces.
         """
-        where, share, faces, weight = (
-            places.where,
-            places.share,
-            places.faces,
-            places.weight,
-        )
+        where = places.where
+        share = places.share
+        faces = places.faces
+        weight = places.weight
         d_p, eps_at = 2.0 * bed.radius, places.eps_at
         carried = eps_at[:, None] * bed.v
         slip = kernels.gather_faces(faces, weight, self.q) - carried
@@ -395,10 +393,8 @@ class Gas:
         """Find the porosity of the volumes of faces; a face without volume takes
         that of the cells beside.
         """
-        volume, own = (
-            self.grid.face_volume,
-            kernels.face_means(eps, self.grid.face_cell),
-        )
+        volume = self.grid.face_volume
+        own = kernels.face_means(eps, self.grid.face_cell)
         return self._raised(
             1.0 - np.divide(solid, volume, out=1.0 - own, where=volume > 0.0)
         )
@@ -482,10 +478,8 @@ class Gas:
             1.0 - np.sqrt(1.0 - np.minimum(eps_face, 1.0))
         )
         inner = grid.face_kind == INNER
-        low, high = (
-            np.where(inner, grid.face_cell[:, 0], 0),
-            np.where(inner, grid.face_cell[:, 1], 0),
-        )
+        low = np.where(inner, grid.face_cell[:, 0], 0)
+        high = np.where(inner, grid.face_cell[:, 1], 0)
         flux = k * self._area / grid.size[grid.face_axis] * (self.T[low] - self.T[high])
         return np.asarray(-kernels.divergence(flux, grid.cell_face))
 

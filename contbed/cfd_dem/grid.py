@@ -102,10 +102,8 @@ class Grid:
     tables: Tables = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        lower, size = (
-            np.array(self.lower, dtype=float),
-            np.array(self.size, dtype=float),
-        )
+        lower = np.array(self.lower, dtype=float)
+        size = np.array(self.size, dtype=float)
         if not (size > 0.0).all() or min(self.count) < 1:
             raise SceneError(
                 f"gas: {self.count} cells of {size} m; numbers and sizes must be "
@@ -230,15 +228,11 @@ class Grid:
             for b in range(3):
                 ordered, to = np.moveaxis(faces, b, 0), np.moveaxis(beside, b, 0)
                 if sides[b]:
-                    to[..., 2 * b], to[..., 2 * b + 1] = (
-                        np.roll(ordered, 1, axis=0),
-                        np.roll(ordered, -1, axis=0),
-                    )
+                    to[..., 2 * b] = np.roll(ordered, 1, axis=0)
+                    to[..., 2 * b + 1] = np.roll(ordered, -1, axis=0)
                 else:
-                    to[1:, ..., 2 * b], to[:-1, ..., 2 * b + 1] = (
-                        ordered[:-1],
-                        ordered[1:],
-                    )
+                    to[1:, ..., 2 * b] = ordered[:-1]
+                    to[:-1, ..., 2 * b + 1] = ordered[1:]
             around = around.reshape(-1, 2)
             kind = np.full(len(around), INNER)
             kind[around[:, 0] < 0] = INLET if a == 2 else WALL
@@ -357,21 +351,15 @@ def _face_weights(
                 if 0 <= k < last:
                     at[kind, b, 0], at[kind, b, 1] = k, k + 1
                 elif periodic[b]:
-                    at[kind, b, 0], at[kind, b, 1] = (
-                        k % (last + 1),
-                        (k + 1) % (last + 1),
-                    )
+                    at[kind, b, 0] = k % (last + 1)
+                    at[kind, b, 1] = (k + 1) % (last + 1)
                 else:
-                    at[kind, b, 0], at[kind, b, 1] = (
-                        min(max(k, 0), last),
-                        min(max(k + 1, 0), last),
-                    )
+                    at[kind, b, 0] = min(max(k, 0), last)
+                    at[kind, b, 1] = min(max(k + 1, 0), last)
         for a in range(3):
-            kx, ky, kz = (
-                (0 if a == 0 else 1),
-                (0 if a == 1 else 1),
-                (0 if a == 2 else 1),
-            )
+            kx = 0 if a == 0 else 1
+            ky = 0 if a == 1 else 1
+            kz = 0 if a == 2 else 1
             total, corner = 0.0, 0
             for p in range(2):
                 for q in range(2):

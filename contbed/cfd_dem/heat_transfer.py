@@ -78,10 +78,8 @@ class Average:
     def __call__(self, bed: Bed) -> None:
         """Take the bed as it is now into the average."""
         found = coefficients(bed, self.solid, self.emissivity, self.T)
-        around, z = (
-            bed.gas.around(bed.motion),
-            2.0 * len(bed.simulation.contacts()) / len(bed.simulation.position),
-        )
+        around = bed.gas.around(bed.motion)
+        z = 2.0 * len(bed.simulation.contacts()) / len(bed.simulation.position)
         old = self.count / (self.count + 1.0)
         self.count += 1
         new = 1.0 - old

@@ -135,10 +135,8 @@ def force_on_particles(places: Any, drag: Any, q: Array, slope: Array) -> Array:
     `places` and `drag` are those of `gas_quantities`.
     """
     out = np.empty((len(places.faces), 3))
-    drag_on_each, at = (
-        (drag.coefficient, drag.carried),
-        (places.faces, places.weight, places.volume),
-    )
+    drag_on_each = (drag.coefficient, drag.carried)
+    at = (places.faces, places.weight, places.volume)
     threads.parallel(_force, len(out), at, drag_on_each, q, slope, out)
     return out
 
@@ -193,11 +191,9 @@ def limited(T: Array, T_inlet: Array, flux: Array, tables: Tables) -> Array:
     `T_inlet` (f,) [K] are those beyond the inlet, nan elsewhere; `flux` (f,) gives the
     direction.
     """
-    cell_face, face_cell, face_axis = (
-        tables.cell_face,
-        tables.face_cell,
-        tables.face_axis,
-    )
+    cell_face = tables.cell_face
+    face_cell = tables.face_cell
+    face_axis = tables.face_axis
     out = T_inlet.copy()
     for f in range(len(face_cell)):
         up, down = (
@@ -261,12 +257,10 @@ def momentum(
     tables : `grid.Tables`
     no_slip : whether the gas sticks to the sides
     """
-    cell_face, face_cell, face_next, size = (
-        tables.cell_face,
-        tables.face_cell,
-        tables.face_next,
-        tables.size,
-    )
+    cell_face = tables.cell_face
+    face_cell = tables.face_cell
+    face_next = tables.face_next
+    size = tables.size
     face_axis, active = tables.face_axis, tables.active
     out = np.zeros(len(u))
     for f in range(len(u)):

@@ -44,11 +44,9 @@ class Probes(NamedTuple):
 
 def probes_of(grid: Grid, points: Mapping[str, Sequence[float]]) -> Probes:
     """Find the cells around points [m] and the weights on them."""
-    count, cells, weight = (
-        np.array(grid.count),
-        np.zeros((len(points), 8), np.int64),
-        np.ones((len(points), 8)),
-    )
+    count = np.array(grid.count)
+    cells = np.zeros((len(points), 8), np.int64)
+    weight = np.ones((len(points), 8))
     for n, point in enumerate(points.values()):
         place = np.clip(
             (np.asarray(point) - grid.lower) / grid.size - 0.5, 0.0, count - 1.0

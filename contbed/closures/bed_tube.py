@@ -65,15 +65,11 @@ def bed_tube_molerus_wirth(
     696.309
     """
     length = (mu / (GRAVITY**0.5 * (rho_solid - rho_gas))) ** (2 / 3)
-    p2, p4, p7 = (
-        k_gas / (2.0 * cp_gas * mu),
-        rho_gas / (rho_solid - rho_gas),
-        1.0 - eps_mf,
-    )
-    p5, p6 = (
-        (rho_solid * cp_solid / (k_gas * GRAVITY)) ** (1 / 3) * u_excess,
-        u_excess / u_mf,
-    )
+    p2 = k_gas / (2.0 * cp_gas * mu)
+    p4 = rho_gas / (rho_solid - rho_gas)
+    p7 = 1.0 - eps_mf
+    p5 = (rho_solid * cp_solid / (k_gas * GRAVITY)) ** (1 / 3) * u_excess
+    p6 = u_excess / u_mf
     Pr = mu * cp_gas / k_gas
     turbulent = 1.0 + p2 + 0.28 * p2 * p7**2 * p4**0.5 * p5**2 / p6
     particles = 0.125 * p7 / turbulent / (1.0 + 33.3 / (p6 ** (1 / 3) * p5))

@@ -257,9 +257,7 @@ def drag_wen_yu(Re: Value, eps: Value, d_p: Value, mu: Value) -> Value:
     >>> round(float(drag_wen_yu(Re=100.0, eps=0.4, d_p=2e-3, mu=1.8e-5)), 4)
     2506.5809
     """
-    creeping, share = (
-        24.0 * (1 + 0.15 * Re**0.687),
-        1.0 / (1.0 + np.exp((_STEP - Re) / _RISE)),
-    )
+    creeping = 24.0 * (1 + 0.15 * Re**0.687)
+    share = 1.0 / (1.0 + np.exp((_STEP - Re) / _RISE))
     sphere = creeping + share * (0.44 * Re - creeping)
     return 0.75 * sphere * (1 - eps) * eps**-2.65 * mu / d_p**2

@@ -111,11 +111,9 @@ def contact_law(
     limit = contact.sliding_friction * max(load, 0.0)
     kt, ct = 8.0 * contact.shear_modulus * a, contact.damping_tangential * root
     out = spring.x * nx + spring.y * ny + spring.z * nz
-    sx, sy, sz = (
-        spring.x - out * nx + dt * ux,
-        spring.y - out * ny + dt * uy,
-        spring.z - out * nz + dt * uz,
-    )
+    sx = spring.x - out * nx + dt * ux
+    sy = spring.y - out * ny + dt * uy
+    sz = spring.z - out * nz + dt * uz
     spring2 = kt * kt * (sx * sx + sy * sy + sz * sz)
     slips = spring2 > limit * limit
     shrink = limit / sqrt(spring2) if slips else 1.0
@@ -146,11 +144,9 @@ def rolling_torque(
     `friction` is mu_r [-], `normal_force` [N].
     """
     along = spin.x * normal.x + spin.y * normal.y + spin.z * normal.z
-    wx, wy, wz = (
-        spin.x - along * normal.x,
-        spin.y - along * normal.y,
-        spin.z - along * normal.z,
-    )
+    wx = spin.x - along * normal.x
+    wy = spin.y - along * normal.y
+    wz = spin.z - along * normal.z
     rate = sqrt(wx * wx + wy * wy + wz * wz)
     if rate == 0.0 or normal_force <= 0.0:
         return Vector(0.0, 0.0, 0.0)

@@ -97,12 +97,10 @@ def pair_forces(
     step, dt : number of the step, its length [s]
     batch : room
     """
-    x, radius, equal, b = (
-        side.bodies.position,
-        side.spheres.radius,
-        side.spheres.equal,
-        batch.column,
-    )
+    x = side.bodies.position
+    radius = side.spheres.radius
+    equal = side.spheres.equal
+    b = batch.column
     pairs, entry, image = side.pairs, side.pairs.entry, laws.image
     for i in range(block * BLOCK, min((block + 1) * BLOCK, len(x))):
         sums.load[i, 0], sums.load[i, 1], sums.load[i, 2] = 0.0, 0.0, 0.0
@@ -129,21 +127,17 @@ def pair_forces(
                 touch2 = (radius[i] + radius[j]) ** 2
             distance2 = dx * dx + dy * dy + dz * dz
             touches, touched = distance2 < touch2, e >= CLOSED
-            b[DX + count], b[DY + count], b[DZ + count], b[DISTANCE2 + count] = (
-                dx,
-                dy,
-                dz,
-                distance2,
-            )
+            b[DX + count] = dx
+            b[DY + count] = dy
+            b[DZ + count] = dz
+            b[DISTANCE2 + count] = distance2
             batch.i[count], batch.j[count], batch.place[count] = i, j, k
             if touches != touched:
                 entry[k] = e ^ CLOSED
                 if touches:
-                    pairs.spring[k, 0], pairs.spring[k, 1], pairs.spring[k, 2] = (
-                        0.0,
-                        0.0,
-                        0.0,
-                    )
+                    pairs.spring[k, 0] = 0.0
+                    pairs.spring[k, 1] = 0.0
+                    pairs.spring[k, 2] = 0.0
                     batch.new[fresh] = count
                     fresh += 1
                 elif zone:
@@ -181,12 +175,10 @@ def _close_batch(
     """Gather velocities and springs, apply the laws, add. An arm is half the
     distance, MORE of it longer for i.
     """
-    b, motion, pairs, spheres = (
-        batch.column,
-        side.bodies.motion,
-        side.pairs,
-        side.spheres,
-    )
+    b = batch.column
+    motion = side.bodies.motion
+    pairs = side.pairs
+    spheres = side.spheres
     unequal, more = not spheres.equal, 0.0
     if unequal:
         for k in range(count):
@@ -237,19 +229,15 @@ def _add_contacts(
         i, j, m = batch.i[k], batch.j[k], batch.place[k]
         if unequal:
             more = b[MORE + k]
-        fx, fy, fz, tx, ty, tz = (
-            b[FX + k],
-            b[FY + k],
-            b[FZ + k],
-            b[TX + k],
-            b[TY + k],
-            b[TZ + k],
-        )
-        spring[m, 0], spring[m, 1], spring[m, 2] = (
-            b[SPRING_X + k],
-            b[SPRING_Y + k],
-            b[SPRING_Z + k],
-        )
+        fx = b[FX + k]
+        fy = b[FY + k]
+        fz = b[FZ + k]
+        tx = b[TX + k]
+        ty = b[TY + k]
+        tz = b[TZ + k]
+        spring[m, 0] = b[SPRING_X + k]
+        spring[m, 1] = b[SPRING_Y + k]
+        spring[m, 2] = b[SPRING_Z + k]
         add(
             load,
             i,
@@ -270,12 +258,10 @@ def _exchange_heat(
     batch: Batch, count: int, side: Side, sums: Sums, laws: Laws, now: Now
 ) -> None:
     """Add the heat [W] that flows through the contacts of a batch."""
-    b, T, kind, onset = (
-        batch.column,
-        side.heat.T,
-        side.spheres.material,
-        side.pairs.onset,
-    )
+    b = batch.column
+    T = side.heat.T
+    kind = side.spheres.material
+    onset = side.pairs.onset
     for k in range(count):
         i, j, m = batch.i[k], batch.j[k], batch.place[k]
         pair = laws.heat[kind[i], kind[j]]
@@ -322,23 +308,19 @@ def _apply_law(b: Array, count: int, dt: float) -> None:
         b[SPRING_X + k], b[SPRING_Y + k], b[SPRING_Z + k] = spring
         b[CONTACT_RADIUS + k] = np.sqrt(b[RADIUS + k] * (b[TOUCH + k] - distance))
         b[FX + k], b[FY + k], b[FZ + k] = fx, fy, fz
-        b[TX + k], b[TY + k], b[TZ + k] = (
-            0.5 * (dz * fy - dy * fz),
-            0.5 * (dx * fz - dz * fx),
-            0.5 * (dy * fx - dx * fy),
-        )
+        b[TX + k] = 0.5 * (dz * fy - dy * fz)
+        b[TY + k] = 0.5 * (dx * fz - dz * fx)
+        b[TZ + k] = 0.5 * (dy * fx - dx * fy)
 
 
 @inner(error_model="numpy", fastmath=set(FAST))
 def _roll(batch: Batch, k: int, side: Side, sums: Sums, pairs: Table, now: Now) -> None:
     """Add the torque against rolling of a contact of a batch."""
-    b, i, j, motion, spheres = (
-        batch.column,
-        batch.i[k],
-        batch.j[k],
-        side.bodies.motion,
-        side.spheres,
-    )
+    b = batch.column
+    i = batch.i[k]
+    j = batch.j[k]
+    motion = side.bodies.motion
+    spheres = side.spheres
     inertia, distance, load = spheres.inertia, np.sqrt(b[DISTANCE2 + k]), sums.load
     torque = rolling_torque(
         Vector(b[DX + k] / distance, b[DY + k] / distance, b[DZ + k] / distance),

@@ -130,11 +130,9 @@ def impact_conductance(
     )
     c = np.asarray(factor, dtype=float)
     first = C_i <= C_j
-    lean, rich, k_lean = (
-        np.where(first, C_i, C_j),
-        np.where(first, C_j, C_i),
-        np.where(first, k_i, k_j),
-    )
+    lean = np.where(first, C_i, C_j)
+    rich = np.where(first, C_j, C_i)
+    k_lean = np.where(first, k_i, k_j)
     effusivity = 1.0 / ((C_i * k_i) ** -0.5 + (C_j * k_j) ** -0.5)
     G: Array = c**3 * conductance_of(
         impact.duration, impact.radius, k_lean / lean, lean / rich, effusivity

@@ -123,10 +123,8 @@ def spreading_conductance(
             1.0 / (gas + solid), 2.0 * mean, 0.5 * distance[part], r_face, disc
         )
         share = solid / (gas + solid)
-        fluid[part], contact[part] = (
-            np.sum(heat * (1.0 - share), axis=1),
-            np.sum(heat * share, axis=1),
-        )
+        fluid[part] = np.sum(heat * (1.0 - share), axis=1)
+        contact[part] = np.sum(heat * share, axis=1)
     return Spreading(fluid, contact)
 
 
@@ -168,10 +166,8 @@ def _sheet(
     edges : of the rings (pairs, rings + 1) [m]
     """
     inner, outer = edges[:, :-1], edges[:, 1:]
-    start, rim = (
-        np.maximum(inner, r_contact[:, None]),
-        np.maximum(outer, r_contact[:, None]),
-    )
+    start = np.maximum(inner, r_contact[:, None])
+    rim = np.maximum(outer, r_contact[:, None])
     r2 = start[..., None] ** 2 + (rim**2 - start**2)[..., None] * _NODES
     half_chord = np.sqrt(np.maximum(R**2 - r2, 0.0))
     opening = np.maximum(distance - 2.0 * R, 0.0)[:, None, None]

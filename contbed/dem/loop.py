@@ -93,18 +93,14 @@ def _advance(
     to the temperatures. `largest` and `culprit` of the block become the largest speed
     squared and a particle above the limit or -1.
     """
-    bodies, spheres, heat, crossing = (
-        side.bodies,
-        side.spheres,
-        side.heat,
-        sums.crossing,
-    )
-    load, half, motion, dt = (
-        sums.load,
-        side.bodies.half,
-        side.bodies.motion,
-        interval.time_step,
-    )
+    bodies = side.bodies
+    spheres = side.spheres
+    heat = side.heat
+    crossing = sums.crossing
+    load = sums.load
+    half = side.bodies.half
+    motion = side.bodies.motion
+    dt = interval.time_step
     h, top, worst, is_warm = 0.5 * interval.time_step, 0.0, -1, len(side.heat.T) > 0
     per_mass, per_inertia = 1.0 / spheres.mass[0], 1.0 / spheres.inertia[0]
     for i in range(block * BLOCK, min((block + 1) * BLOCK, len(bodies.position))):
@@ -127,10 +123,8 @@ def _advance(
                 )
         speed2 = 0.0
         for a in range(3):
-            rate, turn = (
-                load[i, a] * per_mass + interval.gravity[a],
-                load[i, 3 + a] * per_inertia,
-            )
+            rate = load[i, a] * per_mass + interval.gravity[a]
+            turn = load[i, 3 + a] * per_inertia
             v = motion[i, a] if phase == BEGIN else half[i, a] + h * rate
             w = motion[i, 3 + a] if phase == BEGIN else half[i, 3 + a] + h * turn
             if phase == END:
@@ -188,12 +182,10 @@ def _step_kernel(stamp: int) -> Callable[..., Outcome]:
         blocks: Blocks,
     ) -> Outcome:
         """Take the steps of an interval, up to its end or until the list is too old."""
-        batch, pieces, moved, done = (
-            empty_batch(),
-            len(blocks.largest),
-            interval.moved,
-            min(stamp, 0),
-        )
+        batch = empty_batch()
+        pieces = len(blocks.largest)
+        moved = interval.moved
+        done = min(stamp, 0)
         begun = interval.begun
         while done < interval.steps:
             if not begun:
@@ -225,10 +217,8 @@ def _step_kernel(stamp: int) -> Callable[..., Outcome]:
                 if moved > interval.enough:
                     return Outcome(LIST_IS_OLD, -1, done, moved)
             begun = False
-            phase, now = (
-                GO_ON if done < interval.steps - 1 else END,
-                float(interval.first + done + 1),
-            )
+            phase = GO_ON if done < interval.steps - 1 else END
+            now = float(interval.first + done + 1)
             stages = 1 if crew.size == 1 else 2
             for stage in range(stages):
                 piece = take(crew)
@@ -264,11 +254,9 @@ def _list_kernel(stamp: int) -> Callable[..., Outcome]:
         room: Room,
     ) -> Outcome:
         """Sort the particles and list pairs and near walls anew on the side `new`."""
-        blocks, sorting, n = (
-            room.blocks,
-            room.sorting,
-            max(len(old.bodies.position), min(stamp, 0)),
-        )
+        blocks = room.blocks
+        sorting = room.sorting
+        n = max(len(old.bodies.position), min(stamp, 0))
         pieces = len(blocks.largest)
         widest = (
             old.spheres.radius[0] if old.spheres.equal else old.spheres.radius.max()

@@ -81,11 +81,9 @@ class Record(NamedTuple):
 def nothing_listed(n: int) -> Record:
     """Return the record of n particles in the order of the user with an empty list."""
     history = np.zeros((0, 3)), np.zeros((0, 2))
-    order, pairs, near = (
-        np.arange(n, dtype=np.int32),
-        np.zeros(0, np.uint32),
-        np.zeros(0, np.int32),
-    )
+    order = np.arange(n, dtype=np.int32)
+    pairs = np.zeros(0, np.uint32)
+    near = np.zeros(0, np.int32)
     return Record(
         order,
         np.zeros((n, 6)),
@@ -252,11 +250,9 @@ class Memory:
         user's order.
         """
         heat = self.side.heat
-        heat.T[:], heat.source[:], heat.inverse_capacity[:] = (
-            T[self.user],
-            source[self.user],
-            1.0 / capacity[self.user],
-        )
+        heat.T[:] = T[self.user]
+        heat.source[:] = source[self.user]
+        heat.inverse_capacity[:] = 1.0 / capacity[self.user]
 
     def store(self, position: Array, velocity: Array, spin: Array, T: Array) -> None:
         """Copy positions, velocities, spins and temperatures to the user's order."""
@@ -336,27 +332,19 @@ class Memory:
 
     def write(self, record: Record) -> None:
         """Take up a state of `read`."""
-        block, across = (
-            record.row // BLOCK,
-            record.row // BLOCK != (record.entry & MASK) // BLOCK,
-        )
-        group, wall_block = (
-            2 * block.astype(np.int64) + across,
-            record.wall_particle.astype(np.int64) // BLOCK,
-        )
-        used, close = (
-            np.bincount(group, minlength=2 * self.blocks),
-            np.bincount(wall_block, minlength=self.blocks),
-        )
+        block = record.row // BLOCK
+        across = record.row // BLOCK != (record.entry & MASK) // BLOCK
+        group = 2 * block.astype(np.int64) + across
+        wall_block = record.wall_particle.astype(np.int64) // BLOCK
+        used = np.bincount(group, minlength=2 * self.blocks)
+        close = np.bincount(wall_block, minlength=self.blocks)
         self._make_room(
             [int(used[0::2].max()), int(used[1::2].max()), int(close.max())]
         )
-        pairs, near, bodies, spheres = (
-            self.side.pairs,
-            self.side.near,
-            self.side.bodies,
-            self.side.spheres,
-        )
+        pairs = self.side.pairs
+        near = self.side.near
+        bodies = self.side.bodies
+        spheres = self.side.spheres
         place = _places(group, used, pairs.room)
         pairs.used[0], pairs.used[1] = used[0::2], used[1::2]
         pairs.row[place], pairs.entry[place] = record.row, record.entry
@@ -367,11 +355,9 @@ class Memory:
         near.particle[place], near.wall[place] = record.wall_particle, record.wall
         near.spring[place], near.onset[place] = record.wall_spring, record.wall_onset
         find_incoming(pairs, self.sums.crossing)
-        self.sums.load[:], bodies.user[:], pairs.listed[:] = (
-            record.load,
-            record.user,
-            record.listed,
-        )
+        self.sums.load[:] = record.load
+        bodies.user[:] = record.user
+        pairs.listed[:] = record.listed
         if not spheres.equal:
             for name in _EACH:
                 getattr(spheres, name)[:] = getattr(self._given, name)[record.user]
@@ -392,11 +378,9 @@ class Memory:
         self._allocate()
 
     def _allocate(self) -> None:
-        n, warm, blocks = (
-            len(self._given.radius),
-            len(self._given.radius) if self._is_warm else 0,
-            self.blocks,
-        )
+        n = len(self._given.radius)
+        warm = len(self._given.radius) if self._is_warm else 0
+        blocks = self.blocks
         across, cells = blocks * self._places[1], MOST_CELLS * n + (1 << (3 * CUBE)) + 1
         self.side, self.other = self._make_side(), self._make_side()
         crossing = Crossing(np.empty((across, 7)), _whole(n + 1), _whole(across))

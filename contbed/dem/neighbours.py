@@ -72,11 +72,9 @@ def find_pairs(
 
     Where that is more than there is room for, the list is not complete.
     """
-    begin, end, image = (
-        block * BLOCK,
-        min((block + 1) * BLOCK, len(x)),
-        image_shifts(box),
-    )
+    begin = block * BLOCK
+    end = min((block + 1) * BLOCK, len(x))
+    image = image_shifts(box)
     base, count = np.empty(2, np.int64), np.zeros(2, np.int64)
     base[0] = block * (pairs.room[0] + pairs.room[1])
     base[1] = base[0] + pairs.room[0]
@@ -97,11 +95,9 @@ def find_pairs(
             groups = _cells_after(home, at, cells, first, box, near)
         for g in range(groups):
             shift = near[g, 2]
-            sx, sy, sz = (
-                x[i, 0] - image[shift, 0],
-                x[i, 1] - image[shift, 1],
-                x[i, 2] - image[shift, 2],
-            )
+            sx = x[i, 0] - image[shift, 0]
+            sy = x[i, 1] - image[shift, 1]
+            sz = x[i, 2] - image[shift, 2]
             for j in range(max(near[g, 0], i + 1), near[g, 1]):
                 dx, dy, dz = sx - x[j, 0], sy - x[j, 1], sz - x[j, 2]
                 reach = radius[i] + radius[j] + skin
@@ -150,11 +146,9 @@ def _cells_after(
             continue
         number = number_of(cells, place[0], place[1], place[2])
         if number >= home and first[number] < first[number + 1]:
-            near[groups, 0], near[groups, 1], near[groups, 2] = (
-                first[number],
-                first[number + 1],
-                image,
-            )
+            near[groups, 0] = first[number]
+            near[groups, 1] = first[number + 1]
+            near[groups, 2] = image
             groups += 1
     return groups
 
@@ -277,11 +271,9 @@ def wall_distance(
     along = dx * wall.unit_x + dy * wall.unit_y + dz * wall.unit_z
     if wall.curvature == 0.0:
         return along, wall.unit_x, wall.unit_y, wall.unit_z
-    dx, dy, dz = (
-        dx - along * wall.unit_x,
-        dy - along * wall.unit_y,
-        dz - along * wall.unit_z,
-    )
+    dx = dx - along * wall.unit_x
+    dy = dy - along * wall.unit_y
+    dz = dz - along * wall.unit_z
     off = sqrt(dx * dx + dy * dy + dz * dz)
     if off == 0.0:
         return wall.curvature * wall.radius, 0.0, 0.0, 0.0

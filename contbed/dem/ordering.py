@@ -46,12 +46,10 @@ def cells_around(corners: Array, box: Box, width: float, n: int) -> Cells:
     """Choose cells at least `width` [m] wide around n particles, not many more cells
     than particles.
     """
-    origin, size, extent, count = (
-        np.empty(3),
-        np.empty(3),
-        np.empty(3),
-        np.ones(3, np.int64),
-    )
+    origin = np.empty(3)
+    size = np.empty(3)
+    extent = np.empty(3)
+    count = np.ones(3, np.int64)
     for axis in range(3):
         low, high = box.lower[axis], box.upper[axis]
         if not box.periodic[axis]:
@@ -178,12 +176,10 @@ def sort(sorting: Sorting, cells: Cells) -> None:
 @inner(nogil=True)
 def reorder(block: int, old: Side, new: Side, order: Entries) -> None:
     """Copy the particles of a block of the new order from the old one."""
-    a, b, is_warm, is_mixed = (
-        old.bodies,
-        new.bodies,
-        len(old.heat.T) > 0,
-        not old.spheres.equal,
-    )
+    a = old.bodies
+    b = new.bodies
+    is_warm = len(old.heat.T) > 0
+    is_mixed = not old.spheres.equal
     for i in range(block * BLOCK, min((block + 1) * BLOCK, len(order))):
         k = order[i]
         b.user[i] = a.user[k]
@@ -194,14 +190,10 @@ def reorder(block: int, old: Side, new: Side, order: Entries) -> None:
         for m in range(6):
             b.motion[i, m], b.half[i, m] = a.motion[k, m], a.half[k, m]
         if is_mixed:
-            new.spheres.radius[i], new.spheres.mass[i] = (
-                old.spheres.radius[k],
-                old.spheres.mass[k],
-            )
-            new.spheres.inertia[i], new.spheres.material[i] = (
-                old.spheres.inertia[k],
-                old.spheres.material[k],
-            )
+            new.spheres.radius[i] = old.spheres.radius[k]
+            new.spheres.mass[i] = old.spheres.mass[k]
+            new.spheres.inertia[i] = old.spheres.inertia[k]
+            new.spheres.material[i] = old.spheres.material[k]
         if is_warm:
             new.heat.T[i], new.heat.source[i] = old.heat.T[k], old.heat.source[k]
             new.heat.inverse_capacity[i] = old.heat.inverse_capacity[k]

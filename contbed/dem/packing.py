@@ -163,11 +163,9 @@ def pack(
             )
             _settle(simulation, stage, gravity, quiet, kinetic_damping)
             bed = Particles(simulation.position, radii)
-        final, contacts, unrest = (
-            bed.position,
-            simulation.contacts(),
-            _unrest(simulation, gravity),
-        )
+        final = bed.position
+        contacts = simulation.contacts()
+        unrest = _unrest(simulation, gravity)
     statistics = {
         "count": float(len(radii)),
         "height": float(np.max(final[:, 2] + radii)),
@@ -298,11 +296,9 @@ def _add_at_random(
                 continue
             free = True
             for step in range(27):
-                a, b, c = (
-                    at[0] + step % 3 - 1,
-                    at[1] + step // 3 % 3 - 1,
-                    at[2] + step // 9 - 1,
-                )
+                a = at[0] + step % 3 - 1
+                b = at[1] + step // 3 % 3 - 1
+                c = at[2] + step // 9 - 1
                 if c < 0 or c >= count[2]:
                     continue
                 if not (periodic[0] or 0 <= a < count[0]) or not (

@@ -128,10 +128,8 @@ def pair_table(materials: Sequence[Material]) -> Table:
     table["shear_modulus"] = 1.0 / np.add.outer(shear_compliance, shear_compliance)
     table["damping_normal"] = damping * np.sqrt(2.0 * table["youngs_modulus"])
     table["damping_tangential"] = damping * np.sqrt(8.0 * table["shear_modulus"])
-    table["sliding_friction"], table["rolling_friction"] = (
-        _mean(column["sliding_friction"]),
-        _mean(rolling),
-    )
+    table["sliding_friction"] = _mean(column["sliding_friction"])
+    table["rolling_friction"] = _mean(rolling)
     return table
 
 

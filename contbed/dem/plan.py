@@ -206,10 +206,8 @@ def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePla
         folder=folder,
     )
     x, radius = bed.position, bed.radius
-    low, high = (
-        np.array(bed.domain.lower),
-        np.array([*bed.domain.upper[:2], float((x[:, 2] + radius).max())]),
-    )
+    low = np.array(bed.domain.lower)
+    high = np.array([*bed.domain.upper[:2], float((x[:, 2] + radius).max())])
     diameter = scene.solid.diameter
     assert diameter is not None
     layers = scene.particles.layers or Layers(

@@ -55,10 +55,8 @@ def stages_of(
     modulus = min(SOFT, material.youngs_modulus)
     stages: list[Stage] = []
     while True:
-        soft, last = (
-            replace(material, youngs_modulus=modulus),
-            modulus == material.youngs_modulus,
-        )
+        soft = replace(material, youngs_modulus=modulus)
+        last = modulus == material.youngs_modulus
         step = largest_safe_step(bed, [soft], IMPACT)
         calm = at_rest if last and stages else max(at_rest, CALM)
         stages.append(Stage(soft, calm, step, round((LONGEST + drop) / step)))

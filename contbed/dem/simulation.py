@@ -328,10 +328,8 @@ class Simulation:
         half of it, if that is allowed.
         """
         with deferred_interrupt():
-            before, now = (
-                self._memory.keep(),
-                (self._moved, self._stale, self.steps_done),
-            )
+            before = self._memory.keep()
+            now = (self._moved, self._stale, self.steps_done)
             start = {
                 name: getattr(self, name).copy()
                 for name in ("position", "velocity", "spin", "T")
@@ -355,11 +353,9 @@ class Simulation:
                 self._memory.back_to(before)
                 if is_slower:
                     self._memory.write(halved(self._memory.read()))
-                    before, end, self.time_step = (
-                        self._memory.keep(),
-                        2 * end,
-                        0.5 * self.time_step,
-                    )
+                    before = self._memory.keep()
+                    end = 2 * end
+                    self.time_step = 0.5 * self.time_step
                     self.steps_done *= 2
                     now = (self._moved, self._stale, self.steps_done)
                 elif failure.status != loop.TOO_SMALL:
@@ -385,13 +381,11 @@ class Simulation:
         """Take steps, with new lists in between; how they ended, with the number of
         all that were completed.
         """
-        memory, done, moved, begun, is_pushed = (
-            self._memory,
-            0,
-            self._moved,
-            False,
-            bool(self.force.any()),
-        )
+        memory = self._memory
+        done = 0
+        moved = self._moved
+        begun = False
+        is_pushed = bool(self.force.any())
         limit = STRIDE * float(self.radius.min()) / self.time_step
         while True:
             if self._stale:

@@ -51,12 +51,10 @@ def wall_forces(
 
     `now` is the number of the step, `dt` its length [s].
     """
-    x, motion, near, spheres = (
-        side.bodies.position,
-        side.bodies.motion,
-        side.near,
-        side.spheres,
-    )
+    x = side.bodies.position
+    motion = side.bodies.motion
+    near = side.near
+    spheres = side.spheres
     base = block * (len(near.wall) // len(near.used))
     for k in range(base, base + near.used[block]):
         i, surface = near.particle[k], laws.walls[near.wall[k]]
@@ -83,11 +81,9 @@ def wall_forces(
             pair,
             dt,
         )
-        spring[k, 0], spring[k, 1], spring[k, 2] = (
-            found.spring.x,
-            found.spring.y,
-            found.spring.z,
-        )
+        spring[k, 0] = found.spring.x
+        spring[k, 1] = found.spring.y
+        spring[k, 2] = found.spring.z
         if is_open:
             near.onset[k, 0], near.onset[k, 1] = now, abs(found.normal_speed)
         add(sums.load, i, found.force, found.torque)
@@ -131,11 +127,9 @@ def wall_force(
         dt,
     )
     c = found.force
-    tx, ty, tz = (
-        gap * (nz * c.y - ny * c.z),
-        gap * (nx * c.z - nz * c.x),
-        gap * (ny * c.x - nx * c.y),
-    )
+    tx = gap * (nz * c.y - ny * c.z)
+    ty = gap * (nx * c.z - nz * c.x)
+    tz = gap * (ny * c.x - nx * c.y)
     if pair.rolling_friction > 0.0:
         roll = rolling_torque(
             normal,

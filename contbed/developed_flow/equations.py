@@ -307,10 +307,8 @@ def uniform_fraction(c: Coefficients) -> float:
     their weight.
     """
     eps_s = np.geomspace(1e-6, 0.9, 400) * c.eps_max
-    eps, rise = (
-        1.0 - eps_s,
-        c.velocity / (1.0 - eps_s) - c.solid_flux / (c.rho_solid * eps_s),
-    )
+    eps = 1.0 - eps_s
+    rise = c.velocity / (1.0 - eps_s) - c.solid_flux / (c.rho_solid * eps_s)
     drag = (
         c.evaluate(
             "drag", Re=eps * c.rho_gas * np.abs(rise) * c.d_p / c.mu_gas, eps=eps

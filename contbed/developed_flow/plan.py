@@ -94,12 +94,10 @@ def plan(scene: d.DevelopedScene) -> DevelopedPlan:
 
 def coefficients(scene: d.DevelopedScene) -> Coefficients:
     """Return the coefficients of the equations from the scene."""
-    table, fluid, solid, wall = (
-        scene.developed_flow,
-        scene.fluid,
-        scene.solid,
-        scene.boundary.wall.solid,
-    )
+    table = scene.developed_flow
+    fluid = scene.fluid
+    solid = scene.solid
+    wall = scene.boundary.wall.solid
     return Coefficients(
         rho_gas=fluid.density,
         mu_gas=fluid.viscosity,

@@ -189,12 +189,10 @@ def aligned(problem: DevelopedProblem, state: Array) -> tuple[DevelopedProblem, 
 
 def _crossings(problem: DevelopedProblem, state: Array) -> Array:
     order = np.argsort(problem.r)
-    r, slip = (
-        problem.r[order],
-        (problem.system.part(state, "u_gas") - problem.system.part(state, "u_solid"))[
-            order
-        ],
-    )
+    r = problem.r[order]
+    slip = (
+        problem.system.part(state, "u_gas") - problem.system.part(state, "u_solid")
+    )[order]
     k = np.flatnonzero(slip[:-1] * slip[1:] < 0)
     return r[k] + (r[k + 1] - r[k]) * slip[k] / (slip[k] - slip[k + 1])
 

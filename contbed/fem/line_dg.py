@@ -285,10 +285,8 @@ class System:
         from_left[:, 0] = np.where(np.isfinite(left), left, low[:, 0])
         from_right[:, -1] = np.where(np.isfinite(right), right, high[:, -1])
         ahead = self.ahead[:, None]
-        up, down = (
-            np.where(ahead, from_left, from_right),
-            np.where(ahead, from_right, from_left),
-        )
+        up = np.where(ahead, from_left, from_right)
+        down = np.where(ahead, from_right, from_left)
         # at an end that a field leaves by, the other side is the inside as well
         down[self.ahead, -1] = high[self.ahead, -1]
         down[~self.ahead, 0] = low[~self.ahead, 0]

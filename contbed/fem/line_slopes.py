@@ -21,12 +21,10 @@ class Slopes:
     """
 
     def __init__(self, system: Any):
-        self.system, self.line, self.ends, self.ahead = (
-            system,
-            system.line,
-            system.ends,
-            system.ahead,
-        )
+        self.system = system
+        self.line = system.line
+        self.ends = system.ends
+        self.ahead = system.ahead
         line = self.line
         exchanged = np.setdiff1d(np.arange(system.m), system.local)
         measure = line.weights * line.h[:, None]
@@ -55,10 +53,8 @@ class Slopes:
             )
             entries.append(part.ravel())
         size = m * N * n
-        values, where = (
-            np.concatenate(entries),
-            (np.concatenate(rows), np.concatenate(columns)),
-        )
+        values = np.concatenate(entries)
+        where = (np.concatenate(rows), np.concatenate(columns))
         there = values != 0.0
         return csc_matrix(
             (values[there], (where[0][there], where[1][there])), shape=(size, size)

@@ -43,10 +43,8 @@ class Probe:
                 )
             ]
             first, second = nodes[0, at], nodes[1, at]
-            self.cells, self.local = (
-                at,
-                ((points[0] - first) / (second - first))[None, :],
-            )
+            self.cells = at
+            self.local = ((points[0] - first) / (second - first))[None, :]
         else:
             # scikit-fem splits quadrilaterals to search, and would look up every named
             # facet in the result one by one

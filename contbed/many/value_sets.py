@@ -324,10 +324,8 @@ def _ends(
 def _normal(
     entry: Mapping[str, Any], unit: str | None, say: Say
 ) -> Distribution | None:
-    mean, deviation = (
-        number(entry, "mean", unit, say),
-        number(entry, "deviation", unit, say, difference=True),
-    )
+    mean = number(entry, "mean", unit, say)
+    deviation = number(entry, "deviation", unit, say, difference=True)
     if mean is None or deviation is None:
         return None
     if deviation <= 0.0:
@@ -339,10 +337,8 @@ def _normal(
 def _log_normal(
     entry: Mapping[str, Any], unit: str | None, say: Say
 ) -> Distribution | None:
-    median, factor = (
-        number(entry, "median", unit, say),
-        number(entry, "factor", "1", say),
-    )
+    median = number(entry, "median", unit, say)
+    factor = number(entry, "factor", "1", say)
     if median is None or factor is None:
         return None
     if median == 0.0 or factor <= 1.0:

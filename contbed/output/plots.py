@@ -358,10 +358,8 @@ def field_plot(
     with styled_figure(path, size[1], title, layout="none") as figure:
         for k, name in enumerate(names):
             row, column = divmod(k, across)
-            left, bottom = (
-                0.8 + column * (wide + 0.9),
-                0.6 + (rows - 1 - row) * (high + 0.45),
-            )
+            left = 0.8 + column * (wide + 0.9)
+            bottom = 0.6 + (rows - 1 - row) * (high + 0.45)
             axes, beside = (
                 figure.add_axes(
                     (x / size[0], bottom / size[1], width / size[0], high / size[1])

@@ -228,11 +228,9 @@ def _slices(meshes: list[Any], times: tuple[float, ...]) -> list[Pictures | Clou
     middle = 0.5 * (points[:, normal].min() + points[:, normal].max())
     X, Y = np.meshgrid(x, y)
     wanted = np.empty((X.size, 3))
-    wanted[:, axes[0]], wanted[:, axes[1]], wanted[:, normal] = (
-        X.ravel(),
-        Y.ravel(),
-        middle,
-    )
+    wanted[:, axes[0]] = X.ravel()
+    wanted[:, axes[1]] = Y.ravel()
+    wanted[:, normal] = middle
     found: dict[str, list[Array]] = {}
     for mesh in meshes:
         centres = np.concatenate(

@@ -190,10 +190,8 @@ def _read(path: Path, inode: int, changed: int, size: int) -> DataTable:
             names = tuple(
                 part[1] if part else cell for part, cell in zip(parts, row, strict=True)
             )
-            units, header_line = (
-                tuple(part[2] if part else "" for part in parts),
-                number,
-            )
+            units = tuple(part[2] if part else "" for part in parts)
+            header_line = number
             if twice := [name for name in names if names.count(name) > 1]:
                 raise SceneError(
                     f"{path.name}:{number}: column '{twice[0]}' is there twice"

@@ -78,11 +78,9 @@ class Series(Table):
         SceneError : the file cannot be used, or times that do not increase from 0
         """
         if self.file is None:
-            times, values, where = (
-                np.array(self.times),
-                np.array(self.values, dtype=float),
-                [""] * len(self.times),
-            )
+            times = np.array(self.times)
+            values = np.array(self.values, dtype=float)
+            where = [""] * len(self.times)
         else:
             # with it the conversion of units
             from contbed.scene.data_table import read_table
@@ -264,10 +262,8 @@ class Samples:
         )
         if first >= last:
             return np.zeros_like(self.values[0])
-        shares, nodes = (
-            (self.times[first:last] + offset - start) / (end - start),
-            np.array(stages),
-        )
+        shares = (self.times[first:last] + offset - start) / (end - start)
+        nodes = np.array(stages)
         known = np.array(
             [self.at(start + share * (end - start), True, start) for share in stages]
         )

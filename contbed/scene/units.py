@@ -38,10 +38,8 @@ _UNIT = re.compile(rf"[{_LETTERS}][{_LETTERS}0-9_ .*/^()+-]{{0,60}}")
 # Powers of numbers and long exponents could keep the parser busy for hours.
 _LARGE_POWER = re.compile(r"\d\s*(?:\*\*|\^)|\d{3}|\)\s*(?:\*\*|\^)")
 
-_GAUGE, _ABSOLUTE = (
-    "; pressures are absolute: add that of the air and write {}",
-    "; pressures are absolute: write {}",
-)
+_GAUGE = "; pressures are absolute: add that of the air and write {}"
+_ABSOLUTE = "; pressures are absolute: write {}"
 _HINTS = {
     "barg": _GAUGE.format("bar"),
     "psig": _GAUGE.format("psi"),

@@ -250,12 +250,10 @@ class Char:
 
     def __call__(self, state: State, terms: SourceTerms) -> None:
         """Add combustion and gasification of char."""
-        T, T_gas, p, x = (
-            state.T[self.species],
-            state.T["emulsion"],
-            state.pressure,
-            state.x["emulsion"],
-        )
+        T = state.T[self.species]
+        T_gas = state.T["emulsion"]
+        p = state.pressure
+        x = state.x["emulsion"]
         carbon = state.solid["char"]
         for name, (law, _) in self.reactions.items():
             if name == "char_combustion":
@@ -309,12 +307,10 @@ class Lime:
 
     def __call__(self, state: State, terms: SourceTerms) -> None:
         """Add calcination, and the uptake and release of SO2."""
-        T, T_gas, p, x = (
-            state.T[self.species],
-            state.T["emulsion"],
-            state.pressure,
-            state.x["emulsion"],
-        )
+        T = state.T[self.species]
+        T_gas = state.T["emulsion"]
+        p = state.pressure
+        x = state.x["emulsion"]
         if self.calcination is not None:
             rate = self.calcination_rate(
                 T, x["CO2"] * p, state.solid["CaCO3"], state.solid["CaO"]

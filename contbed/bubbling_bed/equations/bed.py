@@ -264,10 +264,8 @@ def _solid(
     flow, gradient = s.flow(o.x[0]), o.grad(T)[0]
     fed = 0.0 if s.fed is None else s.fed(o.x[0])
     brought = s.enthalpy(s.feed_temperature)
-    conduction, capacity = (
-        local.conduction[name.removeprefix("T_")],
-        flow * s.heat_capacity(T),
-    )
+    conduction = local.conduction[name.removeprefix("T_")]
+    capacity = flow * s.heat_capacity(T)
     total = (
         conduction * gradient * slope
         - flow * s.enthalpy(T) * slope

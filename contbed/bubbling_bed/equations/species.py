@@ -308,10 +308,8 @@ class Species:
         for phase in self.phases:
             amount = sum(self.flow(u, phase).values())
             for name in self.gases:
-                N, v = (
-                    getattr(u, f"N_{name}_{phase}"),
-                    getattr(tests, f"N_{name}_{phase}"),
-                )
+                N = getattr(u, f"N_{name}_{phase}")
+                v = getattr(tests, f"N_{name}_{phase}")
                 made, slope = sources.gas[phase][name], o.grad(v)[0]
                 stable = tau(1.0, 0.0, self._loss(made, amount), 1.0, o.h, self.degree)
                 strong = o.grad(N)[0] - made
@@ -323,10 +321,8 @@ class Species:
             total = total - HEAT * solid.scale * (
                 flux * slope + (sources.solid[name] + fed) * v
             )
-            T, test = (
-                getattr(u, f"T_{solid.species}"),
-                getattr(tests, f"T_{solid.species}"),
-            )
+            T = getattr(u, f"T_{solid.species}")
+            test = getattr(tests, f"T_{solid.species}")
             brought = (
                 fed * solid.enthalpy(solid.feed_temperature)
                 if solid.fed is not None

@@ -70,11 +70,9 @@ class Steam:
         """Return the weak form of both balances; that of the water is also tested
         along its stream (SUPG).
         """
-        h, T, q = (
-            getattr(u, f"h_{self.name}"),
-            getattr(u, f"T_{self.name}"),
-            self.gained(u, c, local),
-        )
+        h = getattr(u, f"h_{self.name}")
+        T = getattr(u, f"T_{self.name}")
+        q = self.gained(u, c, local)
         sense = 1.0 if self.upward else -1.0
         v = getattr(tests, f"h_{self.name}")
         total = (sense * KILO * self.flow * o.grad(h)[0] - q) * (

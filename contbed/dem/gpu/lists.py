@@ -203,11 +203,9 @@ def find_neighbours(
     if i >= row.shape[0]:
         return
     entry, room, count = lists.entry, lists.entry.shape[0], 0
-    x, y, z = (
-        place_of(grid, row[i, X], 0),
-        place_of(grid, row[i, Y], 1),
-        place_of(grid, row[i, Z], 2),
-    )
+    x = place_of(grid, row[i, X], 0)
+    y = place_of(grid, row[i, Y], 1)
+    z = place_of(grid, row[i, Z], 2)
     for step in range(27):
         px, py, pz = x + step % 3 - 1, y + step // 3 % 3 - 1, z + step // 9 - 1
         px, turn_x = _inside(grid, px, 0)
@@ -273,18 +271,14 @@ def carry(old: Lists, new: Lists, cells: Cells) -> None:
                 new.entry[to, i] |= CLOSED
                 for a in range(3):
                     new.spring[to, a, i] = sign * old.spring[m, a, k]
-                new.onset[to, 0, i], new.onset[to, 1, i] = (
-                    old.onset[m, 0, k],
-                    old.onset[m, 1, k],
-                )
+                new.onset[to, 0, i] = old.onset[m, 0, k]
+                new.onset[to, 1, i] = old.onset[m, 1, k]
                 break
     for w in range(old.wall_onset.shape[0]):
         for a in range(3):
             new.wall_spring[w, a, i] = old.wall_spring[w, a, k]
-        new.wall_onset[w, 0, i], new.wall_onset[w, 1, i] = (
-            old.wall_onset[w, 0, k],
-            old.wall_onset[w, 1, k],
-        )
+        new.wall_onset[w, 0, i] = old.wall_onset[w, 0, k]
+        new.wall_onset[w, 1, i] = old.wall_onset[w, 1, k]
 
 
 @cuda.jit
@@ -309,11 +303,9 @@ def find_moved(row: DeviceArray, listed: DeviceArray, moved2: DeviceArray) -> No
         return
     top = 0.0
     for i in range(part * SHARE, min((part + 1) * SHARE, row.shape[0])):
-        dx, dy, dz = (
-            row[i, X] - listed[i, 0],
-            row[i, Y] - listed[i, 1],
-            row[i, Z] - listed[i, 2],
-        )
+        dx = row[i, X] - listed[i, 0]
+        dy = row[i, Y] - listed[i, 1]
+        dz = row[i, Z] - listed[i, 2]
         top = max(top, dx * dx + dy * dy + dz * dz)
     moved2[part] = top
 
@@ -332,11 +324,9 @@ def load(
         return
     k = user[i]
     for a in range(3):
-        row[i, X + a], row[i, VX + a], row[i, WX + a] = (
-            position[k, a],
-            velocity[k, a],
-            spin[k, a],
-        )
+        row[i, X + a] = position[k, a]
+        row[i, VX + a] = velocity[k, a]
+        row[i, WX + a] = spin[k, a]
 
 
 @cuda.jit
@@ -362,11 +352,9 @@ def store(
         return
     k = user[i]
     for a in range(3):
-        position[k, a], velocity[k, a], spin[k, a] = (
-            row[i, X + a],
-            row[i, VX + a],
-            row[i, WX + a],
-        )
+        position[k, a] = row[i, X + a]
+        velocity[k, a] = row[i, VX + a]
+        spin[k, a] = row[i, WX + a]
 
 
 @cuda.jit
@@ -384,11 +372,9 @@ def load_heat(
     if i >= row.shape[0]:
         return
     k = bodies.user[i]
-    row[i, TEMPERATURE], bodies.heat[i, 0], bodies.heat[i, 1] = (
-        T[k],
-        source[k],
-        1.0 / capacity[k],
-    )
+    row[i, TEMPERATURE] = T[k]
+    bodies.heat[i, 0] = source[k]
+    bodies.heat[i, 1] = 1.0 / capacity[k]
 
 
 @cuda.jit

@@ -331,18 +331,14 @@ class GpuMemory:
     def write(self, record: Record) -> None:
         """Take up a state of `read`."""
         n, i, closed = self._n, record.row.astype(np.int64), record.entry >= CLOSED
-        j, image = (
-            (record.entry & MASK).astype(np.int64),
-            (record.entry >> BITS) & IMAGE,
-        )
+        j = (record.entry & MASK).astype(np.int64)
+        image = (record.entry >> BITS) & IMAGE
         back = (
             i.astype(np.uint32) | (_opposite(image) << BITS) | (record.entry & CLOSED)
         )
-        pair, row, entry = (
-            np.tile(np.arange(len(i)), 2),
-            np.concatenate([i, j]),
-            np.concatenate([record.entry, back]),
-        )
+        pair = np.tile(np.arange(len(i)), 2)
+        row = np.concatenate([i, j])
+        entry = np.concatenate([record.entry, back])
         order = np.lexsort((entry & ~CLOSED, row))
         pair, row, entry = pair[order], row[order], entry[order]
         count = np.bincount(row, minlength=n)
@@ -381,10 +377,8 @@ class GpuMemory:
         with `load`.
         """
         rows = np.zeros((self._n, 12))
-        rows[:, RADIUS], rows[:, MASS] = (
-            self._given.radius[user],
-            self._given.mass[user],
-        )
+        rows[:, RADIUS] = self._given.radius[user]
+        rows[:, MASS] = self._given.mass[user]
         self._rows[0].copy_to_device(rows)
 
     def _moved(self) -> float:
@@ -419,10 +413,8 @@ class GpuMemory:
     def _sorted(self, row: Any, grid: Grid, number: int) -> Cells:
         """Sort the particles by cell."""
         parts = -(-(number + 1) // list_kernels.SHARE)
-        cells, sums = (
-            self._cells._replace(first=self._cells.first[: number + 1]),
-            self._sums[:parts],
-        )
+        cells = self._cells._replace(first=self._cells.first[: number + 1])
+        sums = self._sums[:parts]
         list_kernels.clear[_blocks(number + 1), THREADS](cells.first)
         list_kernels.count_cells[self._blocks, THREADS](row, grid, cells)
         list_kernels.sum_shares[_blocks(parts), THREADS](cells.first, sums)

@@ -139,25 +139,19 @@ def _advance(i, k, row, new, bodies, lists, around, steps):
         push, turn = _at_wall(
             i, w, number, row, bodies.material, lists, around, steps.dt
         )
-        fx, fy, fz, tx, ty, tz = (
-            fx + push.x,
-            fy + push.y,
-            fz + push.z,
-            tx + turn.x,
-            ty + turn.y,
-            tz + turn.z,
-        )
+        fx += push.x
+        fy += push.y
+        fz += push.z
+        tx += turn.x
+        ty += turn.y
+        tz += turn.z
     if steps.is_pushed:
-        fx, fy, fz = (
-            fx + bodies.pushed[i, 0],
-            fy + bodies.pushed[i, 1],
-            fz + bodies.pushed[i, 2],
-        )
-    new[i, RADIUS], new[i, MASS], new[i, TEMPERATURE] = (
-        row[i, RADIUS],
-        row[i, MASS],
-        row[i, TEMPERATURE],
-    )
+        fx += bodies.pushed[i, 0]
+        fy += bodies.pushed[i, 1]
+        fz += bodies.pushed[i, 2]
+    new[i, RADIUS] = row[i, RADIUS]
+    new[i, MASS] = row[i, MASS]
+    new[i, TEMPERATURE] = row[i, TEMPERATURE]
     if steps.is_warm:
         new[i, TEMPERATURE] += (
             steps.dt * (gained + bodies.heat[i, 0]) * bodies.heat[i, 1]
@@ -171,14 +165,12 @@ def _advance(i, k, row, new, bodies, lists, around, steps):
             _kick_and_move(row, new, half, i, a, v, rates[a], steps.dt)
     if k == steps.total - 1:
         new[i, X], new[i, Y], new[i, Z] = row[i, X], row[i, Y], row[i, Z]
-        load[i, 0], load[i, 1], load[i, 2], load[i, 3], load[i, 4], load[i, 5] = (
-            fx,
-            fy,
-            fz,
-            tx,
-            ty,
-            tz,
-        )
+        load[i, 0] = fx
+        load[i, 1] = fy
+        load[i, 2] = fz
+        load[i, 3] = tx
+        load[i, 4] = ty
+        load[i, 5] = tz
     else:
         _look(new, half, lists.listed, around.control, i, steps, k + 1)
 
@@ -243,11 +235,9 @@ def _contacts(i, number, row, material, lists, around, steps):
     for k in range(lists.neighbours[i]):
         e = entry[k, i]
         j, shift = int64(e & MASK), int64((e >> BITS) & IMAGE)
-        dx, dy, dz = (
-            x - row[j, X] - image[shift, 0],
-            y - row[j, Y] - image[shift, 1],
-            z - row[j, Z] - image[shift, 2],
-        )
+        dx = x - row[j, X] - image[shift, 0]
+        dy = y - row[j, Y] - image[shift, 1]
+        dz = z - row[j, Z] - image[shift, 2]
         touch, distance2 = radius + row[j, RADIUS], dx * dx + dy * dy + dz * dz
         if distance2 >= touch * touch:
             if e >= CLOSED:
@@ -293,11 +283,9 @@ def _contacts(i, number, row, material, lists, around, steps):
             ),
             steps.dt,
         )
-        spring[k, 0, i], spring[k, 1, i], spring[k, 2, i] = (
-            found.spring.x,
-            found.spring.y,
-            found.spring.z,
-        )
+        spring[k, 0, i] = found.spring.x
+        spring[k, 1, i] = found.spring.y
+        spring[k, 2, i] = found.spring.z
         if e < CLOSED:
             entry[k, i] = e | CLOSED
             onset[k, 0, i], onset[k, 1, i] = number, abs(found.normal_speed)
@@ -369,11 +357,9 @@ def _at_wall(i, w, number, row, material, lists, around, dt):
         around.pairs[material[i], wall.material],
         dt,
     )
-    spring[w, 0, i], spring[w, 1, i], spring[w, 2, i] = (
-        found.spring.x,
-        found.spring.y,
-        found.spring.z,
-    )
+    spring[w, 0, i] = found.spring.x
+    spring[w, 1, i] = found.spring.y
+    spring[w, 2, i] = found.spring.z
     if is_open:
         onset[w, 0, i], onset[w, 1, i] = number, abs(found.normal_speed)
     return found.force, found.torque

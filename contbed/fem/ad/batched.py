@@ -134,11 +134,9 @@ class Program:
         graph, plan, rows, varying = self._graph, self._plan, self._rows, set()
         steps: list[Step] = []
         for node in plan.live:
-            operation, operands, out = (
-                graph.operations[node],
-                graph.operands[node],
-                rows[plan.row[node]],
-            )
+            operation = graph.operations[node]
+            operands = graph.operands[node]
+            out = rows[plan.row[node]]
             if operation in ("slot", "parameter"):
                 varying.add(node)
                 continue

@@ -125,18 +125,12 @@ class Dual(NDArrayOperatorsMixin):
         self.tangents = tangents
 
     __add__, __radd__ = _operator(np.add, "__add__"), _reversed(np.add, "__radd__")
-    __sub__, __rsub__ = (
-        _operator(np.subtract, "__sub__"),
-        _reversed(np.subtract, "__rsub__"),
-    )
-    __mul__, __rmul__ = (
-        _operator(np.multiply, "__mul__"),
-        _reversed(np.multiply, "__rmul__"),
-    )
-    __truediv__, __rtruediv__ = (
-        _operator(np.divide, "__truediv__"),
-        _reversed(np.divide, "__rtruediv__"),
-    )
+    __sub__ = _operator(np.subtract, "__sub__")
+    __rsub__ = _reversed(np.subtract, "__rsub__")
+    __mul__ = _operator(np.multiply, "__mul__")
+    __rmul__ = _reversed(np.multiply, "__rmul__")
+    __truediv__ = _operator(np.divide, "__truediv__")
+    __rtruediv__ = _reversed(np.divide, "__rtruediv__")
 
     def apply(
         self, f: Callable[[Array], Array], derivative: Callable[[Array], Array]

@@ -104,10 +104,8 @@ def _curves(axes: Any, found: Calibrated, chosen: list[int]) -> None:
         )
         for k in members:
             if not math.isnan(points[k].value):
-                x, face = (
-                    points[k].t if over_time else points[k].x,
-                    colour if points[k].fitted else "white",
-                )
+                x = points[k].t if over_time else points[k].x
+                face = colour if points[k].fitted else "white"
                 axes.errorbar(
                     x,
                     points[k].value,

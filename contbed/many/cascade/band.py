@@ -307,10 +307,8 @@ def parts_of(runs: Runs, fits: Fits, base: Mapping[str, float]) -> list[Part]:
     ------
     ContbedError : so many runs failed that a part has none
     """
-    beds, porosity = (
-        list(range(len(fits.ensemble.beds))),
-        float(fits.ensemble.porosities.mean()),
-    )
+    beds = list(range(len(fits.ensemble.beds)))
+    porosity = float(fits.ensemble.porosities.mean())
     best, laws, given = fits.of(beds), fits.choices, runs.cascade.reactor.at
     at = given(porosity)
     single = [

@@ -166,12 +166,10 @@ def _packing(cascade: Cascade, folder: Path, number: int) -> extract.Packing:
     width = about["width"] * d
     try:
         with np.load(path) as kept:
-            x, R, porosity, surface = (
-                kept["x"],
-                kept["radius"],
-                float(kept["porosity"]),
-                float(kept["surface"]),
-            )
+            x = kept["x"]
+            R = kept["radius"]
+            porosity = float(kept["porosity"])
+            surface = float(kept["surface"])
     except (OSError, ValueError, KeyError, EOFError, BadZipFile):
         R = random_radii(0.5 * d, about["spread"], about["particles"], about["seed"])
         if about["spread"]:  # equal ones keep their last digit
@@ -200,15 +198,11 @@ def _exchange(
     ensemble: Ensemble, bed: int, law: Any, speeds: Array, fluids: Array
 ) -> Columns:
     packing, packings = ensemble.beds[bed], ensemble.cascade.settings.packings
-    d, top, width = (
-        ensemble.cascade.diameter,
-        (packing.x[:, 2] + packing.radius).max(),
-        np.sqrt(packing.area),
-    )
-    across, along = (
-        max(2, round(width / (3.0 * d))),
-        max(4, round(HEADROOM * top / (1.5 * d))),
-    )
+    d = ensemble.cascade.diameter
+    top = (packing.x[:, 2] + packing.radius).max()
+    width = np.sqrt(packing.area)
+    across = max(2, round(width / (3.0 * d)))
+    along = max(4, round(HEADROOM * top / (1.5 * d)))
     count = (across, across, along)
     grid = Grid(
         np.zeros(3),
@@ -224,10 +218,8 @@ def _exchange(
             density, heat_capacity, viscosity, viscosity * heat_capacity / Pr
         )
         for Re in speeds:
-            spheres, material = (
-                Particles(packing.x, packing.radius),
-                Material(1000.0, packings.simulated),
-            )
+            spheres = Particles(packing.x, packing.radius)
+            material = Material(1000.0, packings.simulated)
             simulation = Simulation(spheres, [material], (), domain)
             gas = Gas(grid, gas_like, drag_di_felice, law, isothermal=True)
             around = Bed(

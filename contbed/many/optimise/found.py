@@ -20,12 +20,10 @@ Array = NDArray[np.float64]
 
 NOTHING = 1e-9  # of the objective, a change that is no more than rounding
 
-OPTIMUM, SETTLED, INFEASIBLE, NOT_CONVERGED = (
-    "optimum",
-    "settled",
-    "infeasible",
-    "not converged",
-)
+OPTIMUM = "optimum"
+SETTLED = "settled"
+INFEASIBLE = "infeasible"
+NOT_CONVERGED = "not converged"
 
 
 @dataclass(frozen=True)

@@ -59,10 +59,8 @@ def least_misses(design: Design, excess: Array, slopes: Array) -> Array:
         for name in ("low", "high")
     )
     ends = np.stack([slopes * low, slopes * high])
-    least, most = (
-        excess + ends.min(axis=0).sum(axis=1),
-        excess + ends.max(axis=0).sum(axis=1),
-    )
+    least = excess + ends.min(axis=0).sum(axis=1)
+    most = excess + ends.max(axis=0).sum(axis=1)
     equality = np.array([one.sign == "==" for one in design.constraints], dtype=bool)
     found: Array = np.where(equality, np.maximum(least, -most), least)
     return np.maximum(found, 0.0)

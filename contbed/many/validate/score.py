@@ -158,10 +158,8 @@ def looked_up(values: Array, times: Array, axis: Array, t: Array, x: Array) -> A
     """Return values of a table at times [s] and positions [m] that are among its
     rows, shape (points,).
     """
-    scale_t, scale_x = (
-        max(float(np.max(times)), SAME),
-        max(float(np.max(np.abs(axis))), SAME),
-    )
+    scale_t = max(float(np.max(times)), SAME)
+    scale_x = max(float(np.max(np.abs(axis))), SAME)
     out = np.empty(len(t))
     for k, (moment, place) in enumerate(zip(t, x, strict=True)):
         distance = np.abs(times - moment) / scale_t + np.abs(axis - place) / scale_x
