@@ -17,6 +17,16 @@ TERMS = {
         "doi:10.1016/0032-5910(73)80037-3. contbed does not choose a model by the "
         "group."
     ),
+    "excess air": "Air beyond that which burns the fuel, over it: oxygen_ratio - 1.",
+    "burnt share": "Share of the fuel's heating value that is released: "
+    "combustion_efficiency.",
+    "round-trip efficiency": "Heat that a store gives back over what it has taken up: "
+    "storage_efficiency; by exergy exergy_efficiency.",
+    "breakthrough": "Time at which a gas leaves a column at 1, 5, 50 or 95 % of the mole "
+    "fraction that enters: breakthrough_5_CO2_s.",
+    "phase change material": "Solid that melts over a range of temperature and takes up "
+    "its latent heat there: solids.NAME.melting.",
+    "humidity ratio": "Mass of water vapour over that of the dry air it is in.",
     "superficial velocity": "Volume flow over the cross-section of the bed; that in "
     "the pores is 1/eps of it.",
     "intrinsic": "Averaged over the volume of one phase alone, not over that of the "

@@ -31,6 +31,10 @@ _BASS = (
     "Bass 1995, AGU Reference Shelf 2, 45-63, doi:10.1029/RF002p0045, mean of all "
     "directions (Hill)"
 )
+_WAPLES = (
+    "Waples, Waples 2004, Nat. Resour. Res. 13, 97-122, "
+    "doi:10.1023/B:NARR.0000032647.41046.e7"
+)
 _HORAI = "Horai 1971, J. Geophys. Res. 76, 1278-1308, doi:10.1029/JB076i005p01278"
 
 
@@ -131,6 +135,30 @@ _ALL = (
         f"{_INCROPERA}, table A.3, glass, plate (soda lime)", (2500.0,), (750.0,), (1.4,),
         youngs_modulus=(69e9,), poisson_ratio=(0.23,),
         stiffness_source=_CALLISTER,
+    ),
+    Material(
+        "granite", "Barre granite at 300 K; heat capacity and conductivity of granites "
+                   "beyond", "solid", (298.0, 846.0),
+        f"density and cp at 300 K: {_INCROPERA}, table A.3; cp over temperature: "
+        f"{_WAPLES}; conductivity: Miao, Li, Chen 2014, J. Therm. Anal. Calorim. 115, "
+        "1057-1063, doi:10.1007/s10973-013-3427-2, as 1/(0.24094 + 4.6019e-4 T)",
+        (2630.0,), (70.3214921, 3.14207256, -2.91737444e-03, 9.11868078e-07),
+        (3.6310095, -3.88087227e-03, 1.74697866e-06), error=0.01,
+    ),
+    Material(
+        "quartzite", "Sioux quartzite; cp of alpha quartz; the conductivity is that at "
+                     "300 K and falls with temperature", "solid", (298.0, 847.0),
+        f"density and conductivity: {_INCROPERA}, table A.3; cp: {_CHASE}",
+        (2640.0,), (-99.399, 4.1821, -0.00539661, 2.80112e-06), (5.38,), error=0.001,
+    ),
+    Material(
+        "concrete", "dry, of siliceous aggregate; the conductivity is the lower limit",
+        "solid", (293.0, 873.0),
+        "EN 1992-1-2:2004, Design of concrete structures, structural fire design, "
+        "section 3.3",
+        (2300.0,),
+        (1972.47001, -9.22335241, 0.0269002556, -3.08069669e-05, 1.23591667e-08),
+        (1.77401223, -1.671391e-03, 5.7e-07), error=0.02,
     ),
     Material(
         "coal_ash", "mineral matter of coal; density and conductivity vary too much to "

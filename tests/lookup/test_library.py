@@ -70,6 +70,31 @@ PRINTED = {
     ),
 }
 
+# the equations of Waples and Waples and of Miao et al., those of the Eurocode in degC
+CELSIUS = {
+    ("granite", "heat_capacity"): lambda t: 775.0 * _waples(t) / _waples(26.85),
+    ("granite", "conductivity"): lambda t: 1.0 / (0.24094 + 4.6019e-4 * (t + 273.15)),
+    ("concrete", "heat_capacity"): lambda t: np.interp(
+        t, [20, 100, 200, 400, 1200], [900, 900, 1000, 1100, 1100]
+    ),
+    ("concrete", "conductivity"): lambda t: (
+        1.36 - 0.136 * t / 100 + 0.0057 * (t / 100) ** 2
+    ),
+}
+
+
+def _waples(t):
+    return 8.95e-10 * t**3 - 2.13e-6 * t**2 + 0.00172 * t + 0.716
+
+
+@pytest.mark.parametrize("key", CELSIUS)
+def test_rocks_and_concrete_follow_their_equations(key):
+    name, quantity = key
+    for t in np.linspace(25.0, 570.0, 60):
+        assert MATERIALS[name].at(t + 273.15)[quantity] == pytest.approx(
+            float(CELSIUS[key](t)), rel=MATERIALS[name].error
+        )
+
 
 @pytest.mark.parametrize("key", PRINTED)
 def test_printed_values(key):
