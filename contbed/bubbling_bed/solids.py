@@ -40,25 +40,18 @@ Nusselt = Annotated[NamedOrFile, Discriminator(form)]
 class Feed(Table):
     """Particles that enter around a height, Gaussian, and leave the bed at one end."""
 
-    capacity_flow: CapacityFlow | None = Field(
-        None, description="with boundary.bottom.gas.capacity_flow"
-    )
-    mass_flow: MassFlow | None = Field(
-        None,
-        description="with boundary.bottom.gas.mass_flow; of fuel and limestone as "
-        "received",
-    )
-    temperature: Temperature = Field(description="of the particles that enter")
-    height: Annotated[Position, Field(ge=0)] = Field(
-        description="above the distributor, around which they enter"
-    )
-    width: Length = Field(
-        description="standard deviation; what it puts beyond the ends enters inside"
-    )
-    drain: Literal["top", "bottom"] = Field(
-        "top",
-        description="end where particles leave that are neither fuel nor limestone",
-    )
+    capacity_flow: CapacityFlow | None = None
+    """with boundary.bottom.gas.capacity_flow"""
+    mass_flow: MassFlow | None = None
+    """with boundary.bottom.gas.mass_flow; of fuel and limestone as received"""
+    temperature: Temperature
+    """of the particles that enter"""
+    height: Annotated[Position, Field(ge=0)]
+    """above the distributor, around which they enter"""
+    width: Length
+    """standard deviation; what it puts beyond the ends enters inside"""
+    drain: Literal["top", "bottom"] = "top"
+    """end where particles leave that are neither fuel nor limestone"""
 
 
 class Sizes(Table):
@@ -67,13 +60,12 @@ class Sizes(Table):
     The first need [bubbling_bed.freeboard] with a height.
     """
 
-    diameters: Annotated[tuple[Length, ...], Field(min_length=2)] = Field(
-        description="of the sizes"
-    )
-    feed: tuple[NonNegative, ...] | None = Field(
-        None, description="mass fractions, which sum to one"
-    )
-    bed: tuple[NonNegative, ...] | None = Field(None, description="instead of `feed`")
+    diameters: Annotated[tuple[Length, ...], Field(min_length=2)]
+    """of the sizes"""
+    feed: tuple[NonNegative, ...] | None = None
+    """mass fractions, which sum to one"""
+    bed: tuple[NonNegative, ...] | None = None
+    """instead of `feed`"""
 
     @model_validator(mode="after")
     def _sums(self) -> Sizes:
@@ -92,45 +84,45 @@ class Sizes(Table):
 class Ultimate(Table):
     """Mass fractions of the dry fuel; with ash they sum to one."""
 
-    C: MassFraction = Field(description="of carbon")
-    H: MassFraction = Field(description="of hydrogen")
-    O: MassFraction = Field(description="of oxygen")  # noqa: E741
-    N: MassFraction = Field(0.0, description="of nitrogen")
-    S: MassFraction = Field(0.0, description="of sulphur")
+    C: MassFraction
+    """of carbon"""
+    H: MassFraction
+    """of hydrogen"""
+    O: MassFraction  # noqa: E741
+    """of oxygen"""
+    N: MassFraction = 0.0
+    """of nitrogen"""
+    S: MassFraction = 0.0
+    """of sulphur"""
 
 
 class Fuel(Table):
     """A solid fuel, fed by solids.NAME.feed."""
 
-    moisture: MinorFraction = Field(0.0, description="mass fraction as received")
-    ash: MinorFraction = Field(0.0, description="mass fraction of the dry fuel")
-    volatile_matter: MinorFraction = Field(
-        description="mass fraction of the dry, ash-free fuel; the rest is fixed carbon"
-    )
+    moisture: MinorFraction = 0.0
+    """mass fraction as received"""
+    ash: MinorFraction = 0.0
+    """mass fraction of the dry fuel"""
+    volatile_matter: MinorFraction
+    """mass fraction of the dry, ash-free fuel; the rest is fixed carbon"""
     ultimate: Ultimate
-    heating_value: HeatingValue | None = Field(
-        None,
-        description="higher, of the dry fuel; absent: by Channiwala and Parikh from "
-        "the analysis",
-    )
-    char_density: Density = Field(800.0, description="of unburnt char")
-    char_diameter: Length | None = Field(
-        None, description="of unburnt char; absent: that of the solid phase"
-    )
-    char_model: Literal["shrinking", "density"] = Field(
-        "shrinking", description="what burning does to a particle"
-    )
-    sherwood: Annotated[Number, Field(gt=0)] = Field(
-        1.5, description="of char in the emulsion"
-    )
+    heating_value: HeatingValue | None = None
+    """higher, of the dry fuel; absent: by Channiwala and Parikh from the analysis"""
+    char_density: Density = 800.0
+    """of unburnt char"""
+    char_diameter: Length | None = None
+    """of unburnt char; absent: that of the solid phase"""
+    char_model: Literal["shrinking", "density"] = "shrinking"
+    """what burning does to a particle"""
+    sherwood: Annotated[Number, Field(gt=0)] = 1.5
+    """of char in the emulsion"""
 
 
 class Limestone(Table):
     """Limestone, fed by solids.NAME.feed."""
 
-    purity: Annotated[Number, Field(gt=0, le=1)] = Field(
-        1.0, description="mass fraction of CaCO3; the rest is inert"
-    )
+    purity: Annotated[Number, Field(gt=0, le=1)] = 1.0
+    """mass fraction of CaCO3; the rest is inert"""
 
 
 class Solid(SolidPhase):
@@ -138,44 +130,38 @@ class Solid(SolidPhase):
 
     varies: ClassVar[frozenset[str]] = frozenset({"heat_capacity", "conductivity"})
 
-    volume_share: Annotated[Number, Field(ge=0, le=1)] = Field(
-        1.0, description="of the volume of all particles; 0: this phase is left out"
-    )
-    diameter: Length = Field(
-        description="Sauter mean, of spheres of the particles' volumes; or sizes"
-    )
+    volume_share: Annotated[Number, Field(ge=0, le=1)] = 1.0
+    """of the volume of all particles; 0: this phase is left out"""
+    diameter: Length
+    """Sauter mean, of spheres of the particles' volumes; or sizes"""
     sizes: Sizes | None = None
-    sphericity: Annotated[Number, Field(gt=0, le=1)] = Field(
-        1.0, description="surface of such spheres over the true"
-    )
-    density: Density | None = Field(
-        None, description="needed with boundary.bottom.gas.mass_flow"
-    )
-    heat_capacity: HeatCapacityOfSolid | None = Field(
-        None, description="needed with boundary.bottom.gas.mass_flow"
-    )
-    conductivity: ConductivityOfSolid = Field(1.0, description="of the material")
-    emissivity: Emissivity | None = Field(None, description="needed with [radiation]")
-    nusselt: Nusselt | None = Field(
-        None, description="of a particle in the gas of the emulsion; or gas_coefficient"
-    )
-    gas_coefficient: GasCoefficient | None = Field(
-        None, description="particle to the gas of the emulsion; or nusselt"
-    )
+    sphericity: Annotated[Number, Field(gt=0, le=1)] = 1.0
+    """surface of such spheres over the true"""
+    density: Density | None = None
+    """needed with boundary.bottom.gas.mass_flow"""
+    heat_capacity: HeatCapacityOfSolid | None = None
+    """needed with boundary.bottom.gas.mass_flow"""
+    conductivity: ConductivityOfSolid = 1.0
+    """of the material"""
+    emissivity: Emissivity | None = None
+    """needed with [radiation]"""
+    nusselt: Nusselt | None = None
+    """of a particle in the gas of the emulsion; or gas_coefficient"""
+    gas_coefficient: GasCoefficient | None = None
+    """particle to the gas of the emulsion; or nusselt"""
     mixing_conductivity: ConductivityOrClosure = Field(
-        description="of axial mixing, on the whole section, or a closure of the "
-        "dispersion of the particles",
-        json_schema_extra=takes("solids_mixing"),
+        json_schema_extra=takes("solids_mixing")
     )
+    """of axial mixing, on the whole section, or a closure of the dispersion of the
+    particles"""
     exchange: dict[str, ExchangeOrClosure] = Field(
-        default_factory=dict,
-        description="with other solid phases by name, per emulsion volume; each pair "
-        "once",
-        json_schema_extra=takes("solid_exchange"),
+        default_factory=dict, json_schema_extra=takes("solid_exchange")
     )
+    """with other solid phases by name, per emulsion volume; each pair once"""
     feed: Feed | None = None
     release: Release | None = None
-    fuel: Fuel | None = Field(None, description="absent: it does not burn")
+    fuel: Fuel | None = None
+    """absent: it does not burn"""
     limestone: Limestone | None = None
 
     @model_validator(mode="before")

@@ -70,10 +70,10 @@ def dispersion_form(value: Any) -> str:
 class Dispersion(Table):
     """Constant dispersion conductivities, along and across the flow."""
 
-    axial: Conductivity = Field(description="thermal dispersion along the flow")
-    transverse: Conductivity = Field(
-        0.0, description="thermal dispersion across the flow"
-    )
+    axial: Conductivity
+    """thermal dispersion along the flow"""
+    transverse: Conductivity = 0.0
+    """thermal dispersion across the flow"""
 
 
 DispersionOrClosure = Annotated[
@@ -84,37 +84,26 @@ DispersionOrClosure = Annotated[
 class Closures(Table):
     """Closures of the bed: a name, a name with parameters, a number, or a file."""
 
-    permeability: PermeabilityOrClosure = Field(
-        "permeability_ergun", description="permeability of the bed"
-    )
-    forchheimer: NonNegativeOrClosure = Field(
-        "forchheimer_ergun", description="inertial drag coefficient c_F"
-    )
-    nusselt: NonNegativeOrClosure | None = Field(
-        None,
-        description="exchange of heat between particles and gas; needed with a [heat] "
-        "table",
-    )
+    permeability: PermeabilityOrClosure = "permeability_ergun"
+    """permeability of the bed"""
+    forchheimer: NonNegativeOrClosure = "forchheimer_ergun"
+    """inertial drag coefficient c_F"""
+    nusselt: NonNegativeOrClosure | None = None
+    """exchange of heat between particles and gas; needed with a [heat] table"""
     conductivity_gas: ConductivityOrClosure = Field(
-        "conductivity_phase",
-        description="effective, without dispersion; conductivity_phase is eps k_gas; 0 "
-        "where that of the solids is a "
-        "closure of the whole bed",
-        json_schema_extra=takes("conductivity"),
+        "conductivity_phase", json_schema_extra=takes("conductivity")
     )
+    """effective, without dispersion; conductivity_phase is eps k_gas; 0 where that of
+    the solids is a closure of the whole bed"""
     conductivity_solids: ConductivityOrClosure = Field(
-        "conductivity_phase",
-        description="effective; conductivity_phase is (1-eps) k_solid",
-        json_schema_extra=takes("conductivity"),
+        "conductivity_phase", json_schema_extra=takes("conductivity")
     )
-    tortuosity: NumberOrClosure | None = Field(
-        None,
-        description="tortuosity parameter G of the cross conduction between the "
-        "phases; absent means none",
-    )
-    dispersion: DispersionOrClosure | None = Field(
-        None, description="of heat in the gas; absent means none"
-    )
+    """effective; conductivity_phase is (1-eps) k_solid"""
+    tortuosity: NumberOrClosure | None = None
+    """tortuosity parameter G of the cross conduction between the phases; absent means
+    none"""
+    dispersion: DispersionOrClosure | None = None
+    """of heat in the gas; absent means none"""
 
 
 class Heat(Table):
@@ -126,34 +115,24 @@ class Heat(Table):
 class PackedBed(Table):
     """What only a packed bed has."""
 
-    porosity: Fraction = Field(
-        description="share of the gas between particles in the volume of the bed"
-    )
-    reynolds: NonNegative | None = Field(
-        None,
-        description="fixed Reynolds number for the closures instead of the one from "
-        "velocities and properties",
-    )
-    dead_state: Temperature = Field(
-        298.15,
-        description="temperature of the surroundings, at which a stream has no exergy",
-    )
+    porosity: Fraction
+    """share of the gas between particles in the volume of the bed"""
+    reynolds: NonNegative | None = None
+    """fixed Reynolds number for the closures instead of the one from velocities and
+    properties"""
+    dead_state: Temperature = 298.15
+    """temperature of the surroundings, at which a stream has no exergy"""
 
 
 class Inside(Table):
     """Intraparticle conduction; absent: lumped particles, external film only."""
 
-    heat: Literal["auto", "lumped", "effective", "interior"] = Field(
-        "auto",
-        description="one temperature per particle; one with the corrected film "
-        "coefficient; temperatures inside; "
-        "auto: the cheapest within solver.accuracy",
-    )
-    points: Annotated[Whole, Field(ge=2, le=20)] | None = Field(
-        None,
-        description="temperatures inside, beside the surface; absent: 3, with auto the "
-        "fewest within solver.accuracy",
-    )
+    heat: Literal["auto", "lumped", "effective", "interior"] = "auto"
+    """one temperature per particle; one with the corrected film coefficient;
+    temperatures inside; auto: the cheapest within solver.accuracy"""
+    points: Annotated[Whole, Field(ge=2, le=20)] | None = None
+    """temperatures inside, beside the surface; absent: 3, with auto the fewest within
+    solver.accuracy"""
 
 
 class Solid(RadiatingSolid):
@@ -161,20 +140,16 @@ class Solid(RadiatingSolid):
     density.
     """
 
-    heat_capacity: HeatCapacityOfSolid | None = Field(
-        None, description="needed with a [heat] table"
-    )
-    conductivity: ConductivityOfSolid | None = Field(
-        None, description="of the particles' material; needed with a [heat] table"
-    )
-    melting: Melting | None = Field(None, description="absent: it does not melt")
-    shape: Literal["spheres", "rods"] = Field(
-        "spheres",
-        description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods",
-    )
-    inside: Inside | None = Field(
-        None, description="intraparticle conduction; absent: lumped particles"
-    )
+    heat_capacity: HeatCapacityOfSolid | None = None
+    """needed with a [heat] table"""
+    conductivity: ConductivityOfSolid | None = None
+    """of the particles' material; needed with a [heat] table"""
+    melting: Melting | None = None
+    """absent: it does not melt"""
+    shape: Literal["spheres", "rods"] = "spheres"
+    """specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods"""
+    inside: Inside | None = None
+    """intraparticle conduction; absent: lumped particles"""
 
 
 class PhaseCondition(ThermalCondition):
@@ -182,12 +157,9 @@ class PhaseCondition(ThermalCondition):
     adiabatic.
     """
 
-    velocity: VelocityOrSeries | None = Field(
-        None,
-        description="superficial, mean over the boundary, into the bed; a list is a "
-        "vector, needed with a mesh file; "
-        "one boundary gives it for the whole bed, absent: at rest",
-    )
+    velocity: VelocityOrSeries | None = None
+    """superficial, mean over the boundary, into the bed; a list is a vector, needed
+    with a mesh file; one boundary gives it for the whole bed, absent: at rest"""
 
     @property
     def ties(self) -> bool:
@@ -221,15 +193,14 @@ class Boundary(WallHeat):
     of the gas.
     """
 
-    type: Side | None = Field(
-        None,
-        description="absent: inlet or outlet by the sign of the velocity, slip on walls",
-    )
-    gas: PhaseCondition | None = Field(None, description="conditions of the gas")
-    solids: dict[str, PhaseCondition] = Field(
-        default_factory=dict, description="of the solid that fills the bed"
-    )
-    radiation: RadiationCondition | None = Field(None, description="absent: a mirror")
+    type: Side | None = None
+    """absent: inlet or outlet by the sign of the velocity, slip on walls"""
+    gas: PhaseCondition | None = None
+    """conditions of the gas"""
+    solids: dict[str, PhaseCondition] = Field(default_factory=dict)
+    """of the solid that fills the bed"""
+    radiation: RadiationCondition | None = None
+    """absent: a mirror"""
 
     @model_validator(mode="after")
     def _gas_once(self) -> Boundary:
@@ -271,17 +242,19 @@ class Boundary(WallHeat):
 class Release(Table):
     """Heat that one phase releases."""
 
-    heat_source: HeatSource = Field(0.0, description="per volume of the bed")
+    heat_source: HeatSource = 0.0
+    """per volume of the bed"""
 
 
 class Region(Table):
     """Heat sources in one named region of the mesh, and tubes."""
 
-    gas: Release = Field(Release(), description="heat that the gas releases")
-    solids: Release = Field(Release(), description="heat that the solids release")
-    tubes: Tubes | None = Field(
-        None, description="absorb and emit radiation; with [heat] and [radiation]"
-    )
+    gas: Release = Release()
+    """heat that the gas releases"""
+    solids: Release = Release()
+    """heat that the solids release"""
+    tubes: Tubes | None = None
+    """absorb and emit radiation; with [heat] and [radiation]"""
 
     def heat_source(self, phase: str) -> float:
         """Return the heat source of a phase, "fluid" or "solid", per volume of the
@@ -293,21 +266,19 @@ class Region(Table):
 class InitialState(Table):
     """State of one phase at the start."""
 
-    temperature: TemperatureOrProfile = Field(
-        description="a number, or a profile from a file"
-    )
+    temperature: TemperatureOrProfile
+    """a number, or a profile from a file"""
 
 
 class Initial(Table):
     """The state at the start of a transient run."""
 
-    temperature: Temperature | None = Field(
-        None, description="of everything; each phase may have its own"
-    )
-    gas: InitialState | None = Field(None, description="initial state of the gas")
-    solids: dict[str, InitialState] = Field(
-        default_factory=dict, description="initial state of the solid by name"
-    )
+    temperature: Temperature | None = None
+    """of everything; each phase may have its own"""
+    gas: InitialState | None = None
+    """initial state of the gas"""
+    solids: dict[str, InitialState] = Field(default_factory=dict)
+    """initial state of the solid by name"""
 
     def given(self, phase: str) -> Any:
         """Return the temperature of a phase, "fluid" or "solid", at the start: a
@@ -335,12 +306,10 @@ class Initial(Table):
 class Time(RunInTime):
     """A transient run; absent means steady."""
 
-    step: Seconds | None = Field(
-        None, description="fixed step; error-controlled if absent"
-    )
-    tolerance: Fraction = Field(
-        1e-4, description="local error over the span of temperatures"
-    )
+    step: Seconds | None = None
+    """fixed step; error-controlled if absent"""
+    tolerance: Fraction = 1e-4
+    """local error over the span of temperatures"""
 
 
 def that_fill_the_bed(solids: Mapping[str, Solid]) -> dict[str, Solid]:
@@ -367,22 +336,17 @@ class Scene(SceneBase):
     # gas and packed_bed are None only in a medium that merely radiates; `checks` sees
     # to it
     gas: Gas = Field(default_factory=_absent)
-    solids: dict[str, Solid] = Field(
-        default_factory=dict, description="solid phases by name"
-    )
+    solids: dict[str, Solid] = Field(default_factory=dict)
+    """solid phases by name"""
     packed_bed: PackedBed = Field(default_factory=_absent)
     closures: Closures = Closures()
     heat: Heat | None = None
     radiation: Radiation | None = None
-    boundary: dict[str, Boundary] = Field(
-        default_factory=dict,
-        description="conditions by name of the boundary; an absent boundary is "
-        "adiabatic and without friction",
-    )
-    region: dict[str, Region] = Field(
-        default_factory=dict,
-        description="heat sources and tubes by name of the region of the mesh",
-    )
+    boundary: dict[str, Boundary] = Field(default_factory=dict)
+    """conditions by name of the boundary; an absent boundary is adiabatic and without
+    friction"""
+    region: dict[str, Region] = Field(default_factory=dict)
+    """heat sources and tubes by name of the region of the mesh"""
     initial: Initial = Initial()
     time: Time | None = None
     solver: Solver = Solver()

@@ -39,12 +39,10 @@ class Sieves(Table):
     neighbours.
     """
 
-    apertures: Annotated[tuple[Length, ...], Field(min_length=2)] = Field(
-        description="apertures of the sieves, ascending"
-    )
-    mass_fractions: Annotated[tuple[NonNegative, ...], Field(min_length=1)] = Field(
-        description="mass fractions between neighbouring sieves"
-    )
+    apertures: Annotated[tuple[Length, ...], Field(min_length=2)]
+    """apertures of the sieves, ascending"""
+    mass_fractions: Annotated[tuple[NonNegative, ...], Field(min_length=1)]
+    """mass fractions between neighbouring sieves"""
 
 
 class RadiatingSolid(SolidPhase):
@@ -52,21 +50,16 @@ class RadiatingSolid(SolidPhase):
 
     varies: ClassVar[frozenset[str]] = frozenset({"heat_capacity", "conductivity"})
 
-    diameter: Length | None = Field(
-        None, description="Sauter mean, or of equal spheres"
-    )
-    sieves: Sieves | None = Field(
-        None, description="instead of `diameter`, of particles that only radiate"
-    )
-    volume_share: Annotated[Positive, Field(le=1)] = Field(
-        1.0, description="of the volume of all particles; those of all kinds sum to 1"
-    )
-    emissivity: Emissivity | None = Field(
-        None, description="needed with [radiation] unless absorption is given"
-    )
-    temperature: Temperature | None = Field(
-        None, description="prescribed; absent: that of the medium, given or solved for"
-    )
+    diameter: Length | None = None
+    """Sauter mean, or of equal spheres"""
+    sieves: Sieves | None = None
+    """instead of `diameter`, of particles that only radiate"""
+    volume_share: Annotated[Positive, Field(le=1)] = 1.0
+    """of the volume of all particles; those of all kinds sum to 1"""
+    emissivity: Emissivity | None = None
+    """needed with [radiation] unless absorption is given"""
+    temperature: Temperature | None = None
+    """prescribed; absent: that of the medium, given or solved for"""
 
     @model_validator(mode="after")
     def _one_size(self) -> Self:
@@ -80,9 +73,8 @@ class Voidage(Table):
     porosity.
     """
 
-    porosity: Fraction = Field(
-        description="share of the gas between particles in the volume of the bed"
-    )
+    porosity: Fraction
+    """share of the gas between particles in the volume of the bed"""
 
 
 class Radiation(Table):
@@ -92,40 +84,27 @@ class Radiation(Table):
     has a prescribed temperature, or is in radiative equilibrium.
     """
 
-    level: Literal["p1", "two_flux", "rosseland", "ordinates"] = Field(
-        "p1",
-        description="rosseland: thick beds, as a conductivity; ordinates: one "
-        "dimension, nearly exact",
-    )
-    allow_rosseland: Switch = Field(
-        False,
-        description="with conduction: rosseland instead of p1 or two_flux where its "
-        "error is estimated below 1 %",
-    )
-    absorption: Extinction | None = Field(
-        None, description="given directly instead of by solids.NAME.emissivity"
-    )
-    scattering: Extinction | None = Field(
-        None, description="scattering coefficient of the medium"
-    )
-    correction: Literal["close_packed", "independent"] = Field(
-        "close_packed",
-        description="extinction over the voidage, or the limit of points far apart",
-    )
-    anisotropy: Annotated[Number, Field(ge=-1, le=1)] = Field(
-        0.0, description="mean cosine of scattering"
-    )
-    ordinates: Annotated[Whole, Field(ge=1, le=64)] | None = Field(
-        None,
-        description="directions in each hemisphere; absent: 4, doubled until the error "
-        "is within solver.tolerance",
-    )
-    conductivity: Conductivity | None = Field(
-        None, description="of the medium, without [heat]"
-    )
-    temperature: Temperature | None = Field(
-        None, description="of the medium, without [heat]"
-    )
+    level: Literal["p1", "two_flux", "rosseland", "ordinates"] = "p1"
+    """rosseland: thick beds, as a conductivity; ordinates: one dimension, nearly exact
+    """
+    allow_rosseland: Switch = False
+    """with conduction: rosseland instead of p1 or two_flux where its error is estimated
+    below 1 %"""
+    absorption: Extinction | None = None
+    """given directly instead of by solids.NAME.emissivity"""
+    scattering: Extinction | None = None
+    """scattering coefficient of the medium"""
+    correction: Literal["close_packed", "independent"] = "close_packed"
+    """extinction over the voidage, or the limit of points far apart"""
+    anisotropy: Annotated[Number, Field(ge=-1, le=1)] = 0.0
+    """mean cosine of scattering"""
+    ordinates: Annotated[Whole, Field(ge=1, le=64)] | None = None
+    """directions in each hemisphere; absent: 4, doubled until the error is within
+    solver.tolerance"""
+    conductivity: Conductivity | None = None
+    """of the medium, without [heat]"""
+    temperature: Temperature | None = None
+    """of the medium, without [heat]"""
 
     @property
     def directions(self) -> int:
@@ -136,11 +115,12 @@ class Radiation(Table):
 class RadiationCondition(Table):
     """A gray wall at a temperature, or an opening through which a radiosity enters."""
 
-    emissivity: Emissivity = Field(1.0, description="emissivity of the wall")
-    temperature: Temperature | None = Field(None, description="temperature of the wall")
-    radiosity: Irradiance | None = Field(
-        None, description="radiation that enters through an opening"
-    )
+    emissivity: Emissivity = 1.0
+    """emissivity of the wall"""
+    temperature: Temperature | None = None
+    """temperature of the wall"""
+    radiosity: Irradiance | None = None
+    """radiation that enters through an opening"""
 
     @model_validator(mode="after")
     def _one(self) -> RadiationCondition:
@@ -157,9 +137,12 @@ class RadiationCondition(Table):
 class Tubes(Table):
     """Tubes immersed in a region, as the radiation sees them."""
 
-    area: Extinction = Field(description="tube surface per bed volume")
-    emissivity: Emissivity = Field(description="emissivity of the tubes")
-    temperature: Temperature = Field(description="surface temperature of the tubes")
+    area: Extinction
+    """tube surface per bed volume"""
+    emissivity: Emissivity
+    """emissivity of the tubes"""
+    temperature: Temperature
+    """surface temperature of the tubes"""
 
 
 class Radiating(Protocol):
@@ -203,7 +186,8 @@ class Radiating(Protocol):
 class RadiatingBoundary(Table):
     """Condition on one named boundary of a medium that merely radiates."""
 
-    radiation: RadiationCondition | None = Field(None, description="absent: a mirror")
+    radiation: RadiationCondition | None = None
+    """absent: a mirror"""
 
 
 class RadiationScene(SceneBase):
@@ -217,14 +201,11 @@ class RadiationScene(SceneBase):
 
     mesh: Mesh
     radiation: Radiation
-    solids: dict[str, RadiatingSolid] = Field(
-        default_factory=dict, description="of which the optics follow"
-    )
-    packed_bed: Voidage | None = Field(
-        None, description="needed where the optics follow from particles"
-    )
-    boundary: dict[str, RadiatingBoundary] = Field(
-        default_factory=dict, description="radiative conditions by name of the boundary"
-    )
+    solids: dict[str, RadiatingSolid] = Field(default_factory=dict)
+    """of which the optics follow"""
+    packed_bed: Voidage | None = None
+    """needed where the optics follow from particles"""
+    boundary: dict[str, RadiatingBoundary] = Field(default_factory=dict)
+    """radiative conditions by name of the boundary"""
     solver: Solver = Solver()
     output: Output = Output()

@@ -24,22 +24,18 @@ class GasCondition(Table):
     ways, positive into the bed.
     """
 
-    velocity: SpeedOrSeries | None = Field(
-        None, description="superficial, at its temperature"
-    )
-    mass_flux: MassFluxOrSeries | None = Field(None, description="per area of the bed")
-    molar_flux: MolarFluxOrSeries | None = Field(
-        None, description="per area of the bed"
-    )
-    temperature: TemperatureOrSeries | None = Field(
-        None, description="Danckwerts: what enters is known, not the state inside"
-    )
-    fixed_temperature: TemperatureOrSeries | None = Field(
-        None, description="state inside of the inlet, composition included"
-    )
-    composition: CompositionOrSeries | None = Field(
-        None, description="mole fractions of what enters here; absent: gas.composition"
-    )
+    velocity: SpeedOrSeries | None = None
+    """superficial, at its temperature"""
+    mass_flux: MassFluxOrSeries | None = None
+    """per area of the bed"""
+    molar_flux: MolarFluxOrSeries | None = None
+    """per area of the bed"""
+    temperature: TemperatureOrSeries | None = None
+    """Danckwerts: what enters is known, not the state inside"""
+    fixed_temperature: TemperatureOrSeries | None = None
+    """state inside of the inlet, composition included"""
+    composition: CompositionOrSeries | None = None
+    """mole fractions of what enters here; absent: gas.composition"""
 
     @model_validator(mode="after")
     def _one(self) -> GasCondition:
@@ -52,15 +48,11 @@ class GasCondition(Table):
 class SolidCondition(Table):
     """A solid phase that enters at one end."""
 
-    velocity: SpeedOrSeries | None = Field(
-        None,
-        description="superficial, volume of particles per area and time as if the "
-        "phase filled the bed, positive into "
-        "the bed; absent at both ends: at rest",
-    )
-    temperature: TemperatureOrSeries | None = Field(
-        None, description="of the particles that enter; needed with [heat]"
-    )
+    velocity: SpeedOrSeries | None = None
+    """superficial, volume of particles per area and time as if the phase filled the
+    bed, positive into the bed; absent at both ends: at rest"""
+    temperature: TemperatureOrSeries | None = None
+    """of the particles that enter; needed with [heat]"""
 
 
 class Boundary(WallHeat):
@@ -68,7 +60,7 @@ class Boundary(WallHeat):
     temperatures) or the bed (one).
     """
 
-    gas: GasCondition | None = Field(None, description="the gas that enters here")
-    solids: dict[str, SolidCondition] = Field(
-        default_factory=dict, description="by name"
-    )
+    gas: GasCondition | None = None
+    """the gas that enters here"""
+    solids: dict[str, SolidCondition] = Field(default_factory=dict)
+    """by name"""

@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Tag
 
 from contbed.errors import SceneError
 from contbed.materials.composition import mole_fractions
@@ -31,32 +31,34 @@ class MassFluxSeries(Series):
     """A mass flux that changes with time; steps may reverse it."""
 
     quantity: ClassVar[str] = "kg/m**2/s"
-    values: tuple[MassFlux, ...] = Field((), description="one for each time")
+    values: tuple[MassFlux, ...] = ()
+    """one for each time"""
 
 
 class MolarFluxSeries(Series):
     """A molar flux that changes with time; steps may reverse it."""
 
     quantity: ClassVar[str] = "mol/m**2/s"
-    values: tuple[MolarFlux, ...] = Field((), description="one for each time")
+    values: tuple[MolarFlux, ...] = ()
+    """one for each time"""
 
 
 class SpeedSeries(Series):
     """A superficial velocity that changes with time; steps may reverse it."""
 
     quantity: ClassVar[str] = "m/s"
-    values: tuple[Speed, ...] = Field((), description="one for each time")
+    values: tuple[Speed, ...] = ()
+    """one for each time"""
 
 
 class CompositionSeries(Series):
     """Mole fractions of the gas that enters as functions of time."""
 
-    values: tuple[str, ...] = Field(
-        (), description='one for each time, "N2:0.9, CO2:0.1"'
-    )
-    column: None = Field(
-        None, description="has no meaning: a file has a column for each species"
-    )
+    values: tuple[str, ...] = ()
+    """one for each time, "N2:0.9, CO2:0.1"
+    """
+    column: None = None
+    """has no meaning: a file has a column for each species"""
 
     def fractions(
         self, base: Path

@@ -75,47 +75,37 @@ CONDUCTIVITY = takes("conductivity")
 class Mixture(HumidAir):
     """The gas, an ideal mixture, and properties of its species."""
 
-    composition: str | None = Field(
-        None,
-        description='mole fractions that enter, "CH4:0.975, CO2:0.025", where a '
-        "boundary gives no others",
-    )
-    pressure: Pressure = Field(101325.0, description="where the gas enters")
-    viscosity: Viscosity | None = Field(None, description="of the mixture, constant")
-    conductivity: Conductivity | None = Field(
-        None, description="of the mixture, constant"
-    )
-    diffusivity: DiffusivityOrName | None = Field(
-        None,
-        description='of every species; "fuller" by its equation, "cantera" by the '
-        "mechanism",
-    )
-    viscosity_rule: Literal["wilke", "herning_zipperer"] = Field(
-        "wilke", description="mixing rule for the viscosity of the gas"
-    )
-    species: dict[str, Substance] = Field(
-        default_factory=dict, description="data of species by name"
-    )
+    composition: str | None = None
+    """mole fractions that enter, "CH4:0.975, CO2:0.025", where a boundary gives no
+    others"""
+    pressure: Pressure = 101325.0
+    """where the gas enters"""
+    viscosity: Viscosity | None = None
+    """of the mixture, constant"""
+    conductivity: Conductivity | None = None
+    """of the mixture, constant"""
+    diffusivity: DiffusivityOrName | None = None
+    """of every species; "fuller" by its equation, "cantera" by the mechanism"""
+    viscosity_rule: Literal["wilke", "herning_zipperer"] = "wilke"
+    """mixing rule for the viscosity of the gas"""
+    species: dict[str, Substance] = Field(default_factory=dict)
+    """data of species by name"""
 
 
 class GasCantera(Mixture):
     """Species with the thermodynamics and transport data of a Cantera mechanism."""
 
-    model: Literal["cantera"] = Field(
-        description="ideal gas mixture with properties by Cantera"
-    )
-    mechanism: str = Field(
-        "gri30.yaml",
-        description="Cantera mechanism with the species: a name or a YAML file",
-    )
+    model: Literal["cantera"]
+    """ideal gas mixture with properties by Cantera"""
+    mechanism: str = "gri30.yaml"
+    """Cantera mechanism with the species: a name or a YAML file"""
 
 
 class GasIdeal(Mixture):
     """Species whose data stand in [gas.species.NAME]."""
 
-    model: Literal["ideal_gas"] = Field(
-        description="ideal gas whose species have the data of the scene"
-    )
+    model: Literal["ideal_gas"]
+    """ideal gas whose species have the data of the scene"""
 
 
 Gas = Annotated[GasCantera | GasIdeal, Field(discriminator="model")]
@@ -126,101 +116,74 @@ class Section(Table):
     mesh.diameter; absent: one dimension.
     """
 
-    shape: Literal["tube", "plane", "duct"] = Field(
-        "tube",
-        description="round, between two plane walls at the distance mesh.diameter, or "
-        "square with it as side",
-    )
-    rings: Annotated[Whole, Field(ge=2, le=40)] = Field(
-        8,
-        description="of equal width, of a duct columns along each half of the side; "
-        "the error across the flow is of "
-        "second order",
-    )
+    shape: Literal["tube", "plane", "duct"] = "tube"
+    """round, between two plane walls at the distance mesh.diameter, or square with it
+    as side"""
+    rings: Annotated[Whole, Field(ge=2, le=40)] = 8
+    """of equal width, of a duct columns along each half of the side; the error across
+    the flow is of second order"""
     conductivity_gas: ConductivityOrClosure | None = Field(
-        None,
-        description="effective, radial; absent: none",
-        json_schema_extra=CONDUCTIVITY,
+        None, json_schema_extra=CONDUCTIVITY
     )
+    """effective, radial; absent: none"""
     conductivity_solids: ConductivityOrClosure | None = Field(
-        None,
-        description="effective, radial, of the particles or of the whole bed at one "
-        "temperature; absent: none",
-        json_schema_extra=CONDUCTIVITY,
+        None, json_schema_extra=CONDUCTIVITY
     )
-    dispersion: ConductivityOrClosure | None = Field(
-        None, description="transverse closure, or W/m/K; absent: none"
-    )
+    """effective, radial, of the particles or of the whole bed at one temperature;
+    absent: none"""
+    dispersion: ConductivityOrClosure | None = None
+    """transverse closure, or W/m/K; absent: none"""
     dispersion_mass: DispersionOfMass | None = Field(
-        None,
-        description="of species across the flow, by name or in m2/s on the velocity "
-        "between the particles; "
-        '{ name = "mass_dispersion_peclet", Pe_p = 10 } is usual across beds of '
-        "spheres; absent: none",
-        json_schema_extra=MASS_DISPERSION,
+        None, json_schema_extra=MASS_DISPERSION
     )
+    """of species across the flow, by name or in m2/s on the velocity between the
+    particles; { name = "mass_dispersion_peclet", Pe_p = 10 } is usual across beds of
+    spheres; absent: none"""
 
 
 class PackedBed(Table):
     """What only a packed bed has."""
 
-    porosity: Fraction = Field(
-        description="of the bed: share of the volume between the particles"
-    )
-    pressure_drop: Literal["auto", "ergun", "none"] = Field(
-        "auto",
-        description="by closures.permeability and closures.forchheimer; auto leaves it "
-        "out below 0.1 %",
-    )
-    gas_storage: Literal["auto", "quasi_steady", "stored"] = Field(
-        "auto",
-        description="in time, in the gas between particles; auto leaves it out where "
-        "its residence time is below 1 % "
-        "of the times in which streams change and of the run; changes within 1 % of "
-        "that time count as one",
-    )
-    section: Section | None = Field(
-        None, description="the bed resolved across the flow"
-    )
+    porosity: Fraction
+    """of the bed: share of the volume between the particles"""
+    pressure_drop: Literal["auto", "ergun", "none"] = "auto"
+    """by closures.permeability and closures.forchheimer; auto leaves it out below 0.1 %
+    """
+    gas_storage: Literal["auto", "quasi_steady", "stored"] = "auto"
+    """in time, in the gas between particles; auto leaves it out where its residence
+    time is below 1 % of the times in which streams change and of the run; changes
+    within 1 % of that time count as one"""
+    section: Section | None = None
+    """the bed resolved across the flow"""
 
 
 class Closures(Table):
     """Closures of the bed: a name, a name with parameters, a number, or a file."""
 
-    permeability: PermeabilityOrClosure = Field(
-        "permeability_ergun", description="permeability of the bed"
-    )
-    forchheimer: NonNegativeOrClosure = Field(
-        "forchheimer_ergun", description="Forchheimer coefficient of the bed"
-    )
-    nusselt: NonNegativeOrClosure | None = Field(
-        None,
-        description="exchange of heat between particles and gas; absent: both at one "
-        "temperature",
-    )
-    sherwood: NonNegativeOrClosure | None = Field(
-        None, description="of the film around particles; absent: no film"
-    )
+    permeability: PermeabilityOrClosure = "permeability_ergun"
+    """permeability of the bed"""
+    forchheimer: NonNegativeOrClosure = "forchheimer_ergun"
+    """Forchheimer coefficient of the bed"""
+    nusselt: NonNegativeOrClosure | None = None
+    """exchange of heat between particles and gas; absent: both at one temperature"""
+    sherwood: NonNegativeOrClosure | None = None
+    """of the film around particles; absent: no film"""
     conductivity_gas: ConductivityOrClosure | None = Field(
-        None,
-        description="effective, axial; absent: none",
-        json_schema_extra=CONDUCTIVITY,
+        None, json_schema_extra=CONDUCTIVITY
     )
+    """effective, axial; absent: none"""
     conductivity_solids: ConductivityOrClosure | None = Field(
-        None,
-        description="effective, axial, of the particles or of the whole bed at one "
-        "temperature; absent: none",
-        json_schema_extra=CONDUCTIVITY,
+        None, json_schema_extra=CONDUCTIVITY
     )
-    dispersion: ConductivityOrClosure | None = Field(
-        None, description="of heat, axial closure, or W/m/K; absent: none"
-    )
+    """effective, axial, of the particles or of the whole bed at one temperature;
+    absent: none"""
+    dispersion: ConductivityOrClosure | None = None
+    """of heat, axial closure, or W/m/K; absent: none"""
     dispersion_mass: DispersionOfMass | None = Field(
-        None,
-        description="of species, axial, by name or in m2/s on the velocity between the "
-        "particles; absent: none",
-        json_schema_extra=MASS_DISPERSION,
+        None, json_schema_extra=MASS_DISPERSION
     )
+    """of species, axial, by name or in m2/s on the velocity between the particles;
+    absent: none"""
 
 
 class Heat(Table):
@@ -232,21 +195,17 @@ class Heat(Table):
 class InitialSolid(Table):
     """A solid phase at the start."""
 
-    temperature: Temperature = Field(
-        description="in place of initial.temperature, where phases have their own"
-    )
+    temperature: Temperature
+    """in place of initial.temperature, where phases have their own"""
 
 
 class InitialGas(Table):
     """The gas in the bed at the start."""
 
-    temperature: Temperature | None = Field(
-        None,
-        description="in place of initial.temperature, where phases have their own",
-    )
-    composition: str | None = Field(
-        None, description="where it is stored; absent: of the gas that enters"
-    )
+    temperature: Temperature | None = None
+    """in place of initial.temperature, where phases have their own"""
+    composition: str | None = None
+    """where it is stored; absent: of the gas that enters"""
 
 
 class Initial(Table):
@@ -254,25 +213,19 @@ class Initial(Table):
     the first guess of a steady one.
     """
 
-    temperature: Temperature | None = Field(
-        None,
-        description="of gas and particles; absent: of the gas that enters, as a guess "
-        "that of mixed streams",
-    )
-    gas: InitialGas = Field(InitialGas(), description="the gas in the bed at the start")
-    solids: dict[str, InitialSolid] = Field(
-        default_factory=dict, description="solid phases at the start, by name"
-    )
-    file: str | None = Field(
-        None,
-        description="CSV file with positions, x [m], and any of T_fluid, T_solid [K], "
-        "x_GAS [1], n_SOLID [mol/m3] or "
-        "w_SOLID [1], q_GAS [mol/kg], relative to the scene; the rest is uniform",
-    )
-    time: Instant | None = Field(
-        None,
-        description="of the rows of the file, where it has several; absent: the last",
-    )
+    temperature: Temperature | None = None
+    """of gas and particles; absent: of the gas that enters, as a guess that of mixed
+    streams"""
+    gas: InitialGas = InitialGas()
+    """the gas in the bed at the start"""
+    solids: dict[str, InitialSolid] = Field(default_factory=dict)
+    """solid phases at the start, by name"""
+    file: str | None = None
+    """CSV file with positions, x [m], and any of T_fluid, T_solid [K], x_GAS [1],
+    n_SOLID [mol/m3] or w_SOLID [1], q_GAS [mol/kg], relative to the scene; the rest is
+    uniform"""
+    time: Instant | None = None
+    """of the rows of the file, where it has several; absent: the last"""
 
     @property
     def gas_temperature(self) -> float | None:
@@ -298,56 +251,44 @@ class Continuation(Table):
     the folds between them.
     """
 
-    parameter: str = Field(
-        description='key of a number in this scene, "reactions.NAME.factor" or '
-        '"boundary.left.gas.mass_flux"'
-    )
-    to: Number = Field(description="in SI")
-    back_to: Number | None = Field(
-        None, description="end of the other side; absent: the value in this scene"
-    )
-    at: Number | None = Field(
-        None, description="value at which all steady states of the branch are listed"
-    )
-    points: Annotated[Whole, Field(ge=3, le=10_000)] = Field(400, description="at most")
+    parameter: str
+    """key of a number in this scene, "reactions.NAME.factor" or
+    "boundary.left.gas.mass_flux"
+    """
+    to: Number
+    """in SI"""
+    back_to: Number | None = None
+    """end of the other side; absent: the value in this scene"""
+    at: Number | None = None
+    """value at which all steady states of the branch are listed"""
+    points: Annotated[Whole, Field(ge=3, le=10_000)] = 400
+    """at most"""
 
 
 class Time(RunInTime):
     """A transient run; absent means steady."""
 
-    tolerance: Fraction = Field(
-        1e-4,
-        description="local error over typical sizes of the fields, of an order below",
-    )
+    tolerance: Fraction = 1e-4
+    """local error over typical sizes of the fields, of an order below"""
 
 
 class Solver(NewtonSolver):
     """Numerics; the defaults suit nearly all scenes."""
 
-    degree: Annotated[Whole | None, Field(ge=0, le=5)] = Field(
-        None,
-        description="degree of the polynomials in a cell; absent: 3, and 0, one value "
-        "a cell, where nearly all that enters is adsorbed and fills the pores",
-    )
-    tolerance: Fraction = Field(
-        1e-6,
-        description="target error of all fields for automatic cells, over their spans, "
-        "in time over typical sizes",
-    )
-    accuracy: Fraction = Field(
-        5e-3,
-        description="largest predicted error, over the step of what leaves, of a level "
-        "that the plan takes",
-    )
-    adapt: Annotated[Whole, Field(ge=0, le=20)] | None = Field(
-        None,
-        description="rounds of new cells, absent: 10; in time of each step, so that "
-        "cells follow its fronts, absent: "
-        "cells stay as they are",
-    )
-    newton_iterations: Whole = Field(
-        40, ge=1, le=1000, description="most iterations of Newton's method"
-    )
+    degree: Annotated[Whole | None, Field(ge=0, le=5)] = None
+    """degree of the polynomials in a cell; absent: 3, and 0, one value a cell, where
+    nearly all that enters is adsorbed and fills the pores"""
+    tolerance: Fraction = 1e-6
+    """target error of all fields for automatic cells, over their spans, in time over
+    typical sizes"""
+    accuracy: Fraction = 5e-3
+    """largest predicted error, over the step of what leaves, of a level that the plan
+    takes"""
+    adapt: Annotated[Whole, Field(ge=0, le=20)] | None = None
+    """rounds of new cells, absent: 10; in time of each step, so that cells follow its
+    fronts, absent: cells stay as they are"""
+    newton_iterations: Whole = Field(40, ge=1, le=1000)
+    """most iterations of Newton's method"""
 
 
 class ReactingScene(SceneBase):
@@ -357,18 +298,15 @@ class ReactingScene(SceneBase):
 
     mesh: MeshLine
     gas: Gas
-    solids: dict[str, Solid] = Field(
-        min_length=1, description="solid phases that fill the bed, by name"
-    )
+    solids: dict[str, Solid] = Field(min_length=1)
+    """solid phases that fill the bed, by name"""
     packed_bed: PackedBed
     closures: Closures = Closures()
     heat: Heat | None = None
-    reactions: dict[str, Reaction] = Field(
-        default_factory=dict, description="reactions by name"
-    )
-    boundary: dict[str, Boundary] = Field(
-        default_factory=dict, description="`left`, `right` and `wall`"
-    )
+    reactions: dict[str, Reaction] = Field(default_factory=dict)
+    """reactions by name"""
+    boundary: dict[str, Boundary] = Field(default_factory=dict)
+    """`left`, `right` and `wall`"""
     initial: Initial = Initial()
     continuation: Continuation | None = None
     time: Time | None = None

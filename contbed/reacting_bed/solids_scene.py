@@ -32,26 +32,18 @@ class Adsorption(Table):
     affinity (Langmuir).
     """
 
-    henry: Annotated[float, *unit("mol/kg/Pa"), Field(gt=0)] | None = Field(
-        None,
-        description="moles adsorbed per mass of particles over the partial pressure",
-    )
-    capacity: Annotated[float, *unit("mol/kg"), Field(gt=0)] | None = Field(
-        None,
-        description="moles adsorbed per mass of particles when all sites are taken",
-    )
-    affinity: Annotated[float, *unit("1/Pa"), Field(gt=0)] | None = Field(
-        None, description="b of q = q_s b p/(1 + sum b p)"
-    )
-    temperature: Temperature = Field(
-        298.15, description="at which henry or affinity holds"
-    )
-    enthalpy: MolarEnergy = Field(
-        0.0, description="of adsorption, negative where heat is released"
-    )
-    diffusivity: PositiveDiffusivity = Field(
-        description="effective, in the pores of the particles"
-    )
+    henry: Annotated[float, *unit("mol/kg/Pa"), Field(gt=0)] | None = None
+    """moles adsorbed per mass of particles over the partial pressure"""
+    capacity: Annotated[float, *unit("mol/kg"), Field(gt=0)] | None = None
+    """moles adsorbed per mass of particles when all sites are taken"""
+    affinity: Annotated[float, *unit("1/Pa"), Field(gt=0)] | None = None
+    """b of q = q_s b p/(1 + sum b p)"""
+    temperature: Temperature = 298.15
+    """at which henry or affinity holds"""
+    enthalpy: MolarEnergy = 0.0
+    """of adsorption, negative where heat is released"""
+    diffusivity: PositiveDiffusivity
+    """effective, in the pores of the particles"""
 
     @model_validator(mode="after")
     def _one_isotherm(self) -> Adsorption:
@@ -65,30 +57,19 @@ class Adsorption(Table):
 class Inside(Table):
     """What happens within the particles of a solid phase."""
 
-    mass: Literal["auto", "none", "effectiveness", "interior"] = Field(
-        "auto",
-        description="effectiveness of a sphere by the Thiele modulus of each reaction "
-        "with a diffusivity; interior: "
-        "diffusion and reaction of all gases resolved in the particles, with "
-        "`diffusivity`; auto: "
-        "resolved where that changes what reacts by more than solver.accuracy",
-    )
-    diffusivity: dict[str, PositiveDiffusivity] = Field(
-        default_factory=dict,
-        description="effective, of each gas that reacts in the particles, { CH4 = "
-        '"2e-6 m**2/s" }',
-    )
-    adsorption: Literal["auto", "film", "linear_driving_force", "interior"] = Field(
-        "auto",
-        description="resistance to the uptake of gas: external film only; in series "
-        "with it diffusion inside, by one "
-        "concentration per particle; diffusion between points inside. auto: the "
-        "cheapest whose error in what "
-        "leaves is within solver.accuracy",
-    )
-    points: Annotated[Whole, Field(ge=2, le=20)] = Field(
-        3, description="inside of a particle, beside its surface"
-    )
+    mass: Literal["auto", "none", "effectiveness", "interior"] = "auto"
+    """effectiveness of a sphere by the Thiele modulus of each reaction with a
+    diffusivity; interior: diffusion and reaction of all gases resolved in the
+    particles, with `diffusivity`; auto: resolved where that changes what reacts by more
+    than solver.accuracy"""
+    diffusivity: dict[str, PositiveDiffusivity] = Field(default_factory=dict)
+    """effective, of each gas that reacts in the particles, { CH4 = "2e-6 m**2/s" }"""
+    adsorption: Literal["auto", "film", "linear_driving_force", "interior"] = "auto"
+    """resistance to the uptake of gas: external film only; in series with it diffusion
+    inside, by one concentration per particle; diffusion between points inside. auto:
+    the cheapest whose error in what leaves is within solver.accuracy"""
+    points: Annotated[Whole, Field(ge=2, le=20)] = 3
+    """inside of a particle, beside its surface"""
 
 
 class Solid(SolidPhase):
@@ -96,48 +77,33 @@ class Solid(SolidPhase):
 
     varies: ClassVar[frozenset[str]] = frozenset({"heat_capacity", "conductivity"})
 
-    diameter: Length = Field(
-        description="diameter of the particles of this solid phase"
-    )
-    shape: Literal["spheres", "rods"] = Field(
-        "spheres",
-        description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods",
-    )
-    volume_share: Annotated[Number, Field(gt=0, le=1)] = Field(
-        1.0,
-        description="of the volume of all particles where they enter, or at rest; "
-        "those of all phases sum to 1",
-    )
-    density: Density | None = Field(
-        None,
-        description="of particles that enter; absent: from constituents and porosity",
-    )
-    heat_capacity: HeatCapacityOfSolid | None = Field(
-        None, description="of particles without constituents"
-    )
-    conductivity: ConductivityOfSolid | None = Field(
-        None, description="of the particles"
-    )
-    melting: Melting | None = Field(
-        None, description="of particles without constituents; absent: they do not melt"
-    )
-    composition: str | None = Field(
-        None, description='mass fractions that enter, "Fe2O3:0.45, Al2O3:0.55"'
-    )
-    porosity: Annotated[Number, Field(ge=0, lt=1)] = Field(
-        0.0, description="of the particles that enter"
-    )
-    constituent: dict[str, Substance] = Field(
-        default_factory=dict,
-        description="data of constituents by name, which hold in all phases",
-    )
-    nusselt: NonNegativeOrClosure | None = Field(
-        None, description="of this phase; absent: closures.nusselt"
-    )
-    sherwood: NonNegativeOrClosure | None = Field(
-        None, description="of this phase; absent: closures.sherwood"
-    )
-    adsorption: dict[str, Adsorption] = Field(
-        default_factory=dict, description="of gases by name"
-    )
-    inside: Inside = Field(Inside(), description="what happens in the particles")
+    diameter: Length
+    """diameter of the particles of this solid phase"""
+    shape: Literal["spheres", "rods"] = "spheres"
+    """specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods"""
+    volume_share: Annotated[Number, Field(gt=0, le=1)] = 1.0
+    """of the volume of all particles where they enter, or at rest; those of all phases
+    sum to 1"""
+    density: Density | None = None
+    """of particles that enter; absent: from constituents and porosity"""
+    heat_capacity: HeatCapacityOfSolid | None = None
+    """of particles without constituents"""
+    conductivity: ConductivityOfSolid | None = None
+    """of the particles"""
+    melting: Melting | None = None
+    """of particles without constituents; absent: they do not melt"""
+    composition: str | None = None
+    """mass fractions that enter, "Fe2O3:0.45, Al2O3:0.55"
+    """
+    porosity: Annotated[Number, Field(ge=0, lt=1)] = 0.0
+    """of the particles that enter"""
+    constituent: dict[str, Substance] = Field(default_factory=dict)
+    """data of constituents by name, which hold in all phases"""
+    nusselt: NonNegativeOrClosure | None = None
+    """of this phase; absent: closures.nusselt"""
+    sherwood: NonNegativeOrClosure | None = None
+    """of this phase; absent: closures.sherwood"""
+    adsorption: dict[str, Adsorption] = Field(default_factory=dict)
+    """of gases by name"""
+    inside: Inside = Inside()
+    """what happens in the particles"""

@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, ClassVar, TypeVar
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import ValidationInfo, field_validator, model_validator
 
 from contbed.scene.property_table import constant_at, range_of
 from contbed.scene.quantities import Density, Length, Table, Temperature
@@ -41,21 +41,15 @@ class SolidPhase(Table):
 
     varies: ClassVar[frozenset[str]] = frozenset()
 
-    material: str | None = Field(
-        None,
-        description="solid of the library; keys that are given replace its properties",
-    )
-    material_temperature: Temperature | None = Field(
-        None,
-        description="at which properties that vary with temperature are taken as "
-        "constants",
-    )
-    diameter: Length | None = Field(None, description="diameter of the particles")
-    density: Density | None = Field(
-        None,
-        description="density of the solid material; a table over temperature is taken "
-        "at material_temperature, else at 20 degC",
-    )
+    material: str | None = None
+    """solid of the library; keys that are given replace its properties"""
+    material_temperature: Temperature | None = None
+    """at which properties that vary with temperature are taken as constants"""
+    diameter: Length | None = None
+    """diameter of the particles"""
+    density: Density | None = None
+    """density of the solid material; a table over temperature is taken at
+    material_temperature, else at 20 degC"""
 
     @model_validator(mode="before")
     @classmethod

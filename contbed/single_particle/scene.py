@@ -45,9 +45,8 @@ SURFACE = "surface"  # the only boundary
 class Constituent(Table):
     """A solid constituent of the particle, initial or formed by reactions."""
 
-    heat_capacity: HeatCapacityOfSolid = Field(
-        description="specific heat capacity of the constituent"
-    )
+    heat_capacity: HeatCapacityOfSolid
+    """specific heat capacity of the constituent"""
 
 
 class Solid(SolidPhase):
@@ -55,28 +54,26 @@ class Solid(SolidPhase):
 
     varies: ClassVar[frozenset[str]] = frozenset({"conductivity"})
 
-    diameter: Length = Field(description="diameter of the particle")
-    density: Density = Field(description="fresh")
-    conductivity: ConductivityOfSolid = Field(description="fresh")
-    conductivity_product: ConductivityOfSolid | None = Field(
-        None,
-        description="where nothing fresh is left, linear between by mass; absent: as "
-        "fresh",
-    )
-    composition: str = Field(
-        description='mass fractions of the fresh particle, "wood:0.93, water:0.07"'
-    )
-    constituent: dict[str, Constituent] = Field(
-        min_length=1, description="constituents of the particle by name"
-    )
+    diameter: Length
+    """diameter of the particle"""
+    density: Density
+    """fresh"""
+    conductivity: ConductivityOfSolid
+    """fresh"""
+    conductivity_product: ConductivityOfSolid | None = None
+    """where nothing fresh is left, linear between by mass; absent: as fresh"""
+    composition: str
+    """mass fractions of the fresh particle, "wood:0.93, water:0.07"
+    """
+    constituent: dict[str, Constituent] = Field(min_length=1)
+    """constituents of the particle by name"""
 
 
 class Gas(Table):
     """The gas that reactions make, which leaves through the surface at once."""
 
-    heat_capacity: Annotated[float, *unit("J/kg/K"), Field(ge=0)] = Field(
-        0.0, description="specific heat capacity of the gas; 0: it carries no heat"
-    )
+    heat_capacity: Annotated[float, *unit("J/kg/K"), Field(ge=0)] = 0.0
+    """specific heat capacity of the gas; 0: it carries no heat"""
 
 
 class Reaction(Table):
@@ -84,20 +81,16 @@ class Reaction(Table):
     leaves as gas.
     """
 
-    of: str = Field(description="constituent that decomposes")
-    A: Annotated[float, *unit("1/s"), Field(gt=0)] = Field(
-        description="rate is A exp(-E/(R T)) per mass"
-    )
-    E: Annotated[float, *unit("J/mol"), Field(ge=0)] = Field(
-        description="activation energy"
-    )
-    heat: Annotated[float, *unit("J/kg")] = Field(
-        0.0, description="taken up per mass that reacts, at its temperature"
-    )
-    yields: dict[str, Annotated[NonNegative, Field(le=1)]] = Field(
-        default_factory=dict,
-        description="mass of each constituent made per mass that reacts",
-    )
+    of: str
+    """constituent that decomposes"""
+    A: Annotated[float, *unit("1/s"), Field(gt=0)]
+    """rate is A exp(-E/(R T)) per mass"""
+    E: Annotated[float, *unit("J/mol"), Field(ge=0)]
+    """activation energy"""
+    heat: Annotated[float, *unit("J/kg")] = 0.0
+    """taken up per mass that reacts, at its temperature"""
+    yields: dict[str, Annotated[NonNegative, Field(le=1)]] = Field(default_factory=dict)
+    """mass of each constituent made per mass that reacts"""
 
 
 class Boundary(Table):
@@ -105,16 +98,14 @@ class Boundary(Table):
     its gas.
     """
 
-    fixed_temperature: TemperatureOrSeries | None = Field(
-        None, description="measured temperature of the surface"
-    )
-    ambient: TemperatureOrSeries | None = Field(
-        None, description="temperature of the furnace and its gas"
-    )
-    coefficient: WallCoefficient = Field(0.0, description="of convection, to `ambient`")
-    emissivity: Emissivity | None = Field(
-        None, description="of the particle in a large furnace at `ambient`"
-    )
+    fixed_temperature: TemperatureOrSeries | None = None
+    """measured temperature of the surface"""
+    ambient: TemperatureOrSeries | None = None
+    """temperature of the furnace and its gas"""
+    coefficient: WallCoefficient = 0.0
+    """of convection, to `ambient`"""
+    emissivity: Emissivity | None = None
+    """of the particle in a large furnace at `ambient`"""
 
     @model_validator(mode="after")
     def _one(self) -> Boundary:
@@ -137,42 +128,41 @@ class Boundary(Table):
 class Initial(Table):
     """The state at the start."""
 
-    temperature: Temperature = Field(description="of the whole particle")
+    temperature: Temperature
+    """of the whole particle"""
 
 
 class Time(Table):
     """End and output times."""
 
-    end: Seconds = Field(description="time at which the run ends")
-    times: tuple[Instant, ...] = Field(
-        (), description="output times; absent: 100 equal steps; the end is always one"
-    )
-    tolerance: Fraction = Field(
-        1e-4, description="local error of temperatures over their span, and of masses"
-    )
+    end: Seconds
+    """time at which the run ends"""
+    times: tuple[Instant, ...] = ()
+    """output times; absent: 100 equal steps; the end is always one"""
+    tolerance: Fraction = 1e-4
+    """local error of temperatures over their span, and of masses"""
 
 
 class SingleParticle(Table):
     """What only this model has."""
 
-    cells: Annotated[Whole, Field(ge=4, le=1000)] = Field(
-        30, description="shells of equal thickness"
-    )
+    cells: Annotated[Whole, Field(ge=4, le=1000)] = 30
+    """shells of equal thickness"""
 
 
 class Output(Table):
     """What a run writes besides summary.json and profiles.csv."""
 
-    plots: Switch = Field(True, description="draw plots (.png)")
+    plots: Switch = True
+    """draw plots (.png)"""
     fields: ClassVar[bool] = False
 
 
 class Solver(NewtonSolver):
     """Numerics."""
 
-    balance_tolerance: Positive = Field(
-        1e-9, description="largest relative residual of a balance that a run accepts"
-    )
+    balance_tolerance: Positive = 1e-9
+    """largest relative residual of a balance that a run accepts"""
 
 
 class SingleParticleScene(SceneBase):
@@ -180,14 +170,13 @@ class SingleParticleScene(SceneBase):
 
     kind: ClassVar[str] = "single_particle"
 
-    solids: dict[str, Solid] = Field(
-        min_length=1, max_length=1, description="the particle, by name"
-    )
+    solids: dict[str, Solid] = Field(min_length=1, max_length=1)
+    """the particle, by name"""
     gas: Gas = Gas()
-    reactions: dict[str, Reaction] = Field(
-        default_factory=dict, description="reactions of constituents by name"
-    )
-    boundary: dict[str, Boundary] = Field(min_length=1, description="`surface` alone")
+    reactions: dict[str, Reaction] = Field(default_factory=dict)
+    """reactions of constituents by name"""
+    boundary: dict[str, Boundary] = Field(min_length=1)
+    """`surface` alone"""
     initial: Initial
     time: Time
     single_particle: SingleParticle = SingleParticle()

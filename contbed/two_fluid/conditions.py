@@ -33,41 +33,41 @@ Flux = Annotated[float, *unit("kg/m**2/s"), Field(ge=0)]
 class GasInLayer(Table):
     """Gas at the start."""
 
-    velocity: Speed | None = Field(None, description="intrinsic, along the last axis")
-    temperature: Temperature | None = Field(
-        None, description="initial temperature of the gas in the layer"
-    )
+    velocity: Speed | None = None
+    """intrinsic, along the last axis"""
+    temperature: Temperature | None = None
+    """initial temperature of the gas in the layer"""
 
 
 class SolidInLayer(Table):
     """Particles at the start."""
 
-    volume_fraction: Share | None = Field(
-        None, description="initial volume fraction of the solids in the layer"
-    )
-    granular_temperature: Theta | None = Field(
-        None, description="initial granular temperature in the layer"
-    )
-    velocity: Speed | None = Field(None, description="along the last axis")
-    temperature: Temperature | None = Field(None, description="absent: as the gas")
+    volume_fraction: Share | None = None
+    """initial volume fraction of the solids in the layer"""
+    granular_temperature: Theta | None = None
+    """initial granular temperature in the layer"""
+    velocity: Speed | None = None
+    """along the last axis"""
+    temperature: Temperature | None = None
+    """absent: as the gas"""
 
 
 class GasAtStart(GasInLayer):
     """Gas at the start."""
 
-    velocity: Speed = Field(0.0, description="intrinsic, along the last axis")
+    velocity: Speed = 0.0
+    """intrinsic, along the last axis"""
 
 
 class SolidAtStart(SolidInLayer):
     """Particles at the start."""
 
-    volume_fraction: Share = Field(
-        0.0, description="initial volume fraction of the solids, outside of the layers"
-    )
-    granular_temperature: Theta = Field(
-        1e-4, description="initial granular temperature"
-    )
-    velocity: Speed = Field(0.0, description="along the last axis")
+    volume_fraction: Share = 0.0
+    """initial volume fraction of the solids, outside of the layers"""
+    granular_temperature: Theta = 1e-4
+    """initial granular temperature"""
+    velocity: Speed = 0.0
+    """along the last axis"""
 
 
 class Layer(Table):
@@ -75,12 +75,13 @@ class Layer(Table):
     it was.
     """
 
-    start: Position = Field(-1e30, description="lower end of the layer")
-    end: Position = Field(1e30, description="upper end of the layer")
+    start: Position = -1e30
+    """lower end of the layer"""
+    end: Position = 1e30
+    """upper end of the layer"""
     gas: GasInLayer = GasInLayer()
-    solids: dict[str, SolidInLayer] = Field(
-        default_factory=dict, description="data of the solid phases by name"
-    )
+    solids: dict[str, SolidInLayer] = Field(default_factory=dict)
+    """data of the solid phases by name"""
 
     @property
     def solid(self) -> SolidInLayer:
@@ -92,21 +93,16 @@ class Initial(Table):
     """Fields at the start."""
 
     gas: GasAtStart = GasAtStart()
-    solids: dict[str, SolidAtStart] = Field(
-        default_factory=dict, description="data of the solid phases by name"
-    )
-    shear: Annotated[float, *unit("1/s")] = Field(
-        0.0, description="of the particles: u_x grows with the last axis"
-    )
-    noise: Annotated[Number, Field(ge=0, lt=1)] = Field(
-        0.0, description="relative, of the volume fraction, to break symmetry"
-    )
-    seed: Annotated[Whole, Field(ge=0)] = Field(
-        0, description="seed of the random disturbance"
-    )
-    layer: tuple[Layer, ...] = Field(
-        (), description="layers with initial values of their own"
-    )
+    solids: dict[str, SolidAtStart] = Field(default_factory=dict)
+    """data of the solid phases by name"""
+    shear: Annotated[float, *unit("1/s")] = 0.0
+    """of the particles: u_x grows with the last axis"""
+    noise: Annotated[Number, Field(ge=0, lt=1)] = 0.0
+    """relative, of the volume fraction, to break symmetry"""
+    seed: Annotated[Whole, Field(ge=0)] = 0
+    """seed of the random disturbance"""
+    layer: tuple[Layer, ...] = ()
+    """layers with initial values of their own"""
 
     @property
     def parts(self) -> tuple[Initial | Layer, ...]:
@@ -124,72 +120,58 @@ class Part(Table):
     that is level.
     """
 
-    on: str | None = Field(
-        None,
-        description="boundary of the mesh that this is a piece of, from start to end",
-    )
-    start: Position | None = Field(
-        None, description="lower end of the part of the side; absent: the whole side"
-    )
-    end: Position | None = Field(
-        None, description="upper end of the part of the side; absent: the whole side"
-    )
+    on: str | None = None
+    """boundary of the mesh that this is a piece of, from start to end"""
+    start: Position | None = None
+    """lower end of the part of the side; absent: the whole side"""
+    end: Position | None = None
+    """upper end of the part of the side; absent: the whole side"""
 
 
 class GasAtWall(Table):
     """Gas at a wall."""
 
-    wall: Literal["no_slip", "slip"] = Field(
-        "no_slip", description="condition of the gas at the wall"
-    )
+    wall: Literal["no_slip", "slip"] = "no_slip"
+    """condition of the gas at the wall"""
 
 
 class SolidAtWall(Table):
     """Particles at a wall."""
 
-    wall: Literal["no_slip", "slip", "johnson_jackson"] = Field(
-        "no_slip",
-        description="condition of the solids at the wall; johnson_jackson: partial slip",
-    )
-    specularity: Annotated[Number, Field(gt=0, le=1)] | None = Field(
-        None, description="specularity coefficient of collisions with the wall"
-    )
-    restitution: Annotated[Number, Field(gt=0, le=1)] | None = Field(
-        None, description="coefficient of restitution between particles and wall"
-    )
-    friction: Annotated[Number, Field(ge=0, le=2)] = Field(
-        0.0,
-        description="Coulomb's coefficient of particles that rub along the wall under "
-        "their frictional pressure",
-    )
+    wall: Literal["no_slip", "slip", "johnson_jackson"] = "no_slip"
+    """condition of the solids at the wall; johnson_jackson: partial slip"""
+    specularity: Annotated[Number, Field(gt=0, le=1)] | None = None
+    """specularity coefficient of collisions with the wall"""
+    restitution: Annotated[Number, Field(gt=0, le=1)] | None = None
+    """coefficient of restitution between particles and wall"""
+    friction: Annotated[Number, Field(ge=0, le=2)] = 0.0
+    """Coulomb's coefficient of particles that rub along the wall under their frictional
+    pressure"""
 
 
 class Wall(Part):
     """Nothing passes."""
 
-    type: Literal["wall"] = Field(description="wall")
-    gas: GasAtWall = Field(GasAtWall(), description="condition of the gas at the wall")
-    solids: dict[str, SolidAtWall] = Field(
-        default_factory=dict, description="data of the solid phases by name"
-    )
-    velocity: tuple[Speed, ...] = Field((), description="of the wall in its own plane")
-    temperature: Temperature | None = Field(
-        None,
-        description="with [heat]: heat is conducted to the wall at this temperature; "
-        "absent: adiabatic",
-    )
-    heat_flux: HeatFlux | None = Field(
-        None, description="into the bed; the phases share it by their fractions"
-    )
+    type: Literal["wall"]
+    """wall"""
+    gas: GasAtWall = GasAtWall()
+    """condition of the gas at the wall"""
+    solids: dict[str, SolidAtWall] = Field(default_factory=dict)
+    """data of the solid phases by name"""
+    velocity: tuple[Speed, ...] = ()
+    """of the wall in its own plane"""
+    temperature: Temperature | None = None
+    """with [heat]: heat is conducted to the wall at this temperature; absent: adiabatic
+    """
+    heat_flux: HeatFlux | None = None
+    """into the bed; the phases share it by their fractions"""
 
     wall_heat: WallCoefficientOrClosure | None = Field(
-        None,
-        description="with a temperature: of this wall, as closures.wall_heat",
-        json_schema_extra=takes("bed_tube"),
+        None, json_schema_extra=takes("bed_tube")
     )
-    emissivity: Emissivity | None = Field(
-        None, description="of the wall; absent: no radiation between it and particles"
-    )
+    """with a temperature: of this wall, as closures.wall_heat"""
+    emissivity: Emissivity | None = None
+    """of the wall; absent: no radiation between it and particles"""
 
     @property
     def solid(self) -> SolidAtWall:
@@ -200,52 +182,53 @@ class Wall(Part):
 class Symmetry(Part):
     """A plane of symmetry, or the axis."""
 
-    type: Literal["symmetry"] = Field(description="plane or axis of symmetry")
+    type: Literal["symmetry"]
+    """plane or axis of symmetry"""
 
 
 class Periodic(Table):
     """One and the same as another boundary."""
 
-    type: Literal["periodic"] = Field(description="side that is joined to its partner")
-    partner: str = Field(description="the boundary opposite, which is not named again")
+    type: Literal["periodic"]
+    """side that is joined to its partner"""
+    partner: str
+    """the boundary opposite, which is not named again"""
 
 
 class GasAtInlet(Table):
     """Gas that enters."""
 
-    velocity: Annotated[Speed, Field(ge=0)] = Field(0.0, description="superficial")
-    temperature: Temperature | None = Field(
-        None, description="temperature of the gas that enters"
-    )
+    velocity: Annotated[Speed, Field(ge=0)] = 0.0
+    """superficial"""
+    temperature: Temperature | None = None
+    """temperature of the gas that enters"""
 
 
 class SolidAtInlet(Table):
     """Particles that enter."""
 
-    volume_fraction: Share = Field(
-        0.0, description="volume fraction of the solids that enter"
-    )
-    mass_flux: Flux | None = Field(None, description="through this boundary")
-    velocity: Annotated[Speed, Field(gt=0)] | None = Field(
-        None, description="velocity of the solids that enter"
-    )
-    granular_temperature: Theta = Field(
-        0.0, description="granular temperature of the solids that enter"
-    )
-    temperature: Temperature | None = Field(None, description="absent: as the gas")
+    volume_fraction: Share = 0.0
+    """volume fraction of the solids that enter"""
+    mass_flux: Flux | None = None
+    """through this boundary"""
+    velocity: Annotated[Speed, Field(gt=0)] | None = None
+    """velocity of the solids that enter"""
+    granular_temperature: Theta = 0.0
+    """granular temperature of the solids that enter"""
+    temperature: Temperature | None = None
+    """absent: as the gas"""
 
 
 class Inlet(Part):
     """Gas, with or without particles."""
 
-    type: Literal["inlet"] = Field(description="inlet of gas and solids")
-    until: Seconds | None = Field(
-        None, description="then it is as the inlet that it is a piece of"
-    )
+    type: Literal["inlet"]
+    """inlet of gas and solids"""
+    until: Seconds | None = None
+    """then it is as the inlet that it is a piece of"""
     gas: GasAtInlet = GasAtInlet()
-    solids: dict[str, SolidAtInlet] = Field(
-        default_factory=dict, description="data of the solid phases by name"
-    )
+    solids: dict[str, SolidAtInlet] = Field(default_factory=dict)
+    """data of the solid phases by name"""
 
     @property
     def solid(self) -> SolidAtInlet:
@@ -256,15 +239,15 @@ class Inlet(Part):
 class GasOutside(Table):
     """Gas beyond an outlet."""
 
-    pressure: Annotated[float, *unit("Pa")] = Field(
-        0.0, description="gauge pressure at the outlet"
-    )
+    pressure: Annotated[float, *unit("Pa")] = 0.0
+    """gauge pressure at the outlet"""
 
 
 class Outlet(Part):
     """Free outflow against a pressure; particles do not come back."""
 
-    type: Literal["outlet"] = Field(description="outlet of given pressure")
+    type: Literal["outlet"]
+    """outlet of given pressure"""
     gas: GasOutside = GasOutside()
 
 

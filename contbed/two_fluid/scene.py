@@ -57,109 +57,76 @@ Named = Annotated[tables.Named, Discriminator(form)]
 class TwoFluid(Table):
     """What only two fluids have."""
 
-    gravity: Annotated[float, *unit("m/s**2"), Field(ge=0)] = Field(
-        9.81, description="gravitational acceleration"
-    )
-    granular_temperature: Literal["pde", "algebraic", "frozen"] = Field(
-        "pde",
-        description="transport equation, local balance, or the initial value kept",
-    )
-    guards: Switch = Field(
-        True,
-        description="limit the kinetic stress of dilute flow by drag and free path",
-    )
-    free_path: Length = Field(
-        0.01, description="largest mean free path that the guards allow"
-    )
-    conductivity_gas: Conductivity = Field(
-        0.0, description="of the gas phase; its volume fraction of it conducts"
-    )
-    conductivity_solids: Conductivity = Field(
-        0.0, description="of the solid phase; its volume fraction of it conducts"
-    )
+    gravity: Annotated[float, *unit("m/s**2"), Field(ge=0)] = 9.81
+    """gravitational acceleration"""
+    granular_temperature: Literal["pde", "algebraic", "frozen"] = "pde"
+    """transport equation, local balance, or the initial value kept"""
+    guards: Switch = True
+    """limit the kinetic stress of dilute flow by drag and free path"""
+    free_path: Length = 0.01
+    """largest mean free path that the guards allow"""
+    conductivity_gas: Conductivity = 0.0
+    """of the gas phase; its volume fraction of it conducts"""
+    conductivity_solids: Conductivity = 0.0
+    """of the solid phase; its volume fraction of it conducts"""
 
 
 class Closures(Table):
     """Closures by name; "none": absent."""
 
-    drag: Named = Field("drag_gidaspow", description="drag of the gas on the particles")
-    radial_distribution: str = Field(
-        "g0_sinclair_jackson", description="radial distribution function at contact"
-    )
-    granular_pressure: Named = Field(
-        "granular_pressure_lun",
-        description='"granular_pressure_dilute": without collisions',
-    )
-    granular_viscosity: Named = Field(
-        "granular_viscosity_gidaspow",
-        description='"none": particles without stress but pressure',
-    )
-    granular_bulk_viscosity: str = Field(
-        "granular_bulk_lun", description="granular bulk viscosity"
-    )
-    granular_conductivity: str = Field(
-        "granular_conductivity_syamlal",
-        description="granular conductivity, of fluctuation energy",
-    )
-    granular_dissipation: str = Field(
-        "granular_dissipation_lun",
-        description="dissipation of fluctuation energy by collisions",
-    )
-    effective_restitution: Named = Field(
-        "none",
-        description="friction of particles in the dissipation, from its coefficient",
-    )
-    friction_pressure: str = Field(
-        "friction_johnson_jackson", description='"none": no friction near packing'
-    )
-    friction_viscosity: str = Field(
-        "friction_viscosity_newtonian", description='"none": friction pushes only'
-    )
-    wall_drag: str = Field(
-        "none", description='"igci": factor of filtered drag near slip walls'
-    )
-    wall_pressure: str = Field(
-        "none", description="the same of the filtered pressure of the particles"
-    )
-    wall_viscosity: str = Field(
-        "none", description="the same of their filtered viscosity"
-    )
-    nusselt: NonNegativeOrClosure = Field(
-        "nusselt_gunn", description="exchange, Nu = h diameter/gas.conductivity"
-    )
+    drag: Named = "drag_gidaspow"
+    """drag of the gas on the particles"""
+    radial_distribution: str = "g0_sinclair_jackson"
+    """radial distribution function at contact"""
+    granular_pressure: Named = "granular_pressure_lun"
+    """"granular_pressure_dilute": without collisions"""
+    granular_viscosity: Named = "granular_viscosity_gidaspow"
+    """"none": particles without stress but pressure"""
+    granular_bulk_viscosity: str = "granular_bulk_lun"
+    """granular bulk viscosity"""
+    granular_conductivity: str = "granular_conductivity_syamlal"
+    """granular conductivity, of fluctuation energy"""
+    granular_dissipation: str = "granular_dissipation_lun"
+    """dissipation of fluctuation energy by collisions"""
+    effective_restitution: Named = "none"
+    """friction of particles in the dissipation, from its coefficient"""
+    friction_pressure: str = "friction_johnson_jackson"
+    """"none": no friction near packing"""
+    friction_viscosity: str = "friction_viscosity_newtonian"
+    """"none": friction pushes only"""
+    wall_drag: str = "none"
+    """"igci": factor of filtered drag near slip walls"""
+    wall_pressure: str = "none"
+    """the same of the filtered pressure of the particles"""
+    wall_viscosity: str = "none"
+    """the same of their filtered viscosity"""
+    nusselt: NonNegativeOrClosure = "nusselt_gunn"
+    """exchange, Nu = h diameter/gas.conductivity"""
     conductivity_bed: Named | None = Field(
-        None,
-        description="of the bed at rest; the gas has (1 - sqrt(eps_s)) of "
-        "gas.conductivity of it, particles the rest",
-        json_schema_extra=takes("conductivity"),
+        None, json_schema_extra=takes("conductivity")
     )
+    """of the bed at rest; the gas has (1 - sqrt(eps_s)) of gas.conductivity of it,
+    particles the rest"""
     wall_heat: tables.WallCoefficientOrClosure = Field(
-        "penetration",
-        description="between walls of a given temperature and the bed: a number in "
-        'W/m2/K, a closure of it, or "penetration", conduction into the bed from the '
-        "time of contact on any mesh; its parameter gap is the gas before the first "
-        "particles over their diameter",
-        json_schema_extra=takes("bed_tube"),
+        "penetration", json_schema_extra=takes("bed_tube")
     )
+    """between walls of a given temperature and the bed: a number in W/m2/K, a closure
+    of it, or "penetration", conduction into the bed from the time of contact on any
+    mesh; its parameter gap is the gas before the first particles over their diameter"""
 
 
 class ConstantsAt(Table):
     """Temperature at which the properties of a gas that vary are taken as constants."""
 
-    reference_temperature: Temperature | None = Field(
-        None,
-        description="of the properties of the gas; absent: that at the start, or at "
-        "the inlet",
-    )
+    reference_temperature: Temperature | None = None
+    """of the properties of the gas; absent: that at the start, or at the inlet"""
 
 
 class GasLaw(ConstantsAt):
     """Density of a gas that is heated."""
 
-    density_law: Literal["constant", "ideal_gas"] = Field(
-        "constant",
-        description='"ideal_gas": density is that at reference_temperature and pressure',
-    )
+    density_law: Literal["constant", "ideal_gas"] = "constant"
+    """"ideal_gas": density is that at reference_temperature and pressure"""
 
 
 class GasConstant(GasLaw, gases.GasConstant):
@@ -167,9 +134,8 @@ class GasConstant(GasLaw, gases.GasConstant):
     temperature.
     """
 
-    pressure: Pressure = Field(
-        101325.0, description="outside of the outlet, or in a closed bed at the start"
-    )
+    pressure: Pressure = 101325.0
+    """outside of the outlet, or in a closed bed at the start"""
 
 
 class GasCantera(GasLaw, gases.GasCantera):
@@ -192,43 +158,36 @@ Gas = Annotated[
 class Friction(Table):
     """Of particles near packing."""
 
-    start: Annotated[Number, Field(gt=0, lt=1)] = Field(
-        0.5,
-        description="fraction above which particles rub; a bed fluidizes near the "
-        "porosity 1 - start",
-    )
-    strength: Annotated[float, *unit("Pa"), Field(gt=0)] = Field(
-        0.05, description="scale of the frictional pressure"
-    )
-    angle: Angle = Field(0.49742, description="angle of internal friction")
+    start: Annotated[Number, Field(gt=0, lt=1)] = 0.5
+    """fraction above which particles rub; a bed fluidizes near the porosity 1 - start
+    """
+    strength: Annotated[float, *unit("Pa"), Field(gt=0)] = 0.05
+    """scale of the frictional pressure"""
+    angle: Angle = 0.49742
+    """angle of internal friction"""
 
 
 class Solid(SolidPhase):
     """Equal spheres."""
 
-    diameter: Length = Field(description="diameter of the particles")
-    density: Density = Field(description="density of the solid material")
-    heat_capacity: HeatCapacity | None = Field(
-        None, description="needed with a [heat] table"
-    )
-    conductivity: Conductivity | None = Field(
-        None, description="of a particle; for closures.conductivity_bed"
-    )
-    emissivity: Emissivity | None = Field(
-        None, description="of a particle; for radiation to walls that have one"
-    )
-    restitution: Annotated[Number, Field(gt=0, le=1)] = Field(
-        0.9, description="coefficient of restitution between particles"
-    )
-    sliding_friction: Annotated[Number, Field(ge=0)] | None = Field(
-        None,
-        description="Coulomb's coefficient of two particles, for "
-        "closures.effective_restitution",
-    )
-    packing_limit: Annotated[Number, Field(gt=0, lt=0.75)] = Field(
-        0.63, description="densest fraction"
-    )
-    friction: Friction = Field(Friction(), description="frictional stress near packing")
+    diameter: Length
+    """diameter of the particles"""
+    density: Density
+    """density of the solid material"""
+    heat_capacity: HeatCapacity | None = None
+    """needed with a [heat] table"""
+    conductivity: Conductivity | None = None
+    """of a particle; for closures.conductivity_bed"""
+    emissivity: Emissivity | None = None
+    """of a particle; for radiation to walls that have one"""
+    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    """coefficient of restitution between particles"""
+    sliding_friction: Annotated[Number, Field(ge=0)] | None = None
+    """Coulomb's coefficient of two particles, for closures.effective_restitution"""
+    packing_limit: Annotated[Number, Field(gt=0, lt=0.75)] = 0.63
+    """densest fraction"""
+    friction: Friction = Friction()
+    """frictional stress near packing"""
 
 
 class Heat(Table):
@@ -240,49 +199,50 @@ class Heat(Table):
 class Window(Table):
     """Where lateral profiles are averaged, along the last axis."""
 
-    start: Position = Field(description="lower end of the window")
-    end: Position = Field(description="upper end of the window")
+    start: Position
+    """lower end of the window"""
+    end: Position
+    """upper end of the window"""
 
 
 class Time(Table):
     """The run and its averages."""
 
-    end: Seconds = Field(description="time at which the run ends")
-    courant: Annotated[Number, Field(gt=0, le=1)] = Field(
-        0.5, description="largest solids Courant number of a step"
-    )
-    step: Seconds | None = Field(
-        None, description="fixed, in place of the Courant number"
-    )
-    longest: Seconds = Field(1e-2, description="longest time step")
-    first: Seconds = Field(1e-5, description="first time step")
-    order: Literal[1, 2] = Field(1, description="order of the time integration")
-    average_from: Instant | None = Field(None, description="absent: no averages")
-    sample: Seconds | None = Field(
-        None, description="interval of rows in profiles.csv; absent: 1/200 of the run"
-    )
-    fields: Seconds | None = Field(
-        None, description="interval of fields; absent: the end only"
-    )
-    checkpoint_every: Seconds = Field(
-        10.0, description="wall-clock time between checkpoints"
-    )
+    end: Seconds
+    """time at which the run ends"""
+    courant: Annotated[Number, Field(gt=0, le=1)] = 0.5
+    """largest solids Courant number of a step"""
+    step: Seconds | None = None
+    """fixed, in place of the Courant number"""
+    longest: Seconds = 1e-2
+    """longest time step"""
+    first: Seconds = 1e-5
+    """first time step"""
+    order: Literal[1, 2] = 1
+    """order of the time integration"""
+    average_from: Instant | None = None
+    """absent: no averages"""
+    sample: Seconds | None = None
+    """interval of rows in profiles.csv; absent: 1/200 of the run"""
+    fields: Seconds | None = None
+    """interval of fields; absent: the end only"""
+    checkpoint_every: Seconds = 10.0
+    """wall-clock time between checkpoints"""
 
 
 class Output(Table):
     """What a run writes besides summary.json and profiles.csv."""
 
-    plots: Switch = Field(True, description="draw plots (.png)")
-    fields: Switch = Field(True, description="write fields for ParaView (.vtu)")
-    window: Window | None = Field(
-        None, description="for lateral.csv; absent: the whole height"
-    )
-    levels: tuple[Position, ...] = Field(
-        (), description="along the last axis, lateral profiles for levels.csv"
-    )
-    probes: dict[str, tuple[Position, ...]] = Field(
-        default_factory=dict, description="points, for profiles.csv"
-    )
+    plots: Switch = True
+    """draw plots (.png)"""
+    fields: Switch = True
+    """write fields for ParaView (.vtu)"""
+    window: Window | None = None
+    """for lateral.csv; absent: the whole height"""
+    levels: tuple[Position, ...] = ()
+    """along the last axis, lateral profiles for levels.csv"""
+    probes: dict[str, tuple[Position, ...]] = Field(default_factory=dict)
+    """points, for profiles.csv"""
 
 
 class TwoFluidScene(SceneBase):
@@ -300,14 +260,12 @@ class TwoFluidScene(SceneBase):
     mesh: Mesh
     two_fluid: TwoFluid = TwoFluid()
     gas: Gas
-    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)] = Field(
-        description="the solid phase, by its name"
-    )
+    solids: Annotated[dict[str, Solid], AfterValidator(one_solid)]
+    """the solid phase, by its name"""
     closures: Closures = Closures()
     initial: Initial = Initial()
-    boundary: dict[str, Boundary] = Field(
-        default_factory=dict, description="conditions by name of the boundary"
-    )
+    boundary: dict[str, Boundary] = Field(default_factory=dict)
+    """conditions by name of the boundary"""
     heat: Heat | None = None
     time: Time
     output: Output = Output()
