@@ -4,8 +4,9 @@ known in closed form.
 The gradient of a temperature jumps between cells by as much as it is wrong. Averaged at
 the nodes it is better by an order, and the cell size times the difference estimates the
 error that a cell makes (Zienkiewicz & Zhu 1987, doi:10.1002/nme.1620240206). Streams
-carry the errors of cells to others, which a factor accounts for. Cells with most of the
-error, and those above the tolerance, are halved.
+carry the errors of cells to others, which a factor accounts for, and along a line the
+sum of their squares. Cells with most of the error, and those above the tolerance, are
+halved.
 """
 
 from __future__ import annotations
@@ -22,6 +23,9 @@ from contbed.mesh.mesh import Mesh
 # of the largest error of all over that of one cell: from 300 random lines, where true
 # errors are 1 to 10 times the largest of a cell
 FROM_ALL_CELLS = 3.3
+# of the error on a line over the root of the sum of squares of its cells' estimates:
+# from 300 random lines, of which 98 % are within a factor of 3, and none below a third
+ALONG = 0.36
 SHARE = 0.3  # cells with more than this share of the largest estimate are refined
 SMALLEST = 1e-9  # cells below this share of the bed are left alone
 
@@ -56,6 +60,13 @@ def estimate(space: Space, values: Any) -> Any:
         )
         error = np.maximum(error, np.abs(component - smooth[space.dofs]).max(axis=0))
     return FROM_ALL_CELLS * error * size / space.degree
+
+
+def total(mesh: Mesh, error: Any) -> float:
+    """Return the estimate for the whole mesh of estimated errors of its cells."""
+    if mesh.skfem.dim() == 1:
+        return float(ALONG * np.linalg.norm(error))
+    return float(error.max())
 
 
 def _linear(refdom: type, axis: int) -> Any:

@@ -141,7 +141,7 @@ def _better(
 
     `before` is the estimate on the former mesh.
     """
-    from contbed.packed_bed import accuracy
+    from contbed.packed_bed import accuracy, adapt
 
     if plan.tensor and (plan.balanced or not plan.adaptations):
         estimate = accuracy.estimated(plan, flow, problem, state, before)
@@ -155,10 +155,11 @@ def _better(
         return None, estimate
     if plan.adaptations:
         error = problem.estimated_error(state)
-        if not last and error.max() > plan.scene.solver.tolerance:
+        largest, asked = adapt.total(plan.mesh, error), plan.scene.solver.tolerance
+        if not last and largest > asked:
             return plan.refined(error), None
-        result.qoi["estimated_error"] = largest = float(error.max())
-        if largest > (asked := plan.scene.solver.tolerance):
+        result.qoi["estimated_error"] = largest
+        if largest > asked:
             result.warnings.append(
                 f"the temperature is wrong by up to about {largest:.2g} of the span of "
                 f"temperatures, by its estimate; solver.tolerance asks for {asked:.2g}: "
