@@ -314,12 +314,10 @@ def cells_are_larger_than_particles(particles: g.GasParticles) -> Mistakes:
             )
 
 
-def contacts_have_a_stiffness(
-    heat: g.GasHeat | None, particles: g.GasParticles, solids: Solids
-) -> Mistakes:
+def contacts_have_a_stiffness(particles: g.GasParticles, solids: Solids) -> Mistakes:
     """Look for contacts that conduct as those of a soft simulation."""
     name, solid = the_only(solids)
-    if heat is None or solid.youngs_modulus is not None:
+    if not solid.conductivity or solid.youngs_modulus is not None:
         return
     yield (
         ("solids", name, "youngs_modulus"),
