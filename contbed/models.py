@@ -113,6 +113,18 @@ def _has(*tables: str) -> Callable[[Mapping[str, Any]], bool]:
     return lambda values: any(table in values for table in tables)
 
 
+def _is_two_fluid(values: Mapping[str, Any]) -> bool:
+    """Return whether a file has the table of two fluids, or a mesh with solids whose
+    collisions it describes.
+    """
+    collide = any(
+        {"restitution", "packing_limit"} <= each.keys()
+        for each in _tables(*_items(values.get("solids")))
+    )
+    resolved = "mesh" in values and "particles" not in values
+    return "two_fluid" in values or (collide and resolved)
+
+
 def _is_bubbling_bed(values: Mapping[str, Any]) -> bool:
     # a misspelt name is reported itself, rather than all tables of the bed as unknown
     return any(
@@ -192,7 +204,7 @@ MODELS: dict[str, Model] = {
         "two_fluid",
         "two_fluid",
         "TwoFluidScene",
-        _has("two_fluid"),
+        _is_two_fluid,
         {
             "two_fluid": "equations",
             "two_fluid_heat": "heat.equations",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from small_scenes import STEADY
 
@@ -57,3 +59,10 @@ def test_templates_run_with_their_model_named(kind):
     named = loads(text if line in text else line + text)
     assert type(named) is type(loads(text))
     assert named.ignored == ()
+
+
+def test_solids_that_collide_on_a_mesh_are_two_fluids_without_their_table():
+    text = MODELS["two_fluid"].template.read_text(encoding="utf-8")
+    bare = re.sub(r"(?m)^model = .*$", "", text)
+    assert "[two_fluid]" not in bare
+    assert loads(bare).kind == "two_fluid"
