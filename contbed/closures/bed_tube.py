@@ -27,7 +27,6 @@ _MARTIN = "Martin 1984, Chem. Eng. Process. 18, 157-169 and 199-223"
 
 @closure(
     kind="bed_tube",
-    unit="W/m2/K",
     ranges={"Ar": (0.0, 1e8), "u_excess": (0.0, _INF)},
     source=_MOLERUS,
 )
@@ -80,7 +79,7 @@ def bed_tube_molerus_wirth(
     )
 
 
-@closure(kind="bed_tube", unit="W/m2/K", ranges={"Ar": (0.0, 1e2)}, source=_MOLERUS)
+@closure(kind="bed_tube", ranges={"Ar": (0.0, 1e2)}, source=_MOLERUS)
 def bed_tube_molerus_laminar(
     Ar: Value, mu: Value, rho_gas: Value, cp_gas: Value, k_gas: Value, rho_solid: Value
 ) -> Value:
@@ -105,7 +104,6 @@ def bed_tube_molerus_laminar(
 
 @closure(
     kind="bed_tube",
-    unit="W/m2/K",
     ranges={"contact_time": (1e-3, 1e2)},
     source=_PACKETS,
     bounds={"gap": "[0, inf)"},
@@ -145,9 +143,7 @@ def bed_tube_kunii_levenspiel_packet(
     return 1.0 / (packets + gap * d_p / k_gas)
 
 
-@closure(
-    kind="bed_tube", unit="W/m2/K", ranges={"d_p": (5e-5, 1e-3)}, source=_ZABRODSKY
-)
+@closure(kind="bed_tube", ranges={"d_p": (5e-5, 1e-3)}, source=_ZABRODSKY)
 def bed_tube_zabrodsky(d_p: Value, rho_solid: Value, k_gas: Value) -> Value:
     """Zabrodsky (1966): the largest coefficient over the velocity of the gas. In SI.
 
@@ -166,7 +162,6 @@ def bed_tube_zabrodsky(d_p: Value, rho_solid: Value, k_gas: Value) -> Value:
 
 @closure(
     kind="bed_tube",
-    unit="W/m2/K",
     ranges={"Ar": (0.0, 1e8), "delta": (0.0, 0.9)},
     source=_MARTIN,
     bounds={"packets": "(0, inf)"},

@@ -21,7 +21,6 @@ _MIWA = "Miwa, Mori, Kato, Muchi 1972, Int. Chem. Eng. 12, 181-187"
 
 @closure(
     kind="bubble_size",
-    unit="m",
     ranges={"D_bed": (0.3, 1.3), "u_excess": (0.0, 0.48)},
     source=_MORI_WEN,
     bounds={"d_b0": "(0, inf)"},
@@ -49,7 +48,6 @@ def bubble_size_mori_wen(z: Value, d_b0: Value, u_excess: Value, D_bed: Value) -
 
 @closure(
     kind="bubble_growth",
-    unit="-",
     ranges={"D_bed": (0.3, 1.3), "u_excess": (0.0, 0.48)},
     source=_MORI_WEN,
 )
@@ -71,7 +69,6 @@ def bubble_growth_mori_wen(d_b: Value, u_excess: Value, D_bed: Value) -> Value:
 
 @closure(
     kind="bubble_growth",
-    unit="-",
     ranges={"D_bed": (0.05, 1.3), "u_excess": (0.0, 1.0)},
     source=_HORIO,
 )
@@ -98,7 +95,6 @@ def bubble_growth_horio_nonaka(
 
 @closure(
     kind="bubble_growth",
-    unit="-",
     ranges={"u_excess": (0.0, _INF), "d_b/D_bed": (0.0, 0.3)},
     source=_DARTON,
 )
@@ -122,7 +118,6 @@ def bubble_growth_darton(d_b: Value, u_excess: Value, D_bed: Value) -> Value:
 
 @closure(
     kind="bubble_start",
-    unit="m",
     ranges={"u_excess": (0.0, _INF)},
     source=_MORI_WEN,
     bounds={"factor": "(0, inf)"},
@@ -144,7 +139,7 @@ def bubble_start_porous_plate(u_excess: Value, factor: float = 2.78) -> Value:
     return factor * u_excess**2 / GRAVITY
 
 
-@closure(kind="bubble_start", unit="m", ranges={"u_excess": (0.0, _INF)}, source=_MIWA)
+@closure(kind="bubble_start", ranges={"u_excess": (0.0, _INF)}, source=_MIWA)
 def bubble_start_orifices(u_excess: Value, area: Value) -> Value:
     """Miwa et al. (1972): diameter of bubbles above a perforated plate.
 
@@ -161,9 +156,7 @@ def bubble_start_orifices(u_excess: Value, area: Value) -> Value:
     return 1.30 * GRAVITY**-0.2 * (u_excess * area) ** 0.4
 
 
-@closure(
-    kind="bubble_start", unit="m", ranges={"u_excess": (0.0, _INF)}, source=_DARTON
-)
+@closure(kind="bubble_start", ranges={"u_excess": (0.0, _INF)}, source=_DARTON)
 def bubble_start_darton(u_excess: Value, area: Value) -> Value:
     """Darton et al. (1977): diameter of bubbles above the distributor.
 

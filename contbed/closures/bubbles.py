@@ -19,7 +19,7 @@ _KL = (
 _SIT_GRACE = "Sit, Grace 1981, Chem. Eng. Sci. 36, 327-335"
 
 
-@closure(kind="bubble_rise", unit="m/s", ranges={"d_b/D_bed": (0.0, 0.125)}, source=_KL)
+@closure(kind="bubble_rise", ranges={"d_b/D_bed": (0.0, 0.125)}, source=_KL)
 def bubble_rise_davidson_harrison(d_b: Value, u_excess: Value, D_bed: Value) -> Value:
     """Davidson and Harrison (1963): velocity of a bubble in a bed of bubbles.
 
@@ -40,7 +40,6 @@ def bubble_rise_davidson_harrison(d_b: Value, u_excess: Value, D_bed: Value) -> 
 
 @closure(
     kind="gas_exchange",
-    unit="1/s",
     ranges={"d_b": (0.0, _INF), "eps_mf": (0.0, 1.0)},
     source=_KL,
 )
@@ -71,7 +70,6 @@ def gas_exchange_kunii_levenspiel(
 
 @closure(
     kind="gas_exchange",
-    unit="1/s",
     ranges={"d_b": (0.0, _INF), "eps_mf": (0.0, 1.0)},
     source=_SIT_GRACE,
 )
@@ -93,7 +91,7 @@ def gas_exchange_sit_grace(
     return 2.0 * u_mf / d_b + 12.0 * (eps_mf * D_gas * u_b / np.pi) ** 0.5 / d_b**1.5
 
 
-@closure(kind="bubble_heat", unit="W/m3/K", ranges={"d_b": (0.0, _INF)}, source=_KL)
+@closure(kind="bubble_heat", ranges={"d_b": (0.0, _INF)}, source=_KL)
 def bubble_heat_kunii_levenspiel(
     d_b: Value, u_mf: Value, rho_gas: Value, cp_gas: Value, k_gas: Value
 ) -> Value:
@@ -119,7 +117,6 @@ def bubble_heat_kunii_levenspiel(
 
 @closure(
     kind="bubble_heat",
-    unit="W/m3/K",
     ranges={"d_b": (0.0, _INF), "eps_mf": (0.0, 1.0)},
     source=_SIT_GRACE,
 )

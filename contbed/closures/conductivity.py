@@ -15,7 +15,7 @@ _HSU = "Hsu, Cheng, Wong 1995, J. Heat Transfer 117, 264-269, doi:10.1115/1.2822
 _KRUPICZKA = "Krupiczka 1967, Int. Chem. Eng. 7, 122-144"
 
 
-@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_HSU)
+@closure(kind="conductivity", ranges={"eps": (0, 1)}, source=_HSU)
 def conductivity_hsu(k_fluid: Value, k_solid: Value, eps: Value) -> Value:
     """Hsu, Cheng and Wong (1995): cubes in line that do not touch.
 
@@ -34,7 +34,7 @@ def conductivity_hsu(k_fluid: Value, k_solid: Value, eps: Value) -> Value:
     )
 
 
-@closure(kind="tortuosity", unit="-", ranges={"eps": (0, 1)}, source=_HSU)
+@closure(kind="tortuosity", ranges={"eps": (0, 1)}, source=_HSU)
 def tortuosity_hsu(k_fluid: Value, k_solid: Value, eps: Value) -> Value:
     """Hsu, Cheng and Wong (1995): tortuosity parameter of the two-energy model, with
     the cubes of conductivity_hsu.
@@ -57,7 +57,6 @@ def tortuosity_hsu(k_fluid: Value, k_solid: Value, eps: Value) -> Value:
 
 @closure(
     kind="conductivity",
-    unit="W/m/K",
     ranges={"eps": (0.215, 0.476), "k_solid/k_fluid": (1, 1e4)},
     source=_KRUPICZKA,
 )

@@ -16,7 +16,7 @@ _MAXWELL = "Maxwell 1873, A Treatise on Electricity and Magnetism, Clarendon Pre
 _HASHIN = "Hashin, Shtrikman 1962, J. Appl. Phys. 33, 3125-3131, doi:10.1063/1.1728579"
 
 
-@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_WIENER)
+@closure(kind="conductivity", ranges={"eps": (0, 1)}, source=_WIENER)
 def conductivity_parallel(k_fluid: Value, k_solid: Value, eps: Value) -> Value:
     """Wiener (1912): layers along the heat flux, the upper bound of every medium.
 
@@ -31,7 +31,7 @@ def conductivity_parallel(k_fluid: Value, k_solid: Value, eps: Value) -> Value:
     return eps * k_fluid + (1 - eps) * k_solid
 
 
-@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_WIENER)
+@closure(kind="conductivity", ranges={"eps": (0, 1)}, source=_WIENER)
 def conductivity_series(k_fluid: Value, k_solid: Value, eps: Value) -> Value:
     """Wiener (1912): layers across the heat flux, the lower bound of every medium.
 
@@ -57,7 +57,7 @@ def _coated_spheres(k_matrix: Value, k_core: Value, share: Value) -> Value:
     )
 
 
-@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_MAXWELL)
+@closure(kind="conductivity", ranges={"eps": (0, 1)}, source=_MAXWELL)
 def conductivity_maxwell(k_fluid: Value, k_solid: Value, eps: Value) -> Value:
     """Maxwell (1873): solid spheres far apart in the fluid.
 
@@ -74,7 +74,7 @@ def conductivity_maxwell(k_fluid: Value, k_solid: Value, eps: Value) -> Value:
     return _coated_spheres(k_fluid, k_solid, 1 - eps)
 
 
-@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_HASHIN)
+@closure(kind="conductivity", ranges={"eps": (0, 1)}, source=_HASHIN)
 def conductivity_hashin_shtrikman_lower(
     k_fluid: Value, k_solid: Value, eps: Value
 ) -> Value:
@@ -96,7 +96,7 @@ def conductivity_hashin_shtrikman_lower(
     )
 
 
-@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_HASHIN)
+@closure(kind="conductivity", ranges={"eps": (0, 1)}, source=_HASHIN)
 def conductivity_hashin_shtrikman_upper(
     k_fluid: Value, k_solid: Value, eps: Value
 ) -> Value:

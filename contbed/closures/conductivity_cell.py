@@ -49,7 +49,6 @@ def _zehner_deformation(eps: Value, shape: Value) -> Value:
 
 @closure(
     kind="conductivity",
-    unit="W/m/K",
     ranges={"eps": (0.26, 0.6), "k_solid/k_fluid": (1, 1e3)},
     source=_ZEHNER,
 )
@@ -83,7 +82,6 @@ def conductivity_zehner_schluender(
 
 @closure(
     kind="conductivity",
-    unit="W/m/K",
     ranges={"eps": (0.26, 0.6), "T": (100, 2000), "emissivity": (0, 1)},
     source=_BAUER,
     bounds={"contact": "[0, 1)"},
@@ -144,7 +142,6 @@ def _kunii_resistance(kappa: Value, sine_squared: Value) -> Value:
 
 @closure(
     kind="conductivity",
-    unit="W/m/K",
     ranges={"eps": (0.26, 0.476), "k_solid/k_fluid": (1, 1e4)},
     source=_KUNII,
     bounds={"beta": "(0, inf)"},

@@ -21,7 +21,6 @@ _KENNARD = "Kennard 1938, Kinetic Theory of Gases, McGraw-Hill, New York, pp. 31
 
 @closure(
     kind="contact",
-    unit="W/m2/K",
     ranges={"pressure/hardness": (1e-6, 0.2)},
     source=_COOPER,
 )
@@ -50,7 +49,6 @@ def contact_cooper_mikic_yovanovich(
 
 @closure(
     kind="contact_separation",
-    unit="m",
     ranges={"pressure/hardness": (1e-5, 2e-2)},
     source=_SEPARATION,
 )
@@ -73,7 +71,6 @@ def contact_separation_yovanovich(
 
 @closure(
     kind="temperature_jump",
-    unit="m",
     ranges={"accommodation": (0.01, 1.0)},
     source=_KENNARD,
 )

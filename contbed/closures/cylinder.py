@@ -17,7 +17,6 @@ _ZHOU = (
 
 @closure(
     kind="nusselt_cylinder",
-    unit="-",
     ranges={"Re": (0.3, 1e7), "Pr": (0.5, 1e3)},
     source=_CHURCHILL,
 )
@@ -40,7 +39,6 @@ def nusselt_cylinder_churchill_bernstein(Re: Value, Pr: Value) -> Value:
 
 @closure(
     kind="nusselt_cylinder",
-    unit="-",
     ranges={"Re": (1e4, 1.2e5), "Pr": (0.7, 120.0)},
     source=_ZHOU,
 )

@@ -14,7 +14,7 @@ _WAKAO = "Wakao, Kaguei 1982, Heat and Mass Transfer in Packed Beds, Gordon and 
 _VDI = "VDI Heat Atlas 2010, section M7, Springer, doi:10.1007/978-3-540-77877-6"
 
 
-@closure(kind="dispersion", unit="W/m/K", ranges={"Pe": (0, 1e4)}, source=_WAKAO)
+@closure(kind="dispersion", ranges={"Pe": (0, 1e4)}, source=_WAKAO)
 def dispersion_wakao_kaguei_axial(Pe: Value, k_fluid: Value) -> Value:
     """Wakao and Kaguei (1982): axial dispersion in packed beds.
 
@@ -33,7 +33,7 @@ def dispersion_wakao_kaguei_axial(Pe: Value, k_fluid: Value) -> Value:
     return 0.5 * Pe * k_fluid
 
 
-@closure(kind="dispersion", unit="W/m/K", ranges={"Pe": (0, 1e4)}, source=_WAKAO)
+@closure(kind="dispersion", ranges={"Pe": (0, 1e4)}, source=_WAKAO)
 def dispersion_wakao_kaguei_transverse(Pe: Value, k_fluid: Value) -> Value:
     """Wakao and Kaguei (1982): transverse dispersion in packed beds.
 
@@ -51,7 +51,7 @@ def dispersion_wakao_kaguei_transverse(Pe: Value, k_fluid: Value) -> Value:
     return 0.1 * Pe * k_fluid
 
 
-@closure(kind="dispersion", unit="W/m/K", ranges={"Pe": (0, 1e4)}, source=_VDI)
+@closure(kind="dispersion", ranges={"Pe": (0, 1e4)}, source=_VDI)
 def dispersion_vdi_axial(Pe: Value, k_fluid: Value) -> Value:
     """VDI Heat Atlas (2010): axial dispersion in packed beds.
 
@@ -71,7 +71,6 @@ def dispersion_vdi_axial(Pe: Value, k_fluid: Value) -> Value:
 
 @closure(
     kind="dispersion",
-    unit="W/m/K",
     ranges={"Pe": (0, 1e4), "d_p/D_bed": (0, 0.25)},
     source=_VDI,
 )

@@ -51,7 +51,6 @@ _DILUTEST = 1e-6
 
 @closure(
     kind="drag",
-    unit="kg/m3/s",
     ranges={"Re": (0, 1000), "eps": (0.35, 0.95)},
     source=_BEETSTRA,
 )
@@ -87,7 +86,6 @@ def drag_beetstra(Re: Value, eps: Value, d_p: Value, mu: Value) -> Value:
 
 @closure(
     kind="drag",
-    unit="kg/m3/s",
     ranges={"Re": (0.01, 1e4), "eps": (0.37, 1)},
     source=_FELICE,
 )
@@ -113,7 +111,6 @@ def drag_di_felice(Re: Value, eps: Value, d_p: Value, mu: Value) -> Value:
 
 @closure(
     kind="drag",
-    unit="kg/m3/s",
     ranges={"Re": (0, _INF), "eps": (0.35, 1)},
     source=_GIDASPOW,
 )
@@ -139,7 +136,6 @@ def drag_gidaspow(Re: Value, eps: Value, d_p: Value, mu: Value) -> Value:
 
 @closure(
     kind="drag",
-    unit="kg/m3/s",
     ranges={"Re": (0, _INF), "eps": (0.41, 1), "filter_froude": (0, 33)},
     source=_IGCI,
 )
@@ -190,7 +186,6 @@ def drag_igci(
 
 @closure(
     kind="drag",
-    unit="kg/m3/s",
     ranges={"Re": (0, _INF), "eps": (0.35, 1)},
     source=_SYAMLAL,
     bounds={"c": "(0, inf)", "d": "(0, inf)"},
@@ -241,7 +236,6 @@ def drag_syamlal_obrien(
 
 @closure(
     kind="drag",
-    unit="kg/m3/s",
     ranges={"Re": (0, _INF), "eps": (0.4, 1)},
     source=_WEN_YU,
 )

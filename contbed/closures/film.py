@@ -18,7 +18,7 @@ _LANGER = "Langer, Roethe, Roethe, Gelbin 1978, Int. J. Heat Mass Transfer 21, 7
 _RANZ = "Ranz, Marshall 1952, Chem. Eng. Prog. 48, 141-146"
 
 
-@closure(kind="sherwood", unit="-", ranges={"Re": (3, 1e4)}, source=_FUNAZKRI)
+@closure(kind="sherwood", ranges={"Re": (3, 1e4)}, source=_FUNAZKRI)
 def sherwood_wakao_funazkri(Re: Value, Sc: Value) -> Value:
     """Wakao and Funazkri (1978): packed beds of spheres.
 
@@ -33,7 +33,7 @@ def sherwood_wakao_funazkri(Re: Value, Sc: Value) -> Value:
     return 2 + 1.1 * Re**0.6 * Sc ** (1 / 3)
 
 
-@closure(kind="sherwood", unit="-", ranges={"Re": (0, 200)}, source=_RANZ)
+@closure(kind="sherwood", ranges={"Re": (0, 200)}, source=_RANZ)
 def sherwood_ranz_marshall(Re: Value, Sc: Value) -> Value:
     """Ranz and Marshall (1952): one sphere in a stream.
 
@@ -48,9 +48,7 @@ def sherwood_ranz_marshall(Re: Value, Sc: Value) -> Value:
     return 2 + 0.6 * Re**0.5 * Sc ** (1 / 3)
 
 
-@closure(
-    kind="mass_dispersion", unit="m2/s", ranges={"D_gas": (0, 1e-2)}, source=_EDWARDS
-)
+@closure(kind="mass_dispersion", ranges={"D_gas": (0, 1e-2)}, source=_EDWARDS)
 def mass_dispersion_edwards_richardson(v: Value, d_p: Value, D_gas: Value) -> Value:
     """Edwards and Richardson (1968): axial dispersion of a gas in a packed bed.
 
@@ -71,7 +69,6 @@ def mass_dispersion_edwards_richardson(v: Value, d_p: Value, D_gas: Value) -> Va
 
 @closure(
     kind="mass_dispersion",
-    unit="m2/s",
     ranges={"v": (0, 1e3)},
     source=_LANGER,
     bounds={"Pe_p": "(0, inf)"},

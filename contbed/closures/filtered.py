@@ -67,7 +67,6 @@ UNFILTERED = 1.028  # F up to which the drag is not filtered
 
 @closure(
     kind="drag",
-    unit="kg/m3/s",
     ranges={"Re": (0, _INF), "eps": (0.41, 1), "filter_froude": (0, 33)},
     source=f"{_MILIOLI}; {_MFIX}",
 )
@@ -165,7 +164,6 @@ def fits_milioli(filter_froude: float) -> tuple[float, float]:
 
 @closure(
     kind="granular_pressure",
-    unit="-",
     ranges={"eps_s": (0, 0.63), "filter_froude": (0, 33)},
     source=f"{_IGCI}; {_MFIX}",
 )
@@ -217,7 +215,6 @@ def granular_pressure_igci(
 
 @closure(
     kind="granular_viscosity",
-    unit="-",
     ranges={"eps_s": (0, 0.63), "filter_froude": (0, 33)},
     source=f"{_IGCI}; {_MFIX}",
 )
@@ -271,7 +268,6 @@ def granular_viscosity_igci(
 
 @closure(
     kind="wall_drag",
-    unit="-",
     ranges={"wall_froude": (0, _INF)},
     source=f"{_WALL}; {_MFIX}",
 )
@@ -292,7 +288,6 @@ def wall_drag_igci(wall_froude: Value) -> Value:
 
 @closure(
     kind="wall_pressure",
-    unit="-",
     ranges={"wall_froude": (0, _INF)},
     source=f"{_WALL}; {_MFIX}",
 )
@@ -314,7 +309,6 @@ def wall_pressure_igci(wall_froude: Value) -> Value:
 
 @closure(
     kind="wall_viscosity",
-    unit="-",
     ranges={"wall_froude": (0, _INF)},
     source=f"{_WALL}; {_MFIX}",
 )

@@ -20,7 +20,6 @@ _TOOMEY = "Toomey, Johnstone 1952, Chem. Eng. Prog. 48, 220-226"
 
 @closure(
     kind="bubble_fraction",
-    unit="-",
     ranges={"u/u_mf": (1.0, _INF)},
     source=_KL,
     bounds={"u": "(0, inf)"},
@@ -51,7 +50,6 @@ def bubble_fraction_kunii_levenspiel(
 
 @closure(
     kind="bubble_fraction",
-    unit="-",
     ranges={"u/u_mf": (1.0, _INF)},
     source=_TOOMEY,
     bounds={"u": "(0, inf)"},
@@ -71,7 +69,7 @@ def bubble_fraction_two_phase(u: Value, u_mf: Value, u_b: Value) -> Value:
     return (u - u_mf) / u_b
 
 
-@closure(kind="emulsion_gas", unit="m/s", ranges={"u_mf": (0, _INF)}, source=_TOOMEY)
+@closure(kind="emulsion_gas", ranges={"u_mf": (0, _INF)}, source=_TOOMEY)
 def emulsion_gas_two_phase(u_mf: Value) -> Value:
     """Toomey and Johnstone (1952): the emulsion stays at minimum fluidization.
 
@@ -88,7 +86,6 @@ def emulsion_gas_two_phase(u_mf: Value) -> Value:
 
 @closure(
     kind="emulsion_gas",
-    unit="m/s",
     ranges={"delta": (0.0, 0.7), "wake": (0.0, 0.5)},
     source=_KL,
 )
@@ -112,7 +109,7 @@ def emulsion_gas_kunii_levenspiel(
     return u_mf - eps_mf * wake * delta * u_b / (1.0 - delta - wake * delta)
 
 
-@closure(kind="nusselt", unit="-", ranges={"Re": (0.1, 100.0)}, source=_KL)
+@closure(kind="nusselt", ranges={"Re": (0.1, 100.0)}, source=_KL)
 def nusselt_kunii_levenspiel(Re: Value) -> Value:
     """Kunii and Levenspiel (1969): fine particles of a fluidized bed, as measured by
     plug flow of the gas.
@@ -134,7 +131,6 @@ def nusselt_kunii_levenspiel(Re: Value) -> Value:
 
 @closure(
     kind="solids_mixing",
-    unit="m2/s",
     ranges={"delta": (0.0, 0.7), "wake": (0.0, 0.5)},
     source=_KL,
 )
@@ -159,7 +155,6 @@ def solids_mixing_kunii_levenspiel(
 
 @closure(
     kind="expansion",
-    unit="-",
     ranges={"u_excess": (0.0, _INF), "d_p": (5e-5, 5e-3)},
     source=_SOUZA,
 )

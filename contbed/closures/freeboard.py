@@ -29,7 +29,6 @@ _HAIDER = (
 
 @closure(
     kind="terminal_velocity",
-    unit="m/s",
     ranges={"Ar": (0.0, 1e9), "sphericity": (0.5, 1.0)},
     source=_HAIDER,
 )
@@ -57,9 +56,7 @@ def terminal_velocity_haider_levenspiel(
     )
 
 
-@closure(
-    kind="ejection", unit="kg/m2/s", ranges={"u_excess": (0.0, _INF)}, source=_PEMBERTON
-)
+@closure(kind="ejection", ranges={"u_excess": (0.0, _INF)}, source=_PEMBERTON)
 def ejection_pemberton_davidson(
     rho_solid: Value, eps_mf: Value, u_excess: Value
 ) -> Value:
@@ -78,9 +75,7 @@ def ejection_pemberton_davidson(
     return 0.1 * rho_solid * (1.0 - eps_mf) * u_excess
 
 
-@closure(
-    kind="ejection", unit="kg/m2/s", ranges={"u_excess": (0.0, _INF)}, source=_WEN_CHEN
-)
+@closure(kind="ejection", ranges={"u_excess": (0.0, _INF)}, source=_WEN_CHEN)
 def ejection_wen_chen(d_b: Value, rho_gas: Value, mu: Value, u_excess: Value) -> Value:
     """Wen and Chen (1982): what leaves the surface of the bed, of particles that the
     gas can carry. In SI.
@@ -103,7 +98,6 @@ def ejection_wen_chen(d_b: Value, rho_gas: Value, mu: Value, u_excess: Value) ->
 
 @closure(
     kind="decay",
-    unit="1/m",
     ranges={"u_gas": (0.1, 1.25), "d_p": (5e-5, 8e-4)},
     source=_KL,
 )
@@ -125,7 +119,6 @@ def decay_kunii_levenspiel(u_gas: Value, d_p: Value) -> Value:
 
 @closure(
     kind="elutriation",
-    unit="kg/m2/s",
     ranges={"u_gas": (0.1, 10.0), "u_t": (0.0, _INF)},
     source=_GELDART,
 )
@@ -147,7 +140,6 @@ def elutriation_geldart(u_gas: Value, u_t: Value, rho_gas: Value) -> Value:
 
 @closure(
     kind="elutriation",
-    unit="kg/m2/s",
     ranges={"u_t/u_gas": (0.0, 1.0)},
     source=_COLAKYAN,
 )

@@ -27,9 +27,7 @@ _SYAMLAL = (
 _DENSE = {"eps_s": (0.0, 0.63), "e": (0.0, 1.0)}
 
 
-@closure(
-    kind="radial_distribution", unit="-", ranges={"eps_s": (0, 0.63)}, source=_SINCLAIR
-)
+@closure(kind="radial_distribution", ranges={"eps_s": (0, 0.63)}, source=_SINCLAIR)
 def g0_sinclair_jackson(eps_s: Value, eps_max: Value) -> Value:
     """Sinclair and Jackson (1989): radial distribution, infinite at packing.
 
@@ -46,7 +44,6 @@ def g0_sinclair_jackson(eps_s: Value, eps_max: Value) -> Value:
 
 @closure(
     kind="radial_distribution",
-    unit="-",
     ranges={"eps_s": (0, 0.63)},
     source=_LUN_SAVAGE,
 )
@@ -64,9 +61,7 @@ def g0_lun_savage(eps_s: Value, eps_max: Value) -> Value:
     return (1.0 - eps_s / eps_max) ** (-2.5 * eps_max)
 
 
-@closure(
-    kind="radial_distribution", unit="-", ranges={"eps_s": (0, 0.5)}, source=_CARNAHAN
-)
+@closure(kind="radial_distribution", ranges={"eps_s": (0, 0.5)}, source=_CARNAHAN)
 def g0_carnahan_starling(eps_s: Value) -> Value:
     """Carnahan and Starling (1969): radial distribution of the fluid of hard spheres,
     which knows no packing.
@@ -83,7 +78,7 @@ def g0_carnahan_starling(eps_s: Value) -> Value:
     return 1.0 / loose + 1.5 * eps_s / loose**2 + 0.5 * eps_s**2 / loose**3
 
 
-@closure(kind="radial_distribution", unit="-", ranges={"eps_s": (0, 0.63)}, source=_MA)
+@closure(kind="radial_distribution", ranges={"eps_s": (0, 0.63)}, source=_MA)
 def g0_ma_ahmadi(eps_s: Value, eps_max: Value) -> Value:
     """Ma and Ahmadi (1986): radial distribution, infinite at packing.
 
@@ -100,7 +95,7 @@ def g0_ma_ahmadi(eps_s: Value, eps_max: Value) -> Value:
     return series / (1.0 - (eps_s / eps_max) ** 3) ** 0.67802
 
 
-@closure(kind="granular_pressure", unit="-", ranges=_DENSE, source=_LUN)
+@closure(kind="granular_pressure", ranges=_DENSE, source=_LUN)
 def granular_pressure_lun(eps_s: Value, g0: Value, e: Value) -> Value:
     """Lun et al. (1984): pressure over rho_s theta.
 
@@ -115,7 +110,7 @@ def granular_pressure_lun(eps_s: Value, g0: Value, e: Value) -> Value:
     return eps_s * (1.0 + 2.0 * (1.0 + e) * eps_s * g0)
 
 
-@closure(kind="granular_pressure", unit="-", ranges=_DENSE, source=_LUN)
+@closure(kind="granular_pressure", ranges=_DENSE, source=_LUN)
 def granular_pressure_dilute(eps_s: Value, g0: Value, e: Value) -> Value:
     """Lun et al. (1984): pressure over rho_s theta in the dilute limit, without
     collisions.
@@ -134,7 +129,7 @@ def granular_pressure_dilute(eps_s: Value, g0: Value, e: Value) -> Value:
     return eps_s + 0.0 * (g0 + e)
 
 
-@closure(kind="granular_pressure", unit="-", ranges=_DENSE, source=_SYAMLAL)
+@closure(kind="granular_pressure", ranges=_DENSE, source=_SYAMLAL)
 def granular_pressure_syamlal(eps_s: Value, g0: Value, e: Value) -> Value:
     """Syamlal et al. (1993): pressure over rho_s theta, collisions alone.
 

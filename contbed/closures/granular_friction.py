@@ -22,7 +22,6 @@ _OPENFOAM = "OpenFOAM v1912, twoPhaseEulerFoam, frictionalStressModel JohnsonJac
 
 @closure(
     kind="granular_friction",
-    unit="Pa",
     ranges={"eps_s": (0, 0.65)},
     source=_JOHNSON,
     bounds={"strength": "[0, inf)", "gap": "(0, inf)"},
@@ -58,7 +57,6 @@ def friction_johnson_jackson(
 
 @closure(
     kind="granular_friction_viscosity",
-    unit="Pa s",
     ranges={"p_friction": (0, 1e6)},
     source=_OPENFOAM,
     bounds={"time": "[0, inf)"},
@@ -83,7 +81,6 @@ def friction_viscosity_newtonian(
 
 @closure(
     kind="granular_friction_viscosity",
-    unit="Pa s",
     ranges={"p_friction": (0, 1e6), "shear_rate": (0, 1e4)},
     source=_SCHAEFFER,
     bounds={"rate_min": "(0, inf)"},

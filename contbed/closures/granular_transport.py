@@ -28,7 +28,7 @@ _DENSE = {"eps_s": (0.0, 0.63), "e": (0.0, 1.0)}
 _PI = 3.141592653589793
 
 
-@closure(kind="granular_viscosity", unit="-", ranges=_DENSE, source=_GIDASPOW)
+@closure(kind="granular_viscosity", ranges=_DENSE, source=_GIDASPOW)
 def granular_viscosity_gidaspow(
     eps_s: Value, g0: Value, e: Value, kinetic: Value = 1.0
 ) -> Value:
@@ -52,7 +52,7 @@ def granular_viscosity_gidaspow(
     return collisional + kinetic * dilute * (1.0 + 0.8 * (1.0 + e) * g0 * eps_s) ** 2
 
 
-@closure(kind="granular_viscosity", unit="-", ranges=_DENSE, source=_SYAMLAL)
+@closure(kind="granular_viscosity", ranges=_DENSE, source=_SYAMLAL)
 def granular_viscosity_syamlal(
     eps_s: Value, g0: Value, e: Value, kinetic: Value = 1.0
 ) -> Value:
@@ -72,7 +72,7 @@ def granular_viscosity_syamlal(
     return collisional + kinetic * eps_s * _PI**0.5 / (6.0 * (3.0 - e)) * rest
 
 
-@closure(kind="granular_bulk_viscosity", unit="-", ranges=_DENSE, source=_LUN)
+@closure(kind="granular_bulk_viscosity", ranges=_DENSE, source=_LUN)
 def granular_bulk_lun(eps_s: Value, g0: Value, e: Value) -> Value:
     """Lun et al. (1984): bulk viscosity over rho_s d_p sqrt(theta).
 
@@ -87,7 +87,7 @@ def granular_bulk_lun(eps_s: Value, g0: Value, e: Value) -> Value:
     return 4.0 / 3.0 * eps_s**2 * g0 * (1.0 + e) / _PI**0.5
 
 
-@closure(kind="granular_conductivity", unit="-", ranges=_DENSE, source=_SYAMLAL)
+@closure(kind="granular_conductivity", ranges=_DENSE, source=_SYAMLAL)
 def granular_conductivity_syamlal(
     eps_s: Value, g0: Value, e: Value, kinetic: Value = 1.0
 ) -> Value:
@@ -113,7 +113,7 @@ def granular_conductivity_syamlal(
     )
 
 
-@closure(kind="granular_conductivity", unit="-", ranges=_DENSE, source=_GIDASPOW)
+@closure(kind="granular_conductivity", ranges=_DENSE, source=_GIDASPOW)
 def granular_conductivity_gidaspow(
     eps_s: Value, g0: Value, e: Value, kinetic: Value = 1.0
 ) -> Value:
@@ -134,7 +134,7 @@ def granular_conductivity_gidaspow(
     return collisional + kinetic * dilute * (1.0 + 1.2 * (1.0 + e) * g0 * eps_s) ** 2
 
 
-@closure(kind="granular_dissipation", unit="-", ranges=_DENSE, source=_LUN)
+@closure(kind="granular_dissipation", ranges=_DENSE, source=_LUN)
 def granular_dissipation_lun(eps_s: Value, g0: Value, e: Value) -> Value:
     """Lun et al. (1984): dissipation by inelastic collisions, times d_p/(rho_s
     theta^(3/2)).
@@ -150,9 +150,7 @@ def granular_dissipation_lun(eps_s: Value, g0: Value, e: Value) -> Value:
     return 12.0 * (1.0 - e**2) * eps_s**2 * g0 / _PI**0.5
 
 
-@closure(
-    kind="granular_production", unit="-", ranges={"eps_s": (0.0, 0.63)}, source=_KOCH
-)
+@closure(kind="granular_production", ranges={"eps_s": (0.0, 0.63)}, source=_KOCH)
 def granular_production_koch(eps_s: Value, g0: Value) -> Value:
     """Koch (1990), Koch and Sangani (1999): fluctuations that the slip between gas and
     particles gives to particles.

@@ -29,9 +29,7 @@ def _reynolds(C1: Value, C2_Ar: Value) -> Value:
     return C2_Ar / ((C1**2 + C2_Ar) ** 0.5 + C1)
 
 
-@closure(
-    kind="minimum_fluidization", unit="-", ranges={"Ar": (0, _INF)}, source=_CHITESTER
-)
+@closure(kind="minimum_fluidization", ranges={"Ar": (0, _INF)}, source=_CHITESTER)
 def minimum_fluidization_chitester(Ar: Value) -> Value:
     """Chitester et al. (1984): Reynolds number at minimum fluidization.
 
@@ -49,7 +47,7 @@ def minimum_fluidization_chitester(Ar: Value) -> Value:
     return _reynolds(28.7, 0.0494 * Ar)
 
 
-@closure(kind="minimum_fluidization", unit="-", ranges={"Ar": (0, _INF)}, source=_GRACE)
+@closure(kind="minimum_fluidization", ranges={"Ar": (0, _INF)}, source=_GRACE)
 def minimum_fluidization_grace(Ar: Value) -> Value:
     """Grace (1982): Reynolds number at minimum fluidization.
 
@@ -67,9 +65,7 @@ def minimum_fluidization_grace(Ar: Value) -> Value:
     return _reynolds(27.2, 0.0408 * Ar)
 
 
-@closure(
-    kind="minimum_fluidization", unit="-", ranges={"Ar": (1.65, 3.99e8)}, source=_WEN_YU
-)
+@closure(kind="minimum_fluidization", ranges={"Ar": (1.65, 3.99e8)}, source=_WEN_YU)
 def minimum_fluidization_wen_yu(Ar: Value) -> Value:
     """Wen and Yu (1966): Reynolds number at minimum fluidization.
 
@@ -87,9 +83,7 @@ def minimum_fluidization_wen_yu(Ar: Value) -> Value:
     return _reynolds(33.7, 0.0408 * Ar)
 
 
-@closure(
-    kind="minimum_fluidization", unit="-", ranges={"Ar": (0, _INF)}, source=_RICHARDSON
-)
+@closure(kind="minimum_fluidization", ranges={"Ar": (0, _INF)}, source=_RICHARDSON)
 def minimum_fluidization_richardson(Ar: Value) -> Value:
     """Richardson (1971): Reynolds number at minimum fluidization.
 
@@ -106,9 +100,7 @@ def minimum_fluidization_richardson(Ar: Value) -> Value:
     return _reynolds(25.7, 0.0365 * Ar)
 
 
-@closure(
-    kind="minimum_fluidization", unit="-", ranges={"Ar": (0, _INF)}, source=_SAXENA
-)
+@closure(kind="minimum_fluidization", ranges={"Ar": (0, _INF)}, source=_SAXENA)
 def minimum_fluidization_saxena_vogel(Ar: Value) -> Value:
     """Saxena and Vogel (1977): Reynolds number at minimum fluidization.
 
@@ -126,7 +118,7 @@ def minimum_fluidization_saxena_vogel(Ar: Value) -> Value:
     return _reynolds(25.3, 0.0571 * Ar)
 
 
-@closure(kind="minimum_fluidization", unit="-", ranges={"Ar": (0, _INF)}, source=_BABU)
+@closure(kind="minimum_fluidization", ranges={"Ar": (0, _INF)}, source=_BABU)
 def minimum_fluidization_babu(Ar: Value) -> Value:
     """Babu, Shah and Talwalkar (1978): Reynolds number at minimum fluidization.
 
@@ -146,7 +138,6 @@ def minimum_fluidization_babu(Ar: Value) -> Value:
 
 @closure(
     kind="minimum_fluidization",
-    unit="-",
     source=_ERGUN,
     ranges={"eps_mf": (0.36, 0.7), "sphericity": (0.3, 1.0)},
 )

@@ -29,7 +29,7 @@ _GUNN = (
 _RANZ = "Ranz, Marshall 1952, Chem. Eng. Prog. 48, 141-146"
 
 
-@closure(kind="nusselt", unit="-", ranges={"eps": (0.2, 0.9)}, source=_KUWAHARA)
+@closure(kind="nusselt", ranges={"eps": (0.2, 0.9)}, source=_KUWAHARA)
 def nusselt_kuwahara(Re: Value, Pr: Value, eps: Value) -> Value:
     """Kuwahara, Shirota and Nakayama (2001): laminar flow through arrays of square
     rods.
@@ -48,7 +48,7 @@ def nusselt_kuwahara(Re: Value, Pr: Value, eps: Value) -> Value:
     return 1 + 4 * (1 - eps) / eps + 0.5 * (1 - eps) ** 0.5 * Re**0.6 * Pr ** (1 / 3)
 
 
-@closure(kind="nusselt", unit="-", ranges={"eps": (0.2, 0.9)}, source=_PIVEM)
+@closure(kind="nusselt", ranges={"eps": (0.2, 0.9)}, source=_PIVEM)
 def nusselt_kuwahara_pivem(Re: Value, Pr: Value, eps: Value) -> Value:
     """Pivem and de Lemos (2012): the Kuwahara correlation as printed there, linear in
     Re.
@@ -66,7 +66,7 @@ def nusselt_kuwahara_pivem(Re: Value, Pr: Value, eps: Value) -> Value:
     return 1 + 4 * (1 - eps) / eps + 0.5 * (1 - eps) ** 0.5 * Re * Pr ** (1 / 3)
 
 
-@closure(kind="nusselt", unit="-", ranges={"Re": (15, 8500)}, source=_WAKAO)
+@closure(kind="nusselt", ranges={"Re": (15, 8500)}, source=_WAKAO)
 def nusselt_wakao_kaguei(Re: Value, Pr: Value) -> Value:
     """Wakao, Kaguei and Funazkri (1979): packed beds of spheres.
 
@@ -86,7 +86,6 @@ def nusselt_wakao_kaguei(Re: Value, Pr: Value) -> Value:
 
 @closure(
     kind="nusselt",
-    unit="-",
     ranges={"Re": (0, 1e5), "eps": (0.35, 1)},
     source=_GUNN,
     bounds={"exponent_Pr": "[0, inf)"},
@@ -114,9 +113,7 @@ def nusselt_gunn(Re: Value, Pr: Value, eps: Value, exponent_Pr: float = 1 / 3) -
     )
 
 
-@closure(
-    kind="nusselt", unit="-", ranges={"Re": (0, 200), "Pr": (0, 250)}, source=_RANZ
-)
+@closure(kind="nusselt", ranges={"Re": (0, 200), "Pr": (0, 250)}, source=_RANZ)
 def nusselt_ranz_marshall(Re: Value, Pr: Value) -> Value:
     """Ranz and Marshall (1952): a single sphere.
 
@@ -137,7 +134,6 @@ def nusselt_ranz_marshall(Re: Value, Pr: Value) -> Value:
 
 @closure(
     kind="nusselt",
-    unit="-",
     ranges={"Re": (0, float("inf"))},
     source="user",
     bounds={"a": "[0, inf)", "b": "[0, inf)"},

@@ -29,7 +29,7 @@ _NAKAYAMA = (
 _WARD = "Ward 1964, J. Hydraul. Div. ASCE 90, 1-12, doi:10.1061/JYCEAJ.0001096"
 
 
-@closure(kind="permeability", unit="m2", ranges={"eps": (0.3, 0.6)}, source=_ERGUN)
+@closure(kind="permeability", ranges={"eps": (0.3, 0.6)}, source=_ERGUN)
 def permeability_ergun(d_p: Value, eps: Value) -> Value:
     """Ergun (1952): viscous part of the Ergun equation.
 
@@ -47,7 +47,7 @@ def permeability_ergun(d_p: Value, eps: Value) -> Value:
     return d_p**2 * eps**3 / (150 * (1 - eps) ** 2)
 
 
-@closure(kind="permeability", unit="m2", ranges={"eps": (0.26, 0.7)}, source=_CARMAN)
+@closure(kind="permeability", ranges={"eps": (0.26, 0.7)}, source=_CARMAN)
 def permeability_carman_kozeny(d_p: Value, eps: Value) -> Value:
     """Carman (1937): Kozeny's hydraulic-radius model with the constant 5.
 
@@ -66,7 +66,7 @@ def permeability_carman_kozeny(d_p: Value, eps: Value) -> Value:
     return d_p**2 * eps**3 / (180 * (1 - eps) ** 2)
 
 
-@closure(kind="permeability", unit="m2", ranges={"eps": (0.2, 0.9)}, source=_NAKAYAMA)
+@closure(kind="permeability", ranges={"eps": (0.2, 0.9)}, source=_NAKAYAMA)
 def permeability_kuwahara(d_p: Value, eps: Value) -> Value:
     """Nakayama and Kuwahara (1999): laminar flow through arrays of rods.
 
@@ -85,7 +85,7 @@ def permeability_kuwahara(d_p: Value, eps: Value) -> Value:
     return d_p**2 * eps**3 / (144 * (1 - eps) ** 2)
 
 
-@closure(kind="permeability", unit="m2", ranges={"eps": (0.2, 0.9)}, source=_PIVEM)
+@closure(kind="permeability", ranges={"eps": (0.2, 0.9)}, source=_PIVEM)
 def permeability_pivem(d_p: Value, eps: Value) -> Value:
     """Pivem and de Lemos (2012): permeability_kuwahara as printed there, with eps
     squared instead of cubed.
@@ -103,7 +103,7 @@ def permeability_pivem(d_p: Value, eps: Value) -> Value:
     return d_p**2 * eps**2 / (144 * (1 - eps) ** 2)
 
 
-@closure(kind="forchheimer", unit="-", ranges={"eps": (0.3, 0.6)}, source=_ERGUN)
+@closure(kind="forchheimer", ranges={"eps": (0.3, 0.6)}, source=_ERGUN)
 def forchheimer_ergun(eps: Value) -> Value:
     """Ergun (1952): inertial part of the Ergun equation, to be used with
     permeability_ergun.
@@ -120,7 +120,7 @@ def forchheimer_ergun(eps: Value) -> Value:
     return 1.75 / (math.sqrt(150) * eps**1.5)
 
 
-@closure(kind="forchheimer", unit="-", ranges={"eps": (0.3, 0.6)}, source=_WARD)
+@closure(kind="forchheimer", ranges={"eps": (0.3, 0.6)}, source=_WARD)
 def forchheimer_ward(eps: Value) -> Value:
     """Ward (1964): one constant for all granular media.
 
@@ -138,9 +138,7 @@ def forchheimer_ward(eps: Value) -> Value:
     return 0.55 + 0.0 * eps
 
 
-@closure(
-    kind="pressure_gradient", unit="Pa/m", ranges={"eps": (0.3, 0.6)}, source=_ERGUN
-)
+@closure(kind="pressure_gradient", ranges={"eps": (0.3, 0.6)}, source=_ERGUN)
 def pressure_gradient_ergun(
     u: Value, d_p: Value, eps: Value, mu: Value, rho: Value
 ) -> Value:

@@ -4,7 +4,7 @@ and who published it.
 A closure stays a plain function. The decorator only hangs a data sheet on it and makes
 it known by name:
 
-    @closure(kind="nusselt", unit="-", ranges={"Re": (15, 8500)}, source="Author year, journal, doi:...")
+    @closure(kind="nusselt", ranges={"Re": (15, 8500)}, source="Author year, journal, doi:...")
     def nusselt_author(Re, Pr): ...
 
 A range belongs to an argument, or to the ratio of two arguments ("k_solid/k_fluid");
@@ -23,7 +23,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
-from contbed.closures.arguments import argument
+from contbed.closures.arguments import UNITS, argument
 from contbed.closures.sheet import Docstring, Interval, Sheet, assembled
 from contbed.errors import SceneError
 
@@ -37,23 +37,25 @@ _register: dict[str, Callable[..., Any]] = {}
 def closure(
     *,
     kind: str,
-    unit: str,
     ranges: Mapping[str, tuple[float, float]],
     source: str,
+    unit: str = "",
     bounds: Mapping[str, str] = MappingProxyType({}),
 ) -> Callable[[Function], Function]:
     """Register a function as a closure; its data sheet becomes `function.sheet` and, as
     text, its docstring.
 
-    `bounds` are the values that a scene may give to parameters of this law, such as
-    {"exponent_Pr": "[0, inf)"}.
+    `unit` is that of the kind unless it is given. `bounds` are the values that a scene
+    may give to parameters of this law, such as {"exponent_Pr": "[0, inf)"}.
     """
 
     def decorate(function: Function) -> Function:
-        name = function.__name__
+        name, returned = function.__name__, unit or UNITS.get(kind, "")
         parameters = inspect.signature(function).parameters
         if name in _register and _register[name].__module__ != function.__module__:
             raise ValueError(f"closure {name}: the name is taken")
+        if not returned:
+            raise ValueError(f"closure {name}: give the unit of the kind {kind!r}")
         for what, keys in (("range", ranges), ("bound", bounds)):
             for key in keys:
                 if not set(key.split("/")) <= set(parameters):
@@ -77,7 +79,7 @@ def closure(
         sheet = Sheet(
             name=name,
             kind=kind,
-            unit=unit,
+            unit=returned,
             arguments=required,
             options=MappingProxyType(
                 {key: value for key, value in given.items() if key not in required}
@@ -88,7 +90,9 @@ def closure(
             source=source,
             summary=doc.summary,
             equation=inspect.cleandoc(doc.equation),
-            text=assembled(doc, kind, unit, tuple(parameters), ranges, limits, source),
+            text=assembled(
+                doc, kind, returned, tuple(parameters), ranges, limits, source
+            ),
             bounds=limits,
         )
         function.sheet = sheet  # type: ignore[attr-defined]

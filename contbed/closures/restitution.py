@@ -22,7 +22,6 @@ _JENKINS = "Jenkins, Zhang 2002, Phys. Fluids 14, 1228-1235, doi:10.1063/1.14483
 
 @closure(
     kind="effective_restitution",
-    unit="-",
     ranges={"e": (0.7, 1.0), "sliding_friction": (0.0, 1.0)},
     source=_CHIALVO,
 )
@@ -48,7 +47,6 @@ def effective_restitution_chialvo_sundaresan(
 
 @closure(
     kind="effective_restitution",
-    unit="-",
     ranges={"e": (0.9, 1.0), "sliding_friction": (0.0, 1.0)},
     source=_JENKINS,
     bounds={"tangential_restitution": "(-1, 1]"},

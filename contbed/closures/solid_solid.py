@@ -14,7 +14,6 @@ _AGU = (
 
 @closure(
     kind="solid_exchange",
-    unit="W/m3/K",
     ranges={"d_1/d_2": (0.01, 100.0), "slip": (0.0, 5.0)},
     source=_AGU,
 )

@@ -23,7 +23,6 @@ _MIN_RATE = 1e-9  # rate [1/s] added below a root, which has no derivative at 0
 
 @closure(
     kind="eddy_viscosity",
-    unit="m2/s",
     ranges={"y": (0.0, 10.0), "eps_s": (0.0, 0.1)},
     source=_NIKURADSE,
 )

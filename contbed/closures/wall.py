@@ -20,7 +20,6 @@ _MARTIN = (
 
 @closure(
     kind="wall",
-    unit="W/m2/K",
     ranges={"Re": (20, 7600), "Pr": (0.6, 0.8), "d_p/D_bed": (0.05, 0.3)},
     source=_LI,
 )
@@ -47,7 +46,6 @@ def wall_li_finlayson(
 
 @closure(
     kind="wall",
-    unit="W/m2/K",
     ranges={"Re": (50, 20000), "d_p/D_bed": (0.02, 0.8)},
     source=_MARTIN,
 )

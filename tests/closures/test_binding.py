@@ -61,9 +61,7 @@ def test_a_kernel_without_a_closure_is_zero():
 
 
 def test_a_closure_with_its_arguments_in_another_order(scratch_register):
-    @closures.closure(
-        kind="drag", unit="kg/m3/s", ranges={"eps": (0, 1)}, source="somebody"
-    )
+    @closures.closure(kind="drag", ranges={"eps": (0, 1)}, source="somebody")
     def drag_reordered(mu, factor, eps, Re, power=2.0):
         return factor * mu * Re / eps**power
 

@@ -240,9 +240,7 @@ def scratch_register(monkeypatch):
 
 
 def test_own_closure_is_found_by_name(scratch_register):
-    @closures.closure(
-        kind="nusselt", unit="-", ranges={"Re": (0, 10)}, source="somebody 2020"
-    )
+    @closures.closure(kind="nusselt", ranges={"Re": (0, 10)}, source="somebody 2020")
     def nusselt_mine(Re):
         return 2 + Re
 
@@ -254,7 +252,7 @@ def test_own_closure_is_found_by_name(scratch_register):
 def test_name_of_another_module_cannot_be_taken(scratch_register):
     with pytest.raises(ValueError, match="nusselt_gunn: the name is taken"):
 
-        @closures.closure(kind="nusselt", unit="-", ranges={}, source="somebody")
+        @closures.closure(kind="nusselt", ranges={}, source="somebody")
         def nusselt_gunn(Re):
             return Re
 
@@ -262,10 +260,16 @@ def test_name_of_another_module_cannot_be_taken(scratch_register):
 def test_range_of_no_argument_is_refused(scratch_register):
     with pytest.raises(ValueError, match="range 'Pr' names no argument; it has Re"):
 
-        @closures.closure(
-            kind="nusselt", unit="-", ranges={"Pr": (0, 1)}, source="somebody"
-        )
+        @closures.closure(kind="nusselt", ranges={"Pr": (0, 1)}, source="somebody")
         def nusselt_other(Re):
+            return Re
+
+
+def test_a_new_kind_needs_a_unit(scratch_register):
+    with pytest.raises(ValueError, match="give the unit of the kind 'mixing'"):
+
+        @closures.closure(kind="mixing", ranges={}, source="somebody")
+        def mixing_mine(Re):
             return Re
 
 
