@@ -232,8 +232,22 @@ def _solve(
                 "" if isinstance(error, ContbedError) else f"{type(error).__name__}: "
             )
             result.warnings.append(f"{name}{error}")
-        return error
+        if checkpoint is None or result.status != FAILED:
+            return error
+        return _unlike(error)
     return None
+
+
+def _unlike(error: BaseException) -> BaseException:
+    """Return what to say of an error of a run that resumes: content of a checkpoint
+    that no run has written leads to errors of all kinds.
+    """
+    if isinstance(error, ContbedError | OSError | MemoryError):
+        return error
+    text = f"the checkpoint does not fit this scene ({type(error).__name__}: {error})"
+    found = SceneError(f"{' '.join(text.split())}; run without --restart")
+    found.__cause__ = error
+    return found
 
 
 def _status(error: BaseException) -> str:

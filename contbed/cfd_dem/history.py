@@ -41,7 +41,10 @@ class History:
     tubes: tuple[TubeAverage, ...] = ()
     rows: list[list[float]] = field(default_factory=list)
     file_times: list[float] = field(default_factory=list)
-    given: Array = field(default_factory=lambda: np.zeros(()))
+    given: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.given = np.zeros(len(self.tubes))
 
     def take(self, bed: Bed) -> None:
         """Take the bed as it is now into the averages."""

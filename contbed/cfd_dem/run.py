@@ -24,6 +24,7 @@ from contbed.cfd_dem.results import fill
 from contbed.cfd_dem.scene import GasScene
 from contbed.cfd_dem.tubes import TubeAverage, TubeHeat
 from contbed.dem import extract
+from contbed.dem.simulation import LISTS
 from contbed.materials.constants import fluid_of
 from contbed.output.progress import Progress
 from contbed.result import Result, timed
@@ -37,6 +38,10 @@ RESTART_MAY_CHANGE = (
     "output.plots",
     "output.fields",
 )
+
+
+# arrays of a checkpoint that are longer later in a run
+GROWS = ("rows", "file_times", "Re", "eps", *(f"particles_{name}" for name in LISTS))
 
 
 @timed("particles and gas")
@@ -62,7 +67,7 @@ def run(
     ------
     ConvergenceError : the particles or the gas fail
     """
-    from contbed.output.checkpoint import Keeper
+    from contbed.output.checkpoint import Keeper, require_form
     from contbed.scene.identity import identity
 
     scene = plan.scene
@@ -76,6 +81,8 @@ def run(
         tuple(TubeAverage(tube) for tube in bed.tubes),
     )
     if start is not None:
+        own = bed.state() | history.state()
+        require_form(start[0], own, GROWS)
         bed.restore(start[0])
         history.restore(start[0])
     files = folder if scene.output.fields else None

@@ -88,13 +88,13 @@ class Search(Generic[H]):
 
     @classmethod
     def unpack(
-        cls, kind: type[H], arrays: Mapping[str, Any], meta: Mapping[str, Any]
+        cls, begin: H, arrays: Mapping[str, Any], meta: Mapping[str, Any]
     ) -> Self:
-        """Restore a search from a checkpoint; `kind` is the class of its histories."""
+        """Restore a search from a checkpoint of the run that begins with a history."""
         found = unpacked(meta["search"], arrays)
         for name in ("begin", "best", "closest"):
             if found[name] is not None:
-                found[name] = kind.of(found[name])
+                found[name] = begin.like(found[name])
         return cls(**found)
 
 

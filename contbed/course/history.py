@@ -5,7 +5,7 @@ it.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -41,6 +41,8 @@ class History:
     resume: Self | None = None
     # whether the start is an output time
     at_start: ClassVar[bool] = True
+    # names of arrays whose lengths may change in a run
+    free: ClassVar[Collection[str]] = ()
 
     @property
     def snapshot(self) -> Any:
@@ -58,11 +60,33 @@ class History:
         arrays: dict[str, Any] = {}
         return arrays, packed(self, "", arrays)["fields"]
 
-    @classmethod
-    def unpack(cls, arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> Self:
-        """Restore a history from a checkpoint."""
-        names = (item.name for item in fields(cls) if item.name != "resume")
-        return cls.of({name: unpacked(meta[name], arrays) for name in names})
+    def resumed(self, arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> Self:
+        """Return the history of a checkpoint of the run that begins with this one.
+
+        Raises
+        ------
+        SceneError : the checkpoint does not fit
+        """
+        names = (item.name for item in fields(self) if item.name != "resume")
+        return self.like({name: unpacked(meta[name], arrays) for name in names})
+
+    def like(self, values: Mapping[str, Any]) -> Self:
+        """Return a history of plain values that have the form of those of this one.
+
+        Raises
+        ------
+        SceneError : they have another
+        """
+        found = self.of(values)
+        own = {name: value for name, value in vars(self).items() if name != "kept"}
+        checkpoint.require_form(vars(found), own, self.free)
+        for kept in found.kept.values():
+            pair = (
+                dict(enumerate(_several(kept))),
+                dict(enumerate(_several(self.snapshot))),
+            )
+            checkpoint.require_form(*pair, free=("0", "1"))
+        return found
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:
@@ -100,6 +124,10 @@ class History:
 def output_times(time: Any) -> Sequence[float]:
     """Return the times at which profiles are kept, the end included [s]."""
     return sorted({*time.times, time.end})
+
+
+def _several(value: Any) -> tuple[Any, ...]:
+    return value if isinstance(value, tuple) else (value,)
 
 
 def packed(value: Any, name: str, arrays: dict[str, Any]) -> Any:

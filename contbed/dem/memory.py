@@ -36,8 +36,16 @@ from contbed.dem.kernel_arrays import (
     Sums,
     Unsigned,
 )
-from contbed.dem.neighbours import CLOSED, MASK, find_incoming
+from contbed.dem.neighbours import (
+    BITS,
+    CLOSED,
+    IMAGE,
+    IMAGES,
+    MASK,
+    find_incoming,
+)
 from contbed.dem.ordering import CUBE, MOST_CELLS
+from contbed.errors import SceneError
 
 # places for a particle at first: of pairs within its block, across blocks and near
 # walls
@@ -95,6 +103,36 @@ def nothing_listed(n: int) -> Record:
         near,
         *history,
     )
+
+
+def require_indices(record: Record, particles: int, walls: int) -> None:
+    """Refuse a record that names particles, images or walls that do not exist, or that
+    lacks histories of closed contacts: compiled loops would read beyond their arrays.
+
+    Raises
+    ------
+    SceneError : it is of no run of contbed
+    """
+    row, other = record.row, record.entry & MASK
+    closed, near = int((record.entry >= CLOSED).sum()), len(record.wall)
+    fits = (
+        np.array_equal(np.sort(record.user), np.arange(particles)),
+        len(row) == len(other) and _below(row, particles) and _below(other, particles),
+        _below((record.entry >> BITS) & IMAGE, IMAGES),
+        len(record.spring) == len(record.onset) == closed,
+        near == len(record.wall_particle) and _below(record.wall_particle, particles),
+        len(record.wall_spring) == len(record.wall_onset) == near,
+        _below(record.wall, walls),
+    )
+    if not all(fits):
+        raise SceneError(
+            "the checkpoint does not fit this scene: its lists name particles or walls "
+            "that do not exist; run without --restart"
+        )
+
+
+def _below(numbers: NDArray[Any], end: int) -> bool:
+    return bool(((numbers >= 0) & (numbers < end)).all())
 
 
 def halved(record: Record) -> Record:

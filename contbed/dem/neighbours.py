@@ -35,6 +35,7 @@ from contbed.dem.ordering import Cells, number_of, place_of
 BITS = np.uint32(26)  # of an entry for the index of j; the image is above
 MASK = np.uint32((1 << 26) - 1)
 IMAGE = np.uint32(31)  # of 27 images, in five bits
+IMAGES = 27
 CLOSED = np.uint32(1 << 31)
 
 
@@ -44,8 +45,8 @@ def image_shifts(box: Box) -> Array:
     itself.
     """
     lower, upper, periodic = box.lower, box.upper, box.periodic
-    table = np.zeros((27, 3))
-    for image in range(27):
+    table = np.zeros((IMAGES, 3))
+    for image in range(IMAGES):
         digit = image
         for axis in range(3):
             side = digit % 3

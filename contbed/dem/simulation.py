@@ -25,18 +25,18 @@ from contbed.dem.kernel_arrays import (
     Laws,
     Spheres,
 )
-from contbed.dem.memory import Engine, Memory, Record, halved
+from contbed.dem.memory import Engine, Memory, Record, halved, require_indices
 from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK, image_shifts, wall_gaps
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.walls import SKIN, Domain, Wall, wall_table
 from contbed.errors import ConvergenceError, SceneError
+from contbed.output.checkpoint import require_form
 from contbed.output.progress import Progress
 
 LARGEST_OVERLAP = 0.05  # of the smaller radius, at the start
 _STATE = ("position", "velocity", "spin", "force", "T")
-# of a checkpoint: way since the last list, whether it is old, steps, time step, walls,
-# skin
-NUMBERS = 6
+# arrays of a checkpoint that are longer or shorter later
+LISTS = Record._fields[3:]
 
 
 @dataclass(frozen=True)
@@ -228,14 +228,7 @@ class Simulation:
         missing = {*_STATE, *Record._fields, "numbers"} - set(state)
         if missing:
             raise SceneError(f"dem: the checkpoint lacks {', '.join(sorted(missing))}")
-        found, wanted = np.shape(state["position"]), self.position.shape
-        if found != wanted:
-            raise SceneError(
-                f"dem: checkpoint of another simulation: position has shape {found}, "
-                f"expected {wanted}"
-            )
-        if len(state["numbers"]) != NUMBERS:
-            raise SceneError("dem: the checkpoint is of another version of contbed")
+        require_form(state, self.state(), LISTS)
         moved, stale, steps, time_step, walls, skin = (
             float(value) for value in state["numbers"]
         )
@@ -257,11 +250,11 @@ class Simulation:
                 f"dem: the checkpoint has time step {time_step:g} s, expected "
                 f"{self._first_step:g} s"
             )
+        record = Record(*(np.array(state[name], order="C") for name in Record._fields))
+        require_indices(record, len(self.position), len(self.walls))
         for name in _STATE:
             setattr(self, name, np.array(state[name], order="C"))
-        self._go_back(
-            Record(*(np.array(state[name], order="C") for name in Record._fields))
-        )
+        self._go_back(record)
         self._moved, self._stale, self.steps_done, self.time_step = (
             moved,
             bool(stale),

@@ -9,7 +9,7 @@ import json
 import time as clock
 import zipfile
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from contbed.output.files import atomic
 
 NAME = "checkpoint.npz"
 _ARRAY = "array."  # keeps the names of arrays apart from those of the file itself
+_TYPES = {np.dtype(kind) for kind in ("f8", "i8", "i4", "u4", "?")}  # of arrays
 
 # what zipfile and numpy raise on bytes that are not as they were written; a zip may
 # even seem to be encrypted
@@ -154,6 +155,9 @@ def load(folder: Path | str) -> tuple[Parts, Parts]:
             text, checksum = str(file["meta"]), str(file["checksum"])
         if checksum != _checksum(arrays, text):
             raise ValueError("its checksum is wrong: the file was changed or damaged")
+        for name, array in arrays.items():
+            if array.dtype not in _TYPES:
+                raise ValueError(f"{name} is of type {array.dtype}")
         return Parts(path, arrays), Parts(path, json.loads(text))
     except PermissionError as error:
         raise SceneError(f"cannot read {path}: {error.strerror}") from error
@@ -229,6 +233,53 @@ def require_same(
         raise SceneError(
             [*problems, f"the checkpoint belongs to another scene{allowed}"]
         )
+
+
+def require_form(
+    found: Any, own: Any, free: Collection[str] = (), name: str = ""
+) -> None:
+    """Refuse values of a checkpoint whose type or shape is not that which the run
+    itself has at its start.
+
+    Parameters
+    ----------
+    found, own : of the checkpoint and of the run: mappings, arrays, numbers
+    free : names of arrays whose axes may have other lengths, or that begin empty
+    name : of the values in the checkpoint
+
+    Raises
+    ------
+    SceneError : the checkpoint does not fit
+    """
+    if isinstance(own, Mapping):
+        for key, value in own.items():
+            require_form(found[key], value, free, str(key))
+    elif own is not None and not _fits(found, own, name in free):
+        raise SceneError(
+            f"the checkpoint does not fit this scene: {name} is {_form(found)}, "
+            f"expected {_form(own)}; run without --restart"
+        )
+
+
+def _fits(found: Any, own: Any, is_free: bool) -> bool:
+    if not isinstance(own, float | np.ndarray):
+        return type(found) is type(own)
+    if isinstance(own, np.ndarray):
+        if not isinstance(found, np.ndarray) or found.dtype != own.dtype:
+            return False
+        may_differ = is_free and (found.ndim == own.ndim or not own.size)
+        if found.shape != own.shape and not may_differ:
+            return False
+    elif type(found) is bool or not isinstance(found, int | float | np.ndarray):
+        return False  # integrals begin with 0.0 and may become arrays
+    return bool(np.isfinite(found).all() or not np.isfinite(own).all())
+
+
+def _form(value: Any) -> str:
+    if not isinstance(value, np.ndarray):
+        return str(value)[:40]
+    known = "" if np.isfinite(value).all() else ", not all finite"
+    return f"{value.dtype} of shape {value.shape}{known}"
 
 
 def _flat(values: Any, above: str = "") -> dict[str, Any]:

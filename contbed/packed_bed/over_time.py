@@ -55,11 +55,10 @@ def transient(
                 "cycle_change_K": period.largest * steps.span,
             }
             return
-        if start is None:
-            with result.timed("heat"):
-                history = steps.begin()
-        else:
-            history = HeatHistory.unpack(*start).fitted(scene.time, scene.origin)
+        with result.timed("heat"):
+            history = steps.begin()
+        if start is not None:
+            history = history.resumed(*start).fitted(scene.time, scene.origin)
         saver.offer(history)
         found = Run(steps, line, history)
         found.follow(quiet, saver)
@@ -146,7 +145,7 @@ def _cycle(steps: HeatSteps, start: tuple[Any, Any] | None, saver: Saver) -> Per
     assert time is not None and time.cycle is not None
     search = Search(steps.begin())
     if start is not None:
-        search = Search.unpack(HeatHistory, *start)
+        search = Search.unpack(search.begin, *start)
     steps.accounts = False
     tolerance = time.cycle.tolerance
     for period in periods(HeatCycle(steps), search, tolerance, saver.offer):

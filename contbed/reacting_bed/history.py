@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Self
 
@@ -66,6 +66,8 @@ class BedHistory(History):
     extents: Mapping[tuple[int, str], Array] = field(default_factory=dict)
     least: Least = field(default_factory=Least)
     at_start: ClassVar[bool] = False
+    # of beds whose cells follow their errors
+    free: ClassVar[Collection[str]] = ("state", "damping", "damped", "vertices")
 
     @property
     def snapshot(self) -> Any:

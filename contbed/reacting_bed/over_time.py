@@ -51,7 +51,7 @@ def run_transient(
     history = begin(fit := fitted(course), fit.start())
     period: Period | None = None
     if time.cycle is None and start is not None:
-        history = BedHistory.unpack(*start).fitted(time, origin)
+        history = history.resumed(*start).fitted(time, origin)
     try:
         with (
             result.timed("bed"),
@@ -188,7 +188,7 @@ def searched(
     first = begin(course, turned(course.problem, course.start()))
     search = Search(first)
     if start is not None:
-        search = Search.unpack(BedHistory, *start)
+        search = Search.unpack(first, *start)
 
     def watch(before: BedHistory, after: BedHistory, period: int) -> None:
         advance(after.time, f"period {period}")

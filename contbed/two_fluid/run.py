@@ -143,7 +143,15 @@ class Run:
         return arrays, {"state": json.dumps(plain), "files": json.dumps(self.files)}
 
     def resume(self, arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
-        """Resume from a checkpoint, bit for bit."""
+        """Resume from a checkpoint, bit for bit.
+
+        Raises
+        ------
+        SceneError : it does not fit
+        """
+        from contbed.output.checkpoint import require_form
+
+        require_form(arrays, self.arrays()[0], ("rows",))
         self.bed.restore({**arrays, **json.loads(meta["state"])})
         self.rows = np.asarray(arrays["rows"]).tolist()
         for count, saved in zip(self.compiled.counts, arrays["counts"], strict=True):

@@ -294,7 +294,7 @@ def test_restart_of_another_simulation():
     state = falling().state()
     alone = Simulation(Particles([[0, 0, 0]], RADIUS), [GLASS])
     refused(
-        r"checkpoint of another simulation: position has shape \(64, 3\)",
+        r"does not fit this scene: position is float64 of shape \(64, 3\)",
         alone.restore,
         state,
     )
@@ -305,8 +305,22 @@ def test_restart_of_another_simulation():
         ),
     )
     refused(
-        "of another version",
+        r"numbers is float64 of shape \(5,\), expected float64 of shape \(6,\)",
         lambda: falling().restore(state | {"numbers": state["numbers"][:-1]}),
+    )
+
+
+@pytest.mark.parametrize("name", ["entry", "user", "wall", "wall_particle"])
+def test_lists_of_a_checkpoint_name_what_exists(name):
+    """Compiled loops would read beyond their arrays."""
+    whole = falling()
+    whole.run(2000)
+    state = whole.state()
+    assert state[name].size
+    refused(
+        "lists name particles or walls that do not exist",
+        falling().restore,
+        state | {name: np.full_like(state[name], 1000)},
     )
 
 

@@ -529,3 +529,39 @@ def test_open_balance(tmp_path):
     assert (
         summary["status"] == "balance open" and summary["qoi"]["T_fluid_out_K"] > 300.0
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "other"),
+    [
+        ("state", np.float32),
+        ("state", lambda array: array[:-1]),
+        ("mean", lambda array: array[None]),
+        ("kept_1", np.bool_),
+        ("outlet", lambda array: array + 0j),
+        ("vertices", lambda array: array[:5]),
+        ("state", lambda array: np.full_like(array, np.nan)),
+    ],
+)
+def test_checkpoint_with_other_arrays(name, other, scene, whole, tmp_path):
+    """Its checksum is right, its content is of no run."""
+    arrays, meta = checkpoint.load(whole)
+    arrays[name] = np.asarray(other(arrays[name]))
+    checkpoint.save(tmp_path, arrays, meta)
+    refused(
+        "run (the scene )?without --restart",
+        lambda: cb.run(cb.load(scene), out=tmp_path / "out", restart=tmp_path),
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "other"),
+    [("gain", [1, 2]), ("state", 3.0), ("time", "late"), ("kept", {"pairs": [True]})],
+)
+def test_checkpoint_with_other_values(name, other, scene, whole, tmp_path):
+    arrays, meta = checkpoint.load(whole)
+    checkpoint.save(tmp_path, arrays, {**meta, name: other})
+    refused(
+        "the checkpoint does not fit this scene",
+        lambda: cb.run(cb.load(scene), out=tmp_path / "out", restart=tmp_path),
+    )
