@@ -237,11 +237,22 @@ def plan(
 
 
 @app.command()
-def warm() -> None:
+def warm(
+    clear: Annotated[
+        bool,
+        Option("--clear", help="remove all compiled code instead, as to uninstall"),
+    ] = False,
+) -> None:
     """Compile all loops now.
 
     Meant for the time of installation, so that no run has to wait for it.
     """
+    if clear:
+        from contbed.compiled import cache
+
+        folder, size = cache.clear()
+        print(f"removed {size / 1e6:.0f} MB of compiled code from {folder}")
+        return
     from contbed.cli.warm import warm as each
 
     total = 0.0

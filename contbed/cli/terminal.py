@@ -100,6 +100,8 @@ def _assignment(text: str) -> tuple[str, Any]:
     key, equals, value = text.partition("=")
     if not equals:
         raise typer.BadParameter(f"{text!r} is not KEY=VALUE", param_hint="--set")
+    if len(text.splitlines()) > 1:
+        raise typer.BadParameter(f"{text!r} has a line break", param_hint="--set")
     try:
         return key.strip(), tomllib.loads(f"value = {value}")["value"]
     except (ValueError, RecursionError):

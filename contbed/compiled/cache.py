@@ -8,12 +8,17 @@ from __future__ import annotations
 import os
 import stat
 import sys
+import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 from zlib import crc32
 
 VARIABLE = "NUMBA_CACHE_DIR"
 ROOMS = ("compiled", "solvers", "dem", "cfd_dem", "two_fluid")  # with kernels
+# bytes of compiled code of all layouts of the package; one has 40 MB
+LIMIT = 300e6
+DAY = 86400.0  # s; an empty folder that is younger may belong to a run that compiles
 COMPILING = (
     "contbed: compiling for this processor, once for an installation and up to a "
     "minute; `contbed warm` does it "
@@ -30,9 +35,13 @@ def choose_cache() -> None:
     if VARIABLE in os.environ or "numba" in sys.modules:
         return
     home = _cache_of_the_user()
-    if home is not None and _can_write(home):
-        os.environ[VARIABLE] = str(home / "contbed" / _layout())
-        return
+    if home is not None:
+        folder = home / "contbed" / _layout()
+        if _can_write(folder):
+            os.environ[VARIABLE] = str(folder)
+            if not folder.is_dir():
+                remove_oldest(folder.parent)
+            return
     import tempfile  # takes longer to import than all of this
 
     folder = (
@@ -53,6 +62,56 @@ def choose_cache() -> None:
             f"cannot be written; {VARIABLE} names another folder",
             file=sys.stderr,
         )
+
+
+def remove_oldest(root: Path, limit: float = LIMIT, age: float = DAY) -> int:
+    """Remove the oldest files below a folder until no more than a limit [bytes] is
+    left, and empty folders of at least an age [s]; return the bytes removed.
+
+    Runs that need a file which another process has removed compile it again.
+    """
+    files, folders = [], []
+    for folder, _, names in os.walk(root, topdown=False):
+        folders.append(folder)
+        for name in names:
+            path = os.path.join(folder, name)
+            with suppress(OSError):
+                status = os.stat(path)
+                files.append((status.st_mtime, status.st_size, path))
+    total = left = sum(size for _, size, _ in files)
+    for _, size, path in sorted(files):
+        if left <= limit:
+            break
+        with suppress(OSError):
+            os.remove(path)
+        left -= size
+    for folder in folders:
+        with suppress(OSError):
+            if time.time() - os.stat(folder).st_mtime >= age:
+                os.rmdir(folder)  # not if it holds something
+    return total - left
+
+
+def clear() -> tuple[Path, int]:
+    """Remove all compiled code; return its folder and the bytes removed.
+
+    Raises
+    ------
+    ContbedError : the folder is named by the user, and may hold code of others
+    """
+    from contbed.errors import ContbedError
+
+    named = Path(os.environ[VARIABLE])
+    home = _cache_of_the_user()
+    if home is not None and named.parent == home / "contbed":
+        folder = named.parent
+    elif named.name.startswith("contbed-"):
+        folder = named
+    else:
+        raise ContbedError(
+            f"compiled code lies in {named}, which {VARIABLE} names; remove it there"
+        )
+    return folder, remove_oldest(folder, 0.0, 0.0)
 
 
 def _layout() -> str:
@@ -103,8 +162,11 @@ def _cache_of_the_user() -> Path | None:
 
 def _can_write(folder: Path) -> bool:
     """Whether a folder, or the nearest one above it that exists, can be written."""
-    there = next((path for path in (folder, *folder.parents) if path.exists()), None)
-    return there is not None and there.is_dir() and os.access(there, os.W_OK | os.X_OK)
+    try:
+        there = next(path for path in (folder, *folder.parents) if path.exists())
+        return there.is_dir() and os.access(there, os.W_OK | os.X_OK)
+    except OSError:  # one of them may not be entered
+        return False
 
 
 def _is_mine(folder: Path) -> bool:

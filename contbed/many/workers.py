@@ -12,6 +12,7 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Any, Literal
 
+from contbed.compiled.orphans import end_with
 from contbed.errors import ContbedError
 from contbed.many.runs import Case, compute, give_up, is_begun, known
 from contbed.many.store import Content
@@ -87,7 +88,13 @@ def pooled(
 
     with parallel_config(backend="loky", inner_max_num_threads=1):
         pool = Parallel(n_jobs=jobs, batch_size=batch, return_as="generator_unordered")
-        yield from pool(delayed(function)(*task) for task in tasks)
+        worker = delayed(_in_worker)
+        yield from pool(worker(os.getpid(), function, task) for task in tasks)
+
+
+def _in_worker(parent: int, function: Callable[..., Any], task: tuple[Any, ...]) -> Any:
+    end_with(parent)
+    return function(*task)
 
 
 def _pair(case: Case, out: Path) -> tuple[Case, Content]:

@@ -9,13 +9,17 @@ gmsh 4.1. The last line on stderr says what failed.
 
 from __future__ import annotations
 
+import os
 import sys
+
+from contbed.compiled.orphans import end_with
 
 
 def main(source: str, target: str, dimension: str, size: str) -> int:
     """Mesh a geometry and return the exit status."""
     import gmsh
 
+    end_with(os.getppid())
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)

@@ -10,8 +10,10 @@ import os
 import signal
 import subprocess
 import sys
+import textwrap
 import time
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from threading import Thread
 
@@ -229,6 +231,38 @@ def sweep_names():
     from contbed.many.sweep.study import read_study
 
     return [case.name for case in read_study("study.toml").cases]
+
+
+def test_workers_end_with_a_parent_that_is_killed(folder):
+    """Within 5 s, in the middle of whatever they compute."""
+    code = """
+        import os, time
+        from contbed.many.workers import pooled
+        def work(name):
+            open(name, "w").write(str(os.getpid()))
+            os.rename(name, name + ".pid")
+            while True:
+                sum(range(10**6))
+        list(pooled(work, [("a",), ("b",)], 2, batch=1))
+    """
+    environment = {**os.environ, "PYTHONPATH": str(Path(contbed.__file__).parents[1])}
+    parent = subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(code)], env=environment
+    )
+    wait_for(lambda: len(list(folder.glob("*.pid"))) == 2)
+    parent.kill()
+    parent.wait()
+    for path in folder.glob("*.pid"):
+        wait_for(partial(has_ended, int(path.read_text())), 5.0)
+
+
+def has_ended(pid):
+    """Return whether a process has ended, also where nobody has asked for its status."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+    except OSError:
+        return True
+    return state == "Z"
 
 
 @pytest.mark.slow

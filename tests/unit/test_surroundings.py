@@ -168,6 +168,56 @@ def test_each_layout_of_the_package_has_its_own_compiled_code(tmp_path, monkeypa
     assert all(folder.parent == tmp_path / "contbed" for folder in found)
 
 
+def test_a_home_folder_that_may_not_be_entered(tmp_path):
+    """That of root, named by HOME for another user; and a cache of another user in
+    one's own home folder.
+    """
+    code = """
+        import os, pathlib
+        real = pathlib.Path.exists
+        def exists(self):
+            if "locked" in self.parts[:-1]:
+                raise PermissionError(13, "Permission denied", str(self))
+            return real(self)
+        pathlib.Path.exists = exists
+        import contbed
+        print(os.environ["NUMBA_CACHE_DIR"])
+    """
+    (tmp_path / "locked").mkdir()
+    places = {"HOME": str(tmp_path / "locked"), "XDG_CACHE_HOME": ""}
+    done = python(code, environment={"TMPDIR": str(tmp_path)} | places)
+    assert (done.returncode, done.stdout) == (
+        0,
+        f"{tmp_path / f'contbed-{os.getuid()}'}\n",
+    ), done.stderr
+
+
+def test_compiled_code_has_a_limit_and_can_be_removed(tmp_path, monkeypatch):
+    """The oldest files go first; runs in other processes compile again what they
+    miss.
+    """
+    from contbed import cli
+    from contbed.compiled import cache
+
+    files = [tmp_path / "contbed" / f"{k}" / "code.nbc" for k in range(4)]
+    for age, path in enumerate(files):
+        path.parent.mkdir(parents=True)
+        path.write_bytes(b"x" * 100)
+        os.utime(path, (1e9 - age, 1e9 - age))
+    assert cache.remove_oldest(tmp_path / "contbed", 250) == 200
+    assert [path.exists() for path in files] == [True, True, False, False]
+    assert all(path.parent.is_dir() for path in files)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "contbed" / "0"))
+    assert cli.main(["warm", "--clear"]) == 0
+    assert not (tmp_path / "contbed").exists()
+    other = tmp_path / "other" / "code.nbc"
+    other.parent.mkdir()
+    other.write_bytes(b"x")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(other.parent))
+    assert cli.main(["warm", "--clear"]) == 1 and other.exists()
+
+
 def test_compiling_is_told_once(tmp_path):
     code = """
         from contbed.compiled.cache import tell_when_compiling
