@@ -195,6 +195,7 @@ def check(
     names: meshes, mechanisms, tables, fluids. Nothing is written.
     """
     from contbed.models import plan as build
+    from contbed.scene.inputs import inputs_elsewhere
 
     problems = []
     for scene in scenes:
@@ -206,6 +207,9 @@ def check(
         else:
             for text in loaded.warnings:
                 print(f"warning: {text}")
+            if others := inputs_elsewhere(loaded, loaded.origin.base):
+                names = ", ".join(str(file.resolve()) for file in others)
+                print(f"{scene}: reads files outside of its folder: {names}")
             print(f"{scene}: ok{', with warnings' if loaded.warnings else ''}")
     if problems:
         raise SceneError(problems)

@@ -192,8 +192,7 @@ def _skip_optional(line: str, lines: Lines) -> bool:
 def _frame(line: str, lines: Lines) -> Frame:
     if line.strip() != "ITEM: TIMESTEP":
         raise lines.error(
-            "no text dump of LIGGGHTS or LAMMPS: expected 'ITEM: TIMESTEP', found "
-            f"{line[:60]!r}"
+            "no text dump of LIGGGHTS or LAMMPS: expected 'ITEM: TIMESTEP'"
         )
     step = int(lines.numbers(lines.next("the step"), 1)[0])
     count, box, names, first, line_count, line_box = -1, None, None, 0, 0, 0

@@ -124,8 +124,7 @@ def _header(line: str, lines: Lines) -> list[str] | None:
             )
     if missing := [name for name in "xyz" if name not in names]:
         raise lines.error(
-            f"neither three numbers nor a header with {', '.join(missing)}: "
-            f"{line[:60]!r}; {_REMEDY}"
+            f"neither three numbers nor a header with {', '.join(missing)}; {_REMEDY}"
         )
     return names
 

@@ -264,7 +264,13 @@ def cantera_gas(mechanism: str, transport: bool = True) -> tuple[Any, float]:
             for folder in cantera.get_data_directories()
             for path in Path(folder).glob("*.yaml")
         }
-        if mechanism not in known and "not found" in str(error):
+        path = Path(mechanism)
+        if path.is_file() and b"phases" not in path.read_bytes():
+            raise SceneError(
+                f"gas: {mechanism!r} is no mechanism: expected a YAML file of Cantera "
+                "with the keys phases and species"
+            ) from error
+        if mechanism not in known and not path.is_file() and "not found" in str(error):
             raise SceneError(
                 f"gas: no mechanism file {mechanism!r}{nearest(mechanism, known)}; "
                 "looked in "

@@ -27,9 +27,13 @@ from contbed.output.summary import write_json
 
 LOCK = ".contbed.lock"
 SUMMARY = "summary.json"
-RESULTS = re.compile(  # names that runs give to results which a scene may read as well
-    r"(profiles|outlet|levels|continuation|states|branches)\.csv|((fields|particles)(_\d+)?|packing)\.vtu"
+_NAMES = (
+    r"(profiles|outlet|levels|continuation|states|branches)\.csv"
+    r"|(fields|particles|packing)\.vtu"
 )
+# names that runs give to results which a scene may read as well
+RESULTS = re.compile(rf"{_NAMES}|(fields|particles)_\d+\.vtu")
+_REPLACED = re.compile(rf"{_NAMES}|summary\.json|checkpoint\.npz|closure\.toml")
 _LEFT = re.compile(rf".+\.[0-9a-f]{{{2 * files.TOKEN}}}\.part")
 _NO_LOCKS = {errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS, errno.EINVAL}
 
@@ -55,6 +59,10 @@ class RunFolder:
         about : what the summary says of the run from its start
         keep : the run resumes from this folder's checkpoint, and its earlier files stay
         inputs : files that the run reads; they stay too
+
+        Raises
+        ------
+        ContbedError : the folder has files of others with the names of results
         """
         self._former = former = read_summary(self.path)
         listed = former.get("files", ())
@@ -69,6 +77,7 @@ class RunFolder:
         if keep:
             self.files = [name for name in names if name != SUMMARY]
         else:
+            self._require_own([*names, *([SUMMARY] if former else [])])
             for name in names:
                 if (self.path / name).resolve() not in self._read:
                     with suppress(OSError):
@@ -85,6 +94,28 @@ class RunFolder:
             **about,
         }
         self._say()
+
+    def _require_own(self, names: Collection[str]) -> None:
+        """Refuse a folder with files of others that have the names of results; `names`
+        are those of the former run.
+
+        Raises
+        ------
+        ContbedError : the run would replace them
+        """
+        foreign = [
+            path.name
+            for path in sorted(self.path.iterdir())
+            if _REPLACED.fullmatch(path.name)
+            and path.name not in names
+            and not path.is_symlink()  # which is replaced, not followed
+            and path.resolve() not in self._read
+        ]
+        if foreign:
+            raise ContbedError(
+                f"{self.path}: {', '.join(foreign)}: not written by a run of contbed, "
+                "which would replace it; move it, or give another folder by --out"
+            )
 
     def end(self, summary: Mapping[str, Any]) -> None:
         """Write the summary of the results, with the machine and the time at which

@@ -29,6 +29,8 @@ OTHER_MARKS = {
     ";": "semicolons",
     "\t": "tabs",
 }  # between columns, as spreadsheets write them where commas are in numbers
+# of a file that may hold anything, nothing is quoted
+_NO_DATA = "; no column has a unit"
 _HEADER = re.compile(r"\s*(.+?)\s*\[(.+)\]\s*")
 
 
@@ -61,7 +63,7 @@ class DataTable:
         wanted = QUANTITIES.get(unit, "quantity")
         raise self.error(
             self.header_line,
-            f"no column with a {wanted}, such as 'name [{unit}]'; found {self._found()}",
+            f"no column with a {wanted}, such as 'name [{unit}]'{self._found()}",
         )
 
     def column(self, name: str, unit: str) -> NDArray[np.float64]:
@@ -75,7 +77,7 @@ class DataTable:
         if name not in self.names:
             raise self.error(
                 self.header_line,
-                f"no column '{name}'; {nearest(name, list(self.names))}",
+                f"no column '{name}'{self._near(name)}",
             )
         index = self.names.index(name)
         scale = factor_and_offset(self.units[index] or "1", unit)
@@ -109,7 +111,7 @@ class DataTable:
         if name not in self.names:
             raise self.error(
                 self.header_line,
-                f"no column '{name}'; {nearest(name, list(self.names))}",
+                f"no column '{name}'{self._near(name)}",
             )
         index = self.names.index(name)
         return tuple(cells[index] for cells in self.cells)
@@ -119,10 +121,15 @@ class DataTable:
         return SceneError(f"{self.path.name}:{line}: {text}")
 
     def _found(self) -> str:
-        return ", ".join(
+        names = (
             f"'{name} [{unit}]'" if unit else f"'{name}'"
             for name, unit in zip(self.names, self.units, strict=True)
         )
+        return f"; found {', '.join(names)}" if any(self.units) else _NO_DATA
+
+    def _near(self, name: str) -> str:
+        known = list(self.names)
+        return f"; {nearest(name, known)}" if any(self.units) else _NO_DATA
 
 
 def read_table(path: Path) -> DataTable:

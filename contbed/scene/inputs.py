@@ -77,6 +77,18 @@ def all_inputs(part: Any, base: Path) -> list[Path]:
     return list(dict.fromkeys(file for _, file in inputs_by_key(part, base)))
 
 
+def inputs_elsewhere(part: Any, base: Path) -> list[Path]:
+    """Return the files that a run reads outside of the folder of its scene; data of
+    Cantera are none.
+    """
+    known = [base.resolve(), *(each.resolve() for each in mechanism_folders(base)[2:])]
+    return [
+        file
+        for file in all_inputs(part, base)
+        if not any(file.resolve().is_relative_to(folder) for folder in known)
+    ]
+
+
 def unusable_files(
     parts: Mapping[str, Any], origin: Origin
 ) -> Iterator[tuple[KeyPath, str]]:

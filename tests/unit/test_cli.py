@@ -278,3 +278,9 @@ def test_list_shows_everything_by_name(scene, capsys):
         "case.toml",
     ):
         assert part in out
+
+
+def test_a_value_with_a_line_break_is_refused(tmp_path, capsys):
+    """What follows the break would be other keys."""
+    assert cli.main(["check", "scene.toml", "--set", "title=a\nb"]) == 2
+    assert "has a line break" in capsys.readouterr().err

@@ -48,6 +48,15 @@ def test_files_of_a_run_belong_together(tmp_path):
     }
 
 
+@pytest.mark.parametrize("name", ["profiles.csv", "summary.json", "fields.vtu"])
+def test_files_of_others_are_not_replaced(tmp_path, name):
+    (tmp_path / name).write_text("[]")
+    said = rf"{name}: not written by a run of contbed.* another folder by --out"
+    with pytest.raises(ContbedError, match=said):
+        cb.run(loads(STEADY), out=tmp_path)
+    assert names(tmp_path) == {name} and (tmp_path / name).read_text() == "[]"
+
+
 def test_an_input_that_an_earlier_run_has_written_stays(tmp_path):
     with occupied(tmp_path) as place:
         place.begin({}, keep=False)

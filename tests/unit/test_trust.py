@@ -2,13 +2,17 @@
 programs of a benchmark.
 """
 
+import json
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
-from contbed.loading import load
+from contbed.errors import SceneError
+from contbed.loading import from_dict, load
+from contbed.models import MODELS, plan
 from contbed.scene.mechanism import code_in_mechanism
 from tests.command_line import command
 from tests.refusals import refused
@@ -140,3 +144,46 @@ def test_a_mechanism_does_not_import_a_module(tmp_path):
         r"scene.toml:7: gas.mechanism = .*: no such mechanism; looked in ",
         lambda: load(tmp_path / "scene.toml"),
     )
+
+
+def packed(**keys):
+    """The template of a packed bed with other keys."""
+    scene = tomllib.loads(MODELS["packed_bed"].template.read_text())
+    return scene | keys
+
+
+def test_files_outside_of_the_folder_of_a_scene_are_listed(tmp_path, capsys):
+    (tmp_path / "k.csv").write_text("T [K],k [W/m/K]\n300,1\n900,2\n")
+    inside = tmp_path / "inside"
+    inside.mkdir()
+    text = MODELS["packed_bed"].template.read_text()
+    (inside / "scene.toml").write_text(text)
+    key = "solids.silica.conductivity"
+    assert command(f"check {inside}/scene.toml") == 0
+    assert "reads files" not in capsys.readouterr().out
+    file = "{file='../k.csv'}"
+    assert command(f'check {inside}/scene.toml --set "{key}={file}"') == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line for line in lines if "outside of its folder" in line] == [
+        f"{inside}/scene.toml: reads files outside of its folder: {tmp_path}/k.csv"
+    ]
+
+
+GAS = {"composition": "N2:1", "pressure": 101325.0}
+
+
+@pytest.mark.parametrize("keys", [
+    {"gas": {"mechanism": "FILE"} | GAS},
+    {"solids": {"silica": {"diameter": 3e-3, "conductivity": {"file": "FILE"}}}},
+    {"closures": {"nusselt": {"file": "FILE"}}},
+    {"particles": {"file": "FILE"}, "solids": {"glass": {"conductivity": 1.0}}},
+])  # fmt: skip
+@pytest.mark.parametrize("name", ["own.csv", "own.yaml"])
+def test_what_a_file_of_others_holds_is_not_shown(tmp_path, keys, name):
+    """As that of /etc/passwd, when a scene of others names it."""
+    (tmp_path / name).write_text("root:secret:0\nuser:secret:1\nsecret;secret\n")
+    text = json.dumps(keys).replace("FILE", name)
+    scene = json.loads(text) if "particles" in keys else packed(**json.loads(text))
+    with pytest.raises(SceneError, match=name.replace(".", r"\.")) as caught:
+        plan(from_dict(scene, base=tmp_path, trust=True))
+    assert "secret" not in str(caught.value)
