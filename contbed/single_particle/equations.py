@@ -50,7 +50,8 @@ SCALE_SURFACE = 1e4  # [W/m2] by which that of the surface is divided
 class Material:
     """Numbers of the particle; constituents and reactions in the order of the scene.
 
-    enthalpies : of each constituent above that at the start, functions of T [J/kg]
+    heat_capacity : of each constituent a number [J/kg/K], or the enthalpy above that at
+        the start as a function of T [J/kg]
     fresh : (K,) mass fractions at the start
     rate, activation, heat : (J,) [1/s], E/R [K], [J/kg]; reactant : (J,) numbers of
         constituents
@@ -64,7 +65,7 @@ class Material:
     start: float
     conductivity: tuple[Function, Function]
     gas_heat_capacity: float
-    enthalpies: tuple[Function, ...]
+    heat_capacity: tuple[float | Function, ...]
     fresh: Array
     rate: Array
     activation: Array
@@ -163,8 +164,7 @@ class Sphere:
         particle.
         """
         T, masses, *_ = self._fields(state, jacobian)
-        enthalpies = self.material.enthalpies
-        heat = sum(m * h(T) for m, h in zip(masses, enthalpies, strict=True))
+        heat = self._enthalpy(T, masses)
         rows = [
             (0, heat * (self.volume / SCALE_HEAT)),
             *((1 + k, m * self.volume) for k, m in enumerate(masses)),
@@ -184,9 +184,8 @@ class Sphere:
             if rates
             else 0.0 * T
         )
-        warm = m.gas_heat_capacity * (T - m.start)
-        for rate, h in zip(made, m.enthalpies, strict=True):
-            released = released + rate * (h(T) - warm)
+        gas_heat = m.gas_heat_capacity * (T - m.start)
+        released = released + self._enthalpy(T, made) - sum(made) * gas_heat
         conductivity = self._conductivity(T, masses)
         parts = [(0, 0, -released * (self.volume / SCALE_HEAT))]
         parts += [(1 + k, 0, -rate * self.volume) for k, rate in enumerate(made)]
@@ -237,9 +236,9 @@ class Sphere:
         released = sum(
             -self.volume @ (rate * q) for rate, q in zip(rates, m.heat, strict=True)
         )
-        warm = m.gas_heat_capacity * (T - m.start)
-        for rate, h in zip(made, m.enthalpies, strict=True):
-            released = released + self.volume @ (rate * (h(T) - warm))
+        gas_heat = m.gas_heat_capacity * (T - m.start)
+        taken = self._enthalpy(T, made) - sum(made) * gas_heat
+        released = released + self.volume @ taken
         carried = gas[-1] * m.gas_heat_capacity * (surface[0] - m.start)
         return (
             float(flux * 3.0 / (m.radius * m.density)),
@@ -260,6 +259,19 @@ class Sphere:
             state[-1:], {(len(values), 0): np.ones(1)} if differentiate else {}
         )
         return fields[0], fields[1:-1], fields[-1], surface
+
+    def _enthalpy(self, T: Any, amounts: Any) -> Any:
+        """Return the enthalpy of amounts of the constituents above that at the
+        start.
+        """
+        total: Any = 0.0
+        capacity: Any = 0.0
+        for amount, given in zip(amounts, self.material.heat_capacity, strict=True):
+            if isinstance(given, float):
+                capacity = capacity + amount * given
+            else:
+                total = total + amount * given(T)
+        return capacity * (T - self.material.start) + total
 
     def _conductivity(self, T: Any, masses: Any) -> Any:
         """Return the conductivity in each shell [W/m/K], by what is left fresh."""

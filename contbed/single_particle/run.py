@@ -49,19 +49,20 @@ def material_of(scene: SingleParticleScene) -> Material:
             for name in names
         ]
     )
+    T_start = scene.initial.temperature
     fresh_k, product_k = solid.conductivity, solid.conductivity_product
     return Material(
         0.5 * solid.diameter,
         solid.density,
-        scene.initial.temperature,
+        T_start,
         (
             function_of(fresh_k),
             function_of(fresh_k if product_k is None else product_k),
         ),
         scene.gas.heat_capacity,
         tuple(
-            integral_of(one.heat_capacity, start=scene.initial.temperature)
-            for one in solid.constituent.values()
+            cp if isinstance(cp, float) else integral_of(cp, None, T_start)
+            for cp in (one.heat_capacity for one in solid.constituent.values())
         ),
         np.array([fresh.get(name, 0.0) for name in names]),
         np.array([r.A for r in reactions]),
