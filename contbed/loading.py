@@ -21,7 +21,7 @@ from contbed.scene.inputs import unusable_files
 from contbed.scene.names import near_names, nearest
 from contbed.scene.other_models import take_keys_of_others
 from contbed.scene.physical import temperatures_are_of_a_bed
-from contbed.scene.property_table import read_files
+from contbed.scene.property_table import files_of, read_files
 from contbed.scene.renames import renamed, take_former_keys
 from contbed.scene.size import too_large
 from contbed.scene.tables import SceneBase
@@ -157,6 +157,7 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     _require_a_model(values, origin)
     kind = kind_of(values)
     model, checks = MODELS[kind].scene, MODELS[kind].find("checks", "CHECKS")
+    tables = files_of(values)
     problems += read_files(values, origin)
     parts, broken, ignored = _validate(model, values, problems)
     refused = [*unusable_files(parts, origin), *too_large(parts, origin)]
@@ -181,6 +182,7 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     scene = model(**{name: part for name, part in parts.items() if part is not None})
     scene._origin = origin
     scene._ignored = ignored
+    scene._tables = tables
     remarks = mistakes(parts, set(), origin, MODELS[kind].find("checks", "WARNINGS"))
     remarks += temperatures_are_of_a_bed(parts)
     if "H2O" in str(getattr(parts.get("gas"), "composition", "")):

@@ -65,7 +65,7 @@ def inputs_by_key(part: Any, base: Path) -> Iterator[tuple[KeyPath, Path]]:
     """Yield key and path of all files that a scene names; missing files are left
     out.
     """
-    for path, name in named_files(part):
+    for path, name in (*named_files(part), *getattr(part, "_tables", ())):
         file = file_of(path, name, base)
         if file is None or "\0" in name or not file.is_file():
             continue

@@ -178,6 +178,15 @@ def read_files(
         table.update(read)
 
 
+def files_of(values: Mapping[str, Any]) -> tuple[tuple[KeyPath, str], ...]:
+    """Return key and name of the files that `read_files` reads."""
+    return tuple(
+        ((*path, "file"), table["file"])
+        for path, table in _with_a_file(values)
+        if isinstance(table["file"], str)
+    )
+
+
 def _with_a_file(values: Mapping[str, Any]) -> Iterator[tuple[KeyPath, dict[str, Any]]]:
     for path, solid in _tables_of(values, ("solids",)):
         for where, each in ((path, solid), *_tables_of(solid, (*path, "constituent"))):

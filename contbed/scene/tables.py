@@ -206,6 +206,8 @@ class SceneBase(Table):
     _origin: Origin = PrivateAttr(default_factory=Origin)
     _warnings: tuple[str, ...] = PrivateAttr(())
     _ignored: tuple[KeyPath, ...] = PrivateAttr(())
+    # key and name of files whose columns stand in the scene
+    _tables: tuple[tuple[KeyPath, str], ...] = PrivateAttr(())
 
     @property
     def origin(self) -> Origin:
