@@ -244,14 +244,25 @@ class Medium:
         return pointwise(lambda t: eps * integral(t), lambda t: eps * slope(t), T)
 
     def _content_table(self) -> tuple[Any, Any]:
+        """Return the integral of rho c_p and rho c_p itself as functions of T.
+
+        Beyond the range of the properties rho c_p is that of its end: a polynomial of
+        high degree grows without limit there, and the under- and overshoots of a steep
+        front reach some kelvins beyond the temperatures that enter.
+        """
         if "content" not in self.tables:
             low, high = self.fluid.T_range
+            ends = [max(low, 1.0), min(high, 6000.0)]
             series = np.polynomial.Chebyshev.interpolate(
-                lambda t: self.fluid.density(t) * self.fluid.heat_capacity(t),
-                120,
-                [max(low, 1.0), min(high, 6000.0)],
+                lambda t: self.fluid.density(t) * self.fluid.heat_capacity(t), 120, ends
             )
-            self.tables["content"] = (series.integ(), series)
+            integral = series.integ()
+
+            def content(t: Any) -> Any:
+                inside = np.clip(t, *ends)
+                return integral(inside) + series(inside) * (t - inside)
+
+            self.tables["content"] = (content, lambda t: series(np.clip(t, *ends)))
         value, derivative = self.tables["content"]
         return value, derivative
 

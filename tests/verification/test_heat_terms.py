@@ -153,6 +153,25 @@ def test_heat_content_of_a_gas() -> None:
     )
 
 
+def test_heat_content_beyond_the_range_of_a_fluid_has_the_slope_of_its_end() -> None:
+    """The polynomial itself grows without limit: 20 K beyond the ends of this range
+    its slope is wrong by orders of magnitude, and a steep front, which overshoots,
+    has no solution.
+    """
+    oil = {
+        "model": "coolprop",
+        "name": "INCOMP::TVP1",
+        "pressure": 12e5,
+        "T_range": [560.0, 650.0],
+    }
+    medium = plan(bed(0.3, gas=oil)).medium
+    fluid = medium.fluid
+    for end, beyond in ((560.0, 540.0), (650.0, 670.0)):
+        slope = 0.4 * float(fluid.density(end) * fluid.heat_capacity(end))
+        change = medium.content_fluid(beyond) - medium.content_fluid(end)
+        assert change == pytest.approx(slope * (beyond - end), rel=1e-9)
+
+
 def test_scale_of_the_balance() -> None:
     """What streams carry out above 0 K at the highest temperature of the scene: rho u
     c_p T for each m2.
