@@ -12,15 +12,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.cfd_dem.gas_quantities import Local
 from contbed.dem import heat, heat_impact
 from contbed.dem.heat_pair import IMPACT, STATIC, correction
 from contbed.dem.particles import pair_table
 from contbed.dem.simulation import Simulation
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

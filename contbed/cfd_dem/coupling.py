@@ -26,8 +26,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.gas_quantities import Motion
@@ -36,8 +36,6 @@ from contbed.compiled.interrupts import deferred_interrupt
 from contbed.dem import heat
 from contbed.dem.simulation import Simulation
 from contbed.errors import SceneError
-
-Array = NDArray[np.float64]
 
 # largest share of a cell that the gas crosses in a step; convection is explicit
 COURANT = 0.5

@@ -38,13 +38,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.cfd_dem import kernels
 from contbed.cfd_dem.gas_quantities import Drag, Local, Motion, Places, Prediction
 from contbed.cfd_dem.grid import INLET, INNER, OUTLET, Grid
 from contbed.cfd_dem.pressure import Pressure
 from contbed.errors import ConvergenceError, SceneError
-
-Array = NDArray[np.float64]
 
 # of a cell or a face; lower ones, of overlapping spheres on small cells, are counted
 # and raised

@@ -24,11 +24,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.arrays import Array, Flags, Integers
 from contbed.compiled import threads
 from contbed.compiled.functions import entry
 from contbed.errors import SceneError
-
-Array = NDArray[np.float64]
 
 INNER, INLET, OUTLET, WALL = range(4)  # what a face is
 # points along each axis of a cell for the volumes of faces; exact without blocked cells
@@ -41,13 +40,13 @@ class Tables(NamedTuple):
     """
 
     size: Array
-    cell_face: NDArray[np.int64]
-    face_cell: NDArray[np.int64]
-    face_next: NDArray[np.int64]
-    face_axis: NDArray[np.int64]
-    face_kind: NDArray[np.int64]
-    active: NDArray[np.bool_]
-    open_cells: NDArray[np.bool_]
+    cell_face: Integers
+    face_cell: Integers
+    face_next: Integers
+    face_axis: Integers
+    face_kind: Integers
+    active: Flags
+    open_cells: Flags
     shape: tuple[int, int, int]
 
 
@@ -58,8 +57,8 @@ class Box(NamedTuple):
 
     lower: Array
     size: Array
-    number: NDArray[np.int64]
-    periodic: NDArray[np.bool_]
+    number: Integers
+    periodic: Flags
 
 
 class Shares(NamedTuple):
@@ -90,15 +89,15 @@ class Grid:
     size: Array
     count: tuple[int, int, int]
     periodic: tuple[bool, bool] = (False, False)
-    blocked: NDArray[np.bool_] | None = None
-    cell_face: NDArray[np.int64] = field(init=False, repr=False)
-    face_cell: NDArray[np.int64] = field(init=False, repr=False)
-    face_next: NDArray[np.int64] = field(init=False, repr=False)
-    face_axis: NDArray[np.int64] = field(init=False, repr=False)
-    face_kind: NDArray[np.int64] = field(init=False, repr=False)
+    blocked: Flags | None = None
+    cell_face: Integers = field(init=False, repr=False)
+    face_cell: Integers = field(init=False, repr=False)
+    face_next: Integers = field(init=False, repr=False)
+    face_axis: Integers = field(init=False, repr=False)
+    face_kind: Integers = field(init=False, repr=False)
     face_volume: Array = field(init=False, repr=False)
-    face_first: NDArray[np.int64] = field(init=False, repr=False)
-    open_cells: NDArray[np.bool_] = field(init=False, repr=False)
+    face_first: Integers = field(init=False, repr=False)
+    open_cells: Flags = field(init=False, repr=False)
     tables: Tables = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -147,17 +146,17 @@ class Grid:
         return self.volume / self.size
 
     @property
-    def sides(self) -> NDArray[np.bool_]:
+    def sides(self) -> Flags:
         """Periodic or not, for each axis."""
         return np.array([*self.periodic, False])
 
     @property
-    def active(self) -> NDArray[np.bool_]:
+    def active(self) -> Flags:
         """Faces on which the velocity is solved for."""
         return np.asarray((self.face_kind == INNER) | (self.face_kind == OUTLET))
 
     @property
-    def bottom(self) -> NDArray[np.int64]:
+    def bottom(self) -> Integers:
         """The inlet faces, shape (nx, ny)."""
         return self.cell_face[:, 4].reshape(self.count)[:, :, 0]
 
@@ -274,7 +273,7 @@ def _cell_shares(
     x: Array,
     reach: Array,
     box: Box,
-    opened: NDArray[np.bool_],
+    opened: Flags,
     width: int,
     out: Shares,
 ) -> None:
@@ -327,8 +326,8 @@ def _face_weights(
     end: int,
     x: Array,
     box: Box,
-    first: NDArray[np.int64],
-    active: NDArray[np.bool_],
+    first: Integers,
+    active: Flags,
     faces: NDArray[np.int32],
     weight: Array,
 ) -> None:

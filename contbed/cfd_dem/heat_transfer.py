@@ -11,15 +11,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.coupling import Bed
 from contbed.compiled.interrupts import deferred_interrupt
 from contbed.dem import heat
 from contbed.dem.sizes import sauter_mean
-
-Array = NDArray[np.float64]
 
 
 def coefficients(

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.heat_transfer import Average
 from contbed.cfd_dem.levels import Levels
@@ -19,8 +19,6 @@ from contbed.cfd_dem.tubes import TubeAverage
 from contbed.dem.particle_files import write_particles
 from contbed.dem.statistics import surface
 from contbed.fields import header
-
-Array = NDArray[np.float64]
 
 # columns of profiles.csv
 ISOTHERMAL = ("t", "pressure_drop", "height", "height_max", "coordination")

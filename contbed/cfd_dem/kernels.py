@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.cfd_dem.grid import OUTLET, Tables
 from contbed.compiled import threads
 from contbed.compiled.functions import entry
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Places = NDArray[np.int32]  # cells or faces around each particle
 

@@ -11,12 +11,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.cfd_dem.grid import Grid
 from contbed.dem.simulation import Simulation
-
-Array = NDArray[np.float64]
 
 
 class Levels:

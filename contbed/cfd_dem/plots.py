@@ -7,9 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from contbed.arrays import Array
 from contbed.fields import FIELDS, field, header, name_of
 from contbed.output.plots import styled_figure
 from contbed.result import Result
@@ -25,7 +23,7 @@ def plot(result: Result, folder: Path) -> None:
 
 
 def history_plot(
-    path: Path | str, columns: Mapping[str, NDArray[np.float64]], title: str = ""
+    path: Path | str, columns: Mapping[str, Array], title: str = ""
 ) -> None:
     """Draw pressure drop, height, coordination and temperatures over time, one below
     the other.
@@ -54,9 +52,7 @@ def history_plot(
         panels[-1].set_xlabel(FIELDS["t"].label)
 
 
-def tube_plot(
-    path: Path | str, table: Mapping[str, NDArray[np.float64]], title: str = ""
-) -> None:
+def tube_plot(path: Path | str, table: Mapping[str, Array], title: str = "") -> None:
     """Draw the heat transfer coefficients of a tube over the angle from its bottom, by
     mechanism, and the porosity.
 

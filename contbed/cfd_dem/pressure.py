@@ -8,12 +8,10 @@ may be periodic, and cells may hold no gas. It takes 3 to 8 % of a run.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.cfd_dem.grid import OUTLET, Grid
 from contbed.solvers.aggregation import Multigrid
-
-Array = NDArray[np.float64]
 
 
 class Pressure:

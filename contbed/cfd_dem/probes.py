@@ -6,12 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Integers
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.grid import Grid
-
-Array = NDArray[np.float64]
 
 FIELDS = ("p [Pa]", "eps_s [1]")
 
@@ -25,7 +23,7 @@ class Probes(NamedTuple):
     """
 
     names: tuple[str, ...]
-    cells: NDArray[np.int64]
+    cells: Integers
     weight: Array
 
     @property

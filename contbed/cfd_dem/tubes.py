@@ -22,8 +22,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Flags, Integers
 from contbed.cfd_dem import kernels
 from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.gas import MIN_SOLIDS, Gas
@@ -34,8 +34,6 @@ from contbed.dem import heat_pair
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Tube
 from contbed.errors import SceneError
-
-Array = NDArray[np.float64]
 
 SECTORS = 12  # of 30 degrees, the first one around the bottom
 # of the smallest particle's diameter beyond the surface, within which cells are
@@ -53,8 +51,8 @@ class Around(NamedTuple):
     surface.
     """
 
-    near: NDArray[np.int64]
-    sector: NDArray[np.int64]
+    near: Integers
+    sector: Integers
     contact: Array
     gap: Array
     h: Array
@@ -93,7 +91,7 @@ class BedTube:
         """Distance (n,) of points (n, 3) from the axis [m]."""
         return np.hypot(x[:, 0] - self.x, x[:, 2] - self.z)
 
-    def sector(self, x: Array) -> NDArray[np.int64]:
+    def sector(self, x: Array) -> Integers:
         """Sector (n,) of points (n, 3), counterclockwise from the bottom."""
         turn = np.arctan2(x[:, 0] - self.x, self.z - x[:, 2]) / (2.0 * np.pi)
         return np.round(turn * SECTORS).astype(np.int64) % SECTORS
@@ -106,7 +104,7 @@ def angles() -> Array:
 
 def blocked(
     size: Array, count: tuple[int, int, int], tubes: Sequence[BedTube], d_p: float
-) -> NDArray[np.bool_] | None:
+) -> Flags | None:
     """Find the cells (count) that lie in tubes, so that the smallest particle
     (`d_p` [m]) is in none; None of none.
     """
@@ -123,7 +121,7 @@ def blocked(
     return inside
 
 
-def beside(grid: Grid, tube: BedTube) -> tuple[NDArray[np.int64], Array]:
+def beside(grid: Grid, tube: BedTube) -> tuple[Integers, Array]:
     """Find the open cells within a cell of the surface (k,), and weights (SECTORS, k)
     of their means by sector.
 

@@ -16,9 +16,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, NamedTuple, TypeGuard
 
-import numpy as np
-from numpy.typing import NDArray
-
+from contbed.arrays import Array
 from contbed.closures import ranges, registry
 from contbed.closures.sheet import Sheet
 from contbed.errors import SceneError
@@ -103,13 +101,13 @@ class BoundClosure:
         if known or self._last is not None:
             self._record.add({**self.sheet.options, **self._plain(known)})
 
-    def state(self) -> NDArray[np.float64]:
+    def state(self) -> Array:
         """Return the record of used ranges for a checkpoint: lowest, highest, points
         outside, points of each range.
         """
         return self._record.rows.copy()
 
-    def restore(self, state: NDArray[np.float64]) -> None:
+    def restore(self, state: Array) -> None:
         """Resume the record of used ranges of a checkpoint."""
         self._record.rows[:] = state
 

@@ -12,14 +12,13 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.closures import registry
 from contbed.closures.sheet import Sheet
 
 # relative excess of a value over a bound that is no more than rounding
 _ROUNDING = 1e-9
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -31,8 +31,8 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
-from numpy.typing import NDArray
 
+from contbed.arrays import Integers
 from contbed.compiled import threads
 from contbed.compiled.functions import entry, inner
 
@@ -53,8 +53,8 @@ class Crew(NamedTuple):
 
     number: int
     size: int
-    counters: NDArray[np.int64]
-    own: NDArray[np.int64]
+    counters: Integers
+    own: Integers
 
 
 def run(kernel: Any, most: int, *arguments: Any) -> Any:

@@ -17,8 +17,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from contbed.arrays import Array
 from contbed.compiled.functions import inner
 from contbed.dem.contact import Vector
 from contbed.dem.heat_impact import DURATION5, conductance_of, impact_of
@@ -44,7 +45,7 @@ class ContactHeat:
     static: float = 1.0
     impact: float = 1.0
 
-    def capacities(self, materials: Sequence[Material]) -> NDArray[np.float64]:
+    def capacities(self, materials: Sequence[Material]) -> Array:
         """Return the heat capacity of each material [J/kg/K]."""
         return self._each(self.heat_capacity, materials, "heat_capacity")
 
@@ -66,9 +67,7 @@ class ContactHeat:
         return table
 
     @staticmethod
-    def _each(
-        values: ArrayLike, materials: Sequence[Material], name: str
-    ) -> NDArray[np.float64]:
+    def _each(values: ArrayLike, materials: Sequence[Material], name: str) -> Array:
         found = np.asarray(values, dtype=np.float64)
         if found.shape not in ((), (len(materials),)) or not (found > 0.0).all():
             raise SceneError(

@@ -15,11 +15,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import curve_fit
 from scipy.stats import t as student
 
 from contbed import __version__
+from contbed.arrays import Array
 from contbed.closures.file import content_hash
 from contbed.closures.transferred import FORMAT, Transferred
 from contbed.dem import heat, network
@@ -27,7 +28,6 @@ from contbed.errors import SceneError
 from contbed.output.files import atomic
 from contbed.output.toml_text import toml_text
 
-Array = NDArray[np.float64]
 CONFIDENCE = 0.95
 RATIO = "k_solid/k_fluid"
 

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.arrays import Integers
 from contbed.compiled.functions import inner
 from contbed.dem.contact import (
     FAST,
@@ -55,7 +56,7 @@ class Batch(NamedTuple):
     i: NDArray[np.uint64]
     j: NDArray[np.uint64]
     place: NDArray[np.uint64]
-    new: NDArray[np.int64]
+    new: Integers
 
 
 class Now(NamedTuple):

@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import Voronoi, cKDTree
 
+from contbed.arrays import Array, Flags
 from contbed.dem import heat_pair
 from contbed.dem.heat_spreading import spreading_conductance
 from contbed.dem.surface import Surface
 
-Array = NDArray[np.float64]
 Box = tuple[ArrayLike, ArrayLike]
 
 STEFAN_BOLTZMANN = 5.670374419e-8  # [W/m2/K4]
@@ -263,7 +263,7 @@ def _gather(count: int, pairs: Pairs, at_i: Any, at_j: Any) -> Array:
     )
 
 
-def _positive(shift: NDArray[np.int_]) -> NDArray[np.bool_]:
+def _positive(shift: NDArray[np.int_]) -> Flags:
     """Check whether the first component that is not 0 is positive: of a shift and
     its opposite exactly one is.
     """

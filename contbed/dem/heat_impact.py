@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numba.extending import overload, register_jitable
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from contbed.arrays import Array, Flags
 
 _DURATION = 2.9432751843247043  # t_c v/delta_max = 2 sqrt(pi) Gamma(7/5)/Gamma(9/10)
 DURATION5 = _DURATION**5 * (15.0 / 16.0) ** 2  # t_c^5 in units of m*^2/(R* E*^2 v)
@@ -153,7 +153,7 @@ def conductance_of(
     return factor * np.pi * radius**2 * effusivity / _root(duration)
 
 
-def colliding(age: ArrayLike, duration: ArrayLike) -> NDArray[np.bool_]:
+def colliding(age: ArrayLike, duration: ArrayLike) -> Flags:
     """Check whether a contact still is a collision: Eq. 7 holds for its first t_c,
     Eq. 6 afterwards.
     """

@@ -12,9 +12,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from contbed.arrays import Array
 
 # half gaps above this many radii carry no heat (after Eq. 5: "2H greater than R")
 REACH = 0.5

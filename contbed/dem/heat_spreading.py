@@ -31,9 +31,9 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from contbed.arrays import Array
 
 RINGS = 96  # of the disc, in geometric progression; G is within 3e-4 of 192 rings
 # innermost disc over R k_f/k_s, the radius at which spheres and gap share the

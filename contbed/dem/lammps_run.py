@@ -23,8 +23,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.compiled import threads
 from contbed.dem import dumps
 from contbed.dem.lammps_deck import data_text, settling_deck
@@ -65,7 +65,7 @@ class Program(NamedTuple):
 class Settled(NamedTuple):
     """Centres [m] (n, 3) of a bed at rest, and its kinetic energy over N m g d."""
 
-    position: NDArray[np.float64]
+    position: Array
     unrest: float
 
 

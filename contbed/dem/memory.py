@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.arrays import Integers
 from contbed.compiled import barrier, threads
 from contbed.compiled.functions import entry
 from contbed.dem import loop
@@ -500,13 +501,11 @@ def _whole(size: int) -> Entries:
     return np.empty(size, np.int32)
 
 
-def _places(
-    group: NDArray[np.int64], used: NDArray[np.int64], room: tuple[int, ...]
-) -> NDArray[np.int64]:
+def _places(group: Integers, used: Integers, room: tuple[int, ...]) -> Integers:
     """Find the places of rows that are sorted by group, where the groups in turn
     have room for so many of them.
     """
     sizes = np.tile(room, len(used) // len(room))
     first, begin = np.cumsum(used) - used, np.cumsum(sizes) - sizes
-    found: NDArray[np.int64] = np.arange(len(group)) - first[group] + begin[group]
+    found: Integers = np.arange(len(group)) - first[group] + begin[group]
     return found

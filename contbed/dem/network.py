@@ -17,6 +17,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
+from contbed.arrays import Array
 from contbed.dem.heat import Pairs, total
 from contbed.errors import ConvergenceError, SceneError
 
@@ -32,7 +33,6 @@ STRENGTH = 0.05
 MIDDLE = 0.8  # share of the height between the layers in which the slope is taken
 COARSEST = 500  # unknowns that are solved by a pseudo-inverse
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 

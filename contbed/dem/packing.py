@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from contbed.arrays import Array, Flags, Integers
 from contbed.compiled.functions import entry
 from contbed.dem.particles import Material, Particles
 from contbed.dem.scene import SOLID_SHARE
@@ -57,8 +58,8 @@ class Packing:
     over N m g d.
     """
 
-    position: NDArray[np.float64]
-    radius: NDArray[np.float64]
+    position: Array
+    radius: Array
     material: Material
     domain: Domain
     walls: tuple[Wall, ...]
@@ -182,7 +183,7 @@ def pack(
     )
 
 
-def loose_height(radii: NDArray[np.float64], area: float) -> float:
+def loose_height(radii: Array, area: float) -> float:
     """Return the height [m] of spheres (n,) [m] over a floor [m2] before they
     settle.
     """
@@ -191,7 +192,7 @@ def loose_height(radii: NDArray[np.float64], area: float) -> float:
 
 def _radii(
     radius: ArrayLike, count: int | None, height: float | None, area: float
-) -> NDArray[np.float64]:
+) -> Array:
     radii = np.atleast_1d(np.asarray(radius, dtype=np.float64))
     if not (radii > 0.0).all() or radii.ndim != 1:
         raise SceneError("packing: radii must be positive")
@@ -230,12 +231,12 @@ def _container(
 
 def _place(
     rng: np.random.Generator,
-    radii: NDArray[np.float64],
+    radii: Array,
     sides: tuple[float, float],
     cylinder: float | None,
     periodic: tuple[bool, bool],
     area: float,
-) -> NDArray[np.float64]:
+) -> Array:
     """Draw positions without overlap; equal spheres are numbered column by column,
     which keeps memory near.
     """
@@ -262,13 +263,13 @@ def _place(
 
 @entry(cache=True)
 def _add_at_random(
-    radius: NDArray[np.float64],
-    order: NDArray[np.int64],
-    limits: NDArray[np.float64],
+    radius: Array,
+    order: Integers,
+    limits: Array,
     cylinder: float,
-    periodic: NDArray[np.bool_],
+    periodic: Flags,
     rng: np.random.Generator,
-) -> tuple[bool, NDArray[np.float64]]:
+) -> tuple[bool, Array]:
     """Add spheres at random, large ones first by `order`; return whether all found a
     place, and positions [m].
     """
@@ -371,7 +372,7 @@ def _settle(
         raise ConvergenceError(not_at_rest(stage, unrest), state=simulation.state())
 
 
-def _gpu_skin(radii: NDArray[np.float64], domain: Domain) -> float:
+def _gpu_skin(radii: Array, domain: Domain) -> float:
     """Return the skin of lists on a GPU [m], less where periodic sides are near each
     other.
     """
@@ -388,7 +389,7 @@ def _unrest(simulation: Simulation, gravity: float) -> float:
     )
 
 
-def _relative(contacts: Contacts, radii: NDArray[np.float64]) -> NDArray[np.float64]:
+def _relative(contacts: Contacts, radii: Array) -> Array:
     """Return overlaps over the diameter of the smaller sphere."""
     return np.asarray(
         contacts.overlap / (2.0 * np.minimum(radii[contacts.i], radii[contacts.j]))

@@ -10,15 +10,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.dem import dumps
 from contbed.dem.particle_tables import has_radii, read_table
 from contbed.errors import SceneError
 from contbed.fields import field
 from contbed.output.files import atomic
-
-Array = NDArray[np.float64]
 
 
 class FileParticles(NamedTuple):

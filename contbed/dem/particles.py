@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from contbed.arrays import Array, Integers
 from contbed.dem.kernel_arrays import PAIR, Table
 from contbed.errors import SceneError
 
@@ -86,7 +87,7 @@ class Material:
         return self.youngs_modulus / (2.0 * (1.0 - self.poisson_ratio**2))
 
 
-def damping_ratio(restitution: ArrayLike) -> NDArray[np.float64]:
+def damping_ratio(restitution: ArrayLike) -> Array:
     """Find the share b of critical damping of a Hertz contact from e = exp(-pi
     b / sqrt(1 - b^2)).
 
@@ -133,7 +134,7 @@ def pair_table(materials: Sequence[Material]) -> Table:
     return table
 
 
-def _mean(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _mean(values: Array) -> Array:
     return np.sqrt(np.multiply.outer(values, values))
 
 
@@ -145,11 +146,11 @@ class Particles:
     A scalar radius or material holds for all; velocity and spin start at zero.
     """
 
-    position: NDArray[np.float64]
-    radius: NDArray[np.float64]
-    material: NDArray[np.int64]
-    velocity: NDArray[np.float64]
-    spin: NDArray[np.float64]
+    position: Array
+    radius: Array
+    material: Integers
+    velocity: Array
+    spin: Array
 
     def __init__(
         self,
@@ -186,7 +187,7 @@ class Particles:
         return len(self.position)
 
     @property
-    def volume(self) -> NDArray[np.float64]:
+    def volume(self) -> Array:
         """Volume of each sphere [m3]."""
         return 4.0 / 3.0 * np.pi * self.radius**3
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.dem.particle_files import read_particles
 from contbed.dem.particles import Material, Particles
 from contbed.dem.scene import Lattice, Layers, Packing, ParticleScene
@@ -20,8 +20,6 @@ from contbed.errors import EngineError, SceneError
 from contbed.models import Plan
 from contbed.plan_text import duration, plan_text
 from contbed.solvers.memory import MemoryPerUnknown
-
-Array = NDArray[np.float64]
 
 PACKING = ("particles", "packing")  # key of the table
 # diameters from the floor and from the surface, where the layers of a packing end

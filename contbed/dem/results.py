@@ -5,16 +5,14 @@ mechanisms, profile, balance.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.balance import Balance
 from contbed.dem.network import Cell, Layers
 from contbed.dem.plan import ParticlePlan
 from contbed.dem.statistics import surface
 from contbed.fields import header
 from contbed.result import Result
-
-Array = NDArray[np.float64]
 
 
 def fill(

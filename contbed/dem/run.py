@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.dem import extract, heat, network
 from contbed.dem.heat_pair import correction
 from contbed.dem.particle_files import write_particles
@@ -19,8 +19,6 @@ from contbed.dem.scene import ParticleScene
 from contbed.dem.surface import Surface
 from contbed.errors import SceneError
 from contbed.result import Result
-
-Array = NDArray[np.float64]
 
 # relative reach of contacts beyond touching, for the rounding of a lattice's
 # coordinates

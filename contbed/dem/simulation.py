@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from contbed.arrays import Integers
 from contbed.compiled.interrupts import deferred_interrupt
 from contbed.dem import loop
 from contbed.dem.contact import largest_safe_step, require_safe_step
@@ -45,8 +46,8 @@ class Contacts:
     touch [s], impact speed [m/s].
     """
 
-    i: NDArray[np.int64]
-    j: NDArray[np.int64]
+    i: Integers
+    j: Integers
     overlap: NDArray[np.float64]
     normal: NDArray[np.float64]
     since: NDArray[np.float64]

@@ -5,14 +5,14 @@ them.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from contbed.arrays import Array
 
 CUT = 2.0  # standard deviations at which the normal distribution of radii is cut
 
 
-def random_radii(
-    mean: float, spread: float, count: int, seed: int
-) -> NDArray[np.float64]:
+def random_radii(mean: float, spread: float, count: int, seed: int) -> Array:
     """Draw radii [m], (count,), normal about a mean with a standard deviation over
     it, cut at two; the same by seed.
     """

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.compiled.functions import entry
 from contbed.dem.simulation import Contacts
 from contbed.dem.walls import Domain
-
-Array = NDArray[np.float64]
 
 MARGIN = 2.0  # diameters from every wall and below the top that the core leaves out
 VOXELS = 4e6

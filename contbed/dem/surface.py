@@ -7,15 +7,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.closures.contact import (
     contact_cooper_mikic_yovanovich,
     contact_separation_yovanovich,
     temperature_jump_kennard,
 )
-
-Array = NDArray[np.float64]
 
 # pressure over hardness of pairs that do not touch, to keep the laws finite where they
 # do not count

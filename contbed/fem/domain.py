@@ -10,14 +10,13 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem.mesh import Mesh as SkfemMesh
 from skfem.quadrature import get_quadrature
 
+from contbed.arrays import Array, Integers
 from contbed.fem.ad.dual import Components, plain
 from contbed.fem.elements import Space, lagrange
 
-Array = NDArray[np.float64]
 # share of the coordinates below which a slope of the geometry is round-off
 ROUNDING = 1e-14
 
@@ -39,7 +38,7 @@ class Domain:
         *,
         axisymmetric: bool = False,
         section: float = 1.0,
-        cells: NDArray[np.int64] | None = None,
+        cells: Integers | None = None,
         facet: int | None = None,
     ):
         self.mesh, self.section, self.facet = mesh, section, facet

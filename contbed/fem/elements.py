@@ -24,9 +24,9 @@ from skfem.assembly.dofs import Dofs
 from skfem.mesh import Mesh as SkfemMesh
 from skfem.refdom import RefHex, RefLine, RefQuad
 
+from contbed.arrays import Array, Integers
 from contbed.errors import SceneError
 
-Array = NDArray[np.float64]
 _TENSOR = (RefQuad, RefHex)
 # coefficients are multiples of it: of cubics on thirds of a line 1/2, of their products
 # on squares 1/4
@@ -217,7 +217,7 @@ class Space:
             shape=(self.size, self.mesh.nvertices),
         )
 
-    def on_facets(self, facets: NDArray[np.int32]) -> NDArray[np.int64]:
+    def on_facets(self, facets: NDArray[np.int32]) -> Integers:
         """Return the nodes on these facets, on their edges and at their corners."""
         numbering, mesh = self._numbering, self.mesh
         parts = [numbering.nodal_dofs[:, np.unique(mesh.facets[:, facets])].ravel()]
@@ -227,7 +227,7 @@ class Space:
             parts.append(numbering.facet_dofs[:, facets].ravel())
         return np.unique(np.concatenate(parts)).astype(np.int64)
 
-    def _edges_of(self, facets: NDArray[np.int32]) -> NDArray[np.int64]:
+    def _edges_of(self, facets: NDArray[np.int32]) -> Integers:
         """Return the edges of these facets of a 3-D mesh."""
         mesh = self.mesh
         on = np.zeros(mesh.nvertices, dtype=bool)

@@ -12,14 +12,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
+from contbed.arrays import Array, Flags, Integers
 from contbed.errors import ConvergenceError
-
-Array = NDArray[np.float64]
 
 WIDEST = (
     # unknowns of a cell up to which factors as a band are no dearer than sparse ones,
@@ -45,20 +43,20 @@ class Blocks:
         in that a field comes from
     """
 
-    exchanged: NDArray[np.int64]
+    exchanged: Integers
     lower: Array
     own: Array
     upper: Array
     sources: Array
     measure: Array
-    ahead: NDArray[np.bool_]
+    ahead: Flags
     inner: Array
     outer: Array
 
     @classmethod
     def zeros(
         cls,
-        exchanged: NDArray[np.int64],
+        exchanged: Integers,
         measure: Array,
         ahead: Any,
         inner: Array,
@@ -84,9 +82,7 @@ class Blocks:
         """Place of each exchanged field in the blocks."""
         return {int(f): k for k, f in enumerate(self.exchanged)}
 
-    def at_nodes(
-        self, equations: NDArray[np.int64], fields: NDArray[np.int64]
-    ) -> Array:
+    def at_nodes(self, equations: Integers, fields: Integers) -> Array:
         """Return what equations (a,) take from fields (b,) by sources, at each node
         of all cells (n, N, a, b).
         """

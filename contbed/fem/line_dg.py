@@ -34,12 +34,11 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Flags
 from contbed.fem.ad.dual import Dual, plain
 from contbed.fem.line_slopes import Slopes
 
-Array = NDArray[np.float64]
 Values = list[Any]
 
 
@@ -189,7 +188,7 @@ class Ends:
     """
 
     inflow: tuple[Array, Array]
-    given: tuple[NDArray[np.bool_], NDArray[np.bool_]]
+    given: tuple[Flags, Flags]
     value: tuple[Array, Array]
 
 

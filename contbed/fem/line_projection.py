@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.fem.line_dg import Line
-
-Array = NDArray[np.float64]
 
 
 def projected(line: Line, values: Array, onto: Line) -> Array:

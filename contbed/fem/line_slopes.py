@@ -7,12 +7,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from contbed.arrays import Array
 from contbed.fem.line_blocks import Blocks, Factors
-
-Array = NDArray[np.float64]
 
 
 class Slopes:

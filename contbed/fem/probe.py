@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Integers
 from contbed.errors import SceneError
 from contbed.fem.elements import Space, lagrange
 from contbed.mesh.mesh import Mesh
 
-Array = NDArray[np.float64]
 SAMPLES = 12  # points in a cell of a line
 EVENLY = 401  # points along other meshes
 # shares of the width of the bed at which a line inside of the mesh is looked for, the
@@ -183,7 +182,7 @@ def peak(x: Array, y: Array) -> tuple[float, float]:
     return float(x[k] - 0.5 * slope / bend), float(y[k] - 0.25 * slope**2 / bend)
 
 
-def _jacobian(grid: object, cells: NDArray[np.int64], local: Array) -> Array:
+def _jacobian(grid: object, cells: Integers, local: Array) -> Array:
     """Return derivatives of the place with respect to the reference coordinates
     (dim, dim, n).
     """
@@ -195,7 +194,7 @@ def _jacobian(grid: object, cells: NDArray[np.int64], local: Array) -> Array:
     ).swapaxes(0, 1)
 
 
-def _local(mesh: Mesh, cells: NDArray[np.int64], points: Array) -> Array:
+def _local(mesh: Mesh, cells: Integers, points: Array) -> Array:
     """Find the reference coordinates (dim, n) of points in their cells by Newton's
     method from the middle of each.
     """

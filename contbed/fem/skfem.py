@@ -20,6 +20,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from skfem.mesh import Mesh as SkfemMesh
 
+from contbed.arrays import Array, Integers
 from contbed.fem.ad.dual import Components, Dual, Linear
 from contbed.fem.domain import Domain
 from contbed.fem.elements import GlobalUnknown, Space
@@ -28,7 +29,6 @@ from contbed.solvers.linear import Policy
 from contbed.solvers.multigrid import Vertices
 from contbed.solvers.ordering import nested_dissection
 
-Array = NDArray[np.float64]
 Form = Callable[[Any, Any, Any, Any], Any]
 
 
@@ -223,9 +223,9 @@ class System:
 
     def nodes(
         self, name: str, facets: NDArray[np.int32], component: int = 0
-    ) -> NDArray[np.int64]:
+    ) -> Integers:
         """Return the global numbers of the nodes of a field on facets."""
-        numbers: NDArray[np.int64] = (
+        numbers: Integers = (
             self.fields[name][0].on_facets(facets) + self.offset[name, component]
         )
         return numbers

@@ -17,12 +17,10 @@ from math import comb
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Integers
 from contbed.fem.elements import Space, lagrange
 from contbed.mesh.grading import of_density
-
-Array = NDArray[np.float64]
 
 # max |(x - 0)(x - 1/p)...(x - 1)| / (p + 1)! on [0, 1]: error of interpolation over
 # h^(p+1) |d^(p+1)T|
@@ -45,7 +43,7 @@ class TensorGrid:
 
     vertices: tuple[Array, ...]
     degree: int
-    place: NDArray[np.int64]
+    place: Integers
 
     @classmethod
     def of(cls, space: Space) -> TensorGrid | None:

@@ -23,12 +23,12 @@ Source: Pivem and de Lemos (2012), doi:10.1016/j.ijheatmasstransfer.2011.11.047,
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import factorial
 
+from contbed.arrays import Array
 from contbed.packed_bed.equations.modes import rates
 
-Array = NDArray[np.float64]
 Pair = tuple[Array, Array]
 
 

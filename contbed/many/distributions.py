@@ -12,9 +12,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from contbed.arrays import Array
 
 # Half the width of an even distribution over its standard deviation, the root of 3
 HALF_WIDTH = math.sqrt(3.0)

@@ -27,16 +27,15 @@ from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from contbed.arrays import Array
 from contbed.errors import ContbedError
 from contbed.many.distributions import Distribution
 from contbed.many.study_file import Say, checked
 from contbed.scene.names import nearest
 from contbed.scene.quantities import Switch, Table, Whole
 
-Array = NDArray[np.float64]
 Method = Literal["latin_hypercube", "sobol", "sobol_indices", "morris"]
 
 MOST_RUNS = 100_000

@@ -10,12 +10,12 @@ from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+
+from contbed.arrays import Array
 
 from .common import integrated, polynomial
 from .pointwise import pointwise
 
-Array = NDArray[np.float64]
 Function = Callable[[Any], Any]
 
 

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 import skfem
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import SceneError
 from contbed.mesh.entities import renamed, with_lists
 from contbed.mesh.grading import CELLS_ALONG
@@ -30,8 +30,6 @@ from contbed.scene.mesh import (
     MeshRectangle,
 )
 from contbed.scene.toml_lines import Origin
-
-Array = NDArray[np.float64]
 
 LARGEST_BED = 30.0  # [m]; larger ones are seldom meant
 CELLS_ACROSS = 8  # least number of cells across a bed without prescribed cells

@@ -6,11 +6,9 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import SceneError
-
-Array = NDArray[np.float64]
 
 CELLS_ALONG = 40  # cells along a bed without prescribed cells
 # share of the smooth part of a solution in `equidistributed`, where a layer takes

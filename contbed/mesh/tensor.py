@@ -16,7 +16,8 @@ import numpy as np
 import skfem
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from contbed.arrays import Array, Flags
+
 Indices = NDArray[np.int64]
 
 AT_ONCE = 100_000  # cells that are compared at a time
@@ -105,7 +106,7 @@ class Tensor:
             )
         return found
 
-    def _rising(self, at: Indices) -> NDArray[np.bool_]:
+    def _rising(self, at: Indices) -> Flags:
         """Whether the diagonal of the rectangles at (n, 2) rises along x; see
         `mesh.build`.
         """
@@ -113,7 +114,7 @@ class Tensor:
             0.5 * (x[k] + x[k + 1]) < x[(len(x) - 1) // 2]
             for x, k in zip(self.axes, at.T, strict=True)
         ]
-        found: NDArray[np.bool_] = low[0] == low[1]
+        found: Flags = low[0] == low[1]
         return found
 
 

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import trapezoid
+
+from contbed.arrays import Array
 
 ALONG = ("x [m]", "z [m]", "height [m]")  # coordinates along the bed
 TIME = "t [s]"
 NAME = "NAME"
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contbed import fields
+from contbed.arrays import Array
 from contbed.errors import ContbedError
 from contbed.output.colours import COLOURS
 from contbed.output.summary import number_text
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-Array = NDArray[np.float64]
 Result = Any  # a `contbed.result.Result`, which is above
 COORDINATES = ("x", "y", "z", "r", "height", "frequency")
 MAX_TIMES = 6  # profiles of a transient in one figure

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.fields import name_of
 from contbed.output.plots import plain_ticks, styled_figure
 
@@ -26,7 +26,7 @@ LABELS = {"K": "$T$ [K]", "1": "mole fraction [1]"}
 
 
 def history_plot(
-    path: Path | str, columns: Mapping[str, NDArray[np.float64]], title: str = ""
+    path: Path | str, columns: Mapping[str, Array], title: str = ""
 ) -> None:
     """Plot columns over "t [s]", those of one unit together; what does not change is
     left out.
@@ -37,7 +37,7 @@ def history_plot(
     columns : values by header "name [unit]"; NaN where there is none
     title : text above the picture
     """
-    panels: dict[str, dict[str, NDArray[np.float64]]] = {}
+    panels: dict[str, dict[str, Array]] = {}
     for header, values in columns.items():
         known = values[np.isfinite(values)]
         if (

@@ -9,13 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.fields import FIELDS
 from contbed.output.nearest import Nearest
 from contbed.output.plots import plain_ticks, styled_figure
-
-Array = NDArray[np.float64]
 
 HEIGHT = 3.6  # inches of a map, unless it lies
 WIDE = 1.6  # ratio of width to height from which maps stand one below another

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from contbed.arrays import Array, Integers
+
 NEAR = 4  # points from which a value is taken
 # distance over the extent of the points below which a place counts as one of them
 COINCIDENT = 1e-12
@@ -19,7 +19,7 @@ class Nearest:
     weight: arrays (places, NEAR).
     """
 
-    numbers: NDArray[np.int64]
+    numbers: Integers
     weight: Array
     distance: Array
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.fem.elements import Space
 from contbed.fields import FIELDS, name_of
 from contbed.output.files import atomic
@@ -21,7 +21,6 @@ from contbed.output.vtu import at_nodes
 if TYPE_CHECKING:
     import skfem
 
-Array = NDArray[np.float64]
 
 WIDTH = 8.0  # inches, 1600 pixels
 DPI = 200

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Integers
 from contbed.errors import ContbedError
 
 # of files that are not as they were written
@@ -113,7 +113,7 @@ def _damaged(path: Path, error: BaseException) -> ContbedError:
     )
 
 
-def _joined(points: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _joined(points: Array) -> tuple[Integers, Integers]:
     """Return the first of each group of points that are the same, and the number of
     the group of each point.
     """

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from contbed.arrays import Array
 from contbed.errors import ContbedError
 from contbed.output.files import atomic
 
@@ -56,7 +57,7 @@ def read_cells(path: Path | str) -> tuple[list[str], list[list[str]]]:
     return headers, rows
 
 
-def read_table(path: Path | str) -> dict[str, NDArray[np.float64]]:
+def read_table(path: Path | str) -> dict[str, Array]:
     """Read the columns of a table of numbers by header.
 
     Raises

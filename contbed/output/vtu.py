@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem.refdom import RefHex, RefLine, RefQuad, RefTet, RefTri
 
+from contbed.arrays import Array, Integers
 from contbed.fem.elements import Space, lagrange
 from contbed.output.files import atomic
 
 if TYPE_CHECKING:
     import skfem
 
-Array = NDArray[np.float64]
 
 _VTK_TYPES = {
     "line3": 21,
@@ -80,7 +80,7 @@ _CELLS: dict[type, tuple[str, list[Any], list[Any], list[Any]]] = {
 }
 
 
-def _order(refdom: type, mirrored: bool) -> NDArray[np.int64]:
+def _order(refdom: type, mirrored: bool) -> Integers:
     """Return the local node of the quadratic element at each VTK position;
     `mirrored` swaps the first two axes.
     """
@@ -92,11 +92,11 @@ def _order(refdom: type, mirrored: bool) -> NDArray[np.int64]:
     if mirrored:
         nodes[:, [0, 1]] = nodes[:, [1, 0]]
     distance = np.abs(nodes[:, None] - lagrange(refdom, 2).nodes).sum(axis=2)
-    order: NDArray[np.int64] = distance.argmin(axis=1)
+    order: Integers = distance.argmin(axis=1)
     return order
 
 
-def quadratic_cells(space: Space) -> tuple[str, NDArray[np.int64]]:
+def quadratic_cells(space: Space) -> tuple[str, Integers]:
     """Return name and nodes (ncells, n) of VTK's quadratic cells on a space of
     degree 2, all positive.
     """

@@ -17,15 +17,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.fem.probe import Line
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.schedule import ScheduleInterval, initial_range
 from contbed.result import Result
 from contbed.scene.mesh import power_units
 
-Array = NDArray[np.float64]
 Intervals = list[tuple[ScheduleInterval | None, Plan]]
 POINTS = 8  # of the quadrature of entropy
 EDGES = (0.1, 0.9)  # scaled temperatures between which the thermocline lies

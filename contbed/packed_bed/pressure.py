@@ -24,15 +24,13 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.packed_bed.inlets import velocity_key
 from contbed.packed_bed.medium import Medium
 from contbed.scene.toml_lines import parse_key
 
 GRAVITY = 9.81  # m/s2
-
-Array = NDArray[np.float64]
 
 
 class Stream(NamedTuple):

@@ -18,15 +18,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.course.schedule import Schedule
 from contbed.packed_bed import scene as s
 from contbed.scene.series import ProfileFile
 from contbed.scene.toml_lines import KeyPath
 from contbed.scene.values import with_value
-
-Array = NDArray[np.float64]
 
 VELOCITY = "velocity"
 VALUES = ("fixed_temperature", "temperature", "heat_flux", "ambient")

@@ -7,8 +7,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.fem.ad.dual import plain
 from contbed.fem.skfem import Ops
 from contbed.packed_bed.heat import PHASES
@@ -89,7 +89,7 @@ def _leaves(part: Any, wall: Any) -> bool:
     return float(np.sum(part.weight * plain(Ops.dot(wall.mass_flux, part.n)))) > 0.0
 
 
-def outlet_table(rows: list[tuple[float, ...]]) -> dict[str, NDArray[np.float64]]:
+def outlet_table(rows: list[tuple[float, ...]]) -> dict[str, Array]:
     """Return the outlet over time by column, without phases that never leave."""
     values = np.array([row[: 1 + len(PHASES)] for row in rows]).T
     columns = {"t [s]": values[0]} | {

@@ -40,11 +40,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.chemistry.thermo import R_GAS
 
-Array = NDArray[np.float64]
 # iterations, which are few: the error is squared near the root and falls from above
 MOST_NEWTON = 100
 ROUNDED = 1e-15  # relative change below which it is rounding
@@ -110,8 +109,8 @@ class Inside:
     gases: tuple[str, ...]
     isotherms: Mapping[str, Isotherm]
     diffusivities: Mapping[str, float]
-    weights: NDArray[np.float64]
-    stiffness: NDArray[np.float64]
+    weights: Array
+    stiffness: Array
     surface: int
     resistance: float
     radius: float
@@ -232,7 +231,7 @@ class Inside:
             out[name] = area * through * (bulk[name] - inner[name][-1])
         return out
 
-    def conduction(self, gas: str) -> NDArray[np.float64]:
+    def conduction(self, gas: str) -> Array:
         """Return what points gain of a gas per concentration at the points (n,
         n) [m3/m3 bed/s].
         """

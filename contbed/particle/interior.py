@@ -24,10 +24,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-Array = NDArray[np.float64]
+from contbed.arrays import Array
+
 # times R, for a slab half of its thickness
 SURFACE_OVER_VOLUME = {"sphere": 3, "cylinder": 2, "slab": 1}
 

@@ -29,8 +29,8 @@ from collections.abc import Callable
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.particle.interior import SURFACE_OVER_VOLUME, interior
 
 # a number is that of points inside
@@ -88,9 +88,7 @@ def _potential(root: Any, shape: str) -> Any:
     return np.where(np.abs(p) < SMALL, series, root / tanh - 1.0)
 
 
-def invert(
-    transform: Callable[[Any], Any], times: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def invert(transform: Callable[[Any], Any], times: Array) -> Array:
     """Return the inverse Laplace transform at times (n,) above 0, on Talbot's
     contour.
     """
@@ -102,19 +100,17 @@ def invert(
     slope = 1.0 + 1j * angle * (1.0 + cotangent**2) - 1j * cotangent
     gamma = np.concatenate([[0.5 * np.exp(delta[0])], slope * np.exp(delta[1:])])
     p = delta[None, :] / times[:, None]
-    values: NDArray[np.float64] = (
-        0.4 / times * np.real((transform(p) * gamma).sum(axis=1))
-    )
+    values: Array = 0.4 / times * np.real((transform(p) * gamma).sum(axis=1))
     return values
 
 
 def breakthrough(
     xi: float,
-    eta: NDArray[np.float64],
+    eta: Array,
     biot: float,
     level: Level = "interior",
     shape: str = "sphere",
-) -> NDArray[np.float64]:
+) -> Array:
     """Return the temperature of the gas after a step at the inlet, eta = h a t/C_solid
     (n,) > 0 after it.
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from contbed.arrays import Array
 from contbed.closures import optics as closures
 from contbed.mesh.grading import Layers, equidistributed, graded, scale_for, widened
 from contbed.radiation.optics import optics
@@ -16,7 +14,7 @@ from contbed.scene.mesh import MeshFile, MeshLine
 OBLIQUE = 0.4
 
 
-def nodes(scene: RadiationScene) -> list[NDArray[np.float64]] | None:
+def nodes(scene: RadiationScene) -> list[Array] | None:
     """Return graded coordinates for each direction of a built-in mesh without
     prescribed cells.
     """

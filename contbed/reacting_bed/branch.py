@@ -9,8 +9,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import ConvergenceError
 from contbed.fields import unit_of
 from contbed.reacting_bed import cells, solve
@@ -23,7 +23,6 @@ from contbed.scene.values import value_at, with_value
 from contbed.solvers.branch import Branch, Way, trace
 from contbed.solvers.linear import Policy
 
-Array = NDArray[np.float64]
 # problems of the last values of the parameter, which steps ask for several times
 KEPT = 4
 SAMPLES = 12  # points of a branch whose errors choose the cells

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.mesh.grading import of_density
 from contbed.reacting_bed.problem import Problem
 
-Array = NDArray[np.float64]
 MOST_CELLS = 3000  # of a mesh: ten species have some 100,000 unknowns there
 COARSEST = 2.5  # ratio of the lengths of neighbouring cells
 # jumps are held to tolerance^ERROR_POWER: fluxes at vertices are of order 7, jumps of

@@ -11,8 +11,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.chemistry.local import Smoothing
 from contbed.chemistry.thermo import R_GAS
 from contbed.course.history import SAME, output_times
@@ -33,7 +33,6 @@ from contbed.scene.toml_lines import KeyPath
 if TYPE_CHECKING:
     from contbed.reacting_bed.initial import Profile
 
-Array = NDArray[np.float64]
 # share of a gas or solid that is left, below which its powers are straight lines
 SMOOTH = 1e-5
 # mole fraction below which a gas or solid is taken as not there when smoothing is

@@ -25,13 +25,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.arrays import Array, Flags
 from contbed.reacting_bed.equations.unknowns import LEAST_T
 from contbed.reacting_bed.history import BedHistory
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import gas_of_rings, stored_rows
 from contbed.reacting_bed.transient import BedSteps, begin, turned
 
-Array = NDArray[np.float64]
 # of the size of temperatures, by which an extrapolated one may leave those at the end
 # of a period
 BEYOND = 0.5
@@ -75,7 +75,7 @@ class Stored:
     rows: NDArray[np.intp]
     sizes: Array
     gas: tuple[NDArray[np.intp], ...]
-    warm: NDArray[np.bool_]  # which rows are temperatures
+    warm: Flags  # which rows are temperatures
 
     @classmethod
     def of(cls, problem: Problem, sizes: Array) -> Stored:

@@ -7,12 +7,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Flags
 from contbed.course.history import History
 from contbed.reacting_bed.least_amounts import Least
 
-Array = NDArray[np.float64]
 FLOW = "flow"  # column of the outlet: moles of the gas that leaves, along x [mol/m2/s]
 
 
@@ -51,7 +50,7 @@ class BedHistory(History):
     both_ways: Array
     sources: Array
     damping: Array
-    damped: NDArray[np.bool_]
+    damped: Flags
     vertices: Array
     pressure: Array | None = None
     carried: float = 0.0

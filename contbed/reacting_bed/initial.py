@@ -26,8 +26,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.equations.phase import Phase
@@ -39,7 +39,6 @@ from contbed.reacting_bed.results import constituents_of
 from contbed.scene.names import nearest
 from contbed.scene.profile import Rows
 
-Array = NDArray[np.float64]
 PER_VOLUME, PER_MASS = "mol/m**3", "mol/kg"
 # share of the whole below zero that states of runs have, and that is taken as none
 ROUNDED = 1e-6

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Discriminator, Tag
 
+from contbed.arrays import Array
 from contbed.errors import SceneError
 from contbed.materials.composition import mole_fractions
 from contbed.scene.quantities import unit
@@ -60,9 +60,7 @@ class CompositionSeries(Series):
     column: None = None
     """has no meaning: a file has a column for each species"""
 
-    def fractions(
-        self, base: Path
-    ) -> tuple[tuple[str, ...], NDArray[np.float64], NDArray[np.float64], list[str]]:
+    def fractions(self, base: Path) -> tuple[tuple[str, ...], Array, Array, list[str]]:
         """Return species, times (n,), mole fractions (n, species) and the begin of
         messages about each time.
 

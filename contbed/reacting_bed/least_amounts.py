@@ -8,13 +8,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Flags
 from contbed.reacting_bed.equations.unknowns import Role
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.scene import ReactingScene
 
-Array = NDArray[np.float64]
 FINE = 129  # points of a cell at which what is shown is looked at
 # of a deviation from the mean that is seen at these points, the largest between them
 MISSED = 1.002
@@ -42,7 +41,7 @@ def carried(problem: Problem) -> Array:
     return speeds
 
 
-def at_rest(problem: Problem) -> NDArray[np.bool_]:
+def at_rest(problem: Problem) -> Flags:
     """Return which unknowns are solids at rest, whose amounts at nodes know nothing
     of each other (m,).
     """

@@ -8,13 +8,12 @@ from collections.abc import Mapping
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.course.history import SAME
 from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.history import FLOW, BedHistory
 
-Array = NDArray[np.float64]
 LEVELS = (1, 5, 50, 95)  # percent of the mole fraction that enters
 MOMENTS = ((0.0, 0.5, 1.0), (1 / 6, 4 / 6, 1 / 6))  # and weights of Simpson's rule
 

@@ -17,15 +17,14 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.chemistry.kinetics import Reaction
 from contbed.chemistry.thermo import R_GAS, Equilibrium
 from contbed.fem.probe import peak
 from contbed.reacting_bed.equations.unknowns import State
 from contbed.reacting_bed.problem import Problem
 
-Array = NDArray[np.float64]
 T_NORMAL, P_NORMAL = 273.15, 101325.0  # [K], [Pa] of volumes in space velocities
 HOUR = 3600.0
 TRACE = 1e-3  # share of all that is made below which a gas is no product

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.course.cycle import Period, Search, periods
 from contbed.course.history import Saver
 from contbed.errors import ConvergenceError
@@ -26,8 +26,6 @@ from contbed.reacting_bed.time_cells import fitted
 from contbed.reacting_bed.transient import BedSteps, begin, turned
 from contbed.reacting_bed.transient_results import fill
 from contbed.result import Result
-
-Array = NDArray[np.float64]
 
 
 def run_transient(

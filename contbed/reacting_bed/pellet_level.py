@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import ContbedError
 from contbed.particle.pellets import Pellets, runs_in_pellets
 from contbed.plan_text import percent
@@ -26,8 +26,6 @@ from contbed.reacting_bed.phases import species_of
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.solve import Report, steady
 from contbed.reacting_bed.substances import Substances
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

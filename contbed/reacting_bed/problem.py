@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.arrays import Array, Flags
 from contbed.chemistry.kinetics import Reaction
 from contbed.chemistry.local import Local, Smoothing
 from contbed.chemistry.thermo import R_GAS
@@ -30,7 +31,6 @@ from contbed.reacting_bed.phases import species_of
 from contbed.reacting_bed.streams import Streams, gas_inlet, streams
 from contbed.reacting_bed.substances import Substances
 
-Array = NDArray[np.float64]
 LARGE_T = 1e3  # [K], of the temperatures of most reactors
 DEGREE = 3  # of the polynomials in a cell
 OF_PARTICLES = (Role.SOLID, Role.POINT)
@@ -227,7 +227,7 @@ class Problem:
         return self.layout.unknowns * (1 if self.rings is None else self.rings.count)
 
     @property
-    def is_gas(self) -> NDArray[np.bool_]:
+    def is_gas(self) -> Flags:
         """Whether each unknown is the flux of a gas (m,)."""
         return np.array([each.role is Role.GAS for each in self.unknowns])
 

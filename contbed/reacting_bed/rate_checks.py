@@ -19,8 +19,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Flags
 from contbed.chemistry.kinetics import Reaction
 from contbed.chemistry.thermo import R_GAS
 from contbed.closures.formula import parse_formula
@@ -32,7 +32,6 @@ from contbed.reacting_bed.least_amounts import allowed, along, at_rest
 from contbed.reacting_bed.problem import Problem
 from contbed.scene.toml_lines import KeyPath
 
-Array = NDArray[np.float64]
 # share of the concentration of all over which the rate of the remedy ends: shorter, no
 # state is found
 SWITCH = 5e-3
@@ -263,7 +262,7 @@ def _value(rate: Any) -> Any:
 
 def _taken(
     problem: Problem, amount: Amount, made: list[Array], tolerance: float
-) -> NDArray[np.bool_]:
+) -> Flags:
     """Return where reactions take more of a species than counts."""
     lost, by_written = np.zeros(made[0].size), np.zeros(made[0].size)
     for reaction, rate in zip(problem.reactions, made, strict=True):
@@ -272,7 +271,7 @@ def _taken(
             by_written -= amount.gained(reaction) * rate.ravel()
     # what films pass is measured by the gas as well
     flux = problem.moles if amount.gas else problem.flux_sizes[amount.row]
-    found: NDArray[np.bool_] = (
+    found: Flags = (
         np.minimum(lost, by_written) * problem.scene.mesh.length > tolerance * flux
     )
     return found

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.chemistry.thermo import R_GAS
 from contbed.errors import ConvergenceError
 from contbed.fem.line_projection import projected
@@ -31,7 +32,6 @@ from contbed.reacting_bed.least_amounts import FINE, MISSED
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage, gas_of_rings, stored_rows
 
-Array = NDArray[np.float64]
 ITERATIONS = 40  # of Newton's method at a node
 # change of unknowns over their sizes, of which the content changes by rounding
 ROUNDED = 1e-14

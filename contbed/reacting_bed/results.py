@@ -7,8 +7,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.balance import Balance
 from contbed.chemistry.thermo import R_GAS, T_STANDARD
 from contbed.reacting_bed import of_reactors
@@ -18,7 +18,6 @@ from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.results_solids import fill_phases
 from contbed.result import Result, outside
 
-Array = NDArray[np.float64]
 UNDERSHOT = 1e-6  # share of the whole below zero that is counted
 DRY = 1e-9  # share of the gas beside steam below which there is no dry gas
 BETWEEN = 2  # positions of profiles inside of each cell

@@ -7,8 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.chemistry.local import FINEST, Smoothing
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed.cells import MOST_CELLS, halves, moved, next_cells
@@ -17,7 +17,6 @@ from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import rate_without_value, taken_to_the_end
 from contbed.reacting_bed.storage import Storage
 
-Array = NDArray[np.float64]
 LARGEST_T = 150.0  # change of a temperature in one step [K]
 LARGEST_SHARE = 0.7  # of an amount that a step may take away
 LEAST_SHARE = 1e-3  # of the typical size, below which a fall is not held up

@@ -21,8 +21,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Flags
 from contbed.chemistry.local import Smoothing
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed import solve
@@ -30,7 +30,6 @@ from contbed.reacting_bed.least_amounts import carried
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage
 
-Array = NDArray[np.float64]
 GAMMA = 1.0 - 0.5**0.5
 SLOWEST = 0.2  # factor by which a correction with an older matrix has to fall
 CORRECTIONS = 12  # at most, with an older matrix
@@ -47,7 +46,7 @@ def stages(
     dt: float,
     report: solve.Report,
     sizes: Array,
-    ended: NDArray[np.bool_] | None = None,
+    ended: Flags | None = None,
 ) -> tuple[Array, Array, float]:
     """Return both stages of a step from a state, and the estimate of its local error
     over sizes.
@@ -98,9 +97,7 @@ def stages(
     return first, last, float(np.abs(filtered).max())
 
 
-def _limited(
-    problem: Problem, there: Array, dt: float, ended: NDArray[np.bool_]
-) -> Problem:
+def _limited(problem: Problem, there: Array, dt: float, ended: Flags) -> Problem:
     """Return the problem that in a time takes no more of some solids at rest than is
     there.
     """

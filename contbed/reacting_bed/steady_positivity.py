@@ -23,15 +23,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed import solve
 from contbed.reacting_bed.cells import MOST_CELLS, moved
 from contbed.reacting_bed.least_amounts import along, carried, lowest
 from contbed.reacting_bed.problem import Problem
 
-Array = NDArray[np.float64]
 # of the share by which a polynomial has to become flat, the damping to begin with
 FIRST = 0.4
 LEAST, MOST = 1.1, 10.0  # growth from one trial to the next

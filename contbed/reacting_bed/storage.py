@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.fem.ad.dual import Dual
 from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.unknowns import Role
 from contbed.reacting_bed.problem import Problem
 
-Array = NDArray[np.float64]
 # [J/m3/K], heat capacity of a bed in marches whose particles have no data
 NO_DATA = 1e6
 

@@ -15,15 +15,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.reacting_bed.cells import COARSEST, aim, errors, wanted_lengths
 from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.history import BedHistory
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.remap import transferred
 
-Array = NDArray[np.float64]
 FEWEST = 8  # cells of a bed in time, a power of 2
 # cell in time over the bed: steps of a front that has no width are as short
 SHORTEST = 2.0**-10

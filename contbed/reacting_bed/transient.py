@@ -16,8 +16,8 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.course.history import output_times
 from contbed.course.march import FEW_DIGITS, SHORTER, Accept, Control, TimeSteps
 from contbed.errors import ConvergenceError
@@ -33,7 +33,6 @@ from contbed.reacting_bed.stages import GAMMA
 from contbed.reacting_bed.time_cells import following, on_cells
 from contbed.reacting_bed.transient_results import contents
 
-Array = NDArray[np.float64]
 MOST_GROWTH = 2.5
 SHORTEST_STEP = 1e-7  # of the first one, below which a run is given up
 MOST_TRIALS = 4  # of a step whose amounts are below zero, each of a shorter one

@@ -5,8 +5,8 @@ over time, totals that close.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.balance import HELD_SHARE, Balance
 from contbed.reacting_bed import results
 from contbed.reacting_bed.cells import aim
@@ -18,7 +18,6 @@ from contbed.reacting_bed.storage import Storage
 from contbed.reacting_bed.time_cells import SHORTEST
 from contbed.result import Result
 
-Array = NDArray[np.float64]
 LARGE_ERROR = 3.0  # of cells over what is aimed at, above which the run warns
 
 

@@ -9,14 +9,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contbed import fields as quantities
+from contbed.arrays import Array
 from contbed.output.colours import COLOURS
 from contbed.report.fields import Cloud, Pictures
 from contbed.report.read import Run
 
-Array = NDArray[np.float64]
 Chart = dict[str, Any]
 
 DASHES = ("solid", "dash", "dot", "dashdot")

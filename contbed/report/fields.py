@@ -12,14 +12,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import ContbedError
 from contbed.output.nearest import Nearest
 from contbed.output.stored import read_fields
 from contbed.report.read import Run, Snapshot
-
-Array = NDArray[np.float64]
 
 LONG_SIDE = 140  # points of a picture along its longer side
 MAX_FRAMES = 25  # times of a transient

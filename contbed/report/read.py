@@ -9,9 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from contbed.arrays import Array
 from contbed.errors import ContbedError
 from contbed.models import MODELS, kind_of
 from contbed.output.folder import SUMMARY
@@ -20,7 +18,6 @@ from contbed.output.stored import read_series
 from contbed.output.tables import read_table
 from contbed.scene import schema
 
-Array = NDArray[np.float64]
 AGAIN = "run the scene again"
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.toml_lines import KeyPath
@@ -21,7 +22,6 @@ from contbed.scene.toml_lines import KeyPath
 if TYPE_CHECKING:
     from contbed.scene.data_table import DataTable
 
-Array = NDArray[np.float64]
 # share of the length without values at an end, as between a wall and a thermocouple
 MOST_BEYOND = 0.05
 # share of the length by which positions in a file may lie outside of the bed, for their

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from contbed.arrays import Array
 from contbed.errors import SceneError
 from contbed.scene.quantities import (
     FiniteFloat,
@@ -32,7 +32,6 @@ from contbed.scene.quantities import (
 if TYPE_CHECKING:
     from contbed.scene.profile import Rows
 
-Array = NDArray[np.float64]
 TINY = 1e-12  # of the time, below which two times are the same
 SAME = 1e-9  # of the time, below which two jumps are one
 

@@ -17,9 +17,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.compiled.functions import entry, inner
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True}

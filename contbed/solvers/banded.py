@@ -14,14 +14,13 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.linalg.blas import dgbmv
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from contbed.arrays import Array, Integers
 from contbed.errors import ConvergenceError
 
-Array = NDArray[np.float64]
 # diagonals on each side up to which a band is cheaper than general factors; two fields
 # of degree 3 have 13
 WIDEST = 24
@@ -50,7 +49,7 @@ class Band:
         """Return this matrix plus `factor` times the other."""
         return Band(self.width, self.data + factor * other.data)
 
-    def solver(self, fixed: NDArray[np.int64]) -> Callable[[Array], Array]:
+    def solver(self, fixed: Integers) -> Callable[[Array], Array]:
         """Return the solution for a right-hand side; rows and columns of `fixed`
         unknowns are those of the identity.
 
@@ -94,8 +93,8 @@ class Ordering:
     diagonals on each side.
     """
 
-    order: NDArray[np.int64]
-    back: NDArray[np.int64]
+    order: Integers
+    back: Integers
     width: int
 
     @classmethod

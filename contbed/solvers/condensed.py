@@ -25,11 +25,9 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Integers
 from contbed.solvers.banded import Band, Ordering
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -46,8 +44,8 @@ class Modes:
     exchange: float
     decay: Array
     gain: Array
-    fluid: NDArray[np.int64]
-    solid: NDArray[np.int64]
+    fluid: Integers
+    solid: Integers
 
     def matrices(
         self, mass: Any, stiffness: Any
@@ -105,8 +103,8 @@ class _Stiffness:
     bed: Band
     coupling: sp.csr_matrix
     exchanged: Band  # the coupling with the difference of both temperatures
-    fluid: NDArray[np.int64]
-    solid: NDArray[np.int64]
+    fluid: Integers
+    solid: Integers
 
     def __matmul__(self, x: Array) -> Array:
         bed, inner = self.parts(x)
@@ -136,7 +134,7 @@ class _Shifted:
     stiffness: _Stiffness
     w: float
 
-    def solver(self, fixed: NDArray[np.int64]) -> Callable[[Array], Array]:
+    def solver(self, fixed: Integers) -> Callable[[Array], Array]:
         """Return the solution for a right-hand side; rows and columns of `fixed`
         unknowns of the bed are those of the identity.
 

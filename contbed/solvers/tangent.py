@@ -13,15 +13,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Integers
 from contbed.solvers.linear import Policy, Solver, constrain
 
 # relative, of a key: leaves a truncation of some 1e-10, and 1e-8 of rounding at most
 STEP = 1e-5
 REFINED = 1e-11  # share of the right-hand side that one solution may leave
 
-Array = NDArray[np.float64]
 Pair = tuple[Array, Array]
 
 
@@ -30,7 +29,7 @@ class Response:
     prescribed.
     """
 
-    def __init__(self, matrix: Any, fixed: NDArray[np.int64], policy: Policy):
+    def __init__(self, matrix: Any, fixed: Integers, policy: Policy):
         self.matrix, self.fixed = matrix, fixed
         self.solver = Solver(constrain(matrix, fixed) if len(fixed) else matrix, policy)
 
@@ -58,7 +57,7 @@ class Response:
         )
 
 
-def with_prescribed(state: Array, fixed: NDArray[np.int64], values: Array) -> Array:
+def with_prescribed(state: Array, fixed: Integers, values: Array) -> Array:
     """Return a state with prescribed unknowns in place."""
     state = state.copy()
     state[fixed] = values

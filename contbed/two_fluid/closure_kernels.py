@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.closures.binding import BoundClosure
 from contbed.closures.compiled import face, kernel, own_values
 from contbed.closures.granular_transport import share_drag, share_free_path
@@ -23,7 +24,6 @@ from contbed.two_fluid.closures import GIVES, Bound
 from contbed.two_fluid.model import Materials
 from contbed.two_fluid.rheology import Closures, Rheology
 
-Array = NDArray[np.float64]
 Counter = NDArray[np.int64]
 
 # eps_s/eps_max [-] up to which the radial distribution, singular at 1, is evaluated

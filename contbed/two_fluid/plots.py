@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.fields import field, name_of
 from contbed.output.maps import cell_maps
 from contbed.output.plots import styled_figure
@@ -130,7 +130,7 @@ def fields_plot(path: Path, file: Path, time: float, title: str = "") -> None:
     )
 
 
-def _around(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def _around(corners: Array) -> Array:
     """Return the corners of cells (cells, corners, 2) in order around the middle of
     each.
     """

@@ -20,14 +20,13 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.fem.ad.graph import LEAVES, Graph, recorded
 from contbed.fem.ad.plan import planned, structure
 from contbed.fem.domain import Domain
 from contbed.fem.skfem import Form, Ops, System, _Unknown
 
-Array = NDArray[np.float64]
 Step = Callable[[], Any]  # fills a row from others
 # points that are differentiated together: their rows stay in the cache of a core
 POINTS = 64

@@ -24,7 +24,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from contbed.arrays import Array
+
 Places = NDArray[np.intp]
 
 

@@ -14,13 +14,12 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.fem.ad.dual import _BINARY, _UNARY
 from contbed.fem.ad.elimination import Elimination
 from contbed.fem.ad.graph import LEAVES, Graph, live
 
-Array = NDArray[np.float64]
 KEPT = 32  # plans, of a few hundred kilobytes each; a bed that reacts has five
 
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Integers
 from contbed.errors import SceneError
 from contbed.fields import FIELDS, RESULTS, result
 from contbed.loading import load
@@ -29,7 +29,6 @@ from contbed.scene.names import near_names
 from contbed.scene.tables import SceneBase
 from contbed.scene.units import factor_and_offset, to_si
 
-Array = NDArray[np.float64]
 PERCENT = re.compile(r"\s*([0-9.eE+-]+)\s*%\s*")
 OUTPUT_POSITION = re.compile(r"output\.positions\[(\d+)\]")
 NONE = math.nan
@@ -203,7 +202,7 @@ def _points(
     settings: ExperimentSettings,
     value: Value,
     table: DataTable,
-    rows: NDArray[np.int64],
+    rows: Integers,
     t: Array,
     x: Array,
     where: str,

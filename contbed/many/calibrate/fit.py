@@ -26,13 +26,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Integers
 from contbed.errors import ConvergenceError
 from contbed.many.calibrate.model import Model
 from contbed.many.distributions import Distribution
 
-Array = NDArray[np.float64]
 COVERAGE = 0.90  # share of intervals and bands that hold the true value
 # probability below which chance explains residuals as large, or as alike, as they are
 SIGNIFICANT = 0.95
@@ -60,10 +59,10 @@ class Data:
         follow each other
     """
 
-    index: NDArray[np.int64]
+    index: Integers
     value: Array
     error: Array
-    groups: NDArray[np.int64]
+    groups: Integers
 
 
 @dataclass(frozen=True)
@@ -245,7 +244,7 @@ def _rest(found: Any, low: Array, high: Array) -> float:
 
 
 def derivatives(
-    model: Model, z: Array, priors: Sequence[Distribution], free: NDArray[np.int64]
+    model: Model, z: Array, priors: Sequence[Distribution], free: Integers
 ) -> tuple[Array, Array]:
     """Return predictions, shape (points,), and their derivatives with respect to scaled
     keys, (points, keys).
@@ -346,7 +345,7 @@ def _scatter(residuals: Array, freedom: float) -> float:
     return math.sqrt(square / freedom)
 
 
-def _alike(residuals: Array, groups: NDArray[np.int64]) -> float:
+def _alike(residuals: Array, groups: Integers) -> float:
     """Return the correlation of neighbours in the same group; 0 if chance explains
     it.
     """

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.many.calibrate import identify
 from contbed.many.calibrate.experiments import Job, Point
 from contbed.many.calibrate.fit import Data, Fit
@@ -19,7 +19,6 @@ from contbed.many.calibrate.posterior import Samples
 from contbed.many.calibrate.settings import CalibrationFile, FittedKey
 from contbed.many.store import Content
 
-Array = NDArray[np.float64]
 # distance from a bound of a prior, in standard deviations of it, at which a key is said
 # to be there
 BOUND = 0.01

@@ -20,14 +20,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import ConvergenceError
 from contbed.many.calibrate.fit import TOLERANCE, Data, Fit, Solution, least_squares
 from contbed.many.calibrate.model import Model
 from contbed.many.distributions import Distribution
 
-Array = NDArray[np.float64]
 SEEN = 1.0  # singular value above which the data determine more than the prior
 NAMED = 0.2  # component of a combination below which a key is not named
 # relative difference from the quantile at which an end of an interval is found

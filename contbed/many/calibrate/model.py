@@ -9,8 +9,8 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import SceneError, interrupt_in
 from contbed.many.calibrate.experiments import Job, Point
 from contbed.many.calibrate.observe import observe
@@ -22,8 +22,6 @@ from contbed.many.workers import pooled
 from contbed.result import Result
 from contbed.scene.identity import scene_hash
 from contbed.scene.tables import SceneBase
-
-Array = NDArray[np.float64]
 
 
 class Model(Protocol):

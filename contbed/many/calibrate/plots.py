@@ -10,13 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contbed.many.calibrate.experiments import Point
 from contbed.many.calibrate.found import Calibrated
 from contbed.output.plots import styled_figure
 
-Array = NDArray[np.float64]
 _ROW = 3.6  # height of a row of panels [inches]
 _MOST_CURVES = 8  # of a panel
 _DARK = 0.6  # magnitude of a correlation above which its colour is dark

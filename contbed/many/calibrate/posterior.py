@@ -12,15 +12,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import ContbedError
 from contbed.many.calibrate.fit import Data, Fit
 from contbed.many.calibrate.model import Model
 from contbed.many.calibrate.settings import Posterior
 from contbed.many.distributions import Distribution
 
-Array = NDArray[np.float64]
 # share of the steps at the beginning, in which the walkers leave their start
 FORGOTTEN = 0.25
 # autocorrelation times that a chain must hold for intervals at 90 % to settle

@@ -21,8 +21,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.closures import registry
 from contbed.closures.binding import bind
 from contbed.closures.file import content_hash
@@ -39,7 +39,6 @@ from contbed.output.shapes import Shape, Use, read_json
 from contbed.scene.mesh import MeshFile
 from contbed.scene.names import nearest_of
 
-Array = NDArray[np.float64]
 Range = tuple[float, float]
 
 BAND = 0.90  # of the probability

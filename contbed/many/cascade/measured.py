@@ -11,15 +11,13 @@ from statistics import NormalDist
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import ContbedError
 from contbed.fields import header
 from contbed.many.validate.case import Case, Points
 from contbed.many.validate.score import looked_up
 from contbed.output.tables import read_table
-
-Array = NDArray[np.float64]
 
 NODES = 21  # of the normal distribution of a measured value about each prediction
 

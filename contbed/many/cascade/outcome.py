@@ -7,14 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.fields import unit_of
 from contbed.many.cascade.band import BAND, Part
 from contbed.many.cascade.file import Cascade
 from contbed.many.cascade.measured import Held
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

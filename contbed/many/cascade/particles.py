@@ -18,9 +18,9 @@ from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contbed import __version__
+from contbed.arrays import Array
 from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
@@ -40,7 +40,6 @@ from contbed.many.store import KEY, Store, key_of
 from contbed.materials.constant import ConstantFluid
 from contbed.output.files import atomic
 
-Array = NDArray[np.float64]
 Columns = dict[str, Array]
 
 RATIOS = 7  # of conductivities in a packing

@@ -20,14 +20,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import ContbedError, SceneError
 from contbed.many.derivatives.keys import Key, continuous, numbers_of
 from contbed.scene.tables import SceneBase
 from contbed.scene.values import with_value
 
-Array = NDArray[np.float64]
 Results = Callable[[SceneBase], Array]
 
 # relative: meshes that follow the scene change results by some 1e-6 of themselves

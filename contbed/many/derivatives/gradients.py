@@ -22,9 +22,9 @@ from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contbed import fields
+from contbed.arrays import Array
 from contbed.compiled.blas import single_blas
 from contbed.errors import SceneError, UnlikeError
 from contbed.many.derivatives import differences, tangent
@@ -35,8 +35,6 @@ from contbed.result import Result
 from contbed.runner import engine_named, run
 from contbed.scene.names import several
 from contbed.scene.tables import SceneBase
-
-Array = NDArray[np.float64]
 
 UNSURE = 1e-2  # relative error of a derivative beyond which it is reported
 # share of the largest derivative of a result, both by relative changes, below which

@@ -14,16 +14,14 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import ContbedError, UnlikeError
 from contbed.many.derivatives.differences import Slope, Steps, steps
 from contbed.many.derivatives.keys import Key
 from contbed.models import model_of
 from contbed.result import Result
 from contbed.scene.tables import SceneBase
-
-Array = NDArray[np.float64]
 
 
 def of(result: Result) -> Any | None:

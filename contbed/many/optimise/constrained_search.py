@@ -29,9 +29,8 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from contbed.arrays import Array, Flags
 
 # residual of the first-order conditions, of the gradient of f, below which they hold
 FIRST_ORDER = 1e-3
@@ -62,7 +61,7 @@ class Functions(Protocol):
 
     low: Array
     high: Array
-    equality: NDArray[np.bool_]  # of each constraint
+    equality: Flags  # of each constraint
 
     def values(self, x: Array) -> Array:
         """Return f and the constraints, (1 + m,); raises EvaluationFailed."""
@@ -92,7 +91,7 @@ class Optimum:
     derivatives: Array
     prices: Array
     bound_prices: Array
-    active: NDArray[np.bool_]
+    active: Flags
     residual: float
     excess: float
     remarks: tuple[str, ...] = ()

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import ContbedError, SceneError
 from contbed.many.derivatives.differences import seeds, with_seeds
 from contbed.many.derivatives.gradients import gradient
@@ -24,8 +24,6 @@ from contbed.many.optimise.problem import Design, plain
 from contbed.many.runs import Case, case_of, compute, known
 from contbed.many.store import Store, key_of
 from contbed.scene.names import nearest
-
-Array = NDArray[np.float64]
 
 TEXT = 2  # exit code of a scene that contradicts itself
 

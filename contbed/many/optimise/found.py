@@ -9,14 +9,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Flags
 from contbed.many.optimise.constrained_search import FEASIBLE, FIRST_ORDER, Optimum
 from contbed.many.optimise.evaluations import Evaluation, Evaluations, named_values
 from contbed.many.optimise.expression import Expression
 from contbed.many.optimise.problem import Constraint, Design, with_unit
-
-Array = NDArray[np.float64]
 
 NOTHING = 1e-9  # of the objective, a change that is no more than rounding
 
@@ -52,7 +50,7 @@ class Found:
     slopes: Array | None
     prices: Array
     bound_prices: Array
-    active: NDArray[np.bool_]
+    active: Flags
     residual: float | None
     remarks: tuple[str, ...]
     errors: Array | None = None

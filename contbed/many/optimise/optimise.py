@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contbed.errors import ConvergenceError
 from contbed.many.optimise import files, without_gradients
@@ -32,8 +31,6 @@ from contbed.many.optimise.surrogate import require_sklearn
 from contbed.many.optimise.whole import best_choice
 from contbed.output.files import prepare
 from contbed.output.progress import Progress
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

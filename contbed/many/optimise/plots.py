@@ -7,15 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Flags
 from contbed.many.optimise.evaluations import Evaluation
 from contbed.many.optimise.found import Found
 from contbed.many.optimise.problem import Design
 from contbed.output.colours import COLOURS
 from contbed.output.plots import styled_figure
-
-Array = NDArray[np.float64]
 
 _FAILED = "#B00020"
 _SMALLEST = 1e-9  # excess that is drawn, of its largest
@@ -58,7 +56,7 @@ def plot(path: Path, design: Design, found: Found, rows: Sequence[Evaluation]) -
         axes[-1].xaxis.get_major_locator().set_params(integer=True)
 
 
-def _feasible(design: Design, functions: Array) -> NDArray[np.bool_]:
+def _feasible(design: Design, functions: Array) -> Flags:
     """Return which points keep all constraints, to a millionth of the largest excess
     of each.
     """
@@ -66,9 +64,7 @@ def _feasible(design: Design, functions: Array) -> NDArray[np.bool_]:
     equality = [one.sign == "==" for one in design.constraints]
     excess[:, equality] = np.abs(excess[:, equality])
     size = np.nanmax(np.abs(excess), axis=0, initial=0.0)
-    found: NDArray[np.bool_] = (excess <= 1e-6 * size).all(axis=1) & np.isfinite(
-        functions[:, 0]
-    )
+    found: Flags = (excess <= 1e-6 * size).all(axis=1) & np.isfinite(functions[:, 0])
     return found
 
 

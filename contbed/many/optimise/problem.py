@@ -26,8 +26,8 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import SceneError
 from contbed.loading import load
 from contbed.many.optimise.bounds import DesignKey
@@ -35,8 +35,6 @@ from contbed.many.optimise.expression import Expression
 from contbed.many.value_sets import tidy
 from contbed.scene.tables import SceneBase
 from contbed.scene.values import value_at
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

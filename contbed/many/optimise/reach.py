@@ -12,13 +12,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.many.optimise.constrained_search import EvaluationFailed
 from contbed.many.optimise.evaluations import Evaluations
 from contbed.many.optimise.problem import Design, with_unit
-
-Array = NDArray[np.float64]
 
 
 def warnings_at_start(evaluations: Evaluations) -> Iterator[str]:

@@ -25,13 +25,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtr
 from scipy.stats import qmc
 
+from contbed.arrays import Array
 from contbed.errors import ContbedError
-
-Array = NDArray[np.float64]
 
 # of the kernel, of the bounds: shorter ones are noise, longer ones a plane
 LENGTHS = (0.05, 20.0)

@@ -10,8 +10,8 @@ fitted.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.many.optimise.evaluations import Evaluation, Evaluations, OutOfRuns
 from contbed.many.optimise.found import (
     INFEASIBLE,
@@ -30,8 +30,6 @@ from contbed.many.optimise.surrogate import (
     propose,
 )
 from contbed.models import model_of
-
-Array = NDArray[np.float64]
 
 FIRST = 4  # points before the first fit, for each key
 # improvement, of the range of the objective, below which nothing is promised

@@ -13,15 +13,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.many.quantities import Quantity, parameter
 from contbed.many.sweep.study import Study
 from contbed.many.sweep.table import Row, columns
 from contbed.output.colours import COLOURS
 from contbed.output.plots import styled_figure
-
-Array = NDArray[np.float64]
 
 _FAILED: dict[str, Any] = {
     "color": "#B00020",

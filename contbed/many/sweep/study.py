@@ -36,6 +36,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
+from contbed.arrays import Array
 from contbed.errors import SceneError
 from contbed.loading import load
 from contbed.many import value_sets
@@ -99,7 +100,7 @@ class Sample:
 
     method: str
     distributions: Mapping[str, Distribution]
-    points: value_sets.Array
+    points: Array
     gradients: bool
 
 

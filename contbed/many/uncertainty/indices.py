@@ -15,12 +15,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.many.uncertainty.propagate import of_size_one
 from contbed.many.value_sets import LEVELS
 
-Array = NDArray[np.float64]
 CONFIDENCE = 0.90  # of the half widths of indices
 RESAMPLES = 200  # of the groups, for their confidence
 # range of a result over its size above which it varies, and by more than by rounding

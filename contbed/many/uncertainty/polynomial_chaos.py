@@ -23,11 +23,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.many.distributions import Distribution
 from contbed.many.uncertainty.indices import SOBOL_COLUMNS, VARIES, Indices
 from contbed.many.uncertainty.propagate import COVERAGE, Spread, of_size_one
 
-Array = NDArray[np.float64]
 # share of the variance that the polynomial may leave; above, its indices say little
 MOST_UNEXPLAINED = 0.1
 MOST_TERMS = 600  # to choose from, which bounds memory and time

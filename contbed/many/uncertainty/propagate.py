@@ -14,11 +14,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array, Flags
 from contbed.many.distributions import Distribution
 
-Array = NDArray[np.float64]
 COVERAGE = 0.90  # of the band
 LEAST_VALUES = 2  # that have a standard deviation
 
@@ -99,7 +98,7 @@ def contributions(slopes: Array, distributions: Mapping[str, Distribution]) -> A
     )
 
 
-def independent(method: str, points: Array) -> NDArray[np.bool_]:
+def independent(method: str, points: Array) -> Flags:
     """Return which points of a design are a sample of the parameters, shape (runs,).
 
     Of the groups of Sobol indices these are the first and the last; a Morris design has

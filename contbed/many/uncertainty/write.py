@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import ContbedError
 from contbed.many.derivatives.gradients import gradient
 from contbed.many.quantities import Quantity
@@ -39,7 +39,6 @@ from contbed.output.summary import write_json
 from contbed.scene.identity import scene_hash
 from contbed.scene.tables import SceneBase
 
-Array = NDArray[np.float64]
 FILE = "uncertainty.json"
 SLOPES = "gradient.jsonl"  # the derivatives at the means
 

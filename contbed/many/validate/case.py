@@ -34,9 +34,9 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from contbed.arrays import Array
 from contbed.closures import registry
 from contbed.errors import SceneError
 from contbed.fields import FIELDS
@@ -51,7 +51,6 @@ from contbed.scene.toml_lines import Origin
 from contbed.scene.uncertain import share_of, uncertain_numbers
 from contbed.scene.units import to_si
 
-Array = NDArray[np.float64]
 SHIPPED = Path(__file__).parent / "cases"
 
 

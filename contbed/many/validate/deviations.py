@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from contbed.arrays import Array
+
 COVERAGE = 2.0  # standard uncertainties in which 95 % of normal deviations lie
 
 

@@ -7,15 +7,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import SceneError
 from contbed.fields import header, name_of
 from contbed.many.validate.case import Case
 from contbed.many.validate.deviations import Compared, score
 from contbed.result import Result
 
-Array = NDArray[np.float64]
 SAME = 1e-6  # relative difference of two heights that are the same
 
 

@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.closures.binding import scaled
 from contbed.fields import header
 from contbed.many.validate import levels, signal
@@ -27,7 +27,6 @@ from contbed.many.validate.deviations import Compared, score
 from contbed.result import Result
 from contbed.runner import run
 
-Array = NDArray[np.float64]
 SAME = 1e-9  # relative difference of two times or positions that are the same
 
 

@@ -16,15 +16,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.errors import SceneError
 from contbed.fields import name_of
 from contbed.many.validate.case import Case, Signal
 from contbed.many.validate.deviations import Compared, Score
 from contbed.result import Result
 
-Array = NDArray[np.float64]
 # Hz, at which signals are resampled: far above the 2 to 3 Hz of slugs, below the
 # samples of a run
 RATE = 100.0

@@ -30,13 +30,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.sparse import coo_array, csr_array
 
+from contbed.arrays import Array
 from contbed.errors import ConvergenceError
 
-Array = NDArray[np.float64]
 Coefficient = ArrayLike | Callable[[Array], ArrayLike]
 
 _REFINEMENTS, _TOLERANCE = 12, 1e-8

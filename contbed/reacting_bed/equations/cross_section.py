@@ -14,9 +14,8 @@ from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from contbed.arrays import Array
 
 
 class Join(NamedTuple):

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.arrays import Array
 from contbed.particle.adsorption import Inside
 from contbed.reacting_bed.equations.unknowns import LEAST_T, PhaseLayout, State
 
@@ -65,7 +65,7 @@ class Phase:
         held = self.inside.held(state.inner, np.maximum(state.T_solid, LEAST_T))[0]
         return [moles for points in held.values() for moles in points]
 
-    def diffusion_inside(self) -> NDArray[np.float64] | None:
+    def diffusion_inside(self) -> Array | None:
         """Return the sources that are linear in the unknowns inside (a, a); None
         without several points.
         """
