@@ -162,11 +162,11 @@ def test_heat_content_beyond_the_range_of_a_fluid_has_the_slope_of_its_end() -> 
         "model": "coolprop",
         "name": "INCOMP::TVP1",
         "pressure": 12e5,
-        "T_range": [560.0, 650.0],
+        "T_range": [295.0, 650.0],
     }
     medium = plan(bed(0.3, gas=oil)).medium
     fluid = medium.fluid
-    for end, beyond in ((560.0, 540.0), (650.0, 670.0)):
+    for end, beyond in ((295.0, 275.0), (650.0, 670.0)):
         slope = 0.4 * float(fluid.density(end) * fluid.heat_capacity(end))
         change = medium.content_fluid(beyond) - medium.content_fluid(end)
         assert change == pytest.approx(slope * (beyond - end), rel=1e-9)
@@ -203,7 +203,7 @@ def test_a_closure_of_the_whole_bed_beside_the_fluid_is_told() -> None:
     whole = {"nusselt": 10.0, "conductivity_solids": "zehner_schluender"}
     (text,) = bed(0.3, closures=whole).warnings
     assert "closures.conductivity_solids" in text and text.endswith(
-        "twice; give closures.conductivity_gas = 0"
+        "a second time; give closures.conductivity_gas = 0"
     )
     assert not bed(0.3, closures={**whole, "conductivity_gas": 0.0}).warnings
     assert not bed(0.3, closures={"nusselt": 10.0, "conductivity_solids": 1.0}).warnings
@@ -216,7 +216,9 @@ def test_tolerances_and_cells_that_hide_everything_are_told() -> None:
         solver={"balance_tolerance": 0.01},
         mesh={"type": "line", "length": 0.2, "cells": 1},
     ).warnings
-    assert any("balance_tolerance" in text and "mean little" in text for text in told)
+    assert any(
+        "balance_tolerance" in text and "not meaningful" in text for text in told
+    )
     assert any("mesh.cells" in text and "one cell cannot show" in text for text in told)
     assert not bed(0.3).warnings
 
