@@ -14,6 +14,7 @@ from contbed.two_fluid import scene as t
 from contbed.two_fluid import wall_shear
 from contbed.two_fluid.boundary import GIVEN, OUTLET
 from contbed.two_fluid.conditions import Inlet, Outlet, SolidAtInlet, Wall
+from contbed.two_fluid.end_pressure import end_faces
 from contbed.two_fluid.heat.checks import MAX_TEMPERATURE
 
 if TYPE_CHECKING:
@@ -32,7 +33,8 @@ REMEDY = (
 def largest_speed(scene: t.TwoFluidScene, bed: Simulation) -> float:
     """Return a bound of the speed of particles [m/s].
 
-    It is the sum of free fall from the height of the vessel, the speed of what enters
+    It is the sum of free fall from the height of the vessel, or during the whole run
+    where bottom and top are periodic, the speed of what enters
     between particles, that of the start and of moving walls, that of particles which
     expand by their granular temperature, and that of gas which a difference of the
     pressures outside drives.
@@ -72,6 +74,8 @@ def largest_speed(scene: t.TwoFluidScene, bed: Simulation) -> float:
         else 0.0
     )
     fall = (2.0 * scene.two_fluid.gravity * height) ** 0.5
+    if not len(end_faces(grid, -1)):
+        fall = scene.two_fluid.gravity * scene.time.end
     given = (
         narrowing * blown * _expansion(scene)
         + fed
