@@ -60,6 +60,20 @@ def solid_face_weight(there: float, here: float) -> float:
     return share if share > MIN_FACE_WEIGHT else 0.0
 
 
+@inner
+def without_slope(
+    g: Geometry, f: int, side: int, c: int, grad: Array, u: float
+) -> float:
+    """Return the normal velocity of a face less what the gradient (nc, dim, dim) of the
+    cell c on its left (0) or right (1) adds on the way to it.
+    """
+    for k in range(len(g.axes)):
+        for d in range(len(g.axes)):
+            arm = g.arm_left[f, d] if side == 0 else g.arm_right[f, d]
+            u -= grad[c, k, d] * (g.normal[f, k] * arm)
+    return u
+
+
 @kernel
 def gather_gas(
     g: Geometry,
@@ -83,13 +97,8 @@ def gather_gas(
             c = g.left[f] if side == 0 else g.right[f]
             u, h = faces.gas[f], faces.h_gas[f]
             if corrected:
-                for k in range(dim):
-                    for d in range(dim):
-                        arm = g.normal[f, k] * (
-                            g.arm_left[f, d] if side == 0 else g.arm_right[f, d]
-                        )
-                        u -= grad_new[c, k, d] * arm
-                        h -= grad_h[c, k, d] * arm
+                u = without_slope(g, f, side, c, grad_new, u)
+                h = without_slope(g, f, side, c, grad_h, h)
             for k in range(dim):
                 n = g.face_size[f] * g.normal[f, k]
                 new[c, k] += n * u
@@ -129,13 +138,8 @@ def gather_solid(
             weight = g.face_size[f] * solid_face_weight(faces.eps_s[f], s[c])
             u, h = faces.solid[f], faces.h_solid[f]
             if corrected:
-                for k in range(dim):
-                    for d in range(dim):
-                        arm = g.normal[f, k] * (
-                            g.arm_left[f, d] if side == 0 else g.arm_right[f, d]
-                        )
-                        u -= grad_new[c, k, d] * arm
-                        h -= grad_h[c, k, d] * arm
+                u = without_slope(g, f, side, c, grad_new, u)
+                h = without_slope(g, f, side, c, grad_h, h)
             for k in range(dim):
                 n = weight * g.normal[f, k]
                 new[c, k] += n * u

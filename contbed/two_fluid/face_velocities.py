@@ -109,6 +109,12 @@ class FaceFractions(NamedTuple):
     solid: Array
 
 
+@inner
+def of_both(fractions: FaceFractions, f: int, gas: float, solid: float) -> float:
+    """Sum over the phases of what each has on a face times its fraction."""
+    return float(fractions.gas[f] * gas + fractions.solid[f] * solid)
+
+
 @kernel
 def eliminate_drag(
     first: Value, second: Value, a_g: Value, a_s: Value
@@ -164,6 +170,25 @@ def mobilities(
     return scale * ((1.0 + a_s) / rho_gas + a_g / rho_solid), scale * (
         a_s / rho_gas + (1.0 + a_g) / rho_solid
     )
+
+
+@inner
+def set_on_face(
+    out: FacePredictor,
+    f: int,
+    h: tuple[float, float],
+    star: tuple[float, float],
+    mobility: tuple[float, float],
+    drop: float,
+) -> None:
+    """Set what a face has; gas and solids with H, the velocity without pressure and the
+    mobility of each, and the `drop` [Pa/m] of the last pressure.
+    """
+    out.h_gas[f], out.h_solid[f] = h
+    out.star_gas[f], out.star_solid[f] = star
+    out.mobility_gas[f], out.mobility_solid[f] = mobility
+    out.upwind_gas[f] = star[0] - mobility[0] * drop
+    out.upwind_solid[f] = star[1] - mobility[1] * drop
 
 
 @kernel
@@ -266,17 +291,7 @@ def predict_on_faces(
             a_s,
         )
         drop = (p[right] - p[left]) / distance
-        (
-            out.star_gas[f],
-            out.star_solid[f],
-            out.mobility_gas[f],
-            out.mobility_solid[f],
-        ) = u_g, u_s, move_g, move_s
-        out.upwind_gas[f], out.upwind_solid[f] = (
-            u_g - move_g * drop,
-            u_s - move_s * drop,
-        )
-        out.h_gas[f], out.h_solid[f] = hg, hs
+        set_on_face(out, f, (hg, hs), (u_g, u_s), (move_g, move_s), drop)
     predict_on_boundary(g, edge, dt, cells, velocities, gradients, out)
 
 
@@ -346,17 +361,7 @@ def predict_on_boundary(
                 (hg + dt * (weight - cross_p / rho_g)) / (1.0 + a_g),
                 dt / (1.0 + a_g) / rho_g,
             )
-        (
-            out.star_gas[f],
-            out.star_solid[f],
-            out.mobility_gas[f],
-            out.mobility_solid[f],
-        ) = u_g, u_s, move_g, move_s
-        out.upwind_gas[f], out.upwind_solid[f] = (
-            u_g - move_g * drop,
-            u_s - move_s * drop,
-        )
-        out.h_gas[f], out.h_solid[f] = hg, hs
+        set_on_face(out, f, (hg, hs), (u_g, u_s), (move_g, move_s), drop)
 
 
 @kernel
@@ -457,14 +462,9 @@ def damp_buoyancy_waves(
             # both phases are slowed alike; fractions that come from two cells do not
             # sum to one
             slower = (1.0 - least / steep) / (fractions.gas[f] + fractions.solid[f])
-            flux = slower * (
-                fractions.gas[f] * out.star_gas[f]
-                + fractions.solid[f] * out.star_solid[f]
-            )
-            mobility = slower * (
-                fractions.gas[f] * out.mobility_gas[f]
-                + fractions.solid[f] * out.mobility_solid[f]
-            )
+            flux = slower * of_both(fractions, f, out.star_gas[f], out.star_solid[f])
+            move_g, move_s = out.mobility_gas[f], out.mobility_solid[f]
+            mobility = slower * of_both(fractions, f, move_g, move_s)
             out.star_gas[f] -= flux
             out.star_solid[f] -= flux
             out.mobility_gas[f] -= mobility

@@ -7,9 +7,23 @@ from __future__ import annotations
 from contbed.two_fluid.boundary import OUTLET, Edge
 from contbed.two_fluid.cell_velocities import FaceVelocities
 from contbed.two_fluid.compiled import Array, inner, kernel
-from contbed.two_fluid.face_velocities import FaceFractions, FacePredictor
+from contbed.two_fluid.face_velocities import FaceFractions, FacePredictor, of_both
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.state import Fluxes
+
+
+@inner
+def flux_and_link(
+    g: Geometry, f: int, fractions: FaceFractions, predictor: FacePredictor
+) -> tuple[float, float]:
+    """Flux of both phases through a face without the pressure [m3/s], and by how much
+    it falls with the difference of the pressures.
+    """
+    star = of_both(fractions, f, predictor.star_gas[f], predictor.star_solid[f])
+    mobility = of_both(
+        fractions, f, predictor.mobility_gas[f], predictor.mobility_solid[f]
+    )
+    return g.area[f] * star, g.area[f] * mobility / g.distance[f]
 
 
 @kernel
@@ -25,14 +39,7 @@ def assemble_pressure(
     fluxes; `rhs` holds the sources.
     """
     for f in range(len(g.right)):
-        eps_g, eps_s = fractions.gas[f], fractions.solid[f]
-        flux = g.area[f] * (
-            eps_g * predictor.star_gas[f] + eps_s * predictor.star_solid[f]
-        )
-        mobility = (
-            eps_g * predictor.mobility_gas[f] + eps_s * predictor.mobility_solid[f]
-        )
-        coef[f] = g.area[f] * mobility / g.distance[f]
+        flux, coef[f] = flux_and_link(g, f, fractions, predictor)
         rhs[g.left[f]] -= flux
         rhs[g.right[f]] += flux
     assemble_boundary_pressure(g, edge, fractions, predictor, coef, rhs)
@@ -55,14 +62,8 @@ def assemble_boundary_pressure(
             coef[f] = 0.0
             rhs[c] -= g.area[f] * (gas.flux[b] + solid.flux[b])
             continue
-        eps_g, eps_s = fractions.gas[f], fractions.solid[f]
-        mobility = (
-            eps_g * predictor.mobility_gas[f] + eps_s * predictor.mobility_solid[f]
-        )
-        coef[f] = g.area[f] * mobility / g.distance[f]
-        rhs[c] += coef[f] * edge.p[b] - g.area[f] * (
-            eps_g * predictor.star_gas[f] + eps_s * predictor.star_solid[f]
-        )
+        flux, coef[f] = flux_and_link(g, f, fractions, predictor)
+        rhs[c] += coef[f] * edge.p[b] - flux
 
 
 @kernel
@@ -88,7 +89,7 @@ def correct_fluxes(
         u_s = predictor.star_solid[f] - predictor.mobility_solid[f] * drop
         faces.gas[f], faces.solid[f] = u_g, u_s
         fluxes.solid[f] = area * (fractions.solid[f] * u_s)
-        fluxes.total[f] = area * (fractions.gas[f] * u_g + fractions.solid[f] * u_s)
+        fluxes.total[f] = area * of_both(fractions, f, u_g, u_s)
         outflow_gas[left] += max(0.0, area * u_g)
         outflow_solid[left] += max(0.0, area * u_s)
         outflow_gas[right] -= min(0.0, area * u_g)
@@ -118,7 +119,7 @@ def correct_boundary_fluxes(
         u_s = predictor.star_solid[f] - predictor.mobility_solid[f] * drop
         fluxes.solid[f] = area * (fractions.solid[f] * u_s)
         if edge.gas.kind[b] == OUTLET:
-            fluxes.total[f] = area * (fractions.gas[f] * u_g + fractions.solid[f] * u_s)
+            fluxes.total[f] = area * of_both(fractions, f, u_g, u_s)
             if u_s < 0.0:
                 # no particles come back: as at a wall
                 fluxes.solid[f] = u_s = faces.h_solid[f] = 0.0

@@ -20,6 +20,7 @@ from contbed.two_fluid.state import (
     State,
     check_finite,
     flatten,
+    in_and_out,
     rebuild,
     zero_state,
 )
@@ -293,12 +294,7 @@ def book(
         total[model.grid.interior :][halo.edges],
     )
     gas = total - solid
-    crossed = halo.sum(
-        -dt * float(np.sum(solid, where=solid < 0)),
-        dt * float(np.sum(solid, where=solid > 0)),
-        -dt * float(np.sum(gas, where=gas < 0)),
-        dt * float(np.sum(gas, where=gas > 0)),
-    )
+    crossed = halo.sum(*in_and_out(dt, solid), *in_and_out(dt, gas))
     return Account(
         *(before + volume for before, volume in zip(account, crossed, strict=True))
     )

@@ -244,6 +244,12 @@ class State:
         )
 
 
+def in_and_out(dt: float, flux: Array) -> tuple[float, float]:
+    """Return what comes in and what goes out in `dt` [s] by an outward flux of faces."""
+    came, went = np.sum(flux, where=flux < 0), np.sum(flux, where=flux > 0)
+    return -dt * float(came), dt * float(went)
+
+
 def zero_state(grid: Grid) -> State:
     """State of an empty vessel without motion."""
     nc, nf, dim = len(grid.cells), grid.face_count, grid.dimension

@@ -53,7 +53,13 @@ from contbed.two_fluid.heat.walls import FromWalls, after_step, from_walls, memo
 from contbed.two_fluid.linear.cg import EXPLICIT_SHARE
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.operators import gradient, predictor_half_step
-from contbed.two_fluid.state import Energy, HeatAccount, State, check_finite
+from contbed.two_fluid.state import (
+    Energy,
+    HeatAccount,
+    State,
+    check_finite,
+    in_and_out,
+)
 from contbed.two_fluid.timing import phase
 
 
@@ -514,13 +520,7 @@ def _book(
         gas[model.grid.interior :][halo.edges],
         heat[model.grid.interior :][halo.edges],
     )
-    crossed = halo.sum(
-        -dt * float(np.sum(heat, where=heat < 0)),
-        dt * float(np.sum(heat, where=heat > 0)),
-        walls,
-        -dt * float(np.sum(gas, where=gas < 0)),
-        dt * float(np.sum(gas, where=gas > 0)),
-    )
+    crossed = halo.sum(*in_and_out(dt, heat), walls, *in_and_out(dt, gas))
     return HeatAccount(
         *(before + more for before, more in zip(account, crossed, strict=True))
     )

@@ -20,11 +20,17 @@ from contbed.two_fluid.face_velocities import (
     eliminate_drag,
     kept_residual,
     mobilities,
+    of_both,
     particle_force,
     predict_on_boundary,
     reconstruct_boundary_fractions,
+    set_on_face,
 )
-from contbed.two_fluid.fluxes import assemble_boundary_pressure, correct_boundary_fluxes
+from contbed.two_fluid.fluxes import (
+    assemble_boundary_pressure,
+    correct_boundary_fluxes,
+    flux_and_link,
+)
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.fv.reconstruction import Reconstruction
 from contbed.two_fluid.fv.rows import Rows
@@ -78,17 +84,7 @@ def predict_on_faces(
             move_g, move_s = mobilities(dt, a_g, a_s, rho_g, rho_s)
             u_g, u_s = eliminate_drag(hg + dt * weight, hs + dt * force, a_g, a_s)
             drop = (p[b] - p[a]) / distance
-            (
-                out.star_gas[f],
-                out.star_solid[f],
-                out.mobility_gas[f],
-                out.mobility_solid[f],
-            ) = u_g, u_s, move_g, move_s
-            out.upwind_gas[f], out.upwind_solid[f] = (
-                u_g - move_g * drop,
-                u_s - move_s * drop,
-            )
-            out.h_gas[f], out.h_solid[f] = hg, hs
+            set_on_face(out, f, (hg, hs), (u_g, u_s), (move_g, move_s), drop)
     predict_on_boundary(g, edge, dt, cells, velocities, gradients, out)
 
 
@@ -143,18 +139,9 @@ def assemble_pressure(
         face, left, right = rows.face[r], rows.left[r], rows.right[r]
         for i in range(ZERO, rows.length[r]):
             f = face + i
-            both = (
-                fractions.gas[f] * predictor.star_gas[f]
-                + fractions.solid[f] * predictor.star_solid[f]
-            )
-            flux[f] = g.area[f] * both
+            flux[f], _ = flux_and_link(g, f, fractions, predictor)
         for i in range(rows.left_from[r], rows.left_to[r]):
-            f = face + i
-            mobility = (
-                fractions.gas[f] * predictor.mobility_gas[f]
-                + fractions.solid[f] * predictor.mobility_solid[f]
-            )
-            coef[f] = g.area[f] * mobility / g.distance[f]
+            _, coef[face + i] = flux_and_link(g, face + i, fractions, predictor)
         for i in range(rows.left_from[r], rows.left_to[r]):
             rhs[left + i] -= flux[face + i]
         for i in range(rows.right_from[r], rows.right_to[r]):
@@ -190,9 +177,7 @@ def correct_fluxes(
             f = face + i
             faces.gas[f], faces.solid[f] = u_gas[f], u_solid[f]
             fluxes.solid[f] = area[f] * (fractions.solid[f] * u_solid[f])
-            fluxes.total[f] = area[f] * (
-                fractions.gas[f] * u_gas[f] + fractions.solid[f] * u_solid[f]
-            )
+            fluxes.total[f] = area[f] * of_both(fractions, f, u_gas[f], u_solid[f])
         for i in range(rows.left_from[r], rows.left_to[r]):
             outflow_gas[left + i] += max(0.0, area[face + i] * u_gas[face + i])
             outflow_solid[left + i] += max(0.0, area[face + i] * u_solid[face + i])

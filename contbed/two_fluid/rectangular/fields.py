@@ -24,17 +24,27 @@ def gradient(g: Geometry, rows: Rows, values: Array, edge: Array, out: Array) ->
     """Gradients `out` (dim, m, nc) of `values` (m, nc) with boundary values `edge`
     (nb, m).
     """
+    _set_gradient(rows, values, rows.slope_left, rows.slope_right, out)
+    add_boundary_gradient(g, values.T, edge, out.T)
+
+
+@inner
+def _set_gradient(
+    rows: Rows, values: Array, slope_left: Array, slope_right: Array, out: Array
+) -> None:
+    """Set `out` (dim, m, nc) to the sums of jumps of `values` (m, nc) across interior
+    faces, with the slopes (ni,) of their left and right cells.
+    """
     out[:, :, rows.begin : rows.end] = 0.0
     for r in range(len(rows.length)):
         d, face, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]
         for k in range(values.shape[0]):
             for i in range(rows.left_from[r], rows.left_to[r]):
                 jump = values[k, right + i] - values[k, left + i]
-                out[d, k, left + i] += rows.slope_left[face + i] * jump
+                out[d, k, left + i] += slope_left[face + i] * jump
             for i in range(rows.right_from[r], rows.right_to[r]):
                 jump = values[k, right + i] - values[k, left + i]
-                out[d, k, right + i] += rows.slope_right[face + i] * jump
-    add_boundary_gradient(g, values.T, edge, out.T)
+                out[d, k, right + i] += slope_right[face + i] * jump
 
 
 @inner
@@ -61,20 +71,12 @@ def gradient_solid(
     """
     to_left, to_right = np.empty(len(g.right)), np.empty(len(g.right))
     weigh_neighbours(rows, s, to_left, to_right)
-    out[:, :, rows.begin : rows.end] = 0.0
     for r in range(len(rows.length)):
-        d, face, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]
-        for k in range(values.shape[0]):
-            for i in range(rows.left_from[r], rows.left_to[r]):
-                jump = values[k, right + i] - values[k, left + i]
-                out[d, k, left + i] += (
-                    to_left[face + i] * rows.slope_left[face + i] * jump
-                )
-            for i in range(rows.right_from[r], rows.right_to[r]):
-                jump = values[k, right + i] - values[k, left + i]
-                out[d, k, right + i] += (
-                    to_right[face + i] * rows.slope_right[face + i] * jump
-                )
+        face = rows.face[r]
+        for i in range(ZERO, rows.length[r]):
+            to_left[face + i] *= rows.slope_left[face + i]
+            to_right[face + i] *= rows.slope_right[face + i]
+    _set_gradient(rows, values, to_left, to_right, out)
     add_boundary_gradient(g, values.T, edge, out.T)
 
 
