@@ -37,35 +37,31 @@ class Substance(Table):
     the thermodynamic tables.
     """
 
-    elements: dict[str, Positive] | None = Field(
-        None, description="atoms, {C = 1, H = 4}; absent: from the name"
-    )
-    molar_mass: MolarMass | None = Field(None, description="absent: from the elements")
-    shomate: tuple[FiniteFloat, ...] | None = Field(
-        None,
-        min_length=5,
-        max_length=8,
-        description="A to H of the Shomate equation, T/1000 K, J/mol/K and kJ/mol; F "
-        "and G may be left out",
-    )
-    heat_capacity: MolarHeatCapacity | None = Field(
-        None, description="constant, instead of shomate"
-    )
-    enthalpy: MolarEnergy | None = Field(
-        None, description="of formation at 298.15 K, with heat_capacity or A to E"
-    )
-    entropy: MolarEntropy | None = Field(None, description="standard, at 298.15 K")
-    density: Density | None = Field(None, description="of a solid without pores")
+    elements: dict[str, Positive] | None = None
+    """atoms, {C = 1, H = 4}; absent: from the name"""
+    molar_mass: MolarMass | None = None
+    """absent: from the elements"""
+    shomate: tuple[FiniteFloat, ...] | None = Field(None, min_length=5, max_length=8)
+    """A to H of the Shomate equation, T/1000 K, J/mol/K and kJ/mol; F and G may be left
+    out"""
+    heat_capacity: MolarHeatCapacity | None = None
+    """constant, instead of shomate"""
+    enthalpy: MolarEnergy | None = None
+    """of formation at 298.15 K, with heat_capacity or A to E"""
+    entropy: MolarEntropy | None = None
+    """standard, at 298.15 K"""
+    density: Density | None = None
+    """of a solid without pores"""
     viscosity: (
         Annotated[Annotated[Viscosity, Tag("number")] | Curve, Discriminator(form)]
         | None
-    ) = Field(
-        None, description="of a gas; a list is c1 to c4 of c1 T^c2/(1 + c3/T + c4/T^2)"
-    )
+    ) = None
+    """of a gas; a list is c1 to c4 of c1 T^c2/(1 + c3/T + c4/T^2)"""
     conductivity: (
         Annotated[Annotated[Conductivity, Tag("number")] | Curve, Discriminator(form)]
         | None
-    ) = Field(None, description="of a gas, as viscosity")
+    ) = None
+    """of a gas, as viscosity"""
 
 
 def text_or_number(value: Any) -> str:
@@ -88,61 +84,40 @@ PhaseOrPhases = Annotated[
 class Reaction(Table):
     """One reaction: a rate law by name with its constants, or a formula."""
 
-    equation: str | None = Field(
-        None, description='"CH4 + 12 Fe2O3 -> 8 Fe3O4 + CO2 + 2 H2O"; <-> if reversible'
-    )
-    law: str | None = Field(
-        None,
-        description="power, grain, grain_remaining, shrinking_core, or a law with a "
-        "name",
-    )
-    rate: str | None = Field(
-        None,
-        description="formula instead, of T, p_X, c_X, x_X, n_X, X, R and parameters",
-    )
-    unit: str | None = Field(
-        None, description="of the formula, such as kmol/kg/h; absent: SI of the basis"
-    )
-    parameters: dict[str, Parameter] = Field(
-        default_factory=dict, description='of the formula, {E = "49 kJ/mol"}'
-    )
-    A: Annotated[Number, Field(ge=0)] | None = Field(
-        None, description="of k = A T^b exp(-E/(R T)), in mol, m and s"
-    )
-    b: Number = Field(
-        0.0, description="exponent of the temperature in k = A T^b exp(-E/(R T))"
-    )
-    E: ActivationEnergy | None = Field(None, description="activation energy")
-    orders: dict[str, Number] | None = Field(
-        None, description="in concentrations; absent: 1 for each reactant gas"
-    )
-    solid: PhaseOrPhases | None = Field(
-        None,
-        description="phase, or list of phases, of [solids] in which it runs; absent: "
-        "those that hold what reacts",
-    )
-    basis: Literal["gas", "catalyst", "particle", "bed"] | None = Field(
-        None,
-        description="rate per m3 of gas, kg of catalyst, m3 of particles or of bed; "
-        "absent: gas, or particle",
-    )
-    factor: Positive = Field(
-        1.0, description="multiplies the rate, such as an effectiveness"
-    )
-    equilibrium_factor: Positive = Field(
-        1.0,
-        description="multiplies K of a reversible reaction, which comes from the "
-        "thermodynamics of its species",
-    )
-    grain_radius: Length | None = Field(
-        None, description="radius of the grains in the particles"
-    )
-    molar_density: Positive | None = Field(
-        None, description="of the reacting solid in a grain [mol/m3]"
-    )
-    active_share: Positive = Field(
-        1.0, description="share of the surface of grains that reacts"
-    )
-    diffusivity: PositiveDiffusivity | None = Field(
-        None, description="effective, in the product layer or particle"
-    )
+    equation: str | None = None
+    """"CH4 + 12 Fe2O3 -> 8 Fe3O4 + CO2 + 2 H2O"; <-> if reversible"""
+    law: str | None = None
+    """power, grain, grain_remaining, shrinking_core, or a law with a name"""
+    rate: str | None = None
+    """formula instead, of T, p_X, c_X, x_X, n_X, X, R and parameters"""
+    unit: str | None = None
+    """of the formula, such as kmol/kg/h; absent: SI of the basis"""
+    parameters: dict[str, Parameter] = Field(default_factory=dict)
+    """of the formula, {E = "49 kJ/mol"}"""
+    A: Annotated[Number, Field(ge=0)] | None = None
+    """of k = A T^b exp(-E/(R T)), in mol, m and s"""
+    b: Number = 0.0
+    """exponent of the temperature in k = A T^b exp(-E/(R T))"""
+    E: ActivationEnergy | None = None
+    """activation energy"""
+    orders: dict[str, Number] | None = None
+    """in concentrations; absent: 1 for each reactant gas"""
+    solid: PhaseOrPhases | None = None
+    """phase, or list of phases, of [solids] in which it runs; absent: those that hold
+    what reacts"""
+    basis: Literal["gas", "catalyst", "particle", "bed"] | None = None
+    """rate per m3 of gas, kg of catalyst, m3 of particles or of bed; absent: gas, or
+    particle"""
+    factor: Positive = 1.0
+    """multiplies the rate, such as an effectiveness"""
+    equilibrium_factor: Positive = 1.0
+    """multiplies K of a reversible reaction, which comes from the thermodynamics of its
+    species"""
+    grain_radius: Length | None = None
+    """radius of the grains in the particles"""
+    molar_density: Positive | None = None
+    """of the reacting solid in a grain [mol/m3]"""
+    active_share: Positive = 1.0
+    """share of the surface of grains that reacts"""
+    diffusivity: PositiveDiffusivity | None = None
+    """effective, in the product layer or particle"""
