@@ -33,7 +33,7 @@ from contbed.scene.toml_lines import KeyPath, Origin
 class PropertyTable(Table):
     """A property over temperature: linear between the temperatures, constant beyond.
 
-    A file has been read when a scene has been loaded.
+    A loaded scene has the values of a file beside its name.
     """
 
     quantity: ClassVar[str]
@@ -49,9 +49,9 @@ class PropertyTable(Table):
 
     @model_validator(mode="after")
     def _usable(self) -> Self:
-        if self.file is not None:
-            return self
         T = self.temperatures
+        if self.file is not None and not T:
+            return self  # it cannot be read, which is a mistake of its own
         if len(T) < 2 or len(T) != len(self.values):
             raise ValueError(
                 f"{len(T)} temperatures and {len(self.values)} values; give two or "
@@ -159,12 +159,19 @@ def range_of(*properties: Any) -> tuple[float, float]:
 def read_files(
     values: Mapping[str, Any], origin: Origin
 ) -> Iterator[tuple[KeyPath, str]]:
-    """Put the columns of files in the place of the tables in [solids.NAME] that name
-    them; yield those that cannot be used, and why.
+    """Put the columns of files into the tables in [solids.NAME] that name them; yield
+    those that cannot be used, and why.
+
+    A resolved scene has its values beside the file, which may be missing then.
     """
     for path, table in _with_a_file(values):
-        if set(table) - {"file", "column"} or not isinstance(table["file"], str):
+        if not isinstance(table["file"], str):
             continue  # the schema says what is wrong
+        given = {
+            key: list(table[key]) for key in ("temperatures", "values") if key in table
+        }
+        if given and not (origin.base / table["file"]).is_file():
+            continue
         reason = why_unusable((*path, "file"), table["file"], origin)
         if reason:
             yield (*path, "file"), reason
@@ -174,7 +181,8 @@ def read_files(
         except (SceneError, ValueError) as error:  # ValueError: no name of a file
             yield path, str(error)
             continue
-        table.clear()
+        if given and given != read:
+            yield path, "the file has other values: remove temperatures and values"
         table.update(read)
 
 

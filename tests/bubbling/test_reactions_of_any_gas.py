@@ -68,7 +68,7 @@ def test_gases_of_the_mechanism():
     [
         (SHIFT | {"equation": "CO + H2O -> CO2"}, "loses 2 atoms of H"),
         (SHIFT | {"basis": "bed"}, "give gas, or catalyst or particle"),
-        ({"law": "grain", "equation": "CO + H2O -> CO2 + H2"}, "solids that react"),
+        ({"law": "grain", "equation": "CO + H2O -> CO2 + H2"}, "of reacting solids"),
         (SHIFT | {"equation": "CO + XY -> CO2"}, "XY is neither a gas of"),
         (SHIFT | {"basis": "catalyst", "solid": "sand"}, "no such phase"),
     ],

@@ -10,6 +10,9 @@ from scipy.optimize import brentq
 from scipy.special import erf
 
 import contbed as cb
+from contbed.loading import from_dict
+from contbed.scene.identity import resolved
+from contbed.scene.inputs import inputs_elsewhere
 from tests.refusals import refused
 from tests.scene_text import scene_of
 
@@ -134,6 +137,21 @@ def test_temperatures_beyond_a_table_are_reported():
     beyond = ENDS | {"boundary.right.solids.rock.fixed_temperature": 900.0}
     found = cb.run(cb.load(scene_of(STORE, beyond)))
     assert any("data from 293.15 to 873.15 K" in text for text in found.warnings)
+
+
+def test_a_file_is_read_once_and_listed(tmp_path):
+    """A resolved scene has the values of the file, and does not need it."""
+    file = tmp_path / "k.csv"
+    file.write_text(K_FILE)
+    values = ENDS | {"solids.rock.conductivity": {"file": str(file)}}
+    scene = cb.load(scene_of(STORE, values))
+    assert scene.solid.conductivity.values == (2.5, 2.0, 1.8)
+    assert inputs_elsewhere(scene, scene.origin.base) == [file]
+    whole = resolved(scene)
+    file.write_text(K_FILE.replace("1.8", "1.9"))
+    refused("the file has other values", from_dict, whole)
+    file.unlink()
+    assert from_dict(whole).solid == scene.solid
 
 
 @pytest.mark.parametrize(
