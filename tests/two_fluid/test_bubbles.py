@@ -2,6 +2,8 @@
 rectangles, triangles and across periodic sides.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import skfem
@@ -9,8 +11,10 @@ import skfem
 from contbed.loading import loads
 from contbed.mesh.mesh import Mesh
 from contbed.models import MODELS
+from contbed.ranks.two_fluid.division import Division
 from contbed.two_fluid.bubbles import Bubbles, open_regions, rises
 from contbed.two_fluid.end_pressure import end_faces
+from contbed.two_fluid.fv.connections import connect
 from contbed.two_fluid.fv.grid import build
 from contbed.two_fluid.of_fluidized import judge
 from contbed.two_fluid.plan import plan
@@ -85,6 +89,18 @@ def test_a_circle_across_periodic_sides_is_one():
     found, _ = bubbles.findings(1, 0.2)
     assert found["bubbles"] == 1.0
     assert found["bubble_diameter_m"] == pytest.approx(0.04, rel=0.01)
+
+
+def test_the_outline_that_ranks_have_shows_the_same_bubbles():
+    bed = planned(periodic=True)
+    outline = Division.of(connect(bed.mesh, [("left", "right")])).outline()
+    gas = circle(bed.grid.centres, (0.0, 0.1), 0.04, WIDTH)
+    found = []
+    for one in (bed, replace(bed, grid=outline)):
+        bubbles = Bubbles(one)
+        bubbles.add(0.0, np.where(gas, 0.0, 0.55))
+        found.append(bubbles.findings(1, 0.2)[0])
+    assert found[1] == pytest.approx(found[0], rel=1e-12)
 
 
 @pytest.mark.parametrize("middle", [(0.05, 0.0), (0.05, 0.2), (0.05, 0.25)])
