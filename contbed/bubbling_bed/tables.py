@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Field, model_validator
 
 from contbed.scene.quantities import (
     Emissivity,
@@ -22,13 +22,12 @@ from contbed.scene.quantities import (
     Table,
     Temperature,
     WallCoefficient,
-    form,
     takes,
     unit,
 )
 from contbed.scene.tables import (
     ConductivityOrClosure,
-    NamedOrFile,
+    OrClosure,
     WallCoefficientOrClosure,
 )
 
@@ -40,31 +39,16 @@ Kelvin = Annotated[float, *unit("K")]
 MassFlow = Annotated[float, *unit("kg/s"), Field(gt=0)]
 Frequency = Annotated[float, *unit("1/s"), Field(ge=0)]
 Speed = Annotated[float, *unit("m/s"), Field(gt=0)]
-MassFluxOfSolids = Annotated[float, *unit("kg/m**2/s"), Field(ge=0), Tag("number")]
+MassFluxOfSolids = Annotated[float, *unit("kg/m**2/s"), Field(ge=0)]
 
-BubbleFraction = Annotated[
-    Annotated[Number, Field(ge=0, lt=1), Tag("number")] | NamedOrFile,
-    Discriminator(form),
-]
-ExchangeOrClosure = Annotated[
-    Annotated[Exchange, Tag("number")] | NamedOrFile, Discriminator(form)
-]
-RateOrClosure = Annotated[
-    Annotated[Frequency, Tag("number")] | NamedOrFile, Discriminator(form)
-]
-EjectionOrClosure = Annotated[MassFluxOfSolids | NamedOrFile, Discriminator(form)]
-RateOfDecayOrClosure = Annotated[
-    Annotated[Extinction, Tag("number")] | NamedOrFile, Discriminator(form)
-]
-SpeedOrClosure = Annotated[
-    Annotated[Speed, Tag("number")] | NamedOrFile, Discriminator(form)
-]
-LengthOrClosure = Annotated[
-    Annotated[Length, Tag("number")] | NamedOrFile, Discriminator(form)
-]
-GasCoefficientOrClosure = Annotated[
-    Annotated[GasCoefficient, Tag("number")] | NamedOrFile, Discriminator(form)
-]
+BubbleFraction = OrClosure[Annotated[Number, Field(ge=0, lt=1)]]
+ExchangeOrClosure = OrClosure[Exchange]
+RateOrClosure = OrClosure[Frequency]
+EjectionOrClosure = OrClosure[MassFluxOfSolids]
+RateOfDecayOrClosure = OrClosure[Extinction]
+SpeedOrClosure = OrClosure[Speed]
+LengthOrClosure = OrClosure[Length]
+GasCoefficientOrClosure = OrClosure[GasCoefficient]
 
 
 class Release(Table):

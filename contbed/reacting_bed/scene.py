@@ -49,9 +49,9 @@ from contbed.scene.reactions import Reaction as Reaction
 from contbed.scene.reactions import Substance as Substance
 from contbed.scene.tables import (
     ConductivityOrClosure,
-    NamedOrFile,
     NewtonSolver,
     NonNegativeOrClosure,
+    OrClosure,
     Output,
     PermeabilityOrClosure,
     RunInTime,
@@ -64,9 +64,7 @@ DiffusivityOrName = Annotated[
     | Annotated[Literal["cantera", "fuller"], Tag("name")],
     Discriminator(form),
 ]
-DispersionOfMass = Annotated[
-    Annotated[Diffusivity, Tag("number")] | NamedOrFile, Discriminator(form)
-]
+DispersionOfMass = OrClosure[Diffusivity]
 
 MASS_DISPERSION = takes("mass_dispersion")
 CONDUCTIVITY = takes("conductivity")

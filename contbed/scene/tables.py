@@ -7,7 +7,7 @@ Absent keys take the default that stands here, once. Values are in SI behind
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, TypeVar
 
 from pydantic import ConfigDict, Discriminator, Field, PrivateAttr, Tag
 
@@ -93,21 +93,16 @@ class Closure(Table):
 
 Named = Annotated[str, Tag("name")] | Annotated[Closure, Tag("parameters")]
 NamedOrFile = Named | Annotated[ClosureFile, Tag("file")]
-PermeabilityOrClosure = Annotated[
-    Annotated[Permeability, Tag("number")] | NamedOrFile, Discriminator(form)
+Quantity = TypeVar("Quantity")
+# a number of a quantity, or a closure that gives it
+OrClosure = Annotated[
+    Annotated[Quantity, Tag("number")] | NamedOrFile, Discriminator(form)
 ]
-NonNegativeOrClosure = Annotated[
-    Annotated[NonNegative, Tag("number")] | NamedOrFile, Discriminator(form)
-]
-ConductivityOrClosure = Annotated[
-    Annotated[Conductivity, Tag("number")] | NamedOrFile, Discriminator(form)
-]
-NumberOrClosure = Annotated[
-    Annotated[Number, Tag("number")] | NamedOrFile, Discriminator(form)
-]
-WallCoefficientOrClosure = Annotated[
-    Annotated[WallCoefficient, Tag("number")] | NamedOrFile, Discriminator(form)
-]
+PermeabilityOrClosure = OrClosure[Permeability]
+NonNegativeOrClosure = OrClosure[NonNegative]
+ConductivityOrClosure = OrClosure[Conductivity]
+NumberOrClosure = OrClosure[Number]
+WallCoefficientOrClosure = OrClosure[WallCoefficient]
 
 
 class BalancedRun(Table):
