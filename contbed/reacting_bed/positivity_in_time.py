@@ -18,12 +18,12 @@ shorter, and taken as it is if that does not help.
 Damping stays for the next step. Of solids that move its share of what makes a
 polynomial flat does, which falls as steps grow: else the damping of the first, short
 steps makes cells flat. Where there is room it falls by and by: a jump of it is one of
-the gas that follows at once, and the error of a step is that before damping grows. A
-gas in the pores stays as it was damped: where there is much room its damping ends at
-once, as it makes fronts wider, and the error of a step is that with the damping that it
-needs. In damped cells errors are those of the means. They are not less than the square
-of what a step without bounds takes of solids at rest beyond their amount: of order 2 as
-the estimate is.
+the gas that follows at once. Damping of a gas in the pores falls at a rate, so that
+neither the length of steps nor the first of them decides when it ends; the error of a
+step is that with the damping that it needs, of another gas that before damping grows.
+In damped cells errors are those of the means. They are not less than the square of what
+a step without bounds takes of solids at rest beyond their amount: of order 2 as the
+estimate is.
 
 Source: Zhang, Shu 2010, J. Comput. Phys. 229, 3091-3120, doi:10.1016/j.jcp.2009.12.030.
 """
@@ -56,11 +56,14 @@ Array = NDArray[np.float64]
 Problems = tuple[Problem, Problem]
 TRIALS = 12  # of a step, in each of which dampings grow by up to a factor of ten
 ROOM = 0.05  # of the mean of a cell, least amounts above which its damping falls
-# the same of a gas in the pores: less and damping comes and goes, each a jump that
-# takes short steps
-ROOM_STORED = 0.5
 FALL = 0.9  # from one step to the next: jumps of the damping are errors of a step
-NONE = 1e-4  # of the damping that makes a polynomial flat, below which there is none
+# rate at which damping of a gas in the pores falls, times the time that the gas stays in
+# the cell: slower and fronts are wider, at once and it comes and goes for ever, in short
+# steps
+FALL_RATE = 10.0
+# of the damping that makes a polynomial flat, in long steps of a gas in the pores, below
+# which there is none
+NONE = 1e-4
 
 
 class Bounded(NamedTuple):
@@ -147,9 +150,9 @@ def bounded(
     if not kept and (least if falls else start.error) > scene.time.tolerance:
         return start
     take = partial(stages, u=u, guess=guess, dt=dt, report=report, sizes=sizes)
-    found, chosen = _within(problems, take, start, look, flat, least, True)
+    found, chosen = _within(problems, take, start, look, dt, least, True)
     if chosen and not found.within:
-        other, _ = _within(problems, take, start, look, flat, least, False)
+        other, _ = _within(problems, take, start, look, dt, least, False)
         return other if other.within else found
     return found
 
@@ -159,7 +162,7 @@ def _within(
     take: Callable[..., tuple[Array, Array, float]],
     found: Bounded,
     look: _Look,
-    flat: Array,
+    dt: float,
     least: float,
     solids_first: bool,
 ) -> tuple[Bounded, bool]:
@@ -168,9 +171,10 @@ def _within(
 
     A solid below zero makes the gas that it reacts with, and a gas below zero takes the
     solid that it makes: which of both comes first is tried where the other way does not
-    help. `take` takes the step with a damping and ended reactions, `least` is the least
-    error.
+    help. `take` takes the step of dt [s] with a damping and ended reactions, `least` is
+    the least error.
     """
+    flat = flattening(problems[1], dt)
     below = -problems[1].scene.solver.newton_tolerance
     rest, stored = (
         at_rest(problems[1])[:, None, None],
@@ -187,7 +191,7 @@ def _within(
         empty = rest & (look.nodes < below)
         if not (wrong.any() or empty.any()):
             return found._replace(
-                damping=_later(problems[1], damping, look, flat), within=True
+                damping=_later(problems[1], damping, look, flat, dt), within=True
             ), chosen
         wrong &= (damping < FLAT * flat) | (look.mean > 0.0)
         both = bool((empty & ~ended).any() and wrong.any())
@@ -264,15 +268,22 @@ def _grown(damping: Array, look: _Look, before: Array, flat: Array) -> Array:
     )
 
 
-def _later(problem: Problem, damping: Array, look: _Look, flat: Array) -> Array:
-    """Return the damping of the next step."""
+def _later(
+    problem: Problem, damping: Array, look: _Look, flat: Array, dt: float
+) -> Array:
+    """Return the damping after a step of dt [s], with which the next one begins."""
     if not damping.any():
         return damping
     stored = problem.is_gas[:, None] & (problem.bed.gas_pressure is not None)
-    enough = np.where(stored, ROOM_STORED, ROOM) * look.mean
-    room = (look.low > enough) | (look.mean < problem.scene.solver.newton_tolerance)
-    found = np.where(room, np.where(stored, 0.0, FALL) * damping, damping)
-    return np.where(found < NONE * flat, 0.0, found)
+    stays = problem.gas_residence / problem.scene.mesh.length * problem.line.h
+    # large damping, that of a front, falls faster: what it leaves to fall is small
+    rate = FALL_RATE * (1.0 + FALL_RATE * damping)
+    fall = np.where(stored, 1.0 / (1.0 + rate * dt / stays), FALL)
+    least = problem.scene.solver.newton_tolerance
+    room = (look.low > ROOM * look.mean) | (look.mean < least)
+    found = np.where(room, fall * damping, damping)
+    # of a gas in the pores also after a step that is cut short
+    return np.where(found < NONE * np.where(stored, 1.0, flat), 0.0, found)
 
 
 def _damped(problems: Problems, damping: Array) -> Problems:
