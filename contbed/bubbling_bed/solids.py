@@ -18,8 +18,11 @@ from contbed.scene.quantities import (
     Emissivity,
     Length,
     NonNegative,
-    Number,
     Position,
+    Positive,
+    PositiveShare,
+    Share,
+    ShareBelowOne,
     Table,
     Temperature,
     form,
@@ -31,8 +34,8 @@ from contbed.scene.solids import SolidPhase
 from contbed.scene.tables import ConductivityOrClosure, NamedOrFile
 
 HeatingValue = Annotated[float, *unit("J/kg"), Field(gt=0)]
-MassFraction = Annotated[Number, Field(ge=0, le=1)]
-MinorFraction = Annotated[Number, Field(ge=0, lt=1)]
+MassFraction = Share
+MinorFraction = ShareBelowOne
 MassFlow = Annotated[float, *unit("kg/s"), Field(ge=0)]
 Nusselt = Annotated[NamedOrFile, Discriminator(form)]
 
@@ -114,14 +117,14 @@ class Fuel(Table):
     """of unburnt char; absent: that of the solid phase"""
     char_model: Literal["shrinking", "density"] = "shrinking"
     """what burning does to a particle"""
-    sherwood: Annotated[Number, Field(gt=0)] = 1.5
+    sherwood: Positive = 1.5
     """of char in the emulsion"""
 
 
 class Limestone(Table):
     """Limestone, fed by solids.NAME.feed."""
 
-    purity: Annotated[Number, Field(gt=0, le=1)] = 1.0
+    purity: PositiveShare = 1.0
     """mass fraction of CaCO3; the rest is inert"""
 
 
@@ -130,12 +133,12 @@ class Solid(SolidPhase):
 
     varies: ClassVar[frozenset[str]] = frozenset({"heat_capacity", "conductivity"})
 
-    volume_share: Annotated[Number, Field(ge=0, le=1)] = 1.0
+    volume_share: Share = 1.0
     """of the volume of all particles; 0: this phase is left out"""
     diameter: Length
     """Sauter mean, of spheres of the particles' volumes; or sizes"""
     sizes: Sizes | None = None
-    sphericity: Annotated[Number, Field(gt=0, le=1)] = 1.0
+    sphericity: PositiveShare = 1.0
     """surface of such spheres over the true"""
     density: Density | None = None
     """needed with boundary.bottom.gas.mass_flow"""

@@ -16,9 +16,9 @@ from contbed.scene.quantities import (
     Irradiance,
     Length,
     NonNegative,
-    Number,
     Pressure,
     Seconds,
+    ShareBelowOne,
     Table,
     Temperature,
     WallCoefficient,
@@ -41,7 +41,7 @@ Frequency = Annotated[float, *unit("1/s"), Field(ge=0)]
 Speed = Annotated[float, *unit("m/s"), Field(gt=0)]
 MassFluxOfSolids = Annotated[float, *unit("kg/m**2/s"), Field(ge=0)]
 
-BubbleFraction = OrClosure[Annotated[Number, Field(ge=0, lt=1)]]
+BubbleFraction = OrClosure[ShareBelowOne]
 ExchangeOrClosure = OrClosure[Exchange]
 RateOrClosure = OrClosure[Frequency]
 EjectionOrClosure = OrClosure[MassFluxOfSolids]

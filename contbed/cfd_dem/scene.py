@@ -29,11 +29,13 @@ from contbed.scene.quantities import (
     HeatCapacity,
     Instant,
     Length,
+    Natural,
     Number,
     Position,
     Positive,
     Pressure,
     Seconds,
+    Share,
     Switch,
     Table,
     Temperature,
@@ -95,7 +97,7 @@ class GasParticles(Table):
     """of the box, with room above the bed"""
     periodic: Switch = False
     """sides"""
-    seed: Annotated[Whole, Field(ge=0)] = 0
+    seed: Natural = 0
     """of the random start of the packing"""
     fixed: Switch = False
     """a packed bed that does not move"""
@@ -123,7 +125,7 @@ class GasSolid(Spheres):
     """of the particles"""
     heat_capacity: HeatCapacity = 840.0
     """of the particles"""
-    emissivity: Annotated[Number, Field(ge=0, le=1)] = 0.0
+    emissivity: Share = 0.0
     """of the particles; 0: no radiation between neighbours"""
 
 

@@ -25,10 +25,12 @@ from contbed.scene.quantities import (
     Emissivity,
     Fraction,
     Length,
+    Natural,
     NonNegative,
     Number,
     Position,
     Positive,
+    PositiveShare,
     Pressure,
     Switch,
     Table,
@@ -41,7 +43,7 @@ from contbed.scene.tables import BalancedRun, SceneBase
 
 Area = Annotated[float, *unit("m**2"), Field(gt=0)]
 Above = Annotated[float, *unit("W/m/K"), Field(gt=0)]
-Ratio = Annotated[Number, Field(gt=0)]
+Ratio = Positive
 
 SOLID_SHARE = 0.59  # of a settled bed, which turns a height into a number of spheres
 SOFT = 1e7  # Young's modulus of a simulation of spheres where the scene gives none [Pa]
@@ -58,7 +60,7 @@ class Spheres(SolidPhase):
     # doi:10.1126/science.235.4792.1038
     poisson_ratio: Annotated[Number, Field(ge=-0.7, le=0.5)] = 0.3
     """0.1 to 0.5 of solids; only foams made for it are negative, down to -0.7"""
-    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    restitution: PositiveShare = 0.9
     """of contacts"""
     sliding_friction: NonNegative = 0.3
     """coefficient, of contacts"""
@@ -98,7 +100,7 @@ class Gas(Table):
     """thermal"""
     mean_free_path: Length | None = None
     """needed with a roughness of the particles"""
-    accommodation: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    accommodation: PositiveShare = 0.9
     """thermal, of the gas on the surface"""
     heat_capacity_ratio: Annotated[Number, Field(gt=1, lt=2)] = 1.4
     """at constant pressure and volume"""
@@ -130,7 +132,7 @@ class Packing(Table):
     """in place of width: radius of a round bed"""
     periodic: Switch = False
     """sides of a box"""
-    seed: Annotated[Whole, Field(ge=0)] = 0
+    seed: Natural = 0
     """of the random start"""
 
     @property
@@ -192,7 +194,7 @@ class Particles(Table):
 
     file: str | None = None
     """path relative to the scene"""
-    step: Annotated[Whole, Field(ge=0)] | None = None
+    step: Natural | None = None
     """of a dump; the last one if absent"""
     lattice: Lattice | None = None
     packing: Packing | None = None

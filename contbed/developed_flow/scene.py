@@ -22,6 +22,7 @@ from contbed.scene.quantities import (
     Length,
     Number,
     Order,
+    PositiveShare,
     Switch,
     Table,
     Whole,
@@ -111,7 +112,7 @@ class Solid(SolidPhase):
     """diameter of the particles"""
     density: Density
     """density of the solid material"""
-    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    restitution: PositiveShare = 0.9
     """coefficient of restitution between particles"""
     packing_limit: Annotated[Number, Field(gt=0, lt=0.75)] = 0.63
     """densest fraction"""
@@ -122,9 +123,9 @@ class SolidAtWall(Table):
 
     wall: Literal["johnson_jackson"] = "johnson_jackson"
     """condition of the solids at the wall; johnson_jackson: partial slip"""
-    specularity: Annotated[Number, Field(gt=0, le=1)]
+    specularity: PositiveShare
     """specularity coefficient of collisions with the wall"""
-    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    restitution: PositiveShare = 0.9
     """coefficient of restitution between particles and wall"""
 
 

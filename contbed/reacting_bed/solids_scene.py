@@ -16,7 +16,8 @@ from contbed.scene.property_table import (
 from contbed.scene.quantities import (
     Density,
     Length,
-    Number,
+    PositiveShare,
+    ShareBelowOne,
     Table,
     Temperature,
     Whole,
@@ -81,7 +82,7 @@ class Solid(SolidPhase):
     """diameter of the particles of this solid phase"""
     shape: Literal["spheres", "rods"] = "spheres"
     """specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods"""
-    volume_share: Annotated[Number, Field(gt=0, le=1)] = 1.0
+    volume_share: PositiveShare = 1.0
     """of the volume of all particles where they enter, or at rest; those of all phases
     sum to 1"""
     density: Density | None = None
@@ -95,7 +96,7 @@ class Solid(SolidPhase):
     composition: str | None = None
     """mass fractions that enter, "Fe2O3:0.45, Al2O3:0.55"
     """
-    porosity: Annotated[Number, Field(ge=0, lt=1)] = 0.0
+    porosity: ShareBelowOne = 0.0
     """of the particles that enter"""
     constituent: dict[str, Substance] = Field(default_factory=dict)
     """data of constituents by name, which hold in all phases"""

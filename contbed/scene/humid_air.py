@@ -15,12 +15,12 @@ of gas and water raise p_s by 0.5 % at 1 bar; they are left out.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
-from contbed.scene.quantities import NonNegative, Number, Table, Temperature
+from contbed.scene.quantities import NonNegative, Share, Table, Temperature
 from contbed.scene.units import to_si
 
 HUMID_AIR = "humid air"
@@ -69,7 +69,7 @@ class HumidAir(Table):
     """instead of composition, with humidity_ratio, or relative_humidity and dry_bulb"""
     humidity_ratio: NonNegative | None = None
     """of humid air: mass of water over that of dry air"""
-    relative_humidity: Annotated[Number, Field(ge=0, le=1)] | None = None
+    relative_humidity: Share | None = None
     """of humid air at dry_bulb and the pressure of the gas"""
     dry_bulb: Temperature | None = None
     """temperature at which relative_humidity holds"""

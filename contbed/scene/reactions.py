@@ -13,6 +13,7 @@ from contbed.scene.quantities import (
     Density,
     FiniteFloat,
     Length,
+    NonNegative,
     Number,
     Positive,
     Table,
@@ -94,7 +95,7 @@ class Reaction(Table):
     """of the formula, such as kmol/kg/h; absent: SI of the basis"""
     parameters: dict[str, Parameter] = Field(default_factory=dict)
     """of the formula, {E = "49 kJ/mol"}"""
-    A: Annotated[Number, Field(ge=0)] | None = None
+    A: NonNegative | None = None
     """of k = A T^b exp(-E/(R T)), in mol, m and s"""
     b: Number = 0.0
     """exponent of the temperature in k = A T^b exp(-E/(R T))"""

@@ -12,12 +12,14 @@ from pydantic import Field
 from contbed.scene.quantities import (
     Emissivity,
     HeatFlux,
+    Natural,
     Number,
     Position,
+    PositiveShare,
     Seconds,
+    ShareBelowOne,
     Table,
     Temperature,
-    Whole,
     takes,
     unit,
 )
@@ -25,7 +27,7 @@ from contbed.scene.tables import WallCoefficientOrClosure
 from contbed.scene.toml_lines import KeyPath
 
 Speed = Annotated[float, *unit("m/s")]
-Share = Annotated[Number, Field(ge=0, lt=1)]
+Share = ShareBelowOne
 Theta = Annotated[float, *unit("m**2/s**2"), Field(ge=0)]
 Flux = Annotated[float, *unit("kg/m**2/s"), Field(ge=0)]
 
@@ -97,9 +99,9 @@ class Initial(Table):
     """data of the solid phases by name"""
     shear: Annotated[float, *unit("1/s")] = 0.0
     """of the particles: u_x grows with the last axis"""
-    noise: Annotated[Number, Field(ge=0, lt=1)] = 0.0
+    noise: ShareBelowOne = 0.0
     """relative, of the volume fraction, to break symmetry"""
-    seed: Annotated[Whole, Field(ge=0)] = 0
+    seed: Natural = 0
     """seed of the random disturbance"""
     layer: tuple[Layer, ...] = ()
     """layers with initial values of their own"""
@@ -140,9 +142,9 @@ class SolidAtWall(Table):
 
     wall: Literal["no_slip", "slip", "johnson_jackson"] = "no_slip"
     """condition of the solids at the wall; johnson_jackson: partial slip"""
-    specularity: Annotated[Number, Field(gt=0, le=1)] | None = None
+    specularity: PositiveShare | None = None
     """specularity coefficient of collisions with the wall"""
-    restitution: Annotated[Number, Field(gt=0, le=1)] | None = None
+    restitution: PositiveShare | None = None
     """coefficient of restitution between particles and wall"""
     friction: Annotated[Number, Field(ge=0, le=2)] = 0.0
     """Coulomb's coefficient of particles that rub along the wall under their frictional

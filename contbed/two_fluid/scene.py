@@ -29,11 +29,14 @@ from contbed.scene.quantities import (
     Conductivity,
     Density,
     Emissivity,
+    Fraction,
     HeatCapacity,
     Instant,
     Length,
+    NonNegative,
     Number,
     Position,
+    PositiveShare,
     Pressure,
     Seconds,
     Switch,
@@ -158,7 +161,7 @@ Gas = Annotated[
 class Friction(Table):
     """Of particles near packing."""
 
-    start: Annotated[Number, Field(gt=0, lt=1)] = 0.5
+    start: Fraction = 0.5
     """fraction above which particles rub; a bed fluidizes near the porosity 1 - start
     """
     strength: Annotated[float, *unit("Pa"), Field(gt=0)] = 0.05
@@ -180,9 +183,9 @@ class Solid(SolidPhase):
     """of a particle; for closures.conductivity_bed"""
     emissivity: Emissivity | None = None
     """of a particle; for radiation to walls that have one"""
-    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    restitution: PositiveShare = 0.9
     """coefficient of restitution between particles"""
-    sliding_friction: Annotated[Number, Field(ge=0)] | None = None
+    sliding_friction: NonNegative | None = None
     """Coulomb's coefficient of two particles, for closures.effective_restitution"""
     packing_limit: Annotated[Number, Field(gt=0, lt=0.75)] = 0.63
     """densest fraction"""
@@ -210,7 +213,7 @@ class Time(Table):
 
     end: Seconds
     """time at which the run ends"""
-    courant: Annotated[Number, Field(gt=0, le=1)] = 0.5
+    courant: PositiveShare = 0.5
     """largest solids Courant number of a step"""
     step: Seconds | None = None
     """fixed, in place of the Courant number"""

@@ -13,10 +13,16 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field
 
 from contbed.chemistry.char_and_lime import CHAR_LAWS
-from contbed.scene.quantities import Number, Seconds, Table, unit
+from contbed.scene.quantities import (
+    Positive,
+    PositiveShare,
+    Seconds,
+    Table,
+    unit,
+)
 from contbed.scene.reactions import Reaction
 
-Factor = Annotated[Number, Field(gt=0)]
+Factor = Positive
 
 
 class Timed(Table):
@@ -54,7 +60,7 @@ class Sulphation(Table):
 
     factor: Factor = 1.0
     """factor on the rate"""
-    maximum_conversion: Annotated[Number, Field(gt=0, le=1)] = 0.4
+    maximum_conversion: PositiveShare = 0.4
     """of CaO, when its pores are full"""
 
 

@@ -50,8 +50,11 @@ from contbed.packed_bed.scene import Scene
 from contbed.scene.names import nearest, nearest_of
 from contbed.scene.quantities import (
     Length,
+    Natural,
+    NonNegative,
     Number,
     Pressure,
+    ShareBelowOne,
     Switch,
     Table,
     Whole,
@@ -63,7 +66,7 @@ from contbed.scene.uncertain import uncertain_numbers
 
 AT_PARTICLE = ("Re", "Pr", "eps")  # what a law of exchange is given
 Law = Annotated[Named, Discriminator(form)]
-Scatter = Annotated[Number, Field(ge=0, lt=1)]
+Scatter = ShareBelowOne
 
 
 class Packings(Table):
@@ -79,9 +82,9 @@ class Packings(Table):
     """of the box, in diameters"""
     walls: Switch = False
     """square box with walls, whose porosity counts whole; else periodic sides"""
-    friction: Annotated[Number, Field(ge=0)] = 0.3
+    friction: NonNegative = 0.3
     """Coulomb's coefficient of sliding"""
-    seed: Annotated[Whole, Field(ge=0)] = 0
+    seed: Natural = 0
     """of the first packing; the next count on"""
     diameter: Length | None = None
     """Sauter mean of the spheres; that of the scene if absent"""
