@@ -71,7 +71,7 @@ class History:
         return self.like({name: unpacked(meta[name], arrays) for name in names})
 
     def like(self, values: Mapping[str, Any]) -> Self:
-        """Return a history of plain values that have the form of those of this one.
+        """Return a history of plain values, which have the form that this one has.
 
         Raises
         ------
