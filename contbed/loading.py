@@ -184,7 +184,7 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     scene._ignored = ignored
     scene._tables = tables
     remarks = mistakes(parts, set(), origin, MODELS[kind].find("checks", "WARNINGS"))
-    remarks += temperatures_are_of_a_bed(parts)
+    remarks += temperatures_are_of_a_bed(parts, origin.base)
     if "H2O" in str(getattr(parts.get("gas"), "composition", "")):
         from contbed.materials.condensation import water_condenses
 

@@ -45,7 +45,11 @@ from contbed.radiation.checks import (
     two_flux_scatters_evenly,
 )
 from contbed.radiation.scene import Radiation
-from contbed.radiation.thickness import rosseland_is_thick, rosseland_rests
+from contbed.radiation.thickness import (
+    rosseland_is_thick,
+    rosseland_rests,
+    two_flux_is_low,
+)
 from contbed.scene.boundary import conditions_of
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.gas import Gas, GasCantera, GasConstant, GasCoolProp
@@ -614,6 +618,7 @@ WARNINGS: tuple[Check, ...] = (
     the_gas_conducts_once,
     solids_sum_to_one,
     two_flux_scatters_evenly,
+    two_flux_is_low,
     rosseland_is_thick,
     rosseland_rests,
     initial_profiles_reach_both_ends,

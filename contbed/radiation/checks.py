@@ -10,7 +10,7 @@ from typing import Any
 from contbed.closures.sizes import SizeDistribution
 from contbed.errors import SceneError
 from contbed.radiation.scene import RadiatingSolid, Radiation, Voidage
-from contbed.radiation.thickness import rosseland_is_thick
+from contbed.radiation.thickness import rosseland_is_thick, two_flux_is_low
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.mesh import Mesh
 from contbed.scene.mesh_checks import (
@@ -274,4 +274,5 @@ WARNINGS: tuple[Check, ...] = (
     solids_sum_to_one,
     two_flux_scatters_evenly,
     rosseland_is_thick,
+    two_flux_is_low,
 )

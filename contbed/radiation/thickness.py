@@ -19,6 +19,8 @@ from contbed.scene.tables import Solver
 # estimated error up to which plan may choose the Rosseland conductivity, without
 # solver.accuracy
 TOLERANCE = 0.01
+HOPF = 1.4209  # twice the constant of Hopf: slips of temperature at black plates
+THICK = 3.0  # optical depth from which the two-flux method is compared with exact heat
 MOVES = (
     "is not estimated where the solids move: layers at walls may be thinner than "
     "the bed"
@@ -104,6 +106,38 @@ def rosseland_is_thick(
             ("radiation", "level"),
             f"heat between walls is too large by about {100.0 * error:.4g} %: the bed "
             "is too thin; use p1",
+        )
+
+
+def two_flux_is_low(
+    radiation: Radiation | None,
+    solids: Mapping[str, RadiatingSolid],
+    packed_bed: Any | None,
+    mesh: Mesh,
+) -> Mistakes:
+    """Look for beds in which the two-flux method carries too little heat.
+
+    Between black plates it has sigma (T_1^4 - T_2^4)/(1 + tau), exact is
+    4/3/(tau (1 - omega g) + 1.4209), Heaslet and Warming 1965, Int. J. Heat Mass
+    Transfer 8, 979-994, eq. 40, within 1 % from tau = 3 on.
+    """
+    from contbed.radiation.optics import optics
+
+    if radiation is None or radiation.level != "two_flux" or isinstance(mesh, MeshFile):
+        return
+    found = optics(
+        SimpleNamespace(radiation=radiation, solids=solids, packed_bed=packed_bed)
+    )
+    extent = max(mesh.extents)
+    tau = found.extinction * extent
+    of_transport = tau - radiation.anisotropy * found.scattering * extent
+    low = 1.0 - 0.75 * (of_transport + HOPF) / (1.0 + tau)
+    if tau >= THICK and low > 0.0:
+        yield (
+            ("radiation", "level"),
+            f"the bed has an optical depth of {tau:.3g}, over which the two-flux "
+            f"method carries {100.0 * low:.2g} % less heat than there is; use p1 or "
+            "rosseland",
         )
 
 

@@ -6,12 +6,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import cache
+from itertools import chain
+from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from contbed.scene.checking import Mistakes
+from contbed.scene.series import ProfileFile, TemperatureSeries
 
 # data of gases end here, and no solid of a bed is left: tungsten melts at 3695 K
 HOTTEST = 3700.0
@@ -21,9 +24,12 @@ COLDEST = 20.0
 _NO_STATES = ("T_range", "tolerance", "step", "interval", "activation")
 
 
-def temperatures_are_of_a_bed(parts: Mapping[str, Any]) -> Mistakes:
-    """Look for temperatures that point to a wrong unit or a wrong number."""
-    for path, value in temperatures_of(parts, ()):
+def temperatures_are_of_a_bed(parts: Mapping[str, Any], base: Path) -> Mistakes:
+    """Look for temperatures that point to a wrong unit or a wrong number; files lie in
+    the folder `base`.
+    """
+    found = chain(temperatures_of(parts, ()), _of_files(parts, base, ()))
+    for path, value in found:
         if value > HOTTEST:
             text = f"above {HOTTEST:g} K no solid of a bed is left"
         elif value < COLDEST:
@@ -56,6 +62,34 @@ def temperatures_of(
         for index, value in enumerate(part):
             if isinstance(value, BaseModel):
                 yield from temperatures_of(value, (*path, index))
+
+
+def _of_files(
+    part: Any, base: Path, path: tuple[str | int, ...]
+) -> Iterator[tuple[tuple[str | int, ...], float]]:
+    """Yield the lowest and highest temperature [K] of each file, which the checks have
+    read.
+    """
+    if isinstance(part, ProfileFile):
+        _, values = part.samples(base, "")
+    elif isinstance(part, TemperatureSeries) and part.file is not None:
+        values = part.samples(base).values
+    else:
+        for name, value in _items(part):
+            yield from _of_files(value, base, (*path, name))
+        return
+    for number in sorted({float(values.min()), float(values.max())}):
+        yield (*path, "file"), number
+
+
+def _items(part: Any) -> Iterator[tuple[str | int, Any]]:
+    """Yield names and values of a table, or items of a list."""
+    if isinstance(part, BaseModel):
+        yield from ((name, getattr(part, name)) for name in type(part).model_fields)
+    elif isinstance(part, Mapping):
+        yield from part.items()
+    elif isinstance(part, tuple):
+        yield from enumerate(part)
 
 
 @cache

@@ -195,6 +195,14 @@ def test_temperatures_that_no_bed_has(key, value):
     assert f"{key} = " in warning and "is the unit right?" in warning
 
 
+def test_temperatures_of_a_file_that_no_bed_has(tmp_path):
+    (tmp_path / "feed.csv").write_text("t [h],T [degC]\n0,300\n1000,150000\n")
+    text = (FOLDER / "latin.toml").read_text()
+    text = text.replace('file = "latin.csv", column = "T"', 'file = "feed.csv"')
+    (warning,) = loads(text, "a.toml", base=tmp_path).warnings
+    assert "temperature.file" in warning and "150273 K: above 3700 K" in warning
+
+
 CELLS = {"mesh.cells": [6, 4]}
 FORMS = """
 phases:

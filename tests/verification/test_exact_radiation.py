@@ -5,11 +5,14 @@ of half a unit of the last digit then holds, `UNIT` below. Identities hold to th
 accuracy of the solvers, about 1e-12.
 """
 
+import re
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.special import expn
 
+from contbed.loading import from_dict
 from studies._exact.conduction_radiation import (
     conduction_diffusion,
     conduction_radiation,
@@ -86,6 +89,28 @@ def test_black_plates(tau):
     assert 100.0 * (equilibrium_flux(tau, P1) / psi - 1.0) == pytest.approx(
         p1, abs=0.0051
     )
+
+
+@pytest.mark.parametrize("tau", [tau for tau in HEASLET_WARMING if tau >= 3.0])
+def test_a_scene_says_how_low_two_flux_is(tau):
+    """By the exact flux between black plates, within 1 % of it."""
+    scene = from_dict(
+        {
+            "mesh": {"type": "line", "length": 1.0},
+            "radiation": {"scattering": tau, "level": "two_flux"},
+            "boundary": {
+                "left": {"radiation": {"temperature": 1000.0, "emissivity": 1.0}},
+                "right": {"radiation": {"temperature": 300.0, "emissivity": 1.0}},
+            },
+        }
+    )
+    (said,) = (text for text in scene.warnings if "two-flux method carries" in text)
+    low = float(re.search(r"carries ([\d.]+) %", said)[1])
+    exact = HEASLET_WARMING[tau][0]
+    assert low / 100.0 == pytest.approx(
+        1.0 - equilibrium_flux(tau, TWO_FLUX) / exact, abs=0.01
+    )
+    assert "p1 or rosseland" in said
 
 
 @pytest.mark.parametrize("tau", [0.1, 10.0])
