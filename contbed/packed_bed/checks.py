@@ -593,6 +593,18 @@ def the_bed_has_more_than_one_cell(mesh: Mesh) -> Mistakes:
             )
 
 
+def particles_that_melt_are_lumped(solids: Mapping[str, s.Solid]) -> Mistakes:
+    """Look for intraparticle conduction where particles melt."""
+    for name, solid in solids.items():
+        inside = solid.inside
+        if solid.melting is not None and inside is not None and inside.heat != "lumped":
+            yield (
+                ("solids", name, "inside", "heat"),
+                "intraparticle conduction takes the heat capacity at the mean temperature of "
+                "a particle; the front of melting within it is not resolved",
+            )
+
+
 def the_balance_can_fail(solver: Solver) -> Mistakes:
     """Look for a tolerance within which every balance closes."""
     if solver.balance_tolerance > LOOSE_BALANCE:
@@ -624,6 +636,7 @@ WARNINGS: tuple[Check, ...] = (
     initial_profiles_reach_both_ends,
     the_bed_has_more_than_one_cell,
     the_balance_can_fail,
+    particles_that_melt_are_lumped,
     prescribed_temperatures_agree_in_corners,
 )
 

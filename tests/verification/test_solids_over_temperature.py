@@ -182,6 +182,13 @@ def test_the_range_of_melting_rises():
     )
 
 
+def test_fronts_within_particles_are_warned_of():
+    values = MELTING | {"solids.rock.inside.heat": "effective"}
+    (text,) = cb.load(scene_of(STORE, values)).warnings
+    assert "solids.rock.inside.heat" in text and "front of melting" in text
+    assert not cb.load(scene_of(STORE, MELTING)).warnings
+
+
 def test_density_is_that_at_which_the_bed_was_filled():
     table = {"temperatures": [283.15, 303.15, 800.0], "values": [2600, 2500, 2000]}
     values = ENDS | {"solids.rock.density": table}
