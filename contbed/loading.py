@@ -159,7 +159,7 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     model, checks = MODELS[kind].scene, MODELS[kind].find("checks", "CHECKS")
     tables = files_of(values)
     problems += read_files(values, origin)
-    parts, broken, ignored = _validate(model, values, problems)
+    parts, broken, ignored = _validate(model, values, problems, origin.base)
     refused = [*unusable_files(parts, origin), *too_large(parts, origin)]
     problems += refused
     broken.update(str(path[0]) for path, _ in refused)
@@ -264,7 +264,10 @@ def _override(
 
 
 def _validate(
-    model: Any, values: dict[str, Any], problems: list[tuple[KeyPath, str]]
+    model: Any,
+    values: dict[str, Any],
+    problems: list[tuple[KeyPath, str]],
+    folder: Path,
 ) -> tuple[dict[str, Any], set[str], tuple[KeyPath, ...]]:
     """Validate each table separately, so that one mistake does not hide others.
 
@@ -274,7 +277,7 @@ def _validate(
     """
     current = deepcopy(values)
     ignored: tuple[KeyPath, ...] = ()
-    scene, errors = _checked(model, current)
+    scene, errors = _checked(model, current, folder)
     if "model" in values and any(
         error["type"] == "extra_forbidden" for error in errors
     ):
@@ -282,7 +285,7 @@ def _validate(
         ignored = tuple(take_keys_of_others(current, schema.of(model), others))
     former = take_former_keys(current, renamed(model.kind))
     if ignored or former:
-        scene, errors = _checked(model, current)
+        scene, errors = _checked(model, current, folder)
     problems += former
     if scene is not None and not former:
         return (
@@ -310,19 +313,21 @@ def _validate(
         if name in current:
             # the annotation without its field description is all that a table needs
             parts[name] = TypeAdapter(field.rebuild_annotation()).validate_python(
-                current[name]
+                current[name], context={"folder": folder}
             )
         else:
             parts[name] = field.get_default(call_default_factory=True)
     return parts, broken, ignored
 
 
-def _checked(model: Any, values: dict[str, Any]) -> tuple[Any, list[Mapping[str, Any]]]:
-    """Return the scene, None if the schema of its model refuses it, and the
-    mistakes.
+def _checked(
+    model: Any, values: dict[str, Any], folder: Path
+) -> tuple[Any, list[Mapping[str, Any]]]:
+    """Return the scene of a file in a folder, None if the schema of its model refuses
+    it, and the mistakes.
     """
     try:
-        return model.model_validate(values), []
+        return model.model_validate(values, context={"folder": folder}), []
     except ValidationError as invalid:
         return None, _own(invalid.errors(include_url=False))
 

@@ -272,6 +272,7 @@ MODELS: dict[str, Model] = {
         _reacts,
         {
             "reacting_bed": "equations.bed",
+            "surface_mechanisms": "chemistry/surface",
             "gas_inside_particles": "particle/adsorption",
             "reacting_section": "equations.section",
             "amounts_above_zero": "steady_positivity",

@@ -10,6 +10,9 @@ from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes
 from contbed.scene.reactions import Reaction
 
+# keys of a table with a surface mechanism, those that it needs first
+OF_SURFACES = ("surface", "mechanism", "area")
+BESIDE_SURFACES = {"basis", "solid", "factor"}
 ENERGY = "the activation energy, 0 for a rate that does not depend on temperature"
 
 
@@ -24,6 +27,9 @@ def reaction_is_whole(
     atoms : gives the atoms of a species by its name
     """
     path = ("reactions", name)
+    if any(key in table.model_fields_set for key in OF_SURFACES):
+        yield from _surface_is_whole(name, table, atoms)
+        return
     if table.rate is not None and (table.law is not None or table.A is not None):
         yield (
             (*path, "rate"),
@@ -55,3 +61,30 @@ def reaction_is_whole(
             (*path, "basis"),
             f"has no meaning with the law {law_name}, whose rate has its own",
         )
+
+
+def _surface_is_whole(
+    name: str, table: Reaction, atoms: Callable[[str], Mapping[str, float]]
+) -> Mistakes:
+    """Check that a surface mechanism can be read and its gases have the atoms that it
+    states.
+    """
+    path = ("reactions", name)
+    missing = [key for key in OF_SURFACES if getattr(table, key) is None]
+    for key in missing:
+        text = f"missing; a surface mechanism needs {', '.join(OF_SURFACES)}"
+        yield (*path, key), text
+    for key in sorted(table.model_fields_set - {*OF_SURFACES, *BESIDE_SURFACES}):
+        yield (*path, key), "has no meaning with a surface mechanism; remove it"
+    if table.basis not in (None, "particle", "bed"):
+        yield (*path, "basis"), "area is over the volume of particles, or of the bed"
+    if missing:
+        return
+    try:
+        equations = equations_of(name, table)
+    except SceneError as error:
+        yield (*path, "surface"), str(error)
+        return
+    for equation in equations.values():
+        for text in unbalanced(equation.stoichiometry, atoms):
+            yield (*path, "surface"), text

@@ -7,7 +7,7 @@ reversible reaction comes from the thermodynamics of its species.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -77,13 +77,39 @@ def reactions_of(
         Case(key, table, equation, species)
         for key, equation in equations_of(name, table).items()
     ]
-    if len(cases) == 1:
+    if len(cases) == 1 and table.surface is None:
         return [_one(cases[0], law, with_effectiveness)]
     rates = law.rate(cases[0])
     return [
-        Reaction(case.name, case.equation, rates, "particle", law.own_film, step)
+        Reaction(
+            case.name,
+            case.equation,
+            rates,
+            "particle",
+            law.own_film,
+            step,
+            gases=frozenset(species.gases) & case.equation.stoichiometry.keys(),
+        )
         for step, case in enumerate(cases)
     ]
+
+
+def rates_of(
+    reactions: Sequence[Reaction], local: Callable[[Reaction], Local]
+) -> list[Any]:
+    """Return the rates of reactions at the state that `local` gives each; all steps of
+    a law are found together.
+    """
+    found: list[Any] = []
+    together: dict[Rate, Any] = {}
+    for reaction in reactions:
+        if reaction.step is None:
+            found.append(reaction.rate(local(reaction)))
+            continue
+        if reaction.rate not in together:
+            together[reaction.rate] = reaction.rate(local(reaction))
+        found.append(together[reaction.rate][reaction.step])
+    return found
 
 
 def basis_of(

@@ -44,7 +44,8 @@ class Case:
         """Per what its rate is where its law does not say."""
         moles = self.equation.stoichiometry
         of_solids = any(name in self.species.solids for name in moles)
-        return self.table.basis or ("particle" if of_solids else "gas")
+        at_particles = of_solids or self.table.surface is not None
+        return self.table.basis or ("particle" if at_particles else "gas")
 
     @cached_property
     def gases(self) -> dict[str, float]:

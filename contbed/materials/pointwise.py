@@ -4,8 +4,10 @@ every point.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
+
+import numpy as np
 
 
 def pointwise(f: Callable[[Any], Any], df: Callable[[Any], Any], T: Any) -> Any:
@@ -24,3 +26,28 @@ def pointwise(f: Callable[[Any], Any], df: Callable[[Any], Any], T: Any) -> Any:
     if hasattr(T, "apply"):
         return T.apply(f, df)
     return f(T)
+
+
+def with_slopes(
+    f: Callable[[Any], tuple[Any, Any]], inputs: Sequence[Any]
+) -> list[Any]:
+    """Return several functions of several inputs that are found at all points at once,
+    with the derivatives by inputs that are dual numbers.
+
+    Parameters
+    ----------
+    f : gives values (functions, N) and derivatives (functions, inputs, N) at inputs
+        (inputs, N)
+    inputs : numbers, arrays or dual numbers
+    """
+    plain = [np.asarray(getattr(z, "value", z), dtype=float) for z in inputs]
+    shape = np.broadcast_shapes(*(z.shape for z in plain))
+    values, slopes = f(np.array([np.broadcast_to(z, shape).ravel() for z in plain]))
+    out = []
+    for value, slope in zip(values, slopes, strict=True):
+        found: Any = value.reshape(shape)
+        for z, given, part in zip(inputs, plain, slope, strict=True):
+            if hasattr(z, "tangents"):
+                found = found + (z - given) * part.reshape(shape)
+        out.append(found)
+    return out

@@ -26,17 +26,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.chemistry.kinetics import Reaction
+from contbed.chemistry.kinetics import Reaction, rates_of
 from contbed.chemistry.local import Local
 from contbed.chemistry.thermo import R_GAS
 from contbed.errors import ConvergenceError
 from contbed.fem.ad.dual import Dual
+from contbed.materials.pointwise import with_slopes
 from contbed.particle.shells import shells
 
 Array = NDArray[np.float64]
-# shares of the rates, from a pellet without gradients to its own
-RAMP = (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.4, 1.0)
-ITERATIONS = 60  # of Newton's method for each share
+ITERATIONS = 60  # of Newton's method from pellets that are known
+# pseudo time over R^2/D of a gas from pellets without gradients, and how it grows
+FIRST_STEP, LAST_STEP, GROWTH = 1e-9, 1e9, 3.0
+MARCHED = 600  # iterations in pseudo time
+LEAST_TAKEN = 0.3  # share of a step below which it is taken again in a shorter time
 LARGEST_FALL = 0.8  # of a concentration in one iteration
 LEAST_SHARE = 1e-4  # of the molecules, below which a fall is not held up
 # change of concentrations over that of all molecules at which an iteration ends
@@ -101,18 +104,7 @@ class Pellets:
         ConvergenceError : the inside of a pellet is not found
         """
         inputs = [at.T, at.p, *(at.c[name] for name in self.gases)]
-        plain = [np.asarray(getattr(z, "value", z), dtype=float) for z in inputs]
-        shape = np.broadcast_shapes(*(z.shape for z in plain))
-        values = np.array([np.broadcast_to(z, shape).ravel() for z in plain])
-        rates, slopes = self.means(values, at)
-        out = []
-        for rate, slope in zip(rates, slopes, strict=True):
-            mean: Any = rate.reshape(shape)
-            for z, value, part in zip(inputs, plain, slope, strict=True):
-                if hasattr(z, "tangents"):
-                    mean = mean + (z - value) * part.reshape(shape)
-            out.append(mean)
-        return out
+        return with_slopes(lambda values: self.means(values, at), inputs)
 
     def basis(self) -> tuple[Array, Array]:
         """Return the moles of independent reactions (gases, b), and all reactions as
@@ -134,7 +126,7 @@ class Pellets:
         made, shares = self.basis()
         xi = self._solved(values, at, made, shares)
         r, slopes = self._rates(values, xi, at, made)
-        matrix, by_extent = self._matrix(r, slopes, at, made, shares, 1.0)
+        matrix, by_extent = self._matrix(r, slopes, at, made, shares)
         N, inputs = values.shape[1], len(values)
         w = points.weights
         # F = K xi/R^2 - w a r: derivatives to the inputs at given extents, then of the
@@ -182,8 +174,7 @@ class Pellets:
             np.zeros((len(self.reactions), N, count)),
             np.zeros((len(self.reactions), inputs, N, count)),
         )
-        for j, reaction in enumerate(self.reactions):
-            found: Any = reaction.rate(local)
+        for j, found in enumerate(rates_of(self.reactions, lambda _: local)):
             value = getattr(found, "value", found)
             rates[j] = np.broadcast_to(value, N * count).reshape(N, count)
             # a constant has none
@@ -198,7 +189,6 @@ class Pellets:
         at: Local,
         made: Array,
         shares: Array,
-        strength: float,
     ) -> tuple[Array, Array]:
         """Return dF/dxi (N, b n, b n) of points inside, and dr/dxi (reactions, b, N,
         points).
@@ -210,7 +200,7 @@ class Pellets:
         )
         local = np.einsum(
             "i,cj,jbni->ncbi",
-            points.weights[:-1] * strength,
+            points.weights[:-1],
             shares,
             by_extent[..., :-1],
         )
@@ -227,20 +217,18 @@ class Pellets:
         """Return the extents (N, b, points) of all pellets."""
         N, count = values.shape[1], len(shells().weights)
         if N in self.known:
-            found = self._newton(self.known[N], values, at, made, shares, 1.0)
+            found = self._newton(self.known[N], values, at, made, shares, np.inf)
             if found is not None:
                 self.known[N] = found
                 return found
         xi = np.zeros((N, made.shape[1], count))
-        for strength in RAMP:
-            found = self._newton(xi, values, at, made, shares, strength)
-            if found is None:
-                raise ConvergenceError(
-                    "diffusion and reaction inside of the pellets are not found"
-                )
-            xi = found
-        self.known[N] = xi
-        return xi
+        found = self._newton(xi, values, at, made, shares, FIRST_STEP)
+        if found is None:
+            raise ConvergenceError(
+                "diffusion and reaction inside of the pellets are not found"
+            )
+        self.known[N] = found
+        return found
 
     def _newton(
         self,
@@ -249,22 +237,26 @@ class Pellets:
         at: Local,
         made: Array,
         shares: Array,
-        strength: float,
+        first_step: float,
     ) -> Array | None:
-        """Return the extents at a share of the rates; None where Newton's method
-        does not converge.
+        """Return the extents by Newton's method, with a pseudo time step that grows
+        where the first is not infinite; None where it does not converge.
         """
         points = shells()
+        dt = np.full(len(xi), first_step)
         N, molar = len(xi), values[1] / (R_GAS * values[0])
         inner = points.stiffness[:-1] / at.radius**2
         scale = made / self.diffusivities[:, None]
-        for _ in range(ITERATIONS):
+        inside = np.tile(points.weights[:-1], made.shape[1]) / at.radius**2
+        every = np.arange(len(inside))
+        for _ in range(ITERATIONS if np.isinf(first_step) else MARCHED):
             r, slopes = self._rates(values, xi, at, made)
             residual = np.einsum("il,nbl->nbi", inner, xi)
-            residual -= strength * np.einsum(
+            residual -= np.einsum(
                 "i,bj,jni->nbi", points.weights[:-1], shares, r[..., :-1]
             )
-            matrix, _ = self._matrix(r, slopes, at, made, shares, strength)
+            matrix, _ = self._matrix(r, slopes, at, made, shares)
+            matrix[:, every, every] += inside / dt[:, None]
             if not (np.isfinite(matrix).all() and np.isfinite(residual).all()):
                 return None
             step = -np.linalg.solve(matrix, residual.reshape(N, -1, 1)).reshape(
@@ -278,10 +270,15 @@ class Pellets:
                     change < 0.0, LARGEST_FALL * np.maximum(c, floor) / -change, 1.0
                 )
             taken = np.minimum(share.min(axis=(1, 2)), 1.0)
+            again = np.isfinite(dt) & (taken < LEAST_TAKEN)
+            taken[again] = 0.0
+            dt *= np.where(again, 1.0 / GROWTH**2, GROWTH)
+            dt[dt > LAST_STEP] = np.inf
             xi = xi.copy()
             xi[..., :-1] += taken[:, None, None] * step
             if (
                 np.all(taken == 1.0)
+                and np.isinf(dt).all()
                 and np.abs(change / molar[:, None, None]).max() < EXACT
             ):
                 return xi

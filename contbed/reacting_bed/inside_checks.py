@@ -126,6 +126,7 @@ def _species_in_particles(reactions: Reactions, solid: s.Solid) -> dict[str, set
         for name, named in species.items()
         if reactions[name].basis in ("catalyst", "particle")
         or is_catalytic(name, reactions[name])
+        or reactions[name].surface is not None
         or named & constituents
     }
 

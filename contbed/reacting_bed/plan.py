@@ -6,12 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contbed.chemistry.effectiveness import effectiveness_of
+from contbed.chemistry.kinetics import rates_of
 from contbed.course.schedule import Schedule
 from contbed.plan_text import plan_text
 from contbed.reacting_bed import scene as s
@@ -217,8 +219,9 @@ def _effectiveness(problem: Problem, phase: str) -> str:
     pellets = problem.pellets[phase]
     at = problem.local(problem.bed.state(problem.first_point()), pellets.reactions[0])
     parts = []
-    for reaction, mean in zip(pellets.reactions, pellets(at), strict=True):
-        rate = float(reaction.rate(at))
+    free = rates_of(pellets.reactions, lambda _: at)
+    for reaction, mean, alone in zip(pellets.reactions, pellets(at), free, strict=True):
+        rate = float(alone)
         if not rate:
             parts.append(f"{reaction.name} at rest")
             continue
@@ -226,7 +229,8 @@ def _effectiveness(problem: Problem, phase: str) -> str:
         gas, moles = next(
             (name, -n) for name, n in reaction.stoichiometry.items() if n < 0
         )
-        k = moles * rate / pellets.solids / max(float(at.c[gas]), 1e-300)
+        c = float(at.c[gas])
+        k = moles * rate / pellets.solids / c if c else 0.0
         if k > 0.0:
             D = pellets.diffusivities[pellets.gases.index(gas)]
             text += (
@@ -343,6 +347,13 @@ def _lists(
                 "; ".join(_effectiveness(problem, phase) for phase in problem.pellets),
             )
         )
+    for name, table in scene.reactions.items():
+        if table.surface is not None:
+            text = (
+                f"{table.surface} of {Path(str(table.mechanism)).name}, coverages in "
+                "steady state with the gas at each point"
+            )
+            built.append((f"surface of {name}", text))
     for reaction in problem.reactions:
         where = "at the particles" + (f", {reaction.phase}" if several else "")
         built.append(

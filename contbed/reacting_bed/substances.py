@@ -265,6 +265,21 @@ def _gases_in(
     return list(dict.fromkeys(found))
 
 
+def _with_transport(mechanism: Mechanism | None, needed: bool) -> Mechanism | None:
+    """Return the mechanism, None if it has no transport data.
+
+    Raises
+    ------
+    SceneError : they are `needed`
+    """
+    try:
+        return mechanism if mechanism is not None and mechanism.transport else None
+    except SceneError:
+        if needed:
+            raise
+        return None
+
+
 def _transport(
     scene: s.ReactingScene, gases: dict[str, Thermo], mechanism: Mechanism | None
 ) -> GasTransport | None:
@@ -272,6 +287,7 @@ def _transport(
     None where there are none.
     """
     gas, names = scene.gas, list(gases)
+    mechanism = _with_transport(mechanism, needed=gas.diffusivity == "cantera")
 
     def of_each(key: str) -> Any:
         constant = getattr(gas, key)
@@ -293,10 +309,12 @@ def _transport(
 
     viscosity, conductivity = of_each("viscosity"), of_each("conductivity")
     given = gas.diffusivity
+    there = () if mechanism is None else mechanism.names
+    unknown = [name for name in names if name not in there]
     pairs: Any = None
     if isinstance(given, float):
         pairs = given
-    elif given == "fuller" or (given is None and mechanism is None):
+    elif given == "fuller" or (given is None and unknown):
         try:
             pairs = {
                 (k, j): fuller_pair(gases[names[k]], gases[names[j]])
@@ -307,6 +325,8 @@ def _transport(
             if given == "fuller":
                 raise
     elif mechanism is not None:
+        if unknown:
+            raise SceneError(f"the mechanism has no data of {', '.join(unknown)}")
         pairs = {
             (k, j): mechanism.pair(names[k], names[j])
             for k in range(len(names))

@@ -48,7 +48,8 @@ def named_files(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
         for name in type(part).model_fields:
             value = getattr(part, name)
             named = name == "file" or (
-                name == "mechanism" and getattr(part, "composition", None) is not None
+                name == "mechanism"
+                and (hasattr(part, "surface") or getattr(part, "composition", None))
             )
             if named and isinstance(value, str):
                 yield (*path, name), value

@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, PrivateAttr, Tag
 
+from contbed.scene.mechanism import find_mechanism
 from contbed.scene.quantities import (
     Conductivity,
     Density,
@@ -31,6 +33,7 @@ Curve = Annotated[
     tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1, max_length=4)
 ]
 PositiveDiffusivity = Annotated[float, *unit("m**2/s"), Field(gt=0)]
+SpecificArea = Annotated[float, *unit("1/m"), Field(gt=0)]
 
 
 class Substance(Table):
@@ -83,7 +86,9 @@ PhaseOrPhases = Annotated[
 
 
 class Reaction(Table):
-    """One reaction: a rate law by name with its constants, or a formula."""
+    """One reaction: a rate law by name with its constants, or a formula; or all
+    reactions at a catalyst by a surface mechanism.
+    """
 
     equation: str | None = None
     """"CH4 + 12 Fe2O3 -> 8 Fe3O4 + CO2 + 2 H2O"; <-> if reversible"""
@@ -122,3 +127,23 @@ class Reaction(Table):
     """share of the surface of grains that reacts"""
     diffusivity: PositiveDiffusivity | None = None
     """effective, in the product layer or particle"""
+    surface: str | None = None
+    """phase of `mechanism`, such as Pt_surf, in place of an equation and a rate; its
+    coverages are in steady state with the gas at each point, also in time"""
+    mechanism: str | None = None
+    """Cantera mechanism with the phase `surface`: a name or a YAML file"""
+    area: SpecificArea | None = None
+    """of the catalyst of `surface`, over the volume of the particles; with basis
+    = "bed" over that of the bed"""
+
+    _folder: Path = PrivateAttr(Path())
+
+    def model_post_init(self, context: Any) -> None:
+        """Keep the folder of the scene, in which `mechanism` may be a file."""
+        if self.surface is not None and context:
+            self._folder = context["folder"]
+
+    @property
+    def mechanism_path(self) -> str:
+        """Path of `mechanism` for Cantera, or its name where no such file is found."""
+        return find_mechanism(str(self.mechanism), self._folder)

@@ -88,6 +88,9 @@ def gas_reactions_are_whole(
             text = f"unknown reaction without an equation; {nearest(name, known)}"
             yield path, text
             continue
+        if table.surface is not None:
+            yield (*path, "surface"), "surface mechanisms run in packed beds alone"
+            continue
         yield from reaction_is_whole(name, table, atoms)
         law = find_law(name, table)
         if law is not None and law.of_solids:

@@ -13,6 +13,7 @@ from pkgutil import iter_modules
 from contbed.chemistry.equation import Equation
 from contbed.chemistry.rate_formula import FORMULA
 from contbed.chemistry.rate_law import RateLaw
+from contbed.chemistry.surface import SURFACE, surface_of
 from contbed.errors import SceneError
 from contbed.scene.names import nearest
 from contbed.scene.reactions import Reaction
@@ -57,6 +58,8 @@ def name_of(reaction: str, table: Reaction) -> str:
 
 def find_law(reaction: str, table: Reaction) -> RateLaw | None:
     """Return the rate law of a reaction; None if there is none of its name."""
+    if table.surface is not None:
+        return SURFACE
     if table.rate is not None:
         return FORMULA
     name, found = name_of(reaction, table), every()
@@ -85,12 +88,15 @@ def is_catalytic(reaction: str, table: Reaction) -> bool:
 
 def equations_of(reaction: str, table: Reaction) -> dict[str, Equation]:
     """Return the equations that a table of a reaction stands for, by name; a law
-    with stages has several.
+    with stages has several, a surface mechanism one for each gas that it makes.
 
     Raises
     ------
     SceneError : it has none, or one that cannot be read
     """
+    if table.surface is not None:
+        found_by_gas = surface_of(table).equations
+        return {f"{reaction}_{gas}": item for gas, item in found_by_gas.items()}
     if table.equation is not None:
         return {reaction: Equation.of(table.equation)}
     found = law_of(reaction, table).equations

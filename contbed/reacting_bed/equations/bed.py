@@ -39,11 +39,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.chemistry.kinetics import rates_of
 from contbed.chemistry.thermo import R_GAS
 from contbed.reacting_bed.equations.consumption_limit import within
 from contbed.reacting_bed.equations.phase import Enthalpy, Phase
@@ -418,21 +420,14 @@ class Bed:
         """Return the rates of all reactions [mol/m3 bed/s], the parts of the points
         of particles where these adsorb.
         """
+        around = [each for each in self.reactions if not self._adsorbed(each)]
+        rates = iter(rates_of(around, partial(self._local, state, transport)))
         found: list[list[Any]] = []
-        steps: dict[Any, Any] = {}
         for reaction in self.reactions:
             if gases := self._adsorbed(reaction):
                 found.append(self._rates_inside(state, transport, reaction, gases))
-                continue
-            if reaction.step is None:
-                rate = reaction.rate(self._local(state, transport, reaction))
-            else:  # all steps of a law are found together
-                if reaction.rate not in steps:
-                    steps[reaction.rate] = reaction.rate(
-                        self._local(state, transport, reaction)
-                    )
-                rate = steps[reaction.rate][reaction.step]
-            found.append([self.strength * rate])
+            else:
+                found.append([self.strength * next(rates)])
         return found
 
     def _local(
@@ -465,7 +460,8 @@ class Bed:
         parts = []
         for i, weight in enumerate(inside.weights):
             inner = {name: own.inner[name][i] for name in gases}
-            rate = reaction.rate(self._local(state, transport, reaction, inner))
+            at = partial(self._local, state, transport, inner=inner)
+            rate = rates_of([reaction], at)[0]
             parts.append(self.strength * float(weight) * rate)
         return parts
 
