@@ -7,7 +7,7 @@ Gamma the density of sites and s_i the sites that one molecule takes:
 
     r_j = k_j prod_i C_i^o_ij
     k_j = A T^b exp(-E/(R T)) prod_i 10^(a_ij theta_i) theta_i^m_ij exp(-E_ij theta_i/(R T))
-    k_j = gamma (R T/(2 pi M))^(1/2) prod_i (s_i/Gamma)^o_ij       sticking, gamma written as k_j above
+    k_j = gamma (R T/(2 pi M))^(1/2) prod_i (s_i/Gamma)^o_ij       where it sticks, gamma as k_j above
 
 Motz and Wise put gamma/(1 - gamma/2) in place of gamma, here with gamma at most 1. A step back has
 k_j/K of the step ahead, K by the thermodynamics of gases and adsorbates. Coverages follow from

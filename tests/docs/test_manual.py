@@ -140,7 +140,7 @@ def test_scenes_of_the_tutorials_have_the_keys_of_their_schema():
             if name and "scene" not in values:
                 jsonschema.validate(values, editor.json_schema(kind_of(values)))
                 found += 1
-    assert found == 3
+    assert found == 4
 
 
 @pytest.mark.slow

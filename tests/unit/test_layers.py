@@ -244,6 +244,7 @@ def test_closures_and_outputs_know_no_physics():
         if room == "particle":
             assert {other.split(".")[0] for other in others} <= {
                 "particle",
+                "materials",
                 "chemistry",
                 "errors",
                 "fem",
