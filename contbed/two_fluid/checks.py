@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from itertools import combinations
 from math import prod
-from typing import TYPE_CHECKING
 
 from contbed.closures import names, sheet
 from contbed.closures.binding import bind
@@ -37,9 +36,6 @@ from contbed.two_fluid.conditions import (
 )
 from contbed.two_fluid.heat.checks import HEAT_CHECKS
 from contbed.two_fluid.warnings import WARNINGS as WARNINGS
-
-if TYPE_CHECKING:
-    pass
 
 SAME_THETA = 1e-3  # share by which a granular temperature may be rounded in a scene
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from contbed.two_fluid.compiled import Array, Flags, Indices, kernel, summing
 from contbed.two_fluid.fv.grid import Geometry, Grid
-from contbed.two_fluid.linear.cg import System
+from contbed.two_fluid.linear.cg import System, add_links
 
 Places = NDArray[np.uint32]
 
@@ -31,17 +31,6 @@ class Rows(NamedTuple):
     start: Indices
     beside: Places
     faces: Places
-
-
-@kernel
-def _add_links(g: Geometry, system: System) -> None:
-    """Add the links of faces to those of their cells."""
-    coef, links, ni = system.coef, system.links, len(g.right)
-    for f in range(len(g.left)):
-        for k in range(coef.shape[1]):
-            links[g.left[f], k] += coef[f, k]
-            if f < ni:
-                links[g.right[f], k] += coef[f, k]
 
 
 @kernel
@@ -160,7 +149,7 @@ def solve_on_ranks(
     """
     g, halo = grid.geometry, grid.halo
     content, rhs = system.content, system.rhs
-    _add_links(g, system)
+    add_links(g, system)
     x[:] = rhs / content
     stiff: Flags = np.asarray((system.links > explicit * content).any(axis=1))
     if not halo.any(bool(stiff[halo.cells].any())):

@@ -60,6 +60,17 @@ def empty_system(
 
 
 @kernel
+def add_links(g: Geometry, system: System) -> None:
+    """Add the links of faces to those of their cells."""
+    coef, links, ni = system.coef, system.links, len(g.right)
+    for f in range(len(g.left)):
+        for k in range(coef.shape[1]):
+            links[g.left[f], k] += coef[f, k]
+            if f < ni:
+                links[g.right[f], k] += coef[f, k]
+
+
+@kernel
 def solve(
     g: Geometry, system: System, explicit: float, tolerance: float, most: int, x: Array
 ) -> int:
@@ -71,11 +82,7 @@ def solve(
     """
     coef, links, content, rhs = system.coef, system.links, system.content, system.rhs
     ni, count = len(g.right), len(content)
-    for f in range(len(g.left)):
-        for k in range(coef.shape[1]):
-            links[g.left[f], k] += coef[f, k]
-            if f < ni:
-                links[g.right[f], k] += coef[f, k]
+    add_links(g, system)
     state, found = np.zeros(count, dtype=np.int8), False
     for c in range(count):
         for k in range(coef.shape[1]):
