@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import ceil
 from pathlib import Path
 from typing import Any, Literal
 
@@ -118,6 +119,7 @@ def plan(scene: GasScene) -> GasPlan:
     built = [
         ("particles", f"{number}, {'fixed' if table.fixed else 'moving'}"),
         ("gas", " x ".join(str(n) for n in grid.count) + " cells"),
+        ("steps", f"{ceil(scene.time.end / scene.time.step)} of the gas"),
     ]
     skipped: list[tuple[str, str]] = []
     for there, what, how, why in (

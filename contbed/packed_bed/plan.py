@@ -347,10 +347,9 @@ class Plan:
         return out
 
     def __str__(self) -> str:
-        run = "the first mesh" if self.balanced else "a steady scene"
         unknowns, more = self.unknowns(), []
         if unknowns and not self.fronts:
-            more.append(advice(unknowns, self.policy, run))
+            more.append(advice(unknowns, self.policy))
         text = (
             lifted(self, np.array([self.medium.T_fluid_in]))
             if self.medium is not None

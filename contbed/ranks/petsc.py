@@ -16,7 +16,7 @@ import numpy as np
 
 from contbed.errors import ConvergenceError
 from contbed.ranks.group import RankGroup
-from contbed.solvers.cost import RATES
+from contbed.solvers.cost import memory_GB
 from contbed.solvers.linear import Policy
 
 DIRECT_3D = 60_000
@@ -75,7 +75,7 @@ class PetscPolicy(Policy):
         return (
             super().predicted_GB(size)
             if self.direct(size)
-            else RATES["dolfinx", self.dimension].memory_GB(size)
+            else memory_GB(self.dimension, size)
         )
 
 

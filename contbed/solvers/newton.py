@@ -121,9 +121,11 @@ def _polish(
     norm = np.linalg.norm(residual)
     for _ in range(MAX_POLISHING_STEPS):
         better = state + solver.approximate(-residual)
-        residual, _ = assemble(better, False)
-        residual[fixed] = 0.0
-        after = np.linalg.norm(residual)
+        # a step too far may leave the range of a property; the state stays then
+        with np.errstate(all="ignore"):
+            residual, _ = assemble(better, False)
+            residual[fixed] = 0.0
+            after = np.linalg.norm(residual)
         if not after < 0.2 * norm:
             return better if after < norm else state
         state, norm = better, after

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -32,9 +33,6 @@ from contbed.two_fluid.simulation import Simulation
 
 # bytes for each unknown: 200 in 800 000 of a plane, up to 600 in 140 000 of a volume
 MEMORY = MemoryPerUnknown(400.0)
-# s of CPU per cell and step in 1-D, 2-D and 3-D, of beds of some 10 000 cells, on
-# rectangular grids and on any mesh
-STEP_COST_IN_ROWS, STEP_COST = (5e-7, 9e-7, 1.3e-6), (5e-7, 1.2e-6, 3e-6)
 
 
 @dataclass(frozen=True)
@@ -120,10 +118,7 @@ def plan(scene: t.TwoFluidScene, place: Place = ONE_PROCESS) -> TwoFluidPlan:
                 f"{where}: boundary.{name}: missing; every side needs a condition"
             )
     table, chosen = scene.two_fluid, scene.closures
-    cost = (STEP_COST_IN_ROWS if cells.rectangular else STEP_COST)[
-        cells.dimension - 1
-    ] * len(cells.cells)
-    built = [("cells", f"{len(cells.cells)}, about {cost * 1e3:.2g} ms a step")]
+    built = [("cells", str(len(cells.cells))), ("steps", _steps(scene))]
     built += place.described(cells)
     skipped: list[tuple[str, str]] = []
     for there, what, how, why in (
@@ -187,6 +182,14 @@ def plan(scene: t.TwoFluidScene, place: Place = ONE_PROCESS) -> TwoFluidPlan:
         seldom_meant,
         place=place,
     )
+
+
+def _steps(scene: t.TwoFluidScene) -> str:
+    """Return how many steps the run takes, or at least takes."""
+    time = scene.time
+    if time.step is not None:
+        return f"{ceil(time.end / time.step)} of {time.step:.3g} s"
+    return f"{ceil(time.end / time.longest)} or more, of at most {time.longest:.3g} s"
 
 
 def periodic_pairs(scene: t.TwoFluidScene) -> list[tuple[str, str]]:

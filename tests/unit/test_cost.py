@@ -7,7 +7,7 @@ import pytest
 from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.ranks.petsc import DIRECT_3D, PetscPolicy
-from contbed.solvers.cost import LONG_RUN, RATES, advice
+from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
 from tests.scene_text import scene_of
 
@@ -37,36 +37,18 @@ type = "no_slip"
 
 
 def test_small_scenes_stay_on_the_default_engine() -> None:
-    assert advice({"flow": 6000, "heat": 4000}, Policy(2, 8.0)).startswith(
-        "engine: skfem, about "
-    )
+    assert advice({"flow": 6000, "heat": 4000}, Policy(2, 8.0)) == "engine: skfem"
 
 
 def test_memory_decides() -> None:
     text = advice({"heat": 10_000_000}, Policy(2, 8.0))
-    assert (
-        text.startswith("engine: dolfinx, mpirun -n ")
-        and "skfem would need 50 GB of 8 GB" in text
-    )
-
-
-def test_time_decides() -> None:
-    size = 4_000_000  # within memory, but hours of factorisation
-    text = advice({"heat": size}, Policy(3, 1e3))
-    assert RATES["skfem", 3].time(size) > LONG_RUN and "skfem would take" in text
-
-
-@pytest.mark.parametrize("dimension", [1, 2, 3])
-def test_cost_grows_with_size_on_both_engines(dimension: int) -> None:
-    for engine in ("skfem", "dolfinx"):
-        rate = RATES[engine, dimension]
-        assert rate.time(2_000_000) > 1.8 * rate.time(1_000_000) and rate.memory_GB(
-            20_000
-        ) > rate.memory_GB(10_000)
+    assert text.startswith("engine: dolfinx under mpirun, about 29 GB on all ranks")
+    assert "9 GB more on rank 0" in text
+    assert "skfem would need 50 GB of 8 GB" in text
 
 
 def test_plan_prints_the_advice() -> None:
-    assert "\nengine: skfem, about " in str(plan(from_dict(BOX)))
+    assert "\nengine: skfem" in str(plan(from_dict(BOX)))
 
 
 def test_radiation_of_a_volume_is_planned_with_multigrid() -> None:

@@ -63,9 +63,17 @@ def test_stiffer_particles_settle_in_more_and_shorter_steps():
     assert stiff / soft == pytest.approx(1.0 + 0.13 / 0.6 * 10**0.4, rel=1e-3)
 
 
-@pytest.mark.parametrize("kind", ["single_particle", "two_fluid", "bubbling_bed"])
+@pytest.mark.parametrize("kind", MODELS)
 def test_other_plans_predict_no_time(kind):
-    assert "time: " not in str(plan(load(MODELS[kind].template)))
+    text = str(plan(load(MODELS[kind].template)))
+    assert "time: " not in text and "of processor" not in text and " a step" not in text
+
+
+def test_plans_give_the_number_of_steps_where_it_is_known():
+    for kind, steps in (("two_fluid", "10 or more"), ("particles_gas", "300 of the")):
+        assert dict(plan(load(MODELS[kind].template)).built)["steps"].startswith(steps)
+    scene = load(MODELS["two_fluid"].template, {"time.step": 1e-3})
+    assert dict(plan(scene).built)["steps"].startswith("100 of 0.001 s")
 
 
 def test_the_bar_of_fronts_reaches_the_end(monkeypatch):
