@@ -2,6 +2,7 @@
 lead somewhere.
 """
 
+import json
 import re
 import shlex
 import shutil
@@ -144,16 +145,14 @@ def test_scenes_of_the_tutorials_have_the_keys_of_their_schema():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_every_block_runs(page, tmp_path, monkeypatch, capsys):
-    """Blocks in the order of the page, in one folder: files are written, commands
-    run, Python runs in one process.
+def run_blocks(page, capsys):
+    """Run the blocks of a page in their order in the working directory: files are
+    written, commands run; return the text of the Python blocks.
     """
-    monkeypatch.chdir(tmp_path)
     program = []
     for language, name, text in blocks(page):
         if name:
-            (tmp_path / name).write_text(text)
+            Path(name).write_text(text)
         elif language == "sh":
             for line in text.splitlines():
                 command, _, target = line.partition(" > ")
@@ -162,16 +161,63 @@ def test_every_block_runs(page, tmp_path, monkeypatch, capsys):
                 assert cli.main(words[1:]) == 0, line
                 out = capsys.readouterr().out
                 if target:
-                    (tmp_path / target.strip()).write_text(out)
+                    Path(target.strip()).write_text(out)
         elif language == "python":
             program.append(text)
-    if program:
+    return program
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_every_block_runs(page, tmp_path, monkeypatch, capsys):
+    """All in one folder, and Python in one process."""
+    monkeypatch.chdir(tmp_path)
+    if program := run_blocks(page, capsys):
         (tmp_path / "page.py").write_text("\n".join(program))
         environment = {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1", "PATH": ""}
         done = subprocess.run(
             [sys.executable, "page.py"], env=environment, capture_output=True, text=True
         )
         assert done.returncode == 0, done.stderr
+
+
+# the processor time of the others is 5 to 30 s
+QUICK_PROBLEMS = ("moving_bed", "rock_store", "reformer_tube")
+PROBLEMS = [
+    pytest.param(
+        page,
+        id=page.stem,
+        marks=[] if page.stem in QUICK_PROBLEMS else pytest.mark.slow,
+    )
+    for page in sorted((ROOT / "docs" / "problems").glob("*.md"))
+    if page.stem != "index"
+]
+ROW = re.compile(
+    r"^\| `(?P<name>.+?)` \| (?P<hand>[-+.e\d]+) \| (?P<run>[-+.e\d]+) \| "
+    r"(?P<within>[.\d]+) % \|$",
+    re.MULTILINE,
+)
+
+
+@pytest.mark.parametrize("page", PROBLEMS)
+def test_worked_problems_agree_with_their_check_by_hand(
+    page, tmp_path, monkeypatch, capsys
+):
+    """Each row of the table holds a value by hand, that of the run and the difference
+    that the page explains; the run's own value is printed with four digits, or as
+    settled particles and bubbles repeat it.
+    """
+    monkeypatch.chdir(tmp_path)
+    run_blocks(page, capsys)
+    found = {}
+    for summary in sorted(tmp_path.glob("*/summary.json")):
+        found |= json.loads(summary.read_text(encoding="utf-8"))["qoi"]
+    rows = list(ROW.finditer(page.read_text(encoding="utf-8")))
+    assert rows
+    for row in rows:
+        value = found[row["name"]]
+        assert value == pytest.approx(float(row["run"]), rel=1e-3), row["name"]
+        allowed = 1e-2 * float(row["within"])
+        assert value == pytest.approx(float(row["hand"]), rel=allowed), row["name"]
 
 
 class Links(HTMLParser):
