@@ -20,6 +20,7 @@ from contbed.dem.plan import porosity_of
 from contbed.dem.sizes import CUT
 from contbed.dem.softness import DENSER, too_soft
 from contbed.dem.walls import REACHES, SKIN
+from contbed.errors import SceneError
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.solids import the_only
 from contbed.scene.toml_lines import KeyPath, Origin
@@ -286,6 +287,16 @@ def file_can_be_used(
     """Read the file as for a run, so that both say the same."""
     if particles.file is None:
         return
+    try:
+        yield from _mistakes_in_file(particles, solids, origin)
+    except SceneError as error:
+        yield from ((("particles", "file"), text) for text in error.problems)
+
+
+def _mistakes_in_file(
+    particles: p.Particles, solids: Solids, origin: Origin
+) -> Mistakes:
+    assert particles.file is not None
     name, solid = the_only(solids)
     path, key = origin.base / particles.file, ("particles", "file")
     if "\0" in particles.file or not path.is_file():

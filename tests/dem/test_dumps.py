@@ -12,6 +12,7 @@ from contbed.dem import dumps
 from contbed.dem.particle_files import read_particles, write_particles
 from contbed.dem.particle_tables import has_radii, read_table
 from contbed.errors import SceneError
+from contbed.loading import from_dict
 from tests.refusals import refusal, refused
 
 # six spheres on a plane, written by LIGGGHTS 3.8.0 and LAMMPS 2022-01-06; contacts
@@ -274,3 +275,10 @@ def test_real_dumps_cut_within_a_line(name, dump):
     text = (REAL / name).read_text()
     last = text.rstrip("\n").rindex("\n")
     assert "truncated: " in failure(dump(text[: last + 9]))
+
+
+def test_a_file_that_cannot_be_used_is_named_with_its_key(tmp_path):
+    (tmp_path / "x.csv").write_text("x,y,z,radius\n0,0,0,nan\n")
+    scene = {"particles": {"file": "x.csv"}, "solids": {"a": {"conductivity": 1.0}}}
+    said = r'scene:1: particles\.file = "x\.csv": .*x\.csv:2: 4 numbers where 4 finite'
+    refused(said, from_dict, scene, base=tmp_path)

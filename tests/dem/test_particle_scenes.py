@@ -227,9 +227,9 @@ def test_mistakes_that_the_file_shows(folder):
     assert "0 hot and 9 cold" in problems(BED.replace("0.6", "-1.0"), folder)[0]
     text = (folder / "bed.dump").read_text()
     (folder / "bed.dump").write_text(text[:-100])
-    assert "truncated" in problems(dump, folder)[0] and problems(dump, folder)[
-        0
-    ].startswith(str(folder / "bed.dump"))
+    (said,) = problems(dump, folder)
+    key = 'scene.toml:3: particles.file = "bed.dump"'
+    assert "truncated" in said and said.startswith(f"{key}: {folder}/bed.dump:")
 
 
 @pytest.mark.parametrize(
@@ -255,7 +255,7 @@ def test_dumps_that_cannot_be_used_are_refused_by_the_check(folder, change, want
     path.write_text(change(path.read_text()))
     text = BED.replace("bed.csv", "bed.dump").replace("diameter = 1.0\n", "")
     assert problems_of(loads, text, "scene.toml", base=folder)[0].startswith(
-        f"{path}:{wanted}"
+        f'scene.toml:3: particles.file = "bed.dump": {path}:{wanted}'
     )
 
 
