@@ -57,6 +57,8 @@ def made_and_used(
         if not 0.0 < abs(gained - used) + used <= (1.0 + CLOSED) * used:
             continue  # solids take or give it
         offered = sum(of[name] * fed[name] for name, n in made.items() if n < 0.0)
+        if not offered:
+            continue  # what is used up is rounding of what does not enter
         holding = [name for name in products if of[name]]
         for name in holding:
             share = of[name] * made[name]
