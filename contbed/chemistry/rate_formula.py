@@ -1,4 +1,9 @@
-"""Rates by a formula that a scene writes: [reactions.NAME] rate = "k*c_A/(1 + K*p_B)"."""
+"""Rates by a formula that a scene writes: [reactions.NAME] rate = "k*c_A/(1 + K*p_B)".
+
+A formula is the whole rate. That of a reversible reaction of gases may name Q_over_K,
+the ratio of products to reactants over that of equilibrium, by thermodynamics:
+"k*p_CO*p_H2*(1 - Q_over_K)" ends at equilibrium.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +15,7 @@ from contbed.chemistry.thermo import R_GAS
 from contbed.closures.formula import Formula, parse_formula
 from contbed.scene.reactions import Reaction
 
+QUOTIENT = "Q_over_K"
 SI_OF_BASIS = {
     "catalyst": "mol/kg/s",
     "gas": "mol/m**3/s",
@@ -43,7 +49,7 @@ def sizes_of(at: Local) -> dict[str, Any]:
         for name in at.c
         for kind, size in (("c", molar), ("x", 1.0), ("p", at.p))
     }
-    return {"X": 0.0, **of_gas, **{f"n_{name}": solids for name in at.n}}
+    return {"X": 0.0, QUOTIENT: 1.0, **of_gas, **{f"n_{name}": solids for name in at.n}}
 
 
 def formula_of(table: Reaction, basis: str) -> tuple[Formula, dict[str, float], float]:
@@ -71,6 +77,8 @@ def _rate(case: Case) -> Rate:
     def rate(at: Local) -> Any:
         left = at.n[case.solid] / case.fresh(at) if converts else 1.0
         values = {**formula_values(at, left), **parameters}
+        if QUOTIENT in formula.names:
+            values[QUOTIENT] = case.quotient(at)
         sizes = {**values, **sizes_of(at)} if at.small.amounts else None
         return formula(values, at.small.amounts, sizes) * factor
 

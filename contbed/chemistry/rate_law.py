@@ -19,7 +19,7 @@ from contbed.chemistry.local import Local, Rate
 from contbed.chemistry.power_law import PowerLaw, product
 from contbed.chemistry.species import Species
 from contbed.chemistry.thermo import R_GAS, Equilibrium
-from contbed.closures.formula import TINY, odd_power
+from contbed.closures.formula import TINY, odd_power, power
 from contbed.scene.reactions import Reaction
 
 BAR = 1e5  # [Pa]
@@ -81,6 +81,15 @@ class Case:
         """
         moles = sum(self.gases.values())
         return np.exp(self.equilibrium.ln_K(T)) * (BAR / (R_GAS * T)) ** moles
+
+    def quotient(self, at: Local) -> Any:
+        """Return Q/K: the gases made over those used up, each to its number in the
+        equation, over this ratio in equilibrium.
+        """
+        made: Any = 1.0
+        for name, n in self.gases.items():
+            made = made * power(at.c[name], n)
+        return made / self.equilibrium_constant(at.T)
 
     def constant(self, T: Any) -> Any:
         """Return k = A T^b exp(-E/(R T))."""

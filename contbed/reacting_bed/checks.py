@@ -8,7 +8,7 @@ from typing import Any
 
 from contbed.chemistry.checks import reaction_is_whole
 from contbed.chemistry.laws import find_law
-from contbed.chemistry.rate_formula import SI_OF_BASIS
+from contbed.chemistry.rate_formula import QUOTIENT, SI_OF_BASIS
 from contbed.chemistry.species import atoms_of
 from contbed.closures.binding import named
 from contbed.closures.formula import parse_formula, require_names
@@ -138,6 +138,10 @@ def formulas_can_be_read(
         known |= {f"{of}_{name}" for name in gases for of in "cxp"} | {
             f"n_{name}" for name in constituents
         }
+        if "<->" in (table.equation or "") and gases.issuperset(
+            stoichiometry(name, table)
+        ):
+            known.add(QUOTIENT)
         try:
             require_names(parse_formula(str(table.rate)), sorted(known))
         except SceneError as error:

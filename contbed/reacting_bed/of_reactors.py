@@ -126,6 +126,19 @@ def equilibrium(
     return found
 
 
+def beyond_equilibrium(problem: Problem, reaction: Reaction, quotient: float) -> str:
+    """Return the warning of a formula that runs beyond the equilibrium of its
+    reaction.
+    """
+    path = ("reactions", reaction.key, "rate")
+    return (
+        f"{problem.scene.origin.at(path)}: {'.'.join(path)}: the reaction runs beyond "
+        f"its equilibrium: Q/K is {quotient:.3g} where the gas leaves, and 1 in "
+        "equilibrium. A formula is the whole rate and has no way back of its own: "
+        "multiply it by (1 - Q_over_K)"
+    )
+
+
 def temperature_of(law: Equilibrium, Q: float, T: float) -> float | None:
     """Return the temperature at which ln K is Q, by Newton's method in 1/T from T [K];
     None where there is none.

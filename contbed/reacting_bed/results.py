@@ -20,6 +20,8 @@ from contbed.result import Result, outside
 
 UNDERSHOT = 1e-6  # share of the whole below zero that is counted
 DRY = 1e-9  # share of the gas beside steam below which there is no dry gas
+# Q/K of a formula above which it is reported; its own K may differ from tables
+BEYOND = 1.5
 BETWEEN = 2  # positions of profiles inside of each cell
 
 
@@ -306,7 +308,14 @@ def _extents(
             pressures = {
                 name: max(_at(state.x[name] * state.p, end), 1e-295) for name in gases
             }
-            result.qoi |= of_reactors.equilibrium(problem, reaction, T, pressures)
+            approach = of_reactors.equilibrium(problem, reaction, T, pressures)
+            result.qoi |= approach
+            quotient = approach[f"Q_over_K_{reaction.name}"]
+            written = problem.scene.reactions[reaction.key].rate is not None
+            if written and extent > 0.0 and quotient > BEYOND:
+                result.warnings.append(
+                    of_reactors.beyond_equilibrium(problem, reaction, quotient)
+                )
     if problem.reactions:
         points = inner, problem.line.points.ravel()
         both_ends = state, problem.line.vertices[[0, -1]]

@@ -2,6 +2,8 @@
 beds against closed forms and hand calculations.
 """
 
+from copy import deepcopy
+
 import numpy as np
 import pytest
 from reacting_bed_scenes import MOLAR, R_GAS, P, T, equilibrium, ignition, isothermal
@@ -75,6 +77,26 @@ def test_a_bed_in_equilibrium_has_no_approach():
     equations = {"shift": "CO + H2O <-> CO2 + H2"}
     qoi = solved(equilibrium("CO:1, H2O:2, N2:1", 1e5, 900.0, equations)).qoi
     assert qoi["equilibrium_approach_shift_K"] == pytest.approx(0.0, abs=1e-5)
+
+
+def test_a_formula_beyond_equilibrium_is_reported_and_ends_there_with_its_quotient():
+    """k x_CO alone goes on until no CO is left; times (1 - Q/K) it ends in equilibrium,
+    at the same composition as the law with constants.
+    """
+    equations = {"shift": "CO + H2O <-> CO2 + H2"}
+    scene = equilibrium("CO:1, H2O:2, N2:1", 1e5, 900.0, equations)
+    whole = solved(deepcopy(scene)).qoi
+    table = {"equation": equations["shift"], "rate": "k*x_CO", "parameters": {"k": 1e4}}
+    scene["reactions"] = {"shift": dict(table)}
+    result = solved(deepcopy(scene))
+    (text,) = [each for each in result.warnings if "beyond its equilibrium" in each]
+    assert "multiply it by (1 - Q_over_K)" in text
+    assert result.qoi["Q_over_K_shift"] > 100.0
+    scene["reactions"]["shift"]["rate"] = "k*x_CO*(1 - Q_over_K)"
+    result = solved(scene)
+    assert not [each for each in result.warnings if "equilibrium" in each]
+    assert result.qoi["Q_over_K_shift"] == pytest.approx(1.0, abs=1e-6)
+    assert result.qoi["x_H2_out"] == pytest.approx(whole["x_H2_out"], rel=1e-6)
 
 
 def test_the_temperature_of_equilibrium_of_constant_heats():

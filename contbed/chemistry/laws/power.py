@@ -9,7 +9,6 @@ from typing import Any
 
 from contbed.chemistry.local import Local, Rate
 from contbed.chemistry.rate_law import Case, RateLaw, powers
-from contbed.closures.formula import power
 
 
 def _power(case: Case) -> Rate:
@@ -22,13 +21,10 @@ def _power(case: Case) -> Rate:
         forward = powers(at, case.orders)
         if not case.equation.reversible:
             return k * forward
-        K = case.equilibrium_constant(at.T)
         if elementary:
-            return k * (forward - powers(at, right) / K)
-        made: Any = 1.0
-        for name, n in case.gases.items():
-            made = made * power(at.c[name], n)
-        return k * forward * (1.0 - made / K)
+            back = powers(at, right) / case.equilibrium_constant(at.T)
+            return k * (forward - back)
+        return k * forward * (1.0 - case.quotient(at))
 
     return rate
 
