@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from contbed.scene.humid_air import HUMID_AIR, HumidAir
+from contbed.scene.humid_air import AIR, HUMID_AIR, HumidAir
 from contbed.scene.quantities import (
     Conductivity,
     Density,
@@ -86,11 +86,11 @@ class GasCoolProp(Table):
 
 
 def with_its_model(values: Any) -> Any:
-    """Return a [gas] table with its model: "cantera" with a composition or humid air,
+    """Return a [gas] table with its model: "cantera" with a composition or air,
     else "constant".
     """
     if isinstance(values, dict) and (
-        "composition" in values or values.get("material") == HUMID_AIR
+        "composition" in values or values.get("material") in (AIR, HUMID_AIR)
     ):
         return _of_composition(values)
     return {"model": "constant"} | values if isinstance(values, dict) else values

@@ -23,7 +23,7 @@ from pydantic import model_validator
 from contbed.scene.quantities import NonNegative, Share, Table, Temperature
 from contbed.scene.units import to_si
 
-HUMID_AIR = "humid air"
+AIR, HUMID_AIR = "air", "humid air"
 DRY_AIR = {"N2": 0.7812, "O2": 0.2096, "AR": 0.0092}  # mole fractions
 RATIO = 18.015268 / 28.9586  # molar mass of water over that of dry air
 T_CRITICAL, P_CRITICAL = 647.096, 22.064e6  # of water [K], [Pa]
@@ -63,10 +63,11 @@ def dew_point(pressure: float) -> float:
 
 
 class HumidAir(Table):
-    """Keys of a gas that may be humid air."""
+    """Keys of a gas that may be air."""
 
-    material: Literal["humid air"] | None = None
-    """instead of composition, with humidity_ratio, or relative_humidity and dry_bulb"""
+    material: Literal["air", "humid air"] | None = None
+    """instead of composition: dry air, or humid air with humidity_ratio, or with
+    relative_humidity and dry_bulb"""
     humidity_ratio: NonNegative | None = None
     """of humid air: mass of water over that of dry air"""
     relative_humidity: Share | None = None
@@ -86,22 +87,24 @@ class HumidAir(Table):
         if not isinstance(values, dict):
             return values
         given = {key for key in _HUMIDITY if values.get(key) is not None}
-        if values.get("material") != HUMID_AIR:
-            if given:
-                raise ValueError(
-                    f'{" and ".join(sorted(given))}: of material = "humid air" only'
-                )
+        material = values.get("material")
+        if given and material != HUMID_AIR:
+            raise ValueError(
+                f'{" and ".join(sorted(given))}: of material = "humid air" only'
+            )
+        if material not in (AIR, HUMID_AIR):
             return values
-        if given not in ({"humidity_ratio"}, {"relative_humidity", "dry_bulb"}):
+        by_ratio, by_state = {"humidity_ratio"}, {"relative_humidity", "dry_bulb"}
+        if material == HUMID_AIR and given not in (by_ratio, by_state):
             raise ValueError(
                 "humid air: give humidity_ratio, or relative_humidity with dry_bulb"
             )
-        share = _share_of_water(values)
+        share = _share_of_water(values) if given else 0.0
         rest = {name: (1.0 - share) * x for name, x in DRY_AIR.items()}
         shares = rest | ({"H2O": share} if share else {})
         composition = ", ".join(f"{name}:{x:.10g}" for name, x in shares.items())
         if values.get("composition", composition) != composition:
-            raise ValueError("give the composition, or humid air, not both")
+            raise ValueError(f"give the composition, or {material}, not both")
         return values | {"composition": composition}
 
 

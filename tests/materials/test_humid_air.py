@@ -124,3 +124,10 @@ def test_bubbling_beds_burn_in_humid_air():
 )
 def test_mistakes(values, part):
     refused(part, cb.load, bed(values))
+
+
+def test_air_by_name_is_humid_air_without_water():
+    dry = cb.load(bed({"gas.material": "air", "gas.humidity_ratio": None})).gas
+    assert dry.composition == cb.load(bed({"gas.humidity_ratio": 0.0})).gas.composition
+    mistaken = {"gas.material": "air"}
+    refused('humidity_ratio: of material = "humid air" only', cb.load, bed(mistaken))
