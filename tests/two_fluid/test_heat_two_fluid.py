@@ -27,6 +27,7 @@ from contbed.two_fluid.heat.model import Physics, Thermal, build_heat
 from contbed.two_fluid.model import Options
 from studies._exact.packed_bed import schumann
 from tests.balances import assert_closed
+from tests.cases import cases_of
 from tests.refusals import refusal, refused
 
 SLIP = symmetry()
@@ -605,57 +606,7 @@ def test_a_pulse_brings_what_was_given_and_ends():
 
 @pytest.mark.parametrize(
     ("changes", "without", "told"),
-    [
-        ({}, ("initial.gas.temperature",), "initial.gas.temperature"),
-        ({}, ("boundary.jet.gas.temperature",), "boundary.jet.gas.temperature"),
-        (
-            {},
-            ("heat",),
-            "boundary.jet.gas.temperature = 700.0: has no meaning without [heat]",
-        ),
-        (
-            {},
-            ("heat",),
-            "initial.gas.temperature = 300.0: has no meaning without [heat]",
-        ),
-        (
-            {},
-            ("heat",),
-            "boundary.right.heat_flux = 100.0: has no meaning without [heat]",
-        ),
-        ({"closures.nusselt": "nusselt_gun"}, (), "nusselt_gunn"),
-        ({"closures.nusselt": -1.0}, (), "closures.nusselt"),
-        ({"closures.nusselt": {"file": "absent.toml"}}, (), "absent.toml"),
-        ({"closures.conductivity_bed": "nusselt_gunn"}, (), "conductivity"),
-        ({"two_fluid.conductivity_gas": 0.1}, (), "give either conductivity_bed"),
-        ({}, ("solids.beads.conductivity",), "solids.beads.conductivity: missing"),
-        (
-            {},
-            ("closures.conductivity_bed",),
-            "boundary.left.temperature = 310.0: heats nothing",
-        ),
-        ({}, ("gas.heat_capacity",), "gas.heat_capacity"),
-        (
-            {"two_fluid.conductivity_solids": -1.0},
-            ("closures.conductivity_bed",),
-            "two_fluid.conductivity_solids",
-        ),
-        (
-            {"gas.density_law": "constant", "gas.reference_temperature": 300.0},
-            (),
-            "gas.reference_temperature",
-        ),
-        ({"gas.density_law": "ideal"}, (), "ideal_gas"),
-        ({"initial.gas.temperature": -3.0}, (), "initial.gas.temperature"),
-        ({"boundary.left.heat_flux": 1.0}, (), "either temperature or heat_flux"),
-        ({"time.order": 2}, (), "time.order"),
-        (
-            {},
-            ("boundary.jet.on", "boundary.jet.start", "boundary.jet.end"),
-            "boundary.jet.until",
-        ),
-        ({"boundary.jet.on": "top"}, (), "boundary.jet.until"),
-    ],
+    cases_of(__file__, "mistakes", "changes", "without", "told"),
 )
 def test_a_mistake_about_heat_is_named(changes, without, told):
     assert told in refusal(lambda: from_dict(scene(changes, without)))
