@@ -17,6 +17,7 @@ from contbed.explain.sheets import explain
 from contbed.loading import from_dict
 from contbed.scene.series import Samples
 from tests.balances import assert_closed
+from tests.cases import cases_of
 from tests.refusals import refusal, refused
 from tests.scene_text import scene_of, set_keys
 
@@ -386,87 +387,7 @@ def test_initial_profile_of_an_earlier_run(tmp_path):
 
 @pytest.mark.parametrize(
     ("table", "value", "words"),
-    [
-        (
-            "temperature",
-            {"times": [0.0, 5.0, 5.0], "values": [1.0, 2.0, 3.0]},
-            "times must increase",
-        ),
-        (
-            "temperature",
-            {"times": [1.0, 5.0], "values": [300.0, 310.0]},
-            "a series begins at 0 s",
-        ),
-        (
-            "temperature",
-            {"times": [0.0, 5.0], "values": [300.0, 310.0]},
-            "before the run; give a later value, or a period",
-        ),
-        (
-            "temperature",
-            {"times": [0.0, 5.0], "values": [300.0]},
-            "2 times and 1 values",
-        ),
-        (
-            "temperature",
-            {"times": [0.0, 5.0], "values": ["3 m", 300.0]},
-            "expected a temperature",
-        ),
-        (
-            "temperature",
-            {"times": [0.0], "values": [300.0], "form": "spline"},
-            "unknown choice",
-        ),
-        (
-            "temperature",
-            {"times": [0.0, 8.0], "values": [300.0, 310.0], "period": 4.0},
-            "beyond the period",
-        ),
-        (
-            "temperature",
-            {"times": [0.0], "values": [300.0], "period": 1e-9},
-            "repeats more than",
-        ),
-        ("temperature", {"file": "missing.csv"}, "no such file"),
-        (
-            "temperature",
-            {"file": "text.csv"},
-            "text.csv:3: column 'T': expected a number, found 'warm'",
-        ),
-        ("temperature", {"file": "unit.csv"}, "no column with a temperature"),
-        (
-            "temperature",
-            {"file": "short.csv"},
-            "short.csv:3: 1 cells, the header in line 1 has 2",
-        ),
-        (
-            "temperature",
-            {"file": "sheet.csv"},
-            "sheet.csv:1: columns are separated by semicolons; commas between columns",
-        ),
-        (
-            "temperature",
-            {"file": "tabs.csv"},
-            "tabs.csv:2: columns are separated by tabs",
-        ),
-        (
-            "temperature",
-            {"file": "long.csv"},
-            "long.csv:2: no line of a table: field larger than field limit",
-        ),
-        ("temperature", {"file": "good.csv", "column": "T_in"}, "no column 'T_in'"),
-        ("temperature", {}, "give times and values, or a file"),
-        (
-            "velocity",
-            {"times": [0.0, 5.0], "values": [1e-3, -1e-3], "form": "linear"},
-            "unknown choice",
-        ),
-        (
-            "velocity",
-            {"times": [0.0, 5.0], "values": [1e-3, -1e-3]},
-            "the gas enters here without a temperature",
-        ),
-    ],
+    cases_of(__file__, "bad_series", "table", "value", "words"),
 )
 def test_bad_series(tmp_path, table, value, words):
     """Mistakes name the key, or the file with line and column, before anything runs."""
