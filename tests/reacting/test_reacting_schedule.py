@@ -14,6 +14,7 @@ from contbed.course.schedule import Schedule
 from contbed.loading import from_dict
 from contbed.scene.series import Samples
 from tests.balances import assert_closed
+from tests.cases import cases_of
 from tests.refusals import refused
 from tests.scene_text import set_keys
 
@@ -268,49 +269,7 @@ def test_solids_that_start_to_move():
 
 
 @pytest.mark.parametrize(
-    ("key", "series", "said"),
-    [
-        (
-            "velocity",
-            {"times": [0, 1], "values": [0.5, 0.0], "form": "step"},
-            ": no gas flows at 1 s",
-        ),
-        (
-            "velocity",
-            {"times": [0, 1], "values": [0.5, -1e-9], "form": "step"},
-            "next to no gas flows at 1 s",
-        ),
-        (
-            "velocity",
-            {"times": [0, 800], "values": [0.5, -0.5]},
-            "passes through 0 between 0 and 800 s",
-        ),
-        (
-            "velocity",
-            {"times": [0, 9], "values": [0.5, -0.5], "form": "step"},
-            "the gas enters here: give boundary.right.gas.temperature",
-        ),
-        (
-            "velocity",
-            {"times": [0, 9], "values": [0.5, 0.6]},
-            "ends at 9 s, before the run",
-        ),
-        (
-            "velocity",
-            {"times": [1, 900], "values": [0.5, 0.6]},
-            "the first time is 1 s",
-        ),
-        (
-            "composition",
-            {"times": [0, 900], "values": ["A:1", "A:0.5, B:0.6"]},
-            "fractions sum to 1.1",
-        ),
-        (
-            "composition",
-            {"times": [0, 900], "values": ["A:1", "A:-1"]},
-            "must be a number, 0 or more",
-        ),
-    ],
+    ("key", "series", "said"), cases_of(__file__, "mistakes", "key", "series", "said")
 )
 def test_mistakes_in_series(key, series, said):
     scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
