@@ -21,6 +21,7 @@ from contbed.errors import ConvergenceError, SceneError
 from contbed.many.optimise import evaluations, plots
 from contbed.many.optimise.expression import read_expression
 from contbed.many.optimise.reading import read_design
+from tests.cases import cases_of
 from tests.command_line import command
 from tests.refusals import problems_of, refusal
 from tests.report.report_file import charts_of
@@ -319,111 +320,7 @@ def test_formulas_with_prices_and_whole_numbers(folder, runner):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
-    [
-        (
-            '"boundary.left.gas.velocity"',
-            '"u_mux"',
-            "toml:3: maximise: \"u_mux\": 'u_mux' is neither a named result nor a key",
-        ),
-        ('"boundary.left.gas.velocity"', '"u_mux"', "nearest: u_max"),
-        (
-            '"boundary.left.gas.velocity"',
-            '"boundary.left.gas.velocty"',
-            "the scene has no number 'boundary.left.gas.velocty'; nearest: "
-            "boundary.left.gas.velocity",
-        ),
-        (
-            '"boundary.left.gas.velocity"',
-            '"u_max + T_fluid_out_K"',
-            "u_max is in m/s, T_fluid_out_K in K; they cannot be added",
-        ),
-        (
-            "maximise",
-            "minimize",
-            'design.toml:3: minimize = "boundary.left.gas.velocity": unknown key; '
-            "allowed:",
-        ),
-        (
-            '"u_max <= 0.4"',
-            '"u_max < 0.4"',
-            "toml:4: constraints[1]: 'u_max < 0.4': expected one of <=, >= and ==",
-        ),
-        (
-            '"u_max <= 0.4"',
-            '"u_max <= 40 Pa"',
-            "expected a velocity like 'm/s', found '40 Pa'",
-        ),
-        (
-            '"u_max <= 0.4"',
-            '"u_max <= 2*pressure_drop_Pa"',
-            "the left side is in m/s, the right one in Pa",
-        ),
-        (
-            "0.4",
-            '0.4", "u_max >= 50 cm/s',
-            '"u_max >= 50 cm/s" contradicts "u_max <= 0.4" by 0.1 m/s; change one',
-        ),
-        (
-            "u_max <= 0.4",
-            "boundary.left.gas.velocity >= 0.6",
-            '"boundary.left.gas.velocity >= 0.6" cannot hold within the bounds',
-        ),
-        (
-            "u_max <= 0.4",
-            "boundary.left.gas.velocity >= 0.6",
-            "missed by at least 0.1 m/s, at boundary.left.gas.velocity = 0.5 m/s",
-        ),
-        (
-            '"5 cm/s"',
-            '"90 cm/s"',
-            "design.toml:6: boundary.left.gas.velocity: from, 0.9, is above to, 0.5; "
-            "swap them",
-        ),
-        (
-            '"5 cm/s"',
-            '"20 cm/s"',
-            "boundary.left.gas.velocity: the scene's value, 0.1, is outside of 0.2 to "
-            "0.5; give start = ...",
-        ),
-        (
-            '"5 cm/s"',
-            '"5 cm"',
-            "design.toml:6: boundary.left.gas.velocity: from: expected a velocity like "
-            "'m/s', found '5 cm'",
-        ),
-        (
-            "to = 0.5",
-            "to = 0.5, start = 0.6",
-            "start, 0.6, is outside of 0.05 to 0.5; move it inside",
-        ),
-        (
-            "to = 0.5",
-            "to = 0.5, count = 3",
-            "count = 3: unknown key; allowed: from, to, start, integer",
-        ),
-        (
-            "boundary.left.gas.velocity = {",
-            "boundary.left.gas.velosity = {",
-            "toml:6: boundary.left.gas.velosity: the scene has no such key; allowed: "
-            "temperature",
-        ),
-        (
-            "boundary.left.gas.velocity = {",
-            "mesh.type = {",
-            "mesh.type: is no number and cannot be varied between bounds",
-        ),
-        (
-            '"scene.toml"',
-            '"bed.toml"',
-            'design.toml:2: scene: no such file: "bed.toml"',
-        ),
-        (
-            "title =",
-            "runs = 0\ntitle =",
-            "toml:1: runs = 0: out of range; allowed: an integer >= 1",
-        ),
-    ],
+    ("old", "new", "told"), cases_of(__file__, "mistakes", "old", "new", "told")
 )
 def test_mistakes_are_told_before_any_run(folder, runner, capsys, old, new, told):
     change(folder, (old, new))
