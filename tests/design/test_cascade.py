@@ -22,6 +22,7 @@ from contbed.many.validate.case import read_case
 from contbed.materials import gas_mixture
 from contbed.runner import run
 from contbed.scene.tables import ClosureFile
+from tests.cases import cases_of
 from tests.command_line import command
 from tests.refusals import refusal, refused
 from tests.report.report_file import charts_of
@@ -333,106 +334,7 @@ def test_packings_of_many_sizes_have_the_sauter_mean_of_the_bed(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        (
-            '"T_fluid_out_K"',
-            '"presure_drop_Pa"',
-            "cascade.toml:3: qoi: no named result 'presure_drop_Pa'; nearest: press",
-        ),
-        ('"bed.toml"', '"bad.toml"', 'cascade.toml:2: scene: no such file: "bad.toml"'),
-        (
-            "count = 2",
-            "count = 1",
-            "cascade.toml:5: packings.count = 1: out of range; allowed:",
-        ),
-        (
-            "count = 2",
-            "cont = 2",
-            "cascade.toml:5: packings.cont = 2: unknown key; allowed: count",
-        ),
-        (
-            '"gunn"',
-            '"gun"',
-            "cascade.toml:6: laws.exchange[1]: unknown nusselt closure 'nusselt_gun'; "
-            "near",
-        ),
-        (
-            ", b = 0.5 }",
-            "}",
-            "cascade.toml:6: laws.exchange[0]: closure 'power' needs b",
-        ),
-        (
-            '"columns"',
-            '"pillars"',
-            'cascade.toml:6: laws.conduction[1] = "pillars": unknown choice',
-        ),
-        (
-            "solids.pebbles.conductivity",
-            "solids.pebbles.conductivty",
-            "cascade.toml:7: uncertain.solids.pebbles.conductivty: the scene has no "
-            "number",
-        ),
-        (
-            'qoi = ["T_fluid_out_K"]',
-            "",
-            "qoi: asks for no result; name one, such as T_fluid_out_K, or give "
-            "`measured`",
-        ),
-        (
-            "samples = 8",
-            'measured = "beaulieu"',
-            'cascade.toml:4: measured: no case "beaulieu"; allowed: ',
-        ),
-        (
-            "samples = 8",
-            'measured = "beaulieu_2020"',
-            "the points are measured over time, but the scene is steady",
-        ),
-        (
-            "width = 5 }",
-            "width = 5, spread = 0.1 }",
-            "cascade.toml:6: laws.conduction: columns are for equal spheres",
-        ),
-        (
-            "width = 5 }",
-            "width = 5, walls = true }",
-            "cascade.toml:5: packings.walls: the gas is computed between",
-        ),
-        (
-            '"5 %"',
-            "nan",
-            "cascade.toml:7: uncertain.solids.pebbles.conductivity: expected a number "
-            "> 0 in SI, or a share",
-        ),
-        (
-            '"5 %"',
-            '"500 %"',
-            "cascade.toml:7: uncertain.solids.pebbles.conductivity: 4",
-        ),
-        (
-            '"5 %"',
-            '"500 %"',
-            "reaches what the scene refuses: solids.pebbles.conductivity = -",
-        ),
-        (
-            '"gunn"] }',
-            '"gunn"], scatter_exchange = -0.1 }',
-            "cascade.toml:6: laws.scatter_exchange = -0.1: out of range",
-        ),
-        (
-            'exchange = [{ name = "power", a = 1.2, b = 0.5 }, "gunn"]',
-            "scatter_exchange = 0.1",
-            "cascade.toml:6: laws.scatter_exchange: there is no law of exchange to "
-            "scatter",
-        ),
-        (
-            '"5 %"',
-            '"5"',
-            "cascade.toml:7: uncertain.solids.pebbles.conductivity: expected a number "
-            "> 0 in SI, or a share",
-        ),
-    ],
+    ("old", "new", "says"), cases_of(__file__, "mistakes", "old", "new", "says")
 )
 def test_mistakes(tmp_path, old, new, says):
     assert old in FILE
