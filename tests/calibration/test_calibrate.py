@@ -25,6 +25,7 @@ from contbed.many.calibrate.model import SceneModel
 from contbed.many.calibrate.plots import _curves
 from contbed.many.calibrate.settings import read_file
 from contbed.many.store import Store
+from tests.cases import cases_of
 from tests.command_line import command
 from tests.report.report_file import charts_of
 
@@ -405,68 +406,7 @@ def test_a_store_in_memory_writes_nothing(folder):
     assert store.known("name")["values"] == [1.0] and len(store) == 1
 
 
-MISTAKES = [
-    ("drops", 'column = "dp"', 'column = "dP"', "drops.csv:2: no column 'dP'; allowed: "
-                                                "u, dp; did you mean 'dp'?"),
-    ("drops", 'keys = { "boundary.left.gas.velocity" = "u" }', 'keys = { '
-                                                               '"boundary.left.gas.velocity" = "dp" }',
-     "drops.csv:2: expected a velocity in m/s, found 'dp [mbar]'"),
-    ("drops", '"2 %"', '"2 K"', "drops.toml:10: error: expected a pressure like 'Pa', "
-                                "found '2 K', or a share"),
-    ("drops", '"2 %"', '"0 %"', "drops.csv:3: the standard error of 'dp' is 0; "
-                                "allowed: a number > 0"),
-    ("drops", ', error = "2 %"', "", "drops.toml:10: values of pressure_drop_Pa: give "
-                                     "the standard error"),
-    ("drops", "to = 0.45", "to = 1.2", "drops.toml:4: the prior reaches to values that "
-                                       "the scene does not take: "
-     "packed_bed.porosity = 1.2: out of range"),
-    ("drops", "from = 0.35, to = 0.45", "from = 1.2, to = 1.4",
-     "drops.toml:4: packed_bed.porosity = 1.3: out of range; allowed: a number > 0 and "
-     "< 1; in the middle of its pr"),
-    ("drops", "from = 0.35", "from = 0.45", "drops.toml:4: packed_bed.porosity: an "
-                                            "empty range"),
-    ("drops", 'median = "3 mm"', 'median = "-3 mm"', "drops.toml:5: "
-                                                     "solids.particles.diameter = "
-                                                     "-0.003: out of range"),
-    ("drops", "factor = 1.2", "factor = 0.9",
-     "drops.toml:5: solids.particles.diameter: factor is 0.9; allowed: a number > 1"),
-    ("drops", "packed_bed.porosity =", "packed_bed.porosty =",
-     "drops.toml:4: packed_bed.porosty = 0.4: unknown key; allowed: porosity"),
-    ("drops", "title", "titel", 'drops.toml:1: titel = "pressure drops": unknown key; '
-                                'allowed: title, keys, '),
-    ("drops", '["residence_time_s"]', '["residence_time_s", 3]',
-     "drops.toml:11: experiment[0].predict.results[1] = 3: wrong kind of value; "
-     "allowed: a text"),
-    ("drops", "values = [", "values = []  # [",
-     "experiment[0].values = []: empty; allowed: a list, each a table with quantity, "
-     "column, error, error_column\n"),
-    ("drops", 'file = "drops.csv"', 'file = "drop.csv"', 'drops.toml:8: file: no such '
-                                                         'file: "drop.csv"'),
-    ("drops", 'scene = "scene.toml"', 'scene = "seen.toml"', 'drops.toml:7: scene: no '
-                                                             'such file: "seen.toml"'),
-    ("drops", '"pressure_drop_Pa"', '"pressure_dro_Pa"', 'drops.toml:10: quantity: no '
-                                                         'run has a result '
-     "\"pressure_dro_Pa\"; did you mean 'pressure_drop_Pa'?"),
-    ("drops", '["residence_time_s"]', '["residence_s"]', 'drops.toml:11: predict: no '
-                                                         'run has a result '
-                                                         '"residence_s"'),
-    ("drops", '["residence_time_s"]', '["storage_efficiency"]',
-     'drops.toml:11: the run has no number "storage_efficiency"'),
-    ("drops", 'keys = { "boundary.left.gas.velocity"', 'keys = { "packed_bed.porosity"',
-     "drops.toml:9: packed_bed.porosity: is fitted under [keys]"),
-    ("heated", "until", "where2", 'heated.toml:10: experiment[0].where2 = "200 s": '
-                                  'unknown key'),
-    ("heated", 'where = { probe = "A" }', 'where = { probe = "C" }', "heated.toml:7: "
-                                                                     "where: no row of "
-                                                                     "heated.csv fits"),
-    ("heated", '"T_solid", column = "T", error =', '"T_sold", column = "T", error =',
-     "heated.toml:11: quantity: no profiles have a column 'T_sold'"),
-    ("heated", '"0.5 degC"', '"0.5 C"', "heated.toml:11: error: expected a temperature "
-                                        "like 'K', found '0.5 C'"),
-    ("heated", 'time = "t"\nposition = "x"\nuntil = "200 s"', 'position = "x"\nuntil = '
-                                                              '"200 s"',
-     "heated.toml:9: until: needs the column of the times"),
-]  # fmt: skip
+MISTAKES = cases_of(__file__, "mistakes", "file", "old", "new", "told")
 
 
 @pytest.mark.parametrize(
