@@ -20,6 +20,7 @@ from contbed.errors import ContbedError, ConvergenceError
 from contbed.many import quantities, value_sets
 from contbed.many.sweep.plots import _Axis, _is_plane, _means
 from contbed.many.sweep.study import read_study
+from tests.cases import cases_of
 
 STUDIES = Path(__file__).parents[2] / "studies"
 SCENE = """\
@@ -508,188 +509,15 @@ def test_a_result_that_no_run_has_is_told_with_those_there_are(folder, runner, c
     assert len(runner.calls) == 4
 
 
-def parameters(text):
-    return STUDY.replace('[0.1, "20 cm/s"]', text)
-
-
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        (
-            parameters("[-9e999, 1]"),
-            "study.toml:3: boundary.left.gas.velocity = -Infinity: not a finite number",
-        ),
-        (
-            STUDY.replace("boundary.left.gas.velocity", "boundary.left.gas.velocty"),
-            "did you mean 'velocity'? (and 1 more values)",
-        ),
-        (
-            parameters("0.1"),
-            "study.toml:3: boundary.left.gas.velocity: expected a list of values, or a "
-            "range { from, to, count }",
-        ),
-        (
-            parameters("{ mean = 0.2, deviation = 0.02 }"),
-            "study.toml:3: boundary.left.gas.velocity: is a distribution, which a "
-            "sample is drawn from; give it under "
-            "[sample.parameters]",
-        ),
-        (
-            parameters("[]"),
-            "study.toml:3: boundary.left.gas.velocity: an empty list; give at least "
-            "one value",
-        ),
-        (
-            parameters("{}"),
-            "study.toml:3: boundary.left.gas.velocity: count: missing; allowed: an "
-            "integer >= 2",
-        ),
-        (
-            parameters("{ from = 1, to = 1, count = 3 }"),
-            "boundary.left.gas.velocity: an empty range, from and to are both 1",
-        ),
-        (
-            parameters("{ from = 1, to = 2, count = 0 }"),
-            "boundary.left.gas.velocity: count = 0: out of range; allowed: an integer "
-            ">= 2 and <=",
-        ),
-        (
-            parameters("{ from = 1, to = 2, count = 2.0 }"),
-            "boundary.left.gas.velocity: count = 2.0: wrong kind of value; allowed: an "
-            "integer",
-        ),
-        (
-            parameters("{ from = 1, to = 2 }"),
-            "boundary.left.gas.velocity: count: missing; allowed: an integer >= 2",
-        ),
-        (
-            parameters("{ from = -1, to = 2, count = 3, spacing = 'log' }"),
-            "a logarithmic range from -1 to 2; its ends",
-        ),
-        (
-            parameters("{ from = 0, to = 2, count = 3, spacing = 'log' }"),
-            "must have the same sign and not be 0",
-        ),
-        (
-            parameters("{ from = 1, to = 2, count = 3, spacing = 'lin' }"),
-            "did you mean 'linear'?",
-        ),
-        (
-            parameters("{ from = 1, to = 2, count = 3, sacing = 'log' }"),
-            'sacing = "log": unknown key; allowed: from, to, ',
-        ),
-        (
-            parameters("{ from = '1 kg', to = inf, count = 3 }"),
-            "boundary.left.gas.velocity: from: expected a velocity like 'm/s'",
-        ),
-        (
-            parameters("{ from = '1 kg', to = inf, count = 3 }"),
-            "boundary.left.gas.velocity: to is inf; allowed: a finite number",
-        ),
-        (
-            parameters("{ from = -1e308, to = 1e308, count = 3 }"),
-            "the range is too wide for a computer's numbers",
-        ),
-        (
-            STUDY.replace("scene =", "scenes ="),
-            'study.toml:1: scenes = "scene.toml": unknown key; allowed: title, scene, '
-            "qoi,",
-        ),
-        (
-            STUDY.partition("\n")[2],
-            "study.toml:1: scene: missing; give the file of the scene",
-        ),
-        (
-            STUDY.replace("scene.toml", "no.toml"),
-            'study.toml:1: scene: no such file: "no.toml", looked for beside',
-        ),
-        ('scene = "scene.toml"', "study.toml:1: parameters: missing"),
-        (
-            "title = 1\nqoi = 'u_max'\n" + STUDY,
-            "study.toml:1: title = 1: wrong kind of value; allowed: a text",
-        ),
-        (
-            "title = 1\nqoi = 'u_max'\n" + STUDY,
-            'study.toml:2: qoi = "u_max": wrong kind of value; allowed: a list, each a '
-            "text",
-        ),
-        (
-            STUDY + "packed_bed.porosity = [0.4, 1.4]",
-            "study.toml:5: packed_bed.porosity = 1.4: out of range; allowed: a number "
-            "> 0",
-        ),
-        (
-            STUDY
-            + "packed_bed.'porosity' = [0.4]\n[[zipped]]\npacked_bed.porosity = [0.3]",
-            "stands twice, also at study.toml:5",
-        ),
-        (
-            STUDY + "[[zipped]]\npacked_bed.porosity = [0.3]\nmesh.length = [1, 2]",
-            "found 1 of packed_bed.porosity, 2 of mesh.length",
-        ),
-        (
-            STUDY + "[zipped]\npacked_bed.porosity = [0.3]",
-            "study.toml:5: zipped: wrong kind of value; allowed: a list, each a table",
-        ),
+        *cases_of(__file__, "mistakes", "text", "line"),
         (
             STUDY.replace("0.1,", f"{'0.1, ' * 60000}"),
             "study.toml:2: parameters: 120002 runs; at most 100000",
         ),
-        (
-            SAMPLE.replace("sobol", "soboll"),
-            'study.toml:3: sample.method = "soboll": unknown choice; allowed: '
-            "latin_hypercube, ",
-        ),
-        (
-            SAMPLE.replace("count = 8", "count = true"),
-            "study.toml:4: sample.count = true: wrong kind of value; allowed: an "
-            "integer >= 1",
-        ),
-        (
-            SAMPLE.replace("count = 8", "cuont = 8"),
-            "study.toml:4: sample.cuont = 8: unknown key",
-        ),
-        (
-            SAMPLE.replace("seed = 3", "seed = -3"),
-            "study.toml:5: sample.seed = -3: out of range; allowed: an integer >= 0",
-        ),
-        (
-            SAMPLE.partition("[sample.p")[0],
-            "study.toml:2: sample.parameters: missing; give distributions",
-        ),
-        (
-            SAMPLE.replace("log_uniform", "lognormal"),
-            "study.toml:7: boundary.left.gas.velocity: distribution is 'lognormal'",
-        ),
-        (
-            SAMPLE.replace('"1 cm/s"', "-1"),
-            "study.toml:7: boundary.left.gas.velocity: a logarithmic range from -1 to 1",
-        ),
-        (
-            SAMPLE.replace("from = 0.3, to", "mean = 0.3, deviation"),
-            "study.toml:8: packed_bed.porosity = ",
-        ),
-        (
-            SAMPLE.replace("from = 0.3, to = 0.5", "from = 0.46, to = 0.38"),
-            "from 0.46 to 0.38; give the lower end first",
-        ),
-        (
-            SAMPLE.replace("from = 0.3, to = 0.5", "mean = 0.3, deviation = 0"),
-            "deviation is 0; allowed: a number > 0",
-        ),
-        (
-            SAMPLE.replace("{ from = 0.3, to = 0.5 }", "[0.3]"),
-            "study.toml:8: packed_bed.porosity: expected a distribution",
-        ),
-        (
-            SAMPLE.replace("to = 0.5", "to = '5 mm'"),
-            "packed_bed.porosity: to: expected a plain number, found '5 mm'",
-        ),
-        (
-            "sample = 3\n" + STUDY,
-            "study.toml:1: sample = 3: wrong kind of value; allowed: a table with "
-            "method, count, seed, gradients",
-        ),
+        *cases_of(__file__, "mistakes_in_samples", "text", "line"),
     ],
 )
 def test_mistakes_in_a_study_are_told_before_the_first_run(
