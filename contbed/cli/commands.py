@@ -383,10 +383,11 @@ def validate(
     import json
 
     from contbed.many.validate import case, report, score
+    from contbed.output.folder import prepare_study
 
     cases = [case.read_case(name) for name in names or case.names()]
     folder = out or Path("results") / "validation"
-    folder.mkdir(parents=True, exist_ok=True)
+    prepare_study(folder, "summary.json", "validation.png")
     chosen = [one for one in cases if names or long or not one.settings.long]
     done = [score.validate(one, folder / one.name) for one in chosen]
     report.write(done, folder)

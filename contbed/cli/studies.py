@@ -178,13 +178,15 @@ def sensitivities(
     import json
 
     from contbed.many.derivatives import sensitivities as design
+    from contbed.output.folder import prepare_study
     from contbed.output.summary import plain
 
+    folder = out or Path("results") / f"{scene.stem}-sensitivities"
+    prepare_study(folder, f"{design.FILE}.*")
     made = design.sensitivities(loaded, qoi, to or (), engine or usual_engine())
     if made is None:
         return
     found, about = made
-    folder = out or Path("results") / f"{scene.stem}-sensitivities"
     design.write(found, about, folder, loaded.title)
     print(json.dumps(plain(about), indent=1) if as_json else design.table(found, about))
     if not as_json:

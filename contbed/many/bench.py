@@ -43,6 +43,7 @@ from contbed.errors import ContbedError, SceneError
 from contbed.many.study_file import StudyFile
 from contbed.many.tables import write_rows
 from contbed.output.files import atomic
+from contbed.output.folder import prepare_study
 from contbed.scene.quantities import Positive, Table, Whole
 
 THREADS = (
@@ -156,7 +157,7 @@ def bench(study: str | Path, out: str | Path, trust: bool = False) -> Bench:
     plan = _read(study / "bench" / "bench.toml")
     if not trust:
         raise SceneError(_refusal(study / "bench" / "bench.toml", plan))
-    out.mkdir(parents=True, exist_ok=True)
+    prepare_study(out, "bench.txt", "bench.csv", "bench.png")
     skipped: list[str] = []
     rows: list[Row] = []
     if plan.curves is not None:

@@ -18,6 +18,7 @@ from contbed.loading import load
 from contbed.many.tables import write_rows
 from contbed.models import names
 from contbed.output.common_results import Value, common_results
+from contbed.output.folder import prepare_study
 from contbed.output.summary import write_json
 from contbed.result import Result
 from contbed.runner import run
@@ -169,6 +170,7 @@ def compare(
         )
         for model in chosen
     }
+    prepare_study(out, TABLE, FILE)
     outcomes = [_outcome(model, scenes[model], out / model) for model in scenes]
     found = Comparison(tuple(outcomes))
     found.write(out)

@@ -26,6 +26,7 @@ from contbed.fields import header
 from contbed.loading import load
 from contbed.mesh.grading import GRADING_ERROR
 from contbed.models import plan as make_plan
+from contbed.output.folder import prepare_study
 from contbed.packed_bed.plan import Plan
 from contbed.runner import run
 from contbed.scene.mesh import MeshLine
@@ -110,6 +111,8 @@ def converge(
             f"{scene}: the cells of this bed follow its errors; give mesh.cells, which "
             "are doubled"
         )
+    if out is not None:
+        prepare_study(Path(out), "convergence.csv", "convergence.png")
     exact = exact_profile(plan)
     rows: list[Level] = []
     before: dict[str, Any] | None = None
@@ -333,7 +336,6 @@ def _write(found: Convergence, out: Path, title: str) -> None:
     from contbed.output.plots import error_plot
     from contbed.output.tables import write_table
 
-    out.mkdir(parents=True, exist_ok=True)
     columns = found.columns()
     write_table(out / "convergence.csv", columns)
     label = "largest error" if found.exact else "difference between levels"

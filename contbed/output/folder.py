@@ -5,6 +5,8 @@ While a run lasts it holds `.contbed.lock`, which the system takes from a proces
 dies, and `summary.json` says "running". The summary lists the files that the run has
 written; the next run into the folder removes them, and nothing else, before it writes
 its own.
+
+A study resumes in its folder, and `.contbed.study` lists the names of its results.
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ from contbed.output import files
 from contbed.output.summary import write_json
 
 LOCK = ".contbed.lock"
+STUDY = ".contbed.study"
 SUMMARY = "summary.json"
 _NAMES = (
     r"(profiles|outlet|levels|continuation|states|branches)\.csv"
@@ -65,14 +68,7 @@ class RunFolder:
         ContbedError : the folder has files of others with the names of results
         """
         self._former = former = read_summary(self.path)
-        listed = former.get("files", ())
-        names = [
-            name
-            for name in listed
-            if isinstance(name, str)
-            and Path(name).name == name
-            and name not in ("", "..")
-        ]
+        names = _listed(former)
         self._read = {path.resolve() for path in inputs}
         if keep:
             self.files = [name for name in names if name != SUMMARY]
@@ -96,26 +92,17 @@ class RunFolder:
         self._say()
 
     def _require_own(self, names: Collection[str]) -> None:
-        """Refuse a folder with files of others that have the names of results; `names`
-        are those of the former run.
-
-        Raises
-        ------
-        ContbedError : the run would replace them
+        """Call `_refuse` for files with the names of results, but for `names`, those
+        of the former run, and files that the run reads.
         """
-        foreign = [
-            path.name
-            for path in sorted(self.path.iterdir())
+        found = [
+            path
+            for path in self.path.iterdir()
             if _REPLACED.fullmatch(path.name)
             and path.name not in names
-            and not path.is_symlink()  # which is replaced, not followed
             and path.resolve() not in self._read
         ]
-        if foreign:
-            raise ContbedError(
-                f"{self.path}: {', '.join(foreign)}: not written by a run of contbed, "
-                "which would replace it; move it, or give another folder by --out"
-            )
+        _refuse(self.path, found)
 
     def end(self, summary: Mapping[str, Any]) -> None:
         """Write the summary of the results, with the machine and the time at which
@@ -207,6 +194,48 @@ def require_inputs_elsewhere(folder: Path, inputs: Iterable[tuple[str, Path]]) -
         raise SceneError(list(dict.fromkeys(problems)))
 
 
+def prepare_study(folder: Path, *names: str) -> None:
+    """Make the folder of a study before its first run; one that the study has written
+    to stays as it is.
+
+    Parameters
+    ----------
+    folder : made where it is missing
+    names : names of the results below the folder; * stands for any characters
+
+    Raises
+    ------
+    ContbedError : the system cannot write there, or the folder has files of others
+        with the names of results
+    """
+    files.prepare(folder)
+    mark = folder / STUDY
+    listed = mark.read_text(encoding="utf-8").split() if mark.is_file() else []
+    new = [name for name in names if name not in listed]
+    own = {folder / name for name in _listed(read_summary(folder))}
+    _refuse(folder, {path for name in new for path in folder.glob(name)} - own)
+    if new:
+        with files.atomic(mark) as temporary:
+            temporary.write_text("\n".join([*listed, *new]), encoding="utf-8")
+
+
+def _refuse(folder: Path, found: Iterable[Path]) -> None:
+    """Refuse files of others; links are replaced and not followed.
+
+    Raises
+    ------
+    ContbedError : a run would replace them
+    """
+    foreign = [
+        str(path.relative_to(folder)) for path in sorted(found) if not path.is_symlink()
+    ]
+    if foreign:
+        raise ContbedError(
+            f"{folder}: {', '.join(foreign)}: not written by a run of contbed, "
+            "which would replace it; move it, or give another folder by --out"
+        )
+
+
 @contextmanager
 def occupied(folder: Path) -> Iterator[RunFolder]:
     """Make a folder and hold it for the block.
@@ -249,6 +278,16 @@ def read_summary(folder: Path) -> dict[str, Any]:
     except (OSError, ValueError, RecursionError):
         return {}
     return content if isinstance(content, dict) else {}
+
+
+def _listed(summary: Mapping[str, Any]) -> list[str]:
+    """Return the files of a run: plain names in its folder."""
+    names = summary.get("files")
+    return [
+        name
+        for name in (names if isinstance(names, list) else ())
+        if isinstance(name, str) and Path(name).name == name and name not in ("", "..")
+    ]
 
 
 def _lock(folder: Path) -> int:

@@ -628,6 +628,7 @@ def test_no_picture_where_nothing_varies(folder, runner):
     (folder / "study.toml").write_text(ALONE + "boundary.left.gas.velocity = [0.1]")
     assert sweep() == 0
     assert sorted(path.name for path in (folder / "out").iterdir()) == [
+        ".contbed.study",
         "runs",
         "table.csv",
         "table.json",

@@ -53,6 +53,7 @@ def test_tables_and_plot(tmp_path: Path) -> None:
     assert found.rows[4][:2] == ("race", "only")
     assert found.skipped == ("skipped: absent: no_such_module is not installed",)
     assert {file.name for file in out.iterdir()} == {
+        ".contbed.study",
         "bench.txt",
         "bench.csv",
         "bench.png",

@@ -18,10 +18,10 @@ from contbed.many.calibrate.model import SceneModel
 from contbed.many.calibrate.plots import plot
 from contbed.many.calibrate.posterior import require_emcee, sample
 from contbed.many.calibrate.settings import CalibrationFile, read_file
-from contbed.many.calibrate.write import write
+from contbed.many.calibrate.write import NAMES, write
 from contbed.many.store import Store
 from contbed.models import MODELS, kind_of
-from contbed.output.files import prepare
+from contbed.output.folder import prepare_study
 from contbed.output.progress import Progress
 from contbed.scene.toml_lines import read
 
@@ -60,7 +60,7 @@ def calibrate(
         require_emcee()
     work = read_jobs(file, trust, allow_large)
     folder = (Path(out) if out else Path("results") / Path(path).stem).absolute()
-    prepare(folder)
+    prepare_study(folder, *NAMES)
     store = Store(folder / FILE, retry_failed)
     model = SceneModel(file.keys, work, store, jobs)
     found = _found(file, work, model, store, quiet)

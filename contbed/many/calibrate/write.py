@@ -20,6 +20,11 @@ from contbed.output.summary import write_json
 from contbed.output.tables import write_table
 from contbed.output.versions import versions
 
+NAMES = (
+    *("keys.csv", "points.csv", "combinations.csv", "posterior.csv", "summary.json"),
+    *("profiles/*.csv", "calibrated*.toml", "fit.png", "residuals.png", "keys.png"),
+)
+
 
 def write(found: Calibrated, out: Path) -> None:
     """Write all files but the plots."""

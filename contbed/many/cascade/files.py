@@ -25,6 +25,11 @@ from contbed.output.versions import versions
 
 _BLUE, _GREY = "#0072B2", "0.75"
 
+NAMES = (
+    *("conductivity.toml", "nusselt.toml", "table.csv", "samples.csv"),
+    *("measured.csv", "summary.json", "band.png"),
+)
+
 
 def write(found: Outcome, fits: Mapping[str, Fit]) -> None:
     """Write all files; the closures that were fitted to all packings under their

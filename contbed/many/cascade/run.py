@@ -26,7 +26,7 @@ from contbed.many.cascade.file import read_cascade
 from contbed.many.cascade.measured import held
 from contbed.many.cascade.outcome import Outcome
 from contbed.many.cascade.particles import ensemble
-from contbed.output.files import prepare
+from contbed.output.folder import prepare_study
 from contbed.output.progress import Progress
 
 
@@ -56,7 +56,7 @@ def cascade(
     """
     todo = read_cascade(file, trust, allow_large)
     folder = (Path(out) if out else Path("results") / todo.path.stem).absolute()
-    prepare(folder)
+    prepare_study(folder, *files.NAMES)
     settings, laws = todo.settings, todo.settings.laws
     singles = (
         settings.packings.count

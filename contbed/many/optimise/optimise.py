@@ -29,7 +29,7 @@ from contbed.many.optimise.reach import warnings_at_start
 from contbed.many.optimise.reading import read_design
 from contbed.many.optimise.surrogate import require_sklearn
 from contbed.many.optimise.whole import best_choice
-from contbed.output.files import prepare
+from contbed.output.folder import prepare_study
 from contbed.output.progress import Progress
 
 
@@ -103,7 +103,9 @@ def optimise(
     folder = (Path(out) if out else Path("results") / todo.file.stem).absolute()
     if todo.method == "surrogate":
         require_sklearn()
-    prepare(folder)
+    prepare_study(
+        folder, "table.csv", "summary.json", "optimum.toml", "convergence.png"
+    )
     evaluations = Evaluations(todo, folder, retry_failed)
     with Progress(todo.runs, "runs", quiet) as progress:
 

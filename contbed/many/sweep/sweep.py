@@ -20,7 +20,7 @@ from contbed.many.store import Content, locked
 from contbed.many.sweep import table
 from contbed.many.sweep.study import Study, read_study
 from contbed.many.sweep.table import Row
-from contbed.output.files import prepare
+from contbed.output.folder import prepare_study
 from contbed.output.progress import Progress
 from contbed.scene.names import nearest
 
@@ -87,7 +87,9 @@ def sweep(
     folder = (Path(out) if out else Path("results") / todo.file.stem).absolute()
     if scheduler is not None:
         workers.require_dask()
-    prepare(folder)
+    prepare_study(
+        folder, "table.csv", "table.json", "sweep.png", "uncertainty.*", "indices.csv"
+    )
     outcomes: dict[str, Content] = {}
     for case in todo.cases:
         if (found := known(case, folder, retry_failed)) is not None:
