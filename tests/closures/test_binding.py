@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from contbed import closures
-from contbed.closures import registry
 from contbed.closures.binding import bind
 from contbed.closures.compiled import face, kernel, own_values
 from contbed.scene.tables import Closure
@@ -20,11 +19,6 @@ from tests.refusals import refused
 DRAG = ("Re", "eps", "d_p", "mu")
 KNOWN = {"Re": 40.0, "eps": 0.6, "d_p": 1e-3, "mu": 1.8e-5}
 GLOBAL_LAW = None
-
-
-@pytest.fixture
-def scratch_register(monkeypatch):
-    monkeypatch.setattr(registry, "_register", dict(registry._register))
 
 
 def of_cells(Re, eps, d_p, mu, own, out):

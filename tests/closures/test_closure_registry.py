@@ -18,7 +18,6 @@ import numpy as np
 import pytest
 
 from contbed import closures
-from contbed.closures import registry
 from contbed.closures.arguments import RESULTS, argument
 from contbed.closures.sheet import Docstring
 from tests.refusals import refused
@@ -232,11 +231,6 @@ def test_range_use_without_points():
 def test_range_use_asks_for_the_arguments_of_the_call():
     with pytest.raises(TypeError, match="Pr"):
         closures.usage(closures.nusselt_wakao_kaguei, Re=1.0)
-
-
-@pytest.fixture
-def scratch_register(monkeypatch):
-    monkeypatch.setattr(registry, "_register", dict(registry._register))
 
 
 def test_own_closure_is_found_by_name(scratch_register):
