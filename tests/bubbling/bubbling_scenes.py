@@ -1,10 +1,12 @@
-"""Scenes of bubbling beds for the tests."""
+"""Scenes of bubbling beds for the tests, and runs whose energy balance closes."""
 
 import tomllib
 from copy import deepcopy
 from pathlib import Path
 
+import contbed
 from contbed.loading import from_dict
+from tests.balances import assert_closed
 
 STUDY = Path(__file__).parents[2] / "studies" / "bubbling_bed_case1"
 QUIET = {"plots": False, "fields": False}
@@ -90,3 +92,10 @@ def one(**changes):
         "output": dict(QUIET),
     }
     return from_dict(changed(tables, changes))
+
+
+def solved(scene, closed=1e-12):
+    """Result of a run whose energy balance closes."""
+    result = contbed.run(scene)
+    assert_closed(result, closed, "energy")
+    return result

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from bubbling_scenes import solved
 from computed_scenes import hot
 
 import contbed as cb
@@ -13,13 +14,6 @@ from contbed import closures
 from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.materials import gas_mixture
-from tests.balances import assert_closed
-
-
-def solved(scene, closed=1e-12):
-    result = cb.run(scene)
-    assert_closed(result, closed, "energy")
-    return result
 
 
 def test_jacobian_is_the_derivative():

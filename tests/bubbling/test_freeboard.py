@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from bubbling_scenes import solved
 from computed_scenes import hot
 from scipy.integrate import solve_ivp
 
@@ -16,7 +17,6 @@ from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.closures.optics import SIGMA
 from contbed.materials import gas_mixture
-from tests.balances import assert_closed
 
 WALLS = {"perimeter": 3.5, "coefficient": 20.0, "temperature": 600.0, "emissivity": 0.8}
 
@@ -26,12 +26,6 @@ def column(result, name):
     values = result.profiles[name]
     above = ~np.isnan(values)
     return result.profiles["z [m]"][above] - 0.6, values[above]
-
-
-def solved(scene, closed=1e-12):
-    result = cb.run(scene)
-    assert_closed(result, closed, "energy")
-    return result
 
 
 def test_jacobian_is_the_derivative():

@@ -4,20 +4,12 @@ balance, and says what it did.
 
 import numpy as np
 import pytest
-from bubbling_scenes import case1, solids, values
+from bubbling_scenes import case1, solids, solved, values
 
-import contbed as cb
 from contbed.errors import SceneError
-from tests.balances import assert_closed
 from tests.refusals import refusal, refused
 
 GUESSES = (400.0, 700.0, 1000.0, 1150.0, 1500.0, 2000.0)
-
-
-def solved(scene, closed=1e-12):
-    result = cb.run(scene)
-    assert_closed(result, closed, "energy")
-    return result
 
 
 @pytest.mark.parametrize("name", ["p1", "two_flux", "paper_closure", "none"])
