@@ -2,17 +2,15 @@
 going on, what is refused.
 """
 
-import json
 import sys
 import types
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from test_optimise import SCENE
+from test_optimise import SCENE, optimise, summary
 
 import contbed as cb
-from contbed import cli
 from contbed.errors import SceneError
 from contbed.many.optimise import plots
 from contbed.many.optimise.reading import read_design
@@ -85,14 +83,6 @@ def runner(monkeypatch):
     module.run = run
     monkeypatch.setitem(sys.modules, "contbed.runner", module)
     return module
-
-
-def optimise(*arguments):
-    return cli.main(["optimise", "design.toml", "--out", "out", *arguments])
-
-
-def summary(folder):
-    return json.loads((folder / "out" / "summary.json").read_text())
 
 
 def test_expected_improvement_is_its_integral():
