@@ -21,6 +21,12 @@ from tests.balances import assert_closed
 CLOSED = 1e-12  # of what enters
 
 
+def course_of(scene: dict[str, Any]) -> Course:
+    """The course of a run over time that has not begun."""
+    built: Any = plan(from_dict(scene))
+    return Course.of(built.scene, built.problem, built.schedule, built.stores_gas)
+
+
 def solved(scene: dict[str, Any]) -> Result:
     """Result of a run, all of whose balances close."""
     result = contbed.run(from_dict(scene))
@@ -35,8 +41,7 @@ def marched(course: Course) -> Iterator[BedHistory]:
 
 def stepped(scene: dict[str, Any], dt: float) -> dict[str, np.ndarray]:
     """Unknowns by name after three steps in time of one length [s]."""
-    found: Any = plan(from_dict(scene))
-    course = Course.of(found.scene, found.problem, found.schedule, found.stores_gas)
+    course = course_of(scene)
     u = course.start()
     for _ in range(3):
         _, u, _ = stages(

@@ -20,15 +20,13 @@ from reacting_bed_scenes import (
     solids,
     species,
 )
-from solving import marched
+from solving import course_of, marched
 
 import contbed
 from contbed.fem.ad.dual import Dual
 from contbed.loading import from_dict
-from contbed.models import plan
 from contbed.reacting_bed import course as course_module
 from contbed.reacting_bed import positivity_in_time as module
-from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.equations.consumption_limit import within
 from contbed.reacting_bed.least_amounts import between_nodes, lowest
 from contbed.reacting_bed.solve import Report
@@ -38,11 +36,6 @@ from tests.scene_text import set_keys
 
 LEFT = 1.1e-10  # below zero, of the size of an amount
 CLOSED = 1e-12
-
-
-def course_of(scene):
-    built = plan(from_dict(scene))
-    return Course.of(built.scene, built.problem, built.schedule, built.stores_gas)
 
 
 def least_of(scene):

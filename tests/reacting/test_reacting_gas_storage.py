@@ -18,13 +18,13 @@ from reacting_bed_scenes import (
     species,
     table,
 )
+from solving import course_of
 
 import contbed
 from contbed.errors import ConvergenceError
 from contbed.fem.line_dg import System
 from contbed.loading import from_dict
 from contbed.particle.uptake import invert
-from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.plan import plan
 from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.stages import GAMMA, stages
@@ -78,11 +78,6 @@ def test_a_quasi_steady_gas_is_early_by_its_residence():
     set_keys(scene, 'packed_bed.gas_storage = "quasi_steady"')
     result = contbed.run(from_dict(scene))
     assert np.all(result.tables["outlet"]["x_A [1]"] > 1.0 - 1e-9)
-
-
-def course_of(scene):
-    built = plan(from_dict(scene))
-    return Course.of(built.scene, built.problem, built.schedule, built.stores_gas)
 
 
 def test_rounding_does_not_decide_the_steps(monkeypatch):
@@ -268,7 +263,7 @@ def test_transient_heat_needs_particles():
     set_keys(scene, "solids.particles = { diameter = 3e-3 }")
     set_keys(scene, "time.end = 1.0")
     refused(
-        r"solids\.particles\.heat_capacity: missing; .* hold heat", from_dict, scene
+        r"solids\.particles\.heat_capacity: missing; .* store heat", from_dict, scene
     )
 
 
