@@ -177,9 +177,13 @@ def _reacts(values: Mapping[str, Any]) -> bool:
             {"composition", "constituent", "adsorption"} & each.keys()
             for each in solids
         )
-        or any(
-            {"mass_flux", "molar_flux", "composition"} & each.keys()
-            for each in entering
+        or (
+            # constants have no species, whatever flux enters
+            not any("density" in each for each in gas)
+            and any(
+                {"mass_flux", "molar_flux", "composition"} & each.keys()
+                for each in entering
+            )
         )
         or any(
             {"sherwood", "dispersion_mass"} & each.keys()

@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 from contbed.models import model_of
-from contbed.output.sketch import sketch, text_of
-from contbed.scene.identity import resolved
 from contbed.scene.toml_lines import dotted
 
 
@@ -39,6 +37,9 @@ def plan_text(plan: DescribedPlan, *more: str) -> str:
 
     The unknowns with their memory, further lines and warnings follow.
     """
+    from contbed.output.sketch import sketch, text_of
+    from contbed.scene.identity import resolved
+
     rows = [("MODEL", model_of(plan.scene).name, _reason_for_the_model(plan.scene))]
     rows += [("BUILT", what, why) for what, why in plan.built]
     rows += [("SKIPPED", what, why) for what, why in plan.skipped]

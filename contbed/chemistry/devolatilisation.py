@@ -136,6 +136,10 @@ def balanced(guess: Mapping[str, float], elements: list[float]) -> dict[str, flo
     return dict(zip(guess, y.tolist(), strict=True))
 
 
+# range of the formula of Channiwala and Parikh: ash of the dry fuel, J/kg
+MOST_ASH, LEAST_HEAT = 0.714, 4.7e6
+
+
 def heating_value_channiwala(dry: Mapping[str, float], ash: float) -> float:
     """Higher heating value [J/kg] from mass fractions of the dry fuel.
 

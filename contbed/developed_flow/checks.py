@@ -123,6 +123,12 @@ def gas_is_laminar(
         )
 
 
+def properties_are_known(gas: d.Gas, origin: Origin) -> Mistakes:
+    """Look for properties at a temperature outside of their data."""
+    if text := d.fluid_of(gas, origin.base).extrapolated:
+        yield ("gas",), text
+
+
 CHECKS = (
     closures_exist,
     solids_exist,
@@ -130,4 +136,4 @@ CHECKS = (
     particles_fit,
     turbulence_needs_turbulence,
 )
-WARNINGS = (gas_is_laminar,)
+WARNINGS = (gas_is_laminar, properties_are_known)

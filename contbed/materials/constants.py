@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from contbed.errors import SceneError
+from contbed.materials.common import FAR, extrapolation
 from contbed.materials.constant import ConstantFluid
 from contbed.scene.gas import GasCantera, GasConstant, GasCoolProp
 from contbed.scene.toml_lines import Origin
@@ -16,13 +17,14 @@ from contbed.scene.toml_lines import Origin
 
 class Constants(NamedTuple):
     """Density [kg/m3], viscosity [Pa s], heat capacity [J/kg/K] and
-    conductivity [W/m/K]; None where not given.
+    conductivity [W/m/K], None where not given; a warning where they are extrapolated.
     """
 
     density: float
     viscosity: float
     heat_capacity: float | None
     conductivity: float | None
+    extrapolated: str = ""
 
 
 def constants_of(
@@ -51,18 +53,19 @@ def _at(gas: GasCantera | GasCoolProp, T: float, base: Path) -> Constants:
     """Return the properties of a gas that varies with temperature."""
     fluid = _varying(gas, base)
     low, high = fluid.T_range
-    if not low <= T <= high:
+    reach = FAR if isinstance(gas, GasCantera) else 0.0
+    if not low - reach <= T <= high + reach:
         raise SceneError(
             f"properties of {fluid.name} are known from {low:g} to {high:g} K, not at "
             f"{T:g} K"
         )
-    properties = (
-        fluid.density(T),
-        fluid.viscosity(T),
-        fluid.heat_capacity(T),
-        fluid.conductivity(T),
+    return Constants(
+        float(fluid.density(T)),
+        float(fluid.viscosity(T)),
+        float(fluid.heat_capacity(T)),
+        float(fluid.conductivity(T)),
+        extrapolation(fluid.name, fluid.heat_capacity, fluid.T_range, T),
     )
-    return Constants(*(float(value) for value in properties))
 
 
 def fluid_of(gas: GasConstant | GasCantera | GasCoolProp, origin: Origin) -> Any:

@@ -121,10 +121,10 @@ def two_flux_is_low(
     4/3/(tau (1 - omega g) + 1.4209), Heaslet and Warming 1965, Int. J. Heat Mass
     Transfer 8, 979-994, eq. 40, within 1 % from tau = 3 on.
     """
-    from contbed.radiation.optics import optics
-
     if radiation is None or radiation.level != "two_flux" or isinstance(mesh, MeshFile):
         return
+    from contbed.radiation.optics import optics
+
     found = optics(
         SimpleNamespace(radiation=radiation, solids=solids, packed_bed=packed_bed)
     )

@@ -21,7 +21,6 @@ import numpy as np
 from pydantic import model_validator
 
 from contbed.scene.quantities import NonNegative, Share, Table, Temperature
-from contbed.scene.units import to_si
 
 AIR, HUMID_AIR = "air", "humid air"
 DRY_AIR = {"N2": 0.7812, "O2": 0.2096, "AR": 0.0092}  # mole fractions
@@ -113,6 +112,7 @@ _HUMIDITY = ("humidity_ratio", "relative_humidity", "dry_bulb")
 
 def _share_of_water(values: dict[str, Any]) -> float:
     """Return the mole fraction of water of humid air."""
+    from contbed.scene.units import to_si
 
     def number(key: str, unit: str) -> float:
         given = values[key]

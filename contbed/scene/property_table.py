@@ -138,7 +138,11 @@ def constant_at(key: str, given: Any, T: float) -> float:
     ValueError : it is neither
     """
     if isinstance(given, list | tuple):
-        return float(sum(float(a) * T**n for n, a in enumerate(given)))
+        if not all(isinstance(a, int | float) for a in given):
+            raise ValueError(
+                "a list holds coefficients of 1, T, T^2, ..., numbers in SI"
+            )
+        return float(sum(a * T**n for n, a in enumerate(given)))
     try:
         table = TABLES[key].model_validate(given)
     except ValidationError as invalid:

@@ -122,6 +122,15 @@ def walls_slip(closures: t.Closures, boundary: Mapping[str, Boundary]) -> Mistak
             )
 
 
+def properties_are_known(
+    gas: t.Gas, initial: Initial, boundary: Mapping[str, Boundary], origin: Origin
+) -> Mistakes:
+    """Look for properties at a temperature outside of their data."""
+    fluid = t.known_fluid(gas, initial, boundary, origin.base)
+    if fluid is not None and fluid.extrapolated:
+        yield ("gas",), fluid.extrapolated
+
+
 def of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> tuple[str, ...]:
     """Return what is seldom meant of particles, layers and axis in this mesh, each
     with file, line and key.
@@ -302,4 +311,5 @@ WARNINGS = (
     there_are_particles,
     gas_enters_and_carries,
     walls_slip,
+    properties_are_known,
 )

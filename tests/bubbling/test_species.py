@@ -404,3 +404,15 @@ def test_reactions_that_cannot_run_are_named():
     )
     assert any("CO_oxidation does not run" in text for text in result.warnings)
     assert "x_O2_wet" not in result.qoi
+
+
+def test_a_fuel_of_nearly_all_ash_needs_its_heating_value():
+    """The formula of Channiwala and Parikh holds up to 71 % of ash; at 99 % it gives
+    less than nothing.
+    """
+    coked = {**COAL, "ash": 0.99, "volatile_matter": 0.0}
+    coked |= {"moisture": 0.0, "ultimate": {"C": 0.01, "H": 0.0, "O": 0.0}}
+    found = changed(tables(), {FUEL: coked})
+    refused("heating_value: missing; the formula", lambda: from_dict(found))
+    coked["heating_value"] = 0.328e6
+    assert from_dict(changed(tables(), {FUEL: coked})).solids["char"].fuel.ash == 0.99

@@ -270,4 +270,4 @@ poisson_ratio = 0.29
     path.write_text(smooth)
     refused('paths = "spreading" alone', cb.load, path)
     path.write_text(text.replace("conductivity = 42.0", "conductivity = 0.01"))
-    refused("better conductors", cb.load, path)
+    refused("conduct better than the gas", cb.load, path)

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from CoolProp.CoolProp import PropsSI
 from CoolProp.HumidAirProp import HAPropsSI
 
 import contbed as cb
@@ -131,3 +132,24 @@ def test_air_by_name_is_humid_air_without_water():
     assert dry.composition == cb.load(bed({"gas.humidity_ratio": 0.0})).gas.composition
     mistaken = {"gas.material": "air"}
     refused('humidity_ratio: of material = "humid air" only', cb.load, bed(mistaken))
+
+
+@pytest.mark.parametrize("model", ["two_fluid", "developed_flow"])
+def test_constants_of_air_at_20_degC_are_taken_with_a_warning(model):
+    """Cantera's data of air begin at 300 K; CoolProp's own air is the measure."""
+    template = Path(cb.__file__).parent / model / "template.toml"
+    given = scene_of(template.read_text())
+    given["gas"] = {"material": "air", "reference_temperature": "20 degC"}
+    scene = cb.load(given)
+    (text,) = [each for each in scene.warnings if "extrapolated" in each]
+    assert "293.15 K, where the heat capacity differs by 0.07%" in text
+    for value, name, error in (
+        (scene.fluid.density, "D", 1e-3),
+        (scene.fluid.heat_capacity, "C", 4e-3),
+        (scene.fluid.viscosity, "V", 0.012),
+        (scene.fluid.conductivity, "L", 0.018),
+    ):
+        exact = PropsSI(name, "T", 293.15, "P", P, "Air")
+        assert value == pytest.approx(exact, rel=error), name
+    given["gas"]["reference_temperature"] = 150.0
+    refused("known from 300 to 3000 K, not at 150 K", cb.load, given)

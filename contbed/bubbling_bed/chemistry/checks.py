@@ -141,11 +141,18 @@ def _analysis(path: KeyPath, fuel: Fuel) -> Mistakes:
             )
     except SceneError as error:
         yield volatile, str(error)
-    if fuel.heating_value is not None:
-        expected = dv.heating_value_channiwala(dry, fuel.ash)
-        if abs(fuel.heating_value / expected - 1.0) > HOT:
-            text = f"far from the {expected:.4g} J/kg that the analysis gives"
-            yield (*path, "heating_value"), text
+    expected = dv.heating_value_channiwala(dry, fuel.ash)
+    holds = fuel.ash <= dv.MOST_ASH and expected >= dv.LEAST_HEAT
+    if fuel.heating_value is None and not holds:
+        yield (
+            (*path, "heating_value"),
+            "missing; the formula that gives it from the analysis holds from "
+            f"{dv.LEAST_HEAT:.2g} J/kg and up to {dv.MOST_ASH:.0%} of ash",
+        )
+    given = expected if fuel.heating_value is None else fuel.heating_value
+    if holds and abs(given / expected - 1.0) > HOT:
+        text = f"far from the {expected:.4g} J/kg that the analysis gives"
+        yield (*path, "heating_value"), text
 
 
 def what_is_fed_leaves(
