@@ -8,19 +8,28 @@ from contbed.output.sketch import sketch, text_of
 from contbed.report.drawing import svg
 from contbed.report.words import amount, following, found, sure
 from contbed.scene.identity import resolved
+from tests.scene_text import scene_of
 
-COUNTER_CURRENT = {
-    "mesh": {"type": "file", "file": "meshes/heater.msh"},
-    "packed_bed": {"porosity": 0.42},
-    "solids": {"silica": {"diameter": 0.012}},
-    "boundary": {
-        "bottom": {"gas": {"velocity": [0.0, 0.6], "temperature": 433.15}},
-        "top": {
-            "solids": {"silica": {"velocity": [0.0, -8e-4], "fixed_temperature": 973.0}}
-        },
-        "wall": {"coefficient": 20.0, "ambient": 298.0},
-    },
-}
+COUNTER_CURRENT = scene_of(
+    """
+[mesh]
+type = "file"
+file = "meshes/heater.msh"
+[packed_bed]
+porosity = 0.42
+[solids.silica]
+diameter = 0.012
+[boundary.bottom]
+gas.velocity = [0.0, 0.6]
+gas.temperature = 433.15
+[boundary.top]
+solids.silica.velocity = [0.0, -0.0008]
+solids.silica.fixed_temperature = 973.0
+[boundary.wall]
+coefficient = 20.0
+ambient = 298.0
+"""
+)
 
 
 def test_streams_of_a_counter_current_bed_leave_opposite_to_where_they_enter():

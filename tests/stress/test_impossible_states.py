@@ -65,25 +65,34 @@ def test_a_sink_that_takes_more_than_there_is(tmp_path):
     )
 
 
-REACTING = {
-    "mesh": {"type": "line", "length": 0.2, "diameter": 0.05},
-    "gas": {
-        "model": "ideal_gas",
-        "composition": "N2:1",
-        "species": {"N2": {"heat_capacity": 30.0}},
-        "conductivity": 0.03,
-    },
-    "solids": {
-        "particles": {"diameter": 0.003, "density": 2000.0, "heat_capacity": 800.0}
-    },
-    "packed_bed": {"porosity": 0.4, "pressure_drop": "none"},
-    "closures": {"nusselt": 5.0},
-    "heat": {},
-    "boundary": {
-        "left": {"gas": {"mass_flux": 0.5, "temperature": 400.0}},
-        "wall": {"heat_flux": -1e6},  # takes 8 MW/m2 of a stream that brings 0.2
-    },
-}
+REACTING = scene_of(
+    """
+[mesh]
+type = "line"
+length = 0.2
+diameter = 0.05
+[gas]
+model = "ideal_gas"
+composition = "N2:1"
+species.N2.heat_capacity = 30.0
+conductivity = 0.03
+[solids.particles]
+diameter = 0.003
+density = 2000.0
+heat_capacity = 800.0
+[packed_bed]
+porosity = 0.4
+pressure_drop = "none"
+[closures]
+nusselt = 5.0
+[heat]
+[boundary.left]
+gas.mass_flux = 0.5
+gas.temperature = 400.0
+[boundary.wall]
+heat_flux = -1e6
+"""
+)
 
 
 @pytest.mark.parametrize(

@@ -29,6 +29,7 @@ from studies._exact.packed_bed import schumann
 from tests.balances import assert_closed
 from tests.cases import cases_of
 from tests.refusals import refusal, refused
+from tests.scene_text import scene_of
 
 SLIP = symmetry()
 CP_GAS, CP_SOLID = 1000.0, 800.0
@@ -398,61 +399,63 @@ def test_gas_that_expands_in_one_step_leaves_in_the_time_of_that_step():
     assert np.abs(still_open).max() < 1e-3
 
 
-PULSE = {
-    "mesh": {"type": "rectangle", "length": 0.06, "height": 0.12, "cells": [10, 20]},
-    "two_fluid": {},
-    "gas": {
-        "density": 1.18,
-        "viscosity": 1.8e-5,
-        "heat_capacity": 1010.0,
-        "conductivity": 0.026,
-        "density_law": "ideal_gas",
-    },
-    "solids": {
-        "beads": {
-            "diameter": 3e-3,
-            "density": 2526.0,
-            "heat_capacity": 840.0,
-            "conductivity": 1.0,
-        },
-    },
-    "closures": {"conductivity_bed": "zehner_schluender"},
-    "heat": {},
-    "boundary": {
-        "left": {
-            "type": "wall",
-            "solids": {"beads": {"wall": "slip"}},
-            "temperature": 310.0,
-        },
-        "right": {
-            "type": "wall",
-            "solids": {"beads": {"wall": "slip"}},
-            "heat_flux": 100.0,
-        },
-        "bottom": {"type": "inlet", "gas": {"velocity": 1.5, "temperature": 300.0}},
-        "jet": {
-            "type": "inlet",
-            "on": "bottom",
-            "start": 0.024,
-            "end": 0.036,
-            "gas": {"velocity": 30.0, "temperature": 700.0},
-            "until": 0.011,
-        },
-        "top": {"type": "outlet"},
-    },
-    "initial": {
-        "gas": {"temperature": 300.0, "velocity": 1.5},
-        "layer": [
-            {
-                "end": 0.06,
-                "solids": {"beads": {"volume_fraction": 0.55}},
-                "gas": {"velocity": 3.0},
-            }
-        ],
-    },
-    "time": {"end": 0.03, "sample": 0.005, "average_from": 0.01},
-    "output": {"plots": False, "fields": False},
-}
+PULSE = scene_of(
+    """
+[mesh]
+type = "rectangle"
+length = 0.06
+height = 0.12
+cells = [10, 20]
+[two_fluid]
+[gas]
+density = 1.18
+viscosity = 1.8e-05
+heat_capacity = 1010.0
+conductivity = 0.026
+density_law = "ideal_gas"
+[solids.beads]
+diameter = 0.003
+density = 2526.0
+heat_capacity = 840.0
+conductivity = 1.0
+[closures]
+conductivity_bed = "zehner_schluender"
+[heat]
+[boundary.left]
+type = "wall"
+solids.beads.wall = "slip"
+temperature = 310.0
+[boundary.right]
+type = "wall"
+solids.beads.wall = "slip"
+heat_flux = 100.0
+[boundary.bottom]
+type = "inlet"
+gas.velocity = 1.5
+gas.temperature = 300.0
+[boundary.jet]
+type = "inlet"
+on = "bottom"
+start = 0.024
+end = 0.036
+gas.velocity = 30.0
+gas.temperature = 700.0
+until = 0.011
+[boundary.top]
+type = "outlet"
+[initial]
+gas.temperature = 300.0
+gas.velocity = 1.5
+layer = [{ end = 0.06, solids = { beads = { volume_fraction = 0.55 } }, gas = { velocity = 3.0 } }]
+[time]
+end = 0.03
+sample = 0.005
+average_from = 0.01
+[output]
+plots = false
+fields = false
+"""
+)
 
 
 def scene(changes=None, without=()):
