@@ -9,6 +9,7 @@ from CoolProp.CoolProp import PropsSI
 
 from contbed.errors import SceneError
 from contbed.materials import real_fluid
+from tests.cases import cases_of
 from tests.refusals import refused
 
 CASES = {
@@ -111,21 +112,7 @@ def test_shapes_and_pickling():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (
-            ("Water", 1e5, (300.0, 500.0)),
-            ["crosses the phase change", "372.76 K", "below it for liquid"],
-        ),
-        (("steam", 1e5, (300.0, 370.0)), ["not all steam", "372.76 K"]),
-        (("Water", 1e5), ["T_range is missing", "(273.16, 2000) K", "372.76 K"]),
-        (("Water", 25e6), ["T_range is missing", "does not boil"]),
-        (("Water", 1e5, (200.0, 300.0)), ["(200, 300) K", "(273.16, 2000) K"]),
-        (("Water", -1.0, (300.0, 350.0)), ["pressure", "-1 Pa"]),
-        (("Wate", 1e5, (300.0, 350.0)), ["'Wate'", "nearest: Water"]),
-        (("Water", 1e9, (280.0, 900.0)), ["280 K", "Tmelt"]),
-        (("CO2", 7.4e6, (290.0, 600.0)), ["304.", "too steeply"]),
-    ],
+    ("arguments", "words"), cases_of(__file__, "mistakes", "arguments", "words")
 )
 def test_mistakes_are_told(arguments, words):
     with pytest.raises(SceneError) as caught:
