@@ -12,6 +12,7 @@ import pytest
 from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.materials import gas_mixture
+from tests.cases import cases_of
 from tests.refusals import problems_of, refused
 
 PRESSURE = 2.3e5
@@ -143,23 +144,7 @@ def test_cost_does_not_grow_with_species():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("N2:0.79, O3:0.21", 1e5), ["'O3'", "gri30.yaml", "nearest", "O"]),
-        (("n2", 1e5), ["'n2'", "nearest: N2"]),
-        (("N2:0.79, O2", 1e5), ["'O2'", "N2:0.79, O2:0.21"]),
-        (("N2:0.79, O2:lots", 1e5), ["O2", "'lots'"]),
-        (("N2:-1, O2:2", 1e5), ["N2", "'-1'", "0 or more"]),
-        (("N2:1, N2:2", 1e5), ["N2", "twice"]),
-        (("", 1e5), ["empty"]),
-        (({}, 1e5), ["empty"]),
-        (("N2", 0.0), ["pressure", "0 Pa"]),
-        (("N2", float("nan")), ["pressure", "nan"]),
-        (("N2", 1e5, "gri31.yaml"), ["'gri31.yaml'", "nearest: gri30"]),
-        (("H2O", 1e5, "graphite.yaml"), ["graphite.yaml", "ideal-gas"]),
-        (("N2", 1e5, "gri30.yaml", (200.0, 900.0)), ["(200, 900) K", "(300, 3000) K"]),
-        (("N2", 1e5, "gri30.yaml", (900.0, 400.0)), ["T_range", "rise"]),
-    ],
+    ("arguments", "words"), cases_of(__file__, "mistakes", "arguments", "words")
 )
 def test_mistakes_are_told(arguments, words):
     with pytest.raises(SceneError) as caught:
