@@ -89,6 +89,47 @@ def constant_normal(mesh: Mesh, boundary: str) -> Any:
     return normals[0] if np.abs(normals - normals[0]).max() < PARALLEL else None
 
 
+def is_along(mesh: Mesh, boundary: str, velocity: Any) -> bool:
+    """Return whether a uniform velocity passes along a boundary everywhere.
+
+    Raises
+    ------
+    SceneError : it does not, and the boundary is no plane along the coordinate axes,
+        where flow with slip is not solved
+    """
+    system = System(mesh.skfem, {}, 2)
+    speed = max(float(np.linalg.norm(velocity)), 1e-300)
+    across = max(
+        float(
+            np.abs(
+                sum(n * v for n, v in zip(part.n.items, velocity, strict=True))
+            ).max()
+        )
+        for part in system.boundary(boundary)
+    )
+    if across <= PARALLEL * speed:
+        return True
+    _slip_axis(mesh, boundary)
+    return False
+
+
+def _slip_axis(mesh: Mesh, boundary: str) -> int:
+    """Return the axis across a slip wall.
+
+    Raises
+    ------
+    SceneError : it is no plane along the coordinate axes
+    """
+    normal = constant_normal(mesh, boundary)
+    if normal is None or np.sort(np.abs(normal))[:-1].max() > PARALLEL:
+        raise SceneError(
+            f"boundary.{boundary}: a slip wall that the flow meets must be a plane "
+            "along the coordinate axes; give its plane parts names of their own, or "
+            'use type = "no_slip"'
+        )
+    return int(np.argmax(np.abs(normal)))
+
+
 def solve_flow(
     mesh: Mesh,
     c: porous_flow.Coefficients,
@@ -230,11 +271,7 @@ def _values(mesh: Mesh, name: str, kind: str, inlet: Any) -> dict[int, float]:
         return {k: float(inlet[k]) for k in range(dim)}
     if kind == "no_slip":
         return dict.fromkeys(range(dim), 0.0)
-    normal = constant_normal(mesh, name)
-    if normal is None or np.sort(np.abs(normal))[:-1].max() > PARALLEL:
-        problem = "a slip wall must be a plane along the coordinate axes"
-        raise SceneError(f'boundary.{name}: {problem}; use type = "no_slip"')
-    return {int(np.argmax(np.abs(normal))): 0.0}
+    return {_slip_axis(mesh, name): 0.0}
 
 
 def coefficients(

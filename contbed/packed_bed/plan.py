@@ -38,6 +38,7 @@ from contbed.packed_bed.radiation import cheapest
 from contbed.packed_bed.recognition import (
     bed_diameter,
     inlet_temperature,
+    is_plug_flow,
     role_in_flow,
     tracks_fronts,
     velocities,
@@ -413,7 +414,7 @@ def plan(scene: s.Scene) -> Plan:
     conditions = {
         name: role_in_flow(target, mesh, name, velocity) for name in mesh.boundaries
     }
-    plug = "no_slip" not in conditions.values()
+    plug = is_plug_flow(target, mesh, conditions, velocity)
     round_bed = isinstance(scene.mesh, MeshAxisymmetric) or getattr(
         scene.mesh, "axisymmetric", False
     )
@@ -465,7 +466,7 @@ def plan(scene: s.Scene) -> Plan:
 
 def _described_plug(scene: s.Scene, medium: Medium) -> str:
     """Return why no flow is solved, and what is found of it without temperatures."""
-    text = "plug flow: no no-slip wall, uniform inlet"
+    text = "plug flow: all walls along the flow, uniform inlet"
     if scene.heat is not None:
         return text
     return f"{text}; pressure drop by its resistance at {medium.T_fluid_in:g} K"

@@ -223,3 +223,27 @@ def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
             f'say [boundary.{name}] type = "inlet", "outlet", "no_slip" or "slip"'
         )
     return "slip" if abs(across) <= 1e-9 else "inlet" if across < 0 else "outlet"
+
+
+def is_plug_flow(
+    scene: s.Scene, mesh: Mesh, conditions: dict[str, str], velocity: Any
+) -> bool:
+    """Return whether the velocity is that of the inlet everywhere: where nothing
+    sticks to a wall, and no wall is in the way.
+
+    Raises
+    ------
+    SceneError : a slip wall is oblique to the flow
+    """
+    if "no_slip" in conditions.values():
+        return False
+    if not isinstance(scene.mesh, MeshFile) or not np.any(velocity):
+        return True
+    from contbed.packed_bed.flow import is_along
+
+    walls = [name for name, kind in conditions.items() if kind == "slip"]
+    try:
+        along = [is_along(mesh, name, velocity) for name in walls]
+    except SceneError as error:
+        raise SceneError(f"{scene.origin.name}: {error}") from error
+    return all(along)
