@@ -4,6 +4,7 @@ value is valid.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from contbed.chemistry.checks import reaction_is_whole
@@ -50,7 +51,7 @@ from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.mesh import MeshLine
 from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
-from contbed.scene.units import base_value, factor_and_offset
+from contbed.scene.units import base_value, exponents, factor_and_offset
 from contbed.scene.values import value_at
 
 
@@ -150,15 +151,32 @@ def formulas_can_be_read(
         basis = table.basis or (
             "particle" if constituents & set(stoichiometry(name, table)) else "gas"
         )
-        if (
-            table.unit is not None
-            and factor_and_offset(table.unit, SI_OF_BASIS[basis]) is None
-        ):
-            wanted = SI_OF_BASIS[basis]
-            yield (
-                ("reactions", name, "unit"),
-                f"is no unit of a rate per {basis}; give one such as {wanted}",
-            )
+        wanted = SI_OF_BASIS[basis]
+        if table.unit is None or table.unit == wanted:
+            continue
+        found = factor_and_offset(table.unit, wanted)
+        if found is None:
+            text = f"is no unit of a rate per {basis}; give one such as {wanted}"
+            yield ("reactions", name, "unit"), text
+        elif found[0] != 1.0:
+            for key in _rate_constants(table.parameters):
+                yield (
+                    ("reactions", name, "unit"),
+                    f"parameters.{key} has a unit and is taken in SI, so that the "
+                    f"formula gives {wanted}: remove unit, or give the parameter as a "
+                    "plain number",
+                )
+
+
+def _rate_constants(parameters: Mapping[str, float | str]) -> Iterator[str]:
+    """Yield the parameters with a unit that counts per time: an odd power of it, which
+    energies and pressures do not have.
+    """
+    for key, value in parameters.items():
+        if isinstance(value, str):
+            unit = value.strip().lstrip("+-.0123456789eE").strip() or "1"
+            if exponents(unit).get("second", 0.0) % 2.0:
+                yield key
 
 
 def _species_named(

@@ -135,6 +135,10 @@ def test_mistakes_of_gas_reactions(old, new, said):
             'rate = "k*c_CH4"\nparameters = { k = "3 1/parsnip" }',
             "unknown unit '1/parsnip'",
         ),
+        (
+            'rate = "k*c_CH4"\nunit = "kmol/m**3/h"\nparameters = { k = "3 1/h" }',
+            "parameters.k has a unit and is taken in SI",
+        ),
         ('rate = "c_CH4"\nA = 1.0', "a formula is the whole rate"),
     ],
 )

@@ -79,7 +79,11 @@ def test_a_formula_gives_what_the_law_gives():
     }
     assert left(written) == pytest.approx(left(scene), rel=1e-12)
     # 1 mol/m3/s is 3.6 kmol/m3/h
-    written["reactions"]["r"] |= {"unit": "kmol/m**3/h", "rate": "k*c_A*3.6"}
+    written["reactions"]["r"] |= {
+        "unit": "kmol/m**3/h",
+        "rate": "k*c_A*3.6",
+        "parameters": {"k": k},
+    }
     assert left(written) == pytest.approx(left(scene), rel=1e-12)
 
 
