@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from contbed.chemistry.checks import reaction_is_whole
+from contbed.chemistry.elements import molar_mass_of
 from contbed.chemistry.laws import find_law
 from contbed.chemistry.rate_formula import QUOTIENT, SI_OF_BASIS
 from contbed.chemistry.species import atoms_of
@@ -53,6 +54,8 @@ from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.scene.units import base_value, exponents, factor_and_offset
 from contbed.scene.values import value_at
+
+LARGEST_CAPACITY = 4000.0  # of a solid [J/kg/K]; lithium has 3600, wood 2500
 
 
 def compositions_sum_to_one(
@@ -437,4 +440,30 @@ def the_gas_conducts_once(
         yield from gas_conducts_twice(path, packed_bed.section, origin.base)
 
 
-WARNINGS: tuple[Check, ...] = (the_gas_conducts_once, initial_profiles_reach_both_ends)
+def heat_capacities_are_of_moles(solids: Mapping[str, s.Solid]) -> Mistakes:
+    """Look for heat capacities that no solid has: those of constituents are per mole,
+    and others per mass.
+    """
+    for phase, solid in solids.items():
+        for name, data in solid.constituent.items():
+            if data.heat_capacity is None:
+                continue
+            try:
+                mass = data.molar_mass or molar_mass_of(atoms_of(name, data, None))
+            except SceneError:
+                continue
+            by_mass = data.heat_capacity / mass
+            if by_mass > LARGEST_CAPACITY:
+                yield (
+                    ("solids", phase, "constituent", name, "heat_capacity"),
+                    f"in J/mol/K this is {by_mass:.4g} J/kg/K, more than any solid "
+                    f'has: is "{data.heat_capacity:g} J/kg/K" meant? Multiply it by '
+                    f"{mass:.4g} kg/mol",
+                )
+
+
+WARNINGS: tuple[Check, ...] = (
+    the_gas_conducts_once,
+    initial_profiles_reach_both_ends,
+    heat_capacities_are_of_moles,
+)

@@ -142,7 +142,10 @@ def constant_at(key: str, given: Any, T: float) -> float:
             raise ValueError(
                 "a list holds coefficients of 1, T, T^2, ..., numbers in SI"
             )
-        return float(sum(a * T**n for n, a in enumerate(given)))
+        try:
+            return float(sum(a * T**n for n, a in enumerate(given)))
+        except OverflowError as error:
+            raise ValueError("a coefficient is too large") from error
     try:
         table = TABLES[key].model_validate(given)
     except ValidationError as invalid:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from contbed.errors import SceneError
@@ -302,3 +304,15 @@ def test_a_conductivity_of_the_whole_bed_beside_that_of_the_gas_is_told(
     for warning in warnings:
         assert f"{table}.conductivity_solids" in warning and said in warning
         assert warning.endswith(f"a second time; give {table}.conductivity_gas = 0")
+
+
+def test_a_heat_capacity_per_mass_of_a_constituent_is_reported():
+    """Iron has 450 J/kg/K, 25 J/mol/K: only the first is beyond all solids."""
+    shaft = Path(__file__).parents[2] / "studies" / "dri_shaft" / "h2_5m.toml"
+    text = shaft.read_text(encoding="utf-8")
+    iron = "shomate = [17.27992, 26.69392, 0.0, 0.0, 0.0]\n"
+    assert iron in text
+    for value, warns in ((450.0, True), (25.0, False)):
+        scene = loads(text.replace(iron, f"heat_capacity = {value}\n"), "bed.toml")
+        found = [each for each in scene.warnings if "more than any solid" in each]
+        assert bool(found) == warns, value
