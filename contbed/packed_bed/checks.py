@@ -34,6 +34,7 @@ from contbed.packed_bed.schedule_checks import (
 from contbed.packed_bed.velocity_checks import (
     velocities_are_given_once,
     velocities_fit_the_mesh,
+    velocities_of_files_are_steps,
     velocities_on_mesh_files_are_vectors,
 )
 from contbed.radiation.checks import (
@@ -637,6 +638,7 @@ WARNINGS: tuple[Check, ...] = (
     the_bed_has_more_than_one_cell,
     the_balance_can_fail,
     particles_that_melt_are_lumped,
+    velocities_of_files_are_steps,
     prescribed_temperatures_agree_in_corners,
 )
 

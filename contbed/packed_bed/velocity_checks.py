@@ -117,3 +117,18 @@ def velocities_are_given_once(boundary: Boundaries, see: See) -> Mistakes:
                 f"one boundary gives the velocity of the {NAMES[phase]}; see "
                 f"{see(dotted(given[0]))}",
             )
+
+
+def velocities_of_files_are_steps(boundary: Boundaries) -> Mistakes:
+    """Look for velocities from a file, whose rows are seldom meant as steps."""
+    for phase in PHASES:
+        given = given_velocity(boundary, phase)
+        if given is None or not isinstance(given[1], VelocitySeries):
+            continue
+        name, value = given
+        if value.file is not None and "form" not in value.model_fields_set:
+            yield (
+                ("boundary", name, *boundary[name].key(phase), "velocity"),
+                "holds from each row of the file to the next, while temperatures change "
+                'linearly; write form = "step" if that is meant, or give closer rows',
+            )

@@ -19,7 +19,7 @@ from contbed.errors import SceneError
 from contbed.loading import load, loads
 from contbed.materials import gas_mixture, real_fluid
 from contbed.mesh import gmsh
-from contbed.models import plan
+from contbed.models import MODELS, plan
 from contbed.output import checkpoint
 from contbed.scene.mechanism import aliases_that_multiply
 
@@ -279,3 +279,17 @@ def test_air_below_its_data_gives_one_warning_with_an_error():
     result = cb.run(loads(heated, overrides=CELLS))
     (warning,) = [text for text in result.warnings if "extrapolated" in text]
     assert "K, where the heat capacity differs by 0.13%" in warning
+
+
+def test_a_velocity_from_a_file_says_that_it_changes_in_steps(tmp_path):
+    """Beside a temperature of the same file, which changes linearly."""
+    (tmp_path / "day.csv").write_text("t [s],T [K],u [m/s]\n0,300,0.3\n600,400,0.6\n")
+    template = MODELS["packed_bed"].template.read_text(encoding="utf-8")
+    wanted = 'gas.velocity = { file = "day.csv", column = "u" }'
+    text = template.replace('gas.velocity = "0.5 m/s"', wanted)
+    assert wanted in text
+    text += '\n[initial]\ntemperature = "300 K"\n[time]\nend = 600\n'
+    said = "holds from each row of the file to the next"
+    assert said in str(loads(text, "bed.toml", base=tmp_path).warnings)
+    meant = text.replace('column = "u" }', 'column = "u", form = "step" }')
+    assert said not in str(loads(meant, "bed.toml", base=tmp_path).warnings)
