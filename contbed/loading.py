@@ -185,6 +185,12 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     scene._tables = tables
     remarks = mistakes(parts, set(), origin, MODELS[kind].find("checks", "WARNINGS"))
     remarks += temperatures_are_of_a_bed(parts, origin.base)
+    # a table of another model, such as [two_fluid], is meant for that
+    remarks += [
+        (path, "is ignored: only other models have this key")
+        for path in ignored
+        if len(path) > 1
+    ]
     if "H2O" in str(getattr(parts.get("gas"), "composition", "")):
         from contbed.materials.condensation import water_condenses
 

@@ -79,14 +79,16 @@ class Flow:
 
 def constant_normal(mesh: Mesh, boundary: str) -> Any:
     """Return the outward unit normal of a plane boundary; None if it is not plane."""
-    system = System(mesh.skfem, {}, 2)
-    normals = np.concatenate(
-        [
-            np.array([n.ravel() for n in part.n.items]).T
-            for part in system.boundary(boundary)
-        ]
-    )
+    normals = _normals(mesh, boundary)
     return normals[0] if np.abs(normals - normals[0]).max() < PARALLEL else None
+
+
+def _normals(mesh: Mesh, boundary: str) -> Any:
+    """Return the outward unit normals at all points of a boundary, one a row."""
+    parts = System(mesh.skfem, {}, 2).boundary(boundary)
+    return np.concatenate(
+        [np.array([n.ravel() for n in part.n.items]).T for part in parts]
+    )
 
 
 def is_along(mesh: Mesh, boundary: str, velocity: Any) -> bool:
@@ -97,37 +99,29 @@ def is_along(mesh: Mesh, boundary: str, velocity: Any) -> bool:
     SceneError : it does not, and the boundary is no plane along the coordinate axes,
         where flow with slip is not solved
     """
-    system = System(mesh.skfem, {}, 2)
     speed = max(float(np.linalg.norm(velocity)), 1e-300)
-    across = max(
-        float(
-            np.abs(
-                sum(n * v for n, v in zip(part.n.items, velocity, strict=True))
-            ).max()
-        )
-        for part in system.boundary(boundary)
-    )
-    if across <= PARALLEL * speed:
+    if np.abs(_normals(mesh, boundary) @ velocity).max() <= PARALLEL * speed:
         return True
     _slip_axis(mesh, boundary)
     return False
 
 
 def _slip_axis(mesh: Mesh, boundary: str) -> int:
-    """Return the axis across a slip wall.
+    """Return the axis across a slip wall, which may have two sides.
 
     Raises
     ------
     SceneError : it is no plane along the coordinate axes
     """
-    normal = constant_normal(mesh, boundary)
-    if normal is None or np.sort(np.abs(normal))[:-1].max() > PARALLEL:
+    normals = np.abs(_normals(mesh, boundary))
+    axis = int(np.argmax(normals[0]))
+    if np.delete(normals, axis, axis=1).max(initial=0.0) > PARALLEL:
         raise SceneError(
             f"boundary.{boundary}: a slip wall that the flow meets must be a plane "
             "along the coordinate axes; give its plane parts names of their own, or "
             'use type = "no_slip"'
         )
-    return int(np.argmax(np.abs(normal)))
+    return axis
 
 
 def solve_flow(

@@ -239,6 +239,9 @@ def is_plug_flow(
         return False
     if not isinstance(scene.mesh, MeshFile) or not np.any(velocity):
         return True
+    # a radial flow slows down with the radius
+    if mesh.axisymmetric and velocity[0]:
+        return False
     from contbed.packed_bed.flow import is_along
 
     walls = [name for name, kind in conditions.items() if kind == "slip"]

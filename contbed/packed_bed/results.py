@@ -40,22 +40,35 @@ def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
         header("p"): line.probe(of_pressure, flow.pressure),
     }
     pressure = line.whole.probe(of_pressure, flow.pressure)
-    outlets = [name for name, kind in plan.conditions.items() if kind == "outlet"]
-    facets = np.concatenate(
-        [
-            np.zeros(0, dtype=int),
-            *(plan.mesh.skfem.boundaries[name] for name in outlets),
-        ]
-    )
-    result.qoi |= {
-        "u_max": float(np.sqrt((velocity**2).sum(axis=0)).max()),
-        "u_max_outlet": float(
-            np.abs(velocity[axis, space.on_facets(facets)]).max(initial=0.0)
-        ),
-        "pressure_drop_Pa": float(pressure[0] - pressure[-1])
-        * (1.0 if plan.velocity[axis] >= 0 else -1.0),
-        "pressure_gradient_Pa_m": _developed_gradient(line.whole.positions, pressure),
-    }
+    speed = np.sqrt((velocity**2).sum(axis=0))
+    leaving = space.on_facets(_facets(plan, "outlet"))
+    result.qoi["u_max"] = float(speed.max())
+    if plan.velocity[axis]:
+        out, drop = np.abs(velocity[axis, leaving]), float(pressure[0] - pressure[-1])
+        result.qoi |= {
+            "u_max_outlet": float(out.max(initial=0.0)),
+            "pressure_drop_Pa": drop * (1.0 if plan.velocity[axis] >= 0 else -1.0),
+            "pressure_gradient_Pa_m": _developed_gradient(
+                line.whole.positions, pressure
+            ),
+        }
+        return
+    # across the axis of the mesh, along which profiles are: from inlet to outlet
+    ends = [of_pressure.on_facets(_facets(plan, kind)) for kind in ("inlet", "outlet")]
+    result.qoi["u_max_outlet"] = float(speed[leaving].max(initial=0.0))
+    if all(nodes.size for nodes in ends):
+        entering, out = (float(flow.pressure[nodes].mean()) for nodes in ends)
+        result.qoi["pressure_drop_Pa"] = entering - out
+
+
+def _facets(plan: Plan, kind: str) -> Any:
+    """Return the facets of all boundaries of a kind of flow."""
+    found = [
+        plan.mesh.skfem.boundaries[name]
+        for name, condition in plan.conditions.items()
+        if condition == kind
+    ]
+    return np.concatenate([np.zeros(0, dtype=int), *found])
 
 
 def _integral(y: Any, x: Any) -> float:

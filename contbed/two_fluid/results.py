@@ -341,7 +341,7 @@ def results(
 
 def _slip(bed: Simulation) -> float:
     """Mean velocity of the gas past the particles in the middle fifth of the
-    height [m/s].
+    height [m/s]; nan where there are none.
     """
     height = bed.model.grid.centres[:, -1]
     low, span = height.min(), np.ptp(height)
@@ -350,7 +350,7 @@ def _slip(bed: Simulation) -> float:
     )
     mass = (bed.state.eps_s * bed.model.grid.geometry.volume)[middle]
     past = (bed.state.u_gas - bed.state.u_solid)[middle, -1]
-    return float(mass @ past / mass.sum()) if middle.any() else 0.0
+    return float(mass @ past / mass.sum()) if middle.any() else float("nan")
 
 
 def _shear(scene: t.TwoFluidScene, plan: Any) -> float:
