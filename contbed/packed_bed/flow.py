@@ -91,6 +91,12 @@ def _normals(mesh: Mesh, boundary: str) -> Any:
     )
 
 
+def is_across(mesh: Mesh, boundary: str, direction: Any) -> bool:
+    """Return whether a boundary is a plane across a direction."""
+    normal, length = constant_normal(mesh, boundary), float(np.linalg.norm(direction))
+    return normal is not None and abs(normal @ direction) > (1.0 - PARALLEL) * length
+
+
 def is_along(mesh: Mesh, boundary: str, velocity: Any) -> bool:
     """Return whether a uniform velocity passes along a boundary everywhere.
 

@@ -229,24 +229,43 @@ def is_plug_flow(
     scene: s.Scene, mesh: Mesh, conditions: dict[str, str], velocity: Any
 ) -> bool:
     """Return whether the velocity is that of the inlet everywhere: where nothing
-    sticks to a wall, and no wall is in the way.
+    sticks to a wall, no wall is in the way, and the outlet is across the flow.
 
     Raises
     ------
-    SceneError : a slip wall is oblique to the flow
+    SceneError : a slip wall is oblique to the flow, or it is not clear where the gas
+        leaves
     """
     if "no_slip" in conditions.values():
         return False
-    if not isinstance(scene.mesh, MeshFile) or not np.any(velocity):
+    typed = {name for name, table in scene.boundary.items() if table.type is not None}
+    if not np.any(velocity) or not (typed or isinstance(scene.mesh, MeshFile)):
         return True
     # a radial flow slows down with the radius
     if mesh.axisymmetric and velocity[0]:
         return False
-    from contbed.packed_bed.flow import is_along
+    from contbed.packed_bed.flow import is_across, is_along
 
+    file = scene.origin.name
+    beside = [
+        name
+        for name, kind in conditions.items()
+        if kind == "outlet" and name in typed and not is_across(mesh, name, velocity)
+    ]
+    unsaid = [
+        name
+        for name, kind in conditions.items()
+        if kind == "outlet" and name not in typed
+    ]
+    if beside and unsaid:
+        raise SceneError(
+            f"{file}: boundary.{unsaid[0]}: the flow meets it, and the outlet is "
+            f'boundary.{beside[0]}: say [boundary.{unsaid[0]}] type = "outlet" or '
+            '"no_slip"'
+        )
     walls = [name for name, kind in conditions.items() if kind == "slip"]
     try:
         along = [is_along(mesh, name, velocity) for name in walls]
     except SceneError as error:
-        raise SceneError(f"{scene.origin.name}: {error}") from error
-    return all(along)
+        raise SceneError(f"{file}: {error}") from error
+    return all(along) and not beside

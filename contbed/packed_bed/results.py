@@ -18,6 +18,7 @@ from contbed.scene.boundary import conditions_of
 from contbed.scene.mesh import power_units
 
 TEMPERATURES = ("T_fluid", "T_solid")
+PASSED = ("inlet", "outlet")
 APART = 0.01  # difference of theta at which the phases count as being in equilibrium
 
 
@@ -30,6 +31,8 @@ def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
     """Fill in largest speed, pressure drop, pressure gradient, and velocity and
     pressure along the bed.
     """
+    from contbed.packed_bed.flow import is_across
+
     space, _ = flow.system.fields["u"]
     axis = plan.mesh.axis
     velocity = flow.expanded
@@ -41,23 +44,26 @@ def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
     }
     pressure = line.whole.probe(of_pressure, flow.pressure)
     speed = np.sqrt((velocity**2).sum(axis=0))
-    leaving = space.on_facets(_facets(plan, "outlet"))
-    result.qoi["u_max"] = float(speed.max())
-    if plan.velocity[axis]:
-        out, drop = np.abs(velocity[axis, leaving]), float(pressure[0] - pressure[-1])
+    axis_of_bed = np.eye(len(velocity))[axis]
+    ends = [name for name, kind in plan.conditions.items() if kind in PASSED]
+    straight = all(is_across(plan.mesh, name, axis_of_bed) for name in ends)
+    leaving = np.abs(velocity[axis]) if straight else speed
+    outlet = leaving[space.on_facets(_facets(plan, "outlet"))]
+    result.qoi |= {
+        "u_max": float(speed.max()),
+        "u_max_outlet": float(outlet.max(initial=0.0)),
+    }
+    if straight:
+        drop = float(pressure[0] - pressure[-1])
+        gradient = _developed_gradient(line.whole.positions, pressure)
         result.qoi |= {
-            "u_max_outlet": float(out.max(initial=0.0)),
             "pressure_drop_Pa": drop * (1.0 if plan.velocity[axis] >= 0 else -1.0),
-            "pressure_gradient_Pa_m": _developed_gradient(
-                line.whole.positions, pressure
-            ),
+            "pressure_gradient_Pa_m": gradient,
         }
         return
-    # across the axis of the mesh, along which profiles are: from inlet to outlet
-    ends = [of_pressure.on_facets(_facets(plan, kind)) for kind in ("inlet", "outlet")]
-    result.qoi["u_max_outlet"] = float(speed[leaving].max(initial=0.0))
-    if all(nodes.size for nodes in ends):
-        entering, out = (float(flow.pressure[nodes].mean()) for nodes in ends)
+    nodes = [of_pressure.on_facets(_facets(plan, kind)) for kind in PASSED]
+    if all(each.size for each in nodes):
+        entering, out = (float(flow.pressure[each].mean()) for each in nodes)
         result.qoi["pressure_drop_Pa"] = entering - out
 
 

@@ -129,3 +129,39 @@ def test_a_radial_bed_has_the_pressure_drop_of_its_ring(tmp_path):
     drop = a * flow * math.log(4.0) + b * flow**2 * (1 / 0.1 - 1 / 0.4)
     assert qoi["pressure_drop_Pa"] == pytest.approx(drop, rel=0.01)
     assert qoi["u_max_outlet"] == pytest.approx(0.8, rel=0.01)
+
+
+CORNER = """
+[mesh]
+type = "rectangle"
+length = 0.4
+height = 0.2
+cells = [8, 4]
+[gas]
+density = 1.2
+viscosity = 1.8e-5
+[solids.beads]
+diameter = 0.005
+density = 2500
+[packed_bed]
+porosity = 0.4
+[boundary.left]
+type = "inlet"
+gas.velocity = 0.2
+[boundary.top]
+type = "outlet"
+"""
+
+
+def test_an_outlet_beside_the_flow_is_no_plug_flow():
+    """What enters leaves through the top, not through the closed side that it meets."""
+    refused(
+        "scene.toml: boundary.right: the flow meets it", lambda: plan(loads(CORNER))
+    )
+    closed = '[boundary.right]\ntype = "slip"\n'
+    result = cb.run(loads(CORNER + closed))
+    assert not result.plan.plug
+    volume = result.balances["fluid volume"]
+    assert volume["in"] == pytest.approx(0.2 * 0.2, rel=1e-12)
+    assert volume["out"] == pytest.approx(0.2 * 0.2, rel=1e-9)
+    assert result.qoi["u_max_outlet"] > 0.2
