@@ -91,7 +91,7 @@ def cold():
     ],
 )
 def test_properties_are_those_at_one_temperature(changes, without, T):
-    assert from_dict(changed(BED, changes, without)).fluid == pytest.approx(
+    assert from_dict(changed(BED, changes, without)).fluid[:4] == pytest.approx(
         properties(AIR, T), rel=1e-12
     )
 
@@ -99,7 +99,7 @@ def test_properties_are_those_at_one_temperature(changes, without, T):
 def test_the_two_libraries_agree_on_air():
     """CoolProp's air has argon: within 2 %."""
     found = from_dict(changed(BED, {"gas": COOLPROP})).fluid
-    assert found == pytest.approx(properties(AIR, 600.0), rel=0.02)
+    assert found[:4] == pytest.approx(properties(AIR, 600.0), rel=0.02)
 
 
 def test_a_liquid_of_the_library():
@@ -110,7 +110,9 @@ def test_a_liquid_of_the_library():
 
 
 def test_developed_flow_takes_them_at_the_reference_temperature():
-    assert from_dict(RISER).fluid == pytest.approx(properties(AIR, 400.0), rel=1e-12)
+    assert from_dict(RISER).fluid[:4] == pytest.approx(
+        properties(AIR, 400.0), rel=1e-12
+    )
 
 
 @pytest.mark.parametrize(
