@@ -4,9 +4,11 @@ libraries are imported when needed.
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Mapping
 from html import escape
 from importlib import import_module
+from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -133,8 +135,8 @@ def named(result: Result) -> list[tuple[str, Any, str, str]]:
 
 
 def html(result: Result) -> str:
-    """Return a result as a table for a notebook: status, balances, named results,
-    warnings.
+    """Return a result for a notebook: status, balances, warnings, named results and a
+    small plot of its profiles.
     """
     rows = "".join(
         f"<tr><td><code>{escape(name)}</code></td><td>{escape(number_text(value, '.6g'))}</td><td>{escape(unit)}</td>"
@@ -150,7 +152,24 @@ def html(result: Result) -> str:
     warnings = "".join(f"<li>{escape(text)}</li>" for text in result.warnings)
     head = "<tr><th>result</th><th>value</th><th>unit</th><th>meaning</th></tr>"
     listed = f"<ul>{warnings}</ul>" if warnings else ""
-    return f"<b>{title}</b><br>{'; '.join(lines)}{listed}<table>{head}{rows}</table>"
+    text = f"<b>{title}</b><br>{'; '.join(lines)}{listed}"
+    return f"{text}<table>{head}{rows}</table>{_small_plot(result)}"
+
+
+def _small_plot(result: Result) -> str:
+    """Return a plot of the temperatures of the profiles, else of their first columns,
+    as an image in HTML; nothing without profiles.
+    """
+    axes = {"t", "x", "y", "z", "r"}
+    names = [fields.name_of(header) for header in result.profiles]
+    shown = [name for name in names if name not in axes]
+    temperatures = [name for name in shown if name.startswith("T_")]
+    if not shown:
+        return ""
+    made, picture = figure(result, *(temperatures or shown[:2])), BytesIO()
+    made.savefig(picture, format="png", dpi=60)
+    data = b64encode(picture.getvalue()).decode("ascii")
+    return f'<img alt="profiles" src="data:image/png;base64,{data}">'
 
 
 def figure(result: Result, *names: str, table: str = "profiles") -> Any:

@@ -77,7 +77,11 @@ def test_a_notebook_shows_the_results(steady):
         f"{steady.qoi['T_fluid_out_K']:.6g}" in text
         and "closes to" in text
         and "<table>" in text
+        and "data:image/png;base64," in text
     )
+    steady.profiles, kept = {}, steady.profiles
+    assert "<img" not in steady._repr_html_()
+    steady.profiles = kept
 
 
 def test_figures_have_a_panel_for_each_unit(steady, transient):
