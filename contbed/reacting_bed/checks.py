@@ -52,7 +52,12 @@ from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.mesh import MeshLine
 from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
-from contbed.scene.units import base_value, exponents, factor_and_offset
+from contbed.scene.units import (
+    base_value,
+    exponents,
+    factor_and_offset,
+    number_and_unit,
+)
 from contbed.scene.values import value_at
 
 LARGEST_CAPACITY = 4000.0  # of a solid [J/kg/K]; lithium has 3600, wood 2500
@@ -177,7 +182,7 @@ def _rate_constants(parameters: Mapping[str, float | str]) -> Iterator[str]:
     """
     for key, value in parameters.items():
         if isinstance(value, str):
-            unit = value.strip().lstrip("+-.0123456789eE").strip() or "1"
+            _, unit = number_and_unit(value)
             if exponents(unit).get("second", 0.0) % 2.0:
                 yield key
 

@@ -132,7 +132,7 @@ def beyond_equilibrium(problem: Problem, reaction: Reaction, quotient: float) ->
     """
     path = ("reactions", reaction.key, "rate")
     return (
-        f"{problem.scene.origin.at(path)}: {'.'.join(path)}: the reaction runs beyond "
+        f"{problem.scene.origin.place(path)}: the reaction runs beyond "
         f"its equilibrium: Q/K is {quotient:.3g} where the gas leaves, and 1 in "
         "equilibrium. A formula is the whole rate and has no way back of its own: "
         "multiply it by (1 - Q_over_K)"

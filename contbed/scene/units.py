@@ -134,12 +134,11 @@ def _parse(name: str) -> Unit | None:
     return None
 
 
-def base_value(text: str) -> float:
-    """Convert a quantity with any unit, "49 kJ/mol", to SI base units; ValueError says
-    what is wrong.
+def number_and_unit(text: str) -> tuple[float, str]:
+    """Split a quantity with any unit, "49 kJ/mol"; ValueError says what is wrong.
 
-    >>> base_value("2 1/ms")
-    2000.0
+    >>> number_and_unit("3erg/s")
+    (3.0, 'erg/s')
     """
     match = _QUANTITY.fullmatch(text)
     name = "" if match is None else match[2]
@@ -151,10 +150,21 @@ def base_value(text: str) -> float:
         raise ValueError(
             f"expected a number with a unit like '49 kJ/mol', found '{text[:60]}'"
         )
+    return float(match[1]), name
+
+
+def base_value(text: str) -> float:
+    """Convert a quantity with any unit, "49 kJ/mol", to SI base units; ValueError says
+    what is wrong.
+
+    >>> base_value("2 1/ms")
+    2000.0
+    """
+    number, name = number_and_unit(text)
     found = _parse(name)
     if found is None:
         raise ValueError(f"unknown unit '{name}'")
-    return float(_registry().Quantity(float(match[1]), found).to_base_units().magnitude)
+    return float(_registry().Quantity(number, found).to_base_units().magnitude)
 
 
 def exponents(unit: str) -> dict[str, float]:
