@@ -21,15 +21,8 @@ ABOUT = (
     "the file, the line and the key: `scene.toml:12: gas.pressure: ...`. A *check* is "
     "made before the run, by `contbed check`, `plan` and `run` alike, and all of its "
     "findings are printed at once; a *warning* does not stop a run and stands in its "
-    "summary and report; errors end the command with the code that is given here."
-)
-CODES = (
-    "| code | meaning |\n| --- | --- |\n"
-    "| 1 | a file cannot be read or written, a study cannot go on |\n"
-    "| 2 | the scene, its mesh, its materials or the engine cannot be used |\n"
-    "| 3 | the solution was not found |\n"
-    "| 4 | a closure left its declared range, in strict mode |\n"
-    "| 5 | a balance does not close |"
+    "summary and report; errors end the "
+    "command with an [exit code](../../reference/commands.md#exit-codes)."
 )
 KINDS = {
     "SceneError": "scene",
@@ -57,7 +50,7 @@ class Message:
 
 def write_page(file: Path, package: Path) -> None:
     """Write the page of all messages of a package, by rooms."""
-    parts = [ABOUT, CODES]
+    parts = [ABOUT]
     for room, group in groupby(
         messages(package), key=lambda each: each.place.split(".")[1]
     ):
