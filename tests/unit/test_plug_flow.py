@@ -41,11 +41,7 @@ $Elements
 6 2 2 5 5 1 3 4
 $EndElements
 """
-SCENE = """
-[mesh]
-type = "file"
-file = "duct.msh"
-dimension = 2
+BED = """
 [gas]
 density = 1.2
 viscosity = 1.8e-5
@@ -54,6 +50,13 @@ diameter = 0.005
 density = 2500
 [packed_bed]
 porosity = 0.4
+"""
+SCENE = f"""
+[mesh]
+type = "file"
+file = "duct.msh"
+dimension = 2
+{BED}
 [boundary.in]
 type = "inlet"
 gas.velocity = [0.2, 0.0]
@@ -131,20 +134,13 @@ def test_a_radial_bed_has_the_pressure_drop_of_its_ring(tmp_path):
     assert qoi["u_max_outlet"] == pytest.approx(0.8, rel=0.01)
 
 
-CORNER = """
+CORNER = f"""
 [mesh]
 type = "rectangle"
 length = 0.4
 height = 0.2
 cells = [8, 4]
-[gas]
-density = 1.2
-viscosity = 1.8e-5
-[solids.beads]
-diameter = 0.005
-density = 2500
-[packed_bed]
-porosity = 0.4
+{BED}
 [boundary.left]
 type = "inlet"
 gas.velocity = 0.2
