@@ -20,7 +20,7 @@ VENV_FLOORS ?= .venv-floors
 PYTHON_FLOORS ?= python3.11
 FLOORS := tests/unit tests/materials tests/closures/test_closure_values.py tests/stress/test_restart.py tests/dem/test_particle_scenes.py
 
-.PHONY: docs heater gallery test test-slow test-browser mutants test-floors test-dolfinx dolfinx dist lock system lint clean
+.PHONY: docs notebooks heater gallery test test-slow test-browser mutants test-floors test-dolfinx dolfinx dist lock system lint clean
 
 heater: $(BIN)/contbed
 	$(BIN)/contbed run studies/moving_bed_heater/heater.toml --out results/heater
@@ -29,6 +29,10 @@ heater: $(BIN)/contbed
 docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 	@echo "open docs/_build/html/index.html"
+
+# the notebooks of the manual, each in a kernel of its own
+notebooks: $(VENV)/.test
+	$(BIN)/python -m pytest -q -m slow tests/docs/test_manual.py -k notebooks
 
 $(VENV)/.docs: $(BIN)/contbed
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[docs]'
