@@ -20,6 +20,9 @@ VENV_FLOORS ?= .venv-floors
 PYTHON_FLOORS ?= python3.11
 FLOORS := tests/unit tests/materials tests/closures/test_closure_values.py tests/stress/test_restart.py tests/dem/test_particle_scenes.py
 
+# the files that codespell reads; tests misspell words on purpose
+PROSE := contbed docs studies README.md CHANGELOG.md CONTRIBUTING.md CITATION.cff Makefile pyproject.toml
+
 .PHONY: docs notebooks heater gallery test test-slow test-browser mutants test-floors test-dolfinx dolfinx dist lock system lint clean
 
 heater: $(BIN)/contbed
@@ -103,6 +106,7 @@ lint: $(VENV)/.test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/codespell $(PROSE)
 
 $(BIN)/contbed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
