@@ -5,7 +5,6 @@ from contbed.packed_bed.equations.modes import rates
 from studies._exact.flow import (
     ChannelFlow,
     brinkman_forchheimer_channel,
-    plug_pressure_gradient,
 )
 from studies._exact.packed_bed import fin, schumann, two_temperature_relaxation
 from studies._exact.two_energy import (
@@ -24,7 +23,6 @@ __all__ = [
     "finite_length",
     "nakayama_coefficients",
     "nakayama_peclet",
-    "plug_pressure_gradient",
     "rates",
     "schumann",
     "semi_infinite",

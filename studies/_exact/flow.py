@@ -123,25 +123,6 @@ def brinkman_forchheimer_channel(
     )
 
 
-def plug_pressure_gradient(
-    velocity: float,
-    bed_velocity: float,
-    mu: float,
-    rho: float,
-    permeability: float,
-    forchheimer: float,
-    porosity: float,
-) -> float:
-    """Return d(phi <p>)/dx [Pa/m] of plug flow, the limit H/sqrt(K) -> inf of the
-    channel; arguments as there.
-
-    dp/dx = -phi mu/K (u - u_s) - c_F phi rho/sqrt(K) |u - u_s| (u - u_s)
-    """
-    relative = velocity - bed_velocity
-    linear, quadratic = mu / permeability, forchheimer * rho / math.sqrt(permeability)
-    return -porosity * (linear + quadratic * abs(relative)) * relative
-
-
 def _darcy_brinkman(
     eta: Array, slip: float, darcy: float
 ) -> tuple[Array, float, float]:

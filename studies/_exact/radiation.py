@@ -14,13 +14,10 @@ the plane problems is studies._exact.transport.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import BarycentricInterpolator
-from scipy.special import i0e, i1e
 
 Array = NDArray[np.float64]
 
@@ -65,59 +62,27 @@ def gray_plates(black: ArrayLike, emissivity: tuple[float, float]) -> Array:
     )
 
 
-def isothermal_body(
-    shape: str,
+def isothermal_slab(
     tau: ArrayLike,
     D: float,
     albedo: ArrayLike = 0.0,
     emissivity: float = 1.0,
 ) -> Array:
-    """Return the flux to a cold wall around an isothermal medium, over sigma T^4 [-].
+    """Return the flux to a cold wall beside an isothermal medium, over sigma T^4 [-].
 
-    q = 4 m D f'/(m f + D f') at the wall, m = e/(2 (2 - e)); f(r) = cosh(k r) in a
-    slab, I0(k r) in a cylinder (or a disc), sinh(k r)/r in a sphere.
+    q = 4 m D k t/(m + D k t) at the wall, m = e/(2 (2 - e)), t = tanh(k tau/2)
 
     Parameters
     ----------
-    shape : "slab", "cylinder" or "sphere"
-    tau : optical thickness beta L of the slab, beta R of the others [-], > 0
+    tau : optical thickness beta L [-], > 0
     D : 1/4 or 1/3
     albedo : omega [-], 0 ... 1
     emissivity : of the wall [-], > 0
     """
-    radius = np.asarray(tau, dtype=float) * (0.5 if shape == "slab" else 1.0)
     k = np.sqrt((1.0 - np.asarray(albedo, dtype=float)) / D)
-    ratio = D * k * _LOG_SLOPE[shape](k * radius)
+    ratio = D * k * np.tanh(0.5 * k * np.asarray(tau, dtype=float))
     m = 0.5 * emissivity / (2.0 - emissivity)
     return np.asarray(4.0 * m * ratio / (m + ratio))
-
-
-def _sphere_slope(x: Array) -> Array:
-    """Return coth x - 1/x; by its series below 0.02, where the difference would lose
-    digits.
-    """
-    safe = np.where(x < 0.02, 1.0, x)
-    return np.where(
-        x < 0.02,
-        x / 3.0 - x**3 / 45.0 + 2.0 * x**5 / 945.0,
-        1.0 / np.tanh(safe) - 1.0 / safe,
-    )
-
-
-_LOG_SLOPE: dict[str, Callable[[Array], Array]] = {
-    "slab": np.tanh,
-    "cylinder": lambda x: i1e(x) / i0e(x),
-    "sphere": _sphere_slope,
-}
-
-
-def half_space_emissivity(albedo: ArrayLike, D: float) -> Array:
-    """Return the emittance of a thick isothermal bed [-], 4 D k/(1 + 2 D k).
-
-    For two-flux it is 2 s/(1 + s), s = sqrt(1 - omega).
-    """
-    k = np.sqrt((1.0 - np.asarray(albedo, dtype=float)) / D)
-    return np.asarray(4.0 * D * k / (1.0 + 2.0 * D * k))
 
 
 def linear_slab(
@@ -234,15 +199,3 @@ def square_transport(x: ArrayLike, tau: float) -> Array:
 
     at = np.asarray(x, dtype=float)
     return np.asarray(1.0 - 2.0 / np.pi * (side(at) + side(1.0 - at)))
-
-
-def sphere_transport(tau: ArrayLike) -> Array:
-    """Return the flux over sigma T^4 [-] to the cold black wall of an isothermal
-    absorbing sphere, tau = kappa R.
-
-    q = 1 - (1 - (1 + 2 tau) exp(-2 tau))/(2 tau^2)
-    """
-    tau = np.asarray(tau, dtype=float)
-    return np.asarray(
-        1.0 - (1.0 - (1.0 + 2.0 * tau) * np.exp(-2.0 * tau)) / (2.0 * tau**2)
-    )

@@ -12,7 +12,7 @@ import numpy as np
 import contbed as cb
 from contbed.closures.optics import SIGMA
 from studies import _gallery as gallery
-from studies._exact.radiation import P1, TWO_FLUX, isothermal_body
+from studies._exact.radiation import P1, TWO_FLUX, isothermal_slab
 from studies._exact.transport import slab_emittance
 from studies._gallery import Table, Tables
 
@@ -48,7 +48,7 @@ def parameters(scene: cb.Scene) -> tuple[float, float]:
 def closed_form(scene: cb.Scene) -> float:
     """Emittance by the model of the scene's level: two-flux or P1."""
     albedo, tau = parameters(scene)
-    return float(isothermal_body("slab", tau, DIFFUSION[scene.radiation.level], albedo))
+    return float(isothermal_slab(tau, DIFFUSION[scene.radiation.level], albedo))
 
 
 def reference(scene: cb.Scene) -> float:

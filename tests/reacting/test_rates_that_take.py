@@ -23,9 +23,6 @@ from contbed.reacting_bed.solve import Report, newton_step
 from tests.refusals import refused
 from tests.scene_text import set_keys
 
-# [mol/m3/s]; over 0.4 m of gas it takes 0.8 of the 12 mol/m2/s that enter
-CONSUMED = 2.0
-
 
 def bed(rate, composition="A:1", **more):
     """Gas A of 1 m that becomes B by a formula."""

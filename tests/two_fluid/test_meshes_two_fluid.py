@@ -20,7 +20,6 @@ from tests.refusals import refused
 
 LENGTH, HEIGHT = 0.06, 0.12
 SLIP = symmetry()
-FLAT = [kind for kind in KINDS if kind not in IN_3D]
 
 
 @pytest.fixture(params=KINDS)

@@ -15,13 +15,10 @@ from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
 from contbed.loading import from_dict
 from contbed.radiation.equations.ordinates import Ordinates, Wall, solve_ordinates
-from studies._exact.conduction_radiation import conduction_radiation
 from studies._exact.radiation import (
-    P1,
     TWO_FLUX,
     equilibrium_flux,
     gray_plates,
-    isothermal_body,
     linear_slab,
 )
 from studies._exact.transport import Equilibrium, half_space_emittance, slab_emittance
@@ -166,18 +163,6 @@ def test_gray_plates_are_exact_at_any_order(order, emissivity):
     )
 
 
-def test_equilibrium_does_not_depend_on_the_albedo():
-    z = graded(5.0)
-    fields = [
-        solve_ordinates(z, 1.0 - albedo, albedo, None, HOT, COLD)
-        for albedo in (0.0, 0.3, 0.999999)
-    ]
-    scattering = solve_ordinates(z, 0.0, 1.0, 0.0, HOT, COLD)
-    for field in fields:
-        np.testing.assert_allclose(field.G, scattering.G, rtol=0.0, atol=1e-13)
-        np.testing.assert_allclose(field.q, scattering.q, rtol=0.0, atol=1e-13)
-
-
 def test_albedo_towards_one():
     """Absorption 1 - omega of a bed of thickness 1000 moves its flux by about
     (1 - omega) tau^2, 1e-9 to 1e-3 here.
@@ -257,42 +242,6 @@ def test_intensities_and_moments():
     assert np.pi * pure.I_plus == pytest.approx(beam, abs=1e-9)
 
 
-def test_isothermal_enclosure():
-    """Everything at one temperature: no flux, G = 4 sigma T^4, at any emissivity and
-    in any layers.
-    """
-    Ka, Ks = np.array([0.1, 20.0, 3.0]), np.array([5.0, 0.0, 300.0])
-    solution = solve_ordinates(
-        [0.0, 0.5, 0.6, 2.0], Ka, Ks, 7.0 * Ka, Wall(7.0, 0.2), Wall(7.0)
-    )
-    np.testing.assert_allclose(solution.G, 28.0, rtol=1e-13)
-    assert solution.q == pytest.approx(0.0, abs=1e-12)
-
-
-def test_symmetry():
-    """A mirrored bed gives the mirrored field; half a symmetric bed with a plane of
-    symmetry gives the whole.
-    """
-    z, bed = (
-        graded(4.0),
-        (lambda z: 0.2 + 0.1 * z, lambda z: 1.0 + z, lambda z: 0.5 * z),
-    )
-    there = solve_ordinates(z, *bed, Wall(2.0, 0.4), Wall(1.0, 0.9))
-    back = solve_ordinates(
-        4.0 - z[::-1],
-        *(lambda z, c=c: c(4.0 - z) for c in bed),
-        Wall(1.0, 0.9),
-        Wall(2.0, 0.4),
-    )
-    assert back.G[::-1] == pytest.approx(there.G, rel=1e-12)
-    assert -back.q[::-1] == pytest.approx(there.q, abs=1e-12)
-    assert back.I_minus[:, ::-1] == pytest.approx(there.I_plus, rel=1e-11)
-    whole = solve_ordinates(z, 0.3, 0.7, 0.6, Wall(1.0, 0.5), Wall(1.0, 0.5))
-    half = solve_ordinates(z[: len(z) // 2 + 1], 0.3, 0.7, 0.6, Wall(1.0, 0.5), None)
-    np.testing.assert_allclose(half.G, whole.G[: len(half.G)], rtol=1e-12)
-    assert half.q[-1] == pytest.approx(0.0, abs=1e-13)
-
-
 def test_response():
     """The affine map equals the solve; its load form is symmetric, so that i heats k
     as k heats i.
@@ -324,54 +273,6 @@ def test_walls_exchange_alike():
     one = solve_ordinates(z, Ka, Ks, 0.0, Wall(1.0, 0.3), Wall(0.0, 0.8)).q[-1]
     other = solve_ordinates(z, Ka, Ks, 0.0, Wall(0.0, 0.3), Wall(1.0, 0.8)).q[0]
     assert one == pytest.approx(-other, rel=1e-12)
-
-
-@pytest.mark.parametrize("cold", [0.5, 0.1])
-@pytest.mark.parametrize("tau", [0.1, 1.0, 10.0])
-def test_conduction_by_newton_with_the_response(tau, cold):
-    """4 N theta'' = (4 theta^4 - G) (units sigma T1^4), with the response matrix in
-    Newton's Jacobian.
-    """
-    N = 0.01
-    bed = Ordinates(
-        graded(tau, 0.01, 1.3), 1.0, 0.0, HOT, Wall(cold**4), order=8, degree=3
-    )
-    R, G0 = bed.response()
-    mass = bed.mass_matrix().toarray()
-    width = np.diff(bed.z)
-    conduction = np.zeros_like(mass)
-    for cell, block in zip(
-        bed.index, bed.element.stiffness(width, np.ones((len(width), 5))), strict=True
-    ):
-        conduction[np.ix_(cell, cell)] += 4.0 * N * block
-    theta = 1.0 + (cold - 1.0) * bed.points / tau
-    inner = slice(1, -1)
-    for _ in range(12):
-        residual = conduction @ theta + mass @ (4.0 * theta**4 - R @ theta**4 - G0)
-        slope = conduction + mass @ (4.0 * np.eye(len(theta)) - R) * (4.0 * theta**3)
-        theta[inner] -= np.linalg.solve(slope[inner, inner], residual[inner])
-    residual = conduction @ theta + mass @ (4.0 * theta**4 - R @ theta**4 - G0)
-    q = bed.solve(theta**4).q
-    total = residual[0] + q[0]
-    assert total == pytest.approx(-residual[-1] + q[-1], abs=1e-12)
-    # 8 + 8 directions: 2e-5 on black plates
-    assert total == pytest.approx(conduction_radiation(tau, N, cold).total, rel=3e-5)
-
-
-def test_p1_is_not_an_ordinate_set():
-    """The levels stay apart where they should: at tau 1 P1 is 3.3 % high and
-    two-flux 9.7 % low.
-    """
-    z, exact = graded(1.0), Equilibrium(1.0).flux
-    two_flux, four = (
-        solve_ordinates(z, 1.0, 0.0, None, HOT, COLD, order).q[0] for order in (1, 4)
-    )
-    assert two_flux / exact == pytest.approx(0.9035, abs=1e-4)
-    assert four / exact == pytest.approx(1.0, abs=1e-4)
-    assert equilibrium_flux(1.0, P1) / exact == pytest.approx(1.0326, abs=1e-4)
-    assert isothermal_body("slab", 1.0, TWO_FLUX) == pytest.approx(
-        solve_ordinates(z, 1.0, 0.0, 1.0, COLD, COLD, 1, 4).q[-1], rel=1e-9
-    )
 
 
 def test_ways_to_give_coefficients():

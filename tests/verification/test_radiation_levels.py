@@ -17,7 +17,7 @@ from contbed.radiation.equations.ordinates import Wall, solve_ordinates
 from contbed.radiation.ordinates import OrdinatesProblem
 from contbed.radiation.thickness import estimate
 from studies._exact.conduction_radiation import conduction_diffusion
-from studies._exact.radiation import P1, TWO_FLUX, equilibrium_flux, isothermal_body
+from studies._exact.radiation import P1, TWO_FLUX, equilibrium_flux, isothermal_slab
 from tests.balances import assert_closed
 from tests.refusals import refused
 from tests.scene_text import set_keys
@@ -84,7 +84,7 @@ def test_wall_flux_of_thick_and_thin_beds(tau, albedo):
                 fine, 1 - albedo, albedo, 1 - albedo, Wall(0.0), Wall(0.0), degree=4
             ).q[-1]
         else:
-            expected = isothermal_body("slab", tau, DIFFUSION[level], albedo)
+            expected = isothermal_slab(tau, DIFFUSION[level], albedo)
         assert -result.qoi["heat_right_W"] == pytest.approx(
             expected * SIGMA * 1e12, rel=1e-6
         )
@@ -134,20 +134,6 @@ def test_transparent_medium(level, emissivity):
     )
     expected = 1.0 / (1.0 / emissivity[0] + 1.0 / emissivity[1] - 1.0)
     assert result.qoi["flux_dimensionless"] == pytest.approx(expected, rel=2e-5)
-
-
-def test_one_ordinate_is_two_flux():
-    for right in (wall(500.0, 0.4), COLD):
-        for extra in ({}, {"temperature": 800.0}, {"conductivity": 5.0}):
-            fluxes = [
-                run(
-                    slab(
-                        level, 3.0, wall(1000.0, 0.7), right, 0.3, ordinates=1, **extra
-                    )
-                ).qoi["heat_left_W"]
-                for level in ("two_flux", "ordinates")
-            ]
-            assert fluxes[1] == pytest.approx(fluxes[0], rel=1e-6)
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
