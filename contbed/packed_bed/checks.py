@@ -328,6 +328,9 @@ def flow_has_a_way_through(
             yield path, f"the velocity enters through '{name}'; {speed}"
     if isinstance(mesh, MeshFile):
         roles: set[str | None] = set(given.values())
+        source = given_velocity(boundary, "fluid")
+        if "outlet" in roles and source is not None and source[0] not in given:
+            roles.add("inlet")  # by the sign of the velocity, see `role_in_flow`
         sides = list(given)
     else:
         sides = [side for pair in mesh.sides for side in pair]

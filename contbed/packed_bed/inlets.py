@@ -53,7 +53,7 @@ def velocity_vector(
     if isinstance(value, tuple):
         return value
     if isinstance(mesh, MeshFile):
-        return still  # `checks` asks for a vector
+        return (value,)  # too few components, of which `checks` speak
     for axis, (low, high) in enumerate(mesh.sides):
         if name in (low, high) and value:
             inward = value if name == low else -value

@@ -11,6 +11,7 @@ Mistakes are reported with file, line and column.
 
 from __future__ import annotations
 
+import codecs
 import csv
 import re
 from dataclasses import dataclass
@@ -148,13 +149,15 @@ def read_table(path: Path) -> DataTable:
 
 
 def decoded(data: bytes) -> str:
-    """Return the text of a file in UTF-8, with or without a byte order mark, or in
-    Windows-1252, as spreadsheets write it.
+    """Return the text of a file in UTF-8, with or without a byte order mark, in UTF-16
+    with one, or in Windows-1252, as spreadsheets write it.
 
     Raises
     ------
     UnicodeDecodeError : it is no text
     """
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return data.decode("utf-16")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -167,8 +170,12 @@ def decoded(data: bytes) -> str:
 def _read(path: Path, inode: int, changed: int, size: int) -> DataTable:
     try:
         text = decoded(path.read_bytes())
-    except (OSError, UnicodeDecodeError) as error:
-        raise SceneError(f"{path.name}: cannot be read as text: {error}") from None
+    except OSError as error:
+        raise SceneError(f"{path.name}: cannot be read: {error}") from None
+    except UnicodeDecodeError:
+        raise SceneError(
+            f"{path.name}: not a text file; export a spreadsheet as CSV"
+        ) from None
     names: tuple[str, ...] = ()
     units: tuple[str, ...] = ()
     header_line, cells, lines = 0, [], []

@@ -61,7 +61,8 @@ def mesh_file_exists(mesh: Mesh, see: See, origin: Origin) -> Mistakes:
     if suffix not in (".geo", ".msh"):
         yield (
             ("mesh", "file"),
-            "is neither a gmsh geometry (.geo) nor a gmsh mesh (.msh)",
+            "is neither a gmsh geometry (.geo) nor a gmsh mesh (.msh); gmsh converts "
+            f"meshes of other programs: gmsh {path.name} -save -o {path.stem}.msh",
         )
     elif "\0" in mesh.file or not path.is_file():
         yield ("mesh", "file"), f"no such file; looked for {path.absolute()}"

@@ -18,8 +18,8 @@ from contbed.scene.series import ProfileFile, TemperatureSeries
 
 # data of gases end here, and no solid of a bed is left: tungsten melts at 3695 K
 HOTTEST = 3700.0
-# helium boils at 4.2 K, hydrogen at 20 K; gases and solids of a bed have no data there
-COLDEST = 20.0
+# nitrogen boils at 77.4 K; a number of degC read as kelvin often lies below
+COLDEST = 77.0
 # differences of temperature, and ranges of data
 _NO_STATES = ("T_range", "tolerance", "step", "interval", "activation")
 
@@ -33,7 +33,7 @@ def temperatures_are_of_a_bed(parts: Mapping[str, Any], base: Path) -> Mistakes:
         if value > HOTTEST:
             text = f"above {HOTTEST:g} K no solid of a bed is left"
         elif value < COLDEST:
-            text = f"below {COLDEST:g} K no gas has data"
+            text = f"below {COLDEST:g} K air is liquid"
         else:
             continue
         yield path, f"{value:.6g} K: {text}; is the unit right?"
