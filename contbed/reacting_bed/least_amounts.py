@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contbed.arrays import Array, Flags
+from contbed.fem.line_dg import Line
 from contbed.reacting_bed.equations.unknowns import Role
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.scene import ReactingScene
@@ -82,16 +83,36 @@ def between_nodes(problem: Problem, u: Array) -> Array:
     solids by one share, so that what they hold together stays.
     """
     rest = np.flatnonzero(at_rest(problem))
-    low = (u[rest] @ problem.line.basis(np.linspace(0.0, 1.0, FINE)).T).min(axis=2)
-    wrong = low < -problem.scene.solver.newton_tolerance * problem.sizes[rest, None]
-    if not wrong.any():
+    least = problem.scene.solver.newton_tolerance * problem.sizes[rest]
+    share = share_above_zero(problem.line, u[rest], least).min(axis=0, initial=1.0)
+    if (share == 1.0).all():
         return u
-    mean = u[rest] @ problem.line.weights
-    share = np.clip(mean / np.where(wrong, MISSED * (mean - low), 1.0), 0.0, 1.0)
-    share = np.where(wrong, share, 1.0).min(axis=0)
     out = u.copy()
-    out[rest] = mean[:, :, None] + share[:, None] * (u[rest] - mean[:, :, None])
+    out[rest] = nearer_to_means(problem.line, u[rest], share)
     return out
+
+
+def share_above_zero(line: Line, values: Array, least: Array) -> Array:
+    """Return by how much polynomials (..., N, p + 1) may deviate from their means, so
+    that none is below zero between its nodes (..., N).
+
+    1 where they are not below zero by more than `least` (...,).
+    """
+    low = (values @ line.basis(np.linspace(0.0, 1.0, FINE)).T).min(axis=-1)
+    wrong = low < -least[..., None]
+    mean = values @ line.weights
+    share = np.clip(mean / np.where(wrong, MISSED * (mean - low), 1.0), 0.0, 1.0)
+    found: Array = np.where(wrong, share, 1.0)
+    return found
+
+
+def nearer_to_means(line: Line, values: Array, share: Array) -> Array:
+    """Return polynomials (..., N, p + 1) with a share of their deviations from the means
+    of cells.
+    """
+    mean = (values @ line.weights)[..., None]
+    found: Array = mean + share[..., None] * (values - mean)
+    return found
 
 
 def least(problem: Problem, u: Array, time: float = math.nan) -> Least:

@@ -13,9 +13,17 @@ from contbed.balance import Balance
 from contbed.chemistry.thermo import R_GAS, T_STANDARD
 from contbed.reacting_bed import of_reactors
 from contbed.reacting_bed.equations.unknowns import State
-from contbed.reacting_bed.least_amounts import Least, below_zero, between_nodes, least
+from contbed.reacting_bed.least_amounts import (
+    Least,
+    below_zero,
+    between_nodes,
+    least,
+    nearer_to_means,
+    share_above_zero,
+)
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.results_solids import fill_phases
+from contbed.reacting_bed.swings import largest_swing, unresolved_front
 from contbed.result import Result, outside
 
 UNDERSHOT = 1e-6  # share of the whole below zero that is counted
@@ -54,7 +62,7 @@ def profiles(problem: Problem, u: Array) -> dict[str, Array]:
     }
     out |= {"p_gas [Pa]": state.p * ones, "u [m/s]": state.u * ones}
     out |= {f"x_{name} [1]": value * ones for name, value in state.x.items()}
-    out |= loadings(problem, state, ones)
+    out |= loadings(problem, u, x)
     if problem.layout.solids:
         out |= {
             f"n_{name} [mol/m3]": state.n[name] * ones for name in problem.layout.solids
@@ -101,19 +109,28 @@ def constituents_of(problem: Problem) -> dict[str, list[str]]:
     return {name: names for name, names in found.items() if names}
 
 
-def loadings(problem: Problem, state: State, ones: Array) -> dict[str, Array]:
+def loadings(problem: Problem, u: Array, x: Array) -> dict[str, Array]:
     """Return the intraparticle moles of each gas, adsorbed and in their pores, per
     mass of their solid phase.
+
+    Polynomials through what particles hold at the nodes: isotherms of a temperature
+    and a concentration between the nodes of a front may be far from both.
     """
-    out = {}
+    out: dict[str, Array] = {}
+    if not problem.layout.inside:
+        return out
+    line = problem.line
+    state = problem.bed.state(problem.at_all_points(u))
     for phase, own in problem.bed.with_states(state):
         if (inside := phase.inside) is None:
             continue
         for name, points in inside.held(own.inner, own.T_solid)[0].items():
+            total = sum(points) / (inside.solids * inside.density)
+            q = problem.mean(total.reshape(-1, *line.points.shape))
+            least = problem.scene.solver.newton_tolerance * np.abs(q).max(axis=(1, 2))
+            q = nearer_to_means(line, q, share_above_zero(line, q, least))
             column = phase.layout.full(f"q_{name}")
-            out[f"{column} [mol/kg]"] = (
-                sum(points) / (inside.solids * inside.density) * ones
-            )
+            out[f"{column} [mol/kg]"] = line.at(q, x)[0]
     return out
 
 
@@ -416,6 +433,8 @@ def _remarks(problem: Problem, u: Array, result: Result, found: Least | None) ->
     result.qoi["share_negative"] = share
     if (sentence := below_zero(problem, found or least(problem, u))) is not None:
         result.warnings.append(sentence)
+    if found is None:
+        result.warnings += unresolved_front(problem, largest_swing(problem, u))
     ranges = [(state.T_fluid, problem.species.gases)]
     ranges += [
         (

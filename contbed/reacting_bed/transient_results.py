@@ -15,6 +15,7 @@ from contbed.reacting_bed.history import BedHistory
 from contbed.reacting_bed.of_columns import column_findings
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage
+from contbed.reacting_bed.swings import largest_swing, unresolved_front
 from contbed.reacting_bed.time_cells import SHORTEST
 from contbed.result import Result
 
@@ -38,6 +39,12 @@ def fill(course: Course, history: BedHistory, result: Result) -> None:
     result.profiles |= {
         key: np.concatenate([c[key] for _, c in tables]) for key in tables[0][1]
     }
+    swings = [
+        largest_swing(course.at(t).on(vertices), u, t)
+        for t, (vertices, u) in kept.items()
+    ]
+    worst = max(swings, key=lambda each: each.size)
+    result.warnings += unresolved_front(problem, worst)
     result.tables["outlet"] = history.table()
     result.qoi |= column_findings(course, history)
     result.qoi |= {
