@@ -196,8 +196,9 @@ class Closures:
         SceneError : it is not given
         """
         if self.conductivity is None:
-            origin = self.scene.origin
-            where = f"{origin.at(('solids',))}: solids.NAME.conductivity"
+            solids, origin = self.scene.solids, self.scene.origin
+            name = next(k for k, table in solids.items() if table.conductivity is None)
+            where = origin.place(("solids", name, "conductivity"))
             raise SceneError(f"{where}: missing; a closure of a conductivity needs it")
         return self.conductivity(properties.state.T_solid)
 

@@ -138,6 +138,10 @@ def _built(scene: s.ReactingScene) -> tuple[Schedule, Problem]:
     problem = _at_start(scene, schedule)
     with np.errstate(all="ignore"):
         problem.bed(problem.first_point(), [0.0] * len(problem.layout.names), 0.0)
+        if problem.rings is not None:
+            state, medium = problem.bed.state(problem.first_point()), problem.bed.medium
+            medium.radial(state)
+            medium.wall_coefficient(state)
     require_rates(problem, _with_other_gases(scene, problem, schedule))
     require_gas_left(scene, problem, schedule)
     return schedule, problem

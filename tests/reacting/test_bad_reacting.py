@@ -8,6 +8,7 @@ import pytest
 
 from contbed.errors import SceneError
 from contbed.loading import loads
+from contbed.models import plan
 from tests.refusals import refused
 
 GOOD = """
@@ -275,6 +276,22 @@ ambient = 600.0
 [packed_bed.section]
 dispersion = "vdi"
 """
+
+
+@pytest.mark.parametrize("table", ["closures", "packed_bed.section"])
+def test_a_plan_finds_a_conductivity_of_solids_that_is_missing(table):
+    text = GOOD.replace(
+        'model = "ideal_gas"',
+        'model = "ideal_gas"\nconductivity = 0.04\nviscosity = 2e-5',
+    )
+    text = text.replace("length = 1.0", "length = 1.0\ndiameter = 0.05")
+    key = 'conductivity_solids = "zehner_schluender"\nconductivity_gas = 0.0\n'
+    text += SECTION + (key if table != "closures" else f"[closures]\n{key}")
+    with pytest.raises(
+        SceneError, match=r"solids\.\w+\.conductivity: missing"
+    ) as error:
+        plan(loads(text, "bed.toml"))
+    assert "NAME" not in str(error.value)
 
 
 @pytest.mark.parametrize("table", ["closures", "packed_bed.section"])
