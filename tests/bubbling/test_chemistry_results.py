@@ -2,12 +2,19 @@
 amounts that are rounding.
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from reacting_scenes import combustor, tube
 
 import contbed as cb
-from contbed.bubbling_bed.chemistry.results import _fits, without_rounding
+from contbed.bubbling_bed.chemistry.results import (
+    _below_zero,
+    _beside_declared,
+    _fits,
+    without_rounding,
+)
 from contbed.errors import ConvergenceError
 from contbed.fields import unit_of
 from contbed.result import Result
@@ -21,6 +28,29 @@ def test_char_beyond_the_volume_of_the_solids_is_no_result():
     ) as error:
         _fits(combustor(), 1.71, result)
     assert error.value.exit_code == 3
+
+
+def test_another_share_of_char_than_declared_is_a_warning():
+    scene = combustor()
+    declared = scene.solids["char"].volume_share
+    assert _beside_declared(scene, declared + 0.09) == []
+    (text,) = _beside_declared(scene, 0.572)
+    assert text.startswith("char fills 57.2 % of the volume of the solids")
+    assert "give solids.char.volume_share = 0.57 with the shares of the others" in text
+
+
+@pytest.mark.parametrize(
+    ("mesh", "advice"),
+    [
+        ({"cells": 6}, "give more mesh.cells, or none for a mesh that is chosen"),
+        ({}, "give mesh.cells, more than the"),
+    ],
+)
+def test_advice_about_a_fraction_below_zero_names_the_mesh_of_the_scene(mesh, advice):
+    plan = cb.plan(combustor(mesh=mesh))
+    gas = SimpleNamespace(phases=["bubble"], gases=["H2"])
+    profiles = {"x_H2_bubble [1]": np.array([0.0, -1e-3]), "z [m]": np.array([0, 0.3])}
+    assert advice in _below_zero(gas, profiles, plan)
 
 
 def test_a_law_out_of_its_range_is_a_warning_and_fractions_have_no_unit():

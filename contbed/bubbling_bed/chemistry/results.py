@@ -30,6 +30,8 @@ SOLIDS = {
 }
 # mole fraction either side of zero that balances of the others do not resolve
 ROUNDING = 1e-14
+# share of the volume of the solids by which char may differ from its volume_share
+FAR_FROM_DECLARED = 0.1
 
 
 def carried(
@@ -296,6 +298,21 @@ def _fits(scene: Any, share: float, result: Result) -> None:
         )
 
 
+def _beside_declared(scene: Any, share: float) -> list[str]:
+    """Return the warning that the bed holds another share of char than it declares."""
+    declared = scene.solids[scene.fuel].volume_share
+    if abs(share - declared) <= FAR_FROM_DECLARED:
+        return []
+    key = f"solids.{scene.fuel}.volume_share"
+    return [
+        f"char fills {100 * share:.3g} % of the volume of the solids "
+        f"(char_volume_fraction), {key} = {declared:g} declares "
+        f"{100 * declared:.3g} %: minimum fluidization, mean diameter and the surfaces "
+        f"of other solids are those of the declared share; give {key} = {share:.2g} "
+        "with the shares of the others, and run again"
+    ]
+
+
 def without_rounding(amounts: Any, total: Any) -> Any:
     """Return amounts, zero where they are below `ROUNDING` of the total either way;
     larger negative ones stay.
@@ -303,10 +320,15 @@ def without_rounding(amounts: Any, total: Any) -> Any:
     return np.where(np.abs(amounts) <= ROUNDING * np.abs(total), 0.0, amounts)
 
 
-def _below_zero(part: Any, profiles: Mapping[str, Any], tolerance: float) -> str | None:
+def _below_zero(part: Any, profiles: Mapping[str, Any], plan: Any) -> str | None:
     """Return the warning about the least mole fraction; None where it is within the
     error of automatic meshes.
     """
+    scene, chosen = plan.scene, plan.mesh.skfem.nelements
+    tolerance = scene.solver.tolerance
+    advice = "give more mesh.cells, or none for a mesh that is chosen"
+    if scene.mesh.cells is None:
+        advice = f"give mesh.cells, more than the {chosen} that are chosen"
     columns = {
         (name, phase): profiles[f"x_{name}_{phase} [1]"]
         for phase in part.phases
@@ -319,8 +341,7 @@ def _below_zero(part: Any, profiles: Mapping[str, Any], tolerance: float) -> str
     return (
         f"{name} in the {phase} falls to a mole fraction of {x.min():.2g} at z = "
         f"{z:.3g} m, further below zero than "
-        f"solver.tolerance = {tolerance:g}: give more mesh.cells, or none for a mesh "
-        "that is chosen"
+        f"solver.tolerance = {tolerance:g}: {advice}"
     )
 
 
@@ -337,7 +358,7 @@ def _warnings(
             f"reactions.{name} does not run: a gas that it needs neither enters nor is "
             "made"
         )
-    below = _below_zero(part, result.profiles, scene.solver.tolerance)
+    below = _below_zero(part, result.profiles, problem.plan)
     if below is not None:
         result.warnings.append(below)
     if scene.fuel is not None:
@@ -350,6 +371,7 @@ def _warnings(
         solids = part.section * chemistry.height * (1.0 - delta) * (1.0 - part.voidage)
         result.qoi["char_volume_fraction"] = volume / solids
         _fits(scene, volume / solids, result)
+        result.warnings += _beside_declared(scene, volume / solids)
     for name, where, law in cr.used_laws(chemistry.reactions):
         fields = (
             [f"T_{phase}" for phase in part.phases]
