@@ -24,7 +24,6 @@ from contbed.errors import SceneError
 from contbed.fem.ad.batched import RecordedForms
 from contbed.fem.ad.graph import Graph
 from contbed.result import Result
-from contbed.scene import schema
 from contbed.scene.toml_lines import parse_key
 from contbed.scene.values import value_at, with_value
 from contbed.solvers.branch import Branch, Way, trace
@@ -116,21 +115,18 @@ def follow(problem: BubblingProblem, state: Any, result: Result) -> Branch:
     branch = trace(
         family.assemble,
         problem.unknowns(state),
-        Way(start, table.to, table.points, table.back_to, table.first_fold),
+        Way(start, table.to, table.points, first_fold=table.first_fold),
         problem.plan.policy,
         weights=problem.weights,
         size=TYPICAL,
         watch=problem.watch,
     )
-    if not branch.complete:
-        result.warnings.append(
-            f"the branch ends at {table.parameter} = {branch.parameter[-1]:.6g} after "
-            f"{len(branch.parameter)} points; raise continuation.points"
-        )
+    branch.report(table.parameter, result)
     folds = [p for _, p, _ in branch.folds]
-    result.qoi |= {f"fold_{k}": p for k, p in enumerate(folds, 1)}
     result.qoi |= distance(problem.plan.scene, folds, branch.complete)
-    result.tables["continuation"] = columns(problem, family, branch)
+    result.tables["continuation"] = branch.columns(
+        table.header(problem.plan.scene), lambda p, x: row(family.at(p), x)
+    )
     return branch
 
 
@@ -194,33 +190,16 @@ def as_large_as(matrix: Any, direction: Any) -> Any:
     )
 
 
-def columns(problem: BubblingProblem, family: Family, branch: Branch) -> dict[str, Any]:
-    """Return parameter, folds passed, mean temperatures and duties along a branch,
-    folds included as points.
-    """
-    points = list(zip(branch.parameter, branch.states, strict=True))
-    turns = [index + k for k, (index, _, _) in enumerate(branch.folds)]
-    for place, (_, p, x) in zip(turns, branch.folds, strict=True):
-        points.insert(place, (p, x))
-    unit = (
-        schema.unit(schema.of(type(problem.plan.scene)), parse_key(family.key)) or "1"
-    )
-    rows = []
-    for k, (p, x) in enumerate(points):
-        at = family.at(p)
-        state = at._state(x)
-        row = {
-            "point [1]": float(k),
-            f"{family.key} [{unit}]": p,
-            "turns [1]": float(sum(turn < k for turn in turns)),
-        }
-        row |= {f"T_{name} [K]": mean(at, state, f"T_{name}") for name in at.c.species}
-        row |= {
-            f"{name.removesuffix('_W')} [W]": value
-            for name, value in at.duties(state).items()
-        }
-        rows.append(row)
-    return {header: np.array([row[header] for row in rows]) for header in rows[0]}
+def row(problem: BubblingProblem, x: Any) -> dict[str, float]:
+    """Return mean temperatures and duties of the unknowns of a problem."""
+    state = problem._state(x)
+    found = {
+        f"T_{name} [K]": mean(problem, state, f"T_{name}") for name in problem.c.species
+    }
+    return found | {
+        f"{name.removesuffix('_W')} [W]": value
+        for name, value in problem.duties(state).items()
+    }
 
 
 def mean(problem: BubblingProblem, state: Any, name: str) -> float:

@@ -26,6 +26,7 @@ from contbed.bubbling_bed.tables import BubblingBed, FreeboardSurface, Surface
 from contbed.closures.binding import bind, named
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
+from contbed.scene.continuation import parameter_varies
 from contbed.scene.gas import GasCantera
 from contbed.scene.mechanism import find_mechanism
 from contbed.scene.quantities import Table
@@ -398,7 +399,7 @@ def positions_lie_in_the_bed(
 
 
 def the_parameter_is_a_number(
-    continuation: b.Continuation | None,
+    continuation: b.Continuation,
     bubbling_bed: BubblingBed,
     boundary: b.Boundary,
     gas: GasCantera | None,
@@ -407,10 +408,6 @@ def the_parameter_is_a_number(
     """Check that the parameter of the continuation is a number of the scene that may
     vary.
     """
-    if continuation is None:
-        return
-    from contbed.scene.values import value_at
-
     tables = {
         "bubbling_bed": bubbling_bed,
         "boundary": boundary,
@@ -418,30 +415,12 @@ def the_parameter_is_a_number(
         "solids": solids,
     }
     key = continuation.parameter
-    found = value_at(tables, key)
     fixed = key.startswith("bubbling_bed.height") or "diameter" in key
-    if not isinstance(found, float) or fixed:
-        yield (
-            ("continuation", "parameter"),
-            "no number of this scene can be varied under this key; allowed: keys such "
-            f"as boundary.bottom.gas.temperature, {MASS_FLOW}, "
-            "bubbling_bed.walls.coefficient, solids.NAME.feed.temperature",
-        )
-    elif found == continuation.to:
-        yield (
-            ("continuation", "to"),
-            "is already the value in the scene; give another value to follow the "
-            "solution to",
-        )
-    elif (
-        continuation.back_to is not None
-        and (continuation.back_to - found) * (continuation.to - found) > 0
-    ):
-        yield (
-            ("continuation", "back_to"),
-            f"must lie on the other side of the scene's value, {found:g}, "
-            "than continuation.to",
-        )
+    examples = (
+        f"boundary.bottom.gas.temperature, {MASS_FLOW}, "
+        "bubbling_bed.walls.coefficient, solids.NAME.feed.temperature"
+    )
+    yield from parameter_varies(continuation, tables, fixed, examples)
 
 
 def particles_pass_between_the_tubes(

@@ -36,6 +36,7 @@ from contbed.bubbling_bed.tables import (
     Speed,
     SpeedOrClosure,
 )
+from contbed.scene import continuation
 from contbed.scene.gas import GasCantera, GasOfComposition
 from contbed.scene.quantities import (
     Cells,
@@ -121,20 +122,12 @@ class Radiation(Table):
     """mean cosine of scattering"""
 
 
-class Continuation(Table):
+class Continuation(continuation.Continuation):
     """The branch of steady states from the value in this scene to another.
 
     It passes the folds between them.
     """
 
-    parameter: str
-    """key of a number in this scene, "boundary.bottom.gas.temperature" or
-    "bubbling_bed.walls.coefficient"
-    """
-    to: Number
-    """in SI"""
-    back_to: Number | None = None
-    """end of the other side; absent: the value in this scene"""
     points: Annotated[Whole, Field(ge=3, le=10_000)] = 200
     """at most"""
     first_fold: Switch = False

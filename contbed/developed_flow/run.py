@@ -255,10 +255,7 @@ def others(problem: DevelopedProblem, state: Array, result: Result) -> list[Arra
                 f"the branch over the velocity is followed to {end:.4g} m/s, not to "
                 f"{stop:.4g}"
             )
-        values, states = list(branch.parameter), list(branch.states)
-        for place, value, turn in reversed(branch.folds):
-            values.insert(place, value)
-            states.insert(place, turn)
+        values, states, _ = zip(*branch.points(), strict=True)
         ahead = np.array(values) - velocity
         for k in np.flatnonzero(ahead[:-1] * ahead[1:] < 0):
             share = ahead[k] / (ahead[k] - ahead[k + 1])

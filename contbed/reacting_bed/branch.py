@@ -17,7 +17,6 @@ from contbed.reacting_bed import cells, solve
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.results import ends, values_at
 from contbed.result import Result
-from contbed.scene import schema
 from contbed.scene.toml_lines import parse_key
 from contbed.scene.values import value_at, with_value
 from contbed.solvers.branch import Branch, Way, trace
@@ -73,17 +72,21 @@ def follow(problem: Problem, u: Array, result: Result) -> None:
     if problem.scene.mesh.cells is None:
         problem, u = _refined(family, branch, problem, u)
         family, branch = _traced(problem, u)
-    if not branch.complete:
-        result.warnings.append(
-            f"the branch ends at {table.parameter} = {branch.parameter[-1]:.6g} after "
-            f"{len(branch.parameter)} points; raise continuation.points"
-        )
-    result.qoi |= {f"fold_{k}": p for k, (_, p, _) in enumerate(branch.folds, 1)}
-    result.tables["continuation"] = columns(family, branch)
+    branch.report(table.parameter, result)
+    header = table.header(problem.scene)
+    result.tables["continuation"] = branch.columns(
+        header, lambda p, x: _leaving(family.at(p), x)
+    )
     if table.at is not None:
         states = states_at(family, branch, table.at)
         result.qoi["steady_states_found"] = len(states)
-        result.tables["states"] = _table([_row(family, table.at, x) for x in states])
+        at = family.at(table.at)
+        rows = [{header: table.at} | _leaving(at, x) for x in states]
+        result.tables["states"] = (
+            {name: np.array([row[name] for row in rows]) for name in rows[0]}
+            if rows
+            else {}
+        )
 
 
 def _traced(problem: Problem, u: Array) -> tuple[Family, Branch]:
@@ -96,7 +99,7 @@ def _traced(problem: Problem, u: Array) -> tuple[Family, Branch]:
     branch = trace(
         family.assemble,
         u.ravel(),
-        Way(start, table.to, table.points, table.back_to),
+        Way(start, table.to, table.points),
         Policy(1),
         weights=weights,
         size=1.0,
@@ -127,12 +130,9 @@ def _refined(
 def states_at(family: Family, branch: Branch, value: float) -> list[Array]:
     """Return all states of a branch at a value, each where the branch crosses it."""
     found: list[Array] = []
-    points = list(zip(branch.parameter, branch.states, strict=True))
-    for index, p, x in reversed(branch.folds):
-        points.insert(index, (p, x))
     problem = family.at(value)
     shape = (len(problem.names), problem.line.cells, problem.line.degree + 1)
-    for (a, x), (b, y) in itertools.pairwise(points):
+    for (a, x, _), (b, y, _) in itertools.pairwise(branch.points()):
         if (a - value) * (b - value) > 0 or a == b:
             continue
         guess = x + (value - a) / (b - a) * (y - x)
@@ -146,14 +146,12 @@ def states_at(family: Family, branch: Branch, value: float) -> list[Array]:
     return found
 
 
-def _row(family: Family, p: float, x: Array) -> dict[str, float]:
-    """Return the value and what leaves at a point of a branch."""
-    problem = family.at(p)
+def _leaving(problem: Problem, x: Array) -> dict[str, float]:
+    """Return what leaves at a point of a branch."""
     u = x.reshape(len(problem.names), problem.line.cells, -1)
-    unit = schema.unit(schema.of(type(problem.scene)), parse_key(family.key)) or "1"
     end = ends(problem)[0]
     state = values_at(problem, u, problem.line.vertices[[0, -1]])
-    row = {f"{family.key} [{unit}]": p}
+    row = {}
     for name, value in (
         ("T_fluid_out_K", state.T_fluid),
         ("T_solid_out_K", state.T_solid),
@@ -164,32 +162,3 @@ def _row(family: Family, p: float, x: Array) -> dict[str, float]:
     return row | {
         f"x_{name}_out [1]": float(value[end]) for name, value in state.x.items()
     }
-
-
-def columns(family: Family, branch: Branch) -> dict[str, Any]:
-    """Return the value, folds passed and what leaves along a branch, folds included
-    as points.
-    """
-    points = list(zip(branch.parameter, branch.states, strict=True))
-    turns = [index + k for k, (index, _, _) in enumerate(branch.folds)]
-    for place, (_, p, x) in zip(turns, branch.folds, strict=True):
-        points.insert(place, (p, x))
-    rows = []
-    for k, (p, x) in enumerate(points):
-        found = _row(family, p, x)
-        key = next(iter(found))
-        row = {
-            "point [1]": float(k),
-            key: found.pop(key),
-            "turns [1]": float(sum(turn < k for turn in turns)),
-        }
-        rows.append(row | found)
-    return _table(rows)
-
-
-def _table(rows: list[dict[str, float]]) -> dict[str, Any]:
-    return (
-        {header: np.array([row[header] for row in rows]) for header in rows[0]}
-        if rows
-        else {}
-    )

@@ -49,6 +49,7 @@ from contbed.reacting_bed.substances import (
     mechanism_of,
 )
 from contbed.scene.checking import Check, Mistakes, See
+from contbed.scene.continuation import parameter_varies
 from contbed.scene.mesh import MeshLine
 from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
@@ -58,7 +59,6 @@ from contbed.scene.units import (
     factor_and_offset,
     number_and_unit,
 )
-from contbed.scene.values import value_at
 
 LARGEST_CAPACITY = 4000.0  # of a solid [J/kg/K]; lithium has 3600, wood 2500
 
@@ -330,7 +330,7 @@ def positions_are_inside(mesh: MeshLine, output: Any, see: See) -> Mistakes:
 
 
 def the_parameter_is_a_number(
-    continuation: s.Continuation | None,
+    continuation: s.Continuation,
     gas: s.Mixture,
     closures: s.Closures,
     reactions: Reactions,
@@ -339,38 +339,18 @@ def the_parameter_is_a_number(
     """Check that the parameter of the continuation is a number of the scene that may
     vary.
     """
-    if continuation is None:
-        return
     tables = {
         "gas": gas,
         "closures": closures,
         "reactions": reactions,
         "boundary": boundary,
     }
-    found = value_at(tables, continuation.parameter)
-    if not isinstance(found, float) or continuation.parameter.startswith("gas.species"):
-        yield (
-            ("continuation", "parameter"),
-            "no number of this scene can be varied under this key; allowed: keys such "
-            "as reactions.NAME.factor, "
-            "boundary.left.gas.mass_flux, boundary.left.gas.temperature, "
-            "boundary.wall.ambient",
-        )
-    elif found == continuation.to:
-        yield (
-            ("continuation", "to"),
-            "is already the value in the scene; give another value to follow the "
-            "solution to",
-        )
-    elif (
-        continuation.back_to is not None
-        and (continuation.back_to - found) * (continuation.to - found) > 0
-    ):
-        yield (
-            ("continuation", "back_to"),
-            f"must lie on the other side of the scene's value, {found:g}, "
-            "than continuation.to",
-        )
+    fixed = continuation.parameter.startswith("gas.species")
+    examples = (
+        "reactions.NAME.factor, boundary.left.gas.mass_flux, "
+        "boundary.left.gas.temperature, boundary.wall.ambient"
+    )
+    yield from parameter_varies(continuation, tables, fixed, examples)
 
 
 def phases_that_start_apart_have_own_temperatures(

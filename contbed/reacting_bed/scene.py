@@ -28,6 +28,7 @@ from contbed.reacting_bed.boundary_scene import SolidCondition as SolidCondition
 from contbed.reacting_bed.solids_scene import Adsorption as Adsorption
 from contbed.reacting_bed.solids_scene import Inside as Inside
 from contbed.reacting_bed.solids_scene import Solid as Solid
+from contbed.scene import continuation
 from contbed.scene.humid_air import HumidAir
 from contbed.scene.mesh import MeshLine
 from contbed.scene.quantities import (
@@ -244,23 +245,13 @@ class Initial(Table):
         return {key: T for key, T in given.items() if T is not None}
 
 
-class Continuation(Table):
+class Continuation(continuation.Continuation):
     """The branch of steady states from the value in this scene to another, through
     the folds between them.
     """
 
-    parameter: str
-    """key of a number in this scene, "reactions.NAME.factor" or
-    "boundary.left.gas.mass_flux"
-    """
-    to: Number
-    """in SI"""
-    back_to: Number | None = None
-    """end of the other side; absent: the value in this scene"""
     at: Number | None = None
     """value at which all steady states of the branch are listed"""
-    points: Annotated[Whole, Field(ge=3, le=10_000)] = 400
-    """at most"""
 
 
 class Time(RunInTime):

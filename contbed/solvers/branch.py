@@ -51,6 +51,39 @@ class Branch:
     folds: list[tuple[int, float, Array]] = field(default_factory=list)
     complete: bool = False
 
+    def points(self) -> list[tuple[float, Array, int]]:
+        """Return the parameter, the state and the number of folds passed of each
+        point, folds included.
+        """
+        points = list(zip(self.parameter, self.states, strict=True))
+        turns = [index + k for k, (index, _, _) in enumerate(self.folds)]
+        for place, (_, p, x) in zip(turns, self.folds, strict=True):
+            points.insert(place, (p, x))
+        return [
+            (p, x, sum(turn < k for turn in turns)) for k, (p, x) in enumerate(points)
+        ]
+
+    def columns(
+        self, header: str, row: Callable[[float, Array], dict[str, float]]
+    ) -> dict[str, Array]:
+        """Return the number, the parameter, the folds passed and the values of `row`
+        of each point, by header.
+        """
+        rows = [
+            {"point [1]": float(k), header: p, "turns [1]": float(turns)} | row(p, x)
+            for k, (p, x, turns) in enumerate(self.points())
+        ]
+        return {name: np.array([each[name] for each in rows]) for name in rows[0]}
+
+    def report(self, parameter: str, result: Any) -> None:
+        """Add the folds to a result, and a warning where the branch ends too early."""
+        if not self.complete:
+            result.warnings.append(
+                f"the branch ends at {parameter} = {self.parameter[-1]:.6g} after "
+                f"{len(self.parameter)} points; raise continuation.points"
+            )
+        result.qoi |= {f"fold_{k}": p for k, (_, p, _) in enumerate(self.folds, 1)}
+
 
 @dataclass
 class _Point:
