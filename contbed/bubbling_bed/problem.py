@@ -23,7 +23,7 @@ from contbed.fem.ad.graph import Graph, NotRecordableError
 from contbed.radiation.equations.p1 import emitted
 from contbed.solvers.continuation import PseudoSteps, relax, unwatched
 from contbed.solvers.linear import Solver, scaled
-from contbed.solvers.newton import newton
+from contbed.solvers.newton import Options, newton
 
 Array = Any
 # order of quadrature beyond the product of two basis functions, for powers of T and
@@ -346,15 +346,9 @@ class BubblingProblem:
         return x
 
     def _newton(self, x: Array) -> tuple[Array, list[float]]:
-        options = self.plan.scene.solver
         _, matrix = self.steady(x, True)
-        return newton(
-            self.steady,
-            x,
-            self.fixed,
-            self.plan.policy,
-            tolerance=options.newton_tolerance,
-            iterations=options.newton_iterations,
+        options = Options.of(
+            self.plan.scene,
             lower=self.lower,
             floor=_rounding(matrix, x),
             # conduction over thin cells rounds one balance by more than another whole
@@ -363,6 +357,7 @@ class BubblingProblem:
             weights=self.weights,
             what="bubbling bed",
         )
+        return newton(self.steady, x, self.fixed, self.plan.policy, options)
 
     def _state(self, x: Array) -> Array:
         """Return the fields for temperatures at all nodes."""
@@ -504,9 +499,9 @@ class BubblingProblem:
             )
             out[name] = (brought, ends[1] - ends[0])
         if self.chemistry is not None:
-            from contbed.bubbling_bed.chemistry import results as chemistry_findings
+            from contbed.bubbling_bed.chemistry.streams import carried
 
-            out |= chemistry_findings.carried(self, self.chemistry, state)
+            out |= carried(self, self.chemistry, state)
         return out if self.above is None else out | self.above.carried(self, state)
 
 

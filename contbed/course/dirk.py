@@ -32,7 +32,7 @@ from contbed.solvers.banded import Ordering
 from contbed.solvers.condensed import Modes
 from contbed.solvers.continuation import Problem
 from contbed.solvers.linear import Policy, Solver, constrain
-from contbed.solvers.newton import newton
+from contbed.solvers.newton import Options, newton
 
 GAMMA = 2.0 - 2.0**0.5
 D = GAMMA / 2.0
@@ -47,8 +47,8 @@ SHORTEST = 2.0**-64
 MAX_FACTORISATIONS = 3  # kept at a time
 
 
-class BoundaryProblem(Problem, Protocol):
-    """A problem whose boundary values may change with time."""
+class TransientProblem(Problem, Protocol):
+    """What the stages of a step solve; boundary values may change with time."""
 
     fixed_values: Any
 
@@ -58,20 +58,6 @@ class BoundaryProblem(Problem, Protocol):
 
     def set_time(self, time: float) -> None:
         """Put the boundary values of a time [s] in place."""
-
-
-class LinearProblem(BoundaryProblem, Protocol):
-    """A linear problem whose boundary values are linear in weights."""
-
-    def interpolation_weights(self, time: float) -> Any:
-        """Return the weights of the boundary values at a time [s] (n,); 0 at the start."""
-
-    def apply_boundary_values(self, weights: Any) -> None:
-        """Put the boundary values of weights in place."""
-
-
-class TransientProblem(BoundaryProblem, Protocol):
-    """What the stages of a step solve."""
 
     @property
     def nodal_modes(self) -> Modes | None:
@@ -168,7 +154,7 @@ def ladder(first: float, constant: float | None = None) -> Control:
 def stages_of(
     problem: TransientProblem,
     policy: Policy,
-    options: dict[str, Any],
+    options: Options,
     origin: Any = 0.0,
     start: float = 0.0,
 ) -> Any:
@@ -180,9 +166,8 @@ def stages_of(
     """
     if not problem.linear:
         return _Stages(problem, policy, options)
-    linear: Any = problem
-    affine = _Affine(linear, origin, start)
-    mass, stiffness, modes = affine.mass, affine.stiffness, problem.nodal_modes
+    affine, modes = _Affine(problem, origin, start), problem.nodal_modes
+    mass, stiffness = affine.mass, affine.stiffness
     # matrices of another engine solve by themselves
     if not sp.issparse(stiffness):
         return _Stages(affine, policy, options)
@@ -198,12 +183,13 @@ class _Affine:
     """A linear problem as two matrices and vectors: a residual costs a product instead
     of an assembly.
 
-    The vector of the residual is linear in the weights of the boundary values.
+    The vector of the residual is linear in the weights of the boundary values, which
+    the problem puts in place.
     """
 
     linear, nodal_modes = True, None
 
-    def __init__(self, problem: LinearProblem, origin: Any, start: float):
+    def __init__(self, problem: Any, origin: Any, start: float):
         self.fixed, self.weights, self.origin = problem.fixed, problem.weights, origin
         self.time_dependent = problem.time_dependent
         self._others: list[tuple[Any, Any]] = []
@@ -216,25 +202,10 @@ class _Affine:
                     (problem.steady(origin, False)[0], np.array(problem.fixed_values))
                 )
             problem.apply_boundary_values(np.zeros(len(every)))
-        self._steady = problem.steady(origin, True)
-        self._first = self._steady[0], np.array(problem.fixed_values)
-        self._content = problem.content(origin, True)
+        self.vector, self.stiffness = problem.steady(origin, True)
+        self._first = self.vector, np.array(problem.fixed_values)
+        self._content, self.mass = problem.content(origin, True)
         self.fixed_values = self._first[1]
-
-    @property
-    def mass(self) -> Any:
-        """Jacobian of the content."""
-        return self._content[1]
-
-    @property
-    def stiffness(self) -> Any:
-        """Jacobian of the steady residual."""
-        return self._steady[1]
-
-    @property
-    def vector(self) -> Any:
-        """Steady residual of the uniform state."""
-        return self._steady[0]
 
     def set_time(self, time: float) -> None:
         if self.time_dependent:
@@ -244,130 +215,69 @@ class _Affine:
             ):
                 vector = vector + share * (other - self._first[0])
                 self.fixed_values = self.fixed_values + share * (fixed - self._first[1])
-            self._steady = vector, self._steady[1]
+            self.vector = vector
 
     def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
-        vector, matrix = self._content
-        return vector + matrix @ (state - self.origin), matrix
+        return self._content + self.mass @ (state - self.origin), self.mass
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
-        vector, matrix = self._steady
-        return vector + matrix @ (state - self.origin), matrix
-
-
-class _LineStages:
-    """The two stages of a step of a linear problem on a line, with factors for each
-    size of step.
-
-    All vectors are in the order of the matrices and count from the origin of `_Affine`.
-    """
-
-    def __init__(self, problem: _Affine, ordering: Ordering, mass: Any, stiffness: Any):
-        self.problem, self.order, self.back = problem, ordering.order, ordering.back
-        self.mass, self.stiffness = mass, stiffness
-        self.fixed = np.sort(ordering.back[problem.fixed])
-        self.solvers: dict[float, Callable[[Any], Any]] = {}
-        self.last: tuple[Any, Any, Any, Any] | None = None
-
-    def _vector(self, time: float) -> Any:
-        """Put the boundary values of a time [s] in place; return the steady residual of
-        the origin.
-        """
-        self.problem.set_time(time)
-        return self.problem.vector[self.order]
-
-    def _prescribed(self, values: Any) -> Any:
-        """Return values with the prescribed ones of the last `_vector` in place."""
-        problem = self.problem
-        if problem.time_dependent:
-            values = values.copy()
-            change = problem.fixed_values - problem.origin[problem.fixed]
-            values[self.back[problem.fixed]] = change
-        return values
-
-    def take(self, state: Any, start: float, end: float, dt: float) -> Step:
-        if self.last is None or self.last[0] is not state:
-            vector = self._vector(start)
-            begin = (state - self.problem.origin)[self.order]
-            self.last = state, begin, self.mass @ begin, self.stiffness @ begin + vector
-        _, begin, content, steady = self.last
-        solve = self._solver(dt)
-
-        def stage(guess: Any, rhs: Any, time: float) -> tuple[Any, Any, Any]:
-            vector = self._vector(time)
-            guess = self._prescribed(guess)
-            residual = (
-                rhs - self.mass @ guess - (D * dt) * (self.stiffness @ guess + vector)
-            )
-            residual[self.fixed] = 0.0
-            state = self.problem.origin + (guess + solve(residual))[self.back]
-            # as a restart from this state finds it, to the last bit
-            found = (state - self.problem.origin)[self.order]
-            return state, found, self.stiffness @ found + vector
-
-        state_first, first, steady_first = stage(
-            begin, content - (D * dt) * steady, start + GAMMA * dt
-        )
-        state_last, last, steady_last = stage(
-            first, content - (W * dt) * (steady + steady_first), end
-        )
-        defect = (
-            (-dt * _ERROR[0]) * steady
-            - (dt * _ERROR[1]) * steady_first
-            - (dt * _ERROR[2]) * steady_last
-        )
-        defect[self.fixed] = 0.0
-        error = solve(defect)
-        content_last = self.mass @ last
-        if np.isfinite(error).all():
-            self.last = state_last, last, content_last, steady_last
-        back = self.back
-        rates = steady[back], steady_first[back], steady_last[back]
-        states, gain = (state, state_first, state_last), content_last - content
-        return Step(start, dt, states, rates, gain[back], error[back])
-
-    def _solver(self, dt: float) -> Callable[[Any], Any]:
-        if dt not in self.solvers:
-            self.solvers[dt] = self.mass.plus(self.stiffness, D * dt).solver(self.fixed)
-        return self.solvers[dt]
+        return self.vector + self.stiffness @ (state - self.origin), self.stiffness
 
 
 class _Stages:
     """The two stages of a step, with factorisations kept for each size of step."""
 
-    def __init__(
-        self, problem: TransientProblem, policy: Policy, options: dict[str, Any]
-    ):
+    def __init__(self, problem: TransientProblem, policy: Policy, options: Options):
         self.problem, self.policy, self.options = problem, policy, options
-        self.solvers: dict[float, Solver] = {}
-        self.last: tuple[Any, Any, Any] | None = None
+        self.fixed = problem.fixed
+        self.solvers: dict[float, Callable[[Any], Any]] = {}
+        self.last: tuple[Any, Any, Any, Any] | None = None
 
     def take(self, state: Any, start: float, end: float, dt: float) -> Step:
-        problem, fixed = self.problem, self.problem.fixed
         if self.last is None or self.last[0] is not state:
-            problem.set_time(start)
-            self.last = (
-                state,
-                problem.content(state, False)[0],
-                problem.steady(state, False)[0],
-            )
-        _, content, steady = self.last
-        problem.set_time(start + GAMMA * dt)
-        first = self._solve(state, content - D * dt * steady, dt)
-        steady_first = problem.steady(first, False)[0]
-        problem.set_time(end)
-        last = self._solve(first, content - W * dt * (steady + steady_first), dt)
-        steady_last = problem.steady(last, False)[0]
+            self._set_time(start)
+            x = self._inward(state)
+            self.last = state, x, self._content(x), self._steady(x)
+        _, x, content, steady = self.last
+        self._set_time(start + GAMMA * dt)
+        state_first, first = self._solve(x, content - D * dt * steady, dt)
+        steady_first = self._steady(first)
+        self._set_time(end)
+        rhs = content - W * dt * (steady + steady_first)
+        state_last, last = self._solve(first, rhs, dt)
+        steady_last = self._steady(last)
         defect = -dt * (
             _ERROR[0] * steady + _ERROR[1] * steady_first + _ERROR[2] * steady_last
         )
-        defect[fixed] = 0.0
+        defect[self.fixed] = 0.0
         error = self._solver(last, dt)(defect)
-        content_last = problem.content(last, False)[0]
+        content_last = self._content(last)
         if np.isfinite(error).all():
-            self.last = (last, content_last, steady_last)
-        states, rates = (state, first, last), (steady, steady_first, steady_last)
-        return Step(start, dt, states, rates, content_last - content, error)
+            self.last = state_last, last, content_last, steady_last
+        out = self._outward
+        return Step(
+            start,
+            dt,
+            (state, state_first, state_last),
+            (out(steady), out(steady_first), out(steady_last)),
+            out(content_last - content),
+            out(error),
+        )
+
+    def _inward(self, state: Any) -> Any:
+        return state
+
+    def _outward(self, vector: Any) -> Any:
+        return vector
+
+    def _set_time(self, time: float) -> None:
+        self.problem.set_time(time)
+
+    def _content(self, x: Any) -> Any:
+        return self.problem.content(x, False)[0]
+
+    def _steady(self, x: Any) -> Any:
+        return self.problem.steady(x, False)[0]
 
     def _system(self, dt: float) -> Callable[[Any, bool], tuple[Any, Any]]:
         def assemble(state: Any, jacobian: bool) -> tuple[Any, Any]:
@@ -380,42 +290,80 @@ class _Stages:
 
         return assemble
 
-    def _solver(self, state: Any, dt: float) -> Solver:
-        if not self.problem.linear:
-            matrix = self._system(dt)(state, True)[1]
-            return Solver(constrain(matrix, self.problem.fixed), self.policy)
-        if dt not in self.solvers:
-            mass, stiffness = (
-                self.problem.content(state, True)[1],
-                self.problem.steady(state, True)[1],
-            )
+    def _solver(self, x: Any, dt: float) -> Callable[[Any], Any]:
+        if self.problem.linear and dt in self.solvers:
+            return self.solvers[dt]
+        matrix = self._system(dt)(x, True)[1]
+        solver = Solver(constrain(matrix, self.fixed), self.policy)
+        if self.problem.linear:
             while len(self.solvers) >= MAX_FACTORISATIONS:
                 self.solvers.pop(next(iter(self.solvers)))
-            self.solvers[dt] = Solver(
-                constrain(mass + D * dt * stiffness, self.problem.fixed), self.policy
-            )
-        return self.solvers[dt]
+            self.solvers[dt] = solver
+        return solver
 
-    def _solve(self, guess: Any, rhs: Any, dt: float) -> Any:
-        assemble = self._system(dt)
+    def _solve(self, guess: Any, rhs: Any, dt: float) -> tuple[Any, Any]:
+        """Return the state of a stage, and its unknowns as the matrices have them."""
+        assemble, fixed = self._system(dt), self.fixed
         if self.problem.time_dependent:
             guess = guess.copy()
-            guess[self.problem.fixed] = self.problem.fixed_values
+            guess[fixed] = self.problem.fixed_values
         if self.problem.linear:
             residual = rhs - assemble(guess, False)[0]
-            residual[self.problem.fixed] = 0.0
-            return guess + self._solver(guess, dt)(residual)
+            residual[fixed] = 0.0
+            found = guess + self._solver(guess, dt)(residual)
+            return found, found
 
         def shifted(state: Any, jacobian: bool) -> tuple[Any, Any]:
             residual, matrix = assemble(state, jacobian)
             return residual - rhs, matrix
 
-        state, _ = newton(
-            shifted,
-            guess,
-            self.problem.fixed,
-            self.policy,
-            what="time step",
-            **self.options,
-        )
-        return state
+        found, _ = newton(shifted, guess, fixed, self.policy, self.options)
+        return found, found
+
+
+class _LineStages(_Stages):
+    """The two stages of a step of a linear problem on a line.
+
+    All vectors are in the order of the matrices and count from the origin of `_Affine`.
+    """
+
+    def __init__(self, problem: _Affine, ordering: Ordering, mass: Any, stiffness: Any):
+        super().__init__(problem, Policy(1), Options())
+        self.affine, self.order, self.back = problem, ordering.order, ordering.back
+        self.mass, self.stiffness = mass, stiffness
+        self.prescribed = ordering.back[problem.fixed]
+        self.fixed = np.sort(self.prescribed)
+
+    def _inward(self, state: Any) -> Any:
+        return (state - self.affine.origin)[self.order]
+
+    def _outward(self, vector: Any) -> Any:
+        return vector[self.back]
+
+    def _set_time(self, time: float) -> None:
+        self.affine.set_time(time)
+        self.vector = self.affine.vector[self.order]
+
+    def _content(self, x: Any) -> Any:
+        return self.mass @ x
+
+    def _steady(self, x: Any) -> Any:
+        return self.stiffness @ x + self.vector
+
+    def _solver(self, x: Any, dt: float) -> Callable[[Any], Any]:
+        if dt not in self.solvers:
+            self.solvers[dt] = self.mass.plus(self.stiffness, D * dt).solver(self.fixed)
+        return self.solvers[dt]
+
+    def _solve(self, guess: Any, rhs: Any, dt: float) -> tuple[Any, Any]:
+        affine = self.affine
+        if affine.time_dependent:
+            guess = guess.copy()
+            change = affine.fixed_values - affine.origin[affine.fixed]
+            guess[self.prescribed] = change
+        residual = rhs - self.mass @ guess - (D * dt) * self._steady(guess)
+        residual[self.fixed] = 0.0
+        found = (guess + self._solver(guess, dt)(residual))[self.back]
+        state = affine.origin + found
+        # as a restart from this state finds it, to the last bit
+        return state, self._inward(state)

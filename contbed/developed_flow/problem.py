@@ -16,7 +16,7 @@ from contbed.developed_flow.plan import DevelopedPlan
 from contbed.errors import ConvergenceError
 from contbed.fem import system as make_system
 from contbed.solvers.continuation import PseudoSteps, relax, unwatched
-from contbed.solvers.newton import newton
+from contbed.solvers.newton import Options, newton
 
 Array = Any
 # order of quadrature beyond the product of two basis functions
@@ -195,16 +195,11 @@ class DevelopedProblem:
 
     def solve_from(self, x: Array) -> tuple[Array, list[float]]:
         """Solve by Newton's method from a state close to the solution."""
-        options = self.plan.scene.solver
-        return newton(
-            self.steady,
-            x,
-            self.fixed,
-            self.plan.policy,
-            tolerance=options.newton_tolerance,
-            iterations=options.newton_iterations,
-            linear=not self.particles and "eddy_viscosity" not in self.c.closures,
+        options = Options.of(
+            self.plan.scene,
             lower=self.lower,
             weights=self.weights,
             what="developed flow",
         )
+        linear = not self.particles and "eddy_viscosity" not in self.c.closures
+        return newton(self.steady, x, self.fixed, self.plan.policy, options, linear)

@@ -17,7 +17,7 @@ from contbed.fem.tensor_error import TensorGrid
 from contbed.mesh.mesh import Mesh
 from contbed.packed_bed.equations import porous_flow
 from contbed.solvers.linear import Policy
-from contbed.solvers.newton import newton
+from contbed.solvers.newton import Options, newton
 
 AT_REST = 1.0  # velocity scale [m/s] where nothing moves; any rounds the drag
 PARALLEL = 1e-9  # a wall counts as parallel to a direction below this sine
@@ -136,9 +136,7 @@ def solve_flow(
     inlet: Any,
     conditions: dict[str, str],
     policy: Policy,
-    *,
-    tolerance: float,
-    iterations: int,
+    options: Options,
     before: Flow | None = None,
     local: LocalProperties | None = None,
 ) -> Flow:
@@ -162,9 +160,7 @@ def solve_flow(
         equations.with_given(state),
         equations.fixed,
         system.ordered(policy),
-        tolerance=tolerance,
-        iterations=iterations,
-        what="flow",
+        options,
     )
     return Flow(system, state, history, c.porosity, local)
 

@@ -26,7 +26,7 @@ from contbed.packed_bed.schedule import ScheduleInterval, initial_range, initial
 from contbed.scene.mesh import SIDE, MeshLine
 from contbed.solvers.condensed import Modes
 from contbed.solvers.linear import Policy, Solver, constrain
-from contbed.solvers.newton import newton
+from contbed.solvers.newton import Options, newton
 
 INSIDE = ""  # in place of the name of a boundary: heat that enters the bed through none
 PHASES = ("fluid", "solid")
@@ -376,26 +376,22 @@ class HeatProblem:
         continuation in time where Newton fails.
         """
         policy = self.system.ordered(policy)
-        options: dict[str, Any] = {
-            "tolerance": self.scene.solver.newton_tolerance,
-            "iterations": self.scene.solver.newton_iterations,
-            "lower": self.lower,
-            "weights": self.weights,
-            "what": "heat",
-        }
+        options = self.options("heat")
         if start is None:
             start = self.initial() if self.linear else self._frozen(policy)
         try:
-            return newton(
-                self.steady, start, self.fixed, policy, linear=self.linear, **options
-            )
+            return newton(self.steady, start, self.fixed, policy, options, self.linear)
         except ConvergenceError:
             if self.linear:
                 raise
         from contbed.solvers.continuation import relax
 
         start = relax(self, self.initial(), policy, self.lower)
-        return newton(self.steady, start, self.fixed, policy, **options)
+        return newton(self.steady, start, self.fixed, policy, options)
+
+    def options(self, what: str) -> Options:
+        """Return the options of Newton's method."""
+        return Options.of(self.scene, lower=self.lower, weights=self.weights, what=what)
 
     def _frozen(self, policy: Policy) -> Any:
         """Solve with all properties at the mean prescribed temperature, as a start

@@ -18,6 +18,7 @@ from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.schedule import ScheduleInterval
 from contbed.result import Result, outside
 from contbed.scene.boundary import conditions_of
+from contbed.solvers.newton import Options
 
 OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is given
 
@@ -67,7 +68,7 @@ def solved_flow(plan: Plan, before: Any, result: Result, local: Any = None) -> A
     """
     from contbed.packed_bed.flow import coefficients, solve_flow
 
-    scene, options = plan.scene, plan.scene.solver
+    scene = plan.scene
     c = coefficients(scene, plan.medium, plan.velocity, plan.velocity_solid)
     flow = solve_flow(
         plan.mesh,
@@ -75,10 +76,9 @@ def solved_flow(plan: Plan, before: Any, result: Result, local: Any = None) -> A
         plan.velocity,
         plan.conditions,
         plan.policy,
-        tolerance=options.newton_tolerance,
-        iterations=options.newton_iterations,
-        before=before,
-        local=local,
+        Options.of(scene, what="flow"),
+        before,
+        local,
     )
     result.history += flow.history
     return flow

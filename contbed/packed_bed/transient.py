@@ -154,18 +154,13 @@ class HeatSteps(DirkSteps[HeatHistory]):
 
     def _stage(self) -> None:
         """Prepare the stages of the present problem."""
-        problem, solver = self.problem, self.plan.scene.solver
+        problem = self.problem
         # temperatures count from it, intraparticle modes from 0
         uniform = np.zeros(problem.system.size)
         uniform[problem.heats] = problem.T_span[0]
-        options = {
-            "tolerance": solver.newton_tolerance,
-            "iterations": solver.newton_iterations,
-            "lower": problem.lower,
-            "weights": problem.weights,
-        }
         policy = problem.system.ordered(self.plan.policy)
         start = 0.0 if problem.interval is None else problem.interval.start
+        options = problem.options("time step")
         self.stages = stages_of(problem, policy, options, uniform, start)
 
     def _with_flow(self, history: HeatHistory, begins: bool = False) -> HeatHistory:

@@ -27,7 +27,7 @@ from contbed.radiation.optics import optics
 from contbed.radiation.problem import power_temperature, span, surface_of
 from contbed.radiation.scene import Radiating
 from contbed.solvers.linear import Policy, Solver, constrain
-from contbed.solvers.newton import newton
+from contbed.solvers.newton import Options, newton
 
 
 class OrdinatesProblem:
@@ -150,17 +150,8 @@ class OrdinatesProblem:
         state = np.full(len(self.bed.points), (0.5 * (low**4 + high**4)) ** 0.25)
         for end, T in self.fixed_values.items():
             state[end] = T
-        options = self.scene.solver
-        state, history = newton(
-            self.assemble,
-            state,
-            self.fixed,
-            policy,
-            tolerance=options.newton_tolerance,
-            iterations=options.newton_iterations,
-            lower=0.0,
-            what="radiation",
-        )
+        options = Options.of(self.scene, lower=0.0, what="radiation")
+        state, history = newton(self.assemble, state, self.fixed, policy, options)
         # one step with the matrix of the solution itself closes the balance to
         # round-off
         residual, matrix = self.assemble(state, True)

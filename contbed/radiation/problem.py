@@ -17,7 +17,7 @@ from contbed.radiation.equations import p1 as radiation
 from contbed.radiation.optics import Optics, optics
 from contbed.radiation.scene import Radiating
 from contbed.solvers.linear import Policy, Solver, constrain
-from contbed.solvers.newton import newton
+from contbed.solvers.newton import Options, newton
 
 REFINEMENTS = 3  # of a linear solution
 # optical thickness from which the diffusion limit is closer to the solution than one
@@ -292,19 +292,11 @@ class RadiationProblem:
         thickness = self.optics.extinction * np.ptp(self.mesh.skfem.p, axis=1).max()
         if "G" in self.system.fields and len(self.fixed) and thickness > THICK:
             state = self._diffusion_limit(state, policy)
-        options, lower = self.scene.solver, np.zeros(self.system.size)
+        lower = np.zeros(self.system.size)
         if "G" in self.system.fields:  # linear: may undershoot where cells are too few
             self.system.part(lower, "G")[:] = -np.inf
-        return newton(
-            self.assemble,
-            state,
-            self.fixed,
-            policy,
-            lower=lower,
-            tolerance=options.newton_tolerance,
-            iterations=options.newton_iterations,
-            what="radiation",
-        )
+        options = Options.of(self.scene, lower=lower, what="radiation")
+        return newton(self.assemble, state, self.fixed, policy, options)
 
     def start(self) -> Any:
         """Return the state at the mean of the given temperatures."""

@@ -30,6 +30,7 @@ from contbed.scene.property_table import range_of
 from contbed.single_particle.equations import SCALE_HEAT, Material, Sphere, Surface
 from contbed.single_particle.plan import Plan
 from contbed.single_particle.scene import SURFACE, SingleParticleScene
+from contbed.solvers.newton import Options
 
 # [s] first step, at the start and after a jump
 FIRST_STEP = 2.0**-10
@@ -150,12 +151,9 @@ class ParticleSteps(DirkSteps[ParticleHistory]):
 
     def entered(self, history: ParticleHistory, stop: float) -> ParticleHistory:
         """Return the history with the surface after a jump or kink."""
-        solver, problem, time = self.scene.solver, self.problem, history.time
+        problem, time = self.problem, history.time
         problem.surface = surface_of(self.scene, self.series, time)
-        options = {
-            "tolerance": solver.newton_tolerance,
-            "iterations": solver.newton_iterations,
-        }
+        options = Options.of(self.scene, what="time step")
         self.stages = stages_of(problem, self.policy, options)
         if time == 0.0:
             return history

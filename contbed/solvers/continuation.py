@@ -12,7 +12,7 @@ import numpy as np
 
 from contbed.errors import ConvergenceError
 from contbed.solvers.linear import Policy
-from contbed.solvers.newton import newton
+from contbed.solvers.newton import Options, newton
 
 GROWTH = 4.0
 MAX_STEPS = 200
@@ -74,6 +74,13 @@ def relax(
     """
     dt, longest, stale = steps.first, 0.0, 0
     history: list[float] = []
+    options = Options(
+        tolerance,
+        steps.iterations,
+        lower,
+        what="continuation",
+        rough=True,  # the state is only where the next step starts
+    )
     for _ in range(MAX_STEPS):
         before = problem.content(state, False)[0]
 
@@ -92,17 +99,7 @@ def relax(
         try:
             # a step too far may overflow; it is shortened below
             with np.errstate(over="ignore", invalid="ignore"):
-                state, history = newton(
-                    assemble,
-                    state,
-                    problem.fixed,
-                    policy,
-                    tolerance=tolerance,
-                    iterations=steps.iterations,
-                    lower=lower,
-                    rough=True,  # the state is only where the next step starts
-                    what="continuation",
-                )
+                state, history = newton(assemble, state, problem.fixed, policy, options)
         except ConvergenceError as error:
             history = error.history
             dt /= steps.growth**2

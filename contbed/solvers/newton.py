@@ -5,6 +5,7 @@ kept when it fails.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,34 +19,50 @@ MAX_POLISHING_STEPS = 6  # steps at most after convergence
 Assemble = Callable[[Any, bool], tuple[Any, Any]]
 
 
+@dataclass(frozen=True)
+class Options:
+    """How Newton's method ends.
+
+    No step takes an unknown further than `MAX_SHARE_TO_BOUND` of its distance to
+    `lower`. Residuals below `floor` count as rounding where the relative step is below
+    `far_step`; if `floor` is None, it is estimated from the terms that cancel in them.
+    `weights` make the steps of all unknowns comparable. A `rough` solution, where
+    another problem starts, is not improved after convergence.
+    """
+
+    tolerance: float = 1e-10
+    iterations: int = 30
+    lower: Any = -np.inf
+    weights: Any = 1.0
+    what: str = "Newton"
+    floor: float | None = None
+    far_step: float = np.inf
+    rough: bool = False
+
+    @classmethod
+    def of(cls, scene: Any, **others: Any) -> Options:
+        """Return the options of a scene."""
+        solver = scene.solver
+        return cls(solver.newton_tolerance, solver.newton_iterations, **others)
+
+
 def newton(
     assemble: Assemble,
     state: Any,
     fixed: Any,
     policy: Policy,
-    *,
-    tolerance: float = 1e-10,
-    iterations: int = 30,
+    options: Options = Options(),
     linear: bool = False,
-    lower: Any = -np.inf,
-    floor: float | None = None,
-    far_step: float = np.inf,
-    weights: Any = 1.0,
-    rough: bool = False,
-    what: str = "Newton",
 ) -> tuple[Any, list[float]]:
     """Solve `assemble(state, jacobian) -> (residual, matrix)` for the unknowns not in
     `fixed`.
 
     `state` already holds the fixed values. The norm is that of the residual relative to
-    the first one. A step that raises it is halved, and none takes an unknown further
-    than `MAX_SHARE_TO_BOUND` of its distance to `lower`. A linear problem takes one
-    step. Residuals below `floor` count as rounding where the relative step is below
-    `far_step`; if `floor` is None, it is estimated from the terms that cancel in them.
-    `weights` make the steps of all unknowns comparable. A `rough` solution, where
-    another problem starts, is not improved after convergence. Returns the state and the
-    history of norms.
+    the first one. A step that raises it is halved. A linear problem takes one step.
+    Returns the state and the history of norms.
     """
+    tolerance, floor, what = options.tolerance, options.floor, options.what
+    weights, far_step = options.weights, options.far_step
     state = state.copy()
     residual, matrix = assemble(state, True)
     residual[fixed] = 0.0
@@ -60,7 +77,7 @@ def newton(
     history = [1.0]
     solver = None
     goal = 1e-2 * tolerance
-    for _ in range(iterations):
+    for _ in range(options.iterations):
         try:
             solver, step = _direction(
                 solver, constrain(matrix, fixed), -residual, policy, history, goal
@@ -72,7 +89,7 @@ def newton(
         if linear:
             return state + step, history
         damping = 1.0
-        nearest = state - MAX_SHARE_TO_BOUND * (state - lower)
+        nearest = state - MAX_SHARE_TO_BOUND * (state - options.lower)
         while True:
             trial = np.maximum(state + damping * step, nearest)
             # a step too far may leave the range of a property; it is halved below
@@ -100,14 +117,15 @@ def newton(
         small = damping == 1.0 and length <= tolerance
         rounded = norm <= floor and length <= far_step
         if norm <= goal * scale or rounded or small:
-            return state if rough else _polish(
+            return state if options.rough else _polish(
                 assemble, state, residual, fixed, solver
             ), history
         _, matrix = assemble(state, True)
     if norm <= floor and np.isfinite(far_step):
         return state, history
     message = (
-        f"{what}: not converged in {iterations} iterations, residual {history[-1]:.2g}"
+        f"{what}: not converged in {options.iterations} iterations, residual "
+        f"{history[-1]:.2g}"
     )
     raise ConvergenceError(message, history, state)
 

@@ -14,7 +14,7 @@ from contbed.errors import ConvergenceError
 from contbed.loading import from_dict
 from contbed.materials import gas_mixture
 from contbed.solvers.linear import Policy
-from contbed.solvers.newton import newton
+from contbed.solvers.newton import Options, newton
 from studies._exact.manufactured import Manufactured, observed_order
 from tests.balances import assert_closed
 from tests.refusals import refused
@@ -71,8 +71,7 @@ def test_order_of_a_manufactured_solution(degree):
             start,
             np.empty(0, dtype=int),
             Policy(1),
-            tolerance=1e-10,
-            weights=problem.weights,
+            Options(weights=problem.weights),
         )
         errors.append(case.errors(state))
     for name in errors[0].keys() - {"T_distributor"}:

@@ -26,7 +26,7 @@ from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.fem.skfem import System
 from contbed.output.tables import read_table
 from contbed.solvers.linear import Policy
-from contbed.solvers.newton import newton
+from contbed.solvers.newton import Options, newton
 from studies._exact.manufactured import Manufactured, observed_order
 from tests.command_line import command
 
@@ -112,7 +112,7 @@ def test_order_of_a_manufactured_solution(level, degree):
             1.05 * case.interpolant(),
             np.empty(0, dtype=int),
             Policy(1),
-            tolerance=1e-9,
+            Options(1e-9),
         )
         errors.append(case.errors(state))
     for name in errors[0].keys() - {"T_distributor"}:

@@ -7,6 +7,7 @@ import numpy as np
 from contbed.course.dirk import DirkSteps, ladder, stages_of
 from contbed.course.history import History
 from contbed.solvers.linear import Policy
+from contbed.solvers.newton import Options
 
 
 class Bare(DirkSteps[History]):
@@ -28,7 +29,7 @@ class Bare(DirkSteps[History]):
     def entered(self, history: History, stop: float) -> History:
         """The history; states count from zero."""
         zero = np.zeros_like(history.state)
-        self.stages = stages_of(self.problem, self.policy, {}, zero)
+        self.stages = stages_of(self.problem, self.policy, Options(), zero)
         return history
 
     def stops(self) -> list[float]:

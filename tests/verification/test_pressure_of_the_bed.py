@@ -22,6 +22,7 @@ from contbed.packed_bed.flow import LocalProperties, solve_flow
 from contbed.packed_bed.plan import plan
 from contbed.packed_bed.pressure import lifted
 from contbed.solvers.linear import Policy
+from contbed.solvers.newton import Options
 from tests.balances import assert_closed
 from tests.scene_text import set_keys
 
@@ -241,9 +242,7 @@ def channel(cells, conditions, c, inlet, local=None):
         else LocalProperties(space, *(f(x) * np.ones_like(x) for f in local))
     )
     roles = {"left": "inlet", "right": "outlet"} | conditions
-    return solve_flow(
-        mesh, c, inlet, roles, Policy(2), tolerance=1e-12, iterations=30, local=fields
-    )
+    return solve_flow(mesh, c, inlet, roles, Policy(2), Options(1e-12), local=fields)
 
 
 def constants(density, viscosity):

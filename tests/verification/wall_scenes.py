@@ -19,6 +19,7 @@ from contbed.packed_bed.corners import unlike_temperatures
 from contbed.packed_bed.flow import coefficients, solve_flow
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
+from contbed.solvers.newton import Options
 
 # smallest cell of a reference mesh over the extent of the bed, at every side
 FINEST = 1e-5
@@ -138,8 +139,7 @@ def solved(plan: Any) -> tuple[Any, HeatProblem, Any]:
             plan.velocity,
             plan.conditions,
             plan.policy,
-            tolerance=1e-10,
-            iterations=30,
+            Options(),
         )
     motion = Motion(plan.velocity, plan.velocity_solid, flow)
     problem = HeatProblem(plan.solved, plan.mesh, plan.medium, motion, plan.section)
