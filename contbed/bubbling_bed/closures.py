@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from contbed.closures.binding import BoundClosure, bind, named
+from contbed.closures.bubbles import GRAVITY
 from contbed.scene.toml_lines import KeyPath, dotted
 
 Use = tuple[KeyPath, Any, str]
@@ -119,6 +120,26 @@ def gives(path: KeyPath, kind: str, bubbling: bool) -> frozenset[str]:
     if path[:-1] == BUBBLES:
         return _IN_TURN.get(key, _BUBBLES)
     return (_BUBBLES if bubbling else _FLOW) | _MORE.get(kind, frozenset())
+
+
+def gas_state(gas: Any, T: Any) -> dict[str, Any]:
+    """Return what closures may ask for of a gas at a temperature [K]."""
+    mu, k, cp = gas.viscosity(T), gas.conductivity(T), gas.heat_capacity(T)
+    return {
+        "T": T,
+        "rho_gas": gas.density(T),
+        "mu": mu,
+        "cp_gas": cp,
+        "k_gas": k,
+        "k_fluid": k,
+        "Pr": mu * cp / k,
+    }
+
+
+def archimedes(state: Mapping[str, Any], diameter: float, density: float) -> Any:
+    """Return the Archimedes number of particles in a gas."""
+    rho, mu = state["rho_gas"], state["mu"]
+    return diameter**3 * rho * (density - rho) * GRAVITY / mu**2
 
 
 class Coefficient:

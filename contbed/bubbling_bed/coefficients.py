@@ -24,13 +24,14 @@ from contbed.bubbling_bed.closures import (
     EXPANSION,
     MINIMUM_FLUIDIZATION,
     Coefficient,
+    archimedes,
+    gas_state,
     surface_key,
     uses,
 )
 from contbed.bubbling_bed.equations import coefficients as model
 from contbed.bubbling_bed.equations import flow as bubbling_flow
 from contbed.chemistry.char_and_lime import diffusion_in_nitrogen
-from contbed.closures.bubbles import GRAVITY
 from contbed.materials.curve import function_of, integral_of
 from contbed.scene.toml_lines import KeyPath
 
@@ -162,10 +163,6 @@ class Computed:
         """
         T, gases = self.temperature(u), self.mixtures(u)
         gas = gases["emulsion"]
-        rho = gas.density(T)
-        mu = gas.viscosity(T)
-        cp = gas.heat_capacity(T)
-        k = gas.conductivity(T)
         cp_solid = (
             sum(
                 self.share[n] * self.density[n] * self.heat_capacity(n, T)
@@ -173,16 +170,11 @@ class Computed:
             )
             / self.rho_solid
         )
-        state = {
-            "T": T,
+        state = gas_state(gas, T)
+        rho, mu = state["rho_gas"], state["mu"]
+        state |= {
             "p": gas.pressure,
             "molar_mass": gas.molar_mass,
-            "rho_gas": rho,
-            "mu": mu,
-            "cp_gas": cp,
-            "k_gas": k,
-            "k_fluid": k,
-            "Pr": mu * cp / k,
             "eps": self.eps,
             "eps_mf": self.eps,
             "d_p": self.d_p,
@@ -193,7 +185,7 @@ class Computed:
             "k_solid": self._by_surface(
                 {name: k(T) for name, k in self.conductivity.items()}
             ),
-            "Ar": self.d_p**3 * rho * (self.rho_solid - rho) * GRAVITY / mu**2,
+            "Ar": archimedes(state, self.d_p, self.rho_solid),
         }
         found = self._call(MINIMUM_FLUIDIZATION, state)
         given = self.coefficients[MINIMUM_FLUIDIZATION].value is not None
@@ -394,14 +386,15 @@ class Computed:
             state | {"eps": state["eps_bed"]}, self.ranges
         )
 
+    def _uniform(self, T: float) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the state and the gases of a bed of one temperature."""
+        names = (*self.names, "emulsion", "bubble")
+        u = SimpleNamespace(**{f"T_{name}": np.full(1, T) for name in names})
+        return self.state(u, self.flow)
+
     def surface_state(self, T: float) -> dict[str, Any]:
         """Return what closures see at the surface of a bed of one temperature."""
-        u = SimpleNamespace(
-            **{f"T_{name}": np.full(1, T) for name in self.names},
-            T_emulsion=T,
-            T_bubble=T,
-        )
-        state, gases = self.state(u, self.flow)
+        state, gases = self._uniform(T)
         if self.bubbling:
             flows, sizes = self.march(T, np.array([self.scene.bubbling_bed.height]))
             self.bubbles(state, gases["bubble"].density(T), self.flow, flows, sizes)
@@ -411,11 +404,6 @@ class Computed:
         """Flow and size of bubbles over the height in a bed of one temperature:
         where Newton's method starts.
         """
-        u = SimpleNamespace(
-            **{f"T_{name}": np.full(1, T) for name in self.names},
-            T_emulsion=T,
-            T_bubble=T,
-        )
         flow = self.flow
         heights = np.linspace(0.0, float(np.max(z)), STEPS + 1)
         steps, sizes, bubbles = np.diff(heights), [], []
@@ -425,7 +413,7 @@ class Computed:
             else self.coefficients[*BUBBLES, "size"].value
         )
         flow_bubble: Any = 0.5 * flow
-        state, gases = self.state(u, flow)
+        state, gases = self._uniform(T)
         rho_bubble = gases["bubble"].density(T)
         for k in range(STEPS + 1):
             for _ in range(40 if k == 0 else 2):

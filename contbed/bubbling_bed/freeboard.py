@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from contbed.bubbling_bed.closures import FREEBOARD
+from contbed.bubbling_bed.closures import FREEBOARD, archimedes, gas_state
 from contbed.bubbling_bed.equations import freeboard as model
-from contbed.bubbling_bed.equations.coefficients import Local
-from contbed.closures.bubbles import GRAVITY
+from contbed.bubbling_bed.equations.coefficients import Local, Surface
 from contbed.closures.optics import SIGMA
 
 
@@ -39,7 +38,7 @@ class FreeboardProblem:
             for name in names
         )
         surfaces = {
-            name: model.Surface(
+            name: Surface(
                 item.perimeter,
                 item.coefficient,
                 item.temperature,
@@ -90,14 +89,7 @@ class FreeboardProblem:
         gases = self.computed.chemistry.part.gases
         moles = {name: getattr(u, out) for out, name in self._out.items()}
         mass = sum(gases[name].molar_mass * amount for name, amount in moles.items())
-        per_kg = {name: amount / mass for name, amount in moles.items()}
-        return mass, Mixture(
-            self.computed.gas,
-            self.computed.gas.pressure,
-            mass / sum(moles.values()),
-            per_kg,
-            gases,
-        )
+        return mass, Mixture.of(self.computed.gas, moles, gases)
 
     def state(self, u: Any) -> tuple[dict[str, Any], Any, Any]:
         """Return the arguments for closures at the temperature of the gas, its mass
@@ -105,20 +97,9 @@ class FreeboardProblem:
         """
         flow, gas = self.gas(u)
         computed, T = self.computed, u.T_freeboard
-        rho = gas.density(T)
-        mu = gas.viscosity(T)
-        cp = gas.heat_capacity(T)
-        k = gas.conductivity(T)
-        u_gas = flow / (rho * computed.section)
-        state = {
-            "T": T,
-            "rho_gas": rho,
-            "mu": mu,
-            "cp_gas": cp,
-            "k_gas": k,
-            "k_fluid": k,
-            "Pr": mu * cp / k,
-            "u_gas": u_gas,
+        state = gas_state(gas, T)
+        state |= {
+            "u_gas": flow / (state["rho_gas"] * computed.section),
             "eps": 1.0,
             "D_bed": computed.D_bed,
         }
@@ -127,13 +108,7 @@ class FreeboardProblem:
     def _of(self, state: dict[str, Any], name: str, diameter: float) -> dict[str, Any]:
         """Return the state with particles of one solid phase and size."""
         item, rho = self.scene.solids[name], self.computed.density[name]
-        Ar = (
-            diameter**3
-            * state["rho_gas"]
-            * (rho - state["rho_gas"])
-            * GRAVITY
-            / state["mu"] ** 2
-        )
+        Ar = archimedes(state, diameter, rho)
         return state | {
             "d_p": diameter,
             "sphericity": item.sphericity,
@@ -208,9 +183,7 @@ class FreeboardProblem:
         out: dict[str, Any] = {}
         if self._reacts:
             part = self.computed.chemistry.part
-            mean = sum(
-                part.gases[name].molar_mass * x for name, x in part.inlet.items()
-            )
+            mean = part.inlet_molar_mass
             out |= {
                 key: np.array([flow * part.inlet.get(name, 0.0) / mean])
                 for key, name in self._out.items()

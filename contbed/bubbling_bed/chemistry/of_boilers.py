@@ -16,6 +16,7 @@ from typing import Any
 
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.chemistry.problem import Chemistry
+from contbed.bubbling_bed.chemistry.streams import Streams
 from contbed.chemistry.thermo import T_STANDARD
 
 EMITTED = ("CO", "NO", "NO2", "N2O", "SO2")
@@ -36,7 +37,7 @@ def boiler_findings(
     problem: Any,
     chemistry: Chemistry,
     state: Any,
-    drained: Mapping[str, float],
+    streams: Streams,
     qoi: dict[str, Any],
 ) -> None:
     """Add losses, efficiency and emissions where there is air enough to burn the
@@ -45,8 +46,8 @@ def boiler_findings(
     if qoi["oxygen_ratio"] < 1.0:
         return
     power = qoi["fuel_power_W"]
-    qoi["loss_flue_gas"] = flue_gas_heat(problem, chemistry, state) / power
-    qoi["loss_solids"] = heat_of_drain(problem, chemistry, state, drained) / power
+    qoi["loss_flue_gas"] = flue_gas_heat(problem, chemistry, state, streams) / power
+    qoi["loss_solids"] = heat_of_drain(problem, chemistry, state, streams) / power
     qoi["boiler_efficiency"] = (
         qoi["combustion_efficiency"] - qoi["loss_flue_gas"] - qoi["loss_solids"]
     )
@@ -106,57 +107,41 @@ def emission(x: float, x_oxygen: float, molar_mass: float) -> float:
     return 1e6 * x * diluted * molar_mass / MOLAR_VOLUME
 
 
-def flue_gas_heat(problem: Any, chemistry: Chemistry, state: Any) -> float:
+def flue_gas_heat(
+    problem: Any, chemistry: Chemistry, state: Any, streams: Streams
+) -> float:
     """Return the heat above 298.15 K of the gas that leaves less that of the gas that
     enters, with the evaporation of the moisture of the fuel [W].
     """
-    part, c = chemistry.part, problem.c
-    total, outlet = 0.0, None
+    gases, outlet = chemistry.part.gases, streams.T
     if problem.above is not None:  # a freeboard is upside down
-        outlet = problem.at(lambda u, o: u.T_freeboard, problem.bottom, state)
-    for phase in part.phases:
+        T = problem.at(lambda u, o: u.T_freeboard, problem.bottom, state)
+        outlet = dict.fromkeys(streams.leaving, T)
 
-        def leaves(u: Any, o: Any, phase: str = phase) -> Any:
-            T = getattr(u, f"T_{phase}") if outlet is None else outlet
-            return _heat(part, part.flow(u, phase), T)
+    def heat(flows: Mapping[str, float], T: float) -> float:
+        return sum(n * _above(gases[name], T) for name, n in flows.items())
 
-        def enters(u: Any, o: Any, phase: str = phase) -> Any:
-            return _heat(part, part.entering(c.at(u, o), phase), c.inlet)
-
-        total += problem.at(leaves, problem.top, state)
-        total -= problem.at(enters, problem.bottom, state)
-    moisture = part.solids.get("moisture")
-    if moisture is not None and moisture.fed is not None:
-        species = thermo.table()
-        steam, water = (species[name] for name in ("H2O", "H2O(l)"))
-        fed = problem.total(lambda u, o: moisture.fed(o.x[0]), state)
-        total += fed * (steam.enthalpy(T_STANDARD) - water.enthalpy(T_STANDARD))
-    return float(total)
-
-
-def _heat(part: Any, flows: Mapping[str, Any], T: Any) -> Any:
-    """Return the heat above 298.15 K of gases [W]."""
-    return sum(
-        n * (part.gases[name].enthalpy(T) - part.gases[name].enthalpy(T_STANDARD))
-        for name, n in flows.items()
+    total = sum(
+        heat(flows, outlet[phase]) - heat(streams.entering[phase], problem.c.inlet)
+        for phase, flows in streams.leaving.items()
     )
+    species = thermo.table()
+    steam, water = (species[name].enthalpy(T_STANDARD) for name in ("H2O", "H2O(l)"))
+    return total + streams.fed.get("moisture", 0.0) * float(steam - water)
+
+
+def _above(species: Any, T: float) -> float:
+    """Return the enthalpy above that at 298.15 K."""
+    return float(species.enthalpy(T) - species.enthalpy(T_STANDARD))
 
 
 def heat_of_drain(
-    problem: Any, chemistry: Chemistry, state: Any, drained: Mapping[str, float]
+    problem: Any, chemistry: Chemistry, state: Any, streams: Streams
 ) -> float:
     """Return the heat above 298.15 K of solids and ash that are drained [W]."""
     part = chemistry.part
-    end = problem.top if part.velocity > 0 else problem.bottom
-
-    def above(solid: Any, T: float) -> float:
-        return float(solid.enthalpy(T) - solid.enthalpy(T_STANDARD))
-
-    def leaves(species: str) -> float:
-        return float(problem.at(lambda u, o: getattr(u, f"T_{species}"), end, state))
-
     total = sum(
-        drained[name] * above(solid, leaves(solid.species))
+        streams.drained[name] * _above(solid, streams.T[solid.species])
         for name, solid in part.solids.items()
     )
     for ash in part.ash:

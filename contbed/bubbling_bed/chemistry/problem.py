@@ -153,13 +153,12 @@ def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
     if (name := scene.fuel) is not None and data is not None:
         fuel = scene.solids[name].fuel
         if table.drying is not None and data.moisture:
-            out.append(cr.Drying(name, table.drying.time))
+            yields: Mapping[str, float] = {"H2O": 1.0}
+            time = table.drying.time
+            out.append(cr.Release("drying", name, "moisture", time, yields))
         if table.devolatilisation is not None and data.volatiles is not None:
-            out.append(
-                cr.Devolatilisation(
-                    name, table.devolatilisation.time, data.volatiles.yields
-                )
-            )
+            yields, time = data.volatiles.yields, table.devolatilisation.time
+            out.append(cr.Release("devolatilisation", name, "volatiles", time, yields))
         if table.of_char:
             diameter = fuel.char_diameter or scene.solids[name].diameter
             laws = {
@@ -201,48 +200,18 @@ def gases_of(
     there, running = set(inlet), []
     while True:
         found = [
-            item for item in reactions if item not in running and _needs(item) <= there
+            item
+            for item in reactions
+            if item not in running and getattr(item, "needs", set()) <= there
         ]
         if not found:
             break
         running += found
         for item in found:
-            there |= _makes(item)
+            there |= item.makes
     known = [name for name in thermo.GASES if name in there]
     others = sorted(there - set(known))
     return (*known, *others), tuple(item for item in reactions if item in running)
-
-
-def _needs(item: Any) -> set[str]:
-    if not isinstance(item, cr.OfGases):
-        return set()
-    moles = item.reaction.stoichiometry
-    return {name for name in item.reaction.gases if moles.get(name, 0.0) <= 0.0}
-
-
-def _makes(item: Any) -> set[str]:
-    if isinstance(item, cr.OfGases):
-        return set(item.reaction.stoichiometry)
-    if isinstance(item, cr.Drying):
-        return {"H2O"}
-    if isinstance(item, cr.Devolatilisation):
-        return set(item.yields)
-    if isinstance(item, cr.Char):
-        out = {
-            name
-            for law, _ in item.reactions.values()
-            for name in law.stoichiometry
-            if name != "C"
-        }
-        return out | ({"CO"} if "char_combustion" in item.reactions else set())
-    calcines, takes, gives = (
-        part is not None for part in (item.calcination, item.sulphation, item.reduction)
-    )
-    return (
-        ({"CO2"} if calcines else set())
-        | ({"SO2", "O2"} if takes else set())
-        | ({"CO", "CO2", "SO2"} if gives else set())
-    )
 
 
 @dataclass(eq=False)
@@ -252,10 +221,23 @@ class Mixture:
     """
 
     entering: Any
-    pressure: float
     molar_mass: Any
     mole: Mapping[str, Any]  # moles per kg of mixture
     gases: Mapping[str, Thermo]
+
+    @classmethod
+    def of(
+        cls, entering: Any, moles: Mapping[str, Any], gases: Mapping[str, Thermo]
+    ) -> Mixture:
+        """Return the gas of these moles, or of these flows of moles."""
+        mass = sum(gases[name].molar_mass * n for name, n in moles.items())
+        per_kg = {name: n / mass for name, n in moles.items()}
+        return cls(entering, mass / sum(moles.values()), per_kg, gases)
+
+    @property
+    def pressure(self) -> float:
+        """Pressure [Pa]."""
+        return float(self.entering.pressure)
 
     def density(self, T: Any) -> Any:
         """Return the density [kg/m3]."""
@@ -296,7 +278,7 @@ class Chemistry:
         `flows` of the phases [kg/s].
         """
         part, out = self.part, {}
-        mean = sum(part.gases[name].molar_mass * x for name, x in part.inlet.items())
+        mean = part.inlet_molar_mass
         for phase in part.phases:
             for name in part.gases:
                 out[f"N_{name}_{phase}"] = (
@@ -342,33 +324,14 @@ class Chemistry:
         """Return the gas of each phase; the entering gas where mole flows are not
         known.
         """
-        if not self.part.known(u):
-            mean = sum(
-                self.part.gases[name].molar_mass * x
-                for name, x in self.part.inlet.items()
+        part = self.part
+        known = part.known(u)
+        return {
+            phase: Mixture.of(
+                entering, part.flow(u, phase) if known else part.inlet, part.gases
             )
-            mole = {name: x / mean for name, x in self.part.inlet.items()}
-            return {
-                phase: Mixture(
-                    entering, self.part.pressure, mean, mole, self.part.gases
-                )
-                for phase in self.part.phases
-            }
-        state = self.part.state(u, None)
-        gases = {
-            phase: Mixture(
-                entering,
-                self.part.pressure,
-                state.molar_mass[phase],
-                {
-                    name: w / self.part.gases[name].molar_mass
-                    for name, w in state.w[phase].items()
-                },
-                self.part.gases,
-            )
-            for phase in self.part.phases
+            for phase in part.phases
         }
-        return gases
 
 
 def chemistry(scene: Any, mixing: dict[str, Any], exchange: Any) -> Chemistry:
@@ -394,7 +357,7 @@ def chemistry(scene: Any, mixing: dict[str, Any], exchange: Any) -> Chemistry:
     )
     mean = sum(gases[name].molar_mass * x for name, x in inlet.items())
     moles = scene.gas_flow / mean
-    solids, ash = _solids(scene, data, running, inlet, moles)
+    solids, ash = _solids(scene, data, running, inlet)
     part = model.Species(
         gases,
         ("emulsion", "bubble") if bed.bubbling else ("emulsion",),
@@ -418,88 +381,60 @@ def _solids(
     data: FuelData | None,
     running: tuple[Any, ...],
     inlet: dict[str, float],
-    moles: float,
 ) -> tuple[dict[str, model.Solid], tuple[model.Ash, ...]]:
-    bed = scene.bubbling_bed
-    species, height = thermo.table(), bed.height
+    """Return the constituents of fuel and limestone, and the ash of both."""
+    bed, species = scene.bubbling_bed, thermo.table()
     kept = np.inf if bed.drain is None else bed.drain.time
     solids: dict[str, model.Solid] = {}
-    ash = []
+    ash: list[model.Ash] = []
+
+    def fed(phase: str, rate: float) -> Callable[[Any], Any]:
+        share = gaussian(scene.solids[phase].feed, bed.height)
+        return lambda z: rate * share(z)
+
+    def add(
+        phase: str, name: str, enthalpy: Any, rate: float, held: float, scale: float
+    ) -> None:
+        solids[name] = model.Solid(
+            phase,
+            enthalpy,
+            fed(phase, rate) if rate else None,
+            scene.solids[phase].feed.temperature,
+            scale,
+            held / bed.height,
+        )
+
+    def add_ash(phase: str, rate: float) -> None:
+        if rate:
+            T = scene.solids[phase].feed.temperature
+            ash.append(model.Ash(phase, fed(phase, rate), T, _linear(0.0, CP_ASH)))
+
     if (fuel := scene.fuel) is not None and data is not None:
-        fed = scene.solids[fuel].feed
-        share = gaussian(fed, height)
-
-        def add(
-            name: str, enthalpy: Any, rate: float, stays: float, scale: float = 1.0
-        ) -> None:
-            if rate:
-                solids[name] = model.Solid(
-                    fuel,
-                    enthalpy,
-                    lambda z: rate * share(z),
-                    fed.temperature,
-                    scale,
-                    rate * stays / height,
-                )
-
         times = {
-            item.__class__: item.time
+            item.constituent: item.time
             for item in running
-            if isinstance(item, cr.Drying | cr.Devolatilisation)
+            if isinstance(item, cr.Release)
         }
-        add(
-            "moisture",
-            species["H2O(l)"].enthalpy,
-            data.moisture,
-            times.get(cr.Drying, kept),
-        )
+        times["char"] = min(_burnout(scene, running, inlet), kept)
         matter = _linear(data.enthalpy, CP_VOLATILES)
-        add(
-            "volatiles",
-            matter,
-            data.volatile,
-            times.get(cr.Devolatilisation, kept),
-            40.0,
-        )
-        add(
-            "char",
-            species["C"].enthalpy,
-            data.carbon,
-            min(_burnout(scene, running, inlet), kept),
-        )
-        if data.ash:
-            ash.append(
-                model.Ash(
-                    fuel,
-                    lambda z: data.ash * share(z),
-                    fed.temperature,
-                    _linear(0.0, CP_ASH),
-                )
-            )
+        for name, enthalpy, rate, scale in (
+            ("moisture", species["H2O(l)"].enthalpy, data.moisture, 1.0),
+            ("volatiles", matter, data.volatile, 40.0),
+            ("char", species["C"].enthalpy, data.carbon, 1.0),
+        ):
+            if rate:
+                add(fuel, name, enthalpy, rate, rate * times.get(name, kept), scale)
+        add_ash(fuel, data.ash)
     if (stone := scene.limestone) is not None:
-        feed, purity = scene.solids[stone].feed, scene.solids[stone].limestone.purity
-        place = gaussian(feed, height)
-        rate = feed.mass_flow * purity / species["CaCO3"].molar_mass
-        rest = feed.mass_flow * (1.0 - purity)
+        flow, purity = (
+            scene.solids[stone].feed.mass_flow,
+            scene.solids[stone].limestone.purity,
+        )
+        rate = flow * purity / species["CaCO3"].molar_mass
         for name, part in (("CaCO3", 0.1), ("CaO", 0.7), ("CaSO4", 0.2)):
-            enters = (lambda z: rate * place(z)) if name == "CaCO3" else None
-            solids[name] = model.Solid(
-                stone,
-                species[name].enthalpy,
-                enters,
-                feed.temperature,
-                1.0,
-                part * rate * kept / height,
-            )
-        if rest:
-            ash.append(
-                model.Ash(
-                    stone,
-                    lambda z: rest * place(z),
-                    feed.temperature,
-                    _linear(0.0, CP_ASH),
-                )
-            )
+            enters = rate if name == "CaCO3" else 0.0
+            add(stone, name, species[name].enthalpy, enters, part * rate * kept, 1.0)
+        add_ash(stone, flow * (1.0 - purity))
     return solids, tuple(ash)
 
 

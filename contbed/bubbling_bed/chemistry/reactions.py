@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -89,7 +89,18 @@ class OfGases:
     @property
     def names(self) -> tuple[str, ...]:
         """Keys of the scene."""
-        return (self.reaction.name,)
+        return (self.name,)
+
+    @property
+    def needs(self) -> set[str]:
+        """Gases without which it does not run."""
+        moles = self.reaction.stoichiometry
+        return {name for name in self.reaction.gases if moles.get(name, 0.0) <= 0.0}
+
+    @property
+    def makes(self) -> set[str]:
+        """Gases that it makes or takes."""
+        return set(self.reaction.stoichiometry)
 
     def __call__(self, state: State, terms: SourceTerms) -> None:
         """Add the reaction in the gas of each phase, or in the particles."""
@@ -139,37 +150,30 @@ class OfGases:
 
 
 @dataclass(frozen=True)
-class Drying:
-    """Release of moisture as steam."""
+class Release:
+    """Release of first order of a constituent as gas; `yields` [mol] per unit of it."""
 
+    name: str
     species: str
+    constituent: str
     time: float
-    names: ClassVar[tuple[str, ...]] = ("drying",)
+    yields: Mapping[str, float]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Keys of the scene."""
+        return (self.name,)
+
+    @property
+    def makes(self) -> set[str]:
+        """Gases that it makes."""
+        return set(self.yields)
 
     def __call__(self, state: State, terms: SourceTerms) -> None:
-        """Add the steam that dries off."""
-        rate = state.solid["moisture"] / self.time
-        terms.particle(self.species, {"H2O": rate}, {"moisture": -rate}, state)
-
-
-@dataclass(frozen=True)
-class Devolatilisation:
-    """Release of volatile matter as gas; `yields` [mol/kg]."""
-
-    species: str
-    time: float
-    yields: dict[str, float]
-    names: ClassVar[tuple[str, ...]] = ("devolatilisation",)
-
-    def __call__(self, state: State, terms: SourceTerms) -> None:
-        """Add the gas that volatile matter forms."""
-        rate = state.solid["volatiles"] / self.time
-        terms.particle(
-            self.species,
-            {name: amount * rate for name, amount in self.yields.items()},
-            {"volatiles": -rate},
-            state,
-        )
+        """Add the gas that is released."""
+        rate = state.solid[self.constituent] / self.time
+        made = {name: amount * rate for name, amount in self.yields.items()}
+        terms.particle(self.species, made, {self.constituent: -rate}, state)
 
 
 @dataclass(frozen=True)
@@ -189,6 +193,16 @@ class Char:
     def names(self) -> tuple[str, ...]:
         """Keys of the scene."""
         return tuple(self.reactions)
+
+    @property
+    def makes(self) -> set[str]:
+        """Gases that it makes or takes."""
+        made = {
+            name for law, _ in self.reactions.values() for name in law.stoichiometry
+        }
+        if "char_combustion" in self.reactions:
+            made.add("CO")
+        return made - {"C"}
 
     @property
     def surface(self) -> float:
@@ -299,6 +313,12 @@ class Lime:
             ("sulphate_reduction", self.reduction),
         )
         return tuple(name for name, factor in wanted if factor is not None)
+
+    @property
+    def makes(self) -> set[str]:
+        """Gases that it makes or takes."""
+        laws = [OF_LIME[name].stoichiometry for name in self.names]
+        return {gas for law in laws for gas in law if gas in thermo.GASES}
 
     @property
     def volume(self) -> float:

@@ -14,6 +14,7 @@ from contbed.bubbling_bed.chemistry import reactions as cr
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.chemistry.of_boilers import boiler_findings, unburnt_fuel
 from contbed.bubbling_bed.chemistry.problem import Chemistry
+from contbed.bubbling_bed.chemistry.streams import streams_of
 from contbed.chemistry.elements import ATOMIC_WEIGHTS
 from contbed.chemistry.thermo import T_STANDARD, Thermo
 from contbed.errors import ConvergenceError
@@ -32,67 +33,6 @@ SOLIDS = {
 ROUNDING = 1e-14
 # share of the volume of the solids by which char may differ from its volume_share
 FAR_FROM_DECLARED = 0.1
-
-
-def carried(
-    problem: Any, chemistry: Chemistry, state: Any
-) -> dict[str, tuple[float, float]]:
-    """Return the enthalpy, heat of formation included, that each stream brings and
-    takes away [W].
-    """
-    part, c = chemistry.part, problem.c
-    out: dict[str, tuple[float, float]] = {}
-    for phase in part.phases:
-        brought = problem.at(
-            lambda u, o, p=phase: sum(
-                n * part.gases[name].enthalpy(c.inlet)
-                for name, n in part.entering(c.at(u, o), p).items()
-            ),
-            problem.bottom,
-            state,
-        )
-        taken = problem.at(
-            lambda u, o, p=phase: sum(
-                n * part.gases[name].enthalpy(getattr(u, f"T_{p}"))
-                for name, n in part.flow(u, p).items()
-            ),
-            problem.top,
-            state,
-        )
-        # the freeboard takes it further
-        out[f"T_{phase}"] = (brought, taken if problem.above is None else 0.0)
-    for name, solid in part.solids.items():
-        brought = 0.0
-        if solid.fed is not None:
-            brought = problem.total(
-                lambda u, o, s=solid: s.fed(o.x[0]) * s.enthalpy(s.feed_temperature),
-                state,
-            )
-        end = problem.top if part.velocity > 0 else problem.bottom
-        taken = problem.at(
-            lambda u, o, n=name, s=solid: (
-                abs(part.velocity)
-                * getattr(u, f"n_{n}")
-                * s.enthalpy(getattr(u, f"T_{s.species}"))
-            ),
-            end,
-            state,
-        )
-        out[name] = (brought, taken)
-    for k, ash in enumerate(part.ash):
-        out[f"ash {k}"] = (
-            problem.total(
-                lambda u, o, a=ash: a.fed(o.x[0]) * a.enthalpy(a.feed_temperature),
-                state,
-            ),
-            problem.total(
-                lambda u, o, a=ash: (
-                    a.fed(o.x[0]) * a.enthalpy(getattr(u, f"T_{a.species}"))
-                ),
-                state,
-            ),
-        )
-    return out
 
 
 def profiles(chemistry: Chemistry, values: dict[str, Any]) -> dict[str, Any]:
@@ -114,8 +54,13 @@ def profiles(chemistry: Chemistry, values: dict[str, Any]) -> dict[str, Any]:
 def fill(problem: Any, chemistry: Chemistry, state: Any, result: Result) -> None:
     """Fill in balances, named results and warnings."""
     part, data, scene = chemistry.part, chemistry.data, problem.plan.scene
-    entering, leaving, drained, fed = _streams(problem, chemistry, state)
-    _elements(chemistry, entering, leaving, drained, fed, result)
+    streams = streams_of(problem, chemistry, state)
+    entering, leaving = (
+        {name: sum(flows[name] for flows in each.values()) for name in part.gases}
+        for each in (streams.entering, streams.leaving)
+    )
+    drained = streams.drained
+    _elements(chemistry, (entering, streams.fed), (leaving, drained), result)
 
     total = sum(leaving.values())
     dry = total - leaving.get("H2O", 0.0)
@@ -126,7 +71,7 @@ def fill(problem: Any, chemistry: Chemistry, state: Any, result: Result) -> None
     qoi |= {f"x_{name}_dry": n / dry for name, n in shown.items() if name != "H2O"}
     if data is not None:
         lost = _fuel(chemistry, entering, leaving, drained, qoi)
-        boiler_findings(problem, chemistry, state, drained, qoi)
+        boiler_findings(problem, chemistry, state, streams, qoi)
         result.warnings += unburnt_fuel(lost, qoi, scene.reactions)
     held = {
         name: problem.total(lambda u, o, n=name: getattr(u, f"n_{n}"), state)
@@ -146,41 +91,6 @@ def fill(problem: Any, chemistry: Chemistry, state: Any, result: Result) -> None
     _warnings(problem, chemistry, state, held, result)
 
 
-def _streams(
-    problem: Any, chemistry: Chemistry, state: Any
-) -> tuple[dict[str, float], ...]:
-    part, c = chemistry.part, problem.c
-
-    def bottom(u: Any, o: Any, name: str) -> Any:
-        return sum(part.entering(c.at(u, o), phase)[name] for phase in part.phases)
-
-    entering = {
-        name: problem.at(lambda u, o, n=name: bottom(u, o, n), problem.bottom, state)
-        for name in part.gases
-    }
-    leaving = {
-        name: problem.at(
-            lambda u, o, n=name: sum(part.flow(u, phase)[n] for phase in part.phases),
-            problem.top,
-            state,
-        )
-        for name in part.gases
-    }
-    end = problem.top if part.velocity > 0 else problem.bottom
-    drained = {
-        name: problem.at(
-            lambda u, o, n=name: abs(part.velocity) * getattr(u, f"n_{n}"), end, state
-        )
-        for name in part.solids
-    }
-    fed = {
-        name: problem.total(lambda u, o, s=solid: s.fed(o.x[0]), state)
-        for name, solid in part.solids.items()
-        if solid.fed is not None
-    }
-    return entering, leaving, drained, fed
-
-
 def contents(chemistry: Chemistry) -> dict[str, dict[str, float]]:
     """Return the elements in a mole of each gas and solid, and in a kg of volatiles."""
     species = thermo.table()
@@ -198,12 +108,7 @@ def contents(chemistry: Chemistry) -> dict[str, dict[str, float]]:
 
 
 def _elements(
-    chemistry: Chemistry,
-    entering: Any,
-    leaving: Any,
-    drained: Any,
-    fed: Any,
-    result: Result,
+    chemistry: Chemistry, entering: Any, leaving: Any, result: Result
 ) -> None:
     inside = contents(chemistry)
     others = {element for atoms in inside.values() for element in atoms}
@@ -214,7 +119,7 @@ def _elements(
                 for stream in streams
                 for name, amount in stream.items()
             )
-            for streams in ((entering, fed), (leaving, drained))
+            for streams in (entering, leaving)
         )
         if brought > 0:
             result.balances[element] = Balance(

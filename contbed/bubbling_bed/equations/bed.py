@@ -62,6 +62,7 @@ from contbed.bubbling_bed.equations.coefficients import (
     Coefficients,
     Local,
     Stream,
+    Sums,
     Surface,
     unit_heat_capacity,
 )
@@ -104,12 +105,7 @@ def radiated(u: Any, c: Coefficients, x: Surface) -> Any:
     """Return the radiation into a surface [W/m]."""
     if c.level == "none" or not x.emissivity:
         return 0.0
-    return (
-        0.25
-        * x.perimeter
-        * x.emissivity
-        * (incident(u, c) - radiation.emitted(x.surface_temperature(u)))
-    )
+    return x.radiated(u, incident(u, c))
 
 
 def released(u: Any, stream: Stream, name: str, o: Any) -> Any:
@@ -130,36 +126,32 @@ def gains(u: Any, c: Coefficients, local: Local, o: Any) -> dict[str, Any]:
     height [W/m].
     """
     T = {name: getattr(u, name) for name in c.streams}
-    gain = {name: released(u, stream, name, o) for name, stream in c.streams.items()}
+    gain = Sums(
+        {name: released(u, stream, name, o) for name, stream in c.streams.items()}
+    )
     volume = c.volume(local)
 
     def pass_on(one: str, other: str, coefficient: Any) -> None:
-        passed = coefficient * (T[one] - T[other])
-        gain[one], gain[other] = gain[one] - passed, gain[other] + passed
+        gain.move(one, other, coefficient * (T[one] - T[other]))
 
     for name, item in c.species.items():
         pass_on(f"T_{name}", "T_emulsion", volume * local.gas[name])
         for surface, x in c.surfaces.items():
             contact = x.perimeter * local.contact[surface] * item.share
-            gain[f"T_{name}"] = gain[f"T_{name}"] - contact * (
-                T[f"T_{name}"] - x.surface_temperature(u)
-            )
+            lost = contact * (T[f"T_{name}"] - x.surface_temperature(u))
+            gain.add(f"T_{name}", -lost)
     for (one, other), coefficient in local.pairs.items():
         pass_on(f"T_{one}", f"T_{other}", volume * coefficient)
     if c.bubbles is not None:
         pass_on("T_bubble", "T_emulsion", c.section * local.delta * local.exchange)
     if local.crossing is not None:
-        passed = crossflow_heat(u, c, local)
-        gain["T_emulsion"], gain["T_bubble"] = (
-            gain["T_emulsion"] - passed,
-            gain["T_bubble"] + passed,
-        )
+        gain.move("T_emulsion", "T_bubble", crossflow_heat(u, c, local))
     if c.level != "none":
         for name, taken in zip(c.species, net_absorption(u, c, local), strict=True):
-            gain[f"T_{name}"] = gain[f"T_{name}"] + taken
+            gain.add(f"T_{name}", taken)
     for part in c.parts:
         for name, heat in part.gains(u, c, local, o).items():
-            gain[name] = gain[name] + heat
+            gain.add(name, heat)
     return gain
 
 

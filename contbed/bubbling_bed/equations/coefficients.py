@@ -7,7 +7,21 @@ Symbols and units are those of `equations.bed`.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
+
+from contbed.radiation.equations.p1 import emitted
+
+
+class Sums(dict[str, Any]):
+    """Sums of pointwise values by name; a name without a value has 0."""
+
+    def add(self, name: str, value: Any) -> None:
+        """Add a value to that of a name."""
+        self[name] = self[name] + value if name in self else value
+
+    def move(self, source: str, target: str, value: Any) -> None:
+        """Take a value from one name and give it to another."""
+        self[source], self[target] = self[source] - value, self[target] + value
 
 
 def capacity_flow_enthalpy(T: Any) -> Any:
@@ -60,6 +74,15 @@ class Surface:
         """Return the temperature of the surface [K]."""
         return self.temperature if self.field is None else getattr(u, self.field)
 
+    def radiated(self, u: Any, G: Any) -> Any:
+        """Return the radiation into the surface in a field G [W/m]."""
+        return (
+            0.25
+            * self.perimeter
+            * self.emissivity
+            * (G - emitted(self.surface_temperature(u)))
+        )
+
 
 @dataclass(frozen=True)
 class Plate:
@@ -111,7 +134,7 @@ class Local:
         )
 
 
-class Part(Protocol):
+class Part:
     """Physics added to the bed: its own unknown fields, and its source terms in the
     balances of the bed.
 
@@ -119,17 +142,16 @@ class Part(Protocol):
     any, are unknowns of one number each.
     """
 
-    fields: tuple[str, ...]
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Names of the unknowns along the height."""
+        raise NotImplementedError
 
     def gains(self, u: Any, c: Any, local: Local, o: Any) -> dict[str, Any]:
         """Return the heat per height [W/m] by the field of the phase; gas that is
         made brings its enthalpy.
         """
-
-    def made(self, u: Any, c: Any, local: Local, o: Any) -> dict[str, Any] | None:
-        """Return the gas made per height [kg/s/m] by the field of the gas; None
-        where the part makes none.
-        """
+        return {}
 
     def residual(self, u: Any, tests: Any, c: Any, local: Local, o: Any) -> Any:
         """Return the weak form of the part's balances along the height."""

@@ -38,6 +38,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from contbed.bubbling_bed.equations.coefficients import Part, Sums, Surface
 from contbed.closures.optics import SIGMA, marshak
 from contbed.fem.stabilisation import tau
 from contbed.radiation.equations import p1 as radiation
@@ -71,17 +72,7 @@ class LocalCoefficients:
 
 
 @dataclass(frozen=True)
-class Surface:
-    """Walls or tubes."""
-
-    perimeter: float  # [m]
-    coefficient: float  # to the gas [W/m2/K]
-    temperature: float  # [K]
-    emissivity: float  # [1]; 0 for a mirror
-
-
-@dataclass(frozen=True)
-class Freeboard:
+class Freeboard(Part):
     """Coefficients and equations of the freeboard.
 
     Functions of the unknowns: `local_coefficients` (u, o) gives `LocalCoefficients`,
@@ -133,39 +124,31 @@ class Freeboard:
         )
         return 1e3 * heat + self.heat * u.flow_up * tests.flow_up
 
-    def made(self, u: Any, c: Any, local: Any, o: Any) -> None:
-        """Return None: the freeboard makes no gas in the bed."""
-
-    def gains(self, u: Any, c: Any, local: Any, o: Any) -> dict[str, Any]:
-        """Return no gains inside the bed; the surface of the bed is a boundary."""
-        return {}
-
     def capacity(self, T: Any) -> Any:
         """Return the heat capacity of the mixture of particles [J/kg/K]."""
         return sum(
             share * self.heat_capacity(name, T) for name, share in self.shares.items()
         )
 
-    def exchanged(self, u: Any, here: LocalCoefficients) -> dict[str, Any]:
+    def exchanged(self, u: Any, here: LocalCoefficients) -> Sums:
         """Return the heat that phases gain per height y, radiation and surfaces
         included [W/m].
         """
-        gain: dict[str, Any] = {"T_freeboard": 0.0}
+        gain = Sums()
         for name, flow in (("T_up", u.flow_up), ("T_down", u.flow_up - u.carryover)):
             surface = self.section * self.surface * flow / here.density_flow
             rest = LEAST * self.section * self.capacity(getattr(u, name)) / self.height
             passed = (surface * here.exchange + rest) * (
                 u.T_freeboard - getattr(u, name)
             )
-            gain["T_freeboard"] = gain["T_freeboard"] - passed
-            gain[name] = passed
+            gain.add("T_freeboard", -passed)
+            gain.add(name, passed)
             if self.radiates:
                 black = radiation.emitted(getattr(u, name))
-                gain[name] = gain[name] + 0.25 * self.emissivity * surface * (
-                    u.G_freeboard - black
-                )
+                absorbed = 0.25 * self.emissivity * surface * (u.G_freeboard - black)
+                gain.add(name, absorbed)
         for name in self.surfaces:
-            gain["T_freeboard"] = gain["T_freeboard"] - self.convected(u, name)
+            gain.add("T_freeboard", -self.convected(u, name))
         return gain
 
     def convected(self, u: Any, name: str) -> Any:
@@ -178,12 +161,7 @@ class Freeboard:
         x = self.surfaces[name]
         if not self.radiates or not x.emissivity:
             return 0.0
-        return (
-            0.25
-            * x.perimeter
-            * x.emissivity
-            * (u.G_freeboard - radiation.emitted(x.temperature))
-        )
+        return x.radiated(u, u.G_freeboard)
 
     def residual(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
         """Return the weak form of all balances over the height."""

@@ -31,15 +31,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from contbed.bubbling_bed.equations.coefficients import Part, Sums
 from contbed.chemistry.thermo import R_GAS, Thermo
 from contbed.fem.stabilisation import tau
 
 HEAT = 4e5  # [J/mol]
-Pointwise = Any
 
 
 @dataclass(frozen=True)
@@ -72,9 +73,9 @@ class Ash:
 class Sources:
     """Source terms of reactions and exchange at the points of a domain."""
 
-    gas: dict[str, dict[str, Any]]  # by phase and species [mol/s/m]
-    solid: dict[str, Any]  # [mol/s/m]
-    gain: dict[str, Any]  # by field of temperature [W/m]
+    gas: Mapping[str, Sums]  # by phase and species [mol/s/m]
+    solid: Sums  # [mol/s/m]
+    gain: Sums  # by field of temperature [W/m]
 
 
 @dataclass
@@ -103,21 +104,17 @@ class SourceTerms:
 
     def __init__(self, part: Species):
         self.part = part
-        self.gas: dict[str, dict[str, Any]] = {
-            phase: dict.fromkeys(part.gases, 0.0) for phase in part.phases
-        }
-        self.solid: dict[str, Any] = dict.fromkeys(part.solids, 0.0)
-        self.gain: dict[str, Any] = {}
-
-    def _give(self, name: str, heat: Any) -> None:
-        self.gain[name] = self.gain[name] + heat if name in self.gain else heat
+        none = dict.fromkeys(part.gases, 0.0)
+        self.gas = {phase: Sums(none) for phase in part.phases}
+        self.solid = Sums(dict.fromkeys(part.solids, 0.0))
+        self.gain = Sums()
 
     def homogeneous(
         self, phase: str, stoichiometry: Mapping[str, float], rate: Any
     ) -> None:
         """Add a reaction at `rate` [mol/s/m] within the gas of a phase."""
         for name, count in stoichiometry.items():
-            self.gas[phase][name] = self.gas[phase][name] + count * rate
+            self.gas[phase].add(name, count * rate)
 
     def particle(
         self,
@@ -131,31 +128,35 @@ class SourceTerms:
         """
         T, T_gas = state.T[species], state.T["emulsion"]
         for name, made in gases.items():
-            self.gas["emulsion"][name] = self.gas["emulsion"][name] + made
+            self.gas["emulsion"].add(name, made)
             enthalpy = self.part.gases[name].enthalpy
             # a reversible reaction changes sides: made at T, consumed at T_gas
             heat = np.maximum(made, 0.0) * enthalpy(T) + np.minimum(
                 made, 0.0
             ) * enthalpy(T_gas)
-            self._give("T_emulsion", heat)
-            self._give(f"T_{species}", -heat)
+            self.gain.add("T_emulsion", heat)
+            self.gain.add(f"T_{species}", -heat)
         for name, made in solids.items():
-            self.solid[name] = self.solid[name] + made
+            self.solid.add(name, made)
 
     def passed(self, moles: Mapping[str, Any], T: Any) -> None:
         """Add the gas that passes from the bubbles to the emulsion [mol/s/m], with
         its enthalpy at T.
         """
         for name, amount in moles.items():
-            self.gas["emulsion"][name] = self.gas["emulsion"][name] + amount
-            self.gas["bubble"][name] = self.gas["bubble"][name] - amount
+            self.to_emulsion(name, amount)
             heat = amount * self.part.gases[name].enthalpy(T)
-            self._give("T_emulsion", heat)
-            self._give("T_bubble", -heat)
+            self.gain.add("T_emulsion", heat)
+            self.gain.add("T_bubble", -heat)
+
+    def to_emulsion(self, name: str, amount: Any) -> None:
+        """Add what passes of a gas from the bubbles to the emulsion [mol/s/m]."""
+        self.gas["emulsion"].add(name, amount)
+        self.gas["bubble"].add(name, -amount)
 
 
 @dataclass(frozen=True)
-class Species:
+class Species(Part):
     """Coefficients and equations. `inlet` are mole fractions, `exchange` a function
     of `Local` [1/s].
     """
@@ -179,6 +180,11 @@ class Species:
         """Names of the unknown fields."""
         flows = [f"N_{name}_{phase}" for phase in self.phases for name in self.gases]
         return (*flows, *(f"n_{name}" for name in self.solids))
+
+    @cached_property
+    def inlet_molar_mass(self) -> float:
+        """Molar mass of the gas that enters [kg/mol]."""
+        return sum(self.gases[name].molar_mass * x for name, x in self.inlet.items())
 
     def known(self, u: Any) -> bool:
         """Return whether flows of gases are among the unknowns `u`; they are not in
@@ -267,32 +273,18 @@ class Species:
                 crossed = (
                     up * w["emulsion"][name] + down * w["bubble"][name]
                 ) / gas.molar_mass
-                terms.gas["emulsion"][name] = terms.gas["emulsion"][name] - crossed
-                terms.gas["bubble"][name] = terms.gas["bubble"][name] + crossed
+                terms.to_emulsion(name, -crossed)
 
     def gains(self, u: Any, c: Any, local: Any, o: Any) -> dict[str, Any]:
         """Return the heat per height [W/m] by the field of the phase."""
-        gain = dict(self.sources(u, local).gain)
+        gain = Sums(self.sources(u, local).gain)
         for ash in self.ash:
             name = f"T_{ash.species}"
             heat = ash.fed(o.x[0]) * (
                 ash.enthalpy(ash.feed_temperature) - ash.enthalpy(getattr(u, name))
             )
-            gain[name] = gain[name] + heat if name in gain else heat
+            gain.add(name, heat)
         return gain
-
-    def made(self, u: Any, c: Any, local: Any, o: Any) -> dict[str, Any]:
-        """Return the gas made per height [kg/s/m] by the field of the gas, without
-        exchange between gases.
-        """
-        sources = self.sources(u, local)
-        return {
-            f"T_{phase}": sum(
-                self.gases[name].molar_mass * made
-                for name, made in sources.gas[phase].items()
-            )
-            for phase in self.phases
-        }
 
     def flux(self, u: Any, name: str, local: Any, o: Any) -> Any:
         """Return the upward flow of a solid [mol/s]."""
@@ -392,8 +384,13 @@ class Species:
         """Return the mole flows into a phase [mol/s]: `inlet` times the flow that
         the bed's model gives it.
         """
-        mean = sum(self.gases[name].molar_mass * x for name, x in self.inlet.items())
-        flow = local.state["entering"][f"T_{phase}"]
+        return self.as_entering(local.state["entering"][f"T_{phase}"])
+
+    def as_entering(self, flow: Any) -> dict[str, Any]:
+        """Return the mole flows [mol/s] of a mass flow [kg/s] of the gas that
+        enters.
+        """
+        mean = self.inlet_molar_mass
         return {name: flow * self.inlet.get(name, 0.0) / mean for name in self.gases}
 
     def top(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:

@@ -19,12 +19,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from contbed.bubbling_bed.equations.bed import convected, radiated
+from contbed.bubbling_bed.equations.coefficients import Part
 
 KILO = 1e3
 
 
 @dataclass(frozen=True)
-class Steam:
+class Steam(Part):
     """The water side of the surface `name`."""
 
     name: str
@@ -53,15 +54,6 @@ class Steam:
             (getattr(u, name) * getattr(tests, name) for name in self.fields), start=0.0
         )
 
-    def made(self, u: Any, c: Any, local: Any, o: Any) -> None:
-        """Return None: water makes no gas."""
-
-    def gains(self, u: Any, c: Any, local: Any, o: Any) -> dict[str, Any]:
-        """Return no gains: the heat that particles lose is in the bed's own
-        balances.
-        """
-        return {}
-
     def gained(self, u: Any, c: Any, local: Any) -> Any:
         """Return the heat q that the water takes up [W/m]."""
         return convected(u, c, self.name, local) + radiated(u, c, c.surfaces[self.name])
@@ -72,6 +64,7 @@ class Steam:
         """
         h = getattr(u, f"h_{self.name}")
         T = getattr(u, f"T_{self.name}")
+        # the heat that particles lose is in the bed's own balances
         q = self.gained(u, c, local)
         sense = 1.0 if self.upward else -1.0
         v = getattr(tests, f"h_{self.name}")
