@@ -125,16 +125,15 @@ def read_json(path: Path, shape: type[Shape], what: str, remedy: str) -> dict[st
 
 @contextmanager
 def fitting(path: Path, what: str, remedy: str) -> Iterator[None]:
-    """Report names and lengths that differ between the parts of a file, which its shape
-    says nothing of.
+    """Report names, lengths and types in a file that its shape says nothing of.
 
     Raises
     ------
-    ContbedError : in place of a KeyError, IndexError or ValueError of the block
+    ContbedError : in place of an error of the block that such differences cause
     """
     try:
         yield
-    except (KeyError, IndexError, ValueError) as error:
+    except (LookupError, ValueError, TypeError, AttributeError) as error:
         raise ContbedError(
             f"{path}: not {what}: its parts do not fit together ({error}); {remedy}"
         ) from error

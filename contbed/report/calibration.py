@@ -5,16 +5,10 @@ pictures.
 from __future__ import annotations
 
 import math
-from base64 import b64encode
 from collections.abc import Mapping
 from html import escape
 from pathlib import Path
-from typing import Any
 
-from pydantic import Field
-
-from contbed.errors import ContbedError
-from contbed.output.shapes import Number, Shape
 from contbed.report import page
 from contbed.report.linked import Column, Linked, linked, read_columns, table_of
 from contbed.report.study import Content, Found, Study, has
@@ -24,44 +18,6 @@ MOST_SAMPLES = 2000  # of a posterior in linked plots, which more make slow
 # columns of points.csv
 NUMBERS = ("t", "x", "measured", "predicted", "low", "high", "deviation over error")
 TEXTS = ("experiment", "line", "quantity", "unit", "fitted")
-
-
-class Covariance(Shape):
-    """Covariance of the keys in their units."""
-
-    keys: list[str]
-    matrix: list[list[Number]]
-
-
-class Data(Shape):
-    """What was fitted."""
-
-    fitted: int
-    chi_square: Number
-    freedom: Number = Field(alias="degrees of freedom")
-    kept: int = Field(alias="kept back")
-    inside: int = Field(alias="kept back inside of the band")
-
-
-class Runs(Shape):
-    """Numbers of runs."""
-
-    kept: int
-    failed: int
-
-
-class CalibrationSummary(Shape):
-    """summary.json of a calibration."""
-
-    calibration: str
-    title: str | None
-    versions: dict[str, Any]
-    warnings: list[str]
-    covariance: Covariance
-    correlation: list[list[Number]]
-    data: Data
-    posterior: dict[str, Any] | None
-    runs: Runs
 
 
 def _content(folder: Path, found: Found, made: page.Charts) -> Content:
@@ -95,7 +51,7 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
             "combinations",
         ),
         *(
-            page.section(name, _picture(folder / f"{file}.png"), file)
+            page.section(name, page.picture(folder / f"{file}.png"), file)
             for file, name in PICTURES.items()
         ),
         _compared(points).section("Linked plots", made.place),
@@ -179,24 +135,4 @@ def _posterior(file: Path, found: Found, made: page.Charts) -> list[str]:
     ]
 
 
-def _picture(file: Path) -> str:
-    try:
-        data = b64encode(file.read_bytes()).decode("ascii")
-    except OSError as error:
-        raise ContbedError(
-            f"{file}: cannot be read: {error.strerror}; run the calibration again"
-        ) from error
-    return (
-        f'<img style="max-width:100%" alt="{escape(file.stem)}" '
-        f'src="data:image/png;base64,{data}">'
-    )
-
-
-CALIBRATION = Study(
-    "calibration",
-    "calibrate",
-    CalibrationSummary,
-    _content,
-    "the summary of a calibration",
-    has("calibration"),
-)
+CALIBRATION = Study("calibration", "calibrate", _content, has("calibration"))

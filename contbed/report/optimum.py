@@ -4,16 +4,9 @@ constraint costs, the way to it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
-from typing import Any
 
-from pydantic import Field
-
-from contbed.many.optimise.constrained_search import FEASIBLE
-from contbed.output.colours import COLOURS
-from contbed.output.shapes import Number, Shape
 from contbed.report import page
 from contbed.report.linked import (
     Column,
@@ -24,68 +17,8 @@ from contbed.report.linked import (
 )
 from contbed.report.study import Content, Found, Study, has
 
-OBJECTIVE, MISSED = ": objective", ": missed by"  # endings of headers of table.csv
+OBJECTIVE = ": objective"  # ending of a header of table.csv
 TEXTS = ("run", "problem", "gradient")  # columns of table.csv
-
-
-class Objective(Shape):
-    """What was sought."""
-
-    formula: str
-    aim: str
-    value: Number
-    unit: str
-    gradient: dict[str, Number] | None
-
-
-class Key(Shape):
-    """A key at the point that was found."""
-
-    value: Number
-    unit: str
-    low: Number = Field(alias="from")
-    high: Number = Field(alias="to")
-    price_of_bound: Number
-
-
-class Constraint(Shape):
-    """A constraint at the point."""
-
-    constraint: str
-    value: Number
-    bound: Number
-    unit: str
-    missed_by: Number
-    active: bool
-    price: Number
-    price_unit: str
-    gradient: dict[str, Number] | None
-
-
-class Runs(Shape):
-    """Numbers of runs."""
-
-    evaluated: int
-    failed: int
-
-
-class OptimumSummary(Shape):
-    """summary.json of a search."""
-
-    status: str
-    verdict: str
-    versions: dict[str, Any]
-    title: str | None = None
-    design: str
-    objective: Objective
-    keys: dict[str, Key]
-    constraints: list[Constraint]
-    costs: list[str]
-    qoi: dict[str, Any]
-    gradients: str
-    surrogate: dict[str, Any] | None
-    runs: Runs
-    warnings: list[str]
 
 
 def _content(folder: Path, found: Found, made: page.Charts) -> Content:
@@ -112,7 +45,7 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
         page.section("What the constraints cost", _constraints(found), "constraints"),
         page.section("Gradient at the point", _gradient(found), "gradient"),
         page.section("Results at the point", page.found(found["qoi"]), "qoi"),
-        page.section("The way to it", made.grid(_way(found, columns)), "way"),
+        page.section("The way to it", page.picture(folder / "convergence.png"), "way"),
         linked(here, run_names, f"{found['objective']['formula']}{OBJECTIVE}").section(
             "Linked plots", made.place
         ),
@@ -223,85 +156,4 @@ def _gradient(found: Found) -> str:
     return page.table(["of", "by", "derivative", "unit"], rows, (2,))
 
 
-def _way(found: Found, columns: Mapping[str, Column]) -> list[dict[str, Any]]:
-    """Return the objective over the evaluations with the best so far, and by how
-    much constraints were missed.
-    """
-    aim = found["objective"]
-    objective = next(
-        (c for name, c in columns.items() if name.endswith(OBJECTIVE)), None
-    )
-    if objective is None:
-        return []
-    number = list(columns["number"].values)
-    excess = [column for name, column in columns.items() if name.endswith(MISSED)]
-    best = _best(aim["aim"] == "maximise", objective, excess)
-    line = {"type": "scatter", "x": number}
-    traces = [
-        line | {"mode": "markers", "name": "evaluations", "y": list(objective.values), "marker": {"color": COLOURS[0]}},
-        line | {"mode": "lines", "name": "best that holds all constraints", "y": best,
-                "line": {"shape": "hv", "color": COLOURS[1]}},
-    ]  # fmt: skip
-    charts = [_chart("Objective over the evaluations", traces, objective)]
-    for column in excess:
-        missed = [
-            line
-            | {"mode": "lines+markers", "name": column.name, "y": list(column.values)}
-        ]
-        charts.append(
-            _chart(f"{column.name}; held where it is not above zero", missed, column)
-        )
-    return charts
-
-
-def _best(
-    maximise: bool, objective: Column, excess: Sequence[Column]
-) -> list[float | None]:
-    """Return the best objective up to each evaluation of those that hold all
-    constraints; None before the first.
-    """
-    better = max if maximise else min
-    by = [
-        [abs(v) if v is not None and "==" in column.name else v for v in column.values]
-        for column in excess
-    ]  # an equality is missed on both sides
-    allowed = [
-        FEASIBLE * max((abs(v) for v in values if v is not None), default=0.0)
-        for values in by
-    ]
-    best: list[float | None] = []
-    for k, value in enumerate(objective.values):
-        held = value is not None and all(
-            _is_held(values[k], most) for values, most in zip(by, allowed, strict=True)
-        )
-        former = best[-1] if best else None
-        best.append(
-            value
-            if held and former is None
-            else better(value, former)
-            if held
-            else former
-        )
-    return best
-
-
-def _is_held(missed: float | None, most: float) -> bool:
-    return missed is not None and missed <= most
-
-
-def _chart(
-    title: str, traces: Sequence[dict[str, Any]], column: Column
-) -> dict[str, Any]:
-    label = Column(column.name.partition(": ")[0], column.unit, ()).label
-    layout = page.axes("evaluation", label)
-    return {"kind": "curves", "title": title, "data": list(traces), "layout": layout}
-
-
-OPTIMUM = Study(
-    "search for an optimum",
-    "optimise",
-    OptimumSummary,
-    _content,
-    "the summary of a search for an optimum",
-    has("design"),
-)
+OPTIMUM = Study("search for an optimum", "optimise", _content, has("design"))

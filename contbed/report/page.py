@@ -11,11 +11,13 @@ from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from contbed import fields as quantities
 from contbed.errors import ContbedError
 from contbed.output.summary import plain
+from contbed.output.tables import REMEDY
 from contbed.report.read import Key, Run
 
 
@@ -92,26 +94,23 @@ def unit(text: str | None) -> str:
     return "" if text in (None, "1", "-") else escape(str(text))
 
 
-def axes(x: str, y: str, **more: Any) -> dict[str, Any]:
-    """Return the layout of a chart with the titles of its axes."""
-    return {"xaxis": {"title": {"text": x}}, "yaxis": {"title": {"text": y}}, **more}
+def picture(file: Path) -> str:
+    """Return a picture that a command wrote.
 
-
-def bars(title: str, values: Mapping[str, Any], x: str, **more: Any) -> dict[str, Any]:
-    """Return a chart of bars to the right, the first on top; `more` describes the
-    axis of the values.
+    Raises
+    ------
+    ContbedError : the file cannot be read
     """
-    trace = {
-        "type": "bar",
-        "orientation": "h",
-        "y": list(values),
-        "x": list(values.values()),
-    }
-    layout = {
-        "xaxis": {"title": {"text": x}, **more},
-        "yaxis": {"autorange": "reversed", "automargin": True},
-    }
-    return {"kind": "bars", "title": title, "data": [trace], "layout": layout}
+    try:
+        data = b64encode(file.read_bytes()).decode("ascii")
+    except OSError as error:
+        raise ContbedError(
+            f"{file}: cannot be read: {error.strerror}; {REMEDY}"
+        ) from error
+    return (
+        f'<img style="max-width:100%" alt="{escape(file.stem)}" '
+        f'src="data:image/png;base64,{data}">'
+    )
 
 
 def warnings(texts: Iterable[str]) -> str:

@@ -31,19 +31,15 @@ class Study:
 
     name : what it is, "cascade"
     command : of contbed that writes it
-    shape : of its file
     content : returns the page for a folder and the content of the file; its charts are
         added to the third argument
-    what : names the file in messages
-    file : in the folder
     is_in : whether a folder holds such a study
+    file : in the folder
     """
 
     name: str
     command: str
-    shape: type[Shape]
     content: Callable[[Path, Found, page.Charts], Content]
-    what: str
     is_in: Callable[[Path], bool]
     file: str = SUMMARY
 
@@ -54,14 +50,15 @@ class Study:
         ------
         ContbedError : a file of the study is missing or damaged
         """
-        file, remedy = folder / self.file, f"run contbed {self.command} again"
-        found = read_json(file, self.shape, self.what, remedy)
+        file, what = folder / self.file, f"that of a {self.name}"
+        remedy = f"run contbed {self.command} again"
+        found = read_json(file, Shape, what, remedy)
         made = page.Charts()
-        with fitting(file, self.what, remedy):
+        with fitting(file, what, remedy):
             content = self.content(folder, found, made)
-        about = content.about
-        if "versions" in found:
-            about += f"; contbed {found['versions'].get('contbed', '?')}"
+            about = content.about
+            if "versions" in found:
+                about += f"; contbed {found['versions'].get('contbed', '?')}"
         return page.page(
             content.title, [page.header(content.title, about), *content.sections], made
         )

@@ -6,9 +6,6 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from pydantic import Field
-
-from contbed.output.shapes import Shape
 from contbed.report import page
 from contbed.report.linked import Column, linked, read_columns, table_of, text_of
 from contbed.report.study import Content, Found, Study
@@ -19,33 +16,6 @@ NUMBERS = {
     "uncertainty.csv": ("mean", "standard deviation", "low", "high"),
     "indices.csv": ("share by gradients",),
 }
-
-
-class Unit(Shape):
-    """About a parameter or result of a sweep."""
-
-    unit: str | None = None
-
-
-class SweptRun(Shape):
-    """A run of a sweep."""
-
-    run: str
-    exit_code: int
-    problem: str
-    parameters: dict[str, Any]
-    qoi: dict[str, Any]
-
-
-class SweepTable(Shape):
-    """table.json of a sweep."""
-
-    cases: int
-    ended: int
-    warnings: list[str] = Field(default_factory=list)
-    parameters: dict[str, Unit]
-    qoi: dict[str, Unit]
-    runs: list[SweptRun]
 
 
 def _content(folder: Path, found: Found, made: page.Charts) -> Content:
@@ -109,6 +79,4 @@ def _is_in(folder: Path) -> bool:
     return (folder / TABLE).is_file()
 
 
-SWEEP = Study(
-    "sweep", "sweep", SweepTable, _content, "the table of a sweep", _is_in, TABLE
-)
+SWEEP = Study("sweep", "sweep", _content, _is_in, TABLE)

@@ -142,10 +142,7 @@ def of_cascade(folder):
     }  # fmt: skip
     (folder / "summary.json").write_text(json.dumps(content))
     (folder / "samples.csv").write_text("packing,T_fluid_out [K]\n1,895\n2,905\n")
-    (folder / "measured.csv").write_text(
-        "t [s],position [m],measured,best,low,high\n1,0.1,300,301,299,303\n"
-        "2,0.1,310,311,309,313\n"
-    )
+    (folder / "band.png").write_bytes(b"a picture")
     return folder, "summary.json"
 
 

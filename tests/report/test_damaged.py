@@ -78,7 +78,7 @@ def told(folder):
     except ContbedError as error:
         text = str(error)
         assert (
-            re.match(rf"{folder}/\S+\.(json|csv|vtu)[: ]", text)
+            re.match(rf"(cannot read )?{folder}/\S+\.(json|csv|vtu)[: ]", text)
             and "again" in text
             and "\n" not in text
         )
@@ -97,7 +97,8 @@ def test_any_value_of_json_may_be_of_another_shape(tmp_path, kind):
             (folder / file).write_text(json.dumps(changed(content, path, bad)))
             found.append(told(folder))
     refused = [text for text in found if text]
-    assert len(refused) > 0.2 * len(found) and len(set(refused)) > 20
+    share = 0.2 if kind == "run" else 0.1  # of studies only what cannot be shown
+    assert len(refused) > share * len(found) and len(set(refused)) > 10
 
 
 @pytest.mark.parametrize(
@@ -148,7 +149,6 @@ TABLES = {
     "table.csv": of_optimum,
     "points.csv": of_calibration,
     "samples.csv": of_cascade,
-    "measured.csv": of_cascade,
     "uncertainty.csv": of_uncertainty,
     "keys.csv": of_calibration,
 }
