@@ -84,6 +84,11 @@ def name_of(header: str) -> str:
     return header.split(" [")[0]
 
 
+def unit_in(header: str) -> str:
+    """Return the unit in a column header; empty where it has none."""
+    return header.partition(" [")[2].removesuffix("]")
+
+
 def unit_of(name: str) -> str | None:
     """Return the unit of a field or a named result ("u_gas_centre" is in m/s); None
     if the name is not known.

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from contbed.fields import FIELDS, name_of
+from contbed.output.curves import branch_plot
 from contbed.output.plots import styled_figure
 from contbed.result import Result
 
@@ -26,39 +27,8 @@ def plot(result: Result, folder: Path) -> None:
     title = result.plan.scene.title
     bubbling_plot(folder / "profiles.png", result.profiles, title, result.qoi)
     if "continuation" in result.tables:
-        branch_plot(folder / "continuation.png", result.tables["continuation"], title)
-
-
-def branch_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -> None:
-    """Plot the mean temperatures of the species along a branch; the unstable part
-    between two folds is dashed.
-
-    Parameters
-    ----------
-    path : PNG file
-    columns : as in continuation.csv: point, parameter, turns, temperatures, duties
-    title : text above the picture
-    """
-    headers = list(columns)
-    p, turns = np.asarray(columns[headers[1]]), np.asarray(columns["turns [1]"])
-    with styled_figure(path, 4.2, title) as figure:
-        axes = figure.subplots()
-        for k, header in enumerate(
-            header for header in headers if header.startswith("T_")
-        ):
-            T = np.asarray(columns[header])
-            for turn in np.unique(turns):
-                part = np.flatnonzero(turns == turn)
-                part = np.append(max(part[0] - 1, 0), part)  # from the fold on
-                axes.plot(
-                    p[part],
-                    T[part],
-                    color=COLOURS[k % len(COLOURS)],
-                    linestyle="--" if turn % 2 else "-",
-                    label=name_of(header).removeprefix("T_") if turn == 0 else None,
-                )
-        axes.set(xlabel=headers[1].removesuffix(" [1]"), ylabel="mean temperature [K]")
-        figure.legend(loc="outside lower center", ncols=5)
+        table = result.tables["continuation"]
+        branch_plot(folder / "continuation.png", table, ("T_",), title)
 
 
 def bubbling_plot(

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from contbed.arrays import Array
 from contbed.fields import FIELDS, field, header, name_of
+from contbed.output.curves import Curve, curves_plot
 from contbed.output.plots import styled_figure
 from contbed.result import Result
 
@@ -36,20 +37,15 @@ def history_plot(
     """
     values = {name_of(key): column for key, column in columns.items()}
     t = values.pop("t")
-    groups = [[name] for name in values if not name.startswith("T_")]
+    panels = {
+        _label(name): [Curve(None, t, column)]
+        for name, column in values.items()
+        if not name.startswith("T_")
+    }
     if "T_solid" in values:
-        groups.append(["T_fluid", "T_solid"])
-    with styled_figure(path, 0.8 + 1.6 * len(groups), title) as figure:
-        panels = figure.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
-        for axes, group in zip(panels, groups, strict=True):
-            for name, colour in zip(group, ("#0072B2", "#D55E00"), strict=False):
-                axes.plot(t, values[name], color=colour, label=_label(name))
-            axes.set_ylabel(_label(group[0]))
-            axes.margins(x=0)
-            if len(group) > 1:
-                axes.set_ylabel("$T$ [K]")
-                axes.legend()
-        panels[-1].set_xlabel(FIELDS["t"].label)
+        names = ("T_fluid", "T_solid")
+        panels["$T$ [K]"] = [Curve(_label(name), t, values[name]) for name in names]
+    curves_plot(path, panels, FIELDS["t"].label, title)
 
 
 def tube_plot(path: Path | str, table: Mapping[str, Array], title: str = "") -> None:

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from contbed.output.plots import plot_profiles_and_fields as plot
+from contbed.output.maps import plot_profiles_and_fields as plot
 
 __all__ = ["plot"]

@@ -14,18 +14,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contbed import fields
-from contbed.arrays import Array
 from contbed.errors import ContbedError
-from contbed.output.colours import COLOURS
+from contbed.output.curves import Curve, draw, over_times
 from contbed.output.summary import number_text
+from contbed.output.tables import axis_of
 
 if TYPE_CHECKING:
     import pandas
     import xarray
 
 Result = Any  # a `contbed.result.Result`, which is above
-COORDINATES = ("x", "y", "z", "r", "height", "frequency")
-MAX_TIMES = 6  # profiles of a transient in one figure
+DASHES = ("-", "--", ":", "-.")  # of columns of one unit at several times
 
 
 def _library(name: str) -> Any:
@@ -59,19 +58,17 @@ def dataset(result: Result, table: str = "profiles") -> xarray.Dataset:
     if table == "fields":
         fields_found: xarray.Dataset = _fields(result, xr)
         return fields_found
+    found = columns_of(result, table)
     columns = {
-        fields.name_of(header): np.asarray(column)
-        for header, column in columns_of(result, table).items()
+        fields.name_of(name): np.asarray(column) for name, column in found.items()
     }
-    units = {
-        fields.name_of(header): header.partition(" [")[2].rstrip("]")
-        for header in columns_of(result, table)
-    }
-    axis, several = _axis(columns)
+    units = {fields.name_of(name): fields.unit_in(name) for name in found}
+    header, time = axis_of([found])
+    axis = fields.name_of(str(header))
     dims: tuple[str, ...] = (axis,)
     shape: tuple[int, ...] = (-1,)
     coords = {axis: columns.pop(axis)}
-    if several:
+    if time is not None:
         times = columns.pop("t")
         counts = np.unique(times, return_counts=True)
         # positions differ between the times: one row after the other
@@ -187,61 +184,36 @@ def figure(result: Result, *names: str, table: str = "profiles") -> Any:
     ContbedError : the result has no such table or column
     """
     import matplotlib
-    from matplotlib import colormaps
     from matplotlib.figure import Figure
 
-    headers = {fields.name_of(header): header for header in columns_of(result, table)}
-    columns = {
-        name: np.asarray(columns_of(result, table)[header])
-        for name, header in headers.items()
-    }
-    axis, several = _axis(columns)
-    wanted = names or tuple(name for name in columns if name not in (axis, "t"))
-    if unknown := [name for name in wanted if name not in columns]:
-        raise ContbedError(
-            f"{table} has no column {unknown[0]!r}; it has {', '.join(columns)}"
-        )
-    units = list(
-        dict.fromkeys(headers[name].partition(" [")[2].rstrip("]") for name in wanted)
+    columns = columns_of(result, table)
+    headers = {fields.name_of(header): header for header in columns}
+    axis, time = axis_of([columns])
+    wanted = names or tuple(
+        name for name, header in headers.items() if header not in (axis, time)
     )
+    if unknown := [name for name in wanted if name not in headers]:
+        raise ContbedError(
+            f"{table} has no column {unknown[0]!r}; it has {', '.join(headers)}"
+        )
+    x = np.asarray(columns[str(axis)])
+    panels: dict[str, list[Curve]] = {}
+    for name in wanted:
+        unit, values = fields.unit_in(headers[name]), np.asarray(columns[headers[name]])
+        here = [other for other in wanted if fields.unit_in(headers[other]) == unit]
+        shown = name if len(here) == 1 else ""
+        label = shown if unit == "1" else f"{shown} [{unit}]".strip()
+        curves = [Curve(None if shown else name, x, values)]
+        if time is not None:
+            dash = DASHES[here.index(name) % len(DASHES)]
+            t = np.asarray(columns[time])
+            curves = list(over_times(x, values, t, name, linestyle=dash))
+        panels.setdefault(label, []).extend(curves)
     with matplotlib.rc_context(
         {"axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False}
     ):
-        made = Figure(figsize=(7.0, 1.0 + 2.2 * len(units)), layout="constrained")
-        panels = made.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
-        times = np.unique(columns["t"]) if several else np.array([np.nan])
-        times = times[
-            np.unique(np.linspace(0, len(times) - 1, MAX_TIMES).round().astype(int))
-        ]
-        for panel, unit in zip(panels, units, strict=True):
-            here = [
-                name
-                for name in wanted
-                if headers[name].partition(" [")[2].rstrip("]") == unit
-            ]
-            for k, name in enumerate(here):
-                for n, time in enumerate(times):
-                    rows = columns["t"] == time if several else slice(None)
-                    colour = (
-                        colormaps["viridis"](0.85 * n / max(1, len(times) - 1))
-                        if several
-                        else COLOURS[k % 7]
-                    )
-                    label = f"{name}, {time:.4g} s" if several else name
-                    dash = ("-", "--", ":", "-.")[k % 4] if several else "-"
-                    panel.plot(
-                        columns[axis][rows],
-                        columns[name][rows],
-                        color=colour,
-                        linestyle=dash,
-                        label=label,
-                    )
-            name = here[0] if len(here) == 1 else ""
-            panel.set_ylabel(name if unit == "1" else f"{name} [{unit}]".strip())
-            panel.margins(x=0)
-            if len(here) * len(times) > 1:
-                panel.legend(fontsize=7, ncols=2 if len(here) * len(times) > 6 else 1)
-        panels[-1].set_xlabel(headers[axis])
+        made = Figure(figsize=(7.0, 1.0 + 2.2 * len(panels)), layout="constrained")
+        draw(made, panels, str(axis))
         made.suptitle(result.plan.scene.title, parse_math=False, wrap=True)
     return made
 
@@ -261,18 +233,6 @@ def columns_of(result: Result, table: str) -> Mapping[str, Any]:
         known = ", ".join(name for name, columns in tables.items() if columns) or "none"
         raise ContbedError(f"the result has no table {table!r}; it has: {known}")
     return tables[table]
-
-
-def _axis(columns: Mapping[str, Array]) -> tuple[str, bool]:
-    """Return the column along the axis, and whether each of several times has its
-    own rows.
-    """
-    place = next((name for name in COORDINATES if name in columns), None)
-    if "t" in columns and (
-        place is None or len(np.unique(columns["t"])) == len(columns["t"])
-    ):
-        return "t", False
-    return place or next(iter(columns)), "t" in columns and place is not None
 
 
 def _fields(result: Result, xarray: Any) -> Any:

@@ -1,24 +1,105 @@
-"""Maps of cell values over a plane, and of nodal fields over the middle plane of a
-box.
+"""Maps of a plane bed, of cell values over a plane, and of nodal fields over the
+middle plane of a box.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contbed.arrays import Array
+from contbed.fem.elements import Space
 from contbed.fields import FIELDS
+from contbed.output.curves import groups_of, profile_plot, transient_plot
 from contbed.output.nearest import Nearest
-from contbed.output.plots import plain_ticks, styled_figure
+from contbed.output.plots import WIDTH, plain_ticks, shown_range, styled_figure
+from contbed.output.vtu import at_nodes
 
-HEIGHT = 3.6  # inches of a map, unless it lies
+if TYPE_CHECKING:
+    import skfem
+
+HIGHEST = 7.0  # inches of a map
 WIDE = 1.6  # ratio of width to height from which maps stand one below another
+FLAT = 12.0  # a map is never flatter than this
+LONG = 2.5  # widths of a plane bed from which it lies down
+LEVELS = 257  # shades
 POINTS = 120  # of a plane through a box along its longer side
-COLOURS = {"K": "inferno", "1": "cividis", "m/s": "viridis"}
+COLOURS = {"K": "inferno", "1": "cividis", "m/s": "viridis", "Pa": "cividis"}
+# triangles that a quadratic cell is drawn as
+TRIANGLES = {
+    3: [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)],
+    4: [
+        *((0, 4, 8), (4, 1, 8), (1, 5, 8), (5, 2, 8)),
+        *((2, 6, 8), (6, 3, 8), (3, 7, 8), (7, 0, 8)),
+    ],
+}
+
+
+def field_plot(
+    path: Path | str,
+    mesh: skfem.Mesh,
+    nodal: Mapping[str, tuple[Space, Array]],
+    axisymmetric: bool = False,
+    title: str = "",
+) -> None:
+    """Plot colour maps over a plane or axisymmetric bed: both temperatures and the
+    speed, where present.
+
+    Parameters
+    ----------
+    path : PNG file
+    mesh : 2-D mesh of all spaces
+    nodal : space and values, (size,) or (2, size), of each field
+    axisymmetric : the coordinates are (r, z)
+    title : text above the picture
+    """
+    from matplotlib.ticker import MaxNLocator
+
+    if mesh.dim() != 2:
+        raise ValueError(f"{path}: maps need a 2-D mesh, not {mesh.dim()}-D")
+    quadratic = Space(mesh, 2)
+    maps = {
+        name: at_nodes(space, values, quadratic)
+        for name, (space, values) in nodal.items()
+    }
+    if "u" in maps:
+        maps["speed"] = np.linalg.norm(np.atleast_2d(maps.pop("u")), axis=0)
+    groups = groups_of([name for name in maps if name != "speed"])
+    names = [name for group in groups for name in group] + ["speed"] * ("speed" in maps)
+    # temperatures of both phases share a scale
+    same = groups[0] if groups else ("speed",)
+    corners = TRIANGLES[quadratic.element.nvertices]
+    triangles = np.vstack([quadratic.dofs[list(three)].T for three in corners])
+    points, labels = quadratic.points, ("r", "z") if axisymmetric else ("x", "y")
+    extent = np.ptp(points, axis=1)
+    if extent[1] > LONG * extent[0]:
+        points, labels, extent = points[::-1], labels[::-1], extent[::-1]
+    ratio = float(extent[0] / extent[1])
+    if ratio > FLAT:
+        title += f"   ({labels[1]} drawn {ratio / FLAT:.2g} times larger)"
+    for panel, figure, name in _panels(path, names, ratio, labels, title):
+        alike = same if name in same else (name,)
+        levels = np.linspace(*shown_range([maps[each] for each in alike]), LEVELS)
+        colours = panel.tricontourf(
+            *points, triangles, maps[name], levels, cmap=_colours(name)
+        )
+        panel.set_aspect("equal" if ratio <= FLAT else "auto")
+        figure.colorbar(colours, ax=panel, shrink=0.9, ticks=MaxNLocator(5))
+
+
+def plot_profiles_and_fields(result: Any, folder: Path) -> None:
+    """Write profiles.png, over time for a transient, and fields.png of a plane mesh,
+    into `folder`.
+    """
+    scene, mesh, columns = result.plan.scene, result.plan.mesh, result.profiles
+    plot = transient_plot if "t [s]" in columns else profile_plot
+    plot(folder / "profiles.png", columns, next(iter(columns)), scene.title)
+    if result.nodal and mesh.skfem.dim() == 2:
+        file, axisymmetric = folder / "fields.png", mesh.axisymmetric
+        field_plot(file, mesh.skfem, result.nodal, axisymmetric, scene.title)
 
 
 def cell_maps(
@@ -110,16 +191,19 @@ def slice_maps(
 
 
 def _panels(
-    path: Path, names: list[str], ratio: float, axes: tuple[str, str], title: str
+    path: Path | str,
+    names: list[str],
+    ratio: float,
+    axes: tuple[str, str],
+    title: str,
 ) -> Any:
     """Yield the axes of each map with their figure and the name of the field; the
     figure is saved at the end.
     """
-    lying = ratio > WIDE
-    rows, columns = (len(names), 1) if lying else (1, len(names))
-    high = 8.0 / ratio + 0.5 if lying else HEIGHT
-    width = 8.0 if lying else max(4.0, columns * (max(0.9, HEIGHT * ratio) + 1.3))
-    with styled_figure(path, 0.7 + rows * high, title, width=width) as figure:
+    rows, columns = (len(names), 1) if ratio > WIDE else (1, len(names))
+    wide = WIDTH / columns - 1.3
+    high = min(max(wide / ratio, wide / FLAT), HIGHEST) + 0.5
+    with styled_figure(path, 0.7 + rows * high, title) as figure:
         panels = figure.subplots(
             rows, columns, squeeze=False, sharex=True, sharey=True
         ).ravel()

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contbed.arrays import Array
+from contbed.arrays import Array, Integers
 from contbed.errors import ContbedError
+from contbed.fields import name_of
 from contbed.output.files import atomic
 
+COORDINATES = ("x", "y", "z", "r", "height", "frequency")
 REMEDY = "run the command that wrote it again"
 
 
@@ -79,6 +81,33 @@ def read_table(path: Path | str) -> dict[str, Array]:
                 f"{path}:{line}", f"{header} is {item!r}, which is no number"
             ) from None
     return dict(zip(headers, data.T.copy(), strict=True))
+
+
+def axis_of(
+    tables: Sequence[Mapping[str, ArrayLike]],
+) -> tuple[str | None, str | None]:
+    """Return the header of the column along the axis of tables that are alike, and
+    that of the time where each time has several rows.
+    """
+    names = {name_of(header): header for columns in tables for header in columns}
+    time = names.get("t")
+    once = all(
+        len(np.unique(columns[time])) == np.size(columns[time])
+        for columns in tables
+        if time is not None and time in columns
+    )
+    place = next((names[name] for name in COORDINATES if name in names), None)
+    if place is None or (time is not None and once):
+        return time or next(iter(names.values()), None), None
+    return place, time
+
+
+def evenly(count: int, most: int) -> Integers:
+    """Return the numbers of at most `most` of `count` items, evenly among all, both
+    ends included.
+    """
+    numbers = np.linspace(0, count - 1, min(count, most)).round()
+    return np.unique(numbers.astype(np.int64))
 
 
 def is_number(cell: str) -> bool:

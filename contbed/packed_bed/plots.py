@@ -7,9 +7,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from contbed.output.history_plot import history_plot
-from contbed.output.maps import slice_maps
-from contbed.output.plots import plot_profiles_and_fields
+from contbed.output.curves import history_plot
+from contbed.output.maps import plot_profiles_and_fields, slice_maps
 
 
 def plot(result: Any, folder: Path) -> None:

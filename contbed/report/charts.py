@@ -12,7 +12,9 @@ import numpy as np
 
 from contbed import fields as quantities
 from contbed.arrays import Array
+from contbed.fields import name_of, unit_in
 from contbed.output.colours import COLOURS
+from contbed.output.tables import axis_of, evenly
 from contbed.report.fields import Cloud, Pictures
 from contbed.report.read import Run
 
@@ -24,7 +26,6 @@ MAX_POINTS = 1000  # of a curve
 MARGINS = 100  # height of axis and margins of a picture [pixels]
 # width of a picture [pixels] in half of a page, without axes and scale of colours
 PICTURE = 360
-COORDINATES = ("x", "y", "z", "r", "height")
 
 
 def packed(values: Array) -> Chart:
@@ -60,40 +61,21 @@ def curves(runs: Sequence[Run]) -> list[Chart]:
         columns = dict.fromkeys(
             header for run in runs for header in run.tables.get(table, {})
         )
-        axis, moving = _axis([run.tables[table] for run in runs if table in run.tables])
+        axis, moving = axis_of(
+            [run.tables[table] for run in runs if table in run.tables]
+        )
         if axis is None:
             continue
         for unit in dict.fromkeys(
-            _unit(header) for header in columns if header not in (axis, moving)
+            unit_in(header) for header in columns if header not in (axis, moving)
         ):
             headers = [
                 header
                 for header in columns
-                if _unit(header) == unit and header not in (axis, moving)
+                if unit_in(header) == unit and header not in (axis, moving)
             ]
             found.append(_chart(runs, table, axis, moving, headers, unit))
     return found
-
-
-def _axis(tables: Sequence[dict[str, Array]]) -> tuple[str | None, str | None]:
-    """Return the column along the axis, and that of the time where each time has
-    several rows.
-    """
-    names = {header.split(" [")[0]: header for columns in tables for header in columns}
-    time = names.get("t")
-    once = all(
-        len(np.unique(columns[time])) == len(columns[time])
-        for columns in tables
-        if time in columns
-    )
-    place = next((names[name] for name in COORDINATES if name in names), None)
-    if place is None or (time is not None and once):
-        return time or next(iter(names.values()), None), None
-    return place, time
-
-
-def _unit(header: str) -> str:
-    return header.partition(" [")[2].rstrip("]") or "1"
 
 
 def _chart(
@@ -122,7 +104,7 @@ def _chart(
                 continue
             here = _nearest(columns, moving, time)
             for n, header in enumerate(name for name in headers if name in columns):
-                name = header.split(" [")[0]
+                name = name_of(header)
                 label = name if len(runs) == 1 else f"{run.name}: {name}"
                 colour = COLOURS[(n if len(runs) == 1 else k) % len(COLOURS)]
                 traces.append(
@@ -130,8 +112,8 @@ def _chart(
                         "type": "scatter",
                         "mode": "lines",
                         "name": label,
-                        "x": _short(_thinned(columns[axis][here])),
-                        "y": _short(_thinned(columns[header][here])),
+                        "x": _thinned(columns[axis][here]),
+                        "y": _thinned(columns[header][here]),
                         "line": {
                             "color": colour,
                             "dash": DASHES[(0 if len(runs) == 1 else n) % len(DASHES)],
@@ -139,7 +121,7 @@ def _chart(
                     }
                 )
         frames.append(traces)
-    what = ", ".join(dict.fromkeys(header.split(" [")[0] for header in headers[:4]))
+    what = ", ".join(dict.fromkeys(map(name_of, headers[:4])))
     title = f"{what}{', ...' if len(headers) > 4 else ''}"
     chart: Chart = {
         "kind": "curves",
@@ -150,7 +132,7 @@ def _chart(
             "yaxis": {
                 "title": {
                     "text": _with_unit(
-                        headers[0].split(" [")[0] if len(headers) == 1 else "", unit
+                        name_of(headers[0]) if len(headers) == 1 else "", unit
                     )
                 }
             },
@@ -188,14 +170,9 @@ def _nearest(columns: dict[str, Array], moving: str | None, time: float | None) 
     return columns[moving] == (reached[-1] if reached.size else times[0])
 
 
-def _thinned(values: Array) -> Array:
-    """Return a curve of at most some `MAX_POINTS` points, its ends included."""
-    if len(values) <= MAX_POINTS:
-        return values
-    thinned: Array = values[
-        np.unique(np.linspace(0, len(values) - 1, MAX_POINTS).round().astype(int))
-    ]
-    return thinned
+def _thinned(values: Array) -> list[float | None]:
+    """Return a curve of at most `MAX_POINTS` points, its ends included."""
+    return _short(values[evenly(len(values), MAX_POINTS)])
 
 
 def _short(values: Array) -> list[float | None]:

@@ -17,6 +17,7 @@ from contbed.arrays import Array
 from contbed.errors import ContbedError
 from contbed.output.nearest import Nearest
 from contbed.output.stored import read_fields
+from contbed.output.tables import evenly
 from contbed.report.read import Run, Snapshot
 
 LONG_SIDE = 140  # points of a picture along its longer side
@@ -89,9 +90,9 @@ def pictures(run: Run, most: int = MAX_FRAMES) -> list[Pictures | Cloud]:
     ------
     ContbedError : a file is damaged, or has other fields than the others
     """
-    chosen = _chosen(run.snapshots, most)
-    if not chosen:
+    if not run.snapshots:
         return []
+    chosen = [run.snapshots[k] for k in evenly(len(run.snapshots), most)]
     meshes = [read_fields(snapshot.file) for snapshot in chosen]
     _require_alike(meshes, chosen)
     times = tuple(snapshot.time for snapshot in chosen if snapshot.time is not None)
@@ -105,14 +106,6 @@ def pictures(run: Run, most: int = MAX_FRAMES) -> list[Pictures | Cloud]:
     if not flat:
         return _slices(meshes, times)
     return []
-
-
-def _chosen(snapshots: tuple[Snapshot, ...], most: int) -> list[Snapshot]:
-    """Return at most so many times, evenly among all, the last included."""
-    if len(snapshots) <= most:
-        return list(snapshots)
-    numbers = np.unique(np.linspace(0, len(snapshots) - 1, most).round().astype(int))
-    return [snapshots[k] for k in numbers]
 
 
 def _require_alike(meshes: Sequence[Any], chosen: Sequence[Snapshot]) -> None:

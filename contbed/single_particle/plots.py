@@ -7,22 +7,22 @@ from __future__ import annotations
 from pathlib import Path
 
 from contbed.fields import header
-from contbed.output.plots import styled_figure
+from contbed.output.curves import Curve, curves_plot
 from contbed.result import Result
+
+PANELS = {
+    "mass over that of the fresh particle": {"mass": "mass_fraction"},
+    "temperature [K]": {"centre": "T_centre", "surface": "T_surface"},
+}
 
 
 def plot(result: Result, folder: Path) -> None:
     """Write profiles.png into a folder."""
     columns = result.profiles
     t = columns[header("t")]
-    with styled_figure(folder / "profiles.png", 3.2, result.plan.scene.title) as figure:
-        mass, heat = figure.subplots(1, 2)
-        mass.plot(t, columns[header("mass_fraction")], color="#0072B2")
-        mass.set(xlabel="time [s]", ylabel="mass over that of the fresh particle")
-        for name, text, colour in (
-            ("T_surface", "surface", "#D55E00"),
-            ("T_centre", "centre", "#0072B2"),
-        ):
-            heat.plot(t, columns[header(name)], label=text, color=colour)
-        heat.set(xlabel="time [s]", ylabel="temperature [K]")
-        heat.legend()
+    panels = {
+        label: [Curve(text, t, columns[header(name)]) for text, name in names.items()]
+        for label, names in PANELS.items()
+    }
+    title = result.plan.scene.title
+    curves_plot(folder / "profiles.png", panels, "time [s]", title, across=2)

@@ -14,6 +14,7 @@ from plane_scene import PLANE
 from contbed import load, run
 from contbed.errors import ContbedError
 from contbed.explain import editor
+from contbed.output.tables import axis_of
 from contbed.report import charts
 from contbed.report.fields import Cloud, pictures
 from contbed.report.read import read_run
@@ -186,12 +187,12 @@ def test_columns_over_time_are_not_profiles():
     has several rows.
     """
     time = {"t [s]": np.array([0.0, 1.0]), "height [m]": np.array([0.1, 0.2])}
-    assert charts._axis([time]) == ("t [s]", None)
+    assert axis_of([time]) == ("t [s]", None)
     profiles = {
         "t [s]": np.array([0.0, 0.0, 1.0, 1.0]),
         "height [m]": np.array([0.0, 1.0, 0.0, 1.0]),
     }
-    assert charts._axis([profiles]) == ("height [m]", "t [s]")
+    assert axis_of([profiles]) == ("height [m]", "t [s]")
 
 
 def test_mistakes_are_one_line(plane, tmp_path, capsys):

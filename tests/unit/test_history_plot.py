@@ -5,7 +5,7 @@ change, no file without a curve.
 import matplotlib.figure
 import numpy as np
 
-from contbed.output.history_plot import history_plot
+from contbed.output.curves import history_plot
 
 T = np.linspace(0.0, 10.0, 20)
 

@@ -24,7 +24,7 @@ from contbed import fields
 from contbed.errors import ContbedError, ConvergenceError, SceneError
 from contbed.fem.elements import Space
 from contbed.loading import loads
-from contbed.output import checkpoint, plots, progress, summary
+from contbed.output import checkpoint, curves, maps, plots, progress, summary
 from contbed.output.files import atomic
 from contbed.output.progress import Progress
 from contbed.output.tables import read_table, write_table
@@ -233,10 +233,10 @@ def test_ticks_are_text_and_powers_of_ten_formulas(tmp_path, monkeypatch):
     seen = []
     plain_ticks = plots.plain_ticks
     monkeypatch.setattr(
-        plots, "plain_ticks", lambda axes: seen.append(axes) or plain_ticks(axes)
+        curves, "plain_ticks", lambda axes: seen.append(axes) or plain_ticks(axes)
     )
     columns = {"x [m]": np.array([-1.0, 1.0]), "p [Pa]": np.array([0.0, 3e7])}
-    plots.profile_plot(tmp_path / "a.png", columns, "x [m]")
+    curves.profile_plot(tmp_path / "a.png", columns, "x [m]")
     across, up = seen[0].xaxis, seen[0].yaxis
     assert (
         next(text.get_text() for text in across.get_ticklabels())
@@ -483,9 +483,9 @@ def test_profiles(tmp_path):
         "T_solid [K]": 310 + x,
         "p [Pa]": 1 - x,
     }
-    plots.profile_plot(tmp_path / "a.png", columns, "x [m]", "50 % of $5, \\alpha")
+    curves.profile_plot(tmp_path / "a.png", columns, "x [m]", "50 % of $5, \\alpha")
     assert shows_something(tmp_path / "a.png")
-    plots.profile_plot(
+    curves.profile_plot(
         tmp_path / "a.png", {"z [m]": x, "u [m/s]": 0 * x + 1, "p [Pa]": 1 - x}, "z [m]"
     )
     assert shows_something(tmp_path / "a.png")
@@ -499,10 +499,10 @@ def test_transient_profiles(tmp_path):
         "theta_fluid [1]": np.tanh(x - t / 20),
         "theta_solid [1]": 0 * x,
     }
-    plots.transient_plot(tmp_path / "a.png", columns, "x [m]", "front")
+    curves.transient_plot(tmp_path / "a.png", columns, "x [m]", "front")
     assert shows_something(tmp_path / "a.png")
     one = {header: values[t == 3.0] for header, values in columns.items()}
-    plots.transient_plot(tmp_path / "a.png", one, "x [m]")
+    curves.transient_plot(tmp_path / "a.png", one, "x [m]")
     assert shows_something(tmp_path / "a.png")
 
 
@@ -519,7 +519,7 @@ def test_maps(shape, tmp_path):
         "p": (Space(mesh, 1), np.zeros(36)),
     }
     nodal["u"] = quadratic, np.array([0 * quadratic.points[0], quadratic.points[0] + 1])
-    plots.field_plot(tmp_path / "a.png", mesh, nodal, axisymmetric=True, title="bed")
+    maps.field_plot(tmp_path / "a.png", mesh, nodal, axisymmetric=True, title="bed")
     assert shows_something(tmp_path / "a.png")
 
 
@@ -529,10 +529,10 @@ def test_map_of_a_flow_on_triangles(tmp_path):
         "p": (Space(mesh, 1), np.ones(mesh.nvertices)),
         "u": (Space(mesh, 2), np.ones((2, Space(mesh, 2).size))),
     }
-    plots.field_plot(tmp_path / "a.png", mesh, nodal)
+    maps.field_plot(tmp_path / "a.png", mesh, nodal)
     assert shows_something(tmp_path / "a.png")
     with pytest.raises(ValueError, match="2-D"):
-        plots.field_plot(tmp_path / "b.png", MESHES["tetra10"], {})
+        maps.field_plot(tmp_path / "b.png", MESHES["tetra10"], {})
 
 
 ARRAYS = {
@@ -841,11 +841,11 @@ def test_imports_are_lazy(tmp_path):
     program = (
         "import sys, contbed.output.files, contbed.output.vtu, contbed.output.tables, "
         "contbed.output.summary\n"
-        "import contbed.output.plots, contbed.output.checkpoint, "
+        "import contbed.output.curves, contbed.output.checkpoint, "
         "contbed.output.progress\n"
         "with contbed.output.progress.Progress(1.0) as p: p.advance_to(1.0)\n"
         "print(sorted({'meshio', 'matplotlib', 'rich'} & set(sys.modules)))\n"
-        "contbed.output.plots.profile_plot(sys.argv[1], {'x [m]': [0, 1], 'p [Pa]': "
+        "contbed.output.curves.profile_plot(sys.argv[1], {'x [m]': [0, 1], 'p [Pa]': "
         "[0, 1]}, 'x [m]')\n"
         "print('matplotlib.pyplot' in sys.modules)\n"
     )
