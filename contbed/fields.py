@@ -39,7 +39,7 @@ class Field:
     @property
     def label(self) -> str:
         """Axis label with symbol and unit; a dimensionless quantity shows none."""
-        return f"${self.symbol}$" + ("" if self.unit == "1" else f" [{self.unit}]")
+        return labelled(f"${self.symbol}$", self.unit)
 
 
 def _read(table: str) -> dict[str, Field]:
@@ -82,6 +82,16 @@ def header(name: str) -> str:
 def name_of(header: str) -> str:
     """Return the name in a column header; the inverse of `header`."""
     return header.split(" [")[0]
+
+
+def behind(unit: str | None) -> str:
+    """Return a unit as it stands behind a number; nothing for a plain number."""
+    return "" if unit in (None, "", "1", "-") else f" {unit}"
+
+
+def labelled(name: str, unit: str | None) -> str:
+    """Return a name with its unit in brackets, "T [K]", where it has one."""
+    return f"{name} [{unit}]" if behind(unit) else name
 
 
 def unit_in(header: str) -> str:

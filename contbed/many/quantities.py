@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contbed.explain import sheets
-from contbed.fields import FIELDS, name_of, unit_of
+from contbed.fields import FIELDS, labelled, name_of, unit_of
 from contbed.scene.toml_lines import parse_key
 
 
@@ -40,7 +40,7 @@ class Quantity:
             rest = f" {end}{rest}"
         words = self.name if "." in self.name else self.name.replace("_", " ")
         text = f"${FIELDS[field].symbol}${rest}" if field else words
-        return text if self.unit in (None, "1") else f"{text} [{self.unit}]"
+        return labelled(text, self.unit)
 
 
 def parameter(key: str, values: Iterable[Any]) -> Quantity:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contbed.arrays import Array
-from contbed.fields import FIELDS, name_of, unit_in
+from contbed.fields import FIELDS, labelled, name_of, unit_in
 from contbed.output.colours import COLOURS
 from contbed.output.plots import plain_ticks, shown_range, styled_figure
 from contbed.output.tables import evenly
@@ -206,5 +206,4 @@ def phase_of(name: str) -> str:
 def _group_label(group: tuple[str, ...]) -> str:
     """Return the axis label of fields that share an axis."""
     symbols = ", ".join(f"${FIELDS[name].symbol}$" for name in group)
-    unit = FIELDS[group[0]].unit
-    return symbols if unit == "1" else f"{symbols} [{unit}]"
+    return labelled(symbols, FIELDS[group[0]].unit)

@@ -202,7 +202,7 @@ def figure(result: Result, *names: str, table: str = "profiles") -> Any:
         unit, values = fields.unit_in(headers[name]), np.asarray(columns[headers[name]])
         here = [other for other in wanted if fields.unit_in(headers[other]) == unit]
         shown = name if len(here) == 1 else ""
-        label = shown if unit == "1" else f"{shown} [{unit}]".strip()
+        label = fields.labelled(shown, unit).strip()
         curves = [Curve(None if shown else name, x, values)]
         if time is not None:
             dash = DASHES[here.index(name) % len(DASHES)]

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.fields import name_of, unit_of
+from contbed.fields import labelled, name_of, unit_in, unit_of
 from contbed.output.files import atomic
 
 KEYS = (
@@ -95,7 +95,7 @@ def _parts(summary: Mapping[str, Any]) -> Iterable[Any]:
         parts = ("in", "out", "source", "stored")
         rows = [
             [
-                _with_unit(name, item.get("unit")),
+                labelled(name, item.get("unit")),
                 *(number_text(item.get(key)) for key in parts),
                 number_text(item.get("relative_residual"), ".1e"),
             ]
@@ -108,7 +108,7 @@ def _parts(summary: Mapping[str, Any]) -> Iterable[Any]:
         )
     if qoi := summary.get("qoi"):
         rows = [
-            [_with_unit(name_of(key), _unit(key)), number_text(value, ".6g")]
+            [labelled(name_of(key), _unit(key)), number_text(value, ".6g")]
             for key, value in qoi.items()
         ]
         yield _grid("result", [""], rows)
@@ -183,18 +183,12 @@ def _grid(title: str, columns: list[str], rows: list[list[str]]) -> Any:
     return grid
 
 
-def _with_unit(name: str, unit: str | None) -> str:
-    return name if unit in (None, "", "1") else f"{name} [{unit}]"
-
-
 def _unit(key: str) -> str | None:
     """Return the unit in a name, "power [W]", or that of its field; None where the
     unit ends the name.
     """
-    if " [" in key:
-        return key[key.index(" [") + 2 : -1]
     unit = unit_of(key)
-    return None if key.endswith(f"_{unit}") else unit
+    return unit_in(key) or (None if key.endswith(f"_{unit}") else unit)
 
 
 def _span(ends: Iterable[float | None]) -> str:

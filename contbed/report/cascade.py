@@ -92,7 +92,7 @@ def _parts(found: Found) -> str:
             page.code(name),
             escape(part),
             page.number(deviation),
-            escape(unit_of(name) or ""),
+            page.unit(unit_of(name)),
             f"{share:.1%}",
         ]
         for name in found["qoi"]

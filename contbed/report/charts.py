@@ -12,7 +12,7 @@ import numpy as np
 
 from contbed import fields as quantities
 from contbed.arrays import Array
-from contbed.fields import name_of, unit_in
+from contbed.fields import behind, labelled, name_of, unit_in
 from contbed.output.colours import COLOURS
 from contbed.output.tables import axis_of, evenly
 from contbed.report.fields import Cloud, Pictures
@@ -131,9 +131,9 @@ def _chart(
             "xaxis": {"title": {"text": axis.replace(" [1]", "")}},
             "yaxis": {
                 "title": {
-                    "text": _with_unit(
-                        name_of(headers[0]) if len(headers) == 1 else "", unit
-                    )
+                    "text": labelled(name_of(headers[0]), unit)
+                    if len(headers) == 1
+                    else behind(unit).strip()
                 }
             },
         },
@@ -153,10 +153,6 @@ def _chart(
         margin = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
         chart["layout"]["yaxis"]["range"] = [low - margin, high + margin]
     return chart
-
-
-def _with_unit(name: str, unit: str) -> str:
-    return name if unit == "1" else f"{name} [{unit}]" if name else unit
 
 
 def _nearest(columns: dict[str, Array], moving: str | None, time: float | None) -> Any:

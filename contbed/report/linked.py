@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from contbed.errors import ContbedError
+from contbed.fields import labelled
 from contbed.output.tables import REMEDY, is_number, read_cells
 from contbed.report import page
 
@@ -58,9 +59,7 @@ class Column:
     @property
     def label(self) -> str:
         """Name with the unit."""
-        return (
-            self.name if self.unit in ("", "1", "-") else f"{self.name} [{self.unit}]"
-        )
+        return labelled(self.name, self.unit)
 
     @property
     def is_number(self) -> bool:

@@ -91,7 +91,7 @@ def code(text: str) -> str:
 
 def unit(text: str | None) -> str:
     """Return a unit in a cell; nothing for a plain number."""
-    return "" if text in (None, "1", "-") else escape(str(text))
+    return escape(quantities.behind(text).strip())
 
 
 def picture(file: Path) -> str:

@@ -140,4 +140,4 @@ def amount(name: str, value: float, unit: str) -> str:
                 return f"{value / size:.3g} {prefix}{unit}"
     digits = 4 if unit == "K" else 3
     text = f"{value:.0f}" if 1e3 <= abs(value) < 1e6 else f"{value:.{digits}g}"
-    return text + ("" if unit == "1" else f" {unit}")
+    return text + fields.behind(unit)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from contbed.fields import labelled
 from contbed.many.calibrate.experiments import Point
 from contbed.many.calibrate.found import Calibrated
 from contbed.output.plots import styled_figure
@@ -236,4 +237,4 @@ def _keys(figure: Any, found: Calibrated) -> None:
 
 
 def _unit(point: Point) -> str:
-    return point.quantity if point.unit == "1" else f"{point.quantity} [{point.unit}]"
+    return labelled(point.quantity, point.unit)

@@ -45,6 +45,7 @@ from typing import Any, ClassVar
 
 from pydantic import Field
 
+from contbed.fields import labelled
 from contbed.many import value_sets
 from contbed.many.distributions import Distribution
 from contbed.many.study_file import StudyFile, unit_of
@@ -145,7 +146,7 @@ class FittedKey:
     @property
     def label(self) -> str:
         """Name and unit."""
-        return self.name if self.unit == "1" else f"{self.name} [{self.unit}]"
+        return labelled(self.name, self.unit)
 
 
 @dataclass(frozen=True)

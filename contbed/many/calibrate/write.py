@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from contbed.fields import labelled
 from contbed.many.calibrate.fit import COVERAGE
 from contbed.many.calibrate.found import Calibrated
 from contbed.many.calibrate.settings import experiment_names
@@ -231,9 +232,12 @@ def table(found: Calibrated) -> str:
     head = ("key", "fitted", "standard error", "90 % from", "to", "prior")
     rows = [head]
     for name, unit, prior, value, error, low, high, *_ in key_rows(found):
-        label = name if unit == "1" else f"{name} [{unit}]"
         rows.append(
-            (label, *(f"{number:.5g}" for number in (value, error, low, high)), prior)
+            (
+                labelled(name, unit),
+                *(f"{number:.5g}" for number in (value, error, low, high)),
+                prior,
+            )
         )
     lines = aligned(rows, left=(0, 5))
     names = [key.name for key in found.keys]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contbed.arrays import Array
-from contbed.fields import unit_of
+from contbed.fields import behind, unit_of
 from contbed.many.cascade.band import BAND, Part
 from contbed.many.cascade.file import Cascade
 from contbed.many.cascade.measured import Held
@@ -60,12 +60,11 @@ class Outcome:
         """Return results, bands and parts as lines."""
         lines = []
         for name, value in self.base.items():
-            unit = unit_of(name)
+            unit = behind(unit_of(name))
             low, high = self.band(name)
-            with_unit = "" if unit in (None, "1", "-") else f" {unit}"
             lines.append(
-                f"{name}: {value:.6g}{with_unit}, {BAND:.0%} between {low:.6g} and "
-                f"{high:.6g}{with_unit}"
+                f"{name}: {value:.6g}{unit}, {BAND:.0%} between {low:.6g} and "
+                f"{high:.6g}{unit}"
             )
             for part, share in sorted(
                 self.shares(name).items(), key=lambda item: -item[1]
@@ -74,8 +73,7 @@ class Outcome:
                     one.deviation[name] for one in self.parts if one.name == part
                 )
                 lines.append(
-                    f"  {share:6.1%}  {part}: standard deviation "
-                    f"{deviation:.3g}{with_unit}"
+                    f"  {share:6.1%}  {part}: standard deviation {deviation:.3g}{unit}"
                 )
         if self.held is not None and self.cascade.measured is not None:
             case, points = self.cascade.measured, self.held

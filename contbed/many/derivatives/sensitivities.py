@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import SceneError
-from contbed.fields import unit_of
+from contbed.fields import behind, unit_of
 from contbed.many.derivatives.gradients import Gradient, gradient, require_known
 from contbed.many.derivatives.keys import continuous, key
 from contbed.many.tables import aligned, write_rows
@@ -112,9 +112,7 @@ def table(found: Gradient, about: dict[str, Any]) -> str:
             "relative",
             *(["standard error"] if _scatters(found) else []),
         )
-        lines.append(
-            f"{name} = {found.values[i]:.{DIGITS}g} {'' if unit == '1' else unit}".rstrip()
-        )
+        lines.append(f"{name} = {found.values[i]:.{DIGITS}g}{behind(unit)}")
         lines += [f"  {line}" for line in aligned([head, *rows], left=range(len(head)))]
         lines.append("")
     lines.append(
@@ -134,8 +132,8 @@ def _row(found: Gradient, about: dict[str, Any], i: int, j: int) -> tuple[str, .
     own = quotient(about["qoi"][found.qoi[i]]["unit"], unit)
     row = [
         name,
-        f"{found.at[j]:.{DIGITS}g} {'' if unit == '1' else unit}".rstrip(),
-        f"{found.derivatives[i, j]:.{DIGITS}g} {'' if own == '1' else own}".rstrip(),
+        f"{found.at[j]:.{DIGITS}g}{behind(unit)}",
+        f"{found.derivatives[i, j]:.{DIGITS}g}{behind(own)}",
         f"{relative:.{DIGITS - 2}g}" if found.at[j] and np.isfinite(relative) else "-",
     ]
     if found.standard_errors is not None:

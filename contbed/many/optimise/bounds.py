@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from contbed.fields import behind
 from contbed.many.study_file import Say, checked
 from contbed.many.value_sets import Ends, number
 from contbed.scene import schema
@@ -53,7 +54,7 @@ class DesignKey:
     def shown(self, value: float) -> str:
         """Return a value with its unit."""
         number = f"{value:.0f}" if self.whole else f"{value:.6g}"
-        return number if self.unit == "1" else f"{number} {self.unit}"
+        return number + behind(self.unit)
 
 
 def is_range(entry: Any) -> bool:

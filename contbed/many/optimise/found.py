@@ -11,10 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from contbed.arrays import Array, Flags
+from contbed.fields import behind
 from contbed.many.optimise.constrained_search import FEASIBLE, FIRST_ORDER, Optimum
 from contbed.many.optimise.evaluations import Evaluation, Evaluations, named_values
 from contbed.many.optimise.expression import Expression
-from contbed.many.optimise.problem import Constraint, Design, with_unit
+from contbed.many.optimise.problem import Constraint, Design
 
 NOTHING = 1e-9  # of the objective, a change that is no more than rounding
 
@@ -113,7 +114,7 @@ def infeasible(design: Design, evaluation: Evaluation) -> str:
     for one, excess in zip(design.constraints, evaluation.values[1:], strict=True):
         beyond = abs(excess) if one.sign == "==" else excess
         if beyond > 0.0:
-            missed.append(f'"{one.text}" by {beyond:.4g}{with_unit(one.left.unit)}')
+            missed.append(f'"{one.text}" by {beyond:.4g}{behind(one.left.unit)}')
     nearest = ", ".join(missed) or "none by more than it scatters"
     return (
         "no point within the bounds was found that fulfils all constraints; the "
@@ -165,14 +166,14 @@ def costs(design: Design, found: Found) -> Iterator[str]:
             )
             amount = _round_part(value, key.span)
             words = (
-                f"{amount:g}{with_unit(key.unit)} {'lower' if sign < 0.0 else 'higher'}"
+                f"{amount:g}{behind(key.unit)} {'lower' if sign < 0.0 else 'higher'}"
             )
             change = _change(design.objective, sign * price * amount)
             yield f"{key.name} is at its {side} bound, {key.shown(value)}: {words} {change}"
 
 
 def _relaxed(one: Constraint, amount: float) -> str:
-    text = f"{amount:g}{with_unit(one.left.unit)}"
+    text = f"{amount:g}{behind(one.left.unit)}"
     return (
         text
         + {
@@ -184,7 +185,7 @@ def _relaxed(one: Constraint, amount: float) -> str:
 
 
 def _change(objective: Expression, change: float) -> str:
-    return f"changes {objective.text} by {change:+.4g}{with_unit(objective.unit)}"
+    return f"changes {objective.text} by {change:+.4g}{behind(objective.unit)}"
 
 
 def _round_part(value: float, otherwise: float) -> float:

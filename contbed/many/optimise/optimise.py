@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from contbed.errors import ConvergenceError
+from contbed.fields import behind
 from contbed.many.optimise import files, without_gradients
 from contbed.many.optimise.constrained_search import EvaluationFailed, Optimum, minimise
 from contbed.many.optimise.evaluations import (
@@ -24,7 +25,7 @@ from contbed.many.optimise.evaluations import (
     named_values,
 )
 from contbed.many.optimise.found import Found, costs, found_at
-from contbed.many.optimise.problem import Design, with_unit
+from contbed.many.optimise.problem import Design
 from contbed.many.optimise.reach import warnings_at_start
 from contbed.many.optimise.reading import read_design
 from contbed.many.optimise.surrogate import require_sklearn
@@ -58,11 +59,11 @@ class Optimisation:
         values = named_values(design, found.evaluation)
         goal = design.objective
         aim = "largest" if design.maximise else "smallest"
-        lines = [f"{aim} {goal.text}: {goal(values):.6g}{with_unit(goal.unit)}"]
+        lines = [f"{aim} {goal.text}: {goal(values):.6g}{behind(goal.unit)}"]
         for key, value in zip(design.keys, found.evaluation.point, strict=True):
             lines.append(f"  {key.name} = {key.shown(float(value))}")
         for one, active in zip(design.constraints, found.active, strict=True):
-            unit = with_unit(one.left.unit)
+            unit = behind(one.left.unit)
             lines.append(
                 f"  {one.text}: "
                 f"{one.left(values):.6g}{unit}{', active' if active else ''}"

@@ -29,6 +29,7 @@ import numpy as np
 
 from contbed.arrays import Array
 from contbed.errors import SceneError
+from contbed.fields import behind
 from contbed.loading import load
 from contbed.many.optimise.bounds import DesignKey
 from contbed.many.optimise.expression import Expression
@@ -176,7 +177,7 @@ def require_possible(found: Design) -> None:
                     if key.name in one.names
                 )  # fmt: skip
                 short = (
-                    f"missed by at least {least:.4g}{with_unit(one.left.unit)}, at "
+                    f"missed by at least {least:.4g}{behind(one.left.unit)}, at "
                     f"{where or 'any point'}"
                 )
                 problems.append(
@@ -187,7 +188,7 @@ def require_possible(found: Design) -> None:
         for other in found.constraints[:k]:
             gap = _gap(one, other)
             if gap > 0.0:
-                by = f"{gap:.4g}{with_unit(one.left.unit)}"
+                by = f"{gap:.4g}{behind(one.left.unit)}"
                 problems.append(
                     f'{one.at}: "{one.text}" contradicts "{other.text}" by {by}; '
                     "change one"
@@ -226,8 +227,3 @@ def _gap(one: Constraint, other: Constraint) -> float:
     lower = [value for sign, value in bounds if sign in (">=", "==")]
     upper = [value for sign, value in bounds if sign in ("<=", "==")]
     return float(max(lower, default=-np.inf) - min(upper, default=np.inf))
-
-
-def with_unit(unit: str) -> str:
-    """Return a unit as it stands behind a number."""
-    return "" if unit == "1" else f" {unit}"

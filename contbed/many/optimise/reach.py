@@ -14,9 +14,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from contbed.arrays import Array
+from contbed.fields import behind
 from contbed.many.optimise.constrained_search import EvaluationFailed
 from contbed.many.optimise.evaluations import Evaluations
-from contbed.many.optimise.problem import Design, with_unit
+from contbed.many.optimise.problem import Design
 
 
 def warnings_at_start(evaluations: Evaluations) -> Iterator[str]:
@@ -38,7 +39,7 @@ def warnings_at_start(evaluations: Evaluations) -> Iterator[str]:
         strict=True,
     ):
         if short > 0.0:
-            unit = with_unit(one.left.unit)
+            unit = behind(one.left.unit)
             yield (
                 f'{one.at}: "{one.text}" is missed by {abs(excess):.4g}{unit} at the '
                 "start and, by the gradient there, "

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from contbed.arrays import Array
+from contbed.fields import behind
 from contbed.many.optimise.evaluations import Evaluation, Evaluations, OutOfRuns
 from contbed.many.optimise.found import (
     INFEASIBLE,
@@ -21,7 +22,7 @@ from contbed.many.optimise.found import (
     best_of,
     infeasible,
 )
-from contbed.many.optimise.problem import Design, with_unit
+from contbed.many.optimise.problem import Design
 from contbed.many.optimise.surrogate import (
     Known,
     Surrogate,
@@ -75,7 +76,7 @@ def _improve(evaluations: Evaluations, steps: list[float]) -> str:
         idle = idle + 1 if nothing else 0
         evaluations.at(_point(design, proposal.z))
         if idle >= PATIENCE:
-            unit = with_unit(design.objective.unit)
+            unit = behind(design.objective.unit)
             if not proposal.feasible:
                 return (
                     "no point is expected to hold all constraints (probability "
@@ -154,7 +155,7 @@ def _found(evaluations: Evaluations, verdict: str, out_of_runs: bool) -> Found:
     best, z = evaluations.rows[best_row], known.z[best_row : best_row + 1]
     mean, error = (one[0] for one in surrogate.predict(z))
     sign = -1.0 if design.maximise else 1.0
-    unit = with_unit(design.objective.unit)
+    unit = behind(design.objective.unit)
     reason = ", as results scatter" if model_of(design.scene).scatters else ""
     there = (
         f"{design.objective.text} there {sign * mean[0]:.5g}{unit} +- "

@@ -13,6 +13,7 @@ import numpy as np
 
 from contbed.arrays import Array
 from contbed.errors import ContbedError
+from contbed.fields import behind, labelled
 from contbed.many.derivatives.gradients import gradient
 from contbed.many.quantities import Quantity
 from contbed.many.store import Store, key_of
@@ -288,10 +289,9 @@ def _plot(report: Report, path: Path) -> None:
                 )
             axes.set_yticks(rows, names)
             axes.set_ylim(len(names) - 0.5, -0.5)
-            unit = "" if one.result.unit in (None, "1") else f" [{one.result.unit}]"
             axes.set(
                 title=one.result.name,
-                xlabel=f"mean magnitude of effects{unit}"
+                xlabel=labelled("mean magnitude of effects", one.result.unit)
                 if "mean magnitude" in found
                 else "share of the variance",
             )
@@ -302,7 +302,7 @@ def table(report: Report) -> str:
     """Return means, standard deviations and indices as lines for a terminal."""
     lines = []
     for one in report.results:
-        unit = "" if one.result.unit in (None, "1") else f" {one.result.unit}"
+        unit = behind(one.result.unit)
         for s in one.spreads:
             runs = "1 run" if s.runs == 1 else f"{s.runs} runs"
             lines.append(

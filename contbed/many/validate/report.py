@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.fields import FIELDS
+from contbed.fields import FIELDS, behind
 from contbed.many.tables import aligned
 from contbed.many.validate.deviations import COVERAGE
 from contbed.many.validate.score import Validated
@@ -28,9 +28,8 @@ def table(done: Sequence[Validated]) -> str:
     rows: list[tuple[str, ...]] = [_HEAD]
     for one in done:
         for k, score in enumerate(one.compared.scores):
-            unit = "" if score.unit == "1" else f" {score.unit}"
             numbers = (
-                f"{value:.3g}{unit}"
+                f"{value:.3g}{behind(score.unit)}"
                 for value in (score.rms, score.bias, score.data, score.band)
             )
             verdict = "within uncertainty" if score.within else "beyond uncertainty"
