@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 from contbed import models
@@ -44,14 +43,6 @@ class Engine:
     def usage(self) -> dict[str, Any]:
         """Return what a run has taken on each rank; nothing without ranks."""
         return {}
-
-    def write(self, path: Path, mesh: Any, nodal: Mapping[str, Any]) -> str:
-        """Write nodal fields on a mesh, see `output.vtu.write_fields`; return the
-        name of the file to open.
-        """
-        from contbed.output.vtu import write_fields
-
-        return write_fields(path, mesh, nodal)
 
     def require_all(self, scene: SceneBase) -> None:
         """Require that further runs of a scene can start now, from the process that

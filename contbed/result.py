@@ -179,17 +179,17 @@ class Result:
         return failed
 
     def _write_fields(self, out: Path) -> None:
-        mesh, write = self.plan.mesh, self.engine.write
-        if self.series:
-            from contbed.output.vtu import write_series
+        from contbed.output.vtu import write_fields, write_series
 
+        mesh = self.plan.mesh.skfem
+        if self.series:
             names = [
-                (time, write(out / f"fields_{k:04d}.vtu", mesh.skfem, nodal))
+                (time, write_fields(out / f"fields_{k:04d}.vtu", mesh, nodal))
                 for k, (time, nodal) in enumerate(self.series)
             ]
             write_series(out / "fields.pvd", names)
         else:
-            write(out / "fields.vtu", mesh.skfem, self.nodal)
+            write_fields(out / "fields.vtu", mesh, self.nodal)
 
     @contextmanager
     def timed(self, phase: str) -> Iterator[None]:

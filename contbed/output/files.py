@@ -44,7 +44,9 @@ def atomic(path: Path | str) -> Iterator[Path]:
     temporary = path.with_name(f"{path.name}.{secrets.token_hex(TOKEN)}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        announce(path)
+        watch = watchers.get(path.parent.resolve()) if watchers else None
+        if watch is not None:
+            watch(path.name)
         os.close(
             os.open(
                 temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666
@@ -59,15 +61,6 @@ def atomic(path: Path | str) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             temporary.unlink()
-
-
-def announce(path: Path) -> None:
-    """Notify the run that holds the folder, if there is one, that a file of its own
-    will be written.
-    """
-    watch = watchers.get(path.parent.resolve()) if watchers else None
-    if watch is not None:
-        watch(path.name)
 
 
 def prepare(folder: Path) -> None:

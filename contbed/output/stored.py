@@ -1,6 +1,4 @@
-"""Fields as a run stored them: files of a series; one file each, or pieces of ranks,
-joined where they meet.
-"""
+"""Fields as a run stored them, and the files of a series."""
 
 from __future__ import annotations
 
@@ -10,15 +8,10 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from contbed.arrays import Array, Integers
 from contbed.errors import ContbedError
 
 # of files that are not as they were written
 _DAMAGE = (OSError, ValueError, KeyError, ElementTree.ParseError)
-# distance of nodes of two pieces that are one and the same, over the extent: rounding
-SAME = 1e-9
 
 
 def read_series(path: Path) -> list[tuple[float, Path]]:
@@ -39,56 +32,13 @@ def read_series(path: Path) -> list[tuple[float, Path]]:
 
 
 def read_fields(path: Path) -> Any:
-    """Read a .vtu, or the pieces that a .pvtu names, as one meshio.Mesh; cells stay in
-    the order of the pieces.
+    """Read a .vtu as a meshio.Mesh.
+
+    meshio lets any error of its parser through, or prints it and ends the process.
 
     Raises
     ------
-    ContbedError : a piece is not there, or a file is damaged
-    """
-    import meshio
-
-    if path.suffix != ".pvtu":
-        return _read(path)
-    try:
-        files = [
-            path.with_name(item.attrib["Source"])
-            for item in ElementTree.parse(path).getroot().iter("Piece")
-        ]
-    except _DAMAGE as error:
-        raise _damaged(path, error) from error
-    if lost := [file.name for file in files if not file.is_file()]:
-        raise ContbedError(
-            f"{path}: {', '.join(lost)} not found; a .pvtu needs its pieces beside it"
-        )
-    pieces = [_read(file) for file in files]
-    points = np.concatenate([piece.points for piece in pieces])
-    first, number = _joined(points)
-    starts = np.cumsum([0, *(len(piece.points) for piece in pieces)])
-    cells = np.concatenate(
-        [
-            number[piece.cells[0].data + n]
-            for piece, n in zip(pieces, starts, strict=False)
-        ]
-    )
-    one = pieces[0]
-    return meshio.Mesh(
-        points[first],
-        [(one.cells[0].type, cells)],
-        {
-            name: np.concatenate([piece.point_data[name] for piece in pieces])[first]
-            for name in one.point_data
-        },
-        {
-            name: [np.concatenate([piece.cell_data[name][0] for piece in pieces])]
-            for name in one.cell_data
-        },
-    )
-
-
-def _read(path: Path) -> Any:
-    """Read a .vtu; meshio lets any error of its parser through, or prints it and
-    ends the process.
+    ContbedError : the file is damaged
     """
     import meshio
 
@@ -111,22 +61,3 @@ def _damaged(path: Path, error: BaseException) -> ContbedError:
     return ContbedError(
         f"{path}: a damaged file of fields{why}; remove it, or run the scene again"
     )
-
-
-def _joined(points: Array) -> tuple[Integers, Integers]:
-    """Return the first of each group of points that are the same, and the number of
-    the group of each point.
-    """
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
-
-    pairs = cKDTree(points).query_pairs(
-        SAME * float(np.ptp(points, axis=0).max()), output_type="ndarray"
-    )
-    graph = coo_matrix(
-        (np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (len(points), len(points))
-    )
-    _, number = connected_components(graph, directed=False)
-    _, first = np.unique(number, return_index=True)
-    return first, number.astype(np.int64)

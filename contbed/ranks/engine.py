@@ -7,9 +7,8 @@ two fluids (`ranks.two_fluid`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from contbed import models
 from contbed.engine import Engine, Found
 from contbed.errors import EngineError
 from contbed.mesh.mesh import MeshEngine
-from contbed.ranks import dolfinx, parts, pieces
+from contbed.ranks import dolfinx, parts
 from contbed.ranks.group import rank_group, run_on_root
 from contbed.ranks.petsc import PetscPolicy
 from contbed.ranks.system import System
@@ -77,10 +76,6 @@ class Ranks(Engine):
             "cpu_s": taken[:, 0].tolist(),
             "memory_GB": taken[:, 1].tolist(),
         }
-
-    def write(self, path: Path, mesh: Any, nodal: Mapping[str, Any]) -> str:
-        """Write fields, see `ranks.pieces`."""
-        return pieces.write(path, mesh, nodal)
 
     def require_all(self, scene: SceneBase) -> None:
         """Raise EngineError where the other ranks do not serve rank 0."""

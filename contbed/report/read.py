@@ -4,7 +4,6 @@ fields.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -118,19 +117,12 @@ def _keys(root: schema.Node, values: Any, path: tuple[str, ...]) -> list[Key]:
 
 
 def _snapshots(folder: Path) -> list[Snapshot]:
-    """Return the files of the fields in order of time; of pieces the .pvtu that
-    names them.
-    """
+    """Return the files of the fields in order of time."""
     series = sorted(folder.glob("*.pvd"))
     if series:
         return [
             Snapshot(time, file)
             for time, file in read_series(series[0])
-            if file.suffix in (".vtu", ".pvtu")
+            if file.suffix == ".vtu"
         ]
-    whole = [
-        file
-        for file in folder.glob("*.vtu")
-        if not re.search(r"_p\d+\.vtu$", file.name)
-    ]
-    return [Snapshot(None, file) for file in sorted([*whole, *folder.glob("*.pvtu")])]
+    return [Snapshot(None, file) for file in sorted(folder.glob("*.vtu"))]

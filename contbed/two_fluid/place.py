@@ -5,13 +5,10 @@ shares the bed among several.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
-
-import skfem
 
 from contbed.compiled import threads
 from contbed.mesh.mesh import Mesh
-from contbed.two_fluid import files, momentum_budget
+from contbed.two_fluid import momentum_budget
 from contbed.two_fluid.averages import Averages
 from contbed.two_fluid.closure_kernels import GuardCounts, ParticleProperties
 from contbed.two_fluid.fv.grid import Grid, build
@@ -24,9 +21,7 @@ from contbed.two_fluid.simulation import Simulation
 class Place:
     """One process, which has the whole grid."""
 
-    def grid(
-        self, scene: TwoFluidScene, mesh: Mesh, pairs: Sequence[tuple[str, str]]
-    ) -> tuple[Grid, Place]:
+    def grid(self, mesh: Mesh, pairs: Sequence[tuple[str, str]]) -> tuple[Grid, Place]:
         """Return the grid of a mesh with pairs of periodic boundaries, and the place
         that computes on it.
         """
@@ -59,12 +54,6 @@ class Place:
     def averages(self, bed: Simulation, start: float, end: float) -> Averages:
         """Return averages of a bed from `start` to `end` [s]."""
         return Averages(start, end, momentum=momentum_budget.momentum(bed))
-
-    def write(
-        self, path: Path, mesh: skfem.Mesh, bed: Simulation, averages: Averages | None
-    ) -> str:
-        """Write the fields of a bed; return the name of the file to open."""
-        return files.write(path, mesh, bed, averages)
 
 
 ONE_PROCESS = Place()

@@ -108,7 +108,7 @@ def plan(scene: t.TwoFluidScene, place: Place = ONE_PROCESS) -> TwoFluidPlan:
     SceneError : the mesh cannot be used, a boundary has no condition or does not exist
     """
     mesh = _cut(mesh_of(scene), scene)
-    cells, place = place.grid(scene, mesh, periodic_pairs(scene))
+    cells, place = place.grid(mesh, periodic_pairs(scene))
     _require_resolved(scene, mesh, cells)
     known = conditions(scene, cells)
     for name in cells.boundaries:

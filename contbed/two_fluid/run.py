@@ -16,7 +16,7 @@ import numpy as np
 from contbed.errors import ContbedError, ConvergenceError, SceneError
 from contbed.result import Result, timed
 from contbed.scene.mesh import power_units
-from contbed.two_fluid import of_fluidized, plausibility, probes
+from contbed.two_fluid import files, of_fluidized, plausibility, probes
 from contbed.two_fluid import plan as planning
 from contbed.two_fluid import results as findings
 from contbed.two_fluid import scene as t
@@ -317,8 +317,9 @@ def _fields(run: Run, folder: Path) -> None:
     if run.files and run.files[-1][0] == time:
         return
     path = folder / f"fields_{len(run.files):04d}.vtu"
-    name = run.plan.place.write(path, run.plan.mesh.skfem, run.bed, run.averages)
-    run.files.append((time, name))
+    averages = None if run.averages is None else run.averages.whole()
+    files.write(path, run.plan.mesh.skfem, run.bed, averages)
+    run.files.append((time, path.name))
     write_series(folder / "fields.pvd", run.files)
 
 

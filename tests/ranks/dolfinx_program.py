@@ -73,15 +73,6 @@ def iterate(out: Path) -> None:
             np.savez(out / f"{name}.npz", **found(result))
 
 
-def write(out: Path) -> None:
-    """Results of two scenes as files, in pieces where there are several ranks."""
-    from contbed.ranks import pieces
-
-    pieces.WHOLE = 10
-    for name in ("heat_sources_and_tubes", "transient_gas"):
-        run(from_dict(SCENES[name]), out=out / name, engine="dolfinx")
-
-
 def stop(out: Path, scene: str, after: str) -> None:
     """A transient run that is interrupted after a time [s]."""
     from contbed.output.progress import Progress
@@ -166,7 +157,7 @@ def slopes(out: Path, scene: str, qoi: str, *keys: str) -> None:
 
 
 COMMANDS = {
-    f.__name__: f for f in (agree, iterate, write, stop, resume, lose, complain, slopes)
+    f.__name__: f for f in (agree, iterate, stop, resume, lose, complain, slopes)
 }
 
 if __name__ == "__main__":

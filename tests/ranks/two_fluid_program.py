@@ -12,11 +12,9 @@ import numpy as np
 from two_fluid_scenes import BEDS, CHECK_CASES, CHECKS
 
 from contbed.loading import from_dict, load
-from contbed.ranks import pieces
 from contbed.ranks.engine import Ranks
 from contbed.ranks.group import run_on_root
 from contbed.ranks.two_fluid.averages import SharedAverages
-from contbed.ranks.two_fluid.files import write
 from contbed.runner import run
 from contbed.two_fluid.averages import Averages
 from contbed.two_fluid.momentum_budget import momentum
@@ -83,36 +81,11 @@ def averages(out: Path, *names: str) -> None:
         run_on_root(main)
 
 
-def files(out: Path, *names: str) -> None:
-    """Fields and averages of the same state, each in one file of the first rank and
-    in pieces of all.
-    """
-    for name in names:
-
-        def main(name: str = name) -> None:
-            plan = Ranks().plan(loaded(name))
-            bed, _ = plan.bed()
-            taken = SharedAverages(bed, 0.0, 1.0)
-            for _ in range(3):
-                bed.step_towards(1e3)
-                taken.add(bed)
-            for folder, pieces.WHOLE in ((out / "pieces", 10), (out / "one", 100_000)):
-                write(folder / f"{name}.vtu", plan.mesh.skfem, bed, taken)
-
-        run_on_root(main)
-
-
-def in_pieces(out: Path, name: str, end: str) -> None:
-    """A run until `end` [s] whose fields are written in pieces."""
-    pieces.WHOLE = 10
-    whole(out, name, end, plots=True)
-
-
-def whole(out: Path, name: str, end: str, plots: bool = False) -> None:
+def whole(out: Path, name: str, end: str) -> None:
     """A run with its files until `end` [s]."""
     time = BEDS[name]["time"] | {"end": float(end)}
     run(
-        from_dict(BEDS[name] | {"time": time, "output": {"plots": plots}}),
+        from_dict(BEDS[name] | {"time": time, "output": {"plots": False}}),
         out=out,
         engine="dolfinx",
     )
@@ -143,9 +116,7 @@ def kill(out: Path, name: str) -> None:
     run(scene, out=out, engine="dolfinx")
 
 
-COMMANDS = {
-    f.__name__: f for f in (states, averages, files, in_pieces, whole, resume, kill)
-}
+COMMANDS = {f.__name__: f for f in (states, averages, whole, resume, kill)}
 
 if __name__ == "__main__":
     COMMANDS[sys.argv[1]](Path(sys.argv[2]), *sys.argv[3:])

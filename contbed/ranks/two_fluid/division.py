@@ -12,13 +12,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import skfem
 
 from contbed.errors import EngineError
 from contbed.ranks.two_fluid.partition import LAYERS, REACH, Share
 from contbed.solvers.aggregation import neighbours_by_cell
 from contbed.two_fluid.compiled import Indices
-from contbed.two_fluid.files import in_order_of_vtk
 from contbed.two_fluid.fv.connections import SKEWED, Connections, Links, offsets
 from contbed.two_fluid.fv.grid import Grid, faces_of, geometry
 
@@ -161,7 +159,7 @@ class Division:
             )
         return ranks
 
-    def split(self, mesh: skfem.Mesh, owner: Indices, size: int) -> Iterator[Share]:
+    def split(self, owner: Indices, size: int) -> Iterator[Share]:
         """Yield the share of each rank, one after the other, as each is as large as
         its part of the grid.
         """
@@ -182,10 +180,6 @@ class Division:
             ends = np.cumsum([len(layer) for layer in layers])
             cells = np.concatenate(layers)
             faces, links = _links(whole, around, cells, numbers)
-            in_mesh = whole.cells[cells[: ends[LAYERS]]]
-            nodes, corners = np.unique(
-                in_order_of_vtk(mesh.t[:, in_mesh].T), return_inverse=True
-            )
             # symmetric: a rank in whose layers own cells of another lie has its own
             # cells in that one's
             sent = {
@@ -200,9 +194,7 @@ class Division:
                 links,
                 owner[cells],
                 sent,
-                in_mesh,
-                mesh.p.T[nodes],
-                corners.reshape(len(in_mesh), -1),
+                whole.cells[cells[: ends[LAYERS]]],
                 whole.bandwidth,
                 whole.axisymmetric,
                 self.skewed,

@@ -34,8 +34,6 @@ class Part:
     owned, near : number of own cells, and of those and the first layer
     interior, edge : faces of the whole grid; own_faces (nf,), own_edges (nb,) mark
         those of own cells on the left
-    points (np, dim) [m], corners (nc, n) : nodes of the cells, and those of each cell
-    in VTK's order
     sent, received : for each neighbouring rank the own cells that it needs and the
         ghost cells that it owns
     """
@@ -48,8 +46,6 @@ class Part:
     edge: Indices
     geometry: Geometry
     grid_cells: Indices
-    points: np.ndarray
-    corners: Indices
     centres: np.ndarray
     middles: np.ndarray
     own_faces: np.ndarray
@@ -87,8 +83,6 @@ class Share(NamedTuple):
     owner: Indices
     sent: dict[int, Indices]
     grid_cells: Indices
-    points: np.ndarray
-    corners: Indices
     bandwidth: int
     axisymmetric: bool
     skewed: bool
@@ -111,8 +105,6 @@ class Share(NamedTuple):
             self.faces[ni:][edge],
             made,
             self.grid_cells,
-            self.points,
-            self.corners,
             links.centres[:last],
             links.middles[np.concatenate((inner, edge))],
             own,

@@ -6,19 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-
-import skfem
 
 from contbed.mesh.mesh import Mesh
-from contbed.ranks.two_fluid import files
 from contbed.ranks.two_fluid.averages import SharedAverages
 from contbed.ranks.two_fluid.bed import SharedSimulation
-from contbed.ranks.two_fluid.bricks import outline
 from contbed.ranks.two_fluid.division import Division
 from contbed.ranks.two_fluid.grid import SharedGrid
-from contbed.ranks.two_fluid.lattice import Lattice, lattice_of, numbers_of_facets
-from contbed.scene.mesh import MeshFile
 from contbed.two_fluid.averages import Averages
 from contbed.two_fluid.closure_kernels import GuardCounts, ParticleProperties
 from contbed.two_fluid.fv.connections import connect
@@ -40,24 +33,13 @@ class Ranks(Place):
     parts : the grid, once ranks have it
     """
 
-    divided: Lattice | Division | None = None
+    divided: Division | None = None
     parts: SharedGrid | None = None
 
-    def grid(
-        self, scene: TwoFluidScene, mesh: Mesh, pairs: Sequence[tuple[str, str]]
-    ) -> tuple[Grid, Ranks]:
+    def grid(self, mesh: Mesh, pairs: Sequence[tuple[str, str]]) -> tuple[Grid, Ranks]:
         """Return the outline of the grid, which rank 0 has, and what ranks make
         their parts from.
         """
-        lattice = (
-            None
-            if isinstance(scene.mesh, MeshFile)
-            else lattice_of(mesh, scene.mesh.sides, pairs)
-        )
-        if lattice is not None:
-            return outline(lattice, numbers_of_facets(lattice, mesh, pairs)), Ranks(
-                lattice
-            )
         division = Division.of(connect(mesh, pairs))
         return division.outline(), Ranks(division)
 
@@ -68,17 +50,15 @@ class Ranks(Place):
             ("threads", "1 on each rank"),
         ]
 
-    def share(self, mesh: skfem.Mesh, cells: Grid) -> Ranks:
+    def share(self, cells: Grid) -> Ranks:
         """Have each rank make its part of the grid.
 
         Raises
         ------
         EngineError : fewer cells than ranks
         """
-        if isinstance(self.divided, Lattice):
-            return Ranks(parts=SharedGrid.of_lattice(self.divided, cells))
         assert self.divided is not None
-        return Ranks(parts=SharedGrid.of_division(self.divided, mesh, cells))
+        return Ranks(parts=SharedGrid(self.divided, cells))
 
     def simulation(
         self,
@@ -98,12 +78,6 @@ class Ranks(Place):
         assert isinstance(bed, SharedSimulation)
         return SharedAverages(bed, start, end)
 
-    def write(
-        self, path: Path, mesh: skfem.Mesh, bed: Simulation, averages: Averages | None
-    ) -> str:
-        """Write the fields of a bed; return the name of the file to open."""
-        return files.write(path, mesh, bed, averages)
-
 
 def shared_plan(scene: TwoFluidScene) -> TwoFluidPlan:
     """Return the plan of a bed whose grid ranks share.
@@ -115,7 +89,7 @@ def shared_plan(scene: TwoFluidScene) -> TwoFluidPlan:
     """
     made = plan(scene, Ranks())
     assert isinstance(made.place, Ranks)
-    place = made.place.share(made.mesh.skfem, made.grid)
+    place = made.place.share(made.grid)
     # a copy of the mesh leaves behind the lists of faces that the grid was built from
     mesh = replace(made.mesh, skfem=replace(made.mesh.skfem))
     return replace(made, mesh=mesh, place=place)
