@@ -79,13 +79,14 @@ def reactions_of(
     ]
     if len(cases) == 1 and table.surface is None:
         return [_one(cases[0], law, with_effectiveness)]
-    rates = law.rate(cases[0])
+    basis = law.basis or cases[0].basis
+    rates = _per_bed(law.rate(cases[0]), basis, table.factor)
     return [
         Reaction(
             case.name,
             case.equation,
             rates,
-            "particle",
+            "gas" if basis == "gas" else "particle",
             law.own_film,
             step,
             gases=frozenset(species.gases) & case.equation.stoichiometry.keys(),
@@ -158,7 +159,9 @@ def gases_of_rate(table: ReactionTable, law: RateLaw) -> set[str]:
 
 
 def _per_bed(rate: Rate, basis: str, factor: float) -> Rate:
-    """Return a rate per volume of bed from one per basis."""
+    """Return a rate per volume of bed from one per basis; a list of rates where a law
+    has several.
+    """
 
     def scaled(at: Local) -> Any:
         volume = {
@@ -167,7 +170,11 @@ def _per_bed(rate: Rate, basis: str, factor: float) -> Rate:
             "bed": 1.0,
             "catalyst": at.catalyst,
         }[basis]
-        return rate(at) * (factor * volume)
+        scale = factor * volume
+        found = rate(at)
+        if isinstance(found, list):
+            return [each * scale for each in found]
+        return found * scale
 
     return scaled
 

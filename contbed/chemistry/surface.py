@@ -449,10 +449,8 @@ def _rates(case: Case) -> Rate:
 
     def rates(at: Local) -> list[Any]:
         inputs = [at.T, *(at.c[name] for name in surface.gases)]
-        volume = at.solids if case.basis == "particle" else 1.0
-        scale = table.factor * (table.area or 0.0) * volume
         found = with_slopes(lambda values: surface.rates(values, known), inputs)
-        return [rate * scale for rate in found]
+        return [rate * (table.area or 0.0) for rate in found]
 
     return rates
 

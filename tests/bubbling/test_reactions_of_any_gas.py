@@ -5,6 +5,8 @@ import pytest
 from reacting_scenes import tube
 
 import contbed as cb
+from contbed.chemistry import laws
+from contbed.chemistry.rate_law import RateLaw
 from tests.refusals import refused
 
 T, P, R = 1200.0, 101325.0, 8.31446261815324
@@ -43,6 +45,19 @@ def test_a_rate_per_mass_of_particles():
     q = solved({"shift": SHIFT | {"basis": "catalyst", "A": per_kg}})
     share = q["x_CO_wet"] / (q["x_CO_wet"] + q["x_CO2_wet"])
     assert share == pytest.approx(left(per_kg * 2600.0 * 0.55), rel=1e-3)
+
+
+def test_a_law_of_several_equations(monkeypatch):
+    """Two steps per mass of catalyst share one law; the factor scales both."""
+    law = RateLaw(
+        lambda case: lambda at: [4.0e-6 * at.c["CO"], 1.6e-5 * at.c["CO"]],
+        equations=("CO + H2O -> CO2 + H2", "CO + H2O -> CO2 + H2"),
+        basis="catalyst",
+    )
+    monkeypatch.setitem(laws.every(), "twice_the_shift", law)
+    q = solved({"pair": {"law": "twice_the_shift", "factor": 0.5}})
+    share = q["x_CO_wet"] / (q["x_CO_wet"] + q["x_CO2_wet"])
+    assert share == pytest.approx(left(1.0e-5 * 2600.0 * 0.55), rel=1e-3)
 
 
 def test_a_law_of_catalysts_that_packed_beds_have():

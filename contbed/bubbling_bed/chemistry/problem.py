@@ -106,19 +106,20 @@ def gas_reactions(scene: Any) -> list[cr.OfGases]:
     found = []
     for name, table in tables.items():
         law = law_of(name, table)
-        ((_, equation),) = equations_of(name, table).items()
-        named = {*equation.stoichiometry, *(table.orders or {}), *law.gases}
+        named = {*(table.orders or {}), *law.gases}
+        for equation in equations_of(name, table).values():
+            named |= equation.stoichiometry.keys()
         gases = {each: species_of(scene, each) for each in sorted(named)}
-        (reaction,) = kinetics.reactions_of(name, table, Species(gases, {}))
-        place = _place(scene, name, table) if reaction.site == "particle" else None
-        found.append(
-            cr.OfGases(
-                reaction,
-                scene.bubbling_bed.mixing_time,
-                1.0 - scene.bubbling_bed.solids_fraction,
-                place,
+        for reaction in kinetics.reactions_of(name, table, Species(gases, {})):
+            place = _place(scene, name, table) if reaction.site == "particle" else None
+            found.append(
+                cr.OfGases(
+                    reaction,
+                    scene.bubbling_bed.mixing_time,
+                    1.0 - scene.bubbling_bed.solids_fraction,
+                    place,
+                )
             )
-        )
     return found
 
 

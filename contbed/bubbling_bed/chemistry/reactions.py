@@ -16,7 +16,7 @@ from contbed.bubbling_bed.equations.species import SourceTerms, State
 from contbed.chemistry import char_and_lime as rs
 from contbed.chemistry.char_and_lime import BAR
 from contbed.chemistry.elements import ATOMIC_WEIGHTS
-from contbed.chemistry.kinetics import Reaction
+from contbed.chemistry.kinetics import Reaction, rates_of
 from contbed.chemistry.local import Local
 from contbed.chemistry.power_law import SMALL, PowerLaw, power, product
 from contbed.chemistry.thermo import R_GAS
@@ -131,7 +131,7 @@ class OfGases:
             solids = place.share * (1.0 - self.voidage) / self.voidage
             radius, catalyst = 0.5 * place.diameter, solids * place.density
         at = Local(T, p, c, x, {}, 1.0, solids, radius, catalyst, {})
-        rate = self.reaction.rate(at)
+        (rate,) = rates_of([self.reaction], lambda reaction: at)
         if not self.mixing or place is not None:
             return rate
         return rate / (1.0 + self.mixing * self._frequency(at, rate))

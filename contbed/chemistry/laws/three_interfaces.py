@@ -247,8 +247,10 @@ def interface_volumes(n: Mapping[str, Any]) -> Three:
     )
 
 
-def _rates(case: Case, data: Reduction) -> Callable[[Local], list[Any]]:
-    """Return the rates of the three steps, which share their work."""
+def _rates(data: Reduction) -> Callable[[Local], list[Any]]:
+    """Return the rates of the three steps per volume of particles, which share their
+    work.
+    """
 
     def rates(at: Local) -> list[Any]:
         left = interface_volumes(at.n)
@@ -257,15 +259,15 @@ def _rates(case: Case, data: Reduction) -> Callable[[Local], list[Any]]:
         around = Gas(at.c[data.reducing], at.c[data.oxidised], film)
         guard = max(GUARD, at.small.solids)
         taken = interface_rates(X, at.radius, around, data.constants(at.T), guard)
-        scale = (3.0 / at.radius) * case.table.factor * at.solids
-        return [w * x * x * scale for w, x in zip(taken, X, strict=True)]
+        area = 3.0 / at.radius
+        return [w * x * x * area for w, x in zip(taken, X, strict=True)]
 
     return rates
 
 
 def _law(data: Reduction) -> RateLaw:
     return RateLaw(
-        lambda case: _rates(case, data),
+        lambda case: _rates(data),
         equations=tuple(text.format(data.reducing, data.oxidised) for text in STAGES),
         own_film=True,
         of_solids=True,
