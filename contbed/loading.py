@@ -1,5 +1,5 @@
-"""TOML -> settings.Scene. All mistakes are collected and reported at once, each with
-file, line, key and remedy.
+"""Scenes from TOML, text or dicts. All mistakes are collected and reported at once,
+each with file, line, key and remedy.
 """
 
 from __future__ import annotations
@@ -145,7 +145,9 @@ def mistakes_of(
     return []
 
 
-def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any]) -> Any:
+def _build(
+    values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any]
+) -> SceneBase:
     problems: list[tuple[KeyPath, str]] = []
     origin = _override(values, origin, overrides, problems)
     if not values:
@@ -179,7 +181,9 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
                 )
             )
         )
-    scene = model(**{name: part for name, part in parts.items() if part is not None})
+    scene: SceneBase = model(
+        **{name: part for name, part in parts.items() if part is not None}
+    )
     scene._origin = origin
     scene._ignored = ignored
     scene._tables = tables

@@ -71,8 +71,7 @@ class Model:
     equations : modules in the package whose docstrings `contbed explain` shows, by name
     compiles : whether its loops are compiled at their first use, which takes a while
     scatters : whether its results scatter with the start of the particles, so that
-        small changes cannot be
-    distinguished
+        small changes cannot be distinguished
     """
 
     package: str

@@ -15,7 +15,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from contbed.materials.common import R_GAS, integrated, polynomial
+from contbed.materials.common import R_GAS as R_GAS
+from contbed.materials.common import integrated, polynomial
 from contbed.materials.forms import Ranges, forms_of, has_nasa7
 from contbed.materials.pointwise import pointwise
 

@@ -23,12 +23,12 @@ from contbed.closures.binding import BoundClosure, Function
 
 @cache
 def compiled(function: Function) -> Function:
-    """Compile a closure for numbers, and with it the closures that it calls."""
+    """Compile a closure for numbers, and with it the functions that it calls."""
     known = function.__globals__
     called = {
         name: compiled(known[name])
         for name in function.__code__.co_names
-        if hasattr(known.get(name), "sheet")
+        if isinstance(known.get(name), FunctionType)
     }
     plain = FunctionType(
         function.__code__, known | called, function.__name__, function.__defaults__
@@ -90,10 +90,7 @@ def kernel(
     """Compile a function whose global names in `uses` are closures, and in
     `constants` numbers or switches.
     """
-    parts = [
-        f"{name} {use.key if isinstance(use, Face) else _text(use.__code__.co_filename)}"
-        for name, use in uses.items()
-    ]
+    parts = [f"{name} {_key(use)}" for name, use in uses.items()]
     parts += [f"{name} {value!r}" for name, value in constants.items()]
     key = hashlib.sha1("\n".join(parts).encode()).hexdigest()
     return _kernel(template, key, tuple(uses.items()), tuple(constants.items()))

@@ -26,7 +26,7 @@ from contbed.reacting_bed.equations.cross_section import Parts
 from contbed.reacting_bed.equations.section import Section
 from contbed.reacting_bed.equations.unknowns import Layout, Role, State, Unknown
 from contbed.reacting_bed.inside import Choice, with_inside
-from contbed.reacting_bed.medium import Medium
+from contbed.reacting_bed.medium import Medium, PhaseMedium
 from contbed.reacting_bed.phases import species_of
 from contbed.reacting_bed.streams import Streams, gas_inlet, streams
 from contbed.reacting_bed.substances import Substances
@@ -174,9 +174,8 @@ class Problem:
         """
         phase = str(reaction.phase)
         transport = self.bed.medium.at(state).phases[phase]
-        return self.bed.phases[phase].medium.local(
-            state.phases[phase], transport, reaction, self.bed.small
-        )
+        medium: PhaseMedium = self.bed.phases[phase].medium
+        return medium.local(state.phases[phase], transport, reaction, self.bed.small)
 
     @cached_property
     def system(self) -> System:

@@ -163,7 +163,7 @@ class BedSteps(TimeSteps[BedHistory]):
         flux of the gas that enters.
         """
         if not self._jumps(history):
-            return history.state
+            return np.asarray(history.state)
         return turned(course.at(history.time, before=False), history.state)
 
     def _guess_inside(self, history: BedHistory) -> None:

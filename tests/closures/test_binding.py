@@ -50,6 +50,20 @@ def test_a_kernel_calls_the_closure_of_the_scene(spec):
     np.testing.assert_allclose(in_kernel(closure), closure(**KNOWN), rtol=1e-13)
 
 
+def stokes(d_p, mu):
+    """What a law may share with others: a plain function of its module."""
+    return 18.0 * mu / d_p**2
+
+
+def test_a_kernel_compiles_the_functions_that_a_closure_calls(scratch_register):
+    @closures.closure(kind="drag", ranges={"eps": (0, 1)}, source="somebody")
+    def drag_with_a_helper(eps, d_p, mu):
+        return stokes(d_p, mu) / eps
+
+    closure = bind("drag_with_a_helper", "drag", DRAG)
+    np.testing.assert_allclose(in_kernel(closure), closure(**KNOWN), rtol=1e-13)
+
+
 def test_a_kernel_without_a_closure_is_zero():
     assert in_kernel(None).tolist() == [0.0, 0.0]
 

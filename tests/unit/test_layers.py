@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import contbed
+from contbed.models import MODELS
 
 PACKAGE = Path(contbed.__file__).parent
 # from the top to the bottom; a layer imports itself and what is below
@@ -175,17 +176,7 @@ def test_imports_go_downwards():
 
 
 def test_physics_of_one_layer_do_not_know_each_other():
-    physics = {
-        "cfd_dem",
-        "developed_flow",
-        "bubbling_bed",
-        "packed_bed",
-        "reacting_bed",
-        "dem",
-        "single_particle",
-        "two_fluid",
-        "radiation",
-    }
+    physics = {model.package for model in MODELS.values()}
     below = {
         "cfd_dem": {"dem"},
         "developed_flow": {"two_fluid"},

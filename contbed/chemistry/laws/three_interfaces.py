@@ -38,7 +38,7 @@ import numpy as np
 
 from contbed.chemistry.laws.shrinking_core import remaining_radius
 from contbed.chemistry.local import Local
-from contbed.chemistry.rate_law import Case, RateLaw
+from contbed.chemistry.rate_law import RateLaw
 
 R_KINETICS = 8.314e-3  # [kJ/mol/K], with which the constants below were fitted
 CM, CM2 = 1e-2, 1e-4  # [m] and [m2]: constants below are in cm/s and cm2/s
