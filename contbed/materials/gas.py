@@ -5,6 +5,7 @@ numpy for all points at once.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -14,6 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from contbed.errors import SceneError
+from contbed.scene.mechanism import mechanism_file
 
 from .common import (
     Range,
@@ -264,11 +266,11 @@ def cantera_gas(mechanism: str, transport: bool = True) -> tuple[Any, float]:
             for folder in cantera.get_data_directories()
             for path in Path(folder).glob("*.yaml")
         }
-        path = Path(mechanism)
+        path = mechanism_file(mechanism, Path()) or Path(mechanism)
         if path.is_file() and b"phases" not in path.read_bytes():
             raise SceneError(
                 f"gas: {mechanism!r} is no mechanism: expected a YAML file of Cantera "
-                "with the keys phases and species"
+                f"with the keys phases and species{_phase_of_species(path)}"
             ) from error
         if mechanism not in known and not path.is_file() and "not found" in str(error):
             raise SceneError(
@@ -288,6 +290,22 @@ def cantera_gas(mechanism: str, transport: bool = True) -> tuple[Any, float]:
     if transport:
         require_transport(gas, mechanism)
     return gas, float(cantera.gas_constant)
+
+
+def _phase_of_species(file: Path) -> str:
+    """Return how a file with species alone is used; empty for another one."""
+    if re.search(rb"^species\s*:", file.read_bytes(), re.MULTILINE) is None:
+        return ""
+    phase = (
+        "phases: [{name: gas, thermo: ideal-gas, species: "
+        f"[{{{file.name}/species: [CH4, O2, N2]}}]}}]"
+    )
+    return (
+        ". It has species and no phase of them: write a file beside the scene, such as "
+        f"gas.yaml, with the line `{phase}` and your species, and give it as the "
+        "mechanism, with viscosity and conductivity if transport data are missing; or "
+        "take gri30.yaml"
+    )
 
 
 def require_transport(gas: Any, mechanism: str) -> None:

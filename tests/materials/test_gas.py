@@ -157,6 +157,20 @@ def test_all_unknown_species_at_once():
     assert len(problems_of(gas_mixture, "XX:1, YY:1, N2:1", 1e5)) == 2
 
 
+def test_a_file_with_species_alone_is_used_by_the_phase_that_the_message_gives(
+    tmp_path,
+):
+    """The line of the message is a mechanism with the same data."""
+    with pytest.raises(SceneError, match="has species and no phase") as caught:
+        gas_mixture("CH4:0.1, N2:0.9", 1e5, "nasa_gas.yaml")
+    own = tmp_path / "gas.yaml"
+    own.write_text(str(caught.value).split("`")[1])
+    constant = {"viscosity": 2e-5, "conductivity": 0.03}
+    made = gas_mixture("CH4:0.1, N2:0.9", 1e5, str(own), **constant)
+    usual = gas_mixture("CH4:0.1, N2:0.9", 1e5, "gri30.yaml", **constant)
+    np.testing.assert_allclose(made.heat_capacity(T), usual.heat_capacity(T), rtol=5e-3)
+
+
 def test_no_cantera(monkeypatch):
     monkeypatch.setitem(sys.modules, "cantera", None)
     refused(r"package cantera .*pip install cantera", gas_mixture, "N2", 1e5)
