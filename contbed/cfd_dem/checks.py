@@ -69,11 +69,34 @@ def _is_file(name: str, origin: Origin) -> bool:
     return "\0" not in name and (origin.base / name).is_file()
 
 
-def gas_is_complete(gas: GasConstant | GasCantera | GasCoolProp) -> Mistakes:
-    """Require heat capacity and conductivity of constant properties, and fractions
-    that sum to one.
+def heat_has_a_closure(
+    closures: g.Closures, particles: g.GasParticles, heat: g.GasHeat | None, see: See
+) -> Mistakes:
+    """Require a Nusselt number where the scene asks for heat that is exchanged."""
+    if closures.nusselt is not None:
+        return
+    for there, key in (
+        (heat, "heat"),
+        (particles.closure, "particles.closure"),
+        (particles.tubes, "particles.tubes"),
+    ):
+        if there is not None and there != {}:
+            text = f"missing; {see(key)} needs it. `contbed closures --for closures.nusselt` lists some"
+            yield ("closures", "nusselt"), text
+            return
+
+
+def properties_are_complete(
+    gas: GasConstant | GasCantera | GasCoolProp, solids: Solids, closures: g.Closures
+) -> Mistakes:
+    """Require conductivities, and the heat capacity of constant properties, where heat
+    is exchanged, and fractions that sum to one.
     """
-    if isinstance(gas, GasConstant):
+    name, solid = the_only(solids)
+    if closures.nusselt is not None and not solid.conductivity:
+        key = ("solids", name, "conductivity")
+        yield key, "missing or 0; heat transfer coefficients need it"
+    if isinstance(gas, GasConstant) and closures.nusselt is not None:
         for name in ("heat_capacity", "conductivity"):
             if not getattr(gas, name):
                 yield ("gas", name), "missing or 0; heat transfer coefficients need it"
@@ -91,8 +114,10 @@ def closures_exist(closures: g.Closures, origin: Origin) -> Mistakes:
     gives.
     """
     for kind, gives in GIVES.items():
+        if (spec := getattr(closures, kind)) is None:
+            continue
         try:
-            bind(getattr(closures, kind), kind, gives, origin.base)
+            bind(spec, kind, gives, origin.base)
         except SceneError as error:
             yield ("closures", kind), str(error)
 
@@ -100,8 +125,10 @@ def closures_exist(closures: g.Closures, origin: Origin) -> Mistakes:
 def jet_is_in_the_floor(
     boundary: g.Boundary, particles: g.GasParticles, see: See
 ) -> Mistakes:
-    """Require that the slot of the jet lies in the floor of the bed."""
+    """Require one flow of the jet, and that its slot lies in the floor of the bed."""
     jet = boundary.jet
+    if jet is not None and (jet.gas.velocity is None) == (jet.gas.mass_flux is None):
+        yield ("boundary", "jet", "gas"), "give either velocity or mass_flux"
     if jet is not None and not 0.0 <= jet.start < jet.end <= particles.width[0]:
         width = see("particles.width")
         text = f"start to end is not a piece of the floor from 0 on; see {width}"
@@ -113,7 +140,7 @@ def jet_has_its_own_temperature(
 ) -> Mistakes:
     """Refuse a jet of another temperature where no energy equation is solved."""
     jet, T = boundary.jet, boundary.bottom.gas.temperature
-    if jet is not None and heat is None and jet.gas.temperature != T:
+    if jet is not None and heat is None and jet.gas.temperature not in (None, T):
         main = see("boundary.bottom.gas.temperature")
         yield (
             ("boundary", "jet", "gas", "temperature"),
@@ -314,10 +341,13 @@ def cells_are_larger_than_particles(particles: g.GasParticles) -> Mistakes:
             )
 
 
-def contacts_have_a_stiffness(particles: g.GasParticles, solids: Solids) -> Mistakes:
+def contacts_have_a_stiffness(
+    particles: g.GasParticles, solids: Solids, closures: g.Closures
+) -> Mistakes:
     """Look for contacts that conduct as those of a soft simulation."""
     name, solid = the_only(solids)
-    if not solid.conductivity or solid.youngs_modulus is not None:
+    conducts = solid.conductivity and closures.nusselt is not None
+    if not conducts or solid.youngs_modulus is not None:
         return
     yield (
         ("solids", name, "youngs_modulus"),
@@ -365,7 +395,8 @@ def _cell(
 CHECKS = (
     one_source,
     cells_fit_into_the_box,
-    gas_is_complete,
+    heat_has_a_closure,
+    properties_are_complete,
     closures_exist,
     jet_is_in_the_floor,
     jet_has_its_own_temperature,

@@ -18,10 +18,12 @@ AT_TUBE = frozenset({"Re", "Pr"})
 
 
 def bound(scene: g.GasScene) -> dict[str, BoundClosure]:
-    """Bind the closures of a scene; return them by kind."""
+    """Bind the closures that a scene names; return them by kind."""
+    given = {kind: getattr(scene.closures, kind) for kind in GIVES}
     return {
-        kind: bind(getattr(scene.closures, kind), kind, gives, scene.origin.base)
-        for kind, gives in GIVES.items()
+        kind: bind(spec, kind, GIVES[kind], scene.origin.base)
+        for kind, spec in given.items()
+        if spec is not None
     }
 
 

@@ -24,8 +24,10 @@ def coefficients(
     bed: Bed, solid: Solid, emissivity: float = 0.0, T: float = 300.0
 ) -> dict[str, Array]:
     """Evaluate the coefficients of all particles by mechanism [W/m2/K], (n,);
-    `T` [K] is that of radiation.
+    `T` [K] is that of radiation. None without a Nusselt number.
     """
+    if bed.gas.nusselt is None:
+        return {}
     simulation, around = bed.simulation, bed.gas.around(bed.motion)
     n, d_p = len(simulation.position), 2.0 * simulation.radius
     pairs, parts = solid.exchange(simulation, around)

@@ -12,6 +12,7 @@ import numpy as np
 from contbed.balance import Balance
 from contbed.cfd_dem.closures import bound
 from contbed.cfd_dem.coupling import Bed
+from contbed.cfd_dem.heat_transfer import Average
 from contbed.cfd_dem.history import History
 from contbed.cfd_dem.plan import GasPlan
 from contbed.dem.failure import STRIDE
@@ -76,25 +77,13 @@ def _shorter(simulation: Simulation) -> str:
 
 def _fill_averages(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
     average = history.average
-    total = average.total
+    if average.mean:
+        _fill_coefficients(result, average)
     result.qoi |= {
-        f"h_{name} [W/m2/K]": value for name, value in average.bed_means().items()
-    }
-    result.qoi |= {
-        "h_total [W/m2/K]": float(total.mean()),
         "coordination": average.coordination,
         "porosity": float(average.eps.mean()),
         "samples": average.count,
     }
-    conduction = total - average.mean["convection"] - average.mean.get("radiation", 0.0)
-    for name, values in (
-        ("convection", average.mean["convection"]),
-        ("conduction", conduction),
-        ("total", total),
-    ):
-        result.qoi[f"h_{name}_percentiles [W/m2/K]"] = np.percentile(
-            values, PERCENTILES
-        ).tolist()
     columns = history.columns
     late = columns["t [s]"] >= plan.scene.time.average_from * (1.0 - 1e-9)
     for name in ("pressure_drop [Pa]", "height [m]"):
@@ -114,6 +103,24 @@ def _fill_averages(result: Result, plan: GasPlan, bed: Bed, history: History) ->
             columns[f"{name} heat_tube [W]"][late].mean()
         )
     _fill_ranges(result, plan, bed, history)
+
+
+def _fill_coefficients(result: Result, average: Average) -> None:
+    """Add the coefficients by mechanism, means over the bed and percentiles."""
+    mean, total = average.mean, average.total
+    result.qoi |= {
+        f"h_{name} [W/m2/K]": value for name, value in average.bed_means().items()
+    }
+    result.qoi["h_total [W/m2/K]"] = float(total.mean())
+    conduction = total - mean["convection"] - mean.get("radiation", 0.0)
+    for name, values in (
+        ("convection", mean["convection"]),
+        ("conduction", conduction),
+        ("total", total),
+    ):
+        result.qoi[f"h_{name}_percentiles [W/m2/K]"] = np.percentile(
+            values, PERCENTILES
+        ).tolist()
 
 
 def _fill_ranges(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:

@@ -125,7 +125,7 @@ def build(plan: GasPlan) -> tuple[Bed, Solid]:
         plan.grid,
         fluid_of(scene.gas, scene.origin),
         closures["drag"],
-        closures["nusselt"],
+        closures.get("nusselt"),
         T or scene.inlet.temperature,
         T is None,
         simulation.gravity,
@@ -156,8 +156,10 @@ def _open_inlet(scene: GasScene, bed: Bed) -> None:
     if jet is None or (jet.until is not None and bed.time >= jet.until * (1.0 - 1e-9)):
         bed.gas.inlet(inlet.velocity, inlet.temperature)
         return
-    T, slot = jet.gas.temperature, (jet.start, jet.end)
-    speed = jet.gas.mass_flux / float(bed.gas.fluid.density(T))
+    T, slot, speed = scene.T_jet, (jet.start, jet.end), jet.gas.velocity
+    if jet.gas.mass_flux is not None:
+        speed = jet.gas.mass_flux / float(bed.gas.fluid.density(T))
+    assert speed is not None  # `checks` sees to it
     bed.gas.inlet(inlet.velocity, inlet.temperature, slot, speed, T)
 
 

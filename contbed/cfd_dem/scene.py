@@ -11,7 +11,7 @@
 [boundary.jet]           through a slot in the floor; absent: none
 [boundary.sides]         whether the gas sticks to them
 [heat]                   energy equations of gas and particles; absent: all at one
-                         temperature, coefficients are still found
+                         temperature, coefficients are found with closures.nusselt
 [initial]                temperature of the particles, with [heat]
 [time]                   how long, and from when on averages are taken
 """
@@ -25,6 +25,7 @@ from pydantic import AfterValidator, Discriminator, Field
 from contbed.dem.scene import SOFT, Spheres
 from contbed.scene.gas import Gas
 from contbed.scene.quantities import (
+    Conductivity,
     Density,
     HeatCapacity,
     Instant,
@@ -123,6 +124,8 @@ class GasSolid(Spheres):
     """of equal spheres; a dump, a .vtu and a column radius bring their own"""
     density: Density
     """of the particles"""
+    conductivity: Conductivity = 0.0
+    """thermal, of the material; needed with closures.nusselt"""
     heat_capacity: HeatCapacity = 840.0
     """of the particles"""
     emissivity: Share = 0.0
@@ -134,8 +137,9 @@ class Closures(Table):
 
     drag: Annotated[Named, Discriminator(form)] = "di_felice"
     """of the gas on a particle"""
-    nusselt: Annotated[NamedOrFile, Discriminator(form)]
-    """Nusselt number of the exchange between gas and particles"""
+    nusselt: Annotated[NamedOrFile, Discriminator(form)] | None = None
+    """Nusselt number of the exchange between gas and particles; absent: no heat is
+    exchanged, and no coefficients are found"""
 
 
 class EnteringGas(Table):
@@ -156,10 +160,12 @@ class Bottom(Table):
 class JetGas(Table):
     """Gas of a jet."""
 
-    mass_flux: Flux
-    """of the jet"""
-    temperature: Temperature
-    """of the jet"""
+    velocity: Annotated[float, *unit("m/s"), Field(gt=0)] | None = None
+    """in the slot; or mass_flux"""
+    mass_flux: Flux | None = None
+    """in the slot; or velocity"""
+    temperature: Temperature | None = None
+    """of the jet; absent: that of boundary.bottom.gas"""
 
 
 class Jet(Table):
@@ -264,7 +270,7 @@ class GasScene(SceneBase):
     solids: Annotated[dict[str, GasSolid], AfterValidator(one_solid)]
     """the particles, by name"""
     gas: Gas
-    closures: Closures
+    closures: Closures = Closures()
     boundary: Boundary
     heat: GasHeat | None = None
     initial: Initial = Initial()
@@ -281,6 +287,14 @@ class GasScene(SceneBase):
     def inlet(self) -> EnteringGas:
         """The gas that enters from below."""
         return self.boundary.bottom.gas
+
+    @property
+    def T_jet(self) -> float:
+        """Temperature of the jet, without one that of the gas from below [K]."""
+        jet, T = self.boundary.jet, None
+        if jet is not None:
+            T = jet.gas.temperature
+        return self.inlet.temperature if T is None else T
 
     @property
     def T_start(self) -> float | None:
