@@ -36,7 +36,7 @@ def test_another_share_of_char_than_declared_is_a_warning():
     assert _beside_declared(scene, declared + 0.09) == []
     (text,) = _beside_declared(scene, 0.572)
     assert text.startswith("char fills 57.2 % of the volume of the solids")
-    assert "give solids.char.volume_share = 0.57 with the shares of the others" in text
+    assert "give solids.char.volume_share between both with the shares" in text
 
 
 @pytest.mark.parametrize(

@@ -213,7 +213,7 @@ def _beside_declared(scene: Any, share: float) -> list[str]:
         f"char fills {100 * share:.3g} % of the volume of the solids "
         f"(char_volume_fraction), {key} = {declared:g} declares "
         f"{100 * declared:.3g} %: minimum fluidization, mean diameter and the surfaces "
-        f"of other solids are those of the declared share; give {key} = {share:.2g} "
+        f"of other solids are those of the declared share; give {key} between both "
         "with the shares of the others, and run again"
     ]
 
