@@ -7,8 +7,8 @@ Every level halves the cells of the one before. Prescribed cells are doubled in 
 the grading of an automatic mesh starts at its coarsest and is refined uniformly, so
 that the first levels already show the order and not the tolerance of the scene. The
 error is the largest one of the profiles along the bed: against the closed form where
-`exact_profile` knows one, else the difference between successive levels at the points
-of the first one. Time steps stay as the scene has them.
+one is given, else the difference between successive levels at the points of the first
+one. Time steps stay as the scene has them.
 """
 
 from __future__ import annotations
@@ -24,12 +24,11 @@ import numpy as np
 from contbed.errors import SceneError
 from contbed.fields import header
 from contbed.loading import load
+from contbed.many.tables import aligned
 from contbed.mesh.grading import GRADING_ERROR
 from contbed.models import plan as make_plan
 from contbed.output.folder import prepare_study
-from contbed.packed_bed.plan import Plan
 from contbed.runner import run
-from contbed.scene.mesh import MeshLine
 from contbed.scene.tables import SceneBase
 
 TIME = header("t")
@@ -61,22 +60,15 @@ class Convergence:
     exact: bool
 
     def __str__(self) -> str:
-        lines = [
-            self.measure,
-            f"{'h [m]':>11} {'unknowns':>9} {'error':>10} {'order':>6} {'wall [s]':>9}",
-        ]
+        rows = [("h [m]", "unknowns", "error", "order", "wall [s]")]
         for level in self.levels:
             error, order = (
-                " " * width if np.isnan(value) else f"{value:{width}{form}}"
-                for value, width, form in (
-                    (level.error, 10, ".3e"),
-                    (level.order, 6, ".2f"),
-                )
+                "" if np.isnan(value) else format(value, form)
+                for value, form in ((level.error, ".3e"), (level.order, ".2f"))
             )
-            lines.append(
-                f"{level.h:11.4e} {level.unknowns:9d} {error} {order} {level.wall:9.3f}"
-            )
-        return "\n".join(lines)
+            wall = f"{level.wall:.3f}"
+            rows.append((f"{level.h:.4e}", str(level.unknowns), error, order, wall))
+        return "\n".join([self.measure, *aligned(rows, left=())])
 
     def columns(self) -> dict[str, list[float]]:
         """Return the table by header."""
@@ -93,11 +85,13 @@ def converge(
     out: str | Path | None = None,
     trust: bool = False,
     allow_large: bool = False,
+    exact: Profile | None = None,
 ) -> Convergence:
     """Solve a scene on `levels` meshes; writes convergence.csv and convergence.png into
     `out`.
 
-    `trust` and `allow_large` are those of `contbed.loading.load`.
+    `trust` and `allow_large` are those of `contbed.loading.load`; `exact` is a closed
+    form, from positions [m] to columns of the profile by header.
 
     Raises
     ------
@@ -113,7 +107,6 @@ def converge(
         )
     if out is not None:
         prepare_study(Path(out), "convergence.csv", "convergence.png")
-    exact = exact_profile(plan)
     rows: list[Level] = []
     before: dict[str, Any] | None = None
     points: tuple[float, ...] = ()
@@ -221,115 +214,6 @@ def _distance(columns: dict[str, Any], reference: dict[str, Any]) -> float:
         float(np.abs(columns[name] - reference[name]).max() / scales[name])
         for name in columns
     )
-
-
-def exact_profile(plan: Plan) -> Profile | None:
-    """Return the closed form of a plan, from positions [m] to the theta columns of the
-    profile.
-
-    None where no closed form applies.
-    """
-    if plan.scene.kind != "packed_bed":
-        return None
-    arguments = closed_form_arguments(plan)
-    if arguments is None:
-        return None
-    from contbed.many.closed_form import finite_length
-
-    inlets = [
-        _only_fixed(plan.solved, phase, name) for phase, name in _inlets(plan).items()
-    ]
-    backwards, cooled = plan.velocity[0] < 0, inlets[0] > inlets[1]  # type: ignore[operator]
-
-    def profile(x: Any) -> dict[str, Any]:
-        pair = finite_length(arguments["length"] - x if backwards else x, **arguments)
-        names = ("theta_fluid [1]", "theta_solid [1]")
-        return {
-            name: 1.0 - value if cooled else value
-            for name, value in zip(names, pair, strict=True)
-        }
-
-    return profile
-
-
-def closed_form_arguments(plan: Plan) -> dict[str, Any] | None:
-    """Return the arguments of `many.closed_form.finite_length` for a plan, along the
-    fluid's stream.
-
-    None where it does not apply. It applies to steady, linear heat on a line where both
-    phases enter at fixed, different temperatures and leave freely.
-    """
-    scene, medium, mesh = plan.solved, plan.medium, plan.solved.mesh
-    if (
-        scene.heat is None
-        or scene.radiation is not None
-        or scene.time is not None
-        or not medium.constant
-    ):
-        return None
-    sources = [
-        region.heat_source(phase)
-        for region in scene.region.values()
-        for phase in ("fluid", "solid")
-    ]
-    if not isinstance(mesh, MeshLine) or any(sources):
-        return None
-    T_fluid, T_solid = (
-        _only_fixed(scene, phase, name) for phase, name in _inlets(plan).items()
-    )
-    if T_fluid is None or T_solid is None or T_fluid == T_solid:
-        return None
-    T, scale = medium.T_fluid_in, medium.mass_flux_scale()
-    u, u_solid = float(plan.velocity[0]), float(plan.velocity_solid[0])
-
-    def speed(density: Any) -> float:
-        return float(abs(scale / density * u - u_solid))
-
-    along, _ = medium.dispersion(T, speed) or (0.0, 0.0)
-    add_fluid, add_solid, cross = medium.tortuosity(T) or (0.0, 0.0, 0.0)
-    exchange = float(medium.exchange(T, speed))
-    d_fluid = float(medium.conductivity_fluid(T)) + add_fluid + float(along)
-    d_solid = float(medium.conductivity_solid(T)) + add_solid
-    if not (u and exchange and (u_solid or d_solid)) or (
-        cross and cross**2 >= d_fluid * d_solid
-    ):
-        return None
-    return {
-        "length": mesh.length,
-        "flux_fluid": scale * float(medium.fluid.heat_capacity(T)) * abs(u),
-        "flux_solid": float(medium.solid.density(T) * medium.solid.heat_capacity(T))
-        * u_solid
-        * np.sign(u),
-        "d_fluid": d_fluid,
-        "d_solid": d_solid,
-        "ha": exchange,
-        "d_cross": cross,
-    }
-
-
-def _inlets(plan: Plan) -> dict[str, str]:
-    """Return the end of a line where each phase enters.
-
-    A solid at rest has its temperature fixed where the fluid enters.
-    """
-    u, u_solid = plan.velocity[0], plan.velocity_solid[0]
-    return {
-        "fluid": "left" if u > 0 else "right",
-        "solid": "left" if (u_solid or u) > 0 else "right",
-    }
-
-
-def _only_fixed(scene: Any, phase: str, inlet: str) -> float | None:
-    """Return the temperature of a phase that is fixed at its inlet and free
-    everywhere else.
-    """
-    conditions = {name: table.thermal(phase) for name, table in scene.boundary.items()}
-    given = {
-        name: condition
-        for name, condition in conditions.items()
-        if condition is not None
-    }
-    return given[inlet].fixed_temperature if list(given) == [inlet] else None
 
 
 def _write(found: Convergence, out: Path, title: str) -> None:

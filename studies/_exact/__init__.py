@@ -1,7 +1,7 @@
 """Exact and high-precision reference solutions, under one name."""
 
-from contbed.many.closed_form import finite_length
 from contbed.packed_bed.equations.modes import rates
+from studies._exact.finite_length import finite_length
 from studies._exact.flow import (
     ChannelFlow,
     brinkman_forchheimer_channel,

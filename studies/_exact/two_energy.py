@@ -1,7 +1,7 @@
 """Exact steady 1-D solutions of the two-energy-equation model in a bed without end, and
 the bed of Nakayama et al.
 
-`contbed.many.closed_form` has the equations, the symbols and the bed of finite length.
+`studies._exact.finite_length` has the equations, the symbols and the bed of finite length.
 
 Source: Nakayama, Kuwahara, Sugiyama and Xu (2001), doi:10.1016/S0017-9310(01)00069-2;
     the numbers of other equations
@@ -15,8 +15,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contbed.many.closed_form import Pair, directions
 from contbed.packed_bed.equations.modes import rates
+from studies._exact.finite_length import Pair, directions
 
 
 def decay_rate(

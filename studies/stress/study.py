@@ -13,8 +13,8 @@ import numpy as np
 
 import contbed as cb
 from contbed.loading import from_dict
-from contbed.many.closed_form import finite_length
 from studies import _gallery as gallery
+from studies._exact.finite_length import finite_length
 from studies._gallery import Table, Tables
 
 CELLS = 50

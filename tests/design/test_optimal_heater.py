@@ -7,7 +7,7 @@ import json
 import pytest
 from scipy.optimize import brentq
 
-from contbed.many.closed_form import finite_length
+from studies._exact.finite_length import finite_length
 from tests.command_line import command
 
 GAS_IN, SOLID_IN = 300.0, 900.0

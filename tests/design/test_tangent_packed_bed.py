@@ -10,11 +10,11 @@ from design_scenes import SLIP, frozen_results, random_scene
 
 import contbed as cb
 from contbed.loading import loads
-from contbed.many.closed_form import finite_length
 from contbed.many.derivatives import differences
 from contbed.many.derivatives.gradients import gradient, gradient_of, picked
 from contbed.many.derivatives.keys import continuous, key
 from studies._exact import fin
+from studies._exact.finite_length import finite_length
 
 # the rounding of temperatures over the step of differences; the truncation of either is
 # smaller

@@ -214,7 +214,6 @@ def test_version_and_help(capsys):
         "explain",
         "list",
         "converge",
-        "bench",
         "sweep",
         "calibrate",
         "warm",

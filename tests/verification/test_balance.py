@@ -15,7 +15,7 @@ from moving_beds import moving, started
 import contbed as cb
 from contbed.fem.probe import Probe
 from contbed.loading import from_dict
-from contbed.many.closed_form import finite_length
+from studies._exact.finite_length import finite_length
 from tests.balances import assert_closed
 
 CLOSED, EQUAL = 1e-10, 1e-9

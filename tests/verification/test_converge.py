@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contbed.loading import loads
-from contbed.many.converge import converge, exact_profile
+from contbed.loading import load, loads
+from contbed.many.converge import converge
 from contbed.models import MODELS, plan
 from contbed.output.tables import read_table
+from studies._exact.of_plan import exact_profile
 from tests.refusals import refused
 
 STUDY = Path(__file__).parents[2] / "studies" / "pivem_2012" / "slip_0.50.toml"
@@ -68,7 +69,7 @@ def scene(path: Path, *changes: tuple[str, str]) -> Path:
 
 
 def test_paper_case(tmp_path: Path) -> None:
-    found = converge(STUDY, 5, tmp_path)
+    found = converge(STUDY, 5, tmp_path, exact=exact_profile(plan(load(STUDY))))
     assert found.exact
     assert [level.order for level in found.levels[1:]] == pytest.approx(
         [3.0] * 4, abs=0.3
@@ -93,7 +94,7 @@ def test_order_on_prescribed_cells(tmp_path: Path, degree: int) -> None:
     file = scene(
         tmp_path, ("stabilisation = false", f"stabilisation = false\ndegree = {degree}")
     )
-    found = converge(file, 3)
+    found = converge(file, 3, exact=exact_profile(plan(load(file))))
     assert found.exact
     assert found.levels[-1].order == pytest.approx(degree + 1, abs=0.3)
     assert [round(level.h / found.levels[-1].h) for level in found.levels] == [4, 2, 1]

@@ -43,11 +43,11 @@ def report(unknowns: int, error: float, seconds: float) -> None:
 
 
 def coefficients() -> dict[str, float]:
-    """Arguments of `contbed.many.closed_form.finite_length` for the slip row, and
+    """Arguments of `finite_length` for the slip row, and
     the height of its channel.
     """
     import contbed
-    from contbed.many.converge import closed_form_arguments
+    from studies._exact.of_plan import closed_form_arguments
 
     plan = contbed.plan(contbed.load(LINE))
     return closed_form_arguments(plan) | {"height": plan.scene.mesh.height}
@@ -57,7 +57,7 @@ def largest_error(x: Any, fluid: Any, solid: Any, c: dict[str, float]) -> float:
     """Largest error of both temperatures of the slip row at positions x, against the
     closed form.
     """
-    from contbed.many.closed_form import finite_length
+    from studies._exact.finite_length import finite_length
 
     exact = finite_length(
         x, **{name: value for name, value in c.items() if name != "height"}
