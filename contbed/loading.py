@@ -20,7 +20,7 @@ from contbed.scene.checking import mistakes
 from contbed.scene.inputs import unusable_files
 from contbed.scene.names import near_names, nearest
 from contbed.scene.other_models import take_keys_of_others
-from contbed.scene.physical import temperatures_are_of_a_bed
+from contbed.scene.physical import states_are_of_a_bed
 from contbed.scene.property_table import files_of, read_files
 from contbed.scene.renames import renamed, take_former_keys
 from contbed.scene.size import too_large
@@ -188,7 +188,7 @@ def _build(
     scene._ignored = ignored
     scene._tables = tables
     remarks = mistakes(parts, set(), origin, MODELS[kind].find("checks", "WARNINGS"))
-    remarks += temperatures_are_of_a_bed(parts, origin.base)
+    remarks += states_are_of_a_bed(parts, origin.base)
     # a table of another model, such as [two_fluid], is meant for that
     remarks += [
         (path, "is ignored: only other models have this key")

@@ -9,7 +9,7 @@ from contbed.errors import SceneError
 from contbed.materials.composition import mole_fractions
 from contbed.scene.checking import Mistakes
 from contbed.scene.humid_air import dew_point, saturation_pressure
-from contbed.scene.physical import temperatures_of
+from contbed.scene.physical import numbers_of
 
 WHERE = ("boundary", "initial")  # tables whose temperatures are those of a bed
 
@@ -28,7 +28,7 @@ def water_condenses(parts: Mapping[str, Any]) -> Mistakes:
         return  # the checks of the model say so
     partial = share * float(getattr(gas, "pressure", 101325.0))
     found = [
-        pair for name in WHERE for pair in temperatures_of(parts.get(name), (name,))
+        pair for name in WHERE for pair in numbers_of("K", parts.get(name), (name,))
     ]
     if not found or partial <= 0.0:
         return

@@ -1,5 +1,5 @@
-"""Temperatures that no bed has: all that a scene gives, in whatever model, are looked
-at in one place.
+"""Temperatures and pressures that no bed has: all that a scene gives, in whatever
+model, are looked at in one place.
 """
 
 from __future__ import annotations
@@ -20,16 +20,26 @@ from contbed.scene.series import ProfileFile, TemperatureSeries
 HOTTEST = 3700.0
 # nitrogen boils at 77.4 K; a number of degC read as kelvin often lies below
 COLDEST = 77.0
+# vacuum dryers and fluidized beds in vacuum have 1 kPa, low-density polyethylene 3e8 Pa;
+# a number of bar or MPa read as Pa lies below
+LOWEST, HIGHEST = 1e3, 5e8
 # differences of temperature, and ranges of data
 _NO_STATES = ("T_range", "tolerance", "step", "interval", "activation")
 
 
-def temperatures_are_of_a_bed(parts: Mapping[str, Any], base: Path) -> Mistakes:
-    """Look for temperatures that point to a wrong unit or a wrong number; files lie in
-    the folder `base`.
+def states_are_of_a_bed(parts: Mapping[str, Any], base: Path) -> Mistakes:
+    """Look for temperatures and pressures that point to a wrong unit or a wrong number;
+    files lie in the folder `base`.
     """
-    found = chain(temperatures_of(parts, ()), _of_files(parts, base, ()))
-    for path, value in found:
+    for path, value in numbers_of("Pa", parts, ()):
+        if value < LOWEST:
+            text = f"below {LOWEST:g} Pa a gas is too thin for a bed"
+        elif value > HIGHEST:
+            text = f"above {HIGHEST:g} Pa no vessel holds a bed"
+        else:
+            continue
+        yield path, f"{value:.6g} Pa: {text}; is the unit right?"
+    for path, value in chain(numbers_of("K", parts, ()), _of_files(parts, base, ())):
         if value > HOTTEST:
             text = f"above {HOTTEST:g} K no solid of a bed is left"
         elif value < COLDEST:
@@ -39,29 +49,29 @@ def temperatures_are_of_a_bed(parts: Mapping[str, Any], base: Path) -> Mistakes:
         yield path, f"{value:.6g} K: {text}; is the unit right?"
 
 
-def temperatures_of(
-    part: Any, path: tuple[str | int, ...]
+def numbers_of(
+    unit: str, part: Any, path: tuple[str | int, ...]
 ) -> Iterator[tuple[tuple[str | int, ...], float]]:
-    """Yield all temperatures [K] below a table with their paths."""
+    """Yield all temperatures, "K", or pressures, "Pa", below a table with their paths."""
     if isinstance(part, Mapping):
         for name, value in part.items():
-            yield from temperatures_of(value, (*path, name))
+            yield from numbers_of(unit, value, (*path, name))
     elif isinstance(part, BaseModel):
-        of_temperature = _keys_of_temperature(type(part))
+        keys = _keys_in(unit, type(part))
         for name in type(part).model_fields:
             value = getattr(part, name)
-            if name in of_temperature:
+            if name in keys:
                 numbers = value if isinstance(value, tuple) else (value,)
                 yield from (
                     ((*path, name), float(number))
                     for number in numbers
                     if isinstance(number, int | float)
                 )
-            yield from temperatures_of(value, (*path, name))
+            yield from numbers_of(unit, value, (*path, name))
     elif isinstance(part, tuple):
         for index, value in enumerate(part):
             if isinstance(value, BaseModel):
-                yield from temperatures_of(value, (*path, index))
+                yield from numbers_of(unit, value, (*path, index))
 
 
 def _of_files(
@@ -93,11 +103,14 @@ def _items(part: Any) -> Iterator[tuple[str | int, Any]]:
 
 
 @cache
-def _keys_of_temperature(model: type[BaseModel]) -> frozenset[str]:
-    """Return the keys of a table that are temperatures."""
+def _keys_in(unit: str, model: type[BaseModel]) -> frozenset[str]:
+    """Return the keys of a table that are temperatures, or pressures of a fluid."""
+    fields = model.model_fields.items()
+    if unit == "Pa":
+        return frozenset(name for name, _ in fields if name == "pressure")
     return frozenset(
         name
-        for name, field in model.model_fields.items()
+        for name, field in fields
         if not any(word in name for word in _NO_STATES)
         and (_in_kelvin(field.metadata, field) or _any_in_kelvin(field.annotation))
     )

@@ -217,6 +217,27 @@ def test_temperatures_that_no_bed_has(key, value):
     assert f"{key} = " in warning and "is the unit right?" in warning
 
 
+@pytest.mark.parametrize(
+    ("pressure", "warns"),
+    [
+        ("1 Pa", True),
+        ("20 Pa", True),
+        ("2 kPa", False),
+        ("300 bar", False),
+        ("1e9 Pa", True),
+    ],
+)
+def test_pressures_that_no_bed_has(pressure, warns):
+    lines = (FOLDER / "latin.toml").read_text().splitlines()
+    gas = f'gas = {{ composition = "N2:1", pressure = "{pressure}" }}'
+    text = "\n".join(gas if each.startswith("gas = ") else each for each in lines)
+    text = text.replace('gas.temperature = { file = "latin.csv", column = "T" }', "")
+    scene = loads(text, "a.toml", {"boundary.left.gas.temperature": 300.0})
+    found = [each for each in scene.warnings if "is the unit right?" in each]
+    assert len(found) == warns
+    assert all("a.toml:3: gas.pressure = " in each for each in found)
+
+
 def test_temperatures_of_a_file_that_no_bed_has(tmp_path):
     (tmp_path / "feed.csv").write_text("t [h],T [degC]\n0,300\n1000,150000\n")
     text = (FOLDER / "latin.toml").read_text()
