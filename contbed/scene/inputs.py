@@ -13,6 +13,7 @@ import os
 import stat
 import zlib
 from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from contbed.scene.mechanism import (
     code_in_mechanism,
     mechanism_file,
     mechanism_folders,
+    other_format,
 )
 from contbed.scene.quantities import Table
 from contbed.scene.toml_lines import KeyPath, Origin
@@ -110,10 +112,14 @@ def why_unusable(path: KeyPath, name: str, origin: Origin) -> str:
         return ""
     file = file_of(path, name, origin.base)
     if file is None:
-        folders = ", ".join(
-            str(folder.absolute()) for folder in mechanism_folders(origin.base)
+        folders = dict.fromkeys(
+            folder.absolute() for folder in mechanism_folders(origin.base)
         )
-        return f"no such mechanism; looked in {folders}"
+        files = [each.name for folder in folders for each in folder.glob("*.yaml")]
+        near = get_close_matches(name, files, n=1, cutoff=0.65)
+        return f"no such mechanism; looked in {', '.join(map(str, folders))}" + (
+            f"; did you mean '{near[0]}'?" if near else ""
+        )
     try:
         status = file.stat()
     except OSError:
@@ -123,8 +129,10 @@ def why_unusable(path: KeyPath, name: str, origin: Origin) -> str:
     if not origin.allow_large and _size(file, status) > LARGE_FILE:
         packed = ", unpacked" if file.suffix == ".gz" else ""
         return f"is larger than {LARGE_FILE // 10**6} MB{packed}; {_ALLOW}"
-    if path[-1] == "mechanism" and (found := aliases_that_multiply(file)):
-        return found
+    if path[-1] == "mechanism":
+        found = other_format(file) or aliases_that_multiply(file)
+        if found:
+            return found
     programs = "" if origin.trust else _code(path, file, origin.base)
     return f"{programs}; {_TRUST}" if programs else ""
 

@@ -18,6 +18,8 @@ _ALIAS = re.compile(rb"(?:^|[\s\[{,:-])\*\w")
 _ANCHOR = re.compile(rb"(?:^|[\s\[{,:-])&\w")
 # nodes in memory for each that is written
 MOST_COPIES = 100
+# Cantera's programs for mechanisms of CHEMKIN and of its own older versions
+CONVERTERS = {".inp": "ck2yaml --input=", ".cti": "cti2yaml ", ".xml": "ctml2yaml "}
 _EXTENSIONS = re.compile(rb"extensions|\\")
 
 
@@ -93,15 +95,22 @@ def _expanded(node: Any, known: dict[int, int]) -> int:
     return known[id(node)]
 
 
+def other_format(path: Path) -> str:
+    """Return that a mechanism is no YAML file, and what converts it; empty if it is
+    one.
+    """
+    suffix = path.suffix.lower()
+    if suffix in (".yaml", ".yml"):
+        return ""
+    text = f"{path.name}: a mechanism is a YAML file of Cantera"
+    command = CONVERTERS.get(suffix)
+    return f"{text}; convert it: {command}{path.name}" if command else text
+
+
 def code_in_mechanism(path: Path) -> str:
     """Return what in a mechanism file would run code, with its line; empty if
     nothing does.
     """
-    if path.suffix.lower() not in (".yaml", ".yml"):
-        return (
-            f"{path.name}: no YAML file; formats of older versions of Cantera are "
-            "programs"
-        )
     data = path.read_bytes()
     if b"\0" in data:
         return f"{path.name}: no UTF-8 text"

@@ -11,7 +11,7 @@ import pytest
 from contbed.errors import SceneError
 from contbed.loading import from_dict, load
 from contbed.models import MODELS, plan
-from contbed.scene.mechanism import code_in_mechanism
+from contbed.scene.mechanism import code_in_mechanism, other_format
 from tests.command_line import command
 from tests.refusals import refused
 
@@ -100,9 +100,11 @@ def test_a_mechanism_in_another_encoding_or_format(tmp_path):
     (tmp_path / "mine.yaml").write_bytes(
         "extensions:\n- {type: python, name: evil}\n".encode("utf-16")
     )
-    (tmp_path / "mine.cti").write_text("import os")
-    assert code_in_mechanism(tmp_path / "mine.yaml") and code_in_mechanism(
-        tmp_path / "mine.cti"
+    assert code_in_mechanism(tmp_path / "mine.yaml")
+    assert other_format(tmp_path / "mine.yaml") == ""
+    assert other_format(Path("gri.INP")).endswith("convert it: ck2yaml --input=gri.INP")
+    assert other_format(Path("gri.txt")).endswith(
+        "a mechanism is a YAML file of Cantera"
     )
 
 
