@@ -18,6 +18,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from contbed.scene.included import GEOMETRY, included
 from contbed.scene.mechanism import (
     aliases_that_multiply,
     code_in_mechanism,
@@ -31,7 +32,6 @@ from contbed.scene.toml_lines import KeyPath, Origin
 # bytes, unpacked, above which a file is only read with --allow-large
 LARGE_FILE = 500_000_000
 _PIECE = 1 << 20  # bytes
-_GEOMETRY = ".geo"
 _TRUST = "refused unless you trust it: --trust, in Python load(..., trust=True)"
 _ALLOW = "read only with --allow-large, in Python load(..., allow_large=True)"
 
@@ -65,14 +65,15 @@ def file_of(path: KeyPath, name: str, base: Path) -> Path | None:
 
 
 def inputs_by_key(part: Any, base: Path) -> Iterator[tuple[KeyPath, Path]]:
-    """Yield key and path of all files that a scene names; missing files are left
-    out.
+    """Yield key and path of all files that a scene names, and of those that they name;
+    missing files are left out.
     """
     for path, name in (*named_files(part), *getattr(part, "_tables", ())):
         file = file_of(path, name, base)
         if file is None or "\0" in name or not file.is_file():
             continue
         yield path, file
+        yield from ((path, other) for other in included(file))
 
 
 def all_inputs(part: Any, base: Path) -> list[Path]:
@@ -130,9 +131,12 @@ def why_unusable(path: KeyPath, name: str, origin: Origin) -> str:
         packed = ", unpacked" if file.suffix == ".gz" else ""
         return f"is larger than {LARGE_FILE // 10**6} MB{packed}; {_ALLOW}"
     if path[-1] == "mechanism":
-        found = other_format(file) or aliases_that_multiply(file)
-        if found:
-            return found
+        found = (
+            other_format(each) or aliases_that_multiply(each)
+            for each in (file, *included(file))
+        )
+        if reason := next(filter(None, found), ""):
+            return reason
     programs = "" if origin.trust else _code(path, file, origin.base)
     return f"{programs}; {_TRUST}" if programs else ""
 
@@ -167,7 +171,7 @@ def _code(path: KeyPath, file: Path, base: Path) -> str:
                 inside.resolve()
             )
             return "" if shipped else code_in_mechanism(file) or ""
-        if file.suffix.lower() == _GEOMETRY:
+        if file.suffix.lower() == GEOMETRY:
             return "a geometry of gmsh may run programs and write files"
     except OSError:
         return ""  # whoever reads it says so

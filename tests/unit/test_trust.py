@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 import tomllib
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,10 @@ import pytest
 from contbed.errors import SceneError
 from contbed.loading import from_dict, load
 from contbed.models import MODELS, plan
+from contbed.scene.gas import GasCantera
+from contbed.scene.inputs import all_inputs, inputs_elsewhere
 from contbed.scene.mechanism import code_in_mechanism, other_format
+from contbed.scene.mesh import MeshFile
 from tests.command_line import command
 from tests.refusals import refused
 
@@ -167,6 +171,58 @@ def test_files_outside_of_the_folder_of_a_scene_are_listed(tmp_path, capsys):
     assert [line for line in lines if "outside of its folder" in line] == [
         f"{inside}/scene.toml: reads files outside of its folder: {tmp_path}/k.csv"
     ]
+
+
+def test_files_that_a_geometry_or_a_mechanism_names_are_inputs_as_well(tmp_path):
+    """Also of files that it includes, but not of comments; of Cantera's own files
+    nothing is listed.
+    """
+    inside = tmp_path / "inside"
+    inside.mkdir()
+    (tmp_path / "part.geo").write_text(
+        'Merge "part.step";\nInclude "inside/bed.geo";\n'
+    )
+    for name in ("part.step", "unused.step"):
+        (tmp_path / name).write_text("")
+    (inside / "bed.geo").write_text(
+        '// Merge "../unused.step";\n'
+        '/* Include "../unused.step"; */ a = 1; Include "../part.geo";\n'
+        'Merge "../missing.step";\n' + GEO
+    )
+    geometry = MeshFile(type="file", file="bed.geo")
+    assert inputs_elsewhere(geometry, inside) == [
+        inside / "../part.geo",
+        inside / "../part.step",
+    ]
+    species = (
+        "phases: [{name: gas, thermo: ideal-gas, species: [{FILE/species: [N2]}]}]"
+    )
+    (inside / "gas.yaml").write_text(species.replace("FILE", "../own.yaml"))
+    (tmp_path / "own.yaml").write_text(species.replace("FILE", "nasa_gas.yaml"))
+    own = GasCantera(composition="N2:1", mechanism="gas.yaml")
+    assert inputs_elsewhere(own, inside) == [inside / "../own.yaml"]
+    assert [each.name for each in all_inputs(own, inside)] == [
+        "gas.yaml",
+        "own.yaml",
+        "nasa_gas.yaml",
+    ]
+    shipped = GasCantera(composition="N2:1", mechanism="methane_pox_on_pt.yaml")
+    assert len(all_inputs(shipped, inside)) == 1
+
+
+def test_aliases_of_a_file_that_a_mechanism_names_are_refused(tmp_path):
+    bomb = "a: &a [x, x, x, x, x, x, x, x, x, x]\n"
+    for one, other in pairwise("abcdefg"):
+        bomb += f"{other}: &{other} [{', '.join([f'*{one}'] * 10)}]\n"
+    (tmp_path / "bomb.yaml").write_text(bomb)
+    (tmp_path / "gas.yaml").write_text(
+        "phases: [{name: gas, thermo: ideal-gas, species: [{bomb.yaml/a: all}]}]"
+    )
+    keys = {"gas": GAS | {"mechanism": "gas.yaml"}}
+    refused(
+        r"gas\.mechanism.*bomb\.yaml: aliases of aliases multiply",
+        lambda: from_dict(packed(**keys), base=tmp_path),
+    )
 
 
 GAS = {"composition": "N2:1", "pressure": 101325.0}
