@@ -214,6 +214,7 @@ def test_version_and_help(capsys):
         "explain",
         "list",
         "converge",
+        "bench",
         "sweep",
         "calibrate",
         "warm",

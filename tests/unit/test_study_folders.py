@@ -44,6 +44,13 @@ values = [{ quantity = "pressure_drop_Pa", column = "dp", error = "2 %" }]
 """,
 }
 TEXT = '{"files": 12}'
+BENCH = """\
+[[race]]
+title = "race"
+[[race.case]]
+name = "only"
+command = ["-c", ""]
+"""
 
 
 @pytest.fixture
@@ -53,6 +60,9 @@ def here(tmp_path, monkeypatch):
     for name, text in FILES.items():
         (tmp_path / f"{name}.toml").write_text(text)
     (tmp_path / "drops.csv").write_text("u [m/s],dp [Pa]\n0.1,1.0\n0.2,3.0\n")
+    bench = tmp_path / "study" / "bench" / "bench.toml"
+    bench.parent.mkdir(parents=True)
+    bench.write_text(BENCH)
     (tmp_path / "out").mkdir()
     return tmp_path
 
@@ -69,6 +79,7 @@ def here(tmp_path, monkeypatch):
         ("compare bed.toml --models packed_bed", "comparison.csv"),
         ("converge bed.toml", "convergence.csv"),
         ("sensitivities bed.toml --qoi T_fluid_out_K", "sensitivities.json"),
+        ("bench study --trust", "bench.csv"),
         ("validate pacheco_2002", "validation.png"),
     ],
 )
