@@ -25,6 +25,7 @@ from contbed.bubbling_bed.solids import Solid
 from contbed.bubbling_bed.tables import BubblingBed, FreeboardSurface, Surface
 from contbed.closures.binding import bind, named
 from contbed.errors import SceneError
+from contbed.radiation.thickness import carries_less
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.continuation import parameter_varies
 from contbed.scene.gas import GasCantera
@@ -484,4 +485,20 @@ def tubes_fit_in_the_section(bubbling_bed: BubblingBed, see: See) -> Mistakes:
             )
 
 
-WARNINGS: tuple[Callable[..., Mistakes], ...] = (tubes_fit_in_the_section,)
+def two_flux_is_low(
+    radiation: b.Radiation, solids: Solids, bubbling_bed: BubblingBed
+) -> Mistakes:
+    """Look for beds along whose height the two-flux method carries too little heat."""
+    if radiation.level != "two_flux":
+        return
+    from contbed.bubbling_bed.plan import optics_of
+
+    found = optics_of(radiation, solids, bubbling_bed.solids_fraction)
+    tau = float(found.extinction) * bubbling_bed.height
+    yield from carries_less(tau, tau, "p1")
+
+
+WARNINGS: tuple[Callable[..., Mistakes], ...] = (
+    tubes_fit_in_the_section,
+    two_flux_is_low,
+)

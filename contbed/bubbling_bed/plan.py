@@ -4,6 +4,7 @@ and what is left out.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from types import SimpleNamespace
@@ -188,7 +189,7 @@ def coefficients(
     )
     absorption, diffusion, albedo, eps_bed = np.zeros(len(names)), 0.0, None, 0.0
     if level != "none":
-        found = _optics(scene, fractions)
+        found = optics_of(scene.radiation, scene.solids, bed.solids_fraction)
         absorption, albedo = found.absorption, float(found.albedo)
         eps_bed = float(optics.radiation_emissivity_half_space(albedo))
         if level in ("p1", "two_flux"):
@@ -356,20 +357,26 @@ def _frozen(scene: b.BubblingScene, surface: Any) -> dict[str, Any]:
     }
 
 
-def _optics(scene: b.BubblingScene, fractions: Any) -> optics.Optics:
+def optics_of(
+    radiation: b.Radiation, solids: Mapping[str, Solid], solids_fraction: float
+) -> optics.Optics:
+    """Return the optical coefficients of the emulsion, which holds a volume fraction of
+    solids.
+    """
     particles = [
         optics.Species(
-            name, float(fraction), item.diameter, float(item.emissivity or 0.0)
+            name,
+            solids_fraction * item.volume_share,
+            item.diameter,
+            float(item.emissivity or 0.0),
         )
-        for (name, item), fraction in zip(scene.present.items(), fractions, strict=True)
+        for name, item in solids.items()
+        if item.volume_share > 0.0
     ]
-    default = (
-        "independent"
-        if scene.radiation.level in ("paper", "pairwise")
-        else "close_packed"
-    )
+    exchanges = radiation.level in ("paper", "pairwise")
+    default = "independent" if exchanges else "close_packed"
     return optics.optics(
-        particles, scene.radiation.correction or default, scene.radiation.anisotropy
+        particles, radiation.correction or default, radiation.anisotropy
     )
 
 

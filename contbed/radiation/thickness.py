@@ -115,12 +115,7 @@ def two_flux_is_low(
     packed_bed: Any | None,
     mesh: Mesh,
 ) -> Mistakes:
-    """Look for beds in which the two-flux method carries too little heat.
-
-    Between black plates it has sigma (T_1^4 - T_2^4)/(1 + tau), exact is
-    4/3/(tau (1 - omega g) + 1.4209), Heaslet and Warming 1965, Int. J. Heat Mass
-    Transfer 8, 979-994, eq. 40, within 1 % from tau = 3 on.
-    """
+    """Look for beds in which the two-flux method carries too little heat."""
     if radiation is None or radiation.level != "two_flux" or isinstance(mesh, MeshFile):
         return
     from contbed.radiation.optics import optics
@@ -129,15 +124,30 @@ def two_flux_is_low(
         SimpleNamespace(radiation=radiation, solids=solids, packed_bed=packed_bed)
     )
     extent = max(mesh.extents)
-    tau = found.extinction * extent
-    of_transport = tau - radiation.anisotropy * found.scattering * extent
+    of_transport = found.extinction - radiation.anisotropy * found.scattering
+    yield from carries_less(
+        found.extinction * extent, of_transport * extent, "p1 or rosseland"
+    )
+
+
+def carries_less(tau: float, of_transport: float, other: str) -> Mistakes:
+    """Yield how much less heat the two-flux method carries than there is.
+
+    Between black plates it has sigma (T_1^4 - T_2^4)/(1 + tau), exact is
+    4/3/(tau (1 - omega g) + 1.4209), Heaslet and Warming 1965, Int. J. Heat Mass
+    Transfer 8, 979-994, eq. 40, within 1 % from tau = 3 on.
+
+    Parameters
+    ----------
+    tau, of_transport : optical depth, and that times 1 - omega g
+    other : levels to use
+    """
     low = 1.0 - 0.75 * (of_transport + HOPF) / (1.0 + tau)
     if tau >= THICK and low > 0.0:
         yield (
             ("radiation", "level"),
             f"the bed has an optical depth of {tau:.3g}, over which the two-flux "
-            f"method carries {100.0 * low:.2g} % less heat than there is; use p1 or "
-            "rosseland",
+            f"method carries {100.0 * low:.2g} % less heat than there is; use {other}",
         )
 
 

@@ -13,6 +13,7 @@ import pytest
 from bubbling_scenes import STUDY, case1
 
 import contbed as cb
+from contbed.bubbling_bed.checks import two_flux_is_low
 from tests.balances import assert_closed
 
 P1 = {
@@ -99,6 +100,26 @@ def test_converges_with_the_degree(degree):
     # a flux by the boundary condition converges at least as the field, at degree + 1;
     # half an order for coarse meshes
     assert np.all(np.log2(np.divide(errors[:-1], errors[1:])) > degree + 0.5)
+
+
+def test_two_flux_of_a_thick_bed_is_a_warning():
+    """tau = H sum(1.5 f/d) of independent particles, by which two-flux is low by
+    1 - 0.75 (tau + 1.42)/(1 + tau).
+    """
+    scene = case1("two_flux")
+    bed = scene.bubbling_bed
+    each = scene.present.values()
+    beta = sum(
+        1.5 * bed.solids_fraction * one.volume_share / one.diameter for one in each
+    )
+    tau = beta * bed.height
+    low = 100.0 * (1.0 - 0.75 * (tau + 1.4209) / (1.0 + tau))
+    (text,) = (text for text in scene.warnings if "two-flux method carries" in text)
+    assert f"optical depth of {tau:.3g}" in text and f"carries {low:.2g} %" in text
+    assert text.endswith("use p1")
+    thin = bed.model_copy(update={"height": 2.9 / beta})
+    assert not list(two_flux_is_low(scene.radiation, scene.solids, thin))
+    assert not any("two-flux" in text for text in case1("p1").warnings)
 
 
 def test_only_transport_reaches_the_ends():
