@@ -80,13 +80,18 @@ def follow(problem: Problem, u: Array, result: Result) -> None:
     if table.at is not None:
         states = states_at(family, branch, table.at)
         result.qoi["steady_states_found"] = len(states)
-        at = family.at(table.at)
-        rows = [{header: table.at} | _leaving(at, x) for x in states]
-        result.tables["states"] = (
-            {name: np.array([row[name] for row in rows]) for name in rows[0]}
-            if rows
-            else {}
-        )
+        if states:
+            at = family.at(table.at)
+            rows = [{header: table.at} | _leaving(at, x) for x in states]
+            result.tables["states"] = {
+                name: np.array([row[name] for row in rows]) for name in rows[0]
+            }
+        else:
+            result.warnings.append(
+                f"the branch has no state at continuation.at = {table.at:.6g}: "
+                f"{table.parameter} goes from {min(branch.parameter):.6g} "
+                f"to {max(branch.parameter):.6g}"
+            )
 
 
 def _traced(problem: Problem, u: Array) -> tuple[Family, Branch]:

@@ -125,3 +125,18 @@ def test_fold_of_a_cooled_section_comes_to_that_of_one_dimension():
     adiabatic = rows_of((5.0, 5.0, 10.0, 20.0), "ignition")[0]["Da"]
     assert folds[0] > 1.2 * adiabatic
     assert folds[1] == pytest.approx(folds[0], rel=1e-4)
+
+
+def test_a_branch_that_does_not_reach_the_value_of_its_states_says_so():
+    scene = ignition(5.0, 5.0, 10.0, 20.0, Da=0.01)
+    scene["mesh"]["cells"] = CELLS
+    scene["continuation"] = {
+        "parameter": "reactions.r.factor",
+        "to": 0.02,
+        "at": 0.5,
+    }
+    result = contbed.run(from_dict(scene))
+    assert result.qoi["steady_states_found"] == 0
+    assert "states" not in result.tables
+    (text,) = [each for each in result.warnings if "continuation.at" in each]
+    assert text.endswith("reactions.r.factor goes from 0.01 to 0.02")
