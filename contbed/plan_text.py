@@ -2,37 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
-from contbed.models import model_of
+from contbed.models import Plan, model_of
 from contbed.scene.toml_lines import dotted
 
 
-class DescribedPlan(Protocol):
-    """What the text needs of a plan; see `contbed.models.Plan`."""
-
-    @property
-    def scene(self) -> Any:
-        """The scene as written."""
-
-    @property
-    def built(self) -> Sequence[tuple[str, str]]:
-        """Names of what is built, each with a description."""
-
-    @property
-    def skipped(self) -> Sequence[tuple[str, str]]:
-        """Names of what is left out, each with the reason."""
-
-    @property
-    def policy(self) -> Any:
-        """Choice of the linear solver, which predicts the memory."""
-
-    def unknowns(self) -> Mapping[str, int]:
-        """Return the number of unknowns of each part."""
-
-
-def plan_text(plan: DescribedPlan, *more: str) -> str:
+def plan_text(plan: Plan, *more: str) -> str:
     """Describe a plan as a table.
 
     The unknowns with their memory, further lines and warnings follow.

@@ -5,7 +5,7 @@ of scenes and their choices.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 
 from contbed import closures, fields
@@ -91,36 +91,11 @@ def keys() -> dict[str, tuple[schema.Node, ...]]:
     """
     found: dict[str, list[schema.Node]] = {}
     for root in schemas():
-        for path, node in _below(root, (), ()):
+        for path, node in schema.below(root):
             nodes = found.setdefault(".".join(path), [])
             if node not in nodes:
                 nodes.append(node)
     return {name: tuple(nodes) for name, nodes in found.items()}
-
-
-def _below(
-    table: schema.Node, path: tuple[str, ...], seen: tuple[str, ...]
-) -> Iterator[tuple[tuple[str, ...], schema.Node]]:
-    """Yield the keys in a table and in those below it; tables that hold themselves
-    once.
-    """
-    for key, node in table.get("properties", {}).items():
-        yield (*path, key), node
-        for option in schema.options(node):
-            tables = [((*path, key), option)]
-            inner = option.get("additionalProperties")
-            if isinstance(inner, dict):
-                tables += [
-                    ((*path, key, "NAME"), below) for below in schema.options(inner)
-                ]
-            for name, below in tables:
-                title = str(below.get("title", ""))
-                if (
-                    "properties" in below
-                    and title not in seen
-                    and not schema.is_closure(below)
-                ):
-                    yield from _below(below, name, (*seen, title))
 
 
 @cache

@@ -43,9 +43,16 @@ def closure_keys() -> dict[str, str]:
     """
     found: dict[str, str] = {}
     for model in MODELS.values():
-        for path, kind in _below(schema.of(model.scene), (), ()):
+        for path, kind in _kinds_below(model.scene):
             found.setdefault(".".join(path), kind)
     return found
+
+
+def _kinds_below(scene: Any) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Yield the keys of a kind of scenes that take closures, and the kind of each."""
+    for path, node in schema.below(schema.of(scene)):
+        if kind := kind_of_key(path[-1], node):
+            yield path, kind
 
 
 def right_keys(scene: Any, path: KeyPath, value: Any) -> str:
@@ -54,9 +61,7 @@ def right_keys(scene: Any, path: KeyPath, value: Any) -> str:
     """
     name = value.get("name") if isinstance(value, dict) else value
     kinds = _kinds_of(name) if isinstance(name, str) else set()
-    found = [
-        (keys, kind) for keys, kind in _below(schema.of(scene), (), ()) if kind in kinds
-    ]
+    found = [(keys, kind) for keys, kind in _kinds_below(scene) if kind in kinds]
     if not kinds or any(_fits(keys, path) for keys, _ in found):
         return ""
     # those in the same table first
@@ -88,28 +93,6 @@ def _named_as(key: tuple[str, ...], path: KeyPath) -> KeyPath:
             break
         named[k] = given
     return tuple(named)
-
-
-def _below(
-    table: schema.Node, path: tuple[str, ...], seen: tuple[str, ...]
-) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Yield the keys in a table and in those below it."""
-    for key, node in table.get("properties", {}).items():
-        if kind := kind_of_key(key, node):
-            yield (*path, key), kind
-            continue
-        for option in schema.options(node):
-            inner = option.get("additionalProperties")
-            tables = schema.options(inner) if isinstance(inner, dict) else [option]
-            name = (key, "NAME") if isinstance(inner, dict) else (key,)
-            for below in tables:
-                below_title = str(below.get("title", ""))
-                if (
-                    "properties" in below
-                    and below_title not in seen
-                    and not schema.is_closure(below)
-                ):
-                    yield from _below(below, (*path, *name), (*seen, below_title))
 
 
 def _ways(node: schema.Node) -> list[schema.Node]:

@@ -16,7 +16,7 @@ from contbed.fields import FIELDS
 from contbed.output.curves import groups_of, profile_plot, transient_plot
 from contbed.output.nearest import Nearest
 from contbed.output.plots import WIDTH, plain_ticks, shown_range, styled_figure
-from contbed.output.vtu import at_nodes
+from contbed.output.vtu import TRIANGLES, at_nodes
 
 if TYPE_CHECKING:
     import skfem
@@ -28,14 +28,8 @@ LONG = 2.5  # widths of a plane bed from which it lies down
 LEVELS = 257  # shades
 POINTS = 120  # of a plane through a box along its longer side
 COLOURS = {"K": "inferno", "1": "cividis", "m/s": "viridis", "Pa": "cividis"}
-# triangles that a quadratic cell is drawn as
-TRIANGLES = {
-    3: [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)],
-    4: [
-        *((0, 4, 8), (4, 1, 8), (1, 5, 8), (5, 2, 8)),
-        *((2, 6, 8), (6, 3, 8), (3, 7, 8), (7, 0, 8)),
-    ],
-}
+# cells of second order by the number of their corners
+QUADRATIC = {3: "triangle6", 4: "quad9"}
 
 
 def field_plot(
@@ -71,7 +65,7 @@ def field_plot(
     names = [name for group in groups for name in group] + ["speed"] * ("speed" in maps)
     # temperatures of both phases share a scale
     same = groups[0] if groups else ("speed",)
-    corners = TRIANGLES[quadratic.element.nvertices]
+    corners = TRIANGLES[QUADRATIC[quadratic.element.nvertices]]
     triangles = np.vstack([quadratic.dofs[list(three)].T for three in corners])
     points, labels = quadratic.points, ("r", "z") if axisymmetric else ("x", "y")
     extent = np.ptp(points, axis=1)

@@ -35,6 +35,23 @@ _KINDS = {"f": "Float", "i": "Int", "u": "UInt"}
 _BYTE_ORDER = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
 _BLOCK = 32_768  # bytes that are compressed together, as VTK does
 
+# triangles of the nodes of VTK's cells
+TRIANGLES = {
+    "triangle": [(0, 1, 2)],
+    "triangle6": [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)],
+    "quad": [(0, 1, 2), (0, 2, 3)],
+    "quad9": [
+        (0, 4, 8),
+        (0, 8, 7),
+        (4, 1, 5),
+        (4, 5, 8),
+        (8, 5, 2),
+        (8, 2, 6),
+        (7, 8, 6),
+        (7, 6, 3),
+    ],
+}
+
 _SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 _CUBE = [(*corner, z) for z in (0, 1) for corner in _SQUARE]
 _CUBE_EDGES = [

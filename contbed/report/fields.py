@@ -18,28 +18,13 @@ from contbed.errors import ContbedError
 from contbed.output.nearest import Nearest
 from contbed.output.stored import read_fields
 from contbed.output.tables import evenly
+from contbed.output.vtu import TRIANGLES
 from contbed.report.read import Run, Snapshot
 
 LONG_SIDE = 140  # points of a picture along its longer side
 MAX_FRAMES = 25  # times of a transient
 # values of all pictures of one run together, which take 2.7 bytes each
 MAX_SAMPLES = 1_500_000
-# triangles of the nodes of VTK's cells
-_TRIANGLES = {
-    "triangle": [(0, 1, 2)],
-    "triangle6": [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)],
-    "quad": [(0, 1, 2), (0, 2, 3)],
-    "quad9": [
-        (0, 4, 8),
-        (0, 8, 7),
-        (4, 1, 5),
-        (4, 5, 8),
-        (8, 5, 2),
-        (8, 2, 6),
-        (7, 8, 6),
-        (7, 6, 3),
-    ],
-}
 
 
 @dataclass(frozen=True)
@@ -101,7 +86,7 @@ def pictures(run: Run, most: int = MAX_FRAMES) -> list[Pictures | Cloud]:
         return [_cloud(meshes, times)]
     points = meshes[0].points
     flat = [k for k in range(3) if np.ptp(points[:, k]) == 0.0]
-    if len(flat) == 1 and kinds <= set(_TRIANGLES):
+    if len(flat) == 1 and kinds <= set(TRIANGLES):
         return _planes(meshes, times, flat[0], run)
     if not flat:
         return _slices(meshes, times)
@@ -184,7 +169,7 @@ def _planes(
         triangles, owners = [], []
         start = 0
         for block in mesh.cells:
-            for corners in _TRIANGLES[block.type]:
+            for corners in TRIANGLES[block.type]:
                 triangles.append(block.data[:, corners])
                 owners.append(start + np.arange(len(block.data)))
             start += len(block.data)

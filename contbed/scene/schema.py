@@ -139,6 +139,29 @@ def keys(node: Node) -> list[str]:
     return found
 
 
+def below(
+    table: Node, path: tuple[str, ...] = (), seen: tuple[str, ...] = ()
+) -> Iterator[tuple[tuple[str, ...], Node]]:
+    """Yield the keys in a table and in those below it; tables that hold themselves
+    once.
+    """
+    for key, node in table.get("properties", {}).items():
+        yield (*path, key), node
+        for option in options(node):
+            tables = [((*path, key), option)]
+            inner = option.get("additionalProperties")
+            if isinstance(inner, dict):
+                tables += [((*path, key, "NAME"), each) for each in options(inner)]
+            for name, inside in tables:
+                title = str(inside.get("title", ""))
+                if (
+                    "properties" in inside
+                    and title not in seen
+                    and not is_closure(inside)
+                ):
+                    yield from below(inside, name, (*seen, title))
+
+
 def is_closure(option: Node) -> bool:
     """Return whether an option is a closure's table, the only one that may have
     further keys.

@@ -240,10 +240,10 @@ def test_nothing_is_left_to_compile_after_warm(tmp_path):
     """The second `contbed warm` compiles nothing, in a new folder of compiled code."""
     code = """
         from numba.core import event
-        from contbed.cli.warm import SCENES, warm
+        from contbed.cli.warm import scenes, warm
         with event.install_recorder("numba:compile") as record:
             names = [name for name, seconds in warm()]
-        assert names == list(SCENES)
+        assert names == list(scenes())
         print(len(record.buffer))
     """
     environment = {"NUMBA_CACHE_DIR": str(tmp_path)}
