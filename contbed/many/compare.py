@@ -8,26 +8,26 @@ their differences to the first model, the time of each run and what each leaves 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from contbed.errors import ContbedError, SceneError
+from contbed.fields import labelled
 from contbed.loading import load
-from contbed.many.tables import write_rows
+from contbed.many.tables import aligned, write_rows
 from contbed.models import names
 from contbed.output.common_results import Value, common_results
 from contbed.output.folder import prepare_study
-from contbed.output.summary import write_json
 from contbed.result import Result
 from contbed.runner import run
 from contbed.scene.names import nearest, several
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import dotted
 
-FILE = "comparison.json"
 TABLE = "comparison.csv"
+TIME = "wall time [s]"
 
 
 @dataclass(frozen=True)
@@ -80,23 +80,13 @@ class Comparison:
 
     def text(self) -> str:
         """Return the comparison as a table for a terminal."""
-        models = [outcome.model for outcome in self.outcomes]
-        width = max(
-            [len(f"{name} [{value.unit}]") for name, value in self.shared.items()]
-            + [12]
-        )
-        column = max([len(model) for model in models] + [20])
-
-        def row(label: str, cells: Sequence[str]) -> str:
-            return f"{label:{width}}" + "".join(f"  {cell:>{column}}" for cell in cells)
-
-        lines = [row("", models)]
+        rows = [("", *(outcome.model for outcome in self.outcomes))]
         for name, value in self.shared.items():
-            cells = [self._cell(name, outcome) for outcome in self.outcomes]
-            lines.append(row(f"{name} [{value.unit}]", cells))
-        seconds = [f"{outcome.seconds:.3g}" for outcome in self.outcomes]
-        unknowns = [str(outcome.unknowns) for outcome in self.outcomes]
-        lines += [row("wall time [s]", seconds), row("unknowns", unknowns)]
+            cells = (self._cell(name, outcome) for outcome in self.outcomes)
+            rows.append((labelled(name, value.unit), *cells))
+        rows.append((TIME, *(f"{outcome.seconds:.3g}" for outcome in self.outcomes)))
+        rows.append(("unknowns", *(str(outcome.unknowns) for outcome in self.outcomes)))
+        lines = aligned(rows, left=(0,))
         for outcome in self.outcomes:
             lines += ["", f"{outcome.model}:"]
             lines += [f"  failed: {outcome.problem}"] if outcome.problem else []
@@ -114,25 +104,17 @@ class Comparison:
         return shown if difference is None else f"{shown} ({100.0 * difference:+.2g} %)"
 
     def write(self, out: Path) -> None:
-        """Write the table as comparison.csv and all of it as comparison.json into a
-        folder.
-        """
-        head = ["quantity", *(outcome.model for outcome in self.outcomes)]
-        write_rows(out / TABLE, head, self._rows())
-        write_json(out / FILE, {"outcomes": [_as_data(each) for each in self.outcomes]})
-
-    def _rows(self) -> Iterator[list[Any]]:
-        """Yield the rows of comparison.csv: a quantity each, a column for each
+        """Write comparison.csv into a folder: a quantity each row, a column for each
         model.
         """
+        rows: list[list[Any]] = []
         for name, first in self.shared.items():
             values = [outcome.results.get(name) for outcome in self.outcomes]
             cells = ["" if value is None else f"{value.value:.12g}" for value in values]
-            yield [f"{name} [{first.unit}]", *cells]
-        yield [
-            "wall time [s]",
-            *(f"{outcome.seconds:.3g}" for outcome in self.outcomes),
-        ]
+            rows.append([labelled(name, first.unit), *cells])
+        rows.append([TIME, *(f"{outcome.seconds:.3g}" for outcome in self.outcomes)])
+        head = ["quantity", *(outcome.model for outcome in self.outcomes)]
+        write_rows(out / TABLE, head, rows)
 
 
 def compare(
@@ -170,7 +152,7 @@ def compare(
         )
         for model in chosen
     }
-    prepare_study(out, TABLE, FILE)
+    prepare_study(out, TABLE)
     outcomes = [_outcome(model, scenes[model], out / model) for model in scenes]
     found = Comparison(tuple(outcomes))
     found.write(out)
@@ -197,16 +179,3 @@ def _outcome(model: str, scene: SceneBase, folder: Path) -> Outcome:
 
 def _tables(result: Result) -> dict[str, Mapping[str, Any]]:
     return {"profiles": result.profiles, **result.tables}
-
-
-def _as_data(outcome: Outcome) -> dict[str, Any]:
-    return {
-        "model": outcome.model,
-        "results": {name: value.value for name, value in outcome.results.items()},
-        "units": {name: value.unit for name, value in outcome.results.items()},
-        "wall_time_s": outcome.seconds,
-        "unknowns": outcome.unknowns,
-        "ignored": list(outcome.ignored),
-        "skipped": [list(pair) for pair in outcome.skipped],
-        "problem": outcome.problem,
-    }

@@ -3,7 +3,6 @@ and the files of a sweep.
 """
 
 import csv
-import json
 import sys
 
 import numpy as np
@@ -281,11 +280,7 @@ def test_a_sweep_writes_samples_gradients_and_indices_side_by_side(
             <= 2.0 * float(row["first order +-"]) + 1e-6
         )
         assert abs(float(row["total"]) - share) <= 2.0 * float(row["total +-"]) + 1e-6
-    content = json.loads((folder / "out" / "uncertainty.json").read_text())
-    assert (
-        content["method"] == "sobol_indices"
-        and (folder / "out" / "uncertainty.png").exists()
-    )
+    assert (folder / "out" / "uncertainty.png").exists()
     # what is known is not computed again
     monkeypatch.setattr("contbed.many.uncertainty.write.gradient", None)
     assert command("sweep study.toml --out out --jobs 1 --quiet") == 0

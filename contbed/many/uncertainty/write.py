@@ -1,11 +1,11 @@
-"""Uncertainty of a sweep that has a [sample]: uncertainty.csv, indices.csv,
-uncertainty.json and a picture.
+"""Uncertainty of a sweep that has a [sample]: uncertainty.csv, indices.csv and a
+picture.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -36,11 +36,9 @@ from contbed.many.uncertainty.propagate import (
 )
 from contbed.many.value_sets import BY_THEMSELVES
 from contbed.output.plots import styled_figure
-from contbed.output.summary import write_json
 from contbed.scene.identity import scene_hash
 from contbed.scene.tables import SceneBase
 
-FILE = "uncertainty.json"
 SLOPES = "gradient.jsonl"  # the derivatives at the means
 
 
@@ -209,35 +207,6 @@ def _write(report: Report, out: Path) -> None:
         ),
         _nine_digits,
     )  # fmt: skip
-    content = {
-        one.result.key: {
-            "unit": one.result.unit,
-            "spreads": [asdict(spread) for spread in one.spreads],
-            "shares by gradients": None
-            if one.shares is None
-            else dict(zip(names, one.shares, strict=True)),
-            "indices": None
-            if one.indices is None
-            else {
-                name: dict(zip(names, column, strict=True))
-                for name, column in one.indices.columns.items()
-            }
-            | {"groups": one.indices.groups},
-        }
-        for one in report.results
-    }
-    write_json(
-        out / FILE,
-        {
-            "method": report.sample.method,
-            "distributions": {
-                name: str(spread)
-                for name, spread in report.sample.distributions.items()
-            },
-            "warnings": list(report.warnings),
-            "results": content,
-        },
-    )
     _plot(report, out / "uncertainty.png")
 
 

@@ -148,16 +148,15 @@ def spectrum(interval: float, values: Array, record: float) -> tuple[Array, Arra
     """Find the frequencies [Hz] and the power per frequency of a series, mean over
     pieces of `record` [s].
     """
+    from scipy.signal import welch
+
     size = min(len(values), round(record / interval) + 1)
-    starts = range(0, len(values) - size + 1, max(1, size // 2))
-    pieces = [
-        values[start : start + size] - values[start : start + size].mean()
-        for start in starts
-    ]
-    power = (
-        np.mean([np.abs(np.fft.rfft(piece)) ** 2 for piece in pieces], axis=0)
-        * 2.0
-        * interval
-        / size
+    frequency, power = welch(
+        values,
+        1.0 / interval,
+        window="boxcar",
+        nperseg=size,
+        noverlap=size - max(1, size // 2),
+        detrend="constant",
     )
-    return np.arange(1, len(power)) / (interval * size), np.asarray(power[1:])
+    return frequency[1:], power[1:]
