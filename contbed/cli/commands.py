@@ -146,6 +146,8 @@ def run(
         raise
     from contbed.runner import run as solve
 
+    if report:
+        _require_place(folder)
     if not quiet:
         _tell_when_compiling(loaded)
     options = [word for text in settings or [] for word in ("--set", text)]
@@ -413,6 +415,12 @@ def _write_report(folders: list[Path], file: Path | None = None) -> Path:
     from contbed.report.write import write
 
     return write(folders, file)
+
+
+def _require_place(folder: Path) -> None:
+    from contbed.report.write import FILE, require_place
+
+    require_place(folder / FILE)
 
 
 def _tell_when_compiling(scene: Any) -> None:

@@ -121,6 +121,10 @@ def compare(
     from contbed.many.compare import compare as run_all
 
     folder = out or Path("results") / f"{scene.stem}-compared"
+    if report:
+        from contbed.report.write import FILE, require_place, write
+
+        require_place(folder / FILE)
     wanted = [name.strip() for name in models.split(",") if name.strip()]
     found = run_all(
         scene,
@@ -132,10 +136,8 @@ def compare(
     )
     print(found.text())
     if report:
-        from contbed.report.write import write
-
         done = [folder / outcome.model for outcome in found.outcomes]
-        write(done, folder / "report.html")
+        write(done, folder / FILE)
     print(f"results are in {folder}")
     if any(outcome.problem for outcome in found.outcomes):
         raise typer.Exit(3)

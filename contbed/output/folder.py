@@ -219,6 +219,29 @@ def prepare_study(folder: Path, *names: str) -> None:
             temporary.write_text("\n".join([*listed, *new]), encoding="utf-8")
 
 
+def require_own(file: Path, mark: str = "") -> None:
+    """Refuse to replace a file that no run lists and that does not hold a mark.
+
+    Raises
+    ------
+    ContbedError : it is a file of others
+    """
+    if not file.is_file() or file.name in _listed(read_summary(file.parent)):
+        return
+    if not mark or mark.encode() not in file.read_bytes():
+        _refuse(file.parent, [file])
+
+
+def list_file(file: Path) -> None:
+    """Add a file to those of the run in its folder, which the next run there removes."""
+    summary = read_summary(file.parent)
+    listed = summary.get("files")
+    if listed is not None and file.name not in listed:
+        write_json(
+            file.parent / SUMMARY, {**summary, "files": sorted([*listed, file.name])}
+        )
+
+
 def _refuse(folder: Path, found: Iterable[Path]) -> None:
     """Refuse files of others; links are replaced and not followed.
 

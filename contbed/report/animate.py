@@ -13,6 +13,7 @@ import numpy as np
 from contbed import fields
 from contbed.errors import ContbedError
 from contbed.output.files import atomic
+from contbed.output.folder import list_file, require_own
 from contbed.report.fields import Cloud, Pictures, pictures
 from contbed.report.read import read_run
 
@@ -45,6 +46,8 @@ def animate(
         cannot be written
     """
     target = file or folder / "animation.gif"
+    if file is None:
+        require_own(target)
     if target.suffix not in SUFFIXES:
         raise ContbedError(
             f"{target}: a film is a .gif or a .mp4; give --out one of these"
@@ -66,6 +69,7 @@ def animate(
         (field for field in ("eps_s", "T_solid") if field in found), next(iter(found))
     )
     _write(found[name or usual], target, rate)
+    list_file(target)
     return target
 
 

@@ -20,6 +20,8 @@ from contbed.output.summary import plain
 from contbed.output.tables import REMEDY
 from contbed.report.read import Key, Run
 
+MARK = '<script type="text/plain" id="charts">'  # of all reports
+
 
 def page(title: str, parts: Iterable[str], charts: Sequence[dict[str, Any]]) -> str:
     """Return the file: `parts` are the sections, in which `place` puts a chart by
@@ -42,7 +44,7 @@ def page(title: str, parts: Iterable[str], charts: Sequence[dict[str, Any]]) -> 
             f"<body><main>{''.join(parts)}</main>",
             '<script type="text/plain" '
             f'id="plotly">{_plotly() if charts else ""}</script>',
-            f'<script type="text/plain" id="charts">{_compressed(data)}</script>',
+            f"{MARK}{_compressed(data)}</script>",
             f"<script>{script}</script></body></html>",
             "",
         ]

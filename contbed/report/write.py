@@ -12,9 +12,8 @@ from typing import Any
 from contbed.errors import ContbedError
 from contbed.models import kind_of
 from contbed.output.files import atomic
-from contbed.output.folder import SUMMARY, read_summary
+from contbed.output.folder import list_file, require_own
 from contbed.output.sketch import sketch
-from contbed.output.summary import write_json
 from contbed.report import charts, page
 from contbed.report.calibration import CALIBRATION
 from contbed.report.cascade import CASCADE
@@ -41,10 +40,11 @@ def write(folders: Sequence[Path], file: Path | None = None) -> Path:
 
     Raises
     ------
-    ContbedError : a folder holds no run, plotly is not installed, or the file cannot be
-        written
+    ContbedError : a folder holds no run, plotly is not installed, the file cannot be
+        written, or another one that is no report stands in its place
     """
     target = file or folders[0] / FILE
+    require_place(target)
     for study in STUDIES:
         if any(map(study.is_in, folders)):
             if len(folders) > 1:
@@ -64,20 +64,13 @@ def write(folders: Sequence[Path], file: Path | None = None) -> Path:
         )
     with atomic(target) as temporary:
         temporary.write_text(text, encoding="utf-8")
-    _list(target)
+    list_file(target)
     return target
 
 
-def _list(file: Path) -> None:
-    """Add a report to the files of the run in its folder, which the next run there
-    removes.
-    """
-    summary = read_summary(file.parent)
-    listed = summary.get("files")
-    if listed is not None and file.name not in listed:
-        write_json(
-            file.parent / SUMMARY, {**summary, "files": sorted([*listed, file.name])}
-        )
+def require_place(file: Path) -> None:
+    """Refuse to write a report in the place of a file that is none."""
+    require_own(file, page.MARK)
 
 
 def _names(folders: Sequence[Path]) -> list[str]:

@@ -1,5 +1,7 @@
 """`contbed animate`: films of planes and of particles, as GIF and as MP4."""
 
+import json
+import shutil
 from itertools import pairwise
 
 import numpy as np
@@ -40,6 +42,23 @@ def test_a_film_has_one_picture_for_each_time(plane, capsys):
     assert len(film) == 3
     # grey values of 255
     assert all(np.abs(a - b).mean() > 1.0 for a, b in pairwise(film))
+
+
+def test_a_film_of_others_is_not_replaced(plane, tmp_path):
+    """But a film that contbed has written is, in the folder and where the user says."""
+    folder = tmp_path / "run"
+    shutil.copytree(plane, folder)
+    film = folder / "animation.gif"
+    film.write_bytes(b"of others")
+    summary = json.loads((folder / "summary.json").read_text())
+    summary["files"] = [each for each in summary["files"] if each != film.name]
+    (folder / "summary.json").write_text(json.dumps(summary))
+    with pytest.raises(ContbedError, match=r"animation\.gif: not written by a run"):
+        animate(folder)
+    film.unlink()
+    for _ in range(2):
+        assert animate(folder) == film
+    assert animate(folder, tmp_path / "a.gif") == animate(folder, tmp_path / "a.gif")
 
 
 def test_other_fields_and_mistakes(plane, tmp_path):

@@ -224,6 +224,31 @@ def test_run_writes_a_report_also_of_a_failure(tmp_path, monkeypatch):
     assert "closure out of range" in report.read_text()
 
 
+def test_a_report_of_others_is_not_replaced(tmp_path, monkeypatch, capsys):
+    """Before the run, and by the command alone; a report of a folder without a summary
+    is known by its content.
+    """
+    monkeypatch.chdir(tmp_path)
+    text = re.sub(r"^time = .*$", "", PLANE, flags=re.MULTILINE)
+    (tmp_path / "steady.toml").write_text(text)
+    out = tmp_path / "out"
+    out.mkdir()
+    other = out / "report.html"
+    other.write_text("<html>of others</html>")
+    run = "run steady.toml --quiet --out out"
+    assert command(f"{run} --report") == 1
+    assert "report.html: not written by a run of contbed" in capsys.readouterr().err
+    assert not (out / "summary.json").exists()
+    assert command(run) == 0
+    assert command("report out") == 1 and other.read_text() == "<html>of others</html>"
+    other.unlink()
+    assert command("report out") == command("report out") == 0
+    assert command("report out --out one.html") == 0
+    assert command("report out --out one.html") == 0
+    (tmp_path / "one.html").write_text("<html>of others</html>")
+    assert command("report out --out one.html") == 1
+
+
 USE = """<script>
 const wait = setInterval(() => {
   if (document.body.dataset.ready === undefined) return;
