@@ -30,6 +30,7 @@ from contbed.scene.checking import Mistakes, See
 from contbed.scene.continuation import parameter_varies
 from contbed.scene.gas import GasCantera
 from contbed.scene.mechanism import find_mechanism
+from contbed.scene.mesh_checks import positions_outside
 from contbed.scene.quantities import Table
 from contbed.scene.tables import Output
 from contbed.scene.toml_lines import KeyPath, Origin
@@ -391,12 +392,8 @@ def positions_lie_in_the_bed(
     bubbling_bed: BubblingBed, output: Output, see: See
 ) -> Mistakes:
     """Check that the output positions lie in the bed."""
-    height = bubbling_bed.height
-    for index, position in enumerate(output.positions):
-        if not 0 <= position <= height:
-            where = see("bubbling_bed.height")
-            text = f"outside of the bed, 0 to {height:g} m; see {where}"
-            yield ("output", "positions", index), text
+    where = see("bubbling_bed.height")
+    yield from positions_outside(output, bubbling_bed.height, where)
 
 
 def the_parameter_is_a_number(

@@ -16,6 +16,7 @@ from contbed.closures import optics
 from contbed.closures.ranges import usage
 from contbed.errors import ConvergenceError
 from contbed.fem.probe import Probe, line_along
+from contbed.fields import header, name_of
 from contbed.materials.common import share_outside
 from contbed.result import Result
 
@@ -111,18 +112,17 @@ def _only_at(wanted: Any, z: Any, result: Result) -> None:
     keep = np.isin(z, wanted)
     keep = np.append(keep, keep[::-1][1:])
     result.profiles = {
-        header: column[keep[: len(column)]]
-        for header, column in result.profiles.items()
+        key: column[keep[: len(column)]] for key, column in result.profiles.items()
     }
 
 
-FREEBOARD = {
-    "T_freeboard": "K",
-    "T_up": "K",
-    "T_down": "K",
-    "flow_up": "kg/m2/s",
-    "G_freeboard": "W/m2",
-}
+FREEBOARD = (
+    "T_freeboard [K]",
+    "T_up [K]",
+    "T_down [K]",
+    header("flow_up"),
+    header("G_freeboard"),
+)
 
 
 def _water(
@@ -141,13 +141,13 @@ def _water(
     assert table is not None
     water = steam(table.pressure)
     padded = np.full(len(result.profiles["z [m]"]), np.nan)
-    for header, column in (
+    for key, column in (
         (f"T_{name}_surface [K]", values["T"]),
         (f"T_{name}_water [K]", water.temperature(values["h"])),
         (f"h_{name}_water [kJ/kg]", values["h"]),
     ):
         padded[: len(column)] = column
-        result.profiles[header] = padded.copy()
+        result.profiles[key] = padded.copy()
     h_in = water.enthalpy(table.temperature)
     end = problem.top if table.direction == "up" else problem.bottom
     h_out = problem.at(lambda u, o: getattr(u, f"h_{name}"), end, state)
@@ -173,15 +173,7 @@ def _water(
     ).as_dict()
 
 
-HYDRODYNAMICS = {
-    "u": "m/s",
-    "u_mf": "m/s",
-    "u_e": "m/s",
-    "u_b": "m/s",
-    "delta": "1",
-    "flow_bubble": "kg/s",
-    "d_b": "m",
-}
+HYDRODYNAMICS = ("u", "u_mf", "u_e", "u_b", "delta", "flow_bubble", "d_b")
 
 
 def _computed(
@@ -195,11 +187,10 @@ def _computed(
     computed = plan.coefficients.computed
     local, _ = computed.recorded(values, z)
     found = local.state | {"flow_bubble": values.get("flow_bubble")}
-    for name, unit in HYDRODYNAMICS.items():
+    for name in HYDRODYNAMICS:
         if found.get(name) is not None:
-            result.profiles[f"{name} [{unit}]"] = np.broadcast_to(
-                found[name], z.shape
-            ).copy()
+            values_along = np.broadcast_to(found[name], z.shape)
+            result.profiles[header(name)] = values_along.copy()
     if computed.above is not None:
         used += _freeboard(computed.above, values, local, z, result)
     result.closures += used
@@ -287,14 +278,14 @@ def _freeboard(
         )
     above_bed = part.bed + (part.bed - z[::-1]) * part.stretch
     nothing = np.full(len(z) - 1, np.nan)
-    for header, column in result.profiles.items():
-        result.profiles[header] = np.append(
-            column, above_bed[1:] if header == "z [m]" else nothing
+    for key, column in result.profiles.items():
+        result.profiles[key] = np.append(
+            column, above_bed[1:] if key == "z [m]" else nothing
         )
-    for name, unit in FREEBOARD.items():
-        if name in values:
-            rising = values[name][::-1]
-            result.profiles[f"{name} [{unit}]"] = np.concatenate([nothing, rising])
+    for key in FREEBOARD:
+        if name_of(key) in values:
+            rising = values[name_of(key)][::-1]
+            result.profiles[key] = np.concatenate([nothing, rising])
     return used
 
 

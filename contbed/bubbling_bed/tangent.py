@@ -24,34 +24,26 @@ from contbed.bubbling_bed.results import fill
 from contbed.bubbling_bed.settling import CHANGE, ROUNDS, settled, stretched, unsettled
 from contbed.errors import ConvergenceError, UnlikeError
 from contbed.result import Result
-from contbed.solvers.tangent import STEP, Response
+from contbed.solvers.tangent import Tangent as SteadyTangent
 
 Array = Any
 OTHER = "a small change adds or removes an unknown"
 
 
-class Tangent:
+class Tangent(SteadyTangent):
     """A solved steady bed and the factors of its Jacobian."""
 
-    step = STEP
-    method = "tangent"
+    problem: BubblingProblem
 
     def __init__(self, result: Result):
-        self.problem: BubblingProblem = result.solved.problem
-        self.state: Array = result.solved.state
-        self.x = self.problem.unknowns(self.state)
+        self.problem = result.solved.problem
+        self.x = self.problem.unknowns(result.solved.state)
         plan, computed = self.problem.plan, self.problem.c.computed
         self.typical = (
             None if computed is None else typical_numbers(plan.scene, computed)
         )
         self.settles = unsettled(result.scene)
         self.branch = result.solved.branch
-
-    @cached_property
-    def response(self) -> Response:
-        """The factors, found when they are first needed."""
-        _, matrix = self.problem.steady(self.x, True)
-        return Response(matrix, self.problem.fixed, self.problem.plan.policy)
 
     @cached_property
     def folds(self) -> list[Fold]:
@@ -144,8 +136,8 @@ class Tangent:
 
     def _states(self, problems: list[BubblingProblem]) -> list[Array]:
         with np.errstate(all="ignore"):  # bubbles of no size, where the bed rests
-            low, high = (problem.steady(self.x, False)[0] for problem in problems)
-        states, _ = self.response.states((self.x, self.x), (low, high))
+            sides = [problem.steady for problem in problems]
+            states, _ = self.response.states((self.x, self.x), sides)
         return [problem._state(x) for problem, x in zip(problems, states, strict=True)]
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,26 +18,18 @@ from contbed.developed_flow.results import fill
 from contbed.developed_flow.scene import DevelopedScene
 from contbed.errors import UnlikeError
 from contbed.result import Result
-from contbed.solvers.tangent import STEP, Response
+from contbed.solvers.tangent import Tangent as SteadyTangent
 
 OTHER = "a small change adds or removes the particles"
 
 
-class Tangent:
+class Tangent(SteadyTangent):
     """A solved flow and the factors of its Jacobian."""
 
-    step = STEP
-    method = "tangent"
+    problem: DevelopedProblem
 
     def __init__(self, result: Result):
-        self.problem: DevelopedProblem
-        self.problem, self.state = result.solved
-
-    @cached_property
-    def response(self) -> Response:
-        """The factors, found when they are first needed."""
-        _, matrix = self.problem.steady(self.state, True)
-        return Response(matrix, self.problem.fixed, self.problem.plan.policy)
+        self.problem, self.x = result.solved
 
     def results(
         self, below: DevelopedScene, above: DevelopedScene
@@ -51,8 +42,8 @@ class Tangent:
         UnlikeError : the change adds or removes the particles
         """
         problems = [self._problem(scene) for scene in (below, above)]
-        low, high = (problem.steady(self.state, False)[0] for problem in problems)
-        states, _ = self.response.states((self.state, self.state), (low, high))
+        sides = [problem.steady for problem in problems]
+        states, _ = self.response.states((self.x, self.x), sides)
         out = []
         for problem, state in zip(problems, states, strict=True):
             result = Result(problem.plan)

@@ -144,6 +144,22 @@ class Blocks:
             targets[beyond][:, row, :, column, :] += part
 
 
+def sparse(lower: Array, own: Array, upper: Array, numbers: Array) -> csc_matrix:
+    """Return a block tridiagonal matrix of blocks (N, n, n), with the numbers (N, n)
+    of the unknowns of each cell.
+    """
+    N, rows, columns, entries = len(own), [], [], []
+    for block, shift in ((lower, -1), (own, 0), (upper, 1)):
+        cells = np.arange(max(0, -shift), min(N, N - shift))
+        cell, i, j = np.nonzero(block[cells])
+        rows.append(numbers[cells[cell], i])
+        columns.append(numbers[cells[cell] + shift, j])
+        entries.append(block[cells[cell], i, j])
+    where = np.concatenate(rows), np.concatenate(columns)
+    shape = numbers.size, numbers.size
+    return csc_matrix((np.concatenate(entries), where), shape)
+
+
 class Factors:
     """LU factors of a block tridiagonal matrix, as a band or sparse.
 
@@ -203,18 +219,11 @@ class Factors:
         zero.
         """
         N, size = own.shape[:2]
-        rows, columns, entries = [], [], []
-        for block, shift in ((lower[1:], -1), (own, 0), (upper[:-1], 1)):
-            cell, i, j = np.nonzero(block)
-            first = cell + (shift == -1)
-            rows.append(first * size + i)
-            columns.append((first + shift) * size + j)
-            entries.append(block[cell, i, j])
-        if not np.isfinite(values := np.concatenate(entries)).all():
+        matrix = sparse(lower, own, upper, np.arange(N * size).reshape(N, size))
+        if not np.isfinite(matrix.data).all():
             raise ConvergenceError("the matrix holds values that are not finite")
-        at = (np.concatenate(rows), np.concatenate(columns))
         try:
-            return splu(csc_matrix((values, at), (N * size, N * size)))
+            return splu(matrix)
         except RuntimeError:
             raise ConvergenceError("the linear system is singular") from None
 

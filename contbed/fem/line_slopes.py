@@ -7,10 +7,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_matrix
 
 from contbed.arrays import Array
-from contbed.fem.line_blocks import Blocks, Factors
+from contbed.fem.line_blocks import Blocks, Factors, sparse
 
 
 class Slopes:
@@ -35,28 +34,12 @@ class Slopes:
         both as they are stored.
         """
         m, (N, n) = self.system.m, self.blocks.measure.shape
-        index = np.arange(m * N * n).reshape(m, N, n).transpose(1, 0, 2)  # (N, m, n)
-        rows, columns, entries = [], [], []
-        for block, shift in zip(self.blocks.of_all(), (-1, 0, 1), strict=True):
-            cells = np.arange(max(0, -shift), min(N, N - shift))
-            part = block[cells] / sizes[None, :, None, None, None]
-            shape = part.shape
-            rows.append(
-                np.broadcast_to(index[cells][:, :, :, None, None], shape).ravel()
-            )
-            columns.append(
-                np.broadcast_to(
-                    index[cells + shift][:, None, None, :, :], shape
-                ).ravel()
-            )
-            entries.append(part.ravel())
-        size = m * N * n
-        values = np.concatenate(entries)
-        where = (np.concatenate(rows), np.concatenate(columns))
-        there = values != 0.0
-        return csc_matrix(
-            (values[there], (where[0][there], where[1][there])), shape=(size, size)
+        numbers = np.arange(m * N * n).reshape(m, N, n).transpose(1, 0, 2)
+        lower, own, upper = (
+            (block / sizes[:, None, None, None]).reshape(N, m * n, m * n)
+            for block in self.blocks.of_all()
         )
+        return sparse(lower, own, upper, numbers.reshape(N, m * n))
 
     def factors(self, residuals: Array, unknowns: Array) -> Factors:
         """Return the factors, to solve with, from typical values (m,) of residuals

@@ -170,28 +170,17 @@ def front_nodes(
     """
     mesh, time = scene.mesh, scene.time
     assert isinstance(mesh, MeshLine) and time is not None
-    T, porosity = medium.T_fluid_in, scene.packed_bed.porosity
-    heat = {
-        "fluid": medium.mass_flux_scale() * float(medium.fluid.heat_capacity(T)),
-        "solid": float(medium.solid.density(T)) * float(medium.solid.heat_capacity(T)),
-    }
-    flux = {"fluid": heat["fluid"] * u, "solid": heat["solid"] * u_solid}
-    content = {
-        "fluid": porosity * heat["fluid"],
-        "solid": (1.0 - porosity) * heat["solid"],
-    }
-    total = sum(content.values())
-
-    def speed(density: Any) -> float:
-        return float(abs(medium.mass_flux_scale() / density * u - u_solid))
-
-    conduction = float(medium.stagnant(T))
-    if (dispersion := medium.dispersion(T, speed)) is not None:
-        conduction += float(dispersion[0])
-    lag = flux["fluid"] * content["solid"] - flux["solid"] * content["fluid"]
-    exchange = float(medium.exchange(T, speed))
+    porosity, of_fluid, of_solid, dispersion, exchange = (
+        scene.packed_bed.porosity,
+        *_at_inlet(medium, u, u_solid),
+    )
+    flux_fluid, flux_solid = of_fluid * u, of_solid * u_solid
+    content_fluid, content_solid = porosity * of_fluid, (1.0 - porosity) * of_solid
+    total = content_fluid + content_solid
+    conduction = float(medium.stagnant(medium.T_fluid_in)) + dispersion
+    lag = flux_fluid * content_solid - flux_solid * content_fluid
     spread = conduction / total + (lag**2 / (total**3 * exchange) if exchange else 0.0)
-    v = sum(flux.values()) / total
+    v = (flux_fluid + flux_solid) / total
     outputs = [moment for moment in time.times if moment > 0.0]
     first = max(min([*outputs, time.end]), EARLIEST * time.end)
     coarse = mesh.length / CELLS_ALONG
@@ -216,6 +205,25 @@ def front_nodes(
         )
 
     return of_size(mesh.length, size, scale)
+
+
+def _at_inlet(
+    medium: Medium, u: float, u_solid: float
+) -> tuple[float, float, float, float]:
+    """Return heat capacities of fluid and solid per volume [J/m3/K], thermal
+    dispersion [W/m/K] and exchange [W/m3/K] at the temperature of the inlet.
+    """
+    T, scale = medium.T_fluid_in, medium.mass_flux_scale()
+
+    def speed(density: Any) -> float:
+        return float(abs(scale / density * u - u_solid))
+
+    dispersion = medium.dispersion(T, speed)
+    return (
+        *medium.capacities,
+        0.0 if dispersion is None else float(dispersion[0]),
+        float(medium.exchange(T, speed)),
+    )
 
 
 def _slope_of_the_start(scene: s.Scene) -> Any:
@@ -248,20 +256,10 @@ def axial_layers(
     ends, from closed-form rates.
     """
     T = medium.T_fluid_in
-    scale = medium.mass_flux_scale()
-    flux_fluid = scale * float(medium.fluid.heat_capacity(T)) * u
-    flux_solid = (
-        float(medium.solid.density(T)) * float(medium.solid.heat_capacity(T)) * u_solid
-    )
-
-    def speed(density: Any) -> float:
-        return float(abs(scale / density * u - u_solid))
-
-    d_fluid = float(medium.conductivity_fluid(T))
-    if (dispersion := medium.dispersion(T, speed)) is not None:
-        d_fluid += float(dispersion[0])
+    of_fluid, of_solid, dispersion, exchange = _at_inlet(medium, u, u_solid)
+    flux_fluid, flux_solid = of_fluid * u, of_solid * u_solid
+    d_fluid = float(medium.conductivity_fluid(T)) + dispersion
     d_solid = float(medium.conductivity_solid(T))
-    exchange = float(medium.exchange(T, speed))
     add_fluid, add_solid, cross = (
         float(share) for share in medium.tortuosity(T) or (0.0, 0.0, 0.0)
     )

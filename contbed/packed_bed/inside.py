@@ -172,12 +172,8 @@ def inside_of(
         return None
     radius, conductivity = 0.5 * scene.diameter, float(medium.solid.conductivity(T))
     biot = exchange / medium.area * radius / conductivity
-    heat_fluid = (
-        medium.mass_flux_scale()
-        * float(medium.fluid.heat_capacity(T))
-        * float(np.linalg.norm(velocity))
-    )
-    capacity = float(medium.solid.density(T) * medium.solid.heat_capacity(T))
+    of_fluid, capacity = medium.capacities
+    heat_fluid = of_fluid * float(np.linalg.norm(velocity))
     speed, length = (
         float(np.linalg.norm(velocity_solid)),
         getattr(scene.mesh, "length", None),

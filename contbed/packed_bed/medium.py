@@ -124,6 +124,17 @@ class Medium:
         """Return the density that turns superficial velocity into mass flux [kg/m3]."""
         return float(self.fluid.density(self.T_fluid_in))
 
+    @property
+    def capacities(self) -> tuple[float, float]:
+        """Heat capacities of fluid and solid per volume that moves at their
+        superficial velocities [J/m3/K].
+        """
+        T, solid = self.T_fluid_in, self.solid
+        return (
+            self.mass_flux_scale() * float(self.fluid.heat_capacity(T)),
+            float(solid.density(T)) * float(solid.heat_capacity(T)),
+        )
+
     def reynolds(self, T: Any, speed: Callable[[Any], Any]) -> Any:
         """Return the particle Reynolds number.
 

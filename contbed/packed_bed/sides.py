@@ -166,17 +166,8 @@ def _carried(medium: Medium, fluid: float, solid: float) -> float | None:
     """Return the smaller heat capacity flow of the streams [W/m2/K]; None where
     nothing flows.
     """
-    T = medium.T_fluid_in
-    found = (
-        [medium.mass_flux_scale() * float(medium.fluid.heat_capacity(T)) * fluid]
-        if fluid
-        else []
-    )
-    if solid:
-        found.append(
-            float(medium.solid.density(T) * medium.solid.heat_capacity(T)) * solid
-        )
-    return min(found, default=None)
+    pairs = zip(medium.capacities, (fluid, solid), strict=True)
+    return min((capacity * speed for capacity, speed in pairs if speed), default=None)
 
 
 def _span(scene: s.Scene) -> float:

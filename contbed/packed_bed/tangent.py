@@ -26,6 +26,7 @@ from contbed.packed_bed.flow import (
 )
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
+from contbed.packed_bed.local_flow import local_properties
 from contbed.packed_bed.over_time import Run
 from contbed.packed_bed.results import steady_findings
 from contbed.packed_bed.run import steady_balance
@@ -120,22 +121,8 @@ class _End:
         """
         plan = self.plan
         if self.flow is not None and self.flow.local is not None:
-            fluid, T = (
-                plan.medium.fluid,
-                self.problem.system.part(self.state, "T_fluid"),
-            )
-            values = (
-                plan.medium.mass_flux_scale() / fluid.density(T),
-                fluid.viscosity(T),
-            )
-            space = self.problem.system.fields["T_fluid"][0]
-            self.local = LocalProperties(
-                space, *(np.broadcast_to(value, T.shape) for value in values)
-            )
-        c = coefficients(plan.solved, plan.medium, plan.velocity, plan.velocity_solid)
-        made = flow_equations(
-            plan.mesh, c, plan.velocity, plan.conditions, self.local, self.flow_system
-        )
+            self.local = local_properties(plan, self.problem, self.state)
+        made = _flow_of(plan, self.local, self.flow_system)
         self.flow_system = made.system
         return made
 
@@ -249,29 +236,13 @@ class Steady:
         ):
             raise UnlikeError(OTHER)
         if self._flow is None:
-            middle = flow_equations(
-                self.plan.mesh,
-                coefficients(
-                    self.plan.solved,
-                    self.plan.medium,
-                    self.plan.velocity,
-                    self.plan.velocity_solid,
-                ),
-                self.plan.velocity,
-                self.plan.conditions,
-                self.flow.local,
-                self.flow.system,
-            )
+            middle = _flow_of(self.plan, self.flow.local, self.flow.system)
             matrix = middle.residual(self.flow.state, True)[1]
             self._flow = Response(
                 matrix, middle.fixed, self.flow.system.ordered(self.plan.policy)
             )
         starts = [one.with_given(self.flow.state) for one in equations]
-        found = [
-            one.residual(start, False)[0]
-            for one, start in zip(equations, starts, strict=True)
-        ]
-        states, _ = self._flow.states((starts[0], starts[1]), (found[0], found[1]))
+        states, _ = self._flow.states(starts, [one.residual for one in equations])
         for end, one, state in zip(ends, equations, states, strict=True):
             end.flow = Flow(
                 one.system, state, [], end.plan.solved.packed_bed.porosity, end.local
@@ -289,15 +260,16 @@ class Steady:
             with_prescribed(self.state, end.problem.fixed, end.problem.fixed_values)
             for end in ends
         ]
-        found = [
-            end.problem.steady(start, False)[0]
-            for end, start in zip(ends, starts, strict=True)
-        ]
-        states, residuals = self._heat.states(
-            (starts[0], starts[1]), (found[0], found[1])
-        )
+        sides = [end.problem.steady for end in ends]
+        states, residuals = self._heat.states(starts, sides)
         for end, state, residual in zip(ends, states, residuals, strict=True):
             end.state, end.residual = state, residual
+
+
+def _flow_of(plan: Any, local: LocalProperties | None, system: Any) -> FlowEquations:
+    """Return the equations of the flow of a plan."""
+    c = coefficients(plan.solved, plan.medium, plan.velocity, plan.velocity_solid)
+    return flow_equations(plan.mesh, c, plan.velocity, plan.conditions, local, system)
 
 
 def _require_alike(problem: HeatProblem, base: HeatProblem) -> None:

@@ -67,13 +67,8 @@ class Tangent:
             with_prescribed(self.state, problem.fixed, problem.fixed_values)
             for problem in problems
         ]
-        found = [
-            problem.assemble(start, False)[0]
-            for problem, start in zip(problems, starts, strict=True)
-        ]
-        states, residuals = self.response.states(
-            (starts[0], starts[1]), (found[0], found[1])
-        )
+        sides = [problem.assemble for problem in problems]
+        states, residuals = self.response.states(starts, sides)
         out = []
         for plan, problem, state, residual in zip(
             plans, problems, states, residuals, strict=True

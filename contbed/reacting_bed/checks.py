@@ -48,9 +48,10 @@ from contbed.reacting_bed.substances import (
     gases_named,
     mechanism_of,
 )
-from contbed.scene.checking import Check, Mistakes, See
+from contbed.scene.checking import Check, Mistakes
 from contbed.scene.continuation import parameter_varies
 from contbed.scene.mesh import MeshLine
+from contbed.scene.mesh_checks import positions_lie_in_the_bed
 from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.scene.units import (
@@ -319,16 +320,6 @@ def closures_exist(
     yield from unusable(places_of(closures, packed_bed, solids, boundary), bind)
 
 
-def positions_are_inside(mesh: MeshLine, output: Any, see: See) -> Mistakes:
-    """Check that profile positions lie in the bed."""
-    for k, x in enumerate(output.positions):
-        if not 0.0 <= x <= mesh.length:
-            yield (
-                ("output", "positions", k),
-                f"{x:g} m lies outside of the bed; see {see('mesh.length')}",
-            )
-
-
 def the_parameter_is_a_number(
     continuation: s.Continuation,
     gas: s.Mixture,
@@ -407,7 +398,7 @@ CHECKS: tuple[Check, ...] = (
     uptake_has_a_meaning,
     closures_exist,
     *phase_checks.CHECKS,
-    positions_are_inside,
+    positions_lie_in_the_bed,
 )
 
 

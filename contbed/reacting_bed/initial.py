@@ -162,10 +162,20 @@ class _Reader:
     def _has(self, name: str) -> bool:
         return name in self.rows.table.names
 
+    def _mistake(self, text: str) -> SceneError:
+        """Return a mistake of the header."""
+        return self.rows.table.error(self.rows.table.header_line, text)
+
     def _missing(self, name: str, why: str) -> SceneError:
-        return self.rows.table.error(
-            self.rows.table.header_line, f"no column '{name}'; {why}"
-        )
+        return self._mistake(f"no column '{name}'; {why}")
+
+    def _shares(self, of: str, names: Iterable[str]) -> dict[str, Array]:
+        """Return the columns of fractions, whose names begin alike."""
+        return {
+            name: self._not_negative(of + name, self.rows.column(of + name, "1"), 1.0)
+            for name in names
+            if self._has(of + name)
+        }
 
     def _has_no_other_columns(self) -> None:
         problem = self.problem
@@ -188,7 +198,7 @@ class _Reader:
                 f"column '{name}': nothing in this scene; remove it, or "
                 f"{nearest(name, known)}"
             )
-            raise self.rows.table.error(self.rows.table.header_line, text)
+            raise self._mistake(text)
 
     def _temperatures(self) -> dict[str, Array]:
         """Return the temperatures by unknown."""
@@ -203,7 +213,7 @@ class _Reader:
                 f"column '{there[0]}': temperatures stand in initial.temperature as "
                 "well; remove one of both"
             )
-            raise self.rows.table.error(self.rows.table.header_line, text)
+            raise self._mistake(text)
         found = {}
         for name in wanted:
             own = (
@@ -280,8 +290,7 @@ class _Reader:
     def _fractions(self) -> dict[str, Array]:
         """Return the mole fractions of all gases."""
         gases = self.problem.species.gases
-        given = {name: self._not_negative(GAS + name, self.rows.column(GAS + name, "1"), 1.0)
-                 for name in gases if self._has(GAS + name)}  # fmt: skip
+        given = self._shares(GAS, gases)
         if not given:
             return {}
         if self.given.gas.composition is not None:
@@ -289,7 +298,7 @@ class _Reader:
                 f"column '{GAS}{next(iter(given))}': the gas stands in "
                 "initial.gas.composition as well; remove one"
             )
-            raise self.rows.table.error(self.rows.table.header_line, text)
+            raise self._mistake(text)
         total = self._sum_to_one("mole fractions, x_GAS [1],", given.values())
         none = np.zeros_like(total)
         return {name: given[name] / total if name in given else none for name in gases}
@@ -331,8 +340,7 @@ class _Reader:
             if name not in react and self._has(f"w_{name}"):
                 share = fed[name] * solids[name].molar_mass / density
                 self._is_as_fed(f"w_{name}", self.rows.column(f"w_{name}", "1"), share)
-        w = {name: self._not_negative(f"w_{name}", self.rows.column(f"w_{name}", "1"), 1.0)
-             for name in react if self._has(f"w_{name}")}  # fmt: skip
+        w = self._shares("w_", react)
         inert = (
             sum(
                 fed[name] * solids[name].molar_mass

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from contbed.chemistry.laws import equations_of, find_law, is_catalytic
+from contbed.chemistry.laws import find_law, is_catalytic, species_in
 from contbed.course.schedule import series_of
 from contbed.errors import SceneError
 from contbed.materials.composition import names_in
@@ -79,11 +79,7 @@ def _gases_there(
 
         there |= set(gases_in(initial, origin.base))
     for name, table in reactions.items():
-        there |= {
-            key
-            for equation in equations_of(name, table).values()
-            for key in equation.stoichiometry
-        }
+        there |= species_in(name, table)
     return there
 
 
@@ -111,14 +107,7 @@ def _species_in_particles(reactions: Reactions, solid: s.Solid) -> dict[str, set
     """
     try:
         constituents = set(solid.constituent) | set(fed_to(solid))
-        species = {
-            name: {
-                key
-                for equation in equations_of(name, table).values()
-                for key in equation.stoichiometry
-            }
-            for name, table in reactions.items()
-        }
+        species = {name: species_in(name, table) for name, table in reactions.items()}
     except SceneError:
         return {}  # other checks say so
     return {

@@ -13,9 +13,6 @@ up as they proceed.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
 
 from contbed.arrays import Array
 from contbed.errors import ContbedError
@@ -102,17 +99,11 @@ def _judged(scene: s.ReactingScene, vertices: Array) -> PelletLevel:
 def missed(scene: s.ReactingScene, problem: Problem, species: Substances) -> float:
     """Return E of a bed without resistance inside of its pellets."""
     problem, u = steady(problem, Report())
-    bed, line = problem.bed, problem.line
+    bed = problem.bed
     state = bed.state(problem.at_all_points(u))
     values = bed.medium.at(state)
-    shape = np.shape(problem.at_all_points(u)[0])
-
-    def total(rate: Any) -> float:
-        table = problem.mean(np.broadcast_to(rate, shape).reshape(-1, *u[0].shape))[0]
-        return float(np.einsum("cj,j,c->", table, line.weights, line.h))
-
     free = {
-        r.name: total(rate)
+        r.name: problem.integral(rate)
         for r, rate in zip(problem.reactions, bed.rates(state, values), strict=True)
     }
     held: dict[str, float] = {}
@@ -130,7 +121,8 @@ def missed(scene: s.ReactingScene, problem: Problem, species: Substances) -> flo
         means = Pellets.of(chosen, table.inside.diffusivity, solids)(
             problem.local(state, chosen[0])
         )
-        held |= {r.name: total(mean) for r, mean in zip(chosen, means, strict=True)}
+        pairs = zip(chosen, means, strict=True)
+        held |= {r.name: problem.integral(mean) for r, mean in pairs}
 
     def largest(extents: dict[str, float]) -> float:
         made = dict.fromkeys(species.all, 0.0)

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 
 from contbed.chemistry.equation import Equation
 from contbed.chemistry.kinetics import basis_of
-from contbed.chemistry.laws import equations_of
+from contbed.chemistry.laws import equations_of, species_in
 from contbed.chemistry.species import Species
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
@@ -137,12 +137,7 @@ def species_of(scene: s.ReactingScene) -> Substances:
         there = set(fed)
         for name, reaction in scene.reactions.items():
             if phase in where[name] or not several:
-                there |= {
-                    key
-                    for each in equations_of(name, reaction).values()
-                    for key in each.stoichiometry
-                }
-                there |= set(reaction.orders or {})
+                there |= species_in(name, reaction) | set(reaction.orders or {})
         solids = {
             name: item
             for name, item in total.solids.items()

@@ -369,11 +369,15 @@ class Problem:
         return Ends((flux[0], flux[1]), (given[0], given[1]), (value[0], value[1]))
 
     @property
+    def inlet_velocity(self) -> float:
+        """Superficial speed of the gas as it enters [m/s]."""
+        return self.moles * R_GAS * self.streams.T_gas / self.streams.pressure
+
+    @property
     def gas_residence(self) -> float:
         """Time that the gas as it enters takes through the pores of the bed [s]."""
-        streams, scene = self.streams, self.scene
-        u = abs(sum(streams.gas.values())) * R_GAS * streams.T_gas / streams.pressure
-        return scene.packed_bed.porosity * scene.mesh.length / u
+        scene = self.scene
+        return scene.packed_bed.porosity * scene.mesh.length / self.inlet_velocity
 
     @property
     def mixing_temperature(self) -> float:
@@ -468,6 +472,17 @@ class Problem:
         heat = moles * cp * LARGE_T + solids * 1e5
         sizes = [by_role.get(each.role, heat) for each in self.unknowns]
         return np.array(sizes, dtype=float) * self._shares
+
+    def integral(self, values: Any) -> float:
+        """Return the integral along the bed of a value at all points, mean over the
+        section.
+        """
+        line = self.line
+        count = 1 if self.rings is None else self.rings.count
+        shape = (count, *line.points.shape)
+        whole = np.broadcast_to(values, np.prod(shape)).reshape(shape)
+        table = self.mean(whole)[0]
+        return float(np.einsum("cj,j,c->", table, line.weights, line.h))
 
     def state(self, u: Array) -> State:
         """Return what follows from values of the unknowns (m, points)."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from contbed.arrays import Array
 from contbed.balance import Balance
-from contbed.chemistry.thermo import R_GAS, T_STANDARD
+from contbed.chemistry.thermo import T_STANDARD
 from contbed.reacting_bed import of_reactors
 from contbed.reacting_bed.equations.unknowns import State
 from contbed.reacting_bed.least_amounts import (
@@ -214,11 +214,8 @@ def _gas(
     result: Result,
 ) -> None:
     qoi, streams = result.qoi, problem.streams
-    leaving = {
-        name: abs(float(fluxes[f"g_{name}"][end]))
-        * _sign(fluxes[f"g_{name}"][end], problem)
-        for name in streams.gas
-    }
+    sign = 1.0 if streams.ahead else -1.0
+    leaving = {name: sign * float(fluxes[f"g_{name}"][end]) for name in streams.gas}
     total = sum(leaving.values())
     takes_part = {
         name for reaction in problem.reactions for name in reaction.stoichiometry
@@ -240,19 +237,10 @@ def _gas(
         n * problem.species.gases[name].molar_mass for name, n in leaving.items()
     )
     qoi["T_fluid_out_K"] = _at(state.T_fluid, end)
-    qoi["u_in_m_s"], qoi["u_out_m_s"] = _inlet_velocity(problem), abs(_at(state.u, end))
+    qoi["u_in_m_s"], qoi["u_out_m_s"] = problem.inlet_velocity, abs(_at(state.u, end))
     if problem.layout.pressure:
         qoi["pressure_drop_Pa"] = streams.pressure - float(fluxes["p"][end])
         qoi["p_out_Pa"] = float(fluxes["p"][end])
-
-
-def _sign(value: Any, problem: Problem) -> float:
-    return 1.0 if float(value) * problem.streams.mass_flux >= 0 else -1.0
-
-
-def _inlet_velocity(problem: Problem) -> float:
-    streams = problem.streams
-    return abs(sum(streams.gas.values())) * R_GAS * streams.T_gas / streams.pressure
 
 
 def _solids(
@@ -270,12 +258,8 @@ def _solids(
             qoi[f"{name}_out_K"] = _at(T, end)
     amounts = dict(streams.solid)
     for name in problem.layout.solids:
-        if v := abs(problem.bed.velocity_of(f"n_{name}")):
-            amounts[name] = (
-                abs(float(fluxes[f"n_{name}"][end]))
-                / v
-                * _along(fluxes[f"n_{name}"][end], problem)
-            )
+        if v := problem.bed.velocity_of(f"n_{name}"):
+            amounts[name] = float(fluxes[f"n_{name}"][end]) / v
     share = fractions(problem, amounts)
     for name in problem.layout.solids:
         if problem.bed.velocity_of(f"n_{name}"):
@@ -285,25 +269,16 @@ def _solids(
     fill_phases(problem, amounts, qoi)
 
 
-def _along(value: Any, problem: Problem) -> float:
-    return 1.0 if float(value) * problem.bed.velocity_solid >= 0 else -1.0
-
-
 def _extents(
     problem: Problem, u: Array, state: State, end: int, result: Result
 ) -> None:
     """Add what each reaction has made, and how far the gas that leaves is from
     equilibrium.
     """
-    flat = problem.at_all_points(u)
-    inner = problem.bed.state(flat)
+    inner = problem.bed.state(problem.at_all_points(u))
     rates = problem.bed.rates(inner, problem.bed.medium.at(inner))
-    line = problem.line
     for reaction, rate in zip(problem.reactions, rates, strict=True):
-        table = problem.mean(
-            np.broadcast_to(rate, flat[0].shape).reshape(-1, *u[0].shape)
-        )[0]
-        extent = float(np.einsum("cj,j,c->", table, line.weights, line.h))
+        extent = problem.integral(rate)
         result.qoi[f"extent_{reaction.name}_mol_m2s"] = extent
         if reaction.key != reaction.name:  # in several solid phases
             whole = f"extent_{reaction.key}_mol_m2s"

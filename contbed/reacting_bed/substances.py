@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from contbed.chemistry.laws import equations_of, law_of
+from contbed.chemistry.laws import species_named
 from contbed.chemistry.mixture import GasTransport, Mechanism, dippr102, fuller_pair
 from contbed.chemistry.species import (
     Species,
@@ -143,14 +144,11 @@ def _names(
     """
     gas, phases = scene.gas, scene.solids
     fed = dict.fromkeys(name for table in phases.values() for name in fed_to(table))
-    equations = [
-        e
-        for name, table in scene.reactions.items()
-        for e in equations_of(name, table).values()
-    ]
-    named = {name for equation in equations for name in equation.stoichiometry}
-    for reaction, table in scene.reactions.items():
-        named |= {*(table.orders or {}), *law_of(reaction, table).gases}
+    named = {
+        name
+        for reaction, table in scene.reactions.items()
+        for name in species_named(reaction, table)
+    }
     known_solids = set(fed) | set(constituents_of(phases))
     solids = [name for name in [*fed, *sorted(named)] if name in known_solids]
     gases: list[str] = []
@@ -188,10 +186,7 @@ def _namer(
     if species in columns:
         return ("initial", "file")
     for name, table in scene.reactions.items():
-        named = {*(table.orders or {}), *law_of(name, table).gases}
-        for equation in equations_of(name, table).values():
-            named |= set(equation.stoichiometry)
-        if species in named:
+        if species in species_named(name, table):
             return ("reactions", name)
     return ("gas", "composition")
 
@@ -307,6 +302,10 @@ def _transport(
                 return None
         return tuple(out)
 
+    def of_pairs(pair: Callable[[str, str], Any]) -> dict[tuple[int, int], Any]:
+        numbers = combinations(range(len(names)), 2)
+        return {(k, j): pair(names[k], names[j]) for k, j in numbers}
+
     viscosity, conductivity = of_each("viscosity"), of_each("conductivity")
     given = gas.diffusivity
     there = () if mechanism is None else mechanism.names
@@ -316,22 +315,14 @@ def _transport(
         pairs = given
     elif given == "fuller" or (given is None and unknown):
         try:
-            pairs = {
-                (k, j): fuller_pair(gases[names[k]], gases[names[j]])
-                for k in range(len(names))
-                for j in range(k + 1, len(names))
-            }
+            pairs = of_pairs(lambda a, b: fuller_pair(gases[a], gases[b]))
         except SceneError:
             if given == "fuller":
                 raise
     elif mechanism is not None:
         if unknown:
             raise SceneError(f"the mechanism has no data of {', '.join(unknown)}")
-        pairs = {
-            (k, j): mechanism.pair(names[k], names[j])
-            for k in range(len(names))
-            for j in range(k + 1, len(names))
-        }
+        pairs = of_pairs(mechanism.pair)
     if pairs is not None and not isinstance(pairs, float) and len(names) == 1:
         pairs = 0.0
     masses = tuple(gases[name].molar_mass for name in names)

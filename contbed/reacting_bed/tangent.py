@@ -20,19 +20,17 @@ from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.results import fill
 from contbed.reacting_bed.scene import ReactingScene
 from contbed.result import Result
-from contbed.solvers.tangent import STEP
+from contbed.solvers.tangent import Tangent as SteadyTangent
 
 OTHER = "a small change adds or removes a species, a reaction or a pressure"
 
 
-class Tangent:
+class Tangent(SteadyTangent):
     """A solved steady bed and the factors of its Jacobian."""
 
-    step = STEP
-    method = "tangent"
+    problem: Problem
 
     def __init__(self, result: Result):
-        self.problem: Problem
         self.problem, self.u = result.solved
         self.plan = result.plan
 

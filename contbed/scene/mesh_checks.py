@@ -82,14 +82,18 @@ def positions_lie_in_the_bed(mesh: Mesh, output: Output, see: See) -> Mistakes:
     """Check that the output positions lie between 0 and the length of a built-in
     mesh.
     """
-    if isinstance(mesh, MeshFile):
-        return
+    if not isinstance(mesh, MeshFile):
+        yield from positions_outside(output, mesh.length, see("mesh.length"))
+
+
+def positions_outside(output: Output, length: float, where: str) -> Mistakes:
+    """Find output positions outside of a bed of a length [m], which is given at
+    `where`.
+    """
     for index, position in enumerate(output.positions):
-        if not 0 <= position <= mesh.length:
-            yield (
-                ("output", "positions", index),
-                f"outside of the bed, 0 to {mesh.length:g} m; see {see('mesh.length')}",
-            )
+        if not 0 <= position <= length:
+            text = f"outside of the bed, 0 to {length:g} m; see {where}"
+            yield ("output", "positions", index), text
 
 
 def the_line_of_profiles_fits_the_mesh(

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from inspect import signature
 from typing import Any
 
@@ -257,30 +258,32 @@ def _factor(
     largest = np.zeros(matrix.shape[1])
     np.maximum.at(largest, columns, np.abs(matrix.data))
     scale = 1.0 / np.sqrt(np.where(largest > 0, largest, 1.0))
-    scaled = sp.csc_matrix(
-        (
-            matrix.data * scale[matrix.indices] * scale[columns],
-            matrix.indices,
-            matrix.indptr,
-        )
-    )
     options: dict[str, Any] = {
         "diag_pivot_thresh": threshold,
         "options": {"SymmetricMode": True},
+        "permc_spec": "MMD_AT_PLUS_A" if order is None else "NATURAL",
     }
     if pivoting:
-        options = {"permc_spec": "COLAMD"}
-    elif order is None:
-        options["permc_spec"] = "MMD_AT_PLUS_A"
-    else:
-        options["permc_spec"] = "NATURAL"
-        scaled = scaled[:, order].tocsr()[order].tocsc()
+        options, order = {"permc_spec": "COLAMD"}, None
     try:
-        factors = spla.splu(scaled, **options)
+        return _inverse(matrix, scale, order, partial(spla.splu, **options))
     except RuntimeError:
         return None
-    if order is None or pivoting:
+
+
+def _inverse(
+    matrix: sp.csc_matrix, scale: Any, order: Any, factor: Callable[[Any], Any]
+) -> Callable[[Any], Any]:
+    """Return the inverse by factors of the matrix with scaled rows and columns, in an
+    order of its unknowns; None for their own.
+    """
+    columns = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
+    data = matrix.data * scale[matrix.indices] * scale[columns]
+    scaled = sp.csc_matrix((data, matrix.indices, matrix.indptr))
+    if order is None:
+        factors = factor(scaled)
         return lambda rhs: scale * factors.solve(scale * rhs)
+    factors = factor(scaled[:, order].tocsr()[order].tocsc())
     back = np.empty_like(order)
     back[order] = np.arange(len(order))
     return lambda rhs: scale * factors.solve((scale * rhs)[order])[back]
@@ -363,24 +366,16 @@ def _incomplete(
             matrix, drop_tol=drop, fill_factor=fill, permc_spec="MMD_AT_PLUS_A"
         ).solve
         return apply
-    size = np.sqrt(np.abs(matrix.diagonal()))
-    scaling = sp.diags(1.0 / size)
-    scaled = (scaling @ matrix @ scaling).tocsc()
-    order = np.arange(len(size)) if policy.order is None else policy.order
-    options: dict[str, Any] = {
-        "permc_spec": "NATURAL",
-        "diag_pivot_thresh": PIVOT_THRESHOLD,
-    }
-    inner = spla.spilu(
-        scaled[:, order].tocsr()[order].tocsc(),
+    factor = partial(
+        spla.spilu,
         drop_tol=drop,
         fill_factor=fill,
+        permc_spec="NATURAL",
+        diag_pivot_thresh=PIVOT_THRESHOLD,
         options={"SymmetricMode": True},
-        **options,
     )
-    back = np.empty_like(order)
-    back[order] = np.arange(len(order))
-    return lambda rhs: inner.solve((rhs / size)[order])[back] / size
+    scale = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
+    return _inverse(matrix, scale, policy.order, factor)
 
 
 def constrain(matrix: sp.csc_matrix, fixed: Any) -> sp.csc_matrix:

@@ -10,12 +10,15 @@ A du belong to these states, to the same order.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from contbed.arrays import Array, Integers
 from contbed.solvers.linear import Policy, Solver, constrain
+from contbed.solvers.newton import Assemble
 
 # relative, of a key: leaves a truncation of some 1e-10, and 1e-8 of rounding at most
 STEP = 1e-5
@@ -33,14 +36,19 @@ class Response:
         self.matrix, self.fixed = matrix, fixed
         self.solver = Solver(constrain(matrix, fixed) if len(fixed) else matrix, policy)
 
-    def states(self, starts: Pair, residuals: Pair) -> tuple[Pair, Pair]:
+    def states(
+        self, starts: Sequence[Array], assemble: Sequence[Assemble]
+    ) -> tuple[Pair, Pair]:
         """Return the states below and above, and their residuals.
 
         Parameters
         ----------
         starts : the solution with the prescribed unknowns of either side in place
-        residuals : those of the starts, with the values of either side
+        assemble : the equations with the values of either side
         """
+        residuals = [
+            side(x, False)[0] for side, x in zip(assemble, starts, strict=True)
+        ]
         change = 0.5 * (residuals[1] - residuals[0])
         free = change.copy()
         free[self.fixed] = 0.0
@@ -55,6 +63,22 @@ class Response:
             residuals[0] - lift,
             residuals[1] + lift,
         )
+
+
+class Tangent:
+    """A solved steady state `x` of a problem and the factors of its Jacobian."""
+
+    step = STEP
+    method = "tangent"
+    problem: Any
+    x: Array
+
+    @cached_property
+    def response(self) -> Response:
+        """The factors, found when they are first needed."""
+        problem = self.problem
+        matrix = problem.steady(self.x, True)[1]
+        return Response(matrix, problem.fixed, problem.plan.policy)
 
 
 def with_prescribed(state: Array, fixed: Integers, values: Array) -> Array:

@@ -138,7 +138,7 @@ def test_developed_flow_against_solutions_on_one_mesh():
 
     def solve(changed):
         problem = base._problem(changed)
-        state, _ = problem.solve_from(base.state)
+        state, _ = problem.solve_from(base.x)
         found = Result(problem.plan)
         fill(problem, state, found)
         return picked(scene, found.qoi, qoi)

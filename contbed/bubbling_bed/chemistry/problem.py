@@ -17,7 +17,7 @@ from contbed.bubbling_bed.solids import Feed, Solid
 from contbed.chemistry import devolatilisation as dv
 from contbed.chemistry import kinetics
 from contbed.chemistry.elements import ATOMIC_WEIGHTS
-from contbed.chemistry.laws import equations_of, law_of
+from contbed.chemistry.laws import species_named
 from contbed.chemistry.species import Species
 from contbed.chemistry.thermo import R_GAS, T_STANDARD, Thermo
 from contbed.errors import SceneError
@@ -105,11 +105,8 @@ def gas_reactions(scene: Any) -> list[cr.OfGases]:
     tables: dict[str, Reaction] = scene.reactions.of_gases
     found = []
     for name, table in tables.items():
-        law = law_of(name, table)
-        named = {*(table.orders or {}), *law.gases}
-        for equation in equations_of(name, table).values():
-            named |= equation.stoichiometry.keys()
-        gases = {each: species_of(scene, each) for each in sorted(named)}
+        named = sorted(species_named(name, table))
+        gases = {each: species_of(scene, each) for each in named}
         for reaction in kinetics.reactions_of(name, table, Species(gases, {})):
             place = _place(scene, name, table) if reaction.site == "particle" else None
             found.append(

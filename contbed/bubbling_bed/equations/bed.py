@@ -62,10 +62,10 @@ from contbed.bubbling_bed.equations.coefficients import (
     Coefficients,
     Local,
     Stream,
-    Sums,
     Surface,
     unit_heat_capacity,
 )
+from contbed.chemistry.sums import Sums
 from contbed.closures.enclosure import (
     exchange_equilibrium,
     exchange_pairwise,

@@ -38,7 +38,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from contbed.bubbling_bed.equations.coefficients import Part, Sums, Surface
+from contbed.bubbling_bed.equations.coefficients import Part, Surface
+from contbed.chemistry.sums import Sums
 from contbed.closures.optics import SIGMA, marshak
 from contbed.fem.stabilisation import tau
 from contbed.radiation.equations import p1 as radiation

@@ -36,7 +36,8 @@ from typing import Any
 
 import numpy as np
 
-from contbed.bubbling_bed.equations.coefficients import Part, Sums
+from contbed.bubbling_bed.equations.coefficients import Part
+from contbed.chemistry.sums import Sums
 from contbed.chemistry.thermo import R_GAS, Thermo
 from contbed.fem.stabilisation import tau
 

@@ -105,3 +105,25 @@ def equations_of(reaction: str, table: Reaction) -> dict[str, Equation]:
     if len(found) == 1:
         return {reaction: Equation.of(found[0])}
     return {f"{reaction}_{k + 1}": Equation.of(text) for k, text in enumerate(found)}
+
+
+def species_in(reaction: str, table: Reaction) -> set[str]:
+    """Return the species of the equations of a reaction.
+
+    Raises
+    ------
+    SceneError : it has none, or one that cannot be read
+    """
+    equations = equations_of(reaction, table).values()
+    return {name for equation in equations for name in equation.stoichiometry}
+
+
+def species_named(reaction: str, table: Reaction) -> set[str]:
+    """Return the species of a reaction, those of its orders and its law included.
+
+    Raises
+    ------
+    SceneError : it has no equation or law, or one that cannot be read
+    """
+    of_rate = {*(table.orders or {}), *law_of(reaction, table).gases}
+    return species_in(reaction, table) | of_rate

@@ -72,7 +72,9 @@ def _combine(parts: list[tuple[dict[Slot, Array], Array]]) -> dict[Slot, Array]:
     return total
 
 
-def _operator(ufunc: np.ufunc, name: str) -> Callable[[Any, Any], Any]:
+def _operator(
+    ufunc: np.ufunc, name: str, is_second: bool = False
+) -> Callable[[Any, Any], Any]:
     """Return an operator of two dual numbers, or of one and a number or array: as by
     numpy's protocol, but faster.
     """
@@ -80,35 +82,20 @@ def _operator(ufunc: np.ufunc, name: str) -> Callable[[Any, Any], Any]:
 
     def operate(self: Dual, other: Any) -> Any:
         kind = type(other)
-        if not (kind in _CONSTANTS or issubclass(kind, Dual)):
-            return by_protocol(self, other)
         if kind in _CONSTANTS:
-            second, of_second = other, _NONE
+            value, tangents = other, _NONE
+        elif issubclass(kind, Dual):
+            value, tangents = other.value, other.tangents
         else:
-            second, of_second = other.value, other.tangents
-        first, of_first = self.value, self.tangents
+            return by_protocol(self, other)
+        first, of_first, second, of_second = self.value, self.tangents, value, tangents
+        if is_second:
+            first, of_first, second, of_second = value, tangents, first, of_first
         result = ufunc(first, second)
         if not of_first and not of_second:
             return Dual(result, {})
         by_first, by_second = rule(first, second, result)
         return Dual(result, _combine([(of_first, by_first), (of_second, by_second)]))
-
-    return operate
-
-
-def _reversed(ufunc: np.ufunc, name: str) -> Callable[[Any, Any], Any]:
-    """Return an operator of a number and a dual number, see `_operator`."""
-    by_protocol, rule = getattr(NDArrayOperatorsMixin, name), _BINARY[ufunc]
-
-    def operate(self: Dual, other: Any) -> Any:
-        if type(other) not in _CONSTANTS:
-            return by_protocol(self, other)
-        result = ufunc(other, self.value)
-        if not self.tangents:
-            return Dual(result, {})
-        return Dual(
-            result, _combine([(self.tangents, rule(other, self.value, result)[1])])
-        )
 
     return operate
 
@@ -124,13 +111,14 @@ class Dual(NDArrayOperatorsMixin):
         self.value = value
         self.tangents = tangents
 
-    __add__, __radd__ = _operator(np.add, "__add__"), _reversed(np.add, "__radd__")
+    __add__ = _operator(np.add, "__add__")
+    __radd__ = _operator(np.add, "__radd__", True)
     __sub__ = _operator(np.subtract, "__sub__")
-    __rsub__ = _reversed(np.subtract, "__rsub__")
+    __rsub__ = _operator(np.subtract, "__rsub__", True)
     __mul__ = _operator(np.multiply, "__mul__")
-    __rmul__ = _reversed(np.multiply, "__rmul__")
+    __rmul__ = _operator(np.multiply, "__rmul__", True)
     __truediv__ = _operator(np.divide, "__truediv__")
-    __rtruediv__ = _reversed(np.divide, "__rtruediv__")
+    __rtruediv__ = _operator(np.divide, "__rtruediv__", True)
 
     def apply(
         self, f: Callable[[Array], Array], derivative: Callable[[Array], Array]
@@ -177,19 +165,10 @@ class Dual(NDArrayOperatorsMixin):
     def _power(values: list[Array], tangents: list[dict[Slot, Array]]) -> Dual:
         base, exponent = values
         result = base**exponent
-        if not tangents[1]:
-            return Dual(
-                result, _combine([(tangents[0], exponent * base ** (exponent - 1.0))])
-            )
-        return Dual(
-            result,
-            _combine(
-                [
-                    (tangents[0], exponent * base ** (exponent - 1.0)),
-                    (tangents[1], result * np.log(base)),
-                ]
-            ),
-        )
+        parts = [(tangents[0], exponent * base ** (exponent - 1.0))]
+        if tangents[1]:
+            parts.append((tangents[1], result * np.log(base)))
+        return Dual(result, _combine(parts))
 
     def __array_function__(
         self, function: Any, types: Any, args: Any, kwargs: Any
@@ -200,15 +179,11 @@ class Dual(NDArrayOperatorsMixin):
         chosen = np.where(
             condition, getattr(yes, "value", yes), getattr(no, "value", no)
         )
-        return Dual(
-            chosen,
-            _combine(
-                [
-                    (getattr(yes, "tangents", {}), 1.0 * condition),
-                    (getattr(no, "tangents", {}), 1.0 * ~condition),
-                ]
-            ),
-        )
+        parts = [
+            (getattr(yes, "tangents", {}), 1.0 * condition),
+            (getattr(no, "tangents", {}), 1.0 * ~condition),
+        ]
+        return Dual(chosen, _combine(parts))
 
 
 def plain(value: Any) -> Any:

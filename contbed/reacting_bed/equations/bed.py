@@ -46,12 +46,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.chemistry.kinetics import rates_of
+from contbed.chemistry.sums import Sums
 from contbed.chemistry.thermo import R_GAS
 from contbed.reacting_bed.equations.consumption_limit import within
 from contbed.reacting_bed.equations.phase import Enthalpy, Phase
 from contbed.reacting_bed.equations.unknowns import LEAST_T, Layout, State
 
-Amounts = dict[str, Any]  # by species [mol/m3 bed/s]
+Amounts = Sums  # by species [mol/m3 bed/s]
 
 
 @dataclass(frozen=True, eq=False)
@@ -311,8 +312,8 @@ class Bed:
             state.phases[name].inner, state.c, transport.phases[name].films
         )
         for gas, moles in taken.items():
-            made[gas] = made.get(gas, 0.0) - moles
-            by_phase[name][gas] = by_phase[name].get(gas, 0.0) - moles
+            made.add(gas, -moles)
+            by_phase[name].add(gas, -moles)
             at_points = list(inside[name].get(gas, [0.0] * phase.layout.points))
             gains += [*at_points[:-1], at_points[-1] + moles]
         return gains
@@ -366,8 +367,8 @@ class Bed:
         Of gases that are adsorbed reactions in particles make nothing of the gas
         between them, but what points inside gain, the last return value.
         """
-        made: Amounts = {}
-        by_phase: dict[str, Amounts] = {name: {} for name in self.phases}
+        made = Sums()
+        by_phase = {name: Sums() for name in self.phases}
         inside: dict[str, dict[str, list[Any]]] = {name: {} for name in self.phases}
         found = within(
             self._rates_at_points(state, transport), self.reactions, self.most_lost
@@ -382,12 +383,9 @@ class Bed:
                         a + count * b for a, b in zip(before, rates, strict=True)
                     ]
                     continue
-                made[name] = made[name] + count * rate if name in made else count * rate
+                made.add(name, count * rate)
                 if reaction.site != "gas" and name in state.g:
-                    own = by_phase[reaction.phase]
-                    own[name] = (
-                        own[name] + count * rate if name in own else count * rate
-                    )
+                    by_phase[reaction.phase].add(name, count * rate)
         return made, by_phase, inside
 
     def _adsorbed(self, reaction: Any) -> frozenset[str]:
