@@ -17,7 +17,6 @@ import skfem
 
 from contbed.arrays import Array
 from contbed.errors import SceneError
-from contbed.mesh.entities import renamed, with_lists
 from contbed.mesh.grading import CELLS_ALONG
 from contbed.mesh.mesh import Mesh, refine
 from contbed.scene import mesh as settings_mesh
@@ -144,7 +143,7 @@ def _tensor(
             np.linspace(0.0, size, int(n) + 1)
             for size, n in zip(extent, cells, strict=True)
         ]
-    mesh = with_lists(make(*nodes))
+    mesh = make(*nodes)
     exterior = mesh.boundary_facets()
     points = mesh.p[:, mesh.facets[:, exterior]]
     named = {
@@ -153,7 +152,7 @@ def _tensor(
         for name, end in zip(pair, (nodes[d][0], nodes[d][-1]), strict=True)
     }
     return Mesh(
-        renamed(
+        replace(
             mesh, _boundaries=named, _subdomains={REGION: np.arange(mesh.nelements)}
         ),
         axisymmetric,

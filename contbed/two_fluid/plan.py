@@ -10,7 +10,6 @@ import numpy as np
 
 from contbed.errors import SceneError
 from contbed.mesh.build import mesh_of
-from contbed.mesh.entities import renamed
 from contbed.mesh.mesh import Mesh
 from contbed.plan_text import plan_text
 from contbed.scene.mesh import MeshFile
@@ -360,7 +359,7 @@ def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
             f"{scene.origin.at(('mesh', 'file'))}: mesh.file: the mesh names no "
             "boundaries"
         )
-    return replace(mesh, skfem=renamed(plain, _boundaries=named))
+    return replace(mesh, skfem=replace(plain, _boundaries=named))
 
 
 def _condition(part: Any) -> boundary.Condition:

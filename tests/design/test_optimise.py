@@ -208,9 +208,8 @@ def test_the_optimum_its_prices_and_files(folder, runner, capsys, monkeypatch):
     )
     assert f"{pressure['price']:.6g}" in report and "m/s per Pa" in report
     charts = charts_of(report)
-    best = charts[0]["data"][1]["y"]
-    assert best[0] == 0.1 and best[-1] == found["objective"]["value"]
-    assert [chart["kind"] for chart in charts[-2:]] == ["parallel", "matrix"]
+    assert "data:image/png;base64," in report
+    assert [chart["kind"] for chart in charts] == ["parallel", "matrix"]
     assert len(charts[-1]["data"][0]["text"]) == len(rows)
     assert command("report out out") == 1
     assert "a report shows one search for an optimum" in capsys.readouterr().err

@@ -9,7 +9,6 @@ import pytest
 
 from contbed.mesh import tensor
 from contbed.mesh.build import build
-from contbed.mesh.entities import LISTS
 from contbed.mesh.grading import graded
 from contbed.scene.mesh import MeshAxisymmetric, MeshBox, MeshLine, MeshRectangle
 
@@ -55,26 +54,6 @@ def test_any_nodes_and_cells_are_those_of_the_mesh(name, monkeypatch):
         some = np.arange(found.nodes)[::-2]
         # the same bits
         np.testing.assert_array_equal(found.points(some), mesh.p[:, some].T)
-
-
-@pytest.mark.parametrize("name", ["rectangles", "around an axis", "bricks"])
-def test_facets_and_edges_are_those_that_scikit_fem_finds(name):
-    settings, _ = MESHES[name]
-    few = settings.model_copy(update={"cells": (1, 2, 1)[: settings.dimension]})
-    for mesh in (
-        build(settings, uneven(settings)).skfem,
-        build(settings).skfem,
-        build(few).skfem,
-    ):
-        assert all(hasattr(mesh, name) for name in LISTS[: 3 if mesh.dim() == 2 else 5])
-        plain = type(mesh)(mesh.p, mesh.t)
-        assert not hasattr(plain, "_facets")
-        for what in ("facets", "t2f", "f2t") + (
-            ("edges", "t2e") if mesh.dim() == 3 else ()
-        ):
-            np.testing.assert_array_equal(
-                getattr(mesh, what), getattr(plain, what), err_msg=what
-            )
 
 
 def test_other_numberings_have_no_such_description():
