@@ -49,7 +49,11 @@ def parts_of_heat(
         yield "Newton for temperatures", "constant properties: linear", False
     if scene.time is None:
         yield "time stepping", "no [time] table", False
-    elif schedule:
+    elif not fronts:
+        from contbed.course.described import described_steps
+
+        yield "steps", described_steps(scene.time, schedule), True
+    if scene.time is not None and schedule:
         parts = len(schedule.cuts(scene.time.end)) - 1
         yield (
             "schedule",

@@ -47,7 +47,7 @@ def transient(
     with Saver(folder, scene) as saver:
         if scene.time.cycle is not None:
             with result.timed("cycle"):
-                period = _cycle(steps, start, saver)
+                period = _cycle(steps, start, saver, quiet)
             found = Run(steps, line, period.begin)
             found.follow(quiet, None, period.sizes)
             result.qoi |= {
@@ -134,7 +134,9 @@ class Run:
         check_state(plan, problem, snapshots, result)
 
 
-def _cycle(steps: HeatSteps, start: tuple[Any, Any] | None, saver: Saver) -> Period:
+def _cycle(
+    steps: HeatSteps, start: tuple[Any, Any] | None, saver: Saver, quiet: bool
+) -> Period:
     """Return the period that closes the cycle.
 
     Raises
@@ -148,10 +150,15 @@ def _cycle(steps: HeatSteps, start: tuple[Any, Any] | None, saver: Saver) -> Per
         search = Search.unpack(search.begin, *start)
     steps.accounts = False
     tolerance = time.cycle.tolerance
-    for period in periods(HeatCycle(steps), search, tolerance, saver.offer):
-        if period.closed:
-            steps.accounts = True
-            return period
+    with Progress(time.end, "s", quiet) as progress:
+
+        def watch(before: HeatHistory, after: HeatHistory, period: int) -> None:
+            progress.advance_to(after.time, f"period {period}")
+
+        for period in periods(HeatCycle(steps), search, tolerance, saver.offer, watch):
+            if period.closed:
+                steps.accounts = True
+                return period
     raise ConvergenceError(
         f"cycle: after {MOST} periods temperatures still change by "
         f"{period.largest * steps.span:.3g} K over one period, and "

@@ -118,6 +118,9 @@ def plan(scene: s.ReactingScene) -> Plan:
         initial = profile_of(scene, problem)
         built.append(("state at the start", initial.described(problem, stores_gas)))
     if scene.time is not None:
+        from contbed.course.described import described_steps
+
+        built.append(("steps", described_steps(scene.time, schedule)))
         (built if stores_gas else skipped).append(("storage in the gas", reason))
         if scene.time.cycle is not None:
             built.append(

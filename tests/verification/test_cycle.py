@@ -4,10 +4,16 @@ their series.
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from contbed.course.described import described_steps
+from contbed.course.schedule import Schedule
 from contbed.loading import load
+from contbed.models import plan
+from contbed.output.progress import Progress
 from contbed.packed_bed.transient import HeatSteps
 from contbed.runner import run
 from contbed.solvers.anderson import Anderson
@@ -78,6 +84,28 @@ def test_regenerator(tmp_path, numbers, row):
     # repetition takes 250 periods to 1e-8 for (20, 2), and thousands for (50, 0.1)
     assert found.qoi["cycle_periods"] <= (60 if min(numbers[1::2]) < 0.5 else 40)
     assert_closed(found, 1e-11, "energy")
+
+
+def test_the_plan_says_what_is_known_of_the_steps_and_the_bar_shows_the_period(
+    tmp_path, monkeypatch
+):
+    """A period has a jump within and its end: 2 steps at least. Steps of 0.3 h in
+    1.5 h, with outputs at 0.5 h and 1 h: 2 + 2 + 2.
+    """
+    path = regenerator(tmp_path / "s.toml", (5, 3), (5, 3), 1e-3, cells=10)
+    steps = dict(plan(load(path)).built)["steps"]
+    assert "time.tolerance = 0.001 need" in steps and "at least 2, to meet" in steps
+    assert steps.endswith("up to 60 periods")
+    fixed = SimpleNamespace(end=5400.0, times=(1800.0, 3600.0), step=1080.0, cycle=None)
+    assert described_steps(fixed, Schedule({})) == "about 6 of 1080 s"
+    notes = []
+    monkeypatch.setattr(
+        Progress, "advance_to", lambda self, value, note="": notes.append(note)
+    )
+    found = run(load(path), quiet=False)
+    shown = list(dict.fromkeys(notes))
+    assert shown[:2] == ["period 1", "period 2"]
+    assert f"period {found.qoi['cycle_periods']}" in shown
 
 
 @pytest.mark.slow
